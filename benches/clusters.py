@@ -150,7 +150,7 @@ class Folder:
             if not 0 < done < RUNS // PARTS:
                 raise Wrong(f"part {number} has {done} runs of {RUNS // PARTS}, so it was not ended in the middle")
             print(f"  part {number}: ended after {done} of {RUNS // PARTS} runs")
-        self.run("tangency", "merge", "--out", "early", *self.all_parts(), fails="in none of the parts")
+        self.run("tangency", "merge", "--out", "early", *self.all_parts(), fails="are missing in all parts")
 
     def all_parts(self):
         return sorted(self.out.glob("*.part-*.npz"))

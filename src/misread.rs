@@ -1,4 +1,4 @@
-//! What is wrong with a text that somebody wrote: where, and for RON why.
+//! Syntax errors in texts: their place in the text, and for RON the reason.
 
 use crate::spelling::{shown, suggest};
 use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
@@ -10,18 +10,18 @@ use std::ops::Range;
 /// A part of a line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Place {
-    /// The line, from 1; `None` where the text stands in no file.
+    /// The line, from 1; `None` for a text that is not in a file.
     pub line: Option<usize>,
     /// The first column, from 1.
     pub column: usize,
-    /// How many columns.
+    /// The number of columns.
     pub width: usize,
     /// The text of the line.
     pub text: String,
 }
 
 impl Place {
-    /// A part of a text, of the line that it begins in.
+    /// Returns the place of a part of a text, limited to the line in which it begins.
     pub(crate) fn within(text: &str, part: Range<usize>) -> Self {
         let begin = text[..part.start].rfind('\n').map_or(0, |end| end + 1);
         let end = text[part.start..].find('\n').map_or(text.len(), |end| part.start + end);
@@ -31,10 +31,10 @@ impl Place {
     }
 }
 
-/// How wide lines are shown; longer ones are shown around the place.
+/// The width of quoted lines; longer lines are shown around the place.
 const WIDTH: usize = 100;
 
-/// The line with marks below the place, on lines of their own; nothing of an empty line.
+/// Formats the line with marks below the place, on separate lines; empty for an empty line.
 impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let Place { line, column, width, text } = self;
@@ -50,8 +50,8 @@ impl fmt::Display for Place {
     }
 }
 
-/// The part of a text at which RON cannot be read: what is missing is seen behind the last thing
-/// that is there.
+/// Returns the part of a text at which a RON error occurred: for missing syntax, the last token
+/// before it.
 pub(crate) fn part_of(text: &str, error: &SpannedError) -> Range<usize> {
     let [begin, end] = [error.span.start, error.span.end].map(|place| offset(text, place));
     let begin = begin + (text[begin..].len() - text[begin..].trim_start_matches(' ').len());
@@ -59,7 +59,7 @@ pub(crate) fn part_of(text: &str, error: &SpannedError) -> Range<usize> {
     begin..end.max(begin)
 }
 
-/// The bytes before a place, at most all.
+/// Returns the number of bytes before a position, limited to the length of the text.
 fn offset(text: &str, Position { line, col }: Position) -> usize {
     let begin = match line {
         0 | 1 => 0,
@@ -69,18 +69,18 @@ fn offset(text: &str, Position { line, col }: Position) -> usize {
     letters.chain([text.len()]).nth(col.saturating_sub(1)).unwrap_or(text.len())
 }
 
-/// What is wrong, and what may stand there instead.
+/// Describes a RON error, and the syntax that is expected instead.
 pub(crate) fn reason(code: &RonError) -> String {
     use RonError::*;
     match code {
         Eof => "the text ends before all brackets are closed".into(),
-        ExpectedString => "expected a text in quotes, as `\"name\"`".into(),
+        ExpectedString => "expected a text in quotes, such as `\"name\"`".into(),
         ExpectedStringEnd => "the quotes that begin here are not closed".into(),
         ExpectedBoolean => "expected `true` or `false`".into(),
         ExpectedArray => "expected a list, `[…]`".into(),
         ExpectedArrayEnd => "expected a comma, or the end of the list, `]`".into(),
         ExpectedComma => "expected a comma, or the closing bracket".into(),
-        ExpectedMapColon => "expected a colon and a value behind the name of a field".into(),
+        ExpectedMapColon => "expected a colon and a value after the name of a field".into(),
         ExpectedStructLike | ExpectedUnit => "expected `(…)`".into(),
         ExpectedNamedStructLike(name) if !name.is_empty() => format!("expected `{name}(…)`"),
         ExpectedNamedStructLike(_) => "expected `(…)`".into(),
@@ -94,7 +94,7 @@ pub(crate) fn reason(code: &RonError) -> String {
             "expected a name without quotes".into()
         }
         TrailingCharacters => {
-            "the text should end before this: a bracket before it is closed too early, or this is too much".into()
+            "the text should end before this: an earlier bracket is closed too early, or this part must be removed".into()
         }
         UnclosedBlockComment => "the comment is not closed: `*/` is missing".into(),
         NoSuchStructField { expected, found, outer } => unknown("field", found, expected, outer),
@@ -104,21 +104,21 @@ pub(crate) fn reason(code: &RonError) -> String {
             format!("the field `{field}`{} is given twice", of(outer))
         }
         ExpectedDifferentLength { expected, found } => {
-            format!("expected {expected}, and there are {found}")
+            format!("expected {expected}, found {found}")
         }
         InvalidValueForType { expected, found } => format!("expected {expected}, not {found}"),
-        InvalidEscape(_) => "no escape that is known: a backslash is written twice, `\\\\`".into(),
+        InvalidEscape(_) => "unknown escape: a backslash is written twice, `\\\\`".into(),
         ExceededRecursionLimit => "brackets are nested too deeply".into(),
         other => other.to_string(),
     }
 }
 
-/// Of what a field is.
+/// Returns the description of the structure that contains a field.
 fn of(outer: &Option<String>) -> String {
     outer.as_ref().map_or(String::new(), |outer| format!(" of `{outer}`"))
 }
 
-/// A name that is not among those that are expected, of what it is a part.
+/// Returns the message for an unknown name, with the kind of the name and the valid names.
 pub(crate) fn unknown(
     what: &str,
     found: &str,
@@ -129,12 +129,8 @@ pub(crate) fn unknown(
     let meant = meant.map_or(String::new(), |meant| format!("; did you mean `{meant}`?"));
     let found = shown(found);
     match expected {
-        [] => format!("there is no {what} `{found}`{}: none is expected", of(outer)),
-        _ => format!(
-            "there is no {what} `{found}`{}{meant} Known: {}",
-            of(outer),
-            expected.join(", ")
-        )
-        .replace("` Known", "`. Known"),
+        [] => format!("unknown {what} `{found}`{}: no name is valid here", of(outer)),
+        _ => format!("unknown {what} `{found}`{}{meant} Known: {}", of(outer), expected.join(", "))
+            .replace("` Known", "`. Known"),
     }
 }

@@ -1,4 +1,5 @@
-//! What a crate needs to state problems, follow their branches, and have the command line for them.
+//! The usual imports of a crate that states problems, traces their branches, and runs the command
+//! line.
 //!
 //! ```
 //! use tangency::prelude::*;

@@ -1,13 +1,13 @@
-//! Messages about unknown names: the known name that was probably meant, and long names and lists
-//! cut to what a terminal shows.
+//! Messages about unknown names: suggest the known name that was probably meant, and shorten long
+//! names and lists.
 
 use crate::core::continuation::TraceError;
 use crate::core::problem::UnknownName;
 use std::error::Error;
 
-/// The candidate nearest to a mistyped name: the one with the fewest insertions, deletions,
-/// replacements and swaps of neighbours (in either case), if they are at most a third of the name's
-/// letters. One is always forgiven.
+/// Returns the candidate nearest to a mistyped name: the one with the fewest insertions, deletions,
+/// replacements and swaps of neighbours (ignoring case), if their number is at most a third of the
+/// name's length. One edit is always allowed.
 ///
 /// ```
 /// use tangency::spelling::suggest;
@@ -21,13 +21,13 @@ pub fn suggest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) ->
     candidates
         .into_iter()
         .map(|candidate| (strsim::osa_distance(&name, &candidate.to_lowercase()), candidate))
-        // A name that shares no letter is no suggestion.
+        // A candidate without any common letter is not suggested.
         .filter(|(distance, _)| *distance <= allowed && *distance < name.chars().count())
         .min_by_key(|(distance, _)| *distance)
         .map(|(_, candidate)| candidate)
 }
 
-/// An unknown name in words: the name, the one that was probably meant, and all names that exist.
+/// Describes an unknown name: the name, the name that was probably meant, and all known names.
 ///
 /// ```
 /// use tangency::core::problem::UnknownName;
@@ -45,7 +45,7 @@ pub fn sentence(unknown: &UnknownName) -> String {
     format!("unknown {what} `{}`{meant} Known: {known}", shown(name))
 }
 
-/// The message of an error in which unknown names, if they are its cause, are told in words.
+/// Returns the message of an error, with suggestions if the cause is an unknown name.
 pub(crate) fn spelled(error: &(dyn Error + 'static)) -> String {
     let (mut message, mut cause) = (error.to_string(), Some(error));
     while let Some(error) = cause {
@@ -62,20 +62,20 @@ pub(crate) fn spelled(error: &(dyn Error + 'static)) -> String {
     message
 }
 
-/// How many letters of a name a message shows.
+/// The maximum number of letters of a name in a message.
 const SHOWN: usize = 60;
-/// How many letters of a list of names a message shows.
+/// The maximum number of letters of a list of names in a message.
 const LISTED: usize = 240;
 
-/// Whether a letter is not seen, or turns others round: control characters, and those that choose a
-/// direction.
+/// Returns whether a letter is invisible or changes the direction of others: control characters and
+/// directional formatting.
 pub(crate) fn is_hidden(letter: char) -> bool {
     let is_mark = matches!(letter, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{feff}');
     is_mark || letter.is_control()
 }
 
-/// A name or a value as messages show it: letters that are not seen are escaped, and it is cut
-/// where it is long.
+/// Formats a name or a value for messages: invisible letters are escaped, and long texts are
+/// shortened.
 pub(crate) fn shown(text: &str) -> String {
     let plain = |letter: char| match is_hidden(letter) {
         true => letter.escape_default().to_string(),
@@ -85,7 +85,7 @@ pub(crate) fn shown(text: &str) -> String {
     text.chars().take(SHOWN).map(plain).collect::<String>() + cut
 }
 
-/// Names as messages list them: as many as fit, and how many there are.
+/// Formats a list of names for messages: as many as fit, and the number of the others.
 pub(crate) fn listed<S: AsRef<str>>(names: &[S]) -> String {
     let mut list = String::new();
     for name in names {

@@ -16,15 +16,15 @@ pub struct Circumstances {
     pub processor: String,
     /// The compiler and its profile.
     pub compiler: String,
-    /// The number of threads that it runs simultaneously.
+    /// The number of threads that the processor runs simultaneously.
     pub cores: usize,
-    /// The date.
+    /// The date of the measurements.
     pub date: String,
-    /// The number of runs of which a time is the median.
+    /// The number of runs for each median time.
     pub runs: usize,
 }
 
-/// One method with one setting.
+/// The result of one method with one setting.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Measurement {
@@ -40,7 +40,7 @@ pub struct Measurement {
     pub failure: Option<String>,
 }
 
-/// One method with growing effort.
+/// The results of one method with growing effort.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Line {
@@ -57,9 +57,9 @@ pub enum Drawn {
     /// The work-precision diagram proper.
     #[default]
     ErrorAgainstTime,
-    /// For methods whose work is a size of the problem.
+    /// Error against work, for methods whose work is a size of the problem.
     ErrorAgainstWork,
-    /// How time grows with the size of a problem.
+    /// Time against the size of a problem.
     TimeAgainstWork,
 }
 
@@ -75,7 +75,7 @@ pub enum Clock {
 }
 
 impl Clock {
-    /// The name of the time it measures.
+    /// Returns the name of the measured time.
     pub fn time(self) -> &'static str {
         match self {
             Clock::Processor => "CPU time",
@@ -139,7 +139,7 @@ pub struct WorkPrecision {
     pub name: String,
     /// The problems.
     pub panels: Vec<Measured>,
-    /// Where and when.
+    /// The machine, compiler and date of the measurements.
     pub circumstances: Circumstances,
 }
 
@@ -151,20 +151,20 @@ impl Default for WorkPrecision {
 }
 
 impl Measured {
-    /// A problem without measurements.
+    /// Creates a problem without measurements.
     pub fn of(title: impl Into<String>) -> Self {
         Measured { title: title.into(), ..Measured::default() }
     }
 
-    /// All measurements with their methods.
+    /// Returns all measurements with their methods.
     fn all(&self) -> impl Iterator<Item = (&str, &Measurement)> {
         self.lines
             .iter()
             .flat_map(|line| line.points.iter().map(|point| (line.name.as_str(), point)))
     }
 
-    /// The Pareto front, the measurements that no other one beats in both time and error: methods
-    /// with their settings, by increasing time.
+    /// Returns the Pareto front, the measurements that no other one beats in both time and error:
+    /// methods with their settings, by increasing time.
     pub fn front(&self) -> Vec<(&str, &str)> {
         let mut sorted: Vec<(&str, &Measurement)> =
             self.all().filter(|(_, point)| point.error.is_finite()).collect();
@@ -178,13 +178,13 @@ impl Measured {
         sorted.iter().map(|(name, point)| (*name, point.setting.as_str())).collect()
     }
 
-    /// The measurement of a method with one setting.
+    /// Returns the measurement of a method with one setting.
     pub fn point(&self, name: &str, setting: &str) -> Option<&Measurement> {
         let known = self.all().find(|(known, point)| *known == name && point.setting == setting);
         known.map(|(_, point)| point)
     }
 
-    /// The first failure of each method that fails.
+    /// Returns the first failure of each method that fails.
     pub fn failures(&self) -> Vec<(&str, &str)> {
         let mut failures = Vec::new();
         for line in &self.lines {
@@ -194,13 +194,13 @@ impl Measured {
         failures
     }
 
-    /// Smaller errors are rounding and are drawn at this value.
+    /// The smallest error in figures; smaller errors are rounding and are drawn at this value.
     const LEAST: f64 = 1e-16;
 
     fn figure(&self) -> Figure {
         let time = format!("{} in seconds", self.clock.time());
         let labels = [&time, &self.work, &self.error];
-        // Which of time, work and error is on which axis.
+        // The quantity (time, work or error) on each axis.
         let axes: [usize; 2] = match self.drawn {
             Drawn::ErrorAgainstTime => [0, 2],
             Drawn::ErrorAgainstWork => [1, 2],
@@ -235,7 +235,7 @@ impl Measured {
         figure
     }
 
-    /// A table of all measurements, or of those on the front and the recommended one.
+    /// Writes a table of all measurements, or of those on the front and the recommended one.
     fn table(&self, text: &mut String, all: bool) -> std::fmt::Result {
         writeln!(text, "### {}\n\n{}\n", self.title, self.reference)?;
         let (work, time, error) = (&self.work, self.clock.time(), &self.error);
@@ -276,7 +276,7 @@ impl WorkPrecision {
             false => "one thread where none are counted",
         };
         for panel in &self.panels {
-            // Writing into a string does not fail.
+            // Writing into a string cannot fail.
             let _ = panel.table(&mut text, all);
         }
         format!(
@@ -290,18 +290,18 @@ impl Report for WorkPrecision {
         &self.name
     }
 
-    /// A panel for each problem: error against time.
+    /// Returns a panel for each problem: error against time.
     fn figures(&self) -> Vec<Figure> {
         self.panels.iter().map(Measured::figure).collect()
     }
 
-    /// All measurements as tables in Markdown, with the circumstances below; the recommended
-    /// setting is bold.
+    /// Returns all measurements as tables in Markdown, followed by the circumstances; the
+    /// recommended setting is bold.
     fn to_markdown(&self) -> String {
         self.tables(true)
     }
 
-    /// The tables of the Pareto front and the recommended setting.
+    /// Returns the tables of the Pareto front and the recommended setting.
     fn summary(&self) -> String {
         self.tables(false)
     }

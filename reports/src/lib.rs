@@ -1,7 +1,8 @@
 //! Measurements of tangency's methods: work-precision diagrams, the error of methods against the CPU time that they
 //! take, and robustness maps, where methods succeed, report failures, or are silently wrong.
 //!
-//! `docs/evidence/speed-and-accuracy.md` shows all of them, and its tests compare the page with the measurements.
+//! `docs/evidence/speed-and-accuracy.md` shows all of them, and its tests compare the page with the
+//! measurements.
 
 mod diagram;
 mod map;

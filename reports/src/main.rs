@@ -116,7 +116,7 @@ fn main() -> ExitCode {
 }
 
 impl Wanted {
-    /// Makes the chosen reports, saves them, and prints the tables; lists all names if none is
+    /// Computes the chosen reports, saves them, and prints the tables; lists all names if none is
     /// given.
     fn make<M, R: Report>(
         &self,

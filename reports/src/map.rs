@@ -18,7 +18,7 @@ pub enum Class {
     /// The answer is missing or poor, and the method reports it: by a typed error, or by its own
     /// error estimate.
     Reported,
-    /// The answer is wrong, and the method reports nothing.
+    /// The answer is wrong, and the method reports no failure.
     Silent,
 }
 
@@ -26,7 +26,7 @@ impl Class {
     /// All classes, the best first.
     pub const ALL: [Class; 4] = [Class::Right, Class::HandedOver, Class::Reported, Class::Silent];
 
-    /// The name in tables and legends.
+    /// Returns the name in tables and legends.
     pub fn name(self) -> &'static str {
         match self {
             Class::Right => "right",
@@ -62,7 +62,7 @@ pub struct Outcome {
 pub struct Cell {
     /// The horizontal quantity.
     pub x: f64,
-    /// The vertical quantity; the number of the method, from 0, where there are several.
+    /// The vertical quantity; with several methods, the number of the method, from 0.
     pub y: f64,
     /// The position of the outcome among those of the map.
     pub outcome: usize,
@@ -83,7 +83,8 @@ pub struct Tried {
     pub cells: Vec<Cell>,
 }
 
-/// A panel: one method over two quantities, or several over one, each in a row of its own.
+/// A panel: one method over two quantities, or several methods over one quantity, each in a
+/// separate row.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Region {
@@ -91,7 +92,7 @@ pub struct Region {
     pub title: String,
     /// The horizontal quantity.
     pub x: String,
-    /// The vertical quantity; what the methods are, where there are several.
+    /// The vertical quantity; with several methods, the description of the methods.
     pub y: String,
     /// The methods.
     pub methods: Vec<Tried>,
@@ -143,7 +144,7 @@ impl Default for RobustnessMap {
 }
 
 impl RobustnessMap {
-    /// The outcome of a method of a panel in the cell nearest to a place.
+    /// Returns the outcome of a method of a panel in the cell nearest to a place.
     pub fn at(&self, panel: usize, method: &str, [x, y]: [f64; 2]) -> Option<&Outcome> {
         let region = self.panels.get(panel)?;
         let tried = region.methods.iter().find(|tried| tried.name == method)?;
@@ -154,13 +155,13 @@ impl RobustnessMap {
         self.outcomes.get(nearest.outcome)
     }
 
-    /// How often a method ends in an outcome.
+    /// Returns the number of cells of a method with an outcome.
     pub fn count(&self, tried: &Tried, outcome: &str) -> usize {
         let named = |cell: &&Cell| self.outcomes[cell.outcome].name == outcome;
         tried.cells.iter().filter(named).count()
     }
 
-    /// The colour of an outcome: its class, and a shade for each outcome of one class.
+    /// Returns the colour of an outcome: its class, and a shade for each outcome of the class.
     fn tint(&self, outcome: usize) -> (Hue, usize) {
         let class = self.outcomes[outcome].class;
         let before = self.outcomes[..outcome].iter().filter(|known| known.class == class);
@@ -176,7 +177,7 @@ impl RobustnessMap {
         let [x, y]: [Vec<f64>; 2] =
             [cells().map(|cell| cell.x).collect(), cells().map(|cell| cell.y).collect()];
         let size = [x, y].map(|values| spacing(values.into_iter()).unwrap_or(1.0));
-        // The legend has the best first.
+        // The legend lists the best outcome first.
         for outcome in 0..self.outcomes.len() {
             let (hue, shade) = self.tint(outcome);
             let Outcome { name, class } = &self.outcomes[outcome];
@@ -221,7 +222,7 @@ impl RobustnessMap {
 }
 
 impl Region {
-    /// Whether each method has a row of its own.
+    /// Returns whether each method has a separate row.
     fn in_rows(&self) -> bool {
         self.methods.len() > 1
     }
@@ -236,11 +237,11 @@ impl Report for RobustnessMap {
         self.panels.iter().map(|region| self.figure(region)).collect()
     }
 
-    /// The number of cells of each outcome, method by method, and the error messages.
+    /// Returns the number of cells of each outcome, method by method, and the error messages.
     fn to_markdown(&self) -> String {
         let mut text = String::new();
         for region in &self.panels {
-            // Writing into a string does not fail.
+            // Writing into a string cannot fail.
             let _ = self.table(region, &mut text);
         }
         text.trim_end().to_string() + "\n"
@@ -250,7 +251,7 @@ impl Report for RobustnessMap {
         self.to_markdown()
     }
 
-    /// A line for each cell.
+    /// Serializes the map with a line for each cell.
     fn to_ron(&self) -> Result<String, ron::Error> {
         ron::ser::to_string_pretty(self, ron::ser::PrettyConfig::default().depth_limit(6))
     }

@@ -23,19 +23,20 @@ use tangency::output::{
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub trait Report: Serialize + DeserializeOwned {
-    /// The name of its files and of its marker in a page.
+    /// Returns the name of the report's files and of its marker in a page.
     fn name(&self) -> &str;
 
-    /// The figures, one for each panel.
+    /// Returns the figures, one for each panel.
     fn figures(&self) -> Vec<Figure>;
 
-    /// All results as tables in Markdown.
+    /// Returns all results as tables in Markdown.
     fn to_markdown(&self) -> String;
 
-    /// The results that a page shows, in Markdown.
+    /// Returns the results for a page, in Markdown.
     fn summary(&self) -> String;
 
-    /// The page with the text between `<!-- NAME -->` and `<!-- end -->` replaced by the summary.
+    /// Returns the page with the text between `<!-- NAME -->` and `<!-- end -->` replaced by the
+    /// summary.
     fn put_into(&self, page: &str) -> String {
         let begin = format!("<!-- {} -->\n", self.name());
         let place = page.split_once(&begin).and_then(|(before, rest)| {
@@ -48,7 +49,7 @@ pub trait Report: Serialize + DeserializeOwned {
         }
     }
 
-    /// The report in RON.
+    /// Serializes the report as RON.
     ///
     /// # Errors
     /// [`ron::Error`] if it cannot be written.
@@ -56,10 +57,10 @@ pub trait Report: Serialize + DeserializeOwned {
         ron::ser::to_string_pretty(self, ron::ser::PrettyConfig::default())
     }
 
-    /// Reads a report from RON.
+    /// Parses a report from RON.
     ///
     /// # Errors
-    /// [`ron::error::SpannedError`] tells where the text is invalid.
+    /// [`ron::error::SpannedError`] with the place of the error.
     fn parse(text: &str) -> Result<Self, ron::error::SpannedError> {
         ron::from_str(text)
     }
@@ -91,14 +92,14 @@ impl<R: Report> Render for Files<'_, R> {
     }
 }
 
-/// A report by its name, and the function that makes it.
+/// A report: its name, contents and function.
 #[derive(Clone, Copy)]
 pub struct Entry<M> {
     /// The name.
     pub name: &'static str,
     /// One line about its contents.
     pub shows: &'static str,
-    /// The function that makes it.
+    /// The function that computes the report.
     pub make: M,
 }
 

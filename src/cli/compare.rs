@@ -1,4 +1,4 @@
-//! `tangency compare OLD NEW`: how special points differ.
+//! `tangency compare OLD NEW`: compares the special points of two documents.
 
 use super::error::CommandError;
 use crate::output::{Document, SizeLimit, compare, printable};
@@ -6,24 +6,24 @@ use clap::Args;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// Examples in the help.
+/// The examples shown in the help of `compare`.
 const EXAMPLES: &str = "Examples:
   tangency compare reference.ron out/model.ron";
 
 /// List special points that appeared, disappeared, or moved by more than their errors
 ///
-/// The exit code is 1 if there are any.
+/// The exit code is 1 if the documents differ.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Compare {
     /// The reference document (.ron)
     old: PathBuf,
-    /// The document to be compared
+    /// The document to compare with the reference (.ron)
     new: PathBuf,
 }
 
 impl Compare {
-    /// Writes a line for each difference.
+    /// Compares the two documents and writes a line for each difference.
     pub fn run(&self, limit: SizeLimit, out: &mut impl Write) -> Result<(), CommandError> {
         let old = Document::load_within(limit, &self.old)?;
         let new = Document::load_within(limit, &self.new)?;
@@ -31,7 +31,8 @@ impl Compare {
     }
 }
 
-/// Writes a line for each difference from a document, and fails if there are any.
+/// Writes a line for each difference between a document and the reference, and fails if they
+/// differ.
 pub fn check(
     place: &Path,
     old: &Document,

@@ -1,4 +1,4 @@
-//! Why a command failed.
+//! The errors of commands.
 
 use crate::core::problem::UnknownName;
 use crate::output::{FigureError, FileError, MergeError, RenderError, SaveError, UnknownPoint};
@@ -6,161 +6,164 @@ use crate::scene::SceneError;
 use crate::spelling::sentence;
 use std::path::PathBuf;
 
-/// Why a command failed.
+/// The error of a command that failed.
 #[derive(Debug, thiserror::Error)]
 pub enum CommandError {
-    /// A file cannot be read, understood or written.
+    /// A file cannot be read, parsed or written.
     #[error(transparent)]
     File(#[from] FileError),
     /// The figure cannot be drawn.
     #[error("{files}: {cause}")]
     Figure {
-        /// What is drawn.
+        /// The files whose contents are drawn.
         files: String,
         #[source]
         cause: FigureError,
     },
-    /// The output would replace an input.
-    #[error("{} is an input and is not overwritten; name another place with --out", path.display())]
+    /// The output file is also an input file.
+    #[error("{} is an input file and is not overwritten; choose another place with --out", path.display())]
     OutputIsInput { path: PathBuf },
-    /// The scene, or the request, is at fault.
+    /// The scene or the request is invalid, or its computation failed.
     #[error("{}{cause}", if cause.names_file() { String::new() } else { format!("{place}: ") })]
     Scene {
-        /// Which scene or model was named.
+        /// The scene or model as named on the command line.
         place: String,
         #[source]
         cause: Box<SceneError>,
     },
-    /// There is no built-in scene of this name, and no such file.
-    #[error("{}; a scene is one of these names (see `tangency scenes`) or the path of a RON file", sentence(.0))]
+    /// The name is neither a built-in scene nor an existing file.
+    #[error("{}; give the name of a built-in scene (see `tangency scenes`) or the path of a RON file", sentence(.0))]
     UnknownScene(UnknownName),
-    /// The point to start from does not exist.
+    /// The special point to start from does not exist.
     #[error("{}: {cause}", file.display())]
     Start {
         file: PathBuf,
         #[source]
         cause: UnknownPoint,
     },
-    /// Nothing to trace.
-    #[error(
-        "`{scene}` has no branches to trace: `tangency sweep {scene}` does what it is made for"
-    )]
+    /// The scene has sweeps but no branches.
+    #[error("`{scene}` has no branches to trace: run its sweeps with `tangency sweep {scene}`")]
     NoRun { scene: String },
-    /// Two things that cannot be asked for together.
-    #[error("--start FILE:LABEL goes on from one special point, and cannot be combined with {0}")]
+    /// An option that cannot be combined with `--start FILE:LABEL`.
+    #[error("--start FILE:LABEL starts from one special point and cannot be combined with {0}")]
     NotTogether(&'static str),
     /// A document differs from the reference.
     #[error("{count} differences from {}", place.display())]
     Different { place: PathBuf, count: usize },
-    /// A strict command found reasons for doubt.
+    /// A command with `--strict` found unreliable results.
     #[error("--strict: {}", .0.join("; "))]
     Doubts(Vec<String>),
-    /// All solutions without a box, or a box without them.
+    /// Only one of `--start all` and `--box` is given.
     #[error(
-        "`--start all` and `--box` belong together, as in `--start all --box x=-3..3,y=0..5`: branches begin at all \
-         solutions in the box"
+        "`--start all` and `--box` must be given together, as in `--start all --box x=-3..3,y=0..5`: branches start at \
+         all solutions in the box"
     )]
     Everywhere,
-    /// All saddles together.
+    /// `--start all` is given to `tangency manifolds`.
     #[error(
-        "manifolds belong to one saddle: start in states (`--start x=0.6,y=0.2`), or at a point (`--start FILE:LABEL`)"
+        "manifolds belong to one saddle: start in states (`--start x=0.6,y=0.2`) or at a special point (`--start FILE:LABEL`)"
     )]
     OneSaddle,
-    /// Points of no document.
+    /// `--points` is given without a document.
     #[error("--points needs a document (.ron): sweeps (.npz) have no special points")]
     NoPoints,
-    /// What has no effect on a table.
+    /// An option that has no effect on data files.
     #[error(
-        "data (.csv, .npz, .json) are complete, and cannot be with {0}; leave that out, or draw a picture (.svg, .png, .pdf, .html)"
+        "data files (.csv, .npz, .json) are complete and cannot be combined with {0}; omit that option, or draw a picture (.svg, .png, .pdf, .html)"
     )]
     Table(&'static str),
-    /// The width of a page.
+    /// A width is given for an HTML page.
     #[error(
-        "a page (.html) is as wide as its window: leave --width out, or draw a picture (.svg, .png, .pdf)"
+        "a page (.html) is as wide as its window: omit --width, or draw a picture (.svg, .png, .pdf)"
     )]
     PageWidth,
-    /// Points beside columns.
+    /// `--points` is combined with `--x` or `--y`.
     #[error(
-        "--points chooses what is drawn beside the usual diagram, and cannot be with --x or --y"
+        "--points selects the profiles beside the default diagram and cannot be combined with --x or --y"
     )]
     PointsInColumns,
-    /// A separator of what has none.
+    /// A separator is given for an output that is not comma-separated.
     #[error(
-        "--separator is for comma-separated values: name a file (.csv) with --out; `table` has --csv, too"
+        "--separator applies to comma-separated values: name a .csv file with --out (`table` also has --csv)"
     )]
     NoSeparator,
-    /// Nothing has sides.
+    /// `--regions` is given, but no curve in two parameters has known numbers of unstable
+    /// directions.
     #[error(
-        "--regions: no document has a curve of LP, HB, PD, TR or BP in two parameters with known sides; trace one with \
-         --hold, with the setting stability=true, or trace it again if another version made it"
+        "--regions: no document has a curve of LP, HB, PD, TR or BP in two parameters with known numbers of unstable \
+         directions; trace one with --hold and stability=true, or trace it again if it is from another version"
     )]
     NoRegions,
-    /// Several columns of sweeps.
+    /// Several columns are given for the vertical axis of a sweep.
     #[error("sweeps (.npz) are drawn with one column on the vertical axis: name one with --y")]
     OneColumn,
-    /// A grid that cannot be.
+    /// The grid is invalid.
     #[error(transparent)]
     Grid(SceneError),
-    /// A folder has results of another grid.
+    /// The output folder contains the results of another grid.
     #[error(
-        "{} has designs of another scene, of other settings, or of another version: its scene.txt says which; name another \
-         folder with --out, or remove that one", folder.display()
+        "{} contains designs of another scene, other settings or another version, listed in its scene.txt; choose another \
+         folder with --out, or remove that folder", folder.display()
     )]
     OtherGrid { folder: PathBuf },
-    /// What does not go with a grid.
-    #[error("a grid traces a scene as it is stated, and cannot be combined with {0}")]
+    /// An option that cannot be combined with a grid.
+    #[error("a grid traces the scene as written and cannot be combined with {0}")]
     NotInGrid(&'static str),
-    /// Two designs of a grid would have one file.
+    /// Two designs of a grid would be saved in the same file.
     #[error(
-        "two designs of the grid have the name `{name}`: values differ in their first 12 digits, and names in letters and digits"
+        "two designs of the grid have the same name `{name}`: values must differ in their first 12 digits, and names in letters and digits"
     )]
     EqualDesigns { name: String },
-    /// The name of a design is too long.
-    #[error("the name of a design, `{name}`, is longer than {most} bytes, too long for a file")]
+    /// The name of a design is too long for a file name.
+    #[error(
+        "the name of the design `{name}` is longer than {most} bytes, too long for a file name"
+    )]
     LongDesign { name: String, most: usize },
     /// Some designs of a grid failed.
     #[error(
-        "{failed} of {of} designs failed; all others are saved, and the same command tries them again"
+        "{failed} of {of} designs failed; the others are saved, and the same command retries the failed ones"
     )]
     Designs { failed: usize, of: usize },
-    /// A column that no document has.
+    /// No document has the requested column.
     #[error("{}", sentence(.0))]
     NoColumn(UnknownName),
-    /// Nothing to sweep.
-    #[error("`{scene}` has nothing to sweep: say over which values by --over NAME=LOW..HIGH:COUNT")]
+    /// The scene has no sweeps.
+    #[error(
+        "`{scene}` has no sweeps: give the values to sweep over with --over NAME=LOW..HIGH:COUNT"
+    )]
     NoSweep { scene: String },
-    /// Parts that do not make a whole.
+    /// The parts do not add up to a complete sweep.
     #[error("{files}: {cause}")]
     Merge {
-        /// Which parts.
+        /// The files of the parts.
         files: String,
         #[source]
         cause: MergeError,
     },
-    /// Results could not be saved.
+    /// The results could not be saved.
     #[error(transparent)]
     Unsaved(SaveError),
-    /// Results cannot be put into a format.
+    /// The results cannot be converted to a format.
     #[error(transparent)]
     Unrendered(RenderError),
-    /// Ctrl-C, or another signal that asks for the end.
-    #[error("interrupted; what was done until then is kept")]
+    /// The command was interrupted by Ctrl-C, SIGTERM or SIGHUP.
+    #[error("interrupted; results computed so far are saved")]
     Interrupted,
     /// The standard output cannot be written to.
     #[error(
-        "the standard output cannot be written to: {0}; files that were named are complete, and the output can go to a file instead"
+        "cannot write to the standard output: {0}; the files listed above are complete; redirect the output to a file instead"
     )]
     Output(#[from] std::io::Error),
 }
 
 impl CommandError {
-    /// The exit code of the program.
+    /// Returns the exit code of the program.
     pub fn code(&self) -> u8 {
         if let CommandError::Doubts(_) = self { 3 } else { 1 }
     }
 }
 
-/// Files as messages name them: the first, and how many more there are.
+/// Returns the files as messages name them: the first file and the number of further files.
 pub(super) fn named(files: &[PathBuf]) -> String {
     match files {
         [] => String::new(),

@@ -1,4 +1,4 @@
-//! `tangency find MODEL --box …`: all equilibria, fixed points or zeros in a box.
+//! `tangency find MODEL --box …`: finds the equilibria, fixed points or zeros in a box.
 
 use super::error::CommandError;
 use super::request::Within;
@@ -11,14 +11,14 @@ use crate::scene::{Found, Request};
 use clap::Args;
 use std::io::Write;
 
-/// Examples in the help.
+/// The examples shown in the help of `find`.
 const EXAMPLES: &str = "Examples:
   tangency find lorenz --box x=-20..20,y=-20..20,z=0..40 --set rho=28";
 
-/// Find all equilibria, fixed points or zeros in a box, with their eigenvalues
+/// Find the equilibria, fixed points or zeros in a box, with their eigenvalues
 ///
-/// Newton's method begins all over the box, and solutions that are known are taken out of the
-/// equations. No search of this kind is sure to find all of them.
+/// Newton's method starts at many points of the box, and known solutions are removed from the
+/// equations by deflation. The search is not guaranteed to find all solutions.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Find {
@@ -29,7 +29,7 @@ pub struct Find {
 }
 
 impl Find {
-    /// Searches, and writes a line for each solution.
+    /// Searches the box and writes a line for each solution.
     pub fn run(&self, from: Sources, out: &mut impl Write) -> Result<(), CommandError> {
         let (set, cancel) = (self.scene.settings.clone(), signals::token());
         let within = self.within.search();
@@ -51,13 +51,13 @@ impl Find {
         let found = roots.len();
         writeln!(
             out,
-            "{found} in the box, {outside} outside of it; {lost} of {starts} starts led to no further one"
+            "{found} in the box, {outside} outside; {lost} of {starts} starts found no further solution"
         )?;
         if signals::interrupted() { Err(CommandError::Interrupted) } else { Ok(()) }
     }
 }
 
-/// An eigenvalue.
+/// Formats an eigenvalue.
 fn in_words(&(re, im): &(f64, f64)) -> String {
     let [real, imaginary] = [re, im.abs()].map(|part| significant(part, 6));
     match im {

@@ -1,4 +1,5 @@
-//! `tangency trace SCENE --grid …`: a scene over a grid of settings, one document for each design.
+//! `tangency trace SCENE --grid …`: traces a scene over a grid of settings, one document per
+//! design.
 
 use super::error::CommandError;
 use super::request::range;
@@ -17,19 +18,20 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Sender, channel};
 
-/// A grid, and which part of it.
+/// The options of a grid: its axes and the part to compute.
 #[derive(Debug, Args)]
 pub struct GridArgs {
-    /// Trace the scene for equally spaced values of a setting, on all cores; repeated, for all
-    /// combinations. What is done is kept, and the same command goes on from there
+    /// Trace the scene for equally spaced values of a setting, on all cores; repeat the option for
+    /// all combinations of several settings. Finished designs are kept, and the same command
+    /// resumes
     #[arg(long, value_name = "NAME=LOW..HIGH:COUNT", value_parser = axis)]
     pub grid: Vec<Grid>,
-    /// Do part K of N of the grid only; the last one writes the table
+    /// Compute part K of N of the grid only; the last part writes the table
     #[arg(long, value_name = "K/N", value_parser = super::sweep::share, requires = "grid")]
     part: Option<Part>,
 }
 
-/// `NAME=LOW..HIGH:COUNT`.
+/// Parses `NAME=LOW..HIGH:COUNT`.
 pub(super) fn axis(text: &str) -> Result<Grid, String> {
     let form =
         || format!("`{text}` is not of the form NAME=LOW..HIGH:COUNT, for example gap=1..4:20");
@@ -39,29 +41,29 @@ pub(super) fn axis(text: &str) -> Result<Grid, String> {
     let [low, high] = [range.low, range.high].map(|end| end.ok_or_else(form));
     let (low, high) = (low?, high?);
     match count {
-        0 => Err(format!("`{text}` has no values: a count is at least 1")),
+        0 => Err(format!("`{text}` has no values: the count must be at least 1")),
         1 if low != high => {
-            Err(format!("`{text}` has one value: give two or more, or {low}..{low}:1"))
+            Err(format!("`{text}` has a single value: increase the count, or write {low}..{low}:1"))
         }
         _ => Ok(Grid { name: range.name, low, high, count }),
     }
 }
 
-/// Settings by name.
+/// A design: one value for each setting of the grid, by name.
 pub type Design = Vec<(String, String)>;
 
-/// A design that is done: its branches in words, and their warnings; or why it failed.
+/// The result of a design: its branches in words and its warnings, or its error.
 type Done = Result<(String, Vec<String>), CommandError>;
 
-/// A grid that is traced.
+/// A grid that is being traced.
 pub struct Traced<'a> {
-    /// All designs.
+    /// All designs of the grid.
     pub designs: Vec<Design>,
     /// The folder of the documents.
     pub folder: PathBuf,
-    /// What the designs are made of, in words.
+    /// The version, settings and statement that the designs were made from, as text.
     pub made_of: String,
-    /// The files that are read.
+    /// The input files.
     pub inputs: &'a [&'a Path],
     /// Warnings that concern all designs.
     pub warnings: Vec<String>,
@@ -69,7 +71,7 @@ pub struct Traced<'a> {
 }
 
 impl GridArgs {
-    /// All designs.
+    /// Returns all designs of the grid.
     pub fn designs(&self) -> Result<Vec<Design>, CommandError> {
         let all = designs(&self.grid).map_err(CommandError::Grid)?;
         let mut names: Vec<String> = all.iter().map(name).collect();
@@ -84,7 +86,8 @@ impl GridArgs {
     }
 
     /// Traces the designs of a part that have no document yet, and writes a table of the special
-    /// points where all designs are done. The reasons for doubt in all documents.
+    /// points once all designs are finished. Returns the reasons to doubt the results of all
+    /// documents.
     ///
     /// # Errors
     /// [`CommandError::OtherGrid`] for a folder with the designs of another scene,
@@ -131,7 +134,7 @@ impl GridArgs {
         });
         if done.len() < all.len() {
             let (missing, all) = (all.len() - done.len(), all.len());
-            writeln!(out, "{}: {missing} of {all} designs are to be done", folder.display())?;
+            writeln!(out, "{}: {missing} of {all} designs are not finished", folder.display())?;
             return Ok(doubts.collect());
         }
         let table = folder.join(TABLE);
@@ -143,22 +146,23 @@ impl GridArgs {
     }
 }
 
-/// The files beside the designs: the table of all special points, and what the designs are made of.
+/// The files in the folder of the designs: the table of all special points, and the text of
+/// [`Traced::made_of`].
 const TABLE: &str = "points.csv";
 const MADE_OF: &str = "scene.txt";
 
-/// The most bytes of a design's name: file systems allow 255 with its ending, and temporary files
-/// have longer names.
+/// The largest length of a design's name in bytes: file systems allow 255 including the extension,
+/// and temporary files have longer names.
 const LONGEST: usize = 200;
 
-/// The name of a design: `gap=0.000002,thickness=1`.
+/// Returns the name of a design, such as `gap=0.000002,thickness=1`.
 fn name(design: &Design) -> String {
     let plain = |letter: char| letter.is_alphanumeric() || "_-.,=".contains(letter);
     let settings = design.iter().map(|(name, value)| format!("{name}={value}"));
     settings.collect::<Vec<_>>().join(",").replace(|letter| !plain(letter), "_")
 }
 
-/// The branches of a design in words, and their warnings that have not been said of all designs.
+/// Describes the branches of a design, and returns their warnings that do not concern all designs.
 fn told(document: &Document, said: &[String]) -> (String, Vec<String>) {
     let branches = document.branches.iter().map(|branch| Summary(branch).to_string());
     let chosen = document.chosen.iter().map(|chosen| chosen.to_string());
@@ -169,7 +173,8 @@ fn told(document: &Document, said: &[String]) -> (String, Vec<String>) {
     (branches.chain(chosen).collect::<Vec<_>>().join("; "), warnings.collect())
 }
 
-/// Keeps what designs are made of beside them, and refuses a folder with designs of something else.
+/// Writes the origin of the designs into their folder, and rejects a folder with designs of another
+/// origin.
 fn check_made_of(
     folder: &Path,
     text: &str,
@@ -184,7 +189,7 @@ fn check_made_of(
     }
 }
 
-/// Does all designs on all cores, and tells of each when it is done.
+/// Computes the designs in parallel on all cores, and prints each result when it is finished.
 fn together(
     todo: &[&Design],
     one: &(impl Fn(&Design) -> Done + Sync),
@@ -196,7 +201,7 @@ fn together(
         let (sender, receiver) = channel();
         scope.spawn(move || {
             todo.par_iter().for_each_with(sender, |sender: &mut Sender<_>, design| {
-                // Designs that have not begun stay to be done.
+                // After an interruption no further design is started.
                 if !signals::interrupted() {
                     let _ = sender.send((*design, one(design)));
                 }

@@ -1,4 +1,4 @@
-//! `tangency import MODEL.ode`: a model of XPPAUT's as a file of equations.
+//! `tangency import MODEL.ode`: converts an XPPAUT model to a file of equations.
 
 use super::error::CommandError;
 use super::results::Results;
@@ -9,17 +9,17 @@ use clap::Args;
 use std::io::Write;
 use std::path::PathBuf;
 
-/// Examples in the help.
+/// The examples shown in the help of `import`.
 const EXAMPLES: &str = "Examples:
   tangency import model.ode --out model.ron";
 
-/// Write a model of XPPAUT's as a file of equations, to be traced and edited
+/// Convert an XPPAUT model to a file of equations, ready to trace and edit
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Import {
     /// The model (.ode)
     model: PathBuf,
-    /// The file of equations (.ron); the standard output if it is not given
+    /// The file of equations (.ron) [default: the standard output]
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
 }

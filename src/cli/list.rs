@@ -1,16 +1,16 @@
-//! `tangency scenes`: the scenes that have a name.
+//! `tangency scenes`: lists the built-in scenes.
 
 use super::error::CommandError;
 use crate::scene::Catalogue;
 use clap::Args;
 use std::io::Write;
 
-/// List the scenes that have a name, one line each
+/// List the built-in scenes, one line each
 #[derive(Debug, Args)]
 pub struct Scenes {}
 
 impl Scenes {
-    /// Writes one line for each scene.
+    /// Writes a line for each built-in scene.
     pub fn run(&self, catalogue: &Catalogue, out: &mut impl Write) -> Result<(), CommandError> {
         let scenes = catalogue.scenes();
         let width = scenes.iter().map(|scene| scene.name.len()).max().unwrap_or(0);

@@ -1,4 +1,4 @@
-//! `tangency manifolds MODEL`: the stable and the unstable manifold of a saddle of a map.
+//! `tangency manifolds MODEL`: computes the stable and unstable manifolds of a saddle of a map.
 
 use super::error::CommandError;
 use super::request::{range, value};
@@ -16,33 +16,34 @@ use clap::Args;
 use std::io::Write;
 use std::path::Path;
 
-/// Examples in the help.
+/// The examples shown in the help of `manifolds`.
 const EXAMPLES: &str = "Examples:
   tangency manifolds henon.ron --start x=0.6,y=0.2
   tangency manifolds henon.ron --start out/henon.ron:1 --length 40
   tangency manifolds henon.ron --set iterates=2 --start x=1,y=-0.1 --bound x=-2..2";
 
-/// Draw the stable and the unstable manifold of a saddle of a map with two states
+/// Draw the stable and unstable manifolds of a saddle of a map with two states
 ///
-/// The saddle is a fixed point, or a cycle of `iterates` iterates. Each half of a manifold is grown
-/// from the saddle to its end, for which the reason is printed, with the largest distance
-/// (`deviation`) between the images of its points and the curve.
+/// The saddle is a fixed point, or a cycle of `iterates` iterates. Each half of a manifold is
+/// computed outward from the saddle. The command prints the reason for its end and the largest
+/// distance (`deviation`) between the images of its points and the curve.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Manifolds {
     #[command(flatten)]
     scene: SceneAt,
-    /// The saddle: near given states, or at a special point of an earlier result [default: near where
-    /// the model begins]
+    /// The saddle: near given states, or at a special point of an earlier result [default: near the
+    /// initial state of the model]
     #[arg(long, value_name = "NAME=VALUE,… or FILE:LABEL or FILE:BRANCH/LABEL", value_parser = start)]
     start: Option<Begin>,
-    /// The longest arclength of each half, in units of the states' scales
+    /// The maximum arclength of each half, in units of the states' scales
     #[arg(long, value_name = "LENGTH", default_value = "20", value_parser = value)]
     length: f64,
-    /// The largest distance between the curve and the chord between two points, in the same units
+    /// The maximum distance between the curve and the chord between two points, in units of the
+    /// states' scales
     #[arg(long, value_name = "DISTANCE", default_value = "1e-4", value_parser = value)]
     resolution: f64,
-    /// The most points of each half
+    /// The maximum number of points of each half
     #[arg(long, value_name = "COUNT", default_value_t = 20_000)]
     max_points: usize,
     /// End a half where a state leaves a range
@@ -50,11 +51,11 @@ pub struct Manifolds {
     bound: Vec<Range>,
 }
 
-/// The files of manifolds.
+/// The formats of the files of manifolds.
 const FORMATS: [Format; 3] = [Format::Ron, Format::Svg, Format::Csv];
 
 impl Manifolds {
-    /// Grows, saves and draws the manifolds.
+    /// Computes, saves and draws the manifolds.
     pub fn run(&self, from: Sources, out: &mut impl Write) -> Result<(), CommandError> {
         let (state, point) = match &self.start {
             None => (Vec::new(), None),
@@ -89,7 +90,7 @@ impl Manifolds {
     }
 }
 
-/// A manifold in three lines: its multiplier, and each half with the reason of its end.
+/// Describes a manifold in three lines: its multiplier, and the reason for the end of each half.
 fn describe(branch: &Branch, out: &mut impl Write) -> std::io::Result<()> {
     let [back, saddle, forth] = &branch.special[..] else { return Ok(()) };
     let multiplier = saddle.eigenvalues.first().map_or(f64::NAN, |multiplier| multiplier.0);

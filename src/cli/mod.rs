@@ -1,4 +1,4 @@
-//! The command line: arguments, exit codes and messages; no mathematics.
+//! The command line: arguments, exit codes and messages, without numerics.
 
 mod compare;
 mod error;
@@ -38,7 +38,7 @@ use stdout::Leavable;
 struct Arguments {
     #[command(subcommand)]
     command: Command,
-    /// The largest file that is read, in MB; archives may unpack to four times as many
+    /// The maximum size of an input file in MB; archives may unpack to four times this size
     #[arg(long, global = true, value_name = "MB", default_value_t = 256,
         value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     max_size: u64,
@@ -63,13 +63,14 @@ enum Command {
     Manual(shell::Manual),
 }
 
-/// The arguments of the program, or its exit code where they cannot be understood, or ask for help.
+/// Returns the parsed arguments of the program, or the exit code for invalid arguments and for
+/// help.
 fn arguments() -> Result<Arguments, ExitCode> {
     let given: Vec<OsString> = std::env::args_os().collect();
     let lossy = given.iter().map(|argument| argument.to_string_lossy());
     if let Some(odd) = lossy.into_iter().find(|argument| argument.contains(char::is_control)) {
         let odd = shown(&odd);
-        let message = "holds control characters: names of files, and values, have none here";
+        let message = "contains control characters, which file names and values must not contain";
         let _ = writeln!(std::io::stderr(), "error: the argument `{odd}` {message}");
         return Err(ExitCode::from(2));
     }
@@ -85,7 +86,7 @@ fn arguments() -> Result<Arguments, ExitCode> {
 
 /// Runs the command line on the arguments of the program, with the problems and scenes of a
 /// catalogue: the `main` of a program. The exit code is 0 on success, 1 after an error, 2 for
-/// arguments that cannot be understood, and 3 if `trace --strict` finds something to doubt.
+/// invalid arguments, and 3 if `trace --strict` finds unreliable results.
 ///
 /// ```no_run
 /// use tangency::Catalogue;
@@ -123,7 +124,7 @@ pub fn run(catalogue: Catalogue) -> ExitCode {
     match result.and_then(|()| Ok(out.flush()?)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            // Nothing can be done where even the error stream is closed.
+            // The error is ignored if the error stream is closed, too.
             let _ = writeln!(std::io::stderr(), "error: {}", printable(&error.to_string()));
             ExitCode::from(error.code())
         }

@@ -1,4 +1,4 @@
-//! `tangency plot FILE…`: the diagram of one or several documents, or their branches as a table.
+//! `tangency plot FILE…`: draws the diagram of documents, or writes their branches as a table.
 
 use super::error::CommandError;
 use super::results::Results;
@@ -9,7 +9,7 @@ use clap::Args;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// Examples in the help.
+/// The examples shown in the help of `plot`.
 const EXAMPLES: &str = "Examples:
   tangency plot out/lorenz.ron --y z,max_z --out z.svg
   tangency plot out/lorenz.ron --panel b --width 84 --out period.png
@@ -23,14 +23,14 @@ const EXAMPLES: &str = "Examples:
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Plot {
-    /// The documents (.ron), and sweeps (.npz)
+    /// The documents (.ron) and sweeps (.npz)
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
-    /// The parameter or monitor on the horizontal axis [default: as the first document says]
+    /// The parameter or monitor on the horizontal axis [default: the first document's choice]
     #[arg(long, value_name = "NAME")]
     x: Option<String>,
     /// The columns on the vertical axis, such as v (the largest and smallest values of a state),
-    /// max_v, or period [default: as the first document says]
+    /// max_v, or period [default: the first document's choice]
     #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
     y: Vec<String>,
     /// The columns with logarithmic axes, such as period
@@ -40,33 +40,33 @@ pub struct Plot {
     #[arg(long)]
     regions: bool,
     /// The special points whose profiles are drawn, or written as .csv or .npz, such as 2,5 or
-    /// orbits/2, or all [default: those of interest]
+    /// orbits/2, or all [default: a few that differ]
     #[arg(long, value_name = "LABEL or BRANCH/LABEL or all", value_delimiter = ',')]
     points: Vec<String>,
     /// The width of the picture in millimetres, such as 84 for a journal's column [default: 170]
     #[arg(long, value_name = "MM")]
     width: Option<f64>,
-    /// The only panel to draw, by its letter [default: all]
+    /// The letter of the only panel to draw [default: all panels]
     #[arg(long, value_name = "LETTER")]
     panel: Option<String>,
     /// The separator of a table (.csv), such as ; or tab [default: a comma]
     #[arg(long, value_name = "LETTER", value_parser = separator)]
     separator: Option<char>,
-    /// The output file: .svg, .png, .pdf, .html for an interactive page, .csv for all points of the
-    /// branches, or of sweeps, .json for a document, or, with --points, .csv or .npz for their profiles [default: beside the first
-    /// document, with the columns and the ending .svg]
+    /// The output file: .svg, .png, .pdf, .html for an interactive page, .csv for all points of
+    /// branches or sweeps, .json for a document, or, with --points, .csv or .npz for profiles
+    /// [default: an .svg file beside the first document, named after the columns]
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
 }
 
-/// The most letters that columns and points add to the name of a picture.
+/// The maximum number of letters that columns and points add to the name of a picture.
 const LONGEST: usize = 60;
 
 impl Plot {
-    /// Draws the diagram and says where it is.
+    /// Draws the diagram and prints the path of its file.
     pub fn run(&self, limit: SizeLimit, out: &mut impl Write) -> Result<(), CommandError> {
         let beside = || self.files.first().map(|file| self.beside(file));
-        // Clap refuses an empty list.
+        // Clap rejects an empty list of files.
         let target = self.out.clone().or_else(beside).unwrap_or_default();
         let inputs: Vec<&Path> = self.files.iter().map(PathBuf::as_path).collect();
         let _claimed = Results::claim_file(&target, &inputs)?;
@@ -78,7 +78,7 @@ impl Plot {
         let sweeps = archives.iter().map(|file| Sweeps::load_within(limit, file));
         let mut sweeps = sweeps.collect::<Result<Vec<Sweeps>, _>>()?;
         let plots = documents.iter_mut().map(|document| &mut document.plot);
-        // The first one says how all are drawn.
+        // The first document or sweep defines how all are drawn.
         if let Some(plot) = plots.chain(sweeps.iter_mut().map(|it| &mut it.plot)).next() {
             plot.logarithmic.extend(self.log.iter().cloned());
         }
@@ -116,7 +116,7 @@ impl Plot {
         Ok(writeln!(out, "{}", target.display())?)
     }
 
-    /// Asks for regions, if the command does.
+    /// Turns on regions if `--regions` is given.
     fn add_regions(&self, documents: &mut [Document]) -> Result<(), CommandError> {
         let mut branches = documents.iter().flat_map(|document| &document.branches);
         if self.regions && branches.all(|branch| branch.stretches.is_empty()) {
@@ -126,8 +126,8 @@ impl Plot {
         Ok(())
     }
 
-    /// The picture beside a document: `lure.svg` as `trace` draws it, and `lure-x=alpha-min_x.svg`
-    /// with other columns or points.
+    /// Returns the default path of the picture beside a document: `lure.svg`, as written by
+    /// `trace`, or `lure-x=alpha-min_x.svg` with other columns or points.
     fn beside(&self, file: &Path) -> PathBuf {
         let x = self.x.iter().map(|column| format!("-x={column}"));
         let others = self.y.iter().chain(&self.points).map(|column| format!("-{column}"));
@@ -142,7 +142,7 @@ impl Plot {
         file.with_file_name(format!("{}{chosen}.svg", stem(file)))
     }
 
-    /// Refuses options that would have no effect.
+    /// Rejects options that would have no effect.
     fn check(&self, format: Format, sweeps: &[Sweeps]) -> Result<(), CommandError> {
         if self.separator.is_some() && format != Format::Csv {
             return Err(CommandError::NoSeparator);
@@ -173,13 +173,13 @@ impl Plot {
     }
 }
 
-/// A letter that separates cells: not one that numbers have.
+/// Parses a separator of cells: a letter that does not occur in numbers.
 pub fn separator(text: &str) -> Result<char, String> {
     let mut letters = text.chars();
     match (text, letters.next(), letters.next()) {
         ("tab", _, _) => Ok('\t'),
         (_, Some(letter @ (',' | ';' | '|' | ':' | ' ' | '\t')), None) => Ok(letter),
-        _ => Err("a separator is , ; | : a space, or tab".into()),
+        _ => Err("a separator is one of , ; | : a space, or tab".into()),
     }
 }
 

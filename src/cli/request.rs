@@ -1,4 +1,4 @@
-//! Requests to a model, or to a scene beyond its statement, on the command line.
+//! Command-line options that make up a [`Request`].
 
 use super::scene_at::setting;
 use super::signals;
@@ -8,53 +8,55 @@ use crate::misread::reason;
 use crate::scene::{Following, Range, Request, SearchBox};
 use clap::Args;
 
-/// A request to a model, or to a scene beyond its statement.
+/// The options that state a request to a model, or change the statement of a scene.
 #[derive(Debug, Default, Args)]
 pub struct RequestArgs {
-    /// The parameter of the diagram with its range; a second one for curves of special points. In a
-    /// scene, another range of a parameter that it varies
+    /// The continuation parameter and its range; repeat with a second parameter for curves of
+    /// special points. For a scene: a new range for one of its parameters
     #[arg(long, value_name = "NAME=LOW..HIGH", value_parser = range)]
     pub along: Vec<Range>,
     /// End branches where a parameter or a column leaves a range
     #[arg(long, value_name = "NAME=LOW..HIGH", value_parser = range)]
     pub bound: Vec<Range>,
-    /// Mark where a parameter or a column has a value; orbits there are drawn and saved
+    /// Mark the points where a parameter or a column has a given value; orbits at marks are drawn
+    /// and saved
     #[arg(long, value_name = "NAME=VALUE", value_parser = mark)]
     pub mark: Vec<(String, f64)>,
-    /// Begin where motion has settled after this time (in periods of the forcing, if there is one)
+    /// Start from the motion after this time of simulation (in periods of the forcing, if there is
+    /// one)
     #[arg(long, value_name = "TIME", value_parser = value)]
     pub settle: Option<f64>,
-    /// Follow the curve of a kind of special point, in the parameters of --along
+    /// Trace the curve of a kind of special point, in the two parameters of --along
     #[arg(long, value_name = "KIND", value_parser = kind)]
     pub hold: Option<Kind>,
-    /// Follow what is found: branches across branch points, orbits from Hopf points, doubled ones
-    /// from period doublings, what begins at grazings; all of these, or from some kinds of points
-    /// (LP: only where several folds coincide)
+    /// Trace the branches that emanate from special points: other branches at branch points, orbits
+    /// at Hopf points, doubled orbits at period doublings, and impacting or sliding orbits at
+    /// grazings. Give `all`, or some kinds of points (LP: only where several folds coincide)
     #[arg(long, value_name = "all or BP,HB,…", value_parser = switch)]
     pub switch: Option<Switch>,
-    /// How many times what was found is followed
+    /// The number of generations of emanating branches to trace
     #[arg(long, value_name = "COUNT", default_value = "1", requires = "switch",
         value_parser = depth)]
     pub depth: u8,
 }
 
-/// The kinds of special points that are followed.
+/// The kinds of special points at which branches are switched.
 #[derive(Clone, Debug)]
 pub enum Switch {
-    /// All that the request can meet.
+    /// All kinds that can occur in the request.
     All,
-    /// Some.
+    /// The given kinds.
     Kinds(Vec<Kind>),
 }
 
 impl RequestArgs {
-    /// Which special points are followed; where branches begin at all solutions, each branch is
-    /// traced once.
+    /// Returns the special points at which branches are switched. If branches start at all
+    /// solutions of a box, each branch is traced once.
     pub fn following(&self, everywhere: bool) -> Option<Following> {
         let kinds = match &self.switch {
             None if everywhere => Vec::new(),
             None => return None,
-            // In two parameters the picture is made of curves.
+            // Diagrams in two parameters consist of curves.
             Some(Switch::All) if self.hold.is_some() => Following::of_curves(),
             Some(Switch::All) => Following::all(1).kinds,
             Some(Switch::Kinds(kinds)) => kinds.clone(),
@@ -62,7 +64,7 @@ impl RequestArgs {
         Some(Following { kinds, depth: self.depth.into(), distinct: everywhere })
     }
 
-    /// The request to a scene with some changed values, beginning in some states.
+    /// Returns the request with the given changed values and initial states.
     pub fn request(&self, set: &[(String, String)], state: &[(String, f64)]) -> Request {
         let RequestArgs { along, bound, mark, settle, hold, .. } = self;
         Request {
@@ -80,28 +82,28 @@ impl RequestArgs {
     }
 }
 
-/// Where solutions are sought.
+/// The options of a search for solutions.
 #[derive(Debug, Args)]
 pub struct Within {
-    /// The range of each unknown in which solutions are sought
+    /// The range of each unknown in which to search for solutions
     #[arg(long = "box", value_name = "NAME=LOW..HIGH,…", value_delimiter = ',',
         value_parser = range)]
     ranges: Vec<Range>,
-    /// From how many starts in the box solutions are sought
+    /// The number of starting points of the search in the box
     #[arg(long, value_name = "COUNT", default_value_t = 100, requires = "ranges",
         value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     starts: u32,
 }
 
 impl Within {
-    /// The box; none without a range.
+    /// Returns the search box, or `None` if no range is given.
     pub fn search(&self) -> Option<SearchBox> {
         let (ranges, starts) = (self.ranges.clone(), self.starts as usize);
         (!ranges.is_empty()).then_some(SearchBox { ranges, starts })
     }
 }
 
-/// `NAME=LOW..HIGH`, of which either end may be left out: a range.
+/// Parses the range `NAME=LOW..HIGH`; either end may be omitted.
 pub(super) fn range(text: &str) -> Result<Range, String> {
     let parts =
         text.split_once('=').and_then(|(name, ends)| Some((name.trim(), ends.split_once("..")?)));
@@ -112,24 +114,24 @@ pub(super) fn range(text: &str) -> Result<Range, String> {
     Ok(Range { name: name.into(), low: end(low)?, high: end(high)? })
 }
 
-/// `NAME=VALUE`: a value that is marked.
+/// Parses the mark `NAME=VALUE`.
 fn mark(text: &str) -> Result<(String, f64), String> {
     let (name, text) = setting(text)?;
     Ok((name, value(&text)?))
 }
 
-/// A number, or a formula of numbers.
+/// Parses a number or a formula of numbers.
 pub(super) fn value(text: &str) -> Result<f64, String> {
     number(text.trim()).map_err(|error| error.to_string())
 }
 
-/// How many times branches are followed.
+/// Parses the number of generations of emanating branches.
 fn depth(text: &str) -> Result<u8, String> {
     let depth = text.trim().parse().ok().filter(|depth| (1..=20).contains(depth));
-    depth.ok_or_else(|| "a depth is a whole number from 1 to 20".into())
+    depth.ok_or_else(|| "the depth must be a whole number from 1 to 20".into())
 }
 
-/// `all`, or kinds of special points from which branches go.
+/// Parses `all`, or a list of kinds of special points from which branches emanate.
 fn switch(text: &str) -> Result<Switch, String> {
     if text == "all" {
         return Ok(Switch::All);
@@ -138,7 +140,8 @@ fn switch(text: &str) -> Result<Switch, String> {
     let followed = |text: &str| {
         let kind = kind(text.trim())?;
         let known = all.iter().map(|kind| kind.letters()).collect::<Vec<_>>().join(", ");
-        let refused = || format!("no branch goes on from {kind}: take some of {known}, or `all`");
+        let refused =
+            || format!("no branch emanates from {kind}: choose among {known}, or give `all`");
         all.contains(&kind).then_some(kind).ok_or_else(refused)
     };
     text.split(',').map(followed).collect::<Result<_, _>>().map(Switch::Kinds)
@@ -147,6 +150,6 @@ fn switch(text: &str) -> Result<Switch, String> {
 pub fn kind(text: &str) -> Result<Kind, String> {
     ron::from_str(&text.to_uppercase()).map_err(|error| match error.code {
         ron::Error::NoSuchEnumVariant { .. } => reason(&error.code),
-        _ => "expected a kind of special point, as HB".into(),
+        _ => "expected a kind of special point, such as HB".into(),
     })
 }

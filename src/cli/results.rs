@@ -1,4 +1,5 @@
-//! The files that a command writes: checked and locked before the work, saved together after it.
+//! The files that a command writes: checked and locked before the computation, saved together after
+//! it.
 
 use super::error::CommandError;
 use super::warning::warn;
@@ -6,25 +7,26 @@ use crate::output::{self, Document, FileError, Format, Lock, SaveError, Sweeps, 
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-/// The files of one result, `FOLDER/NAME.ENDING`, which no other run writes as long as this lives.
+/// The files of one result, `FOLDER/NAME.ENDING`, locked against other runs for the lifetime of
+/// this value.
 pub struct Results {
     folder: PathBuf,
     name: String,
     formats: Vec<Format>,
-    /// What it is made of, by its first file.
+    /// The first input file, to name the result in messages.
     source: Option<String>,
-    // The lock is removed before the folders that hold nothing else.
+    // The lock is removed before the new folders, so that they can be removed if empty.
     _lock: Lock,
     _made: Folders,
 }
 
 impl Results {
-    /// Claims the files in these formats: a file that cannot be written is better known before the
-    /// work than after it.
+    /// Claims the files in the given formats. Files that cannot be written are reported before the
+    /// computation starts.
     ///
     /// # Errors
-    /// [`CommandError::OutputIsInput`] for a file that is read; [`FileError`] for one that cannot
-    /// be replaced, a folder that cannot be made, or a result that another run is writing.
+    /// [`CommandError::OutputIsInput`] for an input file; [`FileError`] for a file that cannot be
+    /// replaced, a folder that cannot be created, or a result that another run is writing.
     pub fn claim(
         folder: &Path,
         name: &str,
@@ -64,11 +66,11 @@ impl Results {
             let (name, most) = (name.into(), LONGEST_NAME);
             return Err(FileError::LongName { name, most }.into());
         }
-        // A folder would be made here, and its parents: none of them may be something else.
+        // Missing parent folders are created here: none of the existing ones may be something else.
         let there = folder.ancestors().find_map(|path| Some((path, path.symlink_metadata().ok()?)));
         if let Some((path, there)) = there.filter(|(path, _)| !path.is_dir()) {
             let kind = match there.is_symlink() {
-                true => "a link to nothing",
+                true => "a dangling link",
                 false if there.is_file() => "a file",
                 false => kind(there.file_type()),
             };
@@ -85,12 +87,12 @@ impl Results {
         Ok(Results { folder, name, formats, source, _lock: lock, _made: made })
     }
 
-    /// The file in a format.
+    /// Returns the path of the file in a format.
     pub fn path(&self, format: Format) -> PathBuf {
         format.file(&self.folder.join(&self.name))
     }
 
-    /// Saves branches and sweeps in the formats that were claimed, and says where.
+    /// Saves branches and sweeps in the claimed formats, and returns the paths.
     pub fn save(
         &self,
         document: Option<&Document>,
@@ -108,14 +110,14 @@ impl Results {
         saved.map_err(|cause| self.unsaved(cause))
     }
 
-    /// Warns of the results of another scene, which are replaced.
+    /// Warns if the results of another scene are replaced.
     fn announce_replaced(&self, document: &Document) {
         let path = self.path(Format::Ron);
-        // The title stands in the first lines.
+        // The title is in the first lines.
         let mut begin = vec![0; BEGIN];
         let read = std::fs::File::open(&path).and_then(|mut file| file.read(&mut begin));
         let text = String::from_utf8_lossy(&begin[..read.unwrap_or(0)]);
-        // Settings begin there, by name.
+        // Settings are listed by name after `settings: [`.
         let is_known = |line: &str| {
             let name = line.trim().strip_prefix("(\"").and_then(|rest| rest.split('"').next());
             name.is_none_or(|name| document.settings.iter().any(|(known, _)| known == name))
@@ -128,7 +130,7 @@ impl Results {
             line.and_then(|line| ron::from_str::<String>(line.trim_end_matches(',')).ok());
         if let Some(earlier) = earlier.filter(|earlier| has_others || *earlier != document.title) {
             warn(&format!(
-                "{} held the results of another scene, `{earlier}`: they are replaced; `--out` names another folder",
+                "{} contained the results of another scene, `{earlier}`, which are replaced; choose another folder with `--out`",
                 path.display()
             ));
         }
@@ -146,20 +148,20 @@ impl Results {
     }
 }
 
-/// The bytes of a document in which its title stands.
+/// The number of bytes at the start of a document that contain its title.
 const BEGIN: usize = 4096;
 
-/// The most bytes of a result's name: that of its temporary files is longer, and file systems allow
-/// 255.
+/// The largest length of a result's name in bytes: its temporary files have longer names, and file
+/// systems allow 255.
 const LONGEST_NAME: usize = 220;
 
-/// Whether two paths lead to one file, also by way of links.
+/// Returns whether two paths lead to the same file, also through links.
 fn same_file(a: &Path, b: &Path) -> bool {
     let real = |path: &Path| path.canonicalize().ok();
     a == b || real(a).is_some_and(|a| Some(a) == real(b))
 }
 
-/// Folders that were made for results; those that stay empty are removed.
+/// Folders created for results; empty ones are removed when this value is dropped.
 struct Folders(Vec<PathBuf>);
 
 impl Folders {

@@ -1,4 +1,4 @@
-//! The scene that a command names: read, with a request to it, and with what is wrong in it.
+//! The scene named on the command line: reads the scene, applies the request and reports errors.
 
 use super::error::CommandError;
 use super::sources::Sources;
@@ -8,11 +8,11 @@ use crate::scene::{Files, Problem, Purpose, Request, Scene, SceneError};
 use clap::Args;
 use std::path::{Path, PathBuf};
 
-/// Which scene, with what changed in it, and where its results go.
+/// The scene of a command, its changed settings and the folder for its results.
 #[derive(Debug, Args)]
 pub struct SceneAt {
-    /// The name of a scene (see `tangency scenes`), or the path of a scene, of equations in RON, or
-    /// of an .ode file
+    /// The name of a built-in scene (see `tangency scenes`), or the path of a scene, of a file of
+    /// equations (.ron), or of an XPPAUT model (.ode)
     pub scene: String,
     /// Change a value of the scene; may be repeated
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = setting)]
@@ -22,7 +22,7 @@ pub struct SceneAt {
     pub out: PathBuf,
 }
 
-/// What a file or a name stands for.
+/// The content of a named file or built-in scene.
 #[derive(Clone)]
 #[expect(clippy::large_enum_variant, reason = "there is one")]
 pub enum Stated {
@@ -31,7 +31,7 @@ pub enum Stated {
 }
 
 impl SceneAt {
-    /// The name of the scene's results, and the scene that a request amounts to.
+    /// Returns the name of the scene's results, and the scene after applying the request.
     pub fn read(
         &self,
         from: Sources,
@@ -44,7 +44,7 @@ impl SceneAt {
         Ok((name, scene))
     }
 
-    /// The scene that a request to a statement amounts to.
+    /// Applies a request to a statement.
     pub fn requested(
         &self,
         stated: Stated,
@@ -66,7 +66,8 @@ impl SceneAt {
         scene.map_err(|cause| self.at_fault(cause))
     }
 
-    /// The name of the scene's results, and the scene as it is stated; of a model, one without runs.
+    /// Returns the name of the scene's results, and the scene as written. For a model the scene has
+    /// no runs.
     pub fn statement(
         &self,
         from: Sources,
@@ -82,7 +83,7 @@ impl SceneAt {
         }
     }
 
-    /// The name of the scene's results, and the statement.
+    /// Returns the name of the scene's results, and the parsed statement.
     pub fn stated(
         &self,
         from: Sources,
@@ -97,7 +98,7 @@ impl SceneAt {
         Ok((name, from.catalogue.parse_in(files, &text).map(Stated::Scene)))
     }
 
-    /// Refuses a scene without branches.
+    /// Rejects a scene without branches.
     pub fn check_runs(&self, scene: &Scene) -> Result<(), CommandError> {
         match scene.runs.iter().any(|run| run.shown) {
             true => Ok(()),
@@ -105,12 +106,12 @@ impl SceneAt {
         }
     }
 
-    /// What was read: the scene, and the file of its equations.
+    /// Returns the input files: the scene and the file of its equations.
     pub fn inputs<'a>(&'a self, scene: &'a Scene) -> impl Iterator<Item = &'a Path> {
         [Path::new(&self.scene)].into_iter().chain(scene.problem.file())
     }
 
-    /// Why the work stopped.
+    /// Converts the error that ended a computation.
     pub fn stopped(&self, cause: SceneError) -> CommandError {
         match cause {
             SceneError::GivenUp { .. } => CommandError::Interrupted,
@@ -118,12 +119,12 @@ impl SceneAt {
         }
     }
 
-    /// What is wrong with the scene.
+    /// Converts an error of the scene, and adds the scene's name.
     pub fn at_fault(&self, cause: SceneError) -> CommandError {
         CommandError::Scene { place: self.scene.clone(), cause: Box::new(cause) }
     }
 
-    /// The name of the scene and its text: one of the catalogue, or a file.
+    /// Returns the name and the text of a built-in scene or of a file.
     fn text(&self, from: Sources) -> Result<(String, String), CommandError> {
         let Sources { catalogue, limit } = from;
         if let Some(scene) = catalogue.scenes().iter().find(|scene| scene.name == self.scene) {
@@ -137,7 +138,7 @@ impl SceneAt {
             return Err(CommandError::UnknownScene(unknown));
         }
         let bytes = read(path, limit)?;
-        // Files of XPPAUT's may be older than UTF-8.
+        // Old XPPAUT files may use an encoding other than UTF-8.
         let text = match Problem::is_file_of_equations(path, "") {
             true => String::from_utf8_lossy(&bytes).into_owned(),
             false => text_of(path, bytes)?,
@@ -146,8 +147,8 @@ impl SceneAt {
     }
 }
 
-/// `NAME=VALUE`, without blanks around name and value: what `--set` changes. The value may hold
-/// further equals signs.
+/// Parses `NAME=VALUE`, the argument of `--set`, and trims blanks. The value may contain equals
+/// signs.
 pub fn setting(text: &str) -> Result<(String, String), String> {
     match text.split_once('=').map(|(name, value)| (name.trim(), value.trim())) {
         Some((name, value)) if !name.is_empty() && !value.is_empty() => {

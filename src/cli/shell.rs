@@ -1,4 +1,4 @@
-//! `tangency completions SHELL` and `tangency man`: what shells and readers know of the commands.
+//! `tangency completions SHELL` and `tangency man`: print shell completions and manual pages.
 
 use super::error::CommandError;
 use clap::{Args, CommandFactory};
@@ -22,7 +22,7 @@ pub struct Completions {
 pub struct Manual {}
 
 impl Completions {
-    /// Prints the completions of a command line.
+    /// Prints the completions for a command line.
     pub fn run<C: CommandFactory>(&self, out: &mut impl Write) -> Result<(), CommandError> {
         let mut script = Vec::new();
         clap_complete::generate(self.shell, &mut C::command(), "tangency", &mut script);
@@ -31,7 +31,7 @@ impl Completions {
 }
 
 impl Manual {
-    /// Prints the pages of a command line.
+    /// Prints the manual pages of a command line.
     pub fn run<C: CommandFactory>(&self, out: &mut impl Write) -> Result<(), CommandError> {
         let mut all = C::command();
         all.build();

@@ -1,5 +1,5 @@
-//! Signals that end a command: at once before its work begins, for instance while it waits for a
-//! FIFO, and afterwards with the results so far saved.
+//! Signal handling: before the computation starts, a signal ends the command immediately, for
+//! instance while reading a FIFO; afterwards the results so far are saved first.
 
 use super::warning::warn;
 use crate::core::cancel::CancelToken;
@@ -9,19 +9,19 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, LazyLock, Once};
 use std::time::Duration;
 
-/// What signals set.
+/// The flags that signals set.
 struct Flags {
-    /// A signal came: Ctrl-C, SIGTERM, which schedulers send before they kill, or SIGHUP.
+    /// Set by a signal: Ctrl-C, SIGTERM (sent by schedulers before SIGKILL) or SIGHUP.
     signalled: Arc<AtomicBool>,
-    /// The work is cancelled, by a signal or because its results cannot be saved.
+    /// Set if the computation is cancelled, by a signal or because its results cannot be saved.
     cancelled: Arc<AtomicBool>,
 }
 
 static FLAGS: LazyLock<Flags> =
     LazyLock::new(|| Flags { signalled: Arc::default(), cancelled: Arc::default() });
 
-/// Handles signals from now on: the first one cancels the work, and a second one ends the program at
-/// once.
+/// Handles signals from now on: the first one cancels the computation, and a second one ends the
+/// program immediately.
 pub fn handle() {
     static HANDLED: Once = Once::new();
     HANDLED.call_once(register_handlers);
@@ -34,7 +34,7 @@ fn register_handlers() {
     #[cfg(not(unix))]
     let hangup = None;
     for signal in [SIGINT, SIGTERM].into_iter().chain(hangup) {
-        // Without a handler a signal ends the program: partial results are lost, nothing worse.
+        // If registration fails, a signal ends the program without saving partial results.
         let _ = register_conditional_shutdown(signal, 128 + signal, Arc::clone(signalled))
             .and_then(|_| register(signal, Arc::clone(signalled)))
             .and_then(|_| register(signal, Arc::clone(cancelled)));
@@ -43,33 +43,32 @@ fn register_handlers() {
     std::thread::spawn(move || answer(&seen));
 }
 
-/// Whether a signal asked for the end.
+/// Returns whether a signal was received.
 pub fn interrupted() -> bool {
     FLAGS.signalled.load(Ordering::SeqCst)
 }
 
-/// The token that a signal cancels, once signals are handled.
+/// Returns the token that a signal cancels once [`handle`] was called.
 pub fn token() -> CancelToken {
     CancelToken::from(Arc::clone(&FLAGS.cancelled))
 }
 
-/// Answers a signal that does not end the program soon: what another crate computes, as the factors
-/// of a matrix with thousands of rows, is not interrupted.
+/// Prints a notice if the program does not end soon after a signal. Computations in other crates,
+/// such as the factorization of a matrix with thousands of rows, cannot be interrupted.
 fn answer(interrupted: &AtomicBool) {
     while !interrupted.load(Ordering::SeqCst) {
         std::thread::sleep(SOON);
     }
     std::thread::sleep(SOON);
     warn(
-        "interrupted; the program ends with the computation under way, and saves what is done: a second signal ends it at once",
+        "interrupted; the program saves its results and ends after the current computation: a second signal ends it immediately",
     );
 }
 
-/// How often signals are looked for, and how soon the program ends as a rule.
+/// The interval at which signals are checked, and the usual delay before the program ends.
 const SOON: Duration = Duration::from_millis(200);
 
-/// Whether a signal is ignored, as SIGHUP is under `nohup`: a run that is to outlive its terminal
-/// does.
+/// Returns whether a signal is ignored, as SIGHUP is under `nohup`.
 #[cfg(unix)]
 fn is_ignored(signal: i32) -> bool {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();

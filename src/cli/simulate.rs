@@ -1,4 +1,4 @@
-//! `tangency simulate MODEL`: a history by simulation.
+//! `tangency simulate MODEL`: computes a history by simulation.
 
 use super::error::CommandError;
 use super::request::value;
@@ -15,32 +15,32 @@ use clap::Args;
 use std::io::Write;
 use std::path::Path;
 
-/// Examples in the help.
+/// The examples shown in the help of `simulate`.
 const EXAMPLES: &str = "Examples:
   tangency simulate lorenz --from x=1 --time 40
   tangency simulate model.ron --set r=28 --transient 100 --time 20";
 
-/// Simulate a history of a model: curves in time, phase portrait, and a table
+/// Simulate a model and save its history: curves in time, a phase portrait, and a table
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Simulate {
     #[command(flatten)]
     scene: SceneAt,
-    /// Begin in these states, by name; others are where the model begins, or 0
+    /// Start in these states, by name; the others start at the model's initial values, or at 0
     #[arg(long, value_name = "NAME=VALUE,…", value_parser = states)]
     from: Option<States>,
-    /// How long the history is, in periods of the forcing if there is one
+    /// The duration of the history, in periods of the forcing if there is one
     #[arg(long, value_name = "TIME", default_value = "100", value_parser = value)]
     time: f64,
-    /// How long motion goes on before the history begins
+    /// The duration of the motion before the history begins
     #[arg(long, value_name = "TIME", default_value = "0", value_parser = value)]
     transient: f64,
 }
 
-/// The files of a history.
+/// The formats of the files of a history.
 const FORMATS: [Format; 4] = [Format::Ron, Format::Svg, Format::Csv, Format::Npz];
 
-/// States by name. (Clap takes a bare list for repeated values.)
+/// States by name. (Clap treats a plain `Vec` as a repeated option.)
 pub type States = Vec<(String, f64)>;
 
 impl Simulate {
@@ -58,7 +58,7 @@ impl Simulate {
         scene.check_effects(changed, Purpose::Runs).map_err(at_fault)?;
         let resolution = scene.resolve(None).map_err(at_fault)?;
         let inputs: Vec<&Path> = self.scene.inputs(&scene).collect();
-        // A result of `trace` keeps its name.
+        // The file names differ from those written by `trace`.
         let name = format!("{name}-history");
         signals::handle();
         let results = Results::claim(&self.scene.out, &name, &FORMATS, &inputs)?;

@@ -1,8 +1,8 @@
-//! The standard output, which a reader may leave.
+//! A standard output that tolerates a closed pipe.
 
 use std::io::{ErrorKind, Result, Write};
 
-/// A stream whose reader may leave, as `head` does: the rest of the output is then dropped.
+/// A stream that discards further output after its reader has closed the pipe, as `head` does.
 pub struct Leavable<W> {
     inner: W,
     left: bool,
@@ -13,7 +13,7 @@ impl<W: Write> Leavable<W> {
         Leavable { inner, left: false }
     }
 
-    /// The outcome of an operation, or `instead` once the reader has left.
+    /// Returns the outcome of an operation, or `instead` once the reader has closed the pipe.
     fn unless_left<T>(&mut self, instead: T, run: impl FnOnce(&mut W) -> Result<T>) -> Result<T> {
         if self.left {
             return Ok(instead);

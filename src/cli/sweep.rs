@@ -1,4 +1,4 @@
-//! `tangency sweep SCENE`, `tangency merge FILE…`: brute force, saved as it goes on.
+//! `tangency sweep SCENE`, `tangency merge FILE…`: brute-force sweeps with checkpoints.
 
 use super::error::CommandError;
 use super::grid::axis;
@@ -21,60 +21,60 @@ use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// Examples in the help.
+/// The examples shown in the help of `sweep`.
 const EXAMPLES: &str = "Examples:
   tangency sweep mita-chatter
   tangency sweep oscillator.ron --over f=8..14:121 --both
   tangency sweep model.ron --set max_step=0.01 --threads 4
   tangency sweep model.ron --part 2/8 --out parts && tangency merge parts/*.npz";
 
-/// Find what motions settle on, over parameters and starts, on all cores
+/// Find the attractors of a model over ranges of parameters and initial states, on all cores
 ///
-/// What is done is saved from time to time, and the same command goes on from there.
+/// Finished runs are saved at intervals, and the same command resumes an interrupted sweep.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Sweep {
     #[command(flatten)]
     scene: SceneAt,
-    /// Sweep over these values, in place of the scene's own sweeps; may be repeated for a grid, of
-    /// parameters or of states in which motion begins
+    /// Sweep over these values of a parameter or an initial state, instead of the scene's own
+    /// sweeps; repeat the option for a grid
     #[arg(long, value_name = "NAME=LOW..HIGH:COUNT", value_parser = axis)]
     over: Vec<Grid>,
-    /// Go through the values of one parameter up and down
+    /// Sweep the values of one parameter upward and downward
     #[arg(long, requires = "over")]
     both: bool,
-    /// Begin in these states, by name; others are 0
+    /// Start in these states, by name; the others start at 0
     #[arg(long, value_name = "NAME=VALUE,…", value_parser = states, requires = "over")]
     from: Option<States>,
-    /// The event just after which motion without forcing is sampled
+    /// The event at which motion without forcing is sampled, just after the event
     #[arg(long, value_name = "EVENT", requires = "over")]
     at: Option<String>,
-    /// Do part K of N only; `tangency merge` puts parts together
+    /// Compute part K of N only; `tangency merge` joins the parts
     #[arg(long, value_name = "K/N", value_parser = share)]
     part: Option<Part>,
-    /// How many threads work [default: as many as there are cores]
+    /// The number of threads [default: the number of cores]
     #[arg(long, value_name = "N")]
     threads: Option<NonZeroUsize>,
-    /// After how many seconds what is done is saved: from 0 to 1e6
+    /// The interval between checkpoints in seconds, from 0 to 1e6
     #[arg(long, value_name = "SECONDS", default_value = "5", value_parser = seconds)]
     checkpoint: Duration,
-    /// Forget the runs that are done
+    /// Discard the results of earlier runs
     #[arg(long)]
     afresh: bool,
 }
 
-/// Put the parts of a sweep together
+/// Join the parts of a sweep
 #[derive(Debug, Args)]
 pub struct Merge {
     /// The files of all parts (.npz)
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
-    /// The folder for the whole
+    /// The folder for the joined sweep
     #[arg(long, value_name = "DIR", default_value = "out")]
     out: PathBuf,
 }
 
-/// `K/N`.
+/// Parses `K/N`.
 pub fn share(text: &str) -> Result<Part, String> {
     let part = text.split_once('/').and_then(|(number, of)| {
         let (number, of) = (number.parse().ok()?, of.parse().ok()?);
@@ -83,19 +83,19 @@ pub fn share(text: &str) -> Result<Part, String> {
     part.ok_or_else(|| format!("`{text}` is not of the form K/N, for example 2/8"))
 }
 
-/// The longest time after which what is done is saved, in seconds.
+/// The largest interval between checkpoints in seconds.
 const LONGEST: f64 = 1e6;
 
-/// A number of seconds, in its range.
+/// Parses a number of seconds between 0 and [`LONGEST`].
 fn seconds(text: &str) -> Result<Duration, String> {
     let number = text.trim().parse().ok().filter(|seconds| (0.0..=LONGEST).contains(seconds));
-    number
-        .map(Duration::from_secs_f64)
-        .ok_or_else(|| format!("a number of seconds is from 0 to {LONGEST:e}, for example 5"))
+    number.map(Duration::from_secs_f64).ok_or_else(|| {
+        format!("the number of seconds must be from 0 to {LONGEST:e}, for example 5")
+    })
 }
 
 impl Sweep {
-    /// The name of the results, and the scene with its own sweeps or with others.
+    /// Returns the name of the results, and the scene with its own sweeps or the sweep of `--over`.
     fn read(&self, from: Sources, request: &Request) -> Result<(String, Scene), CommandError> {
         if self.over.is_empty() {
             return self.scene.read(from, request, Purpose::Sweeps);
@@ -109,12 +109,11 @@ impl Sweep {
             scene.check_effects(changed, Purpose::Sweeps)?;
             Ok(scene)
         });
-        // A result of `trace`, and its picture, keep their names.
+        // The file names differ from those written by `trace`.
         Ok((format!("{name}-sweep"), scene.map_err(|cause| self.scene.at_fault(cause))?))
     }
 
-    /// Does the sweeps, saves and draws them. Whatever was done is saved, also after an error or
-    /// Ctrl-C.
+    /// Computes, saves and draws the sweeps. Finished runs are saved also after an error or Ctrl-C.
     pub fn run(&self, from: Sources, out: &mut impl Write) -> Result<(), CommandError> {
         let (set, cancel) = (self.scene.settings.clone(), signals::token());
         let request = Request { set, cancel, ..Request::default() };
@@ -154,7 +153,7 @@ impl Sweep {
         let kept = keeper.kept.end(&sweeps, out);
         keeper.failure.map_or(Ok(()), Err)?;
         match kept {
-            // There may be too little to draw as yet.
+            // There may not be enough data to draw yet.
             Ok(()) | Err(CommandError::Figure { .. }) if interrupted() => {
                 Err(CommandError::Interrupted)
             }
@@ -163,7 +162,7 @@ impl Sweep {
     }
 }
 
-/// Traces a scene's branches, if it has some: they are drawn with the sweeps.
+/// Traces the branches of a scene, if any, to draw them together with the sweeps.
 fn trace(
     scene: Option<&Scene>,
     place: &str,
@@ -183,7 +182,7 @@ fn trace(
 }
 
 impl Merge {
-    /// Puts the parts together, traces the branches of their scene, saves and draws the whole.
+    /// Joins the parts, traces the branches of their scene, and saves and draws the result.
     pub fn run(&self, from: Sources, out: &mut impl Write) -> Result<(), CommandError> {
         let parts = self.files.iter().map(|file| Sweeps::load_within(from.limit, file));
         let whole = merge(parts.collect::<Result<Vec<_>, FileError>>()?).map_err(|cause| {
@@ -201,7 +200,7 @@ impl Merge {
             cause: Box::new(cause),
         })?;
         scene.settings.cancel = signals::token();
-        // The runs of all parts are not lost with branches that cannot be traced.
+        // The joined sweep is saved even if the branches cannot be traced.
         let (document, failure) = match trace(Some(&scene), &place, out) {
             Ok(document) => (document, None),
             Err(failure) => (None, Some(failure)),
@@ -214,27 +213,27 @@ impl Merge {
     }
 }
 
-/// The files of a whole sweep.
+/// The formats of the files of a complete sweep.
 const WHOLE: [Format; 3] = [Format::Ron, Format::Npz, Format::Svg];
 
-/// The files of a sweep: its archive, and the branches and the picture that belong to it.
+/// The files of a sweep: its archive, and the branches and picture that belong to it.
 struct Kept<'a> {
     results: &'a Results,
     document: Option<Document>,
 }
 
 impl Kept<'_> {
-    /// Saves, and says what was done and where it is.
+    /// Saves the sweeps, and prints a report and the paths of the files.
     fn end(&self, sweeps: &Sweeps, out: &mut impl Write) -> Result<(), CommandError> {
         let saved = self.results.save(self.document.as_ref(), Some(sweeps));
-        // Where all runs fail there is no picture, and this says why.
+        // The report explains a missing picture if all runs failed.
         report(sweeps, out)?;
         let files = saved?;
         Ok(files.iter().try_for_each(|path| writeln!(out, "{}", path.display()))?)
     }
 }
 
-/// Says if strands do not divide evenly into parts, and how many do.
+/// Reports an uneven division of strands into parts, and suggests an even one.
 fn divided(scene: &Scene, part: Part, out: &mut impl Write) -> Result<(), CommandError> {
     let division = scene.division(part.of);
     if division.is_even() {
@@ -244,18 +243,18 @@ fn divided(scene: &Scene, part: Part, out: &mut impl Write) -> Result<(), Comman
     let even = division.even();
     writeln!(
         out,
-        "{strands} strands do not divide evenly into {parts} parts: the largest has {largest} of {runs} runs, an even one would have {even}"
+        "{strands} strands cannot be divided evenly into {parts} parts: the largest has {largest} of {runs} runs instead of {even}"
     )?;
     if let Some((strands, largest)) = scene.better_strands(part.of) {
         writeln!(
             out,
-            "`--set strands={strands}`, for all parts, makes the largest {largest}; each strand begins at the start, so results may differ"
+            "`--set strands={strands}`, given for all parts, reduces the largest to {largest}; each strand begins at the initial state, so results may differ"
         )?;
     }
     Ok(())
 }
 
-/// A line for each sweep.
+/// Prints a line for each sweep.
 fn report(sweeps: &Sweeps, out: &mut impl Write) -> Result<(), CommandError> {
     for SweepTable { name, rows, total, .. } in &sweeps.sweeps {
         let failed = rows.values().filter(|row| row.failure.is_some()).count();
@@ -271,16 +270,16 @@ fn report(sweeps: &Sweeps, out: &mut impl Write) -> Result<(), CommandError> {
     Ok(())
 }
 
-/// Saves what is done from time to time, and shows how much that is.
+/// Saves finished runs at intervals, and shows the progress.
 struct Keeper<'a> {
-    /// The sweep that is done now.
+    /// The current sweep.
     sweep: String,
     kept: Kept<'a>,
     bar: ProgressBar,
     saved: Instant,
-    /// How long to wait at least until it is saved again …
+    /// The minimum interval between checkpoints.
     every: Duration,
-    /// … and how long it is: saving must not take a notable part of the time.
+    /// The current interval between checkpoints: at least 20 times the duration of saving.
     pause: Duration,
     failure: Option<CommandError>,
 }
@@ -298,7 +297,7 @@ impl SweepWatch for Keeper<'_> {
         let &SweepForecast { runs, periods, threads, time } = work;
         let threads = if threads == 1 { "1 thread".into() } else { format!("{threads} threads") };
         let what = format!("{runs} runs of up to {periods} periods, on {threads},");
-        let remedy = "Ctrl-C keeps what is done, and the same command goes on";
+        let remedy = "Ctrl-C keeps the finished runs, and the same command resumes";
         announce(&self.bar, &self.sweep, &what, time, remedy);
     }
 
@@ -310,7 +309,7 @@ impl SweepWatch for Keeper<'_> {
         if self.saved.elapsed() >= self.pause {
             let begin = Instant::now();
             match self.kept.results.save(self.kept.document.as_ref(), Some(known)) {
-                // There may be too little to draw as yet.
+                // There may not be enough data to draw yet.
                 Ok(_) | Err(CommandError::Figure { .. }) => {}
                 Err(error) => {
                     self.failure = Some(error);

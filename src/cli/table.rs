@@ -1,4 +1,4 @@
-//! `tangency table FILE…`: special points of many documents in one table.
+//! `tangency table FILE…`: lists the special points of many documents in one table.
 
 use super::error::CommandError;
 use super::request::kind;
@@ -12,14 +12,14 @@ use clap::Args;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// Examples in the help.
+/// The examples shown in the help of `table`.
 const EXAMPLES: &str = "Examples:
   tangency table out/lorenz.ron
   tangency table out/lorenz.ron --csv > special.csv
   tangency table out/plate-device.ron --kind LP --sensitivity
   tangency table out/plate-device/*.ron --kind LP --columns gap,voltage,error --out pull-in.csv";
 
-/// List special points of one or several documents in one table
+/// List the special points of one or several documents in one table
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Table {
@@ -30,14 +30,15 @@ pub struct Table {
     #[arg(long, value_name = "KIND,…", value_delimiter = ',', value_parser = kind)]
     kind: Vec<Kind>,
     /// The columns: settings, parameters, monitors, file, branch, label, kind, error, unstable,
-    /// converged, multiplicity [default: the settings in which the documents differ, and what varies]
+    /// converged, multiplicity [default: the parameters that vary, and the settings in which the
+    /// documents differ]
     #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
     columns: Vec<String>,
-    /// Add the derivatives of each special point's location by all other parameters, such as
-    /// dvoltage/dgap
+    /// Add the derivatives of each special point's location with respect to all other parameters,
+    /// such as dvoltage/dgap
     #[arg(long)]
     sensitivity: bool,
-    /// Print comma-separated values, with all columns unless --columns names some
+    /// Print comma-separated values, with all columns unless --columns is given
     #[arg(long, conflicts_with = "out")]
     csv: bool,
     /// The separator, such as ; or tab [default: a comma]

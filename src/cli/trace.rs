@@ -1,4 +1,4 @@
-//! `tangency trace SCENE`: traces a scene, saves its branches, draws them.
+//! `tangency trace SCENE`: traces a scene, and saves and draws its branches.
 
 use super::compare::check;
 use super::error::CommandError;
@@ -19,7 +19,7 @@ use clap::Args;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// Examples in the help.
+/// The examples shown in the help of `trace`.
 const EXAMPLES: &str = "Examples:
   tangency trace lorenz
   tangency trace model.ron --along r=0..30 --switch all
@@ -43,7 +43,7 @@ pub struct Trace {
     /// picture
     #[arg(long)]
     regions: bool,
-    /// End with exit code 3 if a special point has not converged, or a branch ends unexpectedly
+    /// Exit with code 3 if a special point has not converged, or a branch ends unexpectedly
     #[arg(long)]
     strict: bool,
     #[command(flatten)]
@@ -52,14 +52,14 @@ pub struct Trace {
     telling: Telling,
 }
 
-/// Print the scene that a command amounts to, to be edited
+/// Print the scene file equivalent to a `trace` command, ready to edit
 #[derive(Debug, Args)]
 pub struct Show {
     #[command(flatten)]
     wanted: Wanted,
 }
 
-/// A scene with a request to it.
+/// A scene and the request applied to it.
 #[derive(Debug, Args)]
 struct Wanted {
     #[command(flatten)]
@@ -74,19 +74,20 @@ struct Wanted {
     request: RequestArgs,
 }
 
-/// Where `--start` begins.
+/// The argument of `--start`.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Begin {
-    /// In states by name.
+    /// Start in states given by name.
     In(Vec<(String, f64)>),
-    /// At a special point.
+    /// Start at a special point.
     At(Start),
-    /// At all solutions in a box.
+    /// Start at all solutions in a box.
     Everywhere,
 }
 
 impl Trace {
-    /// Traces the scene. Whatever was traced is saved and drawn, also after an error or Ctrl-C.
+    /// Traces the scene. Finished parts of branches are saved and drawn also after an error or
+    /// Ctrl-C.
     pub fn run(&self, from: Sources, out: &mut impl Write) -> Result<(), CommandError> {
         let Wanted { scene: at, request, .. } = &self.wanted;
         if self.wanted.start_point().is_some() && request.switch.is_some() {
@@ -124,11 +125,11 @@ impl Trace {
             true => Ok(()),
             false => save(&results, &outcome.document, &said, told),
         };
-        // What stopped the scene explains what cannot be saved or drawn, not the other way round.
+        // The error of the scene takes precedence over errors in saving or drawing.
         match outcome.error {
             Some(cause) => return Err(at.stopped(cause)),
             None => match saved {
-                // A figure of branches that were not reached cannot be drawn.
+                // After an interruption, the figure may refer to branches that were not computed.
                 Err(CommandError::Figure { .. }) if matches!(watched, Ok(true)) => {}
                 saved => saved?,
             },
@@ -159,7 +160,7 @@ impl Trace {
         if let Some((option, _)) = options.into_iter().find(|(_, given)| *given) {
             return Err(CommandError::NotInGrid(option));
         }
-        // Files are read once: all designs are made of the same statement.
+        // Files are read once: all designs share the same statement.
         let (name, stated) = at.stated(from)?;
         let stated = stated.map_err(|cause| at.at_fault(cause))?;
         let read = |design: &Design| {
@@ -177,7 +178,8 @@ impl Trace {
             })
         };
         let designs = self.grid.designs()?;
-        // What is wrong with one design mostly is with all.
+        // Most errors of a single design occur in all designs, so the first design is checked
+        // early.
         let first = read(&designs[0])?;
         let statement = match &stated {
             Stated::Model(problem) => problem.equations(),
@@ -197,13 +199,13 @@ impl Trace {
         self.doubt(self.grid.run(traced, trace, told)?)
     }
 
-    /// Fails for doubts, if the command is strict.
+    /// Fails if there are doubtful results and `--strict` is given.
     fn doubt(&self, doubts: Vec<String>) -> Result<(), CommandError> {
         if self.strict && !doubts.is_empty() { Err(CommandError::Doubts(doubts)) } else { Ok(()) }
     }
 
-    /// The results must not replace the scene's file, the document that is started from, or the
-    /// reference.
+    /// Returns the input files, which results must not replace: the scene, the start document and
+    /// the reference.
     fn inputs<'a>(&'a self, scene: &'a Scene) -> Vec<&'a Path> {
         let start = self.wanted.start_point().map(|start| start.file.as_path());
         self.wanted.scene.inputs(scene).chain(start).chain(self.check.as_deref()).collect()
@@ -211,13 +213,13 @@ impl Trace {
 }
 
 impl Wanted {
-    /// The name of the results, and the scene.
+    /// Returns the name of the results, and the scene.
     fn read(&self, from: Sources) -> Result<(String, Scene), CommandError> {
         let (request, purpose) = self.request(&[])?;
         self.scene.read(from, &request, purpose)
     }
 
-    /// The request with further settings.
+    /// Returns the request with the additional settings of a design.
     fn request(&self, design: &[(String, String)]) -> Result<(Request, Purpose), CommandError> {
         let state = match &self.start {
             Some(Begin::In(state)) => &state[..],
@@ -237,12 +239,12 @@ impl Wanted {
         Ok((Request { within, restarts, ..request }, purpose))
     }
 
-    /// Whether branches begin at all solutions in a box.
+    /// Returns whether branches start at all solutions in a box.
     fn begins_everywhere(&self) -> bool {
         self.start == Some(Begin::Everywhere)
     }
 
-    /// The special point to start from.
+    /// Returns the special point to start from.
     fn start_point(&self) -> Option<&Start> {
         match &self.start {
             Some(Begin::At(start)) => Some(start),
@@ -251,8 +253,8 @@ impl Wanted {
     }
 }
 
-/// Saves and draws what was traced, and says how each branch ended. Warnings that were given before
-/// are not repeated.
+/// Saves and draws the branches, and prints how each branch ended. Warnings that were already
+/// printed are not repeated.
 fn save(
     results: &Results,
     document: &Document,
@@ -270,13 +272,16 @@ fn save(
     }
     let Work { evaluations, time } = work();
     if evaluations > 0 {
-        writeln!(out, "flows: {evaluations} evaluations of the field, a time of {time:.1}")?;
+        writeln!(
+            out,
+            "flows: {evaluations} evaluations of the vector field, {time:.1} time units integrated"
+        )?;
     }
     Ok(files.iter().try_for_each(|path| writeln!(out, "{}", path.display()))?)
 }
 
 impl Show {
-    /// Writes the scene; with `--switch` or `--start all`, after tracing it.
+    /// Prints the scene; with `--switch` or `--start all`, the scene is traced first.
     pub fn run(&self, from: Sources, out: &mut impl Write) -> Result<(), CommandError> {
         let Wanted { scene: at, request, .. } = &self.wanted;
         let everywhere = self.wanted.begins_everywhere();
@@ -298,7 +303,8 @@ impl Show {
 }
 
 impl Start {
-    /// The point, at which some values are changed, and the kind of the curve that starts there.
+    /// Returns the start point with some changed values, and the kind of the curve that starts
+    /// there.
     pub(super) fn point(
         &self,
         limit: SizeLimit,
@@ -314,18 +320,18 @@ impl Start {
     }
 }
 
-/// `FILE:LABEL` or `FILE:BRANCH/LABEL`: where `--start` begins.
+/// A special point of a document, `FILE:LABEL` or `FILE:BRANCH/LABEL`, to start from.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Start {
-    /// The document.
+    /// The file of the document.
     pub file: PathBuf,
-    /// The branch; not needed where only one has the label.
+    /// The branch; may be omitted if the label is unique in the document.
     pub branch: Option<String>,
     /// The label of the special point.
     pub label: usize,
 }
 
-/// `NAME=VALUE,…`, or a special point: names of branches may hold equals signs, too.
+/// Parses `NAME=VALUE,…`, a special point or `all`. Names of branches may contain equals signs.
 pub(super) fn start(text: &str) -> Result<Begin, String> {
     let of_file = of_file(text).and_then(|(file, point)| at(file, point));
     match of_file {
@@ -336,7 +342,7 @@ pub(super) fn start(text: &str) -> Result<Begin, String> {
     }
 }
 
-/// `NAME=VALUE,…`.
+/// Parses `NAME=VALUE,…`.
 pub(super) fn states(text: &str) -> Result<Vec<(String, f64)>, String> {
     let mut depth = 0;
     // Commas within brackets belong to functions and to elements of arrays.
@@ -351,14 +357,13 @@ pub(super) fn states(text: &str) -> Result<Vec<(String, f64)>, String> {
     parts.map(one).collect()
 }
 
-/// The file and the point in `FILE:POINT`, if the file exists: names of files and branches may hold
-/// colons.
+/// Splits `FILE:POINT` if the file exists: names of files and branches may contain colons.
 fn of_file(text: &str) -> Option<(&str, &str)> {
     let mut parts = text.match_indices(':').map(|(at, _)| (&text[..at], &text[at + 1..]));
     parts.find(|(file, _)| Path::new(file).is_file())
 }
 
-/// `LABEL` or `BRANCH/LABEL` of a file. The slash is the last one.
+/// Parses `LABEL` or `BRANCH/LABEL` of a file. The last slash separates branch and label.
 fn at(file: &str, point: &str) -> Option<Start> {
     let (branch, label) = match point.rsplit_once('/') {
         Some((branch, label)) => (Some(branch), label),

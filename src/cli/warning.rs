@@ -3,7 +3,7 @@
 use crate::output::printable;
 use std::io::Write;
 
-/// Prints a warning. Nobody may read the error stream: that ends no work.
+/// Prints a warning. Errors in writing the warning are ignored.
 pub fn warn(what: &str) {
     let _ = writeln!(std::io::stderr(), "warning: {}", printable(what));
 }

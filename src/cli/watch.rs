@@ -1,4 +1,4 @@
-//! Watching a trace: lines of special points, a progress bar on a terminal, signals.
+//! Progress of a trace: prints special points, and shows a progress bar on a terminal.
 
 use super::error::CommandError;
 use super::signals::interrupted;
@@ -12,7 +12,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{IsTerminal, Write};
 use std::time::Duration;
 
-/// A progress bar, if the error stream is a terminal.
+/// Returns a progress bar, visible if the error stream is a terminal.
 pub fn bar() -> ProgressBar {
     let bar = match std::io::stderr().is_terminal() {
         true => ProgressBar::new_spinner(),
@@ -25,12 +25,12 @@ pub fn bar() -> ProgressBar {
     bar
 }
 
-/// Work is announced that may take this long.
+/// The minimum estimated duration of a computation that is announced.
 const LONG: Duration = Duration::from_secs(60);
-/// The minutes of a year.
+/// The number of minutes in a year.
 const YEAR: u64 = 365 * 24 * 60;
 
-/// Says of what may take long how long that is.
+/// Announces a computation that may take long, with its estimated duration.
 pub fn announce(bar: &ProgressBar, name: &str, what: &str, longest: Duration, remedy: &str) {
     if longest < LONG {
         return;
@@ -46,7 +46,7 @@ pub fn announce(bar: &ProgressBar, name: &str, what: &str, longest: Duration, re
     bar.suspend(|| warn(&warning));
 }
 
-/// How much a trace tells.
+/// The options that control the printed output of a trace.
 #[derive(Clone, Copy, Debug, Args)]
 pub struct Telling {
     /// Print warnings and errors only
@@ -55,16 +55,16 @@ pub struct Telling {
     /// Print all points, not only the special ones
     #[arg(short, long)]
     pub verbose: bool,
-    /// Print all columns, whether the terminal is as wide or not
+    /// Print all columns, even if they are wider than the terminal
     #[arg(long)]
     pub wide: bool,
 }
 
 impl Telling {
-    /// All columns of special points.
+    /// The default for other commands: special points with all columns.
     pub const USUAL: Telling = Telling { quiet: false, verbose: false, wide: true };
 
-    /// The width of the terminal in letters; `None` where everything is printed.
+    /// Returns the width of the terminal in letters, or `None` if all columns are printed.
     fn width(self) -> Option<usize> {
         let size = Term::stdout().size_checked().filter(|_| !self.wide);
         size.map(|(_, columns)| usize::from(columns))
@@ -83,15 +83,16 @@ pub struct Watch<'a, W: Write + ?Sized> {
 }
 
 impl<'a, W: Write + ?Sized> Watch<'a, W> {
-    /// Prints to `out`; shows a progress bar if the error stream is a terminal.
+    /// Creates a watch that prints to `out`, and shows a progress bar if the error stream is a
+    /// terminal.
     pub fn new(out: &'a mut W, telling: Telling) -> Self {
         Watch { out, telling, screen: None, bar: bar(), points: 0, shown: true, failure: None }
     }
 
-    /// Ends the watch: whether a signal asked for the end.
+    /// Ends the watch, and returns whether a signal was received.
     ///
     /// # Errors
-    /// [`CommandError::Output`] if the standard output could not be written to.
+    /// [`CommandError::Output`] if the standard output cannot be written to.
     pub fn finish(self) -> Result<bool, CommandError> {
         self.bar.finish_and_clear();
         self.failure.map_or(Ok(interrupted()), |failure| Err(failure.into()))
@@ -135,7 +136,7 @@ impl<W: Write + ?Sized> Observer for Watch<'_, W> {
 
 impl<W: Write + ?Sized> SceneObserver for Watch<'_, W> {
     fn work(&mut self, run: &str, what: &str, longest: Duration) {
-        announce(&self.bar, run, what, longest, "Ctrl-C keeps what is done");
+        announce(&self.bar, run, what, longest, "Ctrl-C keeps the results computed so far");
     }
 
     fn run(&mut self, _run: &str, shown: bool) {

@@ -1,13 +1,13 @@
-//! Values that are sums of multiples of states and of time.
+//! Affine values: linear combinations of states and time plus a constant.
 
 use super::assembly::{Assembly, Value};
 use super::operation::Operation;
 use std::collections::BTreeMap;
 
-/// A slope is zero below this part of the others.
+/// The relative size below which a slope counts as zero.
 const ROUNDING: f64 = 1e-12;
 
-/// A constant with multiples of states and of time.
+/// A constant plus multiples of states and of time.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Affine {
     pub constant: f64,
@@ -27,7 +27,7 @@ impl Affine {
         self.slopes.is_empty()
     }
 
-    /// The sum with a multiple of another one.
+    /// Adds a multiple of another affine value.
     pub fn plus(mut self, factor: f64, other: &Affine) -> Self {
         self.constant += factor * other.constant;
         for (input, slope) in &other.slopes {
@@ -45,7 +45,7 @@ impl Affine {
         Affine::default().plus(factor, self)
     }
 
-    /// It after inputs have got other values, if these are affine, too.
+    /// Substitutes new values for inputs, if these are affine, too.
     pub fn after<'a>(&self, value: impl Fn(Value) -> Option<&'a Affine>) -> Option<Self> {
         let begin = Some(Affine::number(self.constant));
         self.slopes
@@ -53,8 +53,8 @@ impl Affine {
             .fold(begin, |sum, (input, slope)| Some(sum?.plus(*slope, value(*input)?)))
     }
 
-    /// How many times it contains another one, and what is left, in which an input of the other one
-    /// does not occur.
+    /// Divides by another affine value: returns the multiple and the remainder, which lacks an
+    /// input of the divisor.
     pub fn without(self, other: &Affine) -> (f64, Self) {
         let largest = other.slopes.iter().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
         let Some((input, slope)) = largest else { return (0.0, self) };
@@ -64,7 +64,8 @@ impl Affine {
 }
 
 impl Assembly {
-    /// The affine form of values for some parameters, `None` where there is none.
+    /// Returns the affine forms of values for given parameters, `None` for values that are not
+    /// affine.
     pub fn affine(&self, values: &[Value], p: &[f64]) -> Vec<Option<Affine>> {
         let needed = self.needed(values);
         let mut forms: Vec<Option<Affine>> = Vec::with_capacity(self.applied.len());
@@ -83,7 +84,7 @@ impl Assembly {
     }
 }
 
-/// An operation on affine values.
+/// Applies an operation to affine values.
 fn applied(operation: Operation, given: &[Affine]) -> Option<Affine> {
     use Operation::*;
     match (operation, given) {

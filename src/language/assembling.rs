@@ -1,4 +1,4 @@
-//! Formulas as operations: what their names mean is looked up, functions and sums are written out.
+//! Assembly of formulas into operations: resolves names, and inlines functions and sums.
 
 use super::assembly::{Assembly, Origin, Undefined, Value};
 use super::calls::Called;
@@ -13,37 +13,37 @@ use std::fmt::Write;
 use std::ops::{Deref, Range};
 use std::sync::Arc;
 
-/// The most values that are computed while formulas are put together: of any model, and for each
-/// state of a large one.
+/// The maximum number of values computed while assembling formulas: of any model, and per state of
+/// a large model.
 const WORK: [usize; 2] = [2_000_000, 150];
-/// The most operations of a tape: of any model, and for each state of a large one.
+/// The maximum number of operations of a tape: of any model, and per state of a large model.
 const OPERATIONS: [usize; 2] = [300_000, 30];
-/// (H) After this number of definitions with an error, the other elements of an array have the same
-/// error.
+/// (H) After this number of definitions with an error, the remaining elements of an array get the
+/// same error.
 const ERRORS: usize = 100;
-/// (H) A phrase is not kept again if it is among this number of phrases read last.
+/// (H) A phrase is not stored again if it is among this number of most recent phrases.
 const RECENT: usize = 8;
-/// How deep sums and functions may be in each other.
+/// The maximum nesting depth of sums and functions.
 const NESTED: usize = 300;
-/// How deep functions may call each other.
+/// The maximum depth of calls between functions.
 const CALLS: usize = 100;
 
-/// Formulas of a scope that become one tape.
+/// Formulas of a scope that are assembled into one tape.
 pub(super) struct Assembling<'s> {
     scope: &'s Scope,
     assembly: Assembly,
-    /// The values of the first definitions in their order, or why there is none.
+    /// The values, or errors, of the definitions assembled so far, in order.
     defined: Vec<Result<Value, ModelError>>,
-    /// Whether the next definition is being put together.
+    /// Whether the next definition is being assembled.
     defining: bool,
-    /// Names that have values here only, and from where on they are seen.
+    /// Local names, with the position from which they are visible.
     locals: Vec<(Arc<str>, Value)>,
     frame: usize,
     calls: Vec<String>,
     depth: usize,
     work: usize,
     phrases: Vec<Phrase>,
-    /// Whether states stand for values at ends, `x(0)` and `x(1)`.
+    /// Whether states denote values at the ends, `x(0)` and `x(1)`.
     at_ends: bool,
 }
 
@@ -68,22 +68,22 @@ impl<'s> Assembling<'s> {
         }
     }
 
-    /// Formulas in the states at two ends.
+    /// Starts formulas in the states at both ends.
     pub fn at_ends(scope: &'s Scope) -> Self {
         Self::with(scope, true)
     }
 
-    /// The operations so far.
+    /// Returns the operations so far.
     pub fn assembly(&self) -> &Assembly {
         &self.assembly
     }
 
-    /// Whether one of some values depends on an input of some sort.
+    /// Returns whether one of the given values depends on an input that satisfies a predicate.
     pub fn depends(&self, values: &[Value], sort: impl Fn(Value) -> bool) -> bool {
         self.assembly.depends(values, sort)
     }
 
-    /// The value of a formula.
+    /// Returns the value of a formula.
     pub fn formula(&mut self, formula: &Formula) -> Result<Value, ModelError> {
         let first = self.phrases.len().saturating_sub(RECENT);
         let known = self.phrases[first..].iter().position(|known| known.is(&formula.phrase));
@@ -94,7 +94,7 @@ impl<'s> Assembling<'s> {
         self.nodes(&formula.nodes, phrase)
     }
 
-    /// The values of a formula for some elements.
+    /// Returns the values of a formula for some elements.
     pub fn of_elements(
         &mut self,
         formula: &Formula,
@@ -103,7 +103,7 @@ impl<'s> Assembling<'s> {
         elements.values().map(|at| self.indexed(formula, &at)).collect()
     }
 
-    /// The value of a formula at indices.
+    /// Returns the value of a formula for given indices.
     pub fn indexed(&mut self, formula: &Formula, at: &Indices) -> Result<Value, ModelError> {
         let depth = self.locals.len();
         self.locals.extend(at.iter().map(|(name, value)| (name.clone(), Value::number(*value))));
@@ -112,31 +112,31 @@ impl<'s> Assembling<'s> {
         value
     }
 
-    /// Reads a formula, and gives its value.
+    /// Parses a formula, and returns its value.
     pub fn read(&mut self, phrase: &Phrase) -> Result<Value, ModelError> {
         self.formula(&Formula::read(&self.scope.source, phrase)?)
     }
 
-    /// The error of the first definition or function that has one.
+    /// Returns the first error of a definition or function.
     pub fn check_named(&mut self) -> Result<(), ModelError> {
         self.errors_of_named().into_iter().flatten().next().map_or(Ok(()), Err)
     }
 
-    /// The errors of all definitions and functions, `None` where one has none. What a function
-    /// calls is known only where it is called itself: its names are checked here.
+    /// Returns the errors of all definitions and functions, `None` for valid ones. The calls in a
+    /// function are resolved only where the function is called; its names are checked here.
     pub fn errors_of_named(&mut self) -> Vec<Option<ModelError>> {
         self.define_all();
         let definitions = self.defined.iter().map(|value| value.clone().err());
         definitions.chain(self.scope.errors_of_functions()).collect()
     }
 
-    /// Puts all definitions together.
+    /// Assembles all definitions.
     pub fn define_all(&mut self) {
         self.define(self.scope.definitions.len());
     }
 
-    /// Puts the first definitions together. Where many elements of an array have none of the
-    /// names, the others have the same error.
+    /// Assembles the first definitions. If many elements of an array use an unknown name, the
+    /// remaining elements get the same error.
     fn define(&mut self, count: usize) {
         let (depth, frame) = (std::mem::take(&mut self.depth), self.frame);
         let calls = std::mem::take(&mut self.calls);
@@ -161,12 +161,12 @@ impl<'s> Assembling<'s> {
         (self.depth, self.frame, self.calls) = (depth, frame, calls);
     }
 
-    /// The tape of some values.
+    /// Returns the tape of some values.
     pub fn tape(&self, results: &[Value]) -> Tape {
         Layout::of(&self.assembly, results).tape(results)
     }
 
-    /// The program of some values, which is kept.
+    /// Returns the program of some values.
     pub fn program(mut self, results: Vec<Value>) -> Program {
         let tape = self.tape(&results);
         self.assembly.complete();
@@ -194,7 +194,7 @@ impl<'s> Assembling<'s> {
         Ok(stack.pop().unwrap_or(Value::number(0.0)))
     }
 
-    /// The value of a step.
+    /// Returns the value of a step.
     fn step(
         &mut self,
         step: &Step,
@@ -216,7 +216,7 @@ impl<'s> Assembling<'s> {
         }
     }
 
-    /// The name of an element of an array.
+    /// Returns the name of an element of an array.
     fn element(
         &self,
         array: &str,
@@ -226,7 +226,7 @@ impl<'s> Assembling<'s> {
         let mut element = format!("{array}[");
         for (k, index) in indices.iter().enumerate() {
             let index = self.integer(*index, "the index", origin)?;
-            // Writing into a text cannot fail.
+            // Writing into a string cannot fail.
             let _ = write!(element, "{}{index}", if k > 0 { "," } else { "" });
         }
         Ok(element + "]")
@@ -237,7 +237,7 @@ impl<'s> Assembling<'s> {
         let limits = [
             (self.work, most(WORK), "steps to put a formula together"),
             (self.assembly.len(), most(OPERATIONS), "operations in a model"),
-            (self.depth, NESTED, "sums and functions in each other"),
+            (self.depth, NESTED, "nested sums and functions"),
         ];
         match limits.into_iter().find(|(count, limit, _)| count > limit) {
             Some((_, limit, what)) => Err(self.fault(origin, Fault::TooLarge { what, limit })),
@@ -294,12 +294,11 @@ impl<'s> Assembling<'s> {
         if !self.defining {
             self.define((k + 1).max(self.defined.len()));
         }
-        // It may be put together just now, or later.
+        // The definition may be under assembly, or follow later.
         self.defined.get(k).cloned().unwrap_or_else(|| {
             let by = &self.scope.definitions[self.defined.len()].element.name;
-            let through = format!(
-                "`{by}` may use the definitions before it, and `{name}` is not one of them"
-            );
+            let through =
+                format!("`{by}` may use only the definitions before it, and `{name}` comes later");
             Err(self.fault(origin, Fault::Circular { name: name.into(), through }))
         })
     }
@@ -322,7 +321,7 @@ impl<'s> Assembling<'s> {
                 }
                 self.inlined(function, own, arguments)
             }
-            // Of many the least and the largest are those of the first and of the others.
+            // The minimum and maximum of several values are reduced pair by pair.
             Called::BuiltIn(operation @ (Operation::Minimum | Operation::Maximum)) => {
                 let mut others = arguments[1..].iter();
                 let apply = |a, b: &Value| self.assembly.apply(operation, &[a, *b], origin);
@@ -336,7 +335,7 @@ impl<'s> Assembling<'s> {
         }
     }
 
-    /// The value of a state at an end: those at the end stand behind those at the beginning.
+    /// Returns the value of a state at an end. States at the end follow those at the beginning.
     fn at_end(
         &self,
         name: &str,
@@ -351,13 +350,13 @@ impl<'s> Assembling<'s> {
         }
     }
 
-    /// The error of a state without its end.
+    /// Returns the error of a state without its end.
     fn needs_end(&self, name: &str, origin: &Origin) -> ModelError {
         let expected = format!("`{name}(0)` at the beginning or `{name}(1)` at the end");
         self.fault(origin, Fault::Syntax { expected })
     }
 
-    /// The value of a function of the model's own.
+    /// Returns the value of a function defined in the model.
     fn inlined(
         &mut self,
         name: &str,
@@ -407,7 +406,7 @@ impl<'s> Assembling<'s> {
     }
 }
 
-/// Formulas that have been understood: how they are evaluated, and where their operations stand.
+/// Assembled formulas: their tape, and the positions of their operations in the text.
 #[derive(Clone, Debug)]
 pub(super) struct Program {
     tape: Tape,
@@ -425,7 +424,7 @@ impl Deref for Program {
 }
 
 impl Program {
-    /// The error of the first value that is not finite at `(t, x, p)`, if there is one.
+    /// Returns the error of the first value that is not finite at `(t, x, p)`, if any.
     pub fn undefined(
         &self,
         source: &Source,
@@ -448,7 +447,7 @@ impl Program {
     }
 }
 
-/// What a name of a statement stands for: itself, or elements of an array.
+/// Returns the elements that a name in a statement denotes: a scalar, or elements of an array.
 pub(super) fn elements(scope: &Scope, phrase: &Phrase) -> Result<Elements, ModelError> {
     let Declared { name, indices } = Declared::read(&scope.source, phrase)?;
     if indices.is_empty() {
@@ -490,7 +489,7 @@ pub(super) fn elements(scope: &Scope, phrase: &Phrase) -> Result<Elements, Model
 /// The largest index.
 const LARGEST: f64 = 1e9;
 
-/// The value of an index, which must not depend on anything.
+/// Returns the value of an index, which must be constant.
 fn integer_in(
     scope: &Scope,
     value: Value,

@@ -1,11 +1,12 @@
-//! Tapes from operations: equal parts are found, constants computed, and registers shared.
+//! Construction of tapes from operations: merges common subexpressions, folds constants, and shares
+//! registers.
 
 use super::operation::Operation;
 use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
 use std::ops::Range;
 
-/// A value in a formula: a number, an input, or what an earlier operation gave.
+/// A value in a formula: a number, an input, or the result of an earlier operation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub(super) enum Value {
     /// The bits of a number.
@@ -22,7 +23,7 @@ impl Value {
         Value::Number(value.to_bits())
     }
 
-    /// Its position, if it is a parameter.
+    /// Returns the position of a parameter, or `None` for other values.
     pub fn as_parameter(self) -> Option<u32> {
         match self {
             Value::Parameter(k) => Some(k),
@@ -34,7 +35,7 @@ impl Value {
         self.as_parameter().is_some()
     }
 
-    /// Whether it is the parameter at this position.
+    /// Returns whether the value is the parameter at the given position.
     pub fn is_at(self, parameter: usize) -> bool {
         self == Value::Parameter(parameter as u32)
     }
@@ -47,33 +48,35 @@ impl Value {
     }
 }
 
-/// Where an operation stands: a phrase, by its position among all that were read, and a part of it.
+/// The place of an operation in the text: a phrase, by its position among all parsed phrases, and a
+/// part of the phrase.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct Origin {
     pub phrase: usize,
     pub part: Range<usize>,
 }
 
-/// An operation with its arguments; those that it has not are the first one.
+/// An operation with its arguments; unused arguments repeat the first one.
 pub(super) type Applied = (Operation, [Value; 3]);
 
-/// Operations, each of which is there once.
+/// Operations without duplicates.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Assembly {
     pub applied: Vec<Applied>,
     origins: Vec<Origin>,
     known: HashMap<Key, u32, BuildHasherDefault<Mixer>>,
-    /// Numbers in the order in which they occurred.
+    /// The numbers in order of occurrence.
     numbers: HashMap<u64, u32, BuildHasherDefault<Mixer>>,
 }
 
-/// An operation with its arguments in 32 bits each: a large model has millions.
+/// An operation with its arguments in 32 bits each, to save memory in models with millions of
+/// operations.
 type Key = (u64, u64);
 
-/// A position that no value has: models are smaller.
+/// A position beyond the size of any model.
 const NOWHERE: u32 = u32::MAX >> 2;
 
-/// A fast hash. Its keys are positions, so nobody can choose keys that collide.
+/// A fast hash. The keys are positions, so attackers cannot choose colliding keys.
 #[derive(Default)]
 struct Mixer(u64);
 
@@ -92,12 +95,12 @@ impl Hasher for Mixer {
 }
 
 impl Assembly {
-    /// How many operations there are.
+    /// Returns the number of operations.
     pub fn len(&self) -> usize {
         self.applied.len()
     }
 
-    /// An operation on one to three values.
+    /// Adds an operation on one to three values, and returns its result.
     pub fn apply(&mut self, operation: Operation, given: &[Value], origin: &Origin) -> Value {
         use Operation::*;
         let arguments = std::array::from_fn(|k| given.get(k).copied().unwrap_or(given[0]));
@@ -105,7 +108,8 @@ impl Assembly {
         let numbers = arguments.map(Value::as_number);
         if let [Some(x), Some(y), Some(z)] = numbers {
             let value = operation.of(&x, &y, &z);
-            // What is not finite keeps its place in the text.
+            // Values that are not finite are not folded, so that errors can show their place in the
+            // text.
             if f64::is_finite(value) {
                 return Value::number(value);
             }
@@ -123,7 +127,7 @@ impl Assembly {
                     return self.once((simple, [a, a, a]), origin);
                 }
             }
-            // The reciprocal is exact, and products are faster.
+            // The reciprocal is exact, and a product is faster than a quotient.
             (Divide, [_, Some(n), _]) if is_power_of_two(n) => {
                 return self.apply(Multiply, &[a, Value::number(n.recip())], origin);
             }
@@ -148,18 +152,18 @@ impl Assembly {
         Value::Result(position)
     }
 
-    /// The position of an operation, if it is there.
+    /// Returns the position of an operation, if present.
     pub fn position(&self, applied: &Applied) -> Option<u32> {
         let number = |bits: u64| self.numbers.get(&bits).copied().unwrap_or(NOWHERE);
         self.known.get(&key(applied, number)).copied()
     }
 
-    /// Drops the tables that only serve to add operations.
+    /// Drops the tables that are only needed to add operations.
     pub fn complete(&mut self) {
         (self.known, self.numbers) = Default::default();
     }
 
-    /// Whether one of some values depends on an input of some sort.
+    /// Returns whether one of the given values depends on an input that satisfies a predicate.
     pub fn depends(&self, values: &[Value], sort: impl Fn(Value) -> bool) -> bool {
         let needed = self.needed(values);
         let operations = self.applied.iter().zip(needed).filter(|(_, needed)| *needed);
@@ -168,8 +172,8 @@ impl Assembly {
         inputs.chain(values).any(|value| input(value) && sort(*value))
     }
 
-    /// All values in real numbers: the operation that first gives one that is not finite, with its
-    /// arguments, among those that some results need.
+    /// Evaluates in real numbers the operations needed for some results, and returns the first
+    /// operation whose value is not finite, with its arguments.
     pub fn undefined(&self, results: &[Value], t: f64, x: &[f64], p: &[f64]) -> Option<Undefined> {
         let needed = self.needed(results);
         let mut values: Vec<f64> = Vec::with_capacity(self.applied.len());
@@ -198,7 +202,7 @@ impl Assembly {
         None
     }
 
-    /// Which operations some results need.
+    /// Returns the operations needed for some results.
     pub fn needed(&self, results: &[Value]) -> Vec<bool> {
         let mut needed = vec![false; self.applied.len()];
         let mut mark = |value: &Value| {
@@ -221,7 +225,7 @@ impl Assembly {
     }
 }
 
-/// The key of an operation. `number` gives the position of a number among all numbers.
+/// Returns the key of an operation. `number` returns the position of a number among all numbers.
 fn key((operation, arguments): &Applied, mut number: impl FnMut(u64) -> u32) -> Key {
     let [a, b, c] = arguments.map(|value| {
         let [sort, position] = match value {
@@ -241,7 +245,7 @@ fn is_power_of_two(n: f64) -> bool {
     n.is_normal() && inverse.is_normal() && n.to_bits().trailing_zeros() >= 52
 }
 
-/// An operation that gives no finite number.
+/// An operation whose result is not finite.
 pub(super) struct Undefined {
     pub operation: Operation,
     pub arguments: Vec<f64>,

@@ -1,4 +1,4 @@
-//! What all models have: parameters, definitions, functions and monitors.
+//! The common part of all models: parameters, definitions, functions and monitors.
 
 use super::assembling::{Assembling, Program, elements};
 use super::assembly::Value;
@@ -15,32 +15,32 @@ use crate::core::scalar::Scalar;
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 
-/// What all models have, whatever their kind.
+/// The parts that models of all kinds have.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Basis {
     pub source: Source,
     pub parameters: Vec<String>,
-    /// Values of the first parameters, which have them.
+    /// The default values of the first parameters; the others have none.
     pub defaults: Vec<f64>,
-    /// The states in which motion begins, or the unknowns.
+    /// The states of the initial mode, or the unknowns.
     pub states: Vec<String>,
-    /// The states by their names: an array of them is one group.
+    /// The states by name: an array of states is one group.
     pub groups: Vec<Group>,
-    /// The states whose values are stated, where motion and branches begin, and their values.
+    /// The states with stated initial values, and the formulas of these values.
     pub initial: (Vec<String>, Tape),
     /// Parameters that no formula uses.
     pub unused: Vec<String>,
-    /// Definitions with the lines in which they stand.
+    /// Definitions with their lines in the text.
     pub definitions: Vec<(String, String)>,
     /// Monitors, with a formula in each mode.
     pub monitors: Vec<(String, Vec<Tape>)>,
-    /// What is recorded of motion by default.
+    /// The measures recorded during motion by default.
     pub measures: Vec<(String, Measure)>,
     /// The period of a forcing, or the length of an interval.
     pub duration: Duration,
-    /// Whether time occurs though no period is stated.
+    /// Whether time occurs without a stated period.
     pub aperiodic: bool,
-    /// Typical sizes of states in their order; none if none is stated.
+    /// Typical sizes of states in their order; empty if none is stated.
     pub sizes: Vec<f64>,
     /// Typical sizes of all states and of time.
     pub scales: Scales,
@@ -48,31 +48,31 @@ pub(super) struct Basis {
     pub labels: Vec<(String, String)>,
 }
 
-/// What a problem that is given as text answers beside what the core asks.
+/// The interface of problems given as text, beyond the interface of the core.
 pub(super) trait Kind {
     fn basis(&self) -> &Basis;
 
-    /// The formula that has no finite value at `(0, x, p)`, if one has none.
+    /// Returns the error of the first formula without a finite value at `(0, x, p)`, if any.
     fn undefined(&self, _x: &[f64], _p: &[f64]) -> Option<ModelError> {
         None
     }
 
-    /// Where motion begins; of boundary-value problems, where branches begin at a time in units of
-    /// the length.
+    /// Returns the initial states of motion; for boundary-value problems, the initial profiles at a
+    /// time in units of the length.
     fn initial_along(&self, _tau: f64, p: &[f64]) -> Vec<(String, f64)> {
         self.basis().initial_at(0.0, p)
     }
 
-    /// The guards that jump.
+    /// Returns the discontinuous guards.
     fn jumping_guards(&self) -> Vec<&str> {
         Vec::new()
     }
 }
 
-/// The value of a formula without names, as of a number: `8/3`, `2*pi`.
+/// Evaluates a formula without names, such as `8/3` or `2*pi`.
 ///
 /// # Errors
-/// [`ModelError`] if it is none.
+/// [`ModelError`] for an invalid formula.
 ///
 /// ```
 /// use tangency::language::number;
@@ -85,7 +85,7 @@ pub fn number(text: &str) -> Result<f64, ModelError> {
     constant(&Scope::new(source.clone()), &source.phrase(0..text.len()))
 }
 
-/// The value of a formula that must not depend on states, parameters or time.
+/// Evaluates a formula that must not depend on states, parameters or time.
 pub(super) fn constant(scope: &Scope, phrase: &Phrase) -> Result<f64, ModelError> {
     let value = Assembling::new(scope).read(phrase)?;
     value.as_number().filter(|value| value.is_finite()).ok_or_else(|| {
@@ -96,7 +96,7 @@ pub(super) fn constant(scope: &Scope, phrase: &Phrase) -> Result<f64, ModelError
 }
 
 impl Basis {
-    /// The parameters that a statement and a scene give, by the names of the latter.
+    /// Collects the parameters of a statement, and the names of those that a scene gives.
     pub fn of(source: &Source, common: Common, given: &[String]) -> Result<Self, ModelError> {
         let scope = Scope::new(source.clone());
         let (mut parameters, mut defaults) = (Vec::new(), Vec::new());
@@ -116,8 +116,8 @@ impl Basis {
         Ok(Basis { source, parameters, defaults, definitions, ..Basis::default() })
     }
 
-    /// What a statement without modes and without events has, up to its rates: its names, where
-    /// motion begins, and the formulas of the rates.
+    /// Assembles a statement without modes and events, up to its rates: its names, initial states,
+    /// and the formulas of the rates.
     pub fn of_rates(
         source: &Source,
         common: Common,
@@ -132,8 +132,8 @@ impl Basis {
         Ok((basis, scope, states))
     }
 
-    /// Understands what does not depend on the kind of equations, in the scopes of all modes:
-    /// monitors, and sizes of states; of systems with events that of time as well.
+    /// Assembles the parts that do not depend on the kind of equations, in the scopes of all modes:
+    /// monitors, and sizes of states (for systems with events also of time).
     pub fn finish(
         &mut self,
         common: Common,
@@ -166,18 +166,18 @@ impl Basis {
         self.monitors.iter().map(|(name, _)| name.clone()).collect()
     }
 
-    /// The names of a problem without modes.
+    /// Returns the names of a problem without modes.
     pub fn names(&self) -> Names {
         let names = Names::new(self.groups.clone(), self.parameters.clone());
         names.with_monitors(self.monitor_names())
     }
 
-    /// The value of a monitor in a mode.
+    /// Returns the value of a monitor in a mode.
     pub fn monitor<T: Scalar>(&self, monitor: usize, mode: usize, t: T, x: &[T], p: &[T]) -> T {
         self.monitors[monitor].1[mode].value(t, x, p)
     }
 
-    /// The names that formulas may use: states, parameters, definitions and functions.
+    /// Returns the names that formulas may use: states, parameters, definitions and functions.
     pub fn scope(&self, common: Common, states: &[Stated]) -> Result<Scope, ModelError> {
         let mut scope = Scope::new(self.source.clone());
         for (k, name) in self.parameters.iter().enumerate() {
@@ -202,15 +202,15 @@ impl Basis {
         Ok(scope)
     }
 
-    /// Sets where motion begins, in the states of a scope.
+    /// Sets the initial values, in the states of a scope.
     pub fn begin(&mut self, common: Common, scope: &Scope) -> Result<(), ModelError> {
-        let reason = "motion begins at numbers, which may depend on parameters only";
+        let reason = "initial values may depend on parameters only";
         self.start(common, scope, reason, Value::is_parameter)
     }
 
-    /// Sets where branches begin, in the states of a scope: profiles over time.
+    /// Sets the initial profiles of branches over time, in the states of a scope.
     pub fn begin_along(&mut self, common: Common, scope: &Scope) -> Result<(), ModelError> {
-        let reason = "branches begin at functions of time and of parameters";
+        let reason = "initial profiles may depend on time and on parameters only";
         self.start(common, scope, reason, |input| input.is_parameter() || input == Value::Time)
     }
 
@@ -245,7 +245,7 @@ impl Basis {
         Ok(())
     }
 
-    /// Values of states at a time, where motion or a branch begins, for values of the parameters.
+    /// Returns the initial values of states at a time, for given parameters.
     pub fn initial_at(&self, t: f64, p: &[f64]) -> Vec<(String, f64)> {
         let (states, tape) = &self.initial;
         let mut values = vec![0.0; states.len()];
@@ -254,13 +254,13 @@ impl Basis {
     }
 }
 
-/// Refuses a name that is no state.
+/// Rejects a name that is not a state.
 fn require_state(scope: &Scope, phrase: &Phrase, name: &str) -> Result<(), ModelError> {
     let fault = match scope.meaning(name) {
         Some(Meaning::State(_)) => return Ok(()),
         Some(other) => {
             let what = format!("`{name}` is {}", other.words());
-            Fault::Misplaced { what, reason: "only states begin somewhere".into() }
+            Fault::Misplaced { what, reason: "only states have initial values".into() }
         }
         None => {
             let states =
@@ -278,12 +278,12 @@ pub(super) struct Stated {
     pub formula: Formula,
 }
 
-/// The names of all states.
+/// Returns the names of all states.
 pub(super) fn names_of(states: &[Stated]) -> Vec<String> {
     states.iter().flat_map(|stated| stated.elements.names()).collect()
 }
 
-/// The states with their rates.
+/// Returns the states with their rates.
 pub(super) fn states_of(
     basis: &Basis,
     common: Common,
@@ -291,11 +291,11 @@ pub(super) fn states_of(
     what: &str,
 ) -> Result<Vec<Stated>, ModelError> {
     if states.is_empty() {
-        let needed = format!("there must be one {what} or more");
+        let needed = format!("there must be at least one {what}");
         let fault = Fault::Missing { what: "the equations".into(), needed };
         return Err(basis.source.fault_of(&Phrase::default(), fault));
     }
-    // Ends of arrays may be definitions, which may depend on nothing else.
+    // Ends of arrays may be definitions that are constant.
     let ends = ends_of(basis, common);
     let (mut all, mut count) = (Vec::new(), 0);
     for (phrase, rate) in states {
@@ -311,14 +311,14 @@ pub(super) fn states_of(
     Ok(all)
 }
 
-/// The definitions that are numbers, which ends of arrays may be.
+/// Returns a scope with the constant definitions, which ends of arrays may use.
 fn ends_of(basis: &Basis, common: Common) -> Scope {
     let mut scope = Scope::new(basis.source.clone());
     for (k, name) in basis.parameters.iter().enumerate() {
         let _ = scope.declare(&name.as_str().into(), name, Meaning::Parameter(k));
     }
     for (name, formula) in common.definitions {
-        // What is wrong with them is found where all names are known.
+        // Errors in these names are reported once all names are known.
         if let Ok(elements) = elements(&scope, name) {
             let _ = scope.define(name, &elements, formula);
         }
@@ -326,14 +326,14 @@ fn ends_of(basis: &Basis, common: Common) -> Scope {
     scope
 }
 
-/// The program of all rates.
+/// Returns the program of all rates.
 pub(super) fn program_of(scope: &Scope, rates: &[Stated]) -> Result<Program, ModelError> {
     let mut assembling = Assembling::new(scope);
     let values = values_of(&mut assembling, rates)?;
     Ok(assembling.program(values))
 }
 
-/// The rates of all states.
+/// Returns the rates of all states.
 pub(super) fn values_of(
     assembling: &mut Assembling,
     rates: &[Stated],
@@ -346,7 +346,7 @@ pub(super) fn values_of(
     Ok(values)
 }
 
-/// Monitors by name, with a formula in each scope.
+/// Returns the monitors by name, with a formula in each scope.
 fn monitors_of(
     scopes: &[&Scope],
     monitors: &Formulas,
@@ -368,18 +368,18 @@ fn monitors_of(
     Ok(all)
 }
 
-/// The tape of a formula.
+/// Returns the tape of a formula.
 pub(super) fn tape_of(scope: &Scope, formula: &Phrase) -> Result<Tape, ModelError> {
     let mut assembling = Assembling::new(scope);
     let value = assembling.read(formula)?;
     Ok(assembling.tape(&[value]))
 }
 
-/// The most elements of an array whose extremes are recorded one by one.
+/// The maximum number of elements of an array whose extremes are recorded one by one.
 const SINGLE: usize = 10;
 
-/// The positions of states that are recorded one by one, and of long arrays with what their norm is
-/// called.
+/// Returns the positions of states that are recorded one by one, and the long arrays with the names
+/// of their norms.
 pub(super) fn recorded(states: &[String]) -> (Vec<usize>, Vec<(String, Range<usize>)>) {
     fn array(name: &str) -> &str {
         name.split_once('[').map_or(name, |(array, _)| array)
@@ -396,7 +396,8 @@ pub(super) fn recorded(states: &[String]) -> (Vec<usize>, Vec<(String, Range<usi
     (single, arrays)
 }
 
-/// What is recorded of motion by default: as of all problems, but of a long array only its norm.
+/// Returns the measures recorded by default: those of all problems, but for a long array only its
+/// norm.
 fn measures(states: &[String], monitors: Vec<String>) -> Vec<(String, Measure)> {
     let (single, arrays) = recorded(states);
     let norms = arrays.into_iter().map(|(name, all)| (name, Measure::norm(states[all].to_vec())));
@@ -404,8 +405,8 @@ fn measures(states: &[String], monitors: Vec<String>) -> Vec<(String, Measure)> 
     norms.chain(Measure::by_default(single, monitors)).collect()
 }
 
-/// Labels of axes that show a column: the label or the name, and the unit. The period has the unit of
-/// time, and the extremes of a state have the label and the unit of the state.
+/// Returns labels of axes that show a column: the label or the name, and the unit. The period has
+/// the unit of time, and the extremes of a state have the label and the unit of the state.
 fn labels_of(
     basis: &Basis,
     common: Common,
@@ -425,7 +426,7 @@ fn labels_of(
             crate::core::problem::position("state, parameter or monitor", &name.text, all)
                 .map_err(|unknown| basis.source.fault_of(name, Fault::Unknown(unknown)))?;
             if list[..k].iter().any(|(other, _)| other.text == name.text) {
-                let (what, reason) = (format!("`{}`", name.text), "it is here twice".into());
+                let (what, reason) = (format!("`{}`", name.text), "it is given twice".into());
                 return Err(basis.source.fault_of(name, Fault::Misplaced { what, reason }));
             }
             if names.iter().all(|other| other.text != name.text) {
@@ -440,7 +441,7 @@ fn labels_of(
     for Phrase { text: name, .. } in names {
         let (label, unit) = (stated(common.labels, name), stated(common.units, name));
         let unit = unit.map_or(String::new(), |unit| format!(" ({unit})"));
-        // A column of its own has its own label.
+        // An existing column with this name has its own label.
         let is_real = |column: &str| column != name && known().any(|known| known == column);
         let mut add = |column: String, usual: String, before: &str| {
             if is_real(&column) {
@@ -465,8 +466,8 @@ fn labels_of(
     Ok(labels)
 }
 
-/// The elements that a name denotes in `initial` and `scales`: a state, elements of an array by their
-/// indices, or a whole array by its name.
+/// Returns the elements that a name denotes in `initial` and `scales`: a state, elements of an
+/// array by their indices, or a whole array by its name.
 fn elements_of<'s>(
     scope: &Scope,
     phrase: &Phrase,
@@ -477,8 +478,8 @@ fn elements_of<'s>(
     Ok(whole.unwrap_or(named))
 }
 
-/// Sizes of states, and of time if there is one; none if all are 1. Of two sizes of an element the
-/// first one counts.
+/// Returns the sizes of states, and of time if there is one; empty if all are 1. For duplicate
+/// sizes of an element the first one counts.
 fn scales_of(
     scope: &Scope,
     scales: &Formulas,
@@ -499,7 +500,7 @@ fn scales_of(
         let size = constant(&Scope::new(source.clone()), value)?;
         if size <= 0.0 || scales.iter().filter(|(known, _)| known.text == name.text).count() > 1 {
             let (what, reason) =
-                (format!("the scale of `{}`", name.text), "it must be one number above 0".into());
+                (format!("the scale of `{}`", name.text), "it must be a number above 0".into());
             return Err(source.fault_of(value, Fault::Misplaced { what, reason }));
         }
         for state in own {

@@ -1,4 +1,4 @@
-//! Boundary-value problems that are given as text.
+//! Boundary-value problems given as text.
 
 use super::assembling::Assembling;
 use super::basis::{Basis, Kind, names_of, states_of, values_of};
@@ -12,19 +12,20 @@ use crate::core::bvp::{BoundaryProblem, Ends, Monitor, Watched};
 use crate::core::problem::Observable;
 use crate::core::scalar::Scalar;
 
-/// A boundary-value problem that is given as text: on one segment.
+/// A boundary-value problem given as text, on one segment.
 #[derive(Clone, Debug)]
 pub struct Conditions {
     basis: Basis,
     unknowns: Vec<String>,
     rates: Tape,
-    /// In the states at the beginning, then those at the end.
+    /// The boundary conditions, as functions of the states at the beginning followed by the states
+    /// at the end.
     conditions: Tape,
     integrands: Tape,
     integrals: usize,
 }
 
-/// Understands a statement, for a scene that gives some parameters.
+/// Assembles a statement, for a scene that gives some parameters.
 pub(super) fn understood(
     source: &Source,
     statement: &Boundary,
@@ -36,7 +37,7 @@ pub(super) fn understood(
     let unknowns = statement.unknowns.iter().map(|name| Declared::plain(source, name));
     let unknowns = unknowns.collect::<Result<Vec<_>, _>>()?;
     let mut scope = basis.scope(common, &states)?;
-    // Further unknown numbers stand behind the parameters.
+    // Additional unknown numbers follow the parameters.
     for (k, (name, phrase)) in unknowns.iter().zip(&statement.unknowns).enumerate() {
         scope.declare(phrase, name, Meaning::Parameter(basis.parameters.len() + k))?;
     }
@@ -56,7 +57,7 @@ pub(super) fn understood(
     check_count(source, statement, basis.states.len())?;
     let length = Duration::read(&scope, "the length", statement.length.as_ref())?;
     basis.finish(common, &[&scope], length, false)?;
-    // Time is a place on the interval.
+    // Time is the position on the interval.
     basis.aperiodic = false;
     let integrals = statement.integrals.len();
     Ok(Conditions { basis, unknowns, rates, conditions, integrands, integrals })
@@ -67,14 +68,14 @@ impl Kind for Conditions {
         &self.basis
     }
 
-    /// Further unknowns are taken as 0.
+    /// Returns the initial profiles, with additional unknowns taken as 0.
     fn initial_along(&self, tau: f64, p: &[f64]) -> Vec<(String, f64)> {
         let q = [p, &vec![0.0; self.unknowns.len()]].concat();
         self.basis.initial_at(tau * self.basis.duration.value(&q), p)
     }
 }
 
-/// Refuses more or fewer conditions than there are states and unknowns.
+/// Rejects a number of conditions other than the number of states and unknowns.
 fn check_count(source: &Source, statement: &Boundary, states: usize) -> Result<(), ModelError> {
     let given = statement.conditions.len() + statement.integrals.len();
     let unknowns = statement.unknowns.len();
@@ -90,7 +91,7 @@ fn check_count(source: &Source, statement: &Boundary, states: usize) -> Result<(
     Err(source.fault_of(&phrase, Fault::Missing { what, needed }))
 }
 
-/// Up to this number of states, the values at both ends need no allocation.
+/// The maximum number of states whose values at both ends need no allocation.
 const FEW: usize = 16;
 
 impl BoundaryProblem for Conditions {
@@ -143,8 +144,8 @@ impl BoundaryProblem for Conditions {
         self.basis.monitor(function, 0, t, x, q)
     }
 
-    /// Extremes of all states, of long arrays the norm, and of every monitor its mean and its
-    /// extremes.
+    /// Returns the extremes of all states, the norms of long arrays, and the mean and extremes of
+    /// every monitor.
     fn monitors(&self) -> Vec<(String, Monitor)> {
         let Basis { states, .. } = &self.basis;
         let monitors = self.basis.monitor_names();

@@ -1,5 +1,4 @@
-//! Names and calls in formulas, checked without values: those of functions that nothing may ever
-//! call.
+//! Names and calls in formulas, checked without values, also in functions that are never called.
 
 use super::operation::{self, Operation};
 use super::scope::{Function, Scope};
@@ -9,7 +8,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 impl Scope {
-    /// The errors of all functions in the order of their names, `None` where one has none.
+    /// Returns the errors of all functions in the order of their names, `None` for valid ones.
     pub fn errors_of_functions(&self) -> Vec<Option<ModelError>> {
         let mut functions: Vec<(&String, &Function)> = self.functions.iter().collect();
         functions.sort_unstable_by_key(|(name, _)| *name);
@@ -21,7 +20,7 @@ impl Scope {
         functions.into_iter().map(|(_, own)| error(own)).collect()
     }
 
-    /// Refuses names and calls that mean nothing, beside names that have values here only.
+    /// Rejects unknown names and invalid calls, except for the given local names.
     pub fn check_nodes(
         &self,
         nodes: &[Node],
@@ -70,8 +69,8 @@ impl Scope {
         self.meaning(name).is_some() || ["pi", "e"].contains(&name)
     }
 
-    /// What is called. Refuses a call of what is no function, or with another number of arguments.
-    /// A state may be called for its value at an end.
+    /// Resolves a call. Rejects a call of a name that is not a function, or with the wrong number
+    /// of arguments. A state may be called for its value at an end.
     pub fn called(
         &self,
         function: &str,
@@ -106,9 +105,9 @@ impl Scope {
     }
 }
 
-/// What is called like a function.
+/// The target of a call.
 pub(super) enum Called<'s> {
-    /// A function of the model's own.
+    /// A function defined in the model.
     Own(&'s Function),
     /// A function of the language.
     BuiltIn(Operation),
@@ -116,7 +115,7 @@ pub(super) enum Called<'s> {
     State,
 }
 
-/// Whether a name is that of an element of an array.
+/// Returns whether a name is that of an element of an array.
 fn is_element(name: &str, array: &str) -> bool {
     name.strip_prefix(array).is_some_and(|rest| rest.starts_with('['))
 }

@@ -8,7 +8,7 @@ use crate::core::problem::Forcing;
 use crate::core::scalar::Scalar;
 use std::f64::consts::TAU;
 
-/// A period or a length, which may depend on parameters only; 1 if none is stated.
+/// A period or a length, which may depend on parameters only; 1 by default.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Duration(Option<Stated>);
 
@@ -18,13 +18,13 @@ struct Stated {
     what: &'static str,
     phrase: Phrase,
     tape: Tape,
-    /// The parameters that it depends on: names and positions. Further unknown numbers stand behind
-    /// the parameters.
+    /// The names and positions of the required parameters. Additional unknown numbers follow the
+    /// parameters.
     needs: Vec<(String, usize)>,
 }
 
 impl Duration {
-    /// Understands a formula, if one is stated.
+    /// Parses a formula, if one is stated.
     ///
     /// # Errors
     /// [`ModelError`] for a formula of states or time, and for a number that is not positive.
@@ -52,12 +52,12 @@ impl Duration {
         duration.refused(&scope.source, &[]).map_or(Ok(duration), Err)
     }
 
-    /// Whether none is stated.
+    /// Returns whether no formula is stated.
     pub fn is_none(&self) -> bool {
         self.0.is_none()
     }
 
-    /// The error of a value that is not positive, if all parameters that it needs are known.
+    /// Returns the error of a value that is not positive, if all required parameters are known.
     pub fn refused(&self, source: &Source, p: &[f64]) -> Option<ModelError> {
         let Stated { what, phrase, needs, .. } = self.0.as_ref()?;
         if needs.iter().any(|(_, k)| *k >= p.len()) {
@@ -75,13 +75,13 @@ impl Duration {
         Some(source.fault_of(phrase, fault))
     }
 
-    /// Its value for some parameters.
+    /// Returns the value for given parameters.
     #[inline]
     pub fn value<T: Scalar>(&self, p: &[T]) -> T {
         self.0.as_ref().map_or(T::one(), |stated| stated.tape.value(T::zero(), &[], p))
     }
 
-    /// A periodic forcing, if a period is stated.
+    /// Returns a periodic forcing, if a period is stated.
     pub fn forcing(&self) -> Forcing {
         self.0.as_ref().map_or(Forcing::None, |_| Forcing::Periodic { phase: TAU })
     }

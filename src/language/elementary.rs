@@ -1,23 +1,22 @@
-//! Elementary functions of numbers of any depth, by their Taylor series where numbers are nested.
+//! Elementary functions of nested dual numbers and jets, by their Taylor series.
 //!
 //! `x = x₀ + h` with a real number `x₀`, and `h` has a vanishing power `h^{N+1}` where `N` is the
 //! number of derivatives, so that `f(x) = Σ_{k ≤ N} f⁽ᵏ⁾(x₀)/k! hᵏ`. Interpreted formulas call some
-//! thirty functions in some forty scalars: one composition is compiled for each scalar, in place of
-//! a chain rule for each function and each layer.
+//! thirty functions for some forty scalar types: one composition is compiled for each type, instead
+//! of a chain rule for each function and each layer.
 
 use crate::core::scalar::Scalar;
 use crate::core::scalar::jet::powers::{by_quotient, by_squares};
 use crate::core::scalar::jet::series;
 use crate::core::scalar::jet::taylor::{self, MOST_ORDER, Series};
 
-/// Whether functions of this scalar are compositions: the chain rule is faster for one derivative,
-/// which numbers in lanes have at most, and jets compose by themselves, to the order that they
-/// have.
+/// Returns whether functions of this scalar type use the composition. The chain rule is faster for
+/// first derivatives, the only ones of numbers in lanes, and jets have their own composition.
 const fn composes<T: Scalar>() -> bool {
     T::NDERIV > 1 && T::NDERIV < MOST_ORDER
 }
 
-/// `Σ_k f_k hᵏ` by Horner's rule.
+/// Evaluates `Σ_k f_k hᵏ` by Horner's rule.
 #[inline(never)]
 fn composed<T: Scalar>(x: &T, f: &Series) -> T {
     let h = *x - x.real();

@@ -1,12 +1,12 @@
-//! Elements of arrays: what a name with ranges of indices stands for.
+//! Elements of arrays: the elements denoted by a name with ranges of indices.
 
 use crate::core::problem::Group;
 use std::sync::Arc;
 
-/// The most elements of an array, and the most states of equations whose matrices may be sparse.
+/// The maximum number of elements of an array, and of states of equations with sparse matrices.
 pub(super) const ELEMENTS: usize = 200_000;
 
-/// The values of indices that have names.
+/// The values of named indices.
 pub(super) type Indices = Vec<(Arc<str>, f64)>;
 
 /// A scalar, or an element of an array with the values of its indices.
@@ -16,8 +16,8 @@ pub(super) struct Element {
     pub at: Indices,
 }
 
-/// A scalar, or elements of an array: for each index a range, with a name where it is not one
-/// value. The last index changes first.
+/// A scalar, or elements of an array: each index has a range, with a name unless it is a single
+/// value. The last index varies fastest.
 #[derive(Clone, Debug)]
 pub(super) struct Elements {
     array: Group,
@@ -25,14 +25,15 @@ pub(super) struct Elements {
 }
 
 impl Elements {
-    /// A scalar if there are no ranges.
+    /// Creates the elements; without ranges, a scalar.
     pub fn new(name: String, ranges: Vec<(Option<Arc<str>>, [i64; 2])>) -> Self {
         let (indices, ranges) = ranges.into_iter().unzip();
         let array = Group { name, length: 0, indices: ranges };
         Elements { array, indices }
     }
 
-    /// All elements of the array that has this name among some states, where it is no state itself.
+    /// Returns all elements of the named array among some states, if the name is not itself a
+    /// state.
     pub fn of_array<'s>(&self, states: impl IntoIterator<Item = &'s String>) -> Option<Elements> {
         if !self.indices.is_empty() {
             return None;
@@ -44,22 +45,22 @@ impl Elements {
         Some(Elements { indices: vec![None; group.indices.len()], array: group })
     }
 
-    /// How many they are.
+    /// Returns the number of elements.
     pub fn count(&self) -> usize {
         self.array.count()
     }
 
-    /// Their names.
+    /// Returns the names of the elements.
     pub fn names(&self) -> impl Iterator<Item = String> + use<'_> {
         self.array.elements()
     }
 
-    /// The elements.
+    /// Iterates over the elements.
     pub fn iter(&self) -> impl Iterator<Item = Element> + use<'_> {
         self.names().zip(self.values()).map(|(name, at)| Element { name, at })
     }
 
-    /// The values of the indices that have names, for each element.
+    /// Iterates over the elements, and returns the values of their named indices.
     pub fn values(&self) -> impl Iterator<Item = Indices> + use<'_> {
         (0..self.count()).map(|k| {
             let values = self.indices.iter().zip(self.array.indices_at(k));

@@ -1,4 +1,4 @@
-//! Guards that are given as text: when they are events, what follows, and from which states.
+//! Guards given as text: the condition of the event, the next mode and the reset of states.
 
 use super::assembling::{Assembling, elements};
 use super::assembly::Value;
@@ -17,17 +17,17 @@ use crate::core::problem::{distinct, position};
 use crate::core::scalar::Scalar;
 use std::collections::HashMap;
 
-/// When a guard is an event.
+/// The condition under which a guard triggers an event.
 #[derive(Clone, Debug)]
 pub(super) enum When {
-    /// Where a function vanishes.
+    /// Events at zeros of a function.
     Vanishes(Tape),
-    /// At given times.
+    /// Events at given times.
     At(Times),
 }
 
 impl When {
-    /// The function that vanishes, or the time left.
+    /// Returns the value of the function, or the time left.
     pub fn value<T: Scalar>(&self, t: T, x: &[T], p: &[T]) -> T {
         match self {
             When::Vanishes(function) => function.value(t, x, p),
@@ -35,7 +35,7 @@ impl When {
         }
     }
 
-    /// The function that vanishes.
+    /// Returns the function, if the event is at its zeros.
     pub fn function(&self) -> Option<&Tape> {
         if let When::Vanishes(function) = self { Some(function) } else { None }
     }
@@ -47,11 +47,11 @@ pub(super) struct Event {
     pub when: When,
     pub next: Choice,
     pub accumulates_to: Option<Choice>,
-    /// The states after it, for each mode that may follow.
+    /// The states after the event, for each possible next mode.
     pub resets: Vec<(usize, Tape)>,
 }
 
-/// The modes that may follow, and the functions of which the first positive one decides.
+/// The possible next modes, and the functions that select among them: the first positive one.
 #[derive(Clone, Debug)]
 pub(super) struct Choice {
     modes: Vec<usize>,
@@ -59,38 +59,38 @@ pub(super) struct Choice {
 }
 
 impl Choice {
-    /// The modes, in the order in which the functions select them.
+    /// Returns the modes, in the order in which the functions select them.
     pub fn modes(&self) -> &[usize] {
         &self.modes
     }
 
-    /// The function that selects the mode at a position.
+    /// Returns the function that selects the mode at a position.
     pub fn function(&self, position: usize) -> &Tape {
         &self.functions[position]
     }
 
-    /// The mode that follows at `(t, x, p)`: the last one if no function is positive.
+    /// Returns the next mode at `(t, x, p)`: the last one if no function is positive.
     pub fn at(&self, t: f64, x: &[f64], p: &[f64]) -> usize {
         let positive = self.functions.iter().position(|function| function.value(t, x, p) > 0.0);
         self.modes[positive.unwrap_or(self.modes.len() - 1)]
     }
 }
 
-/// A mode of a statement that is being understood.
+/// A mode of a statement during assembly.
 pub(super) struct ModeScope {
     pub name: String,
     pub states: Vec<String>,
     pub scope: Scope,
-    /// How many definitions are the mode's own, the first ones.
+    /// The number of the mode's own definitions, which come first.
     pub own: usize,
 }
 
-/// The names of modes.
+/// Returns the names of modes.
 fn names(scopes: &[ModeScope]) -> Vec<&str> {
     scopes.iter().map(|mode| &mode.name[..]).collect()
 }
 
-/// Refuses a definition or a function that has no meaning in any mode.
+/// Rejects a definition or a function that is invalid in all modes.
 pub(super) fn check_named(scopes: &[ModeScope]) -> Result<(), ModelError> {
     let mut of_modes: Vec<Vec<Option<ModelError>>> = Vec::new();
     for mode in scopes {
@@ -101,7 +101,7 @@ pub(super) fn check_named(scopes: &[ModeScope]) -> Result<(), ModelError> {
     }
     for k in 0..of_modes[0].len() {
         let errors: Option<Vec<&ModelError>> = of_modes.iter().map(|all| all[k].as_ref()).collect();
-        // The mode in which most of it has a meaning tells what is wrong.
+        // The error that occurs last in the text is the most helpful one.
         let last = errors.into_iter().flatten().max_by_key(|e| (e.place.line, e.place.column));
         if let Some(error) = last {
             return Err(error.clone());
@@ -110,7 +110,7 @@ pub(super) fn check_named(scopes: &[ModeScope]) -> Result<(), ModelError> {
     Ok(())
 }
 
-/// Adds a guard, or the modes in which one of the same name has other functions.
+/// Adds a guard, or adds modes to an earlier guard of the same name.
 pub(super) fn add(
     source: &Source,
     stated: &statement::Guard,
@@ -133,7 +133,7 @@ pub(super) fn add(
     if own.per_period != guard.per_period {
         let (what, reason) = (
             format!("the times of `{}`", guard.name),
-            "guards of one name must come equally often in a period, or all where functions vanish"
+            "guards of one name must have equally many times in a period, or all of them functions"
                 .into(),
         );
         return Err(source.fault_of(&stated.name, Fault::Misplaced { what, reason }));
@@ -146,7 +146,7 @@ pub(super) fn add(
     Ok(())
 }
 
-/// A guard, and its event in each of its modes.
+/// Assembles a guard, with its event in each of its modes.
 fn understood(
     source: &Source,
     name: String,
@@ -156,8 +156,8 @@ fn understood(
     let modes = match (&guard.modes[..], scopes.len()) {
         ([], 1) => vec![0],
         ([], _) => {
-            let what = format!("the guard `{name}` is in no mode");
-            let needed = "name those that end there, as in `modes: [\"flight\"]`".into();
+            let what = format!("the guard `{name}` has no mode");
+            let needed = "name the modes that it ends, as in `modes: [\"flight\"]`".into();
             return Err(source.fault_of(&guard.name, Fault::Missing { what, needed }));
         }
         (stated, _) => {
@@ -202,7 +202,7 @@ fn understood(
     Ok((Guard { accumulates_to: accumulates, changes_in, ..guard }, events))
 }
 
-/// When a guard is an event in a mode.
+/// Returns the condition of a guard's event in a mode.
 fn when(source: &Source, guard: &statement::Guard, scope: &Scope) -> Result<When, ModelError> {
     let name = &guard.name.text;
     match (&guard.function, &guard.at) {
@@ -211,7 +211,7 @@ fn when(source: &Source, guard: &statement::Guard, scope: &Scope) -> Result<When
             let unused = [!guard.accumulates_to.0.is_empty(), guard.changes_in.is_some()];
             if unused.contains(&true) {
                 let what = format!("`accumulates_to` or `changes_in` of `{name}`");
-                let reason = "its events come at given times: leave both out".into();
+                let reason = "its events have given times: leave both fields out".into();
                 return Err(source.fault_of(&guard.name, Fault::Misplaced { what, reason }));
             }
             Ok(When::At(Times::read(scope, at)?))
@@ -225,13 +225,15 @@ fn when(source: &Source, guard: &statement::Guard, scope: &Scope) -> Result<When
         }
         (Some(_), Some(at)) => {
             let what = format!("`at` of `{name}`");
-            let reason = "it has a `function` already: an event comes where that vanishes, or at given times".into();
+            let reason =
+                "it already has a `function`: events are at zeros of a function or at given times"
+                    .into();
             Err(source.fault_of(at, Fault::Misplaced { what, reason }))
         }
     }
 }
 
-/// A time, above 0.
+/// Evaluates a duration, which must be above 0.
 fn duration(source: &Source, phrase: &Phrase) -> Result<f64, ModelError> {
     let time = constant(&Scope::new(source.clone()), phrase)?;
     if time > 0.0 {
@@ -241,7 +243,7 @@ fn duration(source: &Source, phrase: &Phrase) -> Result<f64, ModelError> {
     Err(source.fault_of(phrase, Fault::Misplaced { what, reason }))
 }
 
-/// The modes that may follow, if any are named.
+/// Returns the possible next modes, if any are named.
 fn choice(
     source: &Source,
     next: &Next,
@@ -257,7 +259,7 @@ fn choice(
         if function.is_none() && k + 1 < next.0.len() {
             let what = format!("`{}` without a function", name.text);
             let reason =
-                "what stands behind it is never reached: only the last mode may have none".into();
+                "the modes after this one are never reached: only the last mode may lack a function".into();
             return Err(source.fault_of(name, Fault::Misplaced { what, reason }));
         }
         modes.push(following(source, name, &names(scopes), mode)?);
@@ -273,14 +275,15 @@ fn choice(
 /// Formulas by the state that they reset, with the values of its indices in an array.
 type Resets = HashMap<String, (Formula, Indices)>;
 
-/// The states that a guard resets in a mode, by name: all elements where a name stands for a range.
+/// Returns the states that a guard resets in a mode, by name; a name with a range resets all its
+/// elements.
 fn resets(
     source: &Source,
     guard: &statement::Guard,
     scopes: &[ModeScope],
     before: &Scope,
 ) -> Result<Resets, ModelError> {
-    // A reset may be of a state that only some of the modes have which may follow.
+    // A reset may concern a state that only some of the possible next modes have.
     let known = distinct(scopes.iter().flat_map(|mode| &mode.states));
     let mut resets = Resets::new();
     for (name, formula) in &guard.reset {
@@ -296,7 +299,7 @@ fn resets(
     Ok(resets)
 }
 
-/// The states with which a mode begins that follows another one.
+/// Returns the initial states of a mode that follows another one.
 fn reset(
     source: &Source,
     guard: &statement::Guard,
@@ -315,7 +318,7 @@ fn reset(
                 let what =
                     format!("the reset of `{}` leaves `{state}` undefined", guard.name.text);
                 let needed = format!(
-                    "`{}` has this state, `{}` before it has not; give it, as in `reset: [(\"{state}\", \"0\")]`",
+                    "`{}` has this state, but `{}` before it does not; give the value, as in `reset: [(\"{state}\", \"0\")]`",
                     after.name, before.name
                 );
                 return Err(source.fault_of(&guard.name, Fault::Missing { what, needed }));

@@ -1,4 +1,4 @@
-//! Filippov systems that are given as text.
+//! Filippov systems given as text.
 
 use super::assembling::{Assembling, Program};
 use super::basis::{Basis, Kind, Stated, program_of, states_of};
@@ -14,20 +14,20 @@ use crate::core::hybrid::{HybridSystem, Scales};
 use crate::core::problem::{Forcing, Measure, position};
 use crate::core::scalar::Scalar;
 
-/// Two fields and a surface that are given as text.
+/// Two fields and a surface given as text.
 #[derive(Clone, Debug)]
 pub struct TwoFields {
     basis: Basis,
     names: FilippovNames,
-    /// Above and below.
+    /// The rates above and below the surface.
     rates: [Program; 2],
     sliding: Option<Program>,
     surface: Program,
-    /// Against leaving upwards and downwards.
+    /// The functions that hold sliding against leaving upwards and downwards.
     holds: [Option<Program>; 2],
 }
 
-/// Understands a statement, for a scene that gives some parameters.
+/// Assembles a statement, for a scene that gives some parameters.
 pub(super) fn understood(
     source: &Source,
     statement: &FilippovEquations,
@@ -57,7 +57,8 @@ impl Kind for Filippov<TwoFields> {
         &self.0.basis
     }
 
-    /// The surface, the rates, and on the surface all that decides there.
+    /// Checks the surface, the rates, and on the surface also the functions that decide about
+    /// sliding.
     fn undefined(&self, x: &[f64], p: &[f64]) -> Option<ModelError> {
         let TwoFields { basis, rates: [above, below], sliding, surface, holds, .. } = &self.0;
         let mode = self.initial_mode(Self::ABOVE, 0.0, x, p);
@@ -74,7 +75,7 @@ impl Kind for Filippov<TwoFields> {
     }
 }
 
-/// Refuses states that are not those above the surface, in their order.
+/// Rejects states that differ from those above the surface, or in their order.
 fn refuse_other_states(basis: &Basis, own: &[Stated]) -> Result<(), ModelError> {
     let own = own.iter().flat_map(|it| it.elements.names().map(|name| (it.phrase.clone(), name)));
     let own: Vec<(Phrase, String)> = own.collect();
@@ -85,13 +86,13 @@ fn refuse_other_states(basis: &Basis, own: &[Stated]) -> Result<(), ModelError> 
     let name = |name: Option<&String>| name.map_or("none", String::as_str).to_string();
     let what = format!("state {} is {}", k + 1, name(own.get(k).map(|(_, name)| name)));
     let reason = format!(
-        "above it is {}: all fields have the same states, in one order",
+        "above the surface it is {}: all fields must have the same states in the same order",
         name(states.get(k))
     );
     Err(basis.source.fault_of(&place, Fault::Misplaced { what, reason }))
 }
 
-/// The program of one formula.
+/// Returns the program of one formula.
 fn program(scope: &Scope, formula: &Phrase) -> Result<Program, ModelError> {
     let mut assembling = Assembling::new(scope);
     let value = assembling.read(formula)?;
@@ -101,13 +102,14 @@ fn program(scope: &Scope, formula: &Phrase) -> Result<Program, ModelError> {
 fn surface(statement: &FilippovEquations, scope: &Scope) -> Result<Program, ModelError> {
     let Some(surface) = &statement.surface else {
         let what = "the equations have no surface".into();
-        let needed = "give the function that is positive above it, as in `surface: \"x\"`".into();
+        let needed =
+            "give the function that is positive above the surface, as in `surface: \"x\"`".into();
         return Err(scope.source.fault_of(&Phrase::default(), Fault::Missing { what, needed }));
     };
     program(scope, surface)
 }
 
-/// The names of modes and of the event, some of which are stated.
+/// Returns the names of modes and of the event; names that are not stated have defaults.
 fn names(source: &Source, stated: &Formulas) -> Result<FilippovNames, ModelError> {
     let FilippovNames { above, below, sliding, surface } = FilippovNames::default();
     let known = ["above", "below", "sliding", "surface"];
@@ -133,8 +135,8 @@ fn names(source: &Source, stated: &Formulas) -> Result<FilippovNames, ModelError
     Ok(FilippovNames { above, below, sliding, surface })
 }
 
-/// The functions that are positive while sliding is held against leaving to each side, where they
-/// are stated.
+/// Returns the stated functions that are positive while sliding is held against leaving to each
+/// side.
 fn holds(statement: &FilippovEquations, scope: &Scope) -> Result<[Option<Program>; 2], ModelError> {
     let mut holds = [None, None];
     for (side, formula) in &statement.holds {
@@ -147,7 +149,7 @@ fn holds(statement: &FilippovEquations, scope: &Scope) -> Result<[Option<Program
     Ok(holds)
 }
 
-/// The position of what belongs to a side.
+/// Returns the index of a side.
 fn of(side: Side) -> usize {
     usize::from(side == Side::Below)
 }

@@ -1,4 +1,4 @@
-//! Hybrid systems that are given as text.
+//! Hybrid systems given as text.
 
 use super::assembling::{Program, elements};
 use super::basis::{Basis, Kind, names_of, program_of, states_of};
@@ -14,20 +14,20 @@ use crate::core::ode::NEGATIVE;
 use crate::core::problem::{Forcing, Measure};
 use crate::core::scalar::{LaneWidth, Scalar};
 
-/// A hybrid system that is given as text.
+/// A hybrid system given as text.
 #[derive(Clone, Debug)]
 pub struct Hybrid {
     basis: Basis,
     modes: Vec<Mode>,
     guards: Vec<Guard>,
-    /// In each mode.
+    /// The rates in each mode.
     rates: Vec<Program>,
-    /// Of each guard, in each mode that ends there.
+    /// The events of each guard, in each mode that it ends.
     events: Vec<Vec<Option<Event>>>,
     in_lanes: bool,
 }
 
-/// Understands a statement, for a scene that gives some parameters.
+/// Assembles a statement, for a scene that gives some parameters.
 pub(super) fn understood(
     source: &Source,
     statement: &HybridEquations,
@@ -59,13 +59,13 @@ impl Kind for Hybrid {
         &self.basis
     }
 
-    /// Of the first mode in which motion begins.
+    /// Checks the first mode, in which motion begins.
     fn undefined(&self, x: &[f64], p: &[f64]) -> Option<ModelError> {
         self.rates[self.initial_mode(0, 0.0, x, p)].undefined(&self.basis.source, (0.0, x, p))
     }
 
-    /// The guards that jump, as phases of a clock do: where one jumps away from zero, no event is
-    /// seen.
+    /// Returns the discontinuous guards, such as phases of a clock: events are missed where a guard
+    /// jumps away from zero.
     fn jumping_guards(&self) -> Vec<&str> {
         let jumps = |all: &Vec<Option<Event>>| {
             all.iter().flatten().filter_map(|event| event.when.function()).any(Tape::jumps)
@@ -76,7 +76,7 @@ impl Kind for Hybrid {
 }
 
 impl Hybrid {
-    /// Whether a mode ends where the function of a guard vanishes.
+    /// Returns whether a mode ends at zeros of a guard's function.
     fn vanishes(&self, guard: usize, mode: usize) -> bool {
         self.event(guard, mode).is_some_and(|event| event.when.function().is_some())
     }
@@ -86,7 +86,7 @@ impl Hybrid {
     }
 }
 
-/// The modes, and the rates of their states.
+/// Assembles the modes, and the rates of their states.
 fn understood_modes(
     basis: &Basis,
     common: Common,
@@ -111,7 +111,7 @@ fn understood_modes(
     Ok((scopes, rates))
 }
 
-/// Refuses initial values of states that the first mode, in which motion begins, has not.
+/// Rejects initial values of states that the first mode, in which motion begins, does not have.
 fn refuse_later_starts(
     source: &Source,
     statement: &HybridEquations,
@@ -124,7 +124,7 @@ fn refuse_later_starts(
             if let (None, Some(mode)) = (first.scope.meaning(&state), later.iter().find(has)) {
                 let what = format!("`{state}` is a state of mode `{}`", mode.name);
                 let reason = format!(
-                    "motion begins in mode `{}`, the first one, which has not this state: leave it out, or state `{}` first",
+                    "motion begins in the first mode, `{}`, which does not have this state: leave it out, or state `{}` first",
                     first.name, mode.name
                 );
                 return Err(source.fault_of(name, Fault::Misplaced { what, reason }));
@@ -172,15 +172,15 @@ impl HybridSystem for Hybrid {
         let resets = self.event(guard, mode).map(|event| &event.resets);
         match resets.and_then(|resets| resets.iter().find(|(to, _)| *to == next)) {
             Some((_, tape)) => tape.evaluate(t, x, p, after),
-            // No event leads there.
+            // No event leads to this mode.
             None => after.fill(T::constant(f64::NAN)),
         }
     }
 
-    /// The mode that is given, if its guards hold there; else the first one with the same states of
-    /// which the guards do.
+    /// Returns the given mode if its guards are positive; else the first mode with the same states
+    /// and positive guards.
     fn initial_mode(&self, mode: usize, t: f64, x: &[f64], p: &[f64]) -> usize {
-        // A guard that is not finite is reported where motion begins.
+        // A guard that is not finite is reported when motion begins.
         let fallen = |guard: usize, mode: usize| {
             let scale = guard_scale(self, (guard, mode), (t, x), p);
             self.guard(guard, mode, t, x, p) < -NEGATIVE * scale

@@ -1,4 +1,4 @@
-//! The kinds of equations: a row for each.
+//! The kinds of equations, one row for each.
 
 use super::basis::Kind;
 use super::boundary::{self, Conditions};
@@ -19,7 +19,7 @@ use serde::de::DeserializeOwned;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Declares the kinds: what each is called in texts, and the problem that its statement becomes.
+/// Declares the kinds: the name of each in texts, and the problem that its statement becomes.
 macro_rules! kinds {
     ($($(#[$docs:meta])* $kind:ident => $model:ident($problem:ty), $module:ident;)*) => {
         /// A statement of any kind.
@@ -47,15 +47,15 @@ macro_rules! kinds {
             $($(#[$docs])* $model(Arc<$problem>),)*
         }
 
-        /// The kinds of statements with the names of what they state.
+        /// The kinds of statements with the names of their fields.
         pub const KINDS: &[(&str, &[&str])] = &[$((stringify!($kind), $kind::FIELDS)),*];
 
         impl Statement {
-            /// Reads what stands between the brackets of a statement, brackets included, and where
-            /// they stand in the source. Fields of other names may stand among its own.
+            /// Parses the part between the brackets of a statement, including the brackets, at its
+            /// position in the source. Fields with the given other names are allowed.
             ///
             /// # Errors
-            /// [`ModelError`] with the place, if it is not of the form.
+            /// [`ModelError`] with the place, if the form is invalid.
             pub(crate) fn read(
                 source: &Source,
                 kind: &str,
@@ -75,7 +75,8 @@ macro_rules! kinds {
                 }
             }
 
-            /// The statement as a model, with the names of parameters that a scene gives.
+            /// Assembles the statement into a model, with the names of parameters that a scene
+            /// gives.
             ///
             /// # Errors
             /// [`ModelError`] with the place.
@@ -89,7 +90,7 @@ macro_rules! kinds {
         }
 
         impl Model {
-            /// What its kind is called in texts: `Equations`, `Map`.
+            /// Returns the name of the kind in texts, such as `Equations` or `Map`.
             pub fn name(&self) -> &'static str {
                 match self {
                     $(Model::$model(_) => stringify!($kind),)*
@@ -121,10 +122,11 @@ kinds! {
 }
 
 impl Statement {
-    /// Reads the statement that is all of a text, behind attributes (`#![enable(…)]`) and comments.
+    /// Parses a text that consists of one statement, after attributes (`#![enable(…)]`) and
+    /// comments.
     ///
     /// # Errors
-    /// [`ModelError`] with the place, if it is not of the form.
+    /// [`ModelError`] with the place, if the form is invalid.
     pub fn of(source: &Source) -> Result<Self, ModelError> {
         let (kind, brackets) = statement_in(&source.text);
         let begin = source.text.len() - brackets.len();
@@ -134,7 +136,7 @@ impl Statement {
         Statement::read(source, kind, begin..source.text.len(), &[])
     }
 
-    /// It as RON, which reads as an equal statement.
+    /// Serializes the statement as RON; parsing the result gives an equal statement.
     ///
     /// ```
     /// use tangency::language::{Model, Source, Statement, xpp};
@@ -164,7 +166,7 @@ impl Statement {
     }
 }
 
-/// Refuses fields of other names.
+/// Rejects fields with unknown names.
 fn check_fields(
     source: &Source,
     kind: &str,
@@ -181,15 +183,15 @@ fn check_fields(
     Ok(())
 }
 
-/// Reads a part of a source as RON.
+/// Parses a part of a source as RON.
 fn read<S: DeserializeOwned>(source: &Source, part: Range<usize>) -> Result<S, ModelError> {
     let read = source.lend(part.clone(), |text| options().from_str(text));
     read.map_err(|error| misread(source, part.start, error))
 }
 
 impl Model {
-    /// Reads and understands the statement that is all of a text; with the names of parameters that
-    /// a scene gives.
+    /// Parses and assembles a text that consists of one statement, with the names of parameters
+    /// that a scene gives.
     ///
     /// # Errors
     /// [`ModelError`] with the place.
@@ -197,34 +199,34 @@ impl Model {
         Statement::of(source)?.model(source, given)
     }
 
-    /// Values of states, where motion and branches begin, for values of the parameters.
+    /// Returns the initial states of motion and branches, for given parameters.
     pub fn initial(&self, p: &[f64]) -> Vec<(String, f64)> {
         self.kind().basis().initial_at(0.0, p)
     }
 
-    /// Values of states, where branches of boundary-value problems begin, at a time in units of the
-    /// length; of other equations where motion begins.
+    /// Returns the initial profiles of branches of boundary-value problems, at a time in units of
+    /// the length; for other equations, the initial states of motion.
     pub fn initial_along(&self, tau: f64, p: &[f64]) -> Vec<(String, f64)> {
         self.kind().initial_along(tau, p)
     }
 
-    /// Default values of the first parameters, which have them.
+    /// Returns the default values of the first parameters; the others have none.
     pub fn defaults(&self) -> &[f64] {
         &self.kind().basis().defaults
     }
 
-    /// Labels of axes that show a column.
+    /// Returns the labels of axes that show a column.
     pub fn labels(&self) -> &[(String, String)] {
         &self.kind().basis().labels
     }
 
-    /// Parameters that no formula uses.
+    /// Returns the parameters that no formula uses.
     pub fn unused(&self) -> &[String] {
         &self.kind().basis().unused
     }
 
-    /// The guards that jump, by `mod`, `floor` or `sign`: an event is seen where a guard falls
-    /// through zero, not where it jumps away from it.
+    /// Returns the discontinuous guards, such as those with `mod`, `floor` or `sign`: an event is
+    /// detected where a guard decreases through zero, but not where it jumps away from zero.
     ///
     /// ```
     /// use tangency::language::{Model, Source};
@@ -237,21 +239,20 @@ impl Model {
         self.kind().jumping_guards()
     }
 
-    /// The line in which a definition stands, `equations.ron:7` or `line 7`; `None` if there is
-    /// none of this name.
+    /// Returns the line of a definition, `equations.ron:7` or `line 7`; `None` for an unknown name.
     pub fn line_of_definition(&self, name: &str) -> Option<&str> {
         let mut definitions = self.kind().basis().definitions.iter();
         definitions.find(|(known, _)| known == name).map(|(_, line)| line.as_str())
     }
 
-    /// Whether time enters, but not with a period: such motion can be simulated, but has no
+    /// Returns whether time enters without a period: such motion can be simulated, but has no
     /// equilibria and no periodic orbits.
     pub fn is_aperiodic(&self) -> bool {
         self.kind().basis().aperiodic
     }
 
-    /// The value that is not finite where motion or a branch begins, at time 0: a division by zero,
-    /// a logarithm of a negative number.
+    /// Returns the error of the first value that is not finite at the start of motion or of a
+    /// branch, at time 0, such as a division by zero or a logarithm of a negative number.
     ///
     /// ```
     /// use tangency::language::{Model, Source};
@@ -264,7 +265,7 @@ impl Model {
         self.kind().undefined(x, p)
     }
 
-    /// The error of a period or a length that is not positive for some parameters.
+    /// Returns the error of a period or length that is not positive for the given parameters.
     ///
     /// ```
     /// use tangency::language::{Model, Source};
@@ -280,7 +281,7 @@ impl Model {
         basis.duration.refused(&basis.source, p)
     }
 
-    /// The names of states in which motion begins, or of unknowns.
+    /// Returns the names of the states in the initial mode, or of the unknowns.
     pub fn states(&self) -> Vec<String> {
         self.kind().basis().states.clone()
     }

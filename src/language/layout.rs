@@ -1,4 +1,4 @@
-//! Where the values of a tape are: registers, which values share that are not needed at the same
+//! Layout of a tape: assigns values to registers, shared by values that are not needed at the same
 //! time.
 
 use super::assembly::{Assembly, Value};
@@ -7,21 +7,21 @@ use super::tape::{Code, Step, Tape};
 use super::values::Values;
 use std::collections::HashMap;
 
-/// The most states, and the most parameters, that are in registers from the beginning.
+/// The maximum numbers of states and of parameters that are preloaded into registers.
 const PRELOADED: usize = 6;
-/// The most results that stay in registers until the end.
+/// The maximum number of results that stay in registers until the end.
 const KEPT: usize = 8;
 
-/// The number of reads of a value whose register is never free.
+/// The number of reads of a value whose register is never freed.
 const KEPT_FOREVER: u32 = u32::MAX / 2;
 
-/// A tape that is being laid out.
+/// A tape during layout.
 pub(super) struct Layout<'a> {
     assembly: &'a Assembly,
     needed: Vec<bool>,
-    /// How many times each value is still read.
+    /// The number of remaining reads of each value.
     reads: Values<u32>,
-    /// The cosine that is computed with each sine, or the other way round.
+    /// For each sine or cosine, its partner of the same angle.
     partners: HashMap<u32, u32>,
     registers: Values<Option<u32>>,
     free: Vec<u32>,
@@ -46,7 +46,7 @@ impl<'a> Layout<'a> {
             parameters: Vec::new(),
             steps: Vec::new(),
         };
-        // The first register has the time from the beginning, and keeps it.
+        // The first register holds the time throughout.
         *layout.registers.at(Value::Time) = Some(0);
         *layout.reads.at(Value::Time) = KEPT_FOREVER;
         for k in 0..assembly.len() {
@@ -63,8 +63,8 @@ impl<'a> Layout<'a> {
         layout
     }
 
-    /// The states of a small system, of which all are read, and a few parameters are in registers
-    /// from the beginning: a step for each would take longer.
+    /// Preloads the states of a small system, all of which are read, and a few parameters into
+    /// registers: separate steps would take longer.
     fn preload(&mut self) {
         let read = (0..PRELOADED as u32).take_while(|k| self.reads.get(Value::State(*k)) > 0);
         self.preloaded = read.count();
@@ -81,7 +81,8 @@ impl<'a> Layout<'a> {
         }
     }
 
-    /// Sine and cosine of one angle are computed at once, where the first of them is.
+    /// Pairs sine and cosine of one angle, so that they are computed together at the first of the
+    /// two.
     fn pair_cosines(&mut self) {
         use Operation::{Cosine, Sine};
         for (k, (operation, [a, ..])) in self.assembly.applied.iter().enumerate() {
@@ -98,11 +99,12 @@ impl<'a> Layout<'a> {
         }
     }
 
-    /// The tape. A few results stay in registers until the end, many are put away as soon as they
-    /// are there.
+    /// Lays out the tape. A few results stay in registers until the end; if there are many, each is
+    /// stored immediately.
     pub fn tape(mut self, results: &[Value]) -> Tape {
         let (kept, stored) = results.split_at(if results.len() > KEPT { 0 } else { results.len() });
-        // The first result with each value, and for each result the next one with the same value.
+        // `first` is the first result with each value, and `next` the next result with the same
+        // value.
         let (mut first, mut next) = (Values::<Option<u32>>::default(), vec![None; stored.len()]);
         for (k, result) in stored.iter().enumerate().rev() {
             next[k] = first.at(*result).replace(k as u32);
@@ -120,7 +122,7 @@ impl<'a> Layout<'a> {
                 result = next[into as usize];
             }
         }
-        // What is left are inputs and numbers.
+        // The remaining results are inputs and numbers.
         let others = stored.iter().copied().zip(0..);
         let mut left: Vec<(Value, u32)> =
             others.filter(|(value, _)| !matches!(value, Value::Result(_))).collect();
@@ -137,7 +139,8 @@ impl<'a> Layout<'a> {
         self.release(value);
     }
 
-    /// Which products are computed where they are added: those that nothing else reads.
+    /// Returns the products that are computed together with their sum, because no other operation
+    /// reads them.
     fn fused(&self) -> Vec<bool> {
         let mut fused = vec![false; self.assembly.len()];
         for (k, (operation, [a, b, _])) in self.assembly.applied.iter().enumerate() {
@@ -159,7 +162,7 @@ impl<'a> Layout<'a> {
         self.push_operation((code, Operation::Add), into, registers, n);
     }
 
-    /// Adds a step; its operation counts where it is a general one.
+    /// Adds a step; its operation matters only for a general step.
     fn push_operation(
         &mut self,
         (code, operation): (Code, Operation),
@@ -170,7 +173,7 @@ impl<'a> Layout<'a> {
         self.steps.push(Step { code, operation, into, a, b, c, n });
     }
 
-    /// The register of a value, into which inputs and numbers are loaded first.
+    /// Returns the register of a value; inputs and numbers are loaded first.
     fn read(&mut self, value: Value) -> u32 {
         if let Some(register) = self.registers.get(value) {
             return register;
@@ -195,7 +198,7 @@ impl<'a> Layout<'a> {
         register
     }
 
-    /// A value has been read once more: its register is free behind the last time.
+    /// Counts a read of a value, and frees its register after the last read.
     fn release(&mut self, value: Value) {
         let reads = self.reads.at(value);
         *reads = reads.saturating_sub(1);
@@ -233,7 +236,7 @@ impl<'a> Layout<'a> {
         }
     }
 
-    /// An operation, and the values that it reads.
+    /// Returns the step of an operation, and the values that it reads.
     fn step(&self, operation: Operation, arguments: [Value; 3], fused: &[bool]) -> Planned {
         use Operation::*;
         let [a, b, _] = arguments;
@@ -268,12 +271,12 @@ impl<'a> Layout<'a> {
     }
 }
 
-/// An operation of a step, with its values and numbers.
+/// A planned step, with its values and numbers.
 struct Planned {
     code: Code,
     inputs: Vec<Value>,
     n: f64,
-    /// The second number of a line.
+    /// The slope in `a m + n`.
     m: f64,
 }
 
@@ -283,28 +286,28 @@ impl Planned {
     }
 }
 
-/// A sum or difference of which one term may be a product.
+/// A sum or difference in which one term may be a product.
 struct Sum {
     product: Value,
     other: Value,
-    /// The signs of both.
+    /// The signs of both terms.
     signs: [f64; 2],
 }
 
 impl Sum {
-    /// The second term is the product.
+    /// Creates a sum whose second term is the product.
     fn second(operation: Operation, a: Value, b: Value) -> Self {
         let sign = if operation == Operation::Subtract { -1.0 } else { 1.0 };
         Sum { product: Sum::term(operation, b), other: a, signs: [sign, 1.0] }
     }
 
-    /// The first term is the product.
+    /// Creates a sum whose first term is the product.
     fn first(operation: Operation, a: Value, b: Value) -> Self {
         let sign = if operation == Operation::Subtract { -1.0 } else { 1.0 };
         Sum { product: Sum::term(operation, a), other: b, signs: [1.0, sign] }
     }
 
-    /// The term, or time, which is no product, where nothing is added.
+    /// Returns the term that is not a product; time, as a placeholder, if nothing is added.
     fn term(operation: Operation, term: Value) -> Value {
         match operation {
             Operation::Add | Operation::Subtract => term,
@@ -312,7 +315,7 @@ impl Sum {
         }
     }
 
-    /// The step that does all at once, if there is one for this product.
+    /// Returns the fused step for this product, if there is one.
     fn step(&self, [x, y]: [Value; 2]) -> Option<Planned> {
         let Sum { other, signs: [sign, other_sign], .. } = *self;
         let scaled = [(x, y), (y, x)].into_iter().find_map(|(m, x)| Some((m.as_number()?, x)));

@@ -1,4 +1,4 @@
-//! Maps that are given as text.
+//! Maps given as text.
 
 use super::assembling::{Assembling, Program};
 use super::basis::{Basis, Kind, program_of};
@@ -8,14 +8,14 @@ use super::statement::Map;
 use crate::core::problem::{DiscreteMap, Names};
 use crate::core::scalar::Scalar;
 
-/// A map that is given as text.
+/// A map given as text.
 #[derive(Clone, Debug)]
 pub struct Iteration {
     basis: Basis,
     next: Program,
 }
 
-/// Understands a statement, for a scene that gives some parameters.
+/// Assembles a statement, for a scene that gives some parameters.
 pub(super) fn understood(
     source: &Source,
     statement: &Map,

@@ -1,4 +1,5 @@
-//! Problems whose equations are given as text, in scenes and in files of their own.
+//! Problems whose equations are given as text, in scenes and in files, such as `tangency trace
+//! model.ron`.
 //!
 //! A **statement** is RON: names with formulas, as in
 //!
@@ -9,11 +10,11 @@
 //! )
 //! ```
 //!
-//! `docs/reference/language.md` has the language. A formula is read into nodes in postfix order; what its names
-//! mean is looked up in the scope of its mode, and all formulas that are evaluated together become
-//! one tape of operations, in which common parts are computed once. A tape is evaluated over any
-//! [`Scalar`](crate::core::scalar::Scalar) without allocation, so that a [`Model`] is a problem
-//! like any other: derivatives of every order, orbits, local maps.
+//! `docs/reference/language.md` describes the language. A formula is parsed into nodes in postfix
+//! order; its names are resolved in the scope of its mode, and all formulas that are evaluated
+//! together become one tape of operations, in which common subexpressions are computed once. A tape
+//! is evaluated over any [`Scalar`](crate::core::scalar::Scalar) without allocation, so that a
+//! [`Model`] supports all computations: derivatives of every order, orbits, local maps.
 
 mod affine;
 mod assembling;

@@ -1,16 +1,16 @@
-//! The operations of formulas: what they are called, and what they do to numbers.
+//! The operations of formulas: their names and their values.
 
 use super::elementary;
 use crate::core::scalar::Scalar;
 
-/// How the value of an operation follows from those of its arguments.
+/// How the value of an operation depends on its arguments.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Sort {
-    /// By one formula.
+    /// By one smooth formula.
     Smooth,
-    /// By a comparison that chooses between formulas.
+    /// By a comparison that selects one of several formulas.
     Chosen,
-    /// By a comparison between numbers: the value jumps.
+    /// By a comparison of numbers: the value is discontinuous.
     Jumping,
 }
 
@@ -18,18 +18,18 @@ enum Sort {
 pub(super) struct Function {
     pub name: &'static str,
     pub operation: Operation,
-    /// Whether XPPAUT has it, too.
+    /// Whether XPPAUT has the function, too.
     pub of_xpp: bool,
 }
 
-/// Declares the operations: their sort, their value, and the names of those that are called as
-/// functions, with `xpp` behind a name that XPPAUT has, too.
+/// Declares the operations: their sort, their value, and the names of those callable as functions,
+/// with `xpp` after a name that XPPAUT has, too.
 macro_rules! operations {
     ($(
         $(#[$docs:meta])*
         $sort:ident $operation:ident($($argument:ident),+) = $value:expr $(, $name:literal $($xpp:ident)?)*;
     )*) => {
-        /// The operation of a step of a tape on the values of its arguments.
+        /// An operation of a step of a tape on the values of its arguments.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
         pub(super) enum Operation {
             $($(#[$docs])* $operation,)*
@@ -43,7 +43,8 @@ macro_rules! operations {
         },)*)*];
 
         impl Operation {
-            /// The name in formulas; of what has none there, one for messages.
+            /// Returns the name in formulas; for an operation without a name, a description for
+            /// messages.
             pub fn name(self) -> &'static str {
                 let function = FUNCTIONS.iter().find(|function| function.operation == self);
                 match (self, function) {
@@ -52,7 +53,7 @@ macro_rules! operations {
                 }
             }
 
-            /// How many arguments it has.
+            /// Returns the number of arguments.
             pub fn arity(self) -> usize {
                 match self {
                     $(Operation::$operation => [$(stringify!($argument)),+].len(),)*
@@ -65,7 +66,7 @@ macro_rules! operations {
                 }
             }
 
-            /// Its value.
+            /// Returns the value.
             #[inline(always)]
             pub fn of<T: Scalar>(self, a: &T, b: &T, c: &T) -> T {
                 match self {
@@ -90,7 +91,7 @@ operations! {
     Smooth Multiply(a, b) = a * b;
     Smooth Divide(a, b) = a / b;
     Smooth Negate(a) = -a;
-    /// A product of integer powers is faster and exact: constant exponents have steps of their own.
+    /// Integer powers as products are faster and exact; constant exponents have separate steps.
     Chosen Power(a, b) = power(&a, &b), "pow";
     Chosen Less(a, b) = truth(a.real() < b.real());
     Chosen AtMost(a, b) = truth(a.real() <= b.real());
@@ -101,14 +102,14 @@ operations! {
     Chosen And(a, b) = truth(a.real() != 0.0 && b.real() != 0.0);
     Chosen Or(a, b) = truth(a.real() != 0.0 || b.real() != 0.0);
     Chosen Not(a) = truth(a.real() == 0.0), "not";
-    /// The second value where the first is not zero, else the third.
+    /// The second value if the first is not zero, else the third.
     Chosen Select(c, a, b) = if c.real() != 0.0 { a } else { b };
     Chosen Minimum(a, b) = if b.real() < a.real() { b } else { a }, "min" xpp;
     Chosen Maximum(a, b) = if b.real() > a.real() { b } else { a }, "max" xpp;
     Chosen Absolute(a) = if a.real() < 0.0 { -a } else { a }, "abs" xpp;
     /// −1, 0 or 1.
     Jumping Sign(a) = constant(if a.real() == 0.0 { 0.0 } else { a.real().signum() }), "sign" xpp, "sgn", "signum";
-    /// 0 before zero, else 1.
+    /// 0 for negative arguments, else 1.
     Jumping Heaviside(a) = truth(a.real() >= 0.0), "heaviside", "heav" xpp;
     Jumping Floor(a) = constant(a.real().floor()), "floor", "flr" xpp;
     Jumping Ceiling(a) = constant(a.real().ceil()), "ceil";
@@ -144,19 +145,19 @@ operations! {
 }
 
 impl Operation {
-    /// Whether its value jumps from one number to another.
+    /// Returns whether the value is discontinuous.
     pub fn jumps(self) -> bool {
         self.sort() == Sort::Jumping
     }
 
-    /// Whether its value is chosen by a comparison, so that one evaluation cannot be right for
-    /// several motions at once.
+    /// Returns whether the value depends on a comparison, so that a single evaluation cannot serve
+    /// several motions with different outcomes.
     pub fn decides(self) -> bool {
         self.sort() != Sort::Smooth
     }
 }
 
-/// The function of a name.
+/// Returns the function with a given name.
 pub(super) fn function(name: &str) -> Option<&'static Function> {
     FUNCTIONS.iter().find(|function| function.name == name)
 }
@@ -169,7 +170,7 @@ fn truth<T: Scalar>(holds: bool) -> T {
     constant(if holds { 1.0 } else { 0.0 })
 }
 
-/// `√(a² + b²)`, with the value of `f64::hypot` where that is infinite or zero.
+/// Computes `√(a² + b²)`, with the value of `f64::hypot` if the result is infinite or zero.
 fn hypotenuse<T: Scalar>(a: &T, b: &T) -> T {
     let scale = a.real().abs().max(b.real().abs());
     if scale == 0.0 || !scale.is_finite() {
@@ -179,8 +180,8 @@ fn hypotenuse<T: Scalar>(a: &T, b: &T) -> T {
     elementary::sqrt(&(a * a + b * b)) * scale
 }
 
-/// `tanh a`: by `e^{−2|a|}` away from zero, since the quotient of `sinh` and `cosh` has no value,
-/// nor derivative, where these are infinite, as in friction laws `tanh(v/ε)`.
+/// Computes `tanh a`, for larger arguments from `e^{−2|a|}`: the quotient of `sinh` and `cosh` and
+/// its derivative are undefined where both overflow, as in friction laws `tanh(v/ε)`.
 fn hyperbolic_tangent<T: Scalar>(a: &T) -> T {
     let sign = a.real().signum();
     if a.real().abs() < 1.0 || a.real().is_nan() {
@@ -190,7 +191,7 @@ fn hyperbolic_tangent<T: Scalar>(a: &T) -> T {
     (-rest + 1.0) / (rest + 1.0) * sign
 }
 
-/// `a^b`. Of numbers that are not positive there are only integer powers.
+/// Computes `a^b`. Numbers that are not positive have only integer powers.
 fn power<T: Scalar>(a: &T, b: &T) -> T {
     let exponent = b.real();
     if a.real() > 0.0 {

@@ -1,20 +1,20 @@
-//! The modes of a hybrid system that is given as text: a list of them, or all combinations of the
-//! alternatives of several parts, as of contact and friction.
+//! The modes of a hybrid system given as text: a list, or all combinations of the alternatives of
+//! several parts, for example of contact and friction.
 
 use super::source::{Fault, ModelError, Phrase, Source};
 use super::statement::{HybridEquations, Mode};
 use super::syntax::Declared;
 use crate::core::problem::position;
 
-/// Between the alternatives in the name of a combination.
+/// The separator of alternatives in the name of a combination.
 const AND: char = '.';
-/// The most combinations.
+/// The maximum number of combinations.
 const MOST: usize = 256;
 
-/// The modes of a statement, each with the states that all have.
+/// Returns the modes of a statement, each including the states common to all modes.
 ///
 /// # Errors
-/// [`ModelError`] if there are no modes or too many, or if two alternatives have one name.
+/// [`ModelError`] if there are no modes or too many, or if two alternatives have the same name.
 pub(super) fn modes_of(
     source: &Source,
     statement: &HybridEquations,
@@ -23,7 +23,7 @@ pub(super) fn modes_of(
     let common = Mode { states: states.clone(), ..Mode::default() };
     match (&modes[..], &product[..]) {
         ([], []) => {
-            let (what, needed) = ("the equations".into(), "there must be one mode or more".into());
+            let (what, needed) = ("the equations".into(), "there must be at least one mode".into());
             Err(source.fault_of(&Phrase::default(), Fault::Missing { what, needed }))
         }
         ([first, ..], [_, ..]) => {
@@ -44,7 +44,7 @@ pub(super) fn modes_of(
     }
 }
 
-/// All combinations of the alternatives of several parts.
+/// Returns all combinations of the alternatives of several parts.
 fn combinations(
     source: &Source,
     common: Mode,
@@ -72,7 +72,7 @@ fn combinations(
     Ok(parts.iter().fold(vec![common], with))
 }
 
-/// A mode with the name, states and definitions of two.
+/// Joins the names, states and definitions of two modes.
 fn joined(first: &Mode, second: &Mode) -> Mode {
     let name = match first.name.text.is_empty() {
         true => second.name.clone(),
@@ -83,12 +83,12 @@ fn joined(first: &Mode, second: &Mode) -> Mode {
     Mode { name, states, definitions }
 }
 
-/// The alternatives of which a name consists.
+/// Splits a name into its alternatives.
 fn alternatives(name: &str) -> impl Iterator<Item = &str> {
     name.split(AND)
 }
 
-/// The modes of a name: those that have all its alternatives.
+/// Returns the modes denoted by a name: those that have all its alternatives.
 ///
 /// # Errors
 /// [`ModelError`] for an unknown name.
@@ -106,8 +106,8 @@ pub(super) fn named(
     }
 }
 
-/// The mode that follows another one by a name: the alternatives of the name in place of the mode's
-/// own, of the same parts.
+/// Returns the mode that a name denotes as the next mode of another one: the alternatives of the
+/// name replace the alternatives of the same parts.
 ///
 /// # Errors
 /// [`ModelError`] for an unknown name.
@@ -129,7 +129,7 @@ pub(super) fn following(
     modes.iter().position(|known| *known == next).ok_or_else(|| unknown(source, name, modes))
 }
 
-/// The error of an unknown name.
+/// Returns the error of an unknown name.
 fn unknown(source: &Source, name: &Phrase, modes: &[&str]) -> ModelError {
     let mut known: Vec<&str> = Vec::new();
     for own in modes.iter().flat_map(|mode| alternatives(mode)) {
@@ -139,7 +139,7 @@ fn unknown(source: &Source, name: &Phrase, modes: &[&str]) -> ModelError {
     }
     match position("mode", &name.text, known) {
         Err(unknown) => source.fault_of(name, Fault::Unknown(unknown)),
-        // Each is known, but no mode has all of them.
+        // Each alternative is known, but no mode has all of them.
         Ok(_) => {
             let (what, reason) = (format!("`{}`", name.text), "no mode has this name".into());
             source.fault_of(name, Fault::Misplaced { what, reason })

@@ -1,4 +1,4 @@
-//! Equations `F = 0` that are given as text.
+//! Equations `F = 0` given as text.
 
 use super::assembling::{Assembling, Program};
 use super::basis::{Basis, Kind, recorded, values_of};
@@ -10,19 +10,19 @@ use crate::core::problem::{Dynamics, Names, ZeroProblem};
 use crate::core::scalar::Scalar;
 use std::ops::Range;
 
-/// Equations `F = 0` that are given as text.
+/// Equations `F = 0` given as text.
 #[derive(Clone, Debug)]
 pub struct Zero {
     basis: Basis,
     names: Names,
     residual: Program,
-    /// The unknowns that are columns one by one, and the long arrays of which the norm is one.
+    /// The unknowns that are columns one by one, and the long arrays whose norm is a column.
     recorded: (Vec<usize>, Vec<Range<usize>>),
     monitors: Tape,
     dynamics: Dynamics,
 }
 
-/// Understands a statement, for a scene that gives some parameters.
+/// Assembles a statement, for a scene that gives some parameters.
 pub(super) fn understood(
     source: &Source,
     statement: &Residual,
@@ -33,7 +33,7 @@ pub(super) fn understood(
     let mut assembling = Assembling::new(&scope);
     assembling.check_named()?;
     let residual = values_of(&mut assembling, &rows)?;
-    // Checked one by one, evaluated together.
+    // The equations are checked one by one and evaluated together.
     basis.finish(common, &[&scope], Duration::default(), false)?;
     let (single, arrays) = recorded(&basis.states);
     let (norms, arrays): (Vec<String>, _) = arrays.into_iter().unzip();
@@ -42,7 +42,7 @@ pub(super) fn understood(
     let stated = statement.monitors.iter().map(|(_, formula)| assembling.read(formula));
     let stated = stated.collect::<Result<Vec<_>, _>>()?;
     let tape = assembling.tape(&stated);
-    scope.refuse_time("equations without motion have no time")?;
+    scope.refuse_time("equations without dynamics have no time")?;
     let names = Names::new(basis.groups.clone(), basis.parameters.clone()).with_monitors(monitors);
     let (residual, dynamics) = (assembling.program(residual), statement.dynamics.into());
     let recorded = (single, arrays);
@@ -59,7 +59,7 @@ impl Kind for Zero {
     }
 }
 
-/// The norm of an array, `√Σu²`.
+/// Computes the norm of an array, `√Σu²`.
 fn norm<T: Scalar>(array: &[T]) -> T {
     array.iter().fold(T::zero(), |sum, u| sum + *u * *u).sqrt()
 }

@@ -1,4 +1,4 @@
-//! What names mean in formulas.
+//! The meaning of names in formulas.
 
 use super::elements::{Element, Elements};
 use super::operation::{FUNCTIONS, function};
@@ -34,7 +34,7 @@ impl Meaning {
     }
 }
 
-/// A name for a formula; of an element of an array with the values of its indices.
+/// A name for a formula; for an element of an array, with the values of its indices.
 #[derive(Clone, Debug)]
 pub(super) struct Definition {
     pub element: Element,
@@ -52,9 +52,9 @@ pub(super) struct Function {
 pub(super) struct Scope {
     pub source: Source,
     meanings: HashMap<String, Meaning>,
-    /// All names, in the order in which they were declared.
+    /// All names, in the order of their declaration.
     order: Vec<String>,
-    /// How many of them are states.
+    /// The number of states.
     pub dimension: usize,
     pub definitions: Vec<Definition>,
     pub functions: HashMap<String, Function>,
@@ -77,7 +77,7 @@ impl Scope {
         }
     }
 
-    /// Gives a name a meaning.
+    /// Declares a name with its meaning.
     pub fn declare(
         &mut self,
         phrase: &Phrase,
@@ -94,39 +94,39 @@ impl Scope {
         Ok(())
     }
 
-    /// Whether a name is that of a state.
+    /// Returns whether a name is that of a state.
     pub fn is_state(&self, name: &str) -> bool {
         self.meaning(name).is_some_and(Meaning::is_state)
     }
 
-    /// The meaning of a name.
+    /// Returns the meaning of a name.
     pub fn meaning(&self, name: &str) -> Option<Meaning> {
         self.meanings.get(name).copied()
     }
 
-    /// All names, in the order in which they were declared.
+    /// Returns all names, in the order of their declaration.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.order.iter().map(String::as_str)
     }
 
-    /// Refuses a name that has a meaning already.
+    /// Rejects a name that already has a meaning.
     fn refuse_taken(&self, phrase: &Phrase, name: &str) -> Result<(), ModelError> {
         let function = self.functions.contains_key(name).then_some("a function");
         let first = function.or(self.meaning(name).map(Meaning::words));
         first.map_or(Ok(()), |first| Err(self.source.twice(phrase, name, first)))
     }
 
-    /// Refuses names that the language uses by itself.
+    /// Rejects reserved names of the language.
     fn refuse_reserved(&self, phrase: &Phrase, name: &str) -> Result<(), ModelError> {
         if !["t", "if", "sum", "then", "else", "of"].contains(&name) {
             return Ok(());
         }
-        let reason = "the language uses this name by itself; choose another one".to_string();
+        let reason = "this name is reserved by the language; choose another one".to_string();
         let fault = Fault::Misplaced { what: format!("`{name}`"), reason };
         Err(self.source.fault_of(phrase, fault))
     }
 
-    /// Refuses time where there is none.
+    /// Rejects time in formulas without time.
     pub fn refuse_time(&self, reason: &str) -> Result<(), ModelError> {
         match self.uses("t") {
             true => {
@@ -137,22 +137,22 @@ impl Scope {
         }
     }
 
-    /// The number of parameters.
+    /// Returns the number of parameters.
     pub fn parameters(&self) -> usize {
         self.meanings.values().filter(|it| matches!(it, Meaning::Parameter(_))).count()
     }
 
-    /// The names of states, in their order.
+    /// Returns the names of states, in their order.
     pub fn states(&self) -> impl Iterator<Item = &String> {
         self.order.iter().filter(|name| self.is_state(name))
     }
 
-    /// Whether formulas have used a name.
+    /// Returns whether formulas have used a name.
     pub fn uses(&self, name: &str) -> bool {
         self.used.borrow().contains(name)
     }
 
-    /// Adds a definition of some elements. States keep their meaning where not all elements are
+    /// Adds a definition of some elements. If only some of the elements are states, these remain
     /// states: `u[i=0..n+1]` defines the elements beyond both ends of the states `u[1]` to `u[n]`.
     pub fn define(
         &mut self,
@@ -186,7 +186,8 @@ impl Scope {
         self.refuse_reserved(name, &called)?;
         if arguments.is_empty() {
             let needed =
-                "a function has an argument or more; without one it is a definition".into();
+                "a function needs at least one argument; without arguments, make it a definition"
+                    .into();
             let fault = Fault::Missing { what: format!("`{called}`"), needed };
             return Err(self.source.fault_of(name, fault));
         }
@@ -209,7 +210,7 @@ impl Scope {
         Ok(())
     }
 
-    /// The error of a name that nothing has.
+    /// Returns the error of an unknown name.
     pub fn unknown(
         &self,
         what: &str,
@@ -217,7 +218,7 @@ impl Scope {
         phrase: &Phrase,
         part: Range<usize>,
     ) -> ModelError {
-        // Of an array the first elements show what there is.
+        // The first elements of an array are enough in the list of known names.
         let mut arrays: HashMap<&str, usize> = HashMap::new();
         let mut known: Vec<&str> = Vec::new();
         for declared in &self.order {

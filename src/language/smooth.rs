@@ -1,4 +1,4 @@
-//! Vector fields that are given as text.
+//! Vector fields given as text.
 
 use super::assembling::{Assembling, Program};
 use super::basis::{Basis, Kind, program_of};
@@ -8,14 +8,14 @@ use super::statement::Equations;
 use crate::core::problem::{Forcing, Measure, Names, VectorField};
 use crate::core::scalar::Scalar;
 
-/// A vector field that is given as text.
+/// A vector field given as text.
 #[derive(Clone, Debug)]
 pub struct Field {
     basis: Basis,
     rates: Program,
 }
 
-/// Understands a statement, for a scene that gives some parameters.
+/// Assembles a statement, for a scene that gives some parameters.
 pub(super) fn understood(
     source: &Source,
     statement: &Equations,

@@ -1,4 +1,4 @@
-//! Texts that state equations, and what is wrong with them: where, and how it looks there.
+//! Texts that state equations, and errors that quote the place in the text.
 
 use crate::core::problem::UnknownName;
 use crate::misread::{Place, part_of, reason};
@@ -11,23 +11,23 @@ use std::fmt;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// A text from which equations are read.
+/// A text from which equations are parsed.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Source {
-    /// The name in errors: a file's name; empty for a scene, which is named elsewhere.
+    /// The name in errors: a file name; empty for a scene, which is named separately.
     pub name: String,
     /// The text.
     pub text: Arc<str>,
 }
 
 thread_local! {
-    /// Where the text that is being read is in memory, and how long it is: the parts of it that
-    /// serde lends tell their places in no other way.
+    /// The address and length of the text that is being parsed. Positions of the substrings
+    /// borrowed by serde are computed from their addresses.
     static LENT: Cell<(usize, usize)> = const { Cell::new((0, 0)) };
 }
 
 impl Source {
-    /// A text with a name, without a byte-order mark.
+    /// Creates a source from a name and a text, without a byte-order mark.
     pub fn new(name: impl Into<String>, text: impl Into<Arc<str>>) -> Self {
         let text: Arc<str> = text.into();
         let text = match without_mark(&text) {
@@ -37,7 +37,7 @@ impl Source {
         Source { name: name.into(), text }
     }
 
-    /// Reads a part of the text, so that phrases that are borrowed from it know their places.
+    /// Parses a part of the text in such a way that borrowed phrases know their positions.
     pub(super) fn lend<T>(&self, part: Range<usize>, read: impl FnOnce(&str) -> T) -> T {
         LENT.set((self.text.as_ptr() as usize, self.text.len()));
         let value = read(&self.text[part]);
@@ -45,20 +45,20 @@ impl Source {
         value
     }
 
-    /// A part of the text.
+    /// Returns a part of the text as a phrase.
     pub fn phrase(&self, span: Range<usize>) -> Phrase {
         let text = self.text.get(span.clone()).unwrap_or_default();
         Phrase { text: text.into(), span: Some(span) }
     }
 
-    /// Where a phrase stands, or what it was rewritten from; `None` if it was not taken from this
-    /// text.
+    /// Returns the position of a phrase, or of the phrase it was rewritten from; `None` if the
+    /// phrase is not from this text.
     fn span_of(&self, phrase: &Phrase) -> Option<Range<usize>> {
         phrase.span.clone().filter(|span| self.text.get(span.clone()).is_some())
     }
 
-    /// The file and the line of a phrase, `equations.ron:7`, or `line 7`; `None` if it was not
-    /// taken from this text.
+    /// Returns the file and the line of a phrase, `equations.ron:7`, or `line 7`; `None` if the
+    /// phrase is not from this text.
     pub(super) fn line_of(&self, phrase: &Phrase) -> Option<String> {
         let line = self.line(self.span_of(phrase)?.start);
         Some(match self.name.is_empty() {
@@ -67,27 +67,27 @@ impl Source {
         })
     }
 
-    /// An error at a part of a phrase.
+    /// Returns an error at a part of a phrase.
     pub fn fault(&self, phrase: &Phrase, part: Range<usize>, fault: Fault) -> ModelError {
-        // Blanks behind a part do not belong to it.
+        // Blanks after a part do not belong to it.
         let part = part.start..part.start + phrase.text[part].trim_end().len();
         let place = match self.span_of(phrase) {
             Some(span) if self.text[span.clone()] == phrase.text => {
                 self.place(span.start + part.start..span.start + part.end)
             }
-            // It was rewritten: all that it stands for is shown.
+            // For a rewritten phrase the whole original is shown.
             Some(span) => self.place(span),
             None => Place::within(&phrase.text, part),
         };
         ModelError { file: self.name.clone(), place: Box::new(place), fault }
     }
 
-    /// An error of a whole phrase.
+    /// Returns an error of a whole phrase.
     pub fn fault_of(&self, phrase: &Phrase, fault: Fault) -> ModelError {
         self.fault(phrase, 0..phrase.text.len(), fault)
     }
 
-    /// The error of a name that has an owner already.
+    /// Returns the error of a duplicate name.
     pub(super) fn twice(
         &self,
         phrase: &Phrase,
@@ -97,12 +97,12 @@ impl Source {
         self.fault_of(phrase, Fault::Twice { name: name.into(), first })
     }
 
-    /// An error at a part of the text.
+    /// Returns an error at a part of the text.
     pub fn fault_at(&self, part: Range<usize>, fault: Fault) -> ModelError {
         ModelError { file: self.name.clone(), place: Box::new(self.place(part)), fault }
     }
 
-    /// The line of an offset, from 1.
+    /// Returns the line of an offset, from 1.
     fn line(&self, offset: usize) -> usize {
         1 + self.text[..offset].matches('\n').count()
     }
@@ -112,30 +112,30 @@ impl Source {
     }
 }
 
-/// The error of a part of a source, which begins there, that is not written as RON is.
+/// Converts the RON error of a part of a source, which starts at `begin`.
 pub(crate) fn misread(source: &Source, begin: usize, error: SpannedError) -> ModelError {
     let part = part_of(&source.text[begin..], &error);
     let fault = Fault::Form { reason: reason(&error.code) };
     source.fault_at(begin + part.start..begin + part.end, fault)
 }
 
-/// A text without the byte-order mark that some editors write first.
+/// Returns a text without the byte-order mark that some editors write first.
 pub(crate) fn without_mark(text: &str) -> &str {
     text.strip_prefix('\u{feff}').unwrap_or(text)
 }
 
-/// A part of a source: a name, or a formula. Two are equal if their texts are.
+/// A part of a source: a name, or a formula. Phrases are equal if their texts are.
 #[derive(Clone, Debug, Default)]
 pub struct Phrase {
     /// Its text.
     pub text: String,
-    /// Where it stands in a source, or what it was rewritten from; `None` if it was not taken from
-    /// one.
+    /// The position in a source, or of the phrase it was rewritten from; `None` if the phrase is
+    /// not from a source.
     span: Option<Range<usize>>,
 }
 
 impl Phrase {
-    /// What it is rewritten as: errors in that show all of it.
+    /// Replaces the text of a phrase. Errors in the new text show the whole original phrase.
     ///
     /// ```
     /// use tangency::language::{Fault, Source};
@@ -148,7 +148,7 @@ impl Phrase {
         Phrase { text, span: self.span.clone() }
     }
 
-    /// Whether it is the other one: its text at its place.
+    /// Returns whether two phrases have the same text at the same position.
     pub(super) fn is(&self, other: &Phrase) -> bool {
         self.span == other.span && self.text == other.text
     }
@@ -163,7 +163,7 @@ impl PartialEq for Phrase {
 impl Eq for Phrase {}
 
 impl<'de> Deserialize<'de> for Phrase {
-    /// Text, or a number.
+    /// Deserializes a text, or a number.
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         struct Reader;
         impl<'de> Visitor<'de> for Reader {
@@ -201,7 +201,7 @@ impl<'de> Deserialize<'de> for Phrase {
 }
 
 impl Serialize for Phrase {
-    /// A whole number as a number, all else as text.
+    /// Serializes an integer as a number, any other phrase as text.
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         match self.text.parse::<i32>() {
             Ok(number) if number.to_string() == self.text => serializer.serialize_i32(number),
@@ -222,7 +222,7 @@ impl From<&str> for Phrase {
     }
 }
 
-/// An error in equations that are given as text, with its place.
+/// An error in equations given as text, with its place.
 ///
 /// ```
 /// use tangency::language::{Fault, Model, Source};
@@ -241,7 +241,7 @@ impl From<&str> for Phrase {
 pub struct ModelError {
     /// The name of the source; empty if it has none.
     pub file: String,
-    /// Where it is.
+    /// The place of the error.
     pub place: Box<Place>,
     /// The kind of error.
     pub fault: Fault,
@@ -256,60 +256,60 @@ impl ModelError {
     }
 }
 
-/// The errors of equations that are given as text.
+/// The kinds of errors in equations given as text.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Fault {
-    /// A statement is not of its form.
+    /// A statement has an invalid form.
     #[error("{reason}")]
     Form {
         /// The reason.
         reason: String,
     },
-    /// A formula or a name is not of the language.
+    /// A syntax error in a formula or a name.
     #[error("expected {expected}")]
     Syntax {
-        /// The alternatives that may stand there.
+        /// The valid alternatives at this place.
         expected: String,
     },
-    /// A name that nothing has.
+    /// An unknown name.
     #[error("{}", sentence(.0))]
     Unknown(UnknownName),
-    /// A name that two things have.
-    #[error("`{name}` is {first} already; each name may be given once")]
+    /// A name that is declared twice.
+    #[error("`{name}` is already {first}; each name may be given only once")]
     Twice {
-        /// The name.
+        /// The duplicate name.
         name: String,
-        /// The kind of its first owner.
+        /// The kind of the first declaration.
         first: &'static str,
     },
-    /// A function called with another number of arguments.
+    /// A function called with the wrong number of arguments.
     #[error("`{function}` takes {takes}, not {given}")]
     Arguments {
         /// The function.
         function: String,
-        /// How many arguments it takes, in words.
+        /// The required number of arguments, in words.
         takes: String,
-        /// How many there are.
+        /// The given number of arguments.
         given: usize,
     },
-    /// An index, or the end of a range, that is no constant integer.
+    /// An index or an end of a range that is not a constant integer.
     #[error("{what} must be an integer that does not depend on states, parameters or time{found}")]
     NotAnInteger {
-        /// Where it stands.
+        /// The position of the index or end, in words.
         what: &'static str,
         /// Its value, in words, if it has one.
         found: String,
     },
-    /// A definition or a function that leads to itself.
-    #[error("`{name}` is defined by itself: {through}")]
+    /// A definition or a function that depends on itself.
+    #[error("`{name}` is defined in terms of itself: {through}")]
     Circular {
-        /// The name.
+        /// The name of the definition or function.
         name: String,
-        /// The names through which it leads to itself.
+        /// The chain of names through which it depends on itself.
         through: String,
     },
-    /// Something that must be there is not.
+    /// A missing part of a statement.
     #[error("{what}: {needed}")]
     Missing {
         /// The statement that is incomplete.
@@ -317,20 +317,20 @@ pub enum Fault {
         /// The missing part, and how to give it.
         needed: String,
     },
-    /// Something that may not be there is.
+    /// A part that is not allowed at its place.
     #[error("{what}: {reason}")]
     Misplaced {
-        /// The part that is out of place.
+        /// The misplaced part.
         what: String,
-        /// Why it cannot be, and what to do.
+        /// The reason, and the remedy.
         reason: String,
     },
-    /// More than the limits allow.
+    /// A quantity that exceeds a limit.
     #[error("{what}: more than {limit}")]
     TooLarge {
         /// The quantity that is too large.
         what: &'static str,
-        /// How many are allowed.
+        /// The limit.
         limit: usize,
     },
     /// A value that is not a finite number.
@@ -338,25 +338,25 @@ pub enum Fault {
     Undefined {
         /// The operation or the formula without a finite value.
         what: String,
-        /// The values that decide.
+        /// The values of the arguments or names that determine it.
         values: String,
     },
-    /// A period or a length that is not positive.
+    /// A period or length that is not positive.
     #[error("{what} `{formula}` is {value}, but must be a finite number above 0")]
     NotPositive {
         /// `the period` or `the length`.
         what: &'static str,
-        /// Its formula.
+        /// The formula.
         formula: String,
-        /// Its value, with the parameters that decide.
+        /// The value, with the parameters that determine it.
         value: String,
     },
     /// A construct of another program's language that has no counterpart.
     #[error("{construct} is not supported: {reason}")]
     Unsupported {
-        /// The construct, by its name there.
+        /// The name of the construct in the other language.
         construct: String,
-        /// Why, and what to do.
+        /// The reason, and the remedy.
         reason: String,
     },
 }

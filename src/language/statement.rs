@@ -1,4 +1,4 @@
-//! What a text states about equations, as RON has it: names and formulas, not yet understood.
+//! Statements of equations as parsed from RON: names and formulas that are not yet resolved.
 
 use super::source::Phrase;
 use crate::core::problem::Dynamics;
@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 /// Names with formulas.
 pub type Formulas = Vec<(Phrase, Phrase)>;
 
-/// Declares the statements of kinds of problems, each with what all of them have.
+/// Declares the statements of the kinds of problems, each with the common fields.
 macro_rules! statements {
     ($(
         $(#[$docs:meta])*
@@ -18,35 +18,35 @@ macro_rules! statements {
         #[serde(default)]
         pub struct $name {
             $($(#[$field_docs])* #[serde(skip_serializing_if = "is_default")] pub $field: $type,)*
-            /// Parameters with default values. Those that a scene gives need not be among them.
+            /// Parameters with default values. Parameters that a scene gives may be omitted.
             #[serde(skip_serializing_if = "is_default")]
             pub parameters: Formulas,
-            /// Names for formulas; each may use those before it.
+            /// Names for formulas; each may use the definitions before it.
             #[serde(skip_serializing_if = "is_default")]
             pub definitions: Formulas,
             /// Functions: name, arguments, formula.
             #[serde(skip_serializing_if = "is_default")]
             pub functions: Vec<(Phrase, Vec<Phrase>, Phrase)>,
-            /// Further columns.
+            /// Additional columns.
             #[serde(skip_serializing_if = "is_default")]
             pub monitors: Formulas,
-            /// Values of states, where motion and branches begin.
+            /// Initial values of states, for motion and branches.
             #[serde(skip_serializing_if = "is_default")]
             pub initial: Formulas,
-            /// Typical sizes of states, where they are far from 1; of systems with events that of
-            /// time as well, under the name `t`.
+            /// Typical sizes of states that are far from 1; for systems with events also of time,
+            /// under the name `t`.
             #[serde(skip_serializing_if = "is_default")]
             pub scales: Formulas,
-            /// What axes say instead of names of states, parameters, monitors, or of time, `t`.
+            /// Labels of axes that replace the names of states, parameters, monitors or time (`t`).
             #[serde(skip_serializing_if = "is_default")]
             pub labels: Formulas,
-            /// The units of states, parameters, monitors, or of time, `t`, which axes show.
+            /// The units of states, parameters, monitors or time (`t`), shown on axes.
             #[serde(skip_serializing_if = "is_default")]
             pub units: Formulas,
         }
 
         impl $name {
-            /// The names of what is stated.
+            /// The names of the fields.
             pub const FIELDS: &[&str] = &[
                 $(stringify!($field),)* "parameters", "definitions", "functions", "monitors", "initial", "scales",
                 "labels", "units",
@@ -73,13 +73,13 @@ statements! {
     Equations {
         /// States with their rates; `u[i=1..n]` is an array.
         states: Formulas,
-        /// The period in which time enters, if it does.
+        /// The period of the forcing, for equations that depend on time.
         period: Option<Phrase>,
     }
 
     /// Equations `F = 0`.
     Residual {
-        /// Unknowns with what vanishes.
+        /// Unknowns with the expressions that vanish.
         unknowns: Formulas,
         /// The dynamics that the equations describe.
         dynamics: Static,
@@ -95,28 +95,28 @@ statements! {
     Boundary {
         /// States with their rates.
         states: Formulas,
-        /// The boundary conditions: functions that vanish, of the states at the ends, as `u(0)` and
-        /// `u(1)`.
+        /// The boundary conditions: functions of the states at the ends, such as `u(0)` and `u(1)`,
+        /// that vanish.
         conditions: Vec<Phrase>,
         /// Formulas whose integrals vanish.
         integrals: Vec<Phrase>,
-        /// Further unknown numbers.
+        /// Additional unknown numbers.
         unknowns: Vec<Phrase>,
-        /// How long the interval is; 1 by default.
+        /// The length of the interval; 1 by default.
         length: Option<Phrase>,
     }
 
     /// A hybrid system.
     HybridEquations {
-        /// States with their rates that all modes have, before their own.
+        /// The states common to all modes with their rates, before the modes' own states.
         states: Formulas,
         /// The modes.
         modes: Vec<Mode>,
-        /// In place of modes, the alternatives of several parts: the modes are all combinations.
+        /// Instead of modes, the alternatives of several parts: the modes are all combinations.
         product: Vec<Vec<Mode>>,
         /// The guards.
         guards: Vec<Guard>,
-        /// The period in which time enters, if it does.
+        /// The period of the forcing, for equations that depend on time.
         period: Option<Phrase>,
     }
 
@@ -128,21 +128,20 @@ statements! {
         below: Formulas,
         /// The function that vanishes on the surface, positive above and negative below.
         surface: Option<Phrase>,
-        /// States with their rates on the surface; if they are left out, the convex combination of
-        /// both fields that is tangent to it.
+        /// States with their rates on the surface; by default the convex combination of both fields
+        /// that is tangent to the surface.
         sliding: Formulas,
-        /// What is positive where sliding is held against leaving to a side, `above` or `below`; if
-        /// it is left out, the speed at which the field of the side approaches the surface.
+        /// Functions that are positive while sliding is held against leaving to a side, `above` or
+        /// `below`; by default, the speed at which the field of that side approaches the surface.
         holds: Formulas,
-        /// The names of the modes `above`, `below` and `sliding`, and of the event `surface`, if
-        /// they are others.
+        /// New names for the modes `above`, `below` and `sliding`, and for the event `surface`.
         names: Formulas,
-        /// The period in which time enters, if it does.
+        /// The period of the forcing, for equations that depend on time.
         period: Option<Phrase>,
     }
 }
 
-/// The parts that all statements have.
+/// References to the fields that all statements have.
 #[derive(Clone, Copy)]
 pub(super) struct Common<'a> {
     pub parameters: &'a Formulas,
@@ -155,7 +154,7 @@ pub(super) struct Common<'a> {
     pub units: &'a Formulas,
 }
 
-/// The same, to make a statement of them.
+/// The fields that all statements have, to build a statement.
 pub(super) struct Shared {
     pub parameters: Formulas,
     pub definitions: Formulas,
@@ -164,7 +163,7 @@ pub(super) struct Shared {
     pub initial: Formulas,
 }
 
-/// Whether a field is left out where a statement is written.
+/// Returns whether a field is omitted in a serialized statement.
 fn is_default<T: Default + PartialEq>(value: &T) -> bool {
     *value == T::default()
 }
@@ -173,12 +172,13 @@ fn is_default<T: Default + PartialEq>(value: &T) -> bool {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Mode {
-    /// Its name.
+    /// The name of the mode or alternative.
     pub name: Phrase,
     /// States with their rates.
     #[serde(default, skip_serializing_if = "is_default")]
     pub states: Formulas,
-    /// Names for formulas in this mode, before those of all modes, which may use them.
+    /// Names for formulas in this mode; they come before the definitions common to all modes, which
+    /// may use them.
     #[serde(default, skip_serializing_if = "is_default")]
     pub definitions: Formulas,
 }
@@ -187,38 +187,37 @@ pub struct Mode {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Guard {
-    /// The event's name. Guards of one name in different modes are one event, whichever mode it
-    /// comes in.
+    /// The name of the event. Guards with the same name in different modes define a single event.
     pub name: Phrase,
-    /// The modes that end there; may be left out where there is one mode only.
+    /// The modes that the guard ends; may be omitted if there is only one mode.
     #[serde(default, skip_serializing_if = "is_default")]
     pub modes: Vec<Phrase>,
-    /// The function that is positive while the mode lasts; left out where `at` is given.
+    /// The function that is positive while the mode lasts; omitted if `at` is given.
     #[serde(default, skip_serializing_if = "is_default")]
     pub function: Option<Phrase>,
-    /// The time of event number `n`, for an event that comes at given times.
+    /// The time of event number `n`, for an event at given times.
     #[serde(default, skip_serializing_if = "is_default")]
     pub at: Option<Phrase>,
-    /// The mode that follows; the same one if it is left out.
+    /// The next mode; by default the same mode.
     #[serde(default, skip_serializing_if = "is_default")]
     pub next: Next,
-    /// States with their values after the event; others keep theirs.
+    /// States with their values after the event; other states keep their values.
     #[serde(default, skip_serializing_if = "is_default")]
     pub reset: Formulas,
-    /// The mode that follows where events accumulate.
+    /// The mode that follows if events accumulate.
     #[serde(default, skip_serializing_if = "is_default")]
     pub accumulates_to: Next,
-    /// The shortest time in which it changes, where that is less than the rates of states tell.
+    /// The shortest time in which the guard changes, if shorter than the rates of states suggest.
     #[serde(default, skip_serializing_if = "is_default")]
     pub changes_in: Option<Phrase>,
 }
 
-/// A mode that follows: the first one whose function is positive, or else the last one.
+/// The next mode: the first one whose function is positive, or else the last one.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(from = "Following", into = "Following")]
 pub struct Next(pub Vec<(Phrase, Option<Phrase>)>);
 
-/// The modes that may follow, as they are written.
+/// The possible next modes, as written.
 #[derive(Serialize, Deserialize)]
 #[serde(
     untagged,
@@ -263,11 +262,11 @@ impl From<Next> for Following {
     }
 }
 
-/// The dynamics that equations describe: none, unless it is stated.
+/// The dynamics that equations describe; none by default.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Static {
-    /// They are no motion's: no stability is reported.
+    /// No dynamics: stability is not reported.
     #[default]
     None,
     /// `z' = F(z, p)`.

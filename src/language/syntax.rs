@@ -1,11 +1,11 @@
-//! Formulas: from text to nodes in postfix order, in two dialects.
+//! Syntax of formulas: parses text into nodes in postfix order, in two dialects.
 //!
 //! From the weakest: `|`, `&`, comparisons, `+ -`, `* /`, the signs `- + !`, and `^` (or `**`),
-//! which goes from right to left and may be followed by a sign. `if(c, a, b)` may be written
+//! which associates to the right and may be followed by a sign. `if(c, a, b)` may be written
 //! `if(c)then(a)else(b)`, and `sum(i, 1, n, …)` as `sum(1, n)of(…i'…)`, as in XPPAUT.
 //!
-//! In XPPAUT's files all operators go from left to right, comparisons bind as strongly as powers,
-//! `|` as sums and `&` as products, and letters of both cases are the same.
+//! In XPPAUT files all operators associate to the left, comparisons bind as strongly as powers, `|`
+//! as sums and `&` as products, and letter case is ignored.
 
 use super::operation::Operation;
 use super::source::{Fault, ModelError, Phrase, Source};
@@ -17,17 +17,17 @@ use winnow::prelude::*;
 use winnow::stream::{LocatingSlice, Location, Stateful};
 use winnow::token::{one_of, take_while};
 
-/// How formulas are written.
+/// The dialect of formulas.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Dialect {
-    /// As in models.
+    /// The dialect of models.
     Own,
-    /// As in XPPAUT's files.
+    /// The dialect of XPPAUT files.
     Xpp,
 }
 
-/// An operator between two operands: how strongly it binds here, and in XPPAUT's files; 0 if it is
-/// not there.
+/// A binary operator: its binding strength in models and in XPPAUT files; 0 in a dialect without
+/// the operator.
 pub(super) struct Infix {
     pub sign: &'static str,
     pub operation: Operation,
@@ -35,8 +35,8 @@ pub(super) struct Infix {
     pub xpp: u8,
 }
 
-/// The operators: of two that begin alike the longer one first, of two names of one operation the
-/// usual one last.
+/// The operators: a longer operator precedes its prefixes, and the preferred name of an operation
+/// comes last.
 pub(super) const INFIX: [Infix; 16] = [
     Infix { sign: "||", operation: Operation::Or, own: 1, xpp: 0 },
     Infix { sign: "|", operation: Operation::Or, own: 1, xpp: 4 },
@@ -56,15 +56,15 @@ pub(super) const INFIX: [Infix; 16] = [
     Infix { sign: "/", operation: Operation::Divide, own: 5, xpp: 6 },
 ];
 
-/// How strongly comparisons bind, which cannot be chained.
+/// The binding strength of comparisons, which cannot be chained.
 pub(super) const COMPARISON: u8 = 3;
-/// How strongly signs bind.
+/// The binding strength of signs.
 pub(super) const SIGN: u8 = 6;
-/// How strongly powers bind, which go from right to left.
+/// The binding strength of powers, which associate to the right.
 pub(super) const POWER: u8 = 7;
 
 impl Infix {
-    /// How strongly it binds, and the least strength of what follows.
+    /// Returns the binding strength, and the minimum strength of the right operand.
     fn strengths(&self, dialect: Dialect) -> (u8, u8) {
         match dialect {
             Dialect::Own if self.own == POWER => (POWER, SIGN),
@@ -75,7 +75,8 @@ impl Infix {
 }
 
 impl Dialect {
-    /// How deep brackets, signs and powers may be nested. What is written anew has more brackets.
+    /// Returns the maximum nesting depth of brackets, signs and powers. Rewritten formulas have
+    /// more brackets.
     fn depth(self) -> usize {
         if self == Dialect::Own { 150 } else { 100 }
     }
@@ -88,7 +89,7 @@ impl Dialect {
             }
     }
 
-    /// Whether a letter may stand in a name, but not first.
+    /// Returns whether a letter may occur in a name, except at its start.
     fn is_digit(self, letter: char) -> bool {
         match self {
             Dialect::Own => letter.is_numeric(),
@@ -96,23 +97,23 @@ impl Dialect {
         }
     }
 
-    /// Whether a name is a word of the language.
+    /// Returns whether a name is a keyword of the language.
     fn is(self, name: &str, word: &str) -> bool {
         name == word || self == Dialect::Xpp && name.eq_ignore_ascii_case(word)
     }
 }
 
-/// A text with its dialect, and how deep the parser is in it.
+/// A text with its dialect, and the current nesting depth.
 type Input<'a> = Stateful<LocatingSlice<&'a str>, (Dialect, usize)>;
 
-/// A step of a formula in postfix order, with its place in the text.
+/// A step of a formula in postfix order, with its position in the text.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Node<N = String> {
     pub step: Step<N>,
     pub place: Range<usize>,
 }
 
-/// The operation of a node on the values before it, with names as texts or by their meaning.
+/// The operation of a node on the values before it, with names as texts or resolved.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Step<N = String> {
     /// Adds a number.
@@ -132,7 +133,7 @@ pub(super) enum Step<N = String> {
 }
 
 impl<N> Step<N> {
-    /// How many values it replaces.
+    /// Returns the number of values that the step replaces.
     pub fn operands(&self) -> usize {
         match self {
             Step::Number(_) | Step::Name(_) => 0,
@@ -145,13 +146,13 @@ impl<N> Step<N> {
     }
 }
 
-/// The value of a number as it is written.
+/// Returns the value of a numeric literal.
 pub(super) fn value_of(digits: &str) -> f64 {
     let plain = |digits: &str| digits.parse().ok();
     plain(digits).or_else(|| plain(&digits.replace('d', "e"))).unwrap_or(f64::NAN)
 }
 
-/// A formula that has been read.
+/// A parsed formula.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Formula {
     pub phrase: Phrase,
@@ -159,7 +160,7 @@ pub(super) struct Formula {
 }
 
 impl Formula {
-    /// Reads a formula.
+    /// Parses a formula.
     pub fn read(source: &Source, phrase: &Phrase) -> Result<Formula, ModelError> {
         let nodes = nodes(&phrase.text, Dialect::Own);
         let nodes = nodes.map_err(|(part, fault)| source.fault(phrase, part, fault))?;
@@ -167,10 +168,10 @@ impl Formula {
     }
 }
 
-/// Reads a formula in a dialect.
+/// Parses a formula in a dialect.
 ///
 /// # Errors
-/// The part of the text that is wrong, and what is wrong with it.
+/// The invalid part of the text, and the error.
 pub(super) fn nodes(text: &str, dialect: Dialect) -> Result<Vec<Node>, (Range<usize>, Fault)> {
     let whole = preceded(blank, |input: &mut Input| expression(input, 0));
     all(text, dialect, whole, "an operator, as in `2*x`, or the end of the formula")
@@ -180,28 +181,28 @@ pub(super) fn nodes(text: &str, dialect: Dialect) -> Result<Vec<Node>, (Range<us
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Declared {
     pub name: String,
-    /// The indices of the elements; none of a scalar.
+    /// The indices of the elements; empty for a scalar.
     pub indices: Vec<Index>,
 }
 
 /// An index of elements.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Index {
-    /// One value.
+    /// A single value.
     One(Formula),
-    /// All values between two ends, with the name that they have in formulas.
+    /// All values between two ends, with the name of the index in formulas.
     Range(String, Formula, Formula),
 }
 
 impl Declared {
-    /// Reads a name without an index.
+    /// Parses a name without an index.
     pub fn plain(source: &Source, phrase: &Phrase) -> Result<String, ModelError> {
         let Declared { name, indices } = Declared::read(source, phrase)?;
         let fault = Fault::Syntax { expected: "a name without an index".into() };
         if indices.is_empty() { Ok(name) } else { Err(source.fault_of(phrase, fault)) }
     }
 
-    /// Reads `u`, `u[3]`, `u[i=1..n]` or `u[0, j=1..n]`.
+    /// Parses `u`, `u[3]`, `u[i=1..n]` or `u[0, j=1..n]`.
     pub fn read(source: &Source, phrase: &Phrase) -> Result<Declared, ModelError> {
         let formula = |nodes| Formula { phrase: phrase.clone(), nodes };
         let inner = |input: &mut Input| {
@@ -233,7 +234,7 @@ impl Declared {
     }
 }
 
-/// Reads a text to its end.
+/// Parses a text to its end.
 fn all<'a, T>(
     text: &'a str,
     dialect: Dialect,
@@ -257,13 +258,13 @@ fn all<'a, T>(
     })
 }
 
-const TOO_DEEP: &str = "brackets, signs and powers in each other";
+const TOO_DEEP: &str = "nested brackets, signs and powers";
 
 fn blank(input: &mut Input) -> ModalResult<()> {
     multispace0.void().parse_next(input)
 }
 
-/// The syntax that must stand here.
+/// Describes the syntax that is required here.
 fn expected<'a, T>(
     parser: impl Parser<Input<'a>, T, winnow::error::ErrMode<ContextError>>,
     words: &'static str,
@@ -271,15 +272,15 @@ fn expected<'a, T>(
     cut_err(parser).context(StrContext::Expected(StrContextValue::Description(words)))
 }
 
-/// A symbol, and the blanks behind it.
+/// Parses a symbol, and the blanks after it.
 fn symbol<'a>(
     text: &'static str,
 ) -> impl Parser<Input<'a>, (), winnow::error::ErrMode<ContextError>> {
     (text, multispace0).void()
 }
 
-/// A name: letters, digits and underscores, not first a digit. Only the index of XPPAUT's sums,
-/// `i'`, has a prime.
+/// Parses a name: letters, digits and underscores, not starting with a digit. Only the index of
+/// XPPAUT's sums, `i'`, has a prime.
 fn name(input: &mut Input) -> ModalResult<String> {
     let (dialect, _) = input.state;
     let inner = move |c: char| dialect.is_letter(c) || dialect.is_digit(c);
@@ -292,7 +293,7 @@ fn name(input: &mut Input) -> ModalResult<String> {
     Ok(name)
 }
 
-/// A word of the language.
+/// Parses a keyword of the language.
 fn word<'a>(
     word: &'static str,
 ) -> impl Parser<Input<'a>, (), winnow::error::ErrMode<ContextError>> {
@@ -302,7 +303,7 @@ fn word<'a>(
     }
 }
 
-/// A number: `2`, `2.`, `.5`, `1e-3`. The dots of a range do not belong to it.
+/// Parses a number: `2`, `2.`, `.5`, `1e-3`. The dots of a range do not belong to it.
 fn number(input: &mut Input) -> ModalResult<String> {
     let (dialect, _) = input.state;
     let fraction = ('.', not('.'), opt(digit1)).void();
@@ -313,7 +314,7 @@ fn number(input: &mut Input) -> ModalResult<String> {
     (number, multispace0).map(|(number, _)| number).parse_next(input)
 }
 
-/// Goes one level deeper.
+/// Parses one level deeper.
 fn deeper<'a, T>(
     input: &mut Input<'a>,
     parser: impl FnOnce(&mut Input<'a>) -> ModalResult<T>,
@@ -328,7 +329,7 @@ fn deeper<'a, T>(
     value
 }
 
-/// An operator between two operands, and the blanks behind it.
+/// Parses a binary operator, and the blanks after it.
 fn infix(input: &mut Input) -> ModalResult<&'static Infix> {
     let (dialect, _) = input.state;
     let known = |infix: &&Infix| infix.strengths(dialect).0 > 0 && input.starts_with(infix.sign);
@@ -338,7 +339,7 @@ fn infix(input: &mut Input) -> ModalResult<&'static Infix> {
     }
 }
 
-/// Operators that bind at least so strongly, and their operands.
+/// Parses operators of at least a given binding strength, and their operands.
 fn expression(input: &mut Input, least: u8) -> ModalResult<Vec<Node>> {
     let (dialect, _) = input.state;
     deeper(input, |input| {
@@ -362,7 +363,7 @@ fn expression(input: &mut Input, least: u8) -> ModalResult<Vec<Node>> {
     })
 }
 
-/// An operand with its sign. A sign binds less than a power: `-x^2` is `-(x^2)`.
+/// Parses an operand with its sign. A sign binds less than a power: `-x^2` is `-(x^2)`.
 fn signed(input: &mut Input) -> ModalResult<Vec<Node>> {
     let begin = input.current_token_start();
     let operation = match input.state.0 {
@@ -424,7 +425,7 @@ fn operand(input: &mut Input) -> ModalResult<Vec<Node>> {
     }
 }
 
-/// Formulas between commas, one or more, and how many they are.
+/// Parses a list of formulas separated by commas, and counts them.
 fn list(input: &mut Input) -> ModalResult<(Vec<Node>, usize)> {
     let mut nodes = expression(input, 0)?;
     let mut more = repeat(0.., preceded(symbol(","), |input: &mut Input| expression(input, 0)));
@@ -434,7 +435,7 @@ fn list(input: &mut Input) -> ModalResult<(Vec<Node>, usize)> {
     Ok((nodes, count))
 }
 
-/// `if(c, a, b)` or `if(c)then(a)else(b)`, from behind the first bracket.
+/// Parses `if(c, a, b)` or `if(c)then(a)else(b)`, after the first bracket.
 fn condition(input: &mut Input, begin: usize) -> ModalResult<Vec<Node>> {
     let mut nodes = expression(input, 0)?;
     let is_list =
@@ -454,7 +455,7 @@ fn condition(input: &mut Input, begin: usize) -> ModalResult<Vec<Node>> {
     Ok(nodes)
 }
 
-/// `sum(i, 1, n, …)` or `sum(1, n)of(…i'…)`, from behind the first bracket.
+/// Parses `sum(i, 1, n, …)` or `sum(1, n)of(…i'…)`, after the first bracket.
 fn sum(input: &mut Input, begin: usize) -> ModalResult<Vec<Node>> {
     let at = input.current_token_start();
     let first = opt((name, symbol(",")).map(|(name, _)| name)).parse_next(input)?;
@@ -462,7 +463,7 @@ fn sum(input: &mut Input, begin: usize) -> ModalResult<Vec<Node>> {
     let mut nodes = expression(input, 0)?;
     let of = |input: &mut Input| (symbol(")"), word("of"), symbol("(")).void().parse_next(input);
     let index = match first {
-        // `sum(a, …)of(…)`: the name was the first end.
+        // In `sum(a, …)of(…)` the name is the first end.
         Some(name)
             if input.state.0 == Dialect::Xpp || opt(peek(of)).parse_next(input)?.is_some() =>
         {

@@ -1,4 +1,4 @@
-//! Formulas as tapes: steps over registers, evaluated in any scalar without allocation.
+//! Formulas as tapes: steps over registers, evaluated in any scalar type without allocation.
 
 use super::elementary;
 use super::operation::Operation;
@@ -6,8 +6,8 @@ use crate::core::scalar::{Scalar, in_registers_of};
 
 /// The instruction of a step. `a`, `b` and `c` are registers, `n` is a number.
 ///
-/// Products are added as soon as they are there: every step costs a dispatch, which for real
-/// numbers takes longer than what it does.
+/// Products are fused with sums: every step costs a dispatch, which for real numbers takes longer
+/// than the operation itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Code {
     /// A state, by its position `a`.
@@ -16,8 +16,7 @@ pub(super) enum Code {
     Parameter,
     /// `n`.
     Number,
-    /// Puts register `a` where results are, at `into`: where there are too many to keep them in
-    /// registers.
+    /// Stores register `a` in result `into`, if there are too many results to keep in registers.
     Result,
     /// `a + b`.
     Add,
@@ -33,7 +32,7 @@ pub(super) enum Code {
     Reflect,
     /// `a n`.
     Scale,
-    /// `a m + n`, where `b` and `c` are the bits of `m`.
+    /// `a m + n`, where `b` and `c` contain the bits of `m`.
     Line,
     /// `a/n`.
     Share,
@@ -72,23 +71,23 @@ pub(super) struct Step {
     pub n: f64,
 }
 
-/// Several formulas of time, states and parameters as a list of steps, in which common parts are
+/// Formulas of time, states and parameters as a list of steps, in which common subexpressions are
 /// computed once.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Tape {
     pub steps: Vec<Step>,
-    /// How many registers it needs. The first one has the time.
+    /// The number of registers. The first one holds the time.
     pub registers: usize,
-    /// How many states are in the registers behind that from the beginning.
+    /// The number of states preloaded into the registers after the first.
     pub preloaded: usize,
-    /// The parameters that are in the registers behind those from the beginning.
+    /// The parameters preloaded into the registers after the states.
     pub parameters: Vec<u32>,
-    /// The registers that have the results at the end, where there are few of them.
+    /// The registers of the results at the end, if there are few results.
     pub outputs: Vec<u32>,
 }
 
-/// A register. Vectors in it never cross lines of the cache: to read what has just been stored
-/// there would take long.
+/// A register. Its alignment keeps vectors within one cache line, since reading a freshly stored
+/// vector across two lines is slow.
 #[derive(Clone, Copy)]
 #[repr(align(32))]
 struct Register<T>(T);
@@ -118,7 +117,7 @@ impl Tape {
             () if fits(32) => self.on_stack::<T, 32>(t, inputs, results),
             () if fits(128) => self.on_stack::<T, 128>(t, inputs, results),
             () if fits(1024) => self.on_stack::<T, 1024>(t, inputs, results),
-            // Of many long numbers an allocation is no cost.
+            // With many large numbers, the cost of an allocation is negligible.
             () => self.run(&mut vec![Register(t); self.registers.max(1)], inputs, results),
         }
     }
@@ -159,7 +158,8 @@ impl Tape {
         }
         for &Step { code, operation, into, a, b, c, n } in &self.steps {
             let [into, a, b, c] = [into as usize, a as usize, b as usize, c as usize];
-            // Every arm stores by itself: one value of all arms would be copied through memory.
+            // Each arm stores its own result: a common result of all arms would be copied through
+            // memory.
             match code {
                 Code::State => r[into].0 = x[a],
                 Code::Parameter => r[into].0 = p[a],
@@ -195,18 +195,18 @@ impl Tape {
         }
     }
 
-    /// Whether its values jump from one number to another.
+    /// Returns whether a value is discontinuous.
     pub fn jumps(&self) -> bool {
         self.steps.iter().any(|step| step.code == Code::General && step.operation.jumps())
     }
 
-    /// Whether its values are chosen by comparisons.
+    /// Returns whether a value depends on a comparison.
     pub fn decides(&self) -> bool {
         self.steps.iter().any(|step| step.code == Code::General && step.operation.decides())
     }
 }
 
-/// An operation that is not among the fastest.
+/// Evaluates an operation without a fast step.
 #[inline(never)]
 fn general<T: Scalar>(operation: Operation, a: &T, b: &T, c: &T) -> T {
     in_registers_of::<T, _>(

@@ -1,4 +1,4 @@
-//! What stands around a statement, and the fields within its brackets, not yet read.
+//! The surroundings of a statement in a text, and the unparsed fields within its brackets.
 
 use super::source::{ModelError, Source, misread, without_mark};
 use ron::extensions::Extensions;
@@ -6,13 +6,13 @@ use ron::value::RawValue;
 use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
 use std::ops::Range;
 
-/// The kind of the statement that is all of a text, and what stands behind it.
+/// Returns the kind of the statement that makes up a text, and the rest of the text.
 pub(crate) fn statement_in(text: &str) -> (&str, &str) {
     let text = skip_attributes(without_mark(text));
     text.split_at(text.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(text.len()))
 }
 
-/// A text from behind its first attributes, `#![…]`, blanks and comments.
+/// Skips attributes, `#![…]`, blanks and comments at the start of a text.
 fn skip_attributes(text: &str) -> &str {
     let mut text = skip_comments(text);
     while text.starts_with('#') {
@@ -21,7 +21,7 @@ fn skip_attributes(text: &str) -> &str {
     text
 }
 
-/// A text from behind its first blanks and comments.
+/// Skips blanks and comments at the start of a text.
 fn skip_comments(mut text: &str) -> &str {
     loop {
         text = text.trim_start();
@@ -33,7 +33,7 @@ fn skip_comments(mut text: &str) -> &str {
     }
 }
 
-/// A text from behind a comment that has been opened. Comments may stand in comments.
+/// Skips the rest of an open block comment. Comments may be nested.
 fn behind_block(mut text: &str) -> &str {
     let mut depth = 1;
     while depth > 0 {
@@ -44,22 +44,22 @@ fn behind_block(mut text: &str) -> &str {
     text
 }
 
-/// How RON is read and written: as in scenes.
+/// Returns the RON options of scenes and statements.
 pub(crate) fn options() -> ron::Options {
     ron::Options::default()
         .with_default_extension(Extensions::IMPLICIT_SOME)
         .with_default_extension(Extensions::UNWRAP_VARIANT_NEWTYPES)
 }
 
-/// A named part of what stands in brackets, with where it stands in the source.
+/// A named field within brackets, with its position in the source.
 pub(crate) struct Field {
     pub name: String,
     pub value: Range<usize>,
-    /// From its name to the comma behind it.
+    /// The range from the name to the comma after the field.
     pub part: Range<usize>,
 }
 
-/// The fields of what stands in brackets in a part of a source, among any comments.
+/// Returns the fields within brackets in a part of a source, ignoring comments.
 pub(crate) fn fields_of(source: &Source, brackets: Range<usize>) -> Result<Vec<Field>, ModelError> {
     let text = &source.text[brackets.clone()];
     let read = options().from_str(text);
@@ -82,12 +82,12 @@ pub(crate) fn fields_of(source: &Source, brackets: Range<usize>) -> Result<Vec<F
     Ok(fields)
 }
 
-/// Where the blanks and comments end that begin here.
+/// Returns the end of the blanks and comments that begin at a position.
 fn behind_comments(text: &str, at: usize) -> usize {
     text.len() - skip_comments(&text[at..]).len()
 }
 
-/// Names with what stands behind them, not yet read.
+/// Names with their unparsed values.
 #[derive(Default)]
 pub(crate) struct Parts<'a>(pub Vec<(String, &'a RawValue)>);
 

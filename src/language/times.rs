@@ -1,4 +1,4 @@
-//! The times at which an event comes, given as text: `n*period + phase`.
+//! The times of an event given as text: `n*period + phase`.
 
 use super::assembling::Assembling;
 use super::duration::Duration;
@@ -11,19 +11,19 @@ use crate::core::scalar::Scalar;
 
 /// The name of an event's number in the formula of its time.
 const NUMBER: &str = "n";
-/// (R) Times are equal if they differ by this part of an interval.
+/// (R) The relative difference below which times count as equal, in units of an interval.
 const SAME: f64 = 1e-9;
 
 /// The times `first + n·interval`, which depend on parameters only.
 #[derive(Clone, Debug)]
 pub(super) struct Times {
     phrase: Phrase,
-    /// The times of the events number 0, 1 and 2.
+    /// The times of events number 0, 1 and 2.
     tape: Tape,
 }
 
 impl Times {
-    /// Understands the formula of the time of event number `n`.
+    /// Parses the formula of the time of event number `n`.
     ///
     /// # Errors
     /// [`ModelError`] for a formula of states or time.
@@ -45,10 +45,10 @@ impl Times {
         Ok(Times { phrase: phrase.clone(), tape: assembling.tape(&times) })
     }
 
-    /// How many times there are in a period.
+    /// Returns the number of times in a period.
     ///
     /// # Errors
-    /// [`ModelError`] if they do not repeat with the period, whatever the parameters are.
+    /// [`ModelError`] if the times are not periodic with the period for all parameters.
     pub fn in_period(
         &self,
         source: &Source,
@@ -57,10 +57,10 @@ impl Times {
     ) -> Result<usize, ModelError> {
         let what = || format!("the time `{}`", self.phrase.text);
         if period.is_none() {
-            let needed = "state the period with which time enters, as in `period: \"1\"`".into();
+            let needed = "state the period of the forcing, as in `period: \"1\"`".into();
             return Err(source.fault_of(&self.phrase, Fault::Missing { what: what(), needed }));
         }
-        // Two choices of parameters, by chance none of them special.
+        // Two generic choices of parameters.
         let counts = [0.618_033_98, 0.414_213_56].map(|part| {
             let p: Vec<f64> = (1..=parameters).map(|k| 0.5 + (part * k as f64).fract()).collect();
             let mut times = [0.0; 3];
@@ -74,8 +74,8 @@ impl Times {
         match counts[0] > 0 && counts[0] == counts[1] {
             true => Ok(counts[0]),
             false => {
-                let reason = "it must grow by the period, or by a part 1/k of it, with each `n`, whatever the parameters \
-                    are, as in `n*period + phase`"
+                let reason = "it must grow by the period, or by a part 1/k of it, with each `n`, for all parameters, \
+                    as in `n*period + phase`"
                     .to_string();
                 let fault = Fault::Misplaced { what: what(), reason };
                 Err(source.fault_of(&self.phrase, fault))
@@ -83,7 +83,7 @@ impl Times {
         }
     }
 
-    /// The time left until the nearest one.
+    /// Returns the time left until the nearest event.
     pub fn left<T: Scalar>(&self, t: T, p: &[T]) -> T {
         let mut times = [T::zero(); 3];
         self.tape.evaluate(T::zero(), &[], p, &mut times);

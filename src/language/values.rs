@@ -3,7 +3,7 @@
 use super::assembly::Value;
 use std::collections::HashMap;
 
-/// Something for each value of some operations.
+/// Data for each value of some operations.
 #[derive(Default)]
 pub(super) struct Values<T> {
     time: T,
@@ -14,7 +14,7 @@ pub(super) struct Values<T> {
 }
 
 impl<T: Copy + Default> Values<T> {
-    /// The data of a value; the default if none were stored.
+    /// Returns the data of a value; the default if none is stored.
     pub fn get(&self, value: Value) -> T {
         let known = match value {
             Value::Time => Some(&self.time),
@@ -26,7 +26,7 @@ impl<T: Copy + Default> Values<T> {
         known.copied().unwrap_or_default()
     }
 
-    /// The data of a value, to be changed.
+    /// Returns a mutable reference to the data of a value.
     pub fn at(&mut self, value: Value) -> &mut T {
         let (table, k) = match value {
             Value::Time => return &mut self.time,
@@ -41,7 +41,7 @@ impl<T: Copy + Default> Values<T> {
         &mut table[k]
     }
 
-    /// One more than the position of the last parameter with data.
+    /// Returns one more than the position of the last parameter with data.
     pub fn parameters(&self) -> u32 {
         self.parameters.len() as u32
     }

@@ -1,17 +1,18 @@
-//! What an axis shows: a column as it is, or deviations from a special point, and which part of it.
+//! Scales and ranges of axes: values of a column as they are, or as deviations from a special
+//! point.
 
 use super::document::{Deviation, Document};
 use super::error::FigureError;
 use super::figure::{Figure, Series, Style};
 
-/// How values of a column are shown.
+/// The scale of a column: values as they are, or deviations from a special point.
 pub(super) struct Scale<'a>(Option<(&'a Deviation, f64)>);
 
 impl<'a> Scale<'a> {
-    /// Values as they are.
+    /// The scale that shows values as they are.
     pub const PLAIN: Scale<'static> = Scale(None);
 
-    /// As a document says.
+    /// Returns the scale of a column in a document.
     pub fn of(document: &'a Document, column: &str) -> Result<Self, FigureError> {
         let meant = |deviation: &&Deviation| deviation.column == column;
         let Some(deviation) = document.plot.deviations.iter().find(meant) else {
@@ -28,18 +29,18 @@ impl<'a> Scale<'a> {
         Ok(Scale(Some((deviation, value.ok_or_else(missing)?))))
     }
 
-    /// Whether values are shown as they are.
+    /// Returns whether values are shown as they are.
     pub fn is_plain(&self) -> bool {
         self.0.is_none()
     }
 
-    /// The number shown for a value.
+    /// Returns the number shown for a value.
     pub fn shown(&self, value: f64) -> f64 {
         self.0.map_or(value, |(deviation, at)| deviation.shown(value, at))
     }
 }
 
-/// Cuts off what lies outside of ranges.
+/// Cuts off the parts of a figure outside the given ranges.
 pub(super) fn clip(figure: &mut Figure, ranges: [[f64; 2]; 2]) {
     if ranges.iter().flatten().all(|end| end.is_infinite()) {
         return;
@@ -58,7 +59,7 @@ pub(super) fn clip(figure: &mut Figure, ranges: [[f64; 2]; 2]) {
         let before = series.len();
         series.extend(pieces.map(|piece| part_of(whole, piece)));
         if series.len() == before {
-            // It keeps its name, and with that all others keep their colours.
+            // The empty series keeps its name, so that all other colours are unchanged.
             series.push(Series::new(&whole.name, whole.style, []));
         }
     }
@@ -67,7 +68,7 @@ pub(super) fn clip(figure: &mut Figure, ranges: [[f64; 2]; 2]) {
     figure.tiles.retain(|tile| inside(&tile.at));
 }
 
-/// Leaves out what logarithmic axes cannot show.
+/// Removes points that logarithmic axes cannot show.
 pub(super) fn keep_positive(figure: &mut Figure) {
     let axes = figure.logarithmic;
     let shown = |at: &[f64; 2]| (0..2).all(|k| !axes[k] || at[k] > 0.0);
@@ -79,7 +80,7 @@ pub(super) fn keep_positive(figure: &mut Figure) {
                 _ => pieces.push(Vec::new()),
             }
         }
-        // The first piece stays even without points: with it the curve keeps its name and colour.
+        // The first piece is kept even without points, so that the curve keeps its name and colour.
         let kept = pieces.into_iter().enumerate().filter(|(k, piece)| *k == 0 || !piece.is_empty());
         figure.series.extend(kept.map(|(_, piece)| part_of(&whole, piece)));
     }
@@ -88,7 +89,8 @@ pub(super) fn keep_positive(figure: &mut Figure) {
     figure.walls.retain(|wall| !axes[wall.axis] || wall.at > 0.0);
 }
 
-/// A part of a series: its points, each with the number of the point of the whole that is nearest.
+/// Returns a part of a series: its points, each with the origin of the nearest point of the whole
+/// series.
 fn part_of(whole: &Series, piece: Piece) -> Series {
     let (points, numbers): (Vec<[f64; 2]>, Vec<usize>) = piece.into_iter().unzip();
     let origins = numbers.iter().filter_map(|number| whole.origins.get(*number).copied());
@@ -96,10 +98,10 @@ fn part_of(whole: &Series, piece: Piece) -> Series {
     Series { name, style, points, origins }
 }
 
-/// Points of a piece of a line, each with the number of the nearest point of the whole line.
+/// The points of a piece of a line, each with the index of the nearest point of the whole line.
 type Piece = Vec<([f64; 2], usize)>;
 
-/// The pieces of a line inside of ranges.
+/// Returns the pieces of a line inside the given ranges.
 fn pieces(points: &[[f64; 2]], ranges: [[f64; 2]; 2]) -> Vec<Piece> {
     let mut pieces: Vec<Piece> = vec![Vec::new()];
     for (number, pair) in points.windows(2).enumerate() {
@@ -121,7 +123,7 @@ fn pieces(points: &[[f64; 2]], ranges: [[f64; 2]; 2]) -> Vec<Piece> {
     pieces
 }
 
-/// The part of a segment inside of ranges (Liang and Barsky).
+/// Returns the part of a segment inside the given ranges (Liang and Barsky).
 fn part(a: [f64; 2], b: [f64; 2], ranges: [[f64; 2]; 2]) -> Option<[f64; 2]> {
     let (mut from, mut to) = (0.0_f64, 1.0_f64);
     for k in 0..2 {

@@ -1,4 +1,4 @@
-//! What a document must satisfy beyond its form.
+//! Checks of a document's contents, such as unique names, lengths of lists and finite numbers.
 
 use super::document::Document;
 use super::error::FormatError;
@@ -8,11 +8,11 @@ use crate::core::continuation::{Branch, End, Sensitivity, Slopes, SpecialPoint, 
 use crate::core::problem::PlaneField;
 use std::collections::HashSet;
 
-/// A part of a document that is as it must be, or what is not.
+/// The result of checking a part of a document.
 type Checked = Result<(), Invalid>;
 
-/// Checks a document's tag, that its names are unique and hold no control characters, its lists as
-/// long as their names, and its numbers finite.
+/// Checks a document: its tag, unique names without control characters, lists of the right length,
+/// and finite numbers.
 pub(super) fn document(document: &Document) -> Result<(), FormatError> {
     if document.format != FORMAT {
         return Err(FormatError::Version { found: document.format.clone() });
@@ -42,7 +42,7 @@ fn branch(branch: &Branch) -> Checked {
         let (count, place) = (group.count(), format!("{place}: the indices of `{}`", group.name));
         let fits = count > 0 && group.length.is_multiple_of(count);
         require(fits, &place, format!("{:?}", group.indices), || {
-            format!("must be ranges with as many elements as fit into the length, {}", group.length)
+            format!("must be ranges whose numbers of elements fit the length, {}", group.length)
         })?;
     }
     unique(&format!("{place}: a column"), branch.columns())?;
@@ -65,14 +65,17 @@ fn branch(branch: &Branch) -> Checked {
     if let Some([first, second]) = order {
         let place = format!("{place}, label {}: after", second.label);
         require(false, &place, second.after, || {
-            format!("must not be less than {}, as for label {} before it", first.after, first.label)
+            format!(
+                "must not be less than {}, the value for the previous label {}",
+                first.after, first.label
+            )
         })?;
     }
     for (index, Stretch { points: [first, last], .. }) in branch.stretches.iter().enumerate() {
         let place = format!("{place}, stretch {index}: points");
         let most = branch.points.len().saturating_sub(1);
         require(first <= last && *last <= most, &place, format!("{first}, {last}"), || {
-            format!("must be two positions in rising order, at most {most}, the last point")
+            format!("must be two positions in increasing order, at most {most}, the last point")
         })?;
     }
     branch.ends.iter().try_for_each(|e| end(&place, e))?;
@@ -83,7 +86,7 @@ fn branch(branch: &Branch) -> Checked {
     })
 }
 
-/// The slopes of a point, if it has any.
+/// Checks the slopes of a point, if any.
 fn slopes(place: &str, branch: &Branch, slopes: Option<&Slopes>) -> Checked {
     let Some(Slopes { position, columns }) = slopes else { return Ok(()) };
     finite(&format!("{place}, position"), *position)?;
@@ -95,7 +98,7 @@ fn slopes(place: &str, branch: &Branch, slopes: Option<&Slopes>) -> Checked {
 fn special(place: &str, branch: &Branch, dimension: usize, point: &SpecialPoint) -> Checked {
     require(point.label > 0, place, point.label, || "must be counted from 1".into())?;
     require(point.kind.is_known(), &format!("{place}, kind"), point.kind, || {
-        "must be one of the library: files cannot hold points of other kinds".into()
+        "must be a kind of the library: files cannot contain points of other kinds".into()
     })?;
     text(&format!("{place}, event"), &point.event)?;
     let most = dimension.max(1);
@@ -121,7 +124,7 @@ fn special(place: &str, branch: &Branch, dimension: usize, point: &SpecialPoint)
     slopes(place, branch, point.slopes.as_ref())?;
     finite(&format!("{place}, error"), point.error)?;
     point.bracket.iter().try_for_each(|end| finite(&format!("{place}, bracket"), *end))?;
-    // On a mesh of its own a point has as many unknowns as the mesh has nodes.
+    // A point on its own mesh has as many unknowns as the mesh requires.
     let dimension = if point.mesh.is_empty() { dimension } else { point.state.len() };
     length(&format!("{place}, state"), point.state.len(), dimension, "the unknowns")?;
     all_finite(&format!("{place}, state, component"), &point.state)?;
@@ -174,7 +177,7 @@ fn unique<T: std::fmt::Display + Eq + std::hash::Hash>(
     let mut seen = HashSet::new();
     for name in names {
         let found = format!("`{name}`");
-        require(seen.insert(name), what, found, || "is there twice: rename one of them".into())?;
+        require(seen.insert(name), what, found, || "occurs twice: rename one of them".into())?;
     }
     Ok(())
 }

@@ -1,10 +1,9 @@
-//! What was chosen for an accuracy.
+//! The discretisation chosen for a requested accuracy.
 
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// The setting of a discretisation that was chosen for an accuracy, and what it is estimated to
-/// give.
+/// The discretisation chosen for a requested accuracy, and its estimated error.
 ///
 /// ```
 /// let chosen = tangency::output::Chosen {
@@ -19,13 +18,13 @@ use std::fmt;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Chosen {
-    /// The relative error asked for.
+    /// The requested relative error.
     pub accuracy: f64,
     /// The chosen settings, by name.
     pub settings: Vec<(String, String)>,
-    /// The largest relative error of special points, estimated.
+    /// The estimated largest relative error of special points.
     pub estimate: f64,
-    /// Where it is.
+    /// The special point with the largest error.
     pub of: String,
 }
 

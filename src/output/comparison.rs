@@ -1,4 +1,5 @@
-//! Comparison of documents: which special points came, went, or moved.
+//! Comparison of documents: finds special points that appeared, disappeared or moved, as `tangency
+//! compare` does.
 
 use super::document::Document;
 use super::number::significant;
@@ -10,51 +11,51 @@ use std::fmt;
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Difference {
-    /// A branch of one document only.
+    /// A branch that only one document has.
     Branch {
-        /// Its name.
+        /// The name of the branch.
         branch: String,
         /// Whether the new document has it.
         new: bool,
     },
-    /// A special point of one document only.
+    /// A special point that only one document has.
     Point {
-        /// The branch.
+        /// The branch of the special point.
         branch: String,
-        /// The kind of the point.
+        /// The kind of the special point.
         kind: Kind,
-        /// The continued parameter, and its value there.
+        /// The continuation parameter, and its value at the point.
         at: (String, f64),
         /// Whether the new document has it.
         new: bool,
     },
     /// A special point with another value in a column.
     Value {
-        /// The branch.
+        /// The branch of the special point.
         branch: String,
-        /// The kind of the point.
+        /// The kind of the special point.
         kind: Kind,
-        /// The continued parameter, and its old value there.
+        /// The continuation parameter, and its old value at the point.
         at: (String, f64),
-        /// The column: the continued parameter itself, another parameter, a monitor or a number that
-        /// belongs to the point.
+        /// The column: the continuation parameter, another parameter, a monitor or another number
+        /// of the point.
         column: String,
         /// The old and the new value.
         values: [f64; 2],
-        /// The difference that is allowed.
+        /// The allowed difference.
         allowed: f64,
     },
-    /// A special point of which something else is different.
+    /// A special point with another property.
     Property {
-        /// The branch.
+        /// The branch of the special point.
         branch: String,
-        /// The kind of the point.
+        /// The kind of the special point.
         kind: Kind,
-        /// The continued parameter, and its value there.
+        /// The continuation parameter, and its value at the point.
         at: (String, f64),
         /// The name of the property.
         property: &'static str,
-        /// What it was and what it is.
+        /// The old and the new value.
         values: [String; 2],
     },
 }
@@ -73,7 +74,7 @@ impl fmt::Display for Difference {
             Difference::Value { branch, kind, at, column, values: [old, new], allowed } => {
                 let [from, to] = [old, new].map(|value| significant(*value, 12));
                 let by = (new - old).abs();
-                let rule = format!("by {by:.1e} where {allowed:.1e} is allowed");
+                let rule = format!("by {by:.1e}, more than the allowed {allowed:.1e}");
                 match *column == at.0 {
                     true => {
                         write!(f, "{branch}: {kind} moved from {column} = {from} to {to}, {rule}")
@@ -92,20 +93,22 @@ impl fmt::Display for Difference {
     }
 }
 
-/// The part of a value that is rounding, beside stated errors.
+/// The relative rounding error, allowed in addition to stated errors.
 const ROUNDING: f64 = 1e-12;
 
-/// The part of the largest value along both branches by which a column may differ that has no stated
-/// error.
+/// The allowed difference of a column without a stated error, relative to its largest value along
+/// both branches.
 const COLUMNS: f64 = 1e-6;
 
-/// A point that moved farther than this part of the largest value is another point.
+/// The largest distance, relative to the largest value, at which two points are compared as the
+/// same point.
 const FAR: f64 = 0.2;
 
-/// What is different in a new document: branches are matched by name, special points of a branch by
-/// kind and place. The continued parameter may differ by the sum of both stated errors, every other
-/// column by 10⁻⁶ of its largest value along the branches. Of a point that has not converged only the
-/// brackets are compared. Regular points, and the number of points of a branch, do not count.
+/// Returns the differences of a new document from an old one: branches are matched by name, special
+/// points of a branch by kind and place. The continuation parameter may differ by the sum of both
+/// stated errors, every other column by 10⁻⁶ of its largest value along the branches. For a point
+/// that has not converged only the brackets are compared. Regular points, and the number of points
+/// of a branch, are ignored.
 ///
 /// ```
 /// use tangency::output::{Document, compare, example_branch};
@@ -135,12 +138,12 @@ pub fn compare(old: &Document, new: &Document) -> Vec<Difference> {
     found
 }
 
-/// The differences of two branches.
+/// Returns the differences of two branches.
 fn of_branches(old: &Branch, new: &Branch) -> Vec<Difference> {
     let both = Both { old, new };
     let (mut gone, mut came): (Vec<_>, Vec<_>) = (counted(old).collect(), counted(new).collect());
     let mut pairs = Vec::new();
-    // The nearest pairs first: one point that is missing shifts no others.
+    // The nearest pairs are matched first, so that a missing point does not shift the others.
     loop {
         let all = gone.iter().enumerate().flat_map(|(i, a)| {
             let alike = came.iter().enumerate().filter(|(_, b)| b.kind == a.kind);
@@ -158,7 +161,7 @@ fn of_branches(old: &Branch, new: &Branch) -> Vec<Difference> {
     found
 }
 
-/// The special points that are compared.
+/// Returns the special points to compare.
 fn counted(branch: &Branch) -> impl Iterator<Item = &SpecialPoint> {
     branch.special.iter().filter(|point| point.kind != Kind::RG)
 }
@@ -168,14 +171,14 @@ fn alone(branch: &Branch, point: &SpecialPoint, new: bool) -> Difference {
     Difference::Point { branch, kind, at, new }
 }
 
-/// The continued parameter at a point.
+/// Returns the continuation parameter and its value at a point.
 fn place(branch: &Branch, point: &SpecialPoint) -> (String, f64) {
     let name = branch.released.first().cloned().unwrap_or_default();
     let value = branch.column(&name).and_then(|column| point.value(column));
     (name, value.unwrap_or(f64::NAN))
 }
 
-/// Two branches of one name.
+/// Two branches of the same name.
 #[derive(Clone, Copy)]
 struct Both<'a> {
     old: &'a Branch,
@@ -183,8 +186,8 @@ struct Both<'a> {
 }
 
 impl Both<'_> {
-    /// The columns of both branches, with the values at two points and the largest value along the
-    /// branches.
+    /// Returns the columns of both branches, with the values at two points and the largest value
+    /// along the branches.
     fn columns<'b>(
         self,
         point: &'b SpecialPoint,
@@ -206,13 +209,14 @@ impl Both<'_> {
         })
     }
 
-    /// The largest distance of two points in a column, relative to the largest value in it.
+    /// Returns the largest distance of two points in a column, relative to the largest value in the
+    /// column.
     fn distance(self, point: &SpecialPoint, there: &SpecialPoint) -> f64 {
         let parts = self.columns(point, there).filter(|(.., size)| *size > 0.0);
         parts.map(|(_, [a, b], size)| (a - b).abs() / size).fold(0.0, f64::max)
     }
 
-    /// The differences of two points that belong together.
+    /// Returns the differences of two matching points.
     fn differences(self, point: &SpecialPoint, there: &SpecialPoint) -> Vec<Difference> {
         let (at, branch, kind) = (place(self.old, point), self.old.name.clone(), point.kind);
         let value = |column: &str, values: [f64; 2], allowed: f64| {
@@ -250,7 +254,8 @@ impl Both<'_> {
     }
 }
 
-/// By how much two points may differ that have not converged: infinitely if their brackets meet.
+/// Returns the allowed difference of two points that have not converged: infinite if their brackets
+/// overlap.
 fn gap(point: &SpecialPoint, there: &SpecialPoint) -> f64 {
     let ends = |point: &SpecialPoint| {
         let [a, b] = point.bracket;
@@ -260,7 +265,7 @@ fn gap(point: &SpecialPoint, there: &SpecialPoint) -> f64 {
     if b < c || d < a { 0.0 } else { f64::INFINITY }
 }
 
-/// The properties of a point that are not numbers.
+/// Returns the properties of a point other than numbers.
 fn properties(point: &SpecialPoint) -> [(&'static str, String); 4] {
     let unstable = match (point.unstable, &point.undetermined) {
         (Some(count), _) => count.to_string(),

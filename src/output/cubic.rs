@@ -2,29 +2,29 @@
 
 use crate::core::continuation::{Point, Slopes, SpecialPoint};
 
-/// A cubic turns by no more than this between two of its vertices, in radians, where both columns are
-/// measured by the length of their ranges.
+/// The largest turn of a cubic between two of its vertices, in radians, with both columns scaled by
+/// the lengths of their ranges.
 const TURN: f64 = 0.1;
 
-/// The most parts of a cubic.
+/// The maximum number of parts of a cubic.
 const MOST: f64 = 16.0;
 
 /// A point of a branch in two columns.
 #[derive(Clone, Copy)]
 pub(super) struct Knot {
     values: [f64; 2],
-    /// The derivatives by the position, and the position.
+    /// The derivatives with respect to the position, and the position.
     slopes: Option<([f64; 2], f64)>,
 }
 
 impl Knot {
-    /// A point, if it has values in both columns.
+    /// Returns the knot at a point, if it has values in both columns.
     pub fn of_point(point: &Point, columns: [usize; 2]) -> Option<Self> {
         let values = [point.value(columns[0])?, point.value(columns[1])?];
         Some(Knot { values, slopes: slopes(point.slopes.as_ref(), columns) })
     }
 
-    /// A special point, if it has values in both columns.
+    /// Returns the knot at a special point, if it has values in both columns.
     pub fn of_special(point: &SpecialPoint, columns: [usize; 2]) -> Option<Self> {
         let values = [point.value(columns[0])?, point.value(columns[1])?];
         Some(Knot { values, slopes: slopes(point.slopes.as_ref(), columns) })
@@ -37,9 +37,9 @@ fn slopes(slopes: Option<&Slopes>, columns: [usize; 2]) -> Option<([f64; 2], f64
     Some(([of(columns[0])?, of(columns[1])?], slopes.position))
 }
 
-/// The vertices between two successive points of a branch, without both points: none where slopes
-/// are not known, and none where a column is not smooth between the points, as across the jump of a
-/// maximum to another peak. `ranges` are the lengths of the columns' ranges.
+/// Returns the vertices between two successive points of a branch, excluding both points. The
+/// result is empty if slopes are unknown, or if a column is not smooth between the points, for
+/// example if a maximum jumps to another peak. `ranges` are the lengths of the columns' ranges.
 pub(super) fn between(from: &Knot, to: &Knot, ranges: [f64; 2]) -> Vec<[f64; 2]> {
     let (Some((first, begin)), Some((last, end))) = (from.slopes, to.slopes) else {
         return Vec::new();
@@ -60,7 +60,8 @@ pub(super) fn between(from: &Knot, to: &Knot, ranges: [f64; 2]) -> Vec<[f64; 2]>
     (1..parts).map(at).collect()
 }
 
-/// A column between two points: its values, and its derivatives by the share of the way.
+/// A column between two points: its values, and its derivatives with respect to the fraction of the
+/// way.
 struct Axis {
     values: [f64; 2],
     slopes: [f64; 2],
@@ -71,16 +72,17 @@ impl Axis {
         self.values[1] - self.values[0]
     }
 
-    /// Whether the cubic follows the column: its third derivative, `h³ f‴`, is small against the changes
-    /// over the step. The slopes at both ends say nothing of a jump between them, and those of a root
-    /// near its zero would make the cubic leave the values at both ends.
+    /// Returns whether the cubic follows the column: whether its third derivative, `h³ f‴`, is
+    /// small compared with the changes over the step. Slopes at both ends do not reveal a jump
+    /// between them, and the slopes of a square root near its zero would make the cubic leave the
+    /// values at both ends.
     fn is_smooth(&self) -> bool {
         let [a, b] = self.slopes;
         let change = self.change();
         (a + b - 2.0 * change).abs() <= 0.5 * a.abs().max(b.abs()).max(change.abs())
     }
 
-    /// The value at a share of the way.
+    /// Returns the value at a fraction of the way.
     fn at(&self, t: f64) -> f64 {
         let ([a, b], [c, d]) = (self.values, self.slopes);
         let (u, v) = (t * t, t * t * t);
@@ -88,7 +90,7 @@ impl Axis {
     }
 }
 
-/// The angle between two directions; 0 if one is zero.
+/// Returns the angle between two directions; 0 if one of them is zero.
 fn angle(a: [f64; 2], b: [f64; 2]) -> f64 {
     (a[0] * b[1] - a[1] * b[0]).atan2(a[0] * b[0] + a[1] * b[1]).abs()
 }

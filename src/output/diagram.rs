@@ -10,24 +10,25 @@ use crate::core::continuation::{Branch, End, Point, SpecialPoint};
 use crate::core::problem::UnknownName;
 use crate::core::system::Kind;
 
-/// The column, and the unknown where it is free, of the period of orbits.
+/// The name of the period of orbits: of the column, and of the unknown if the period is free.
 pub(super) const PERIOD: &str = "period";
 
-/// The diagram of all branches of some documents. Within one document each branch has its own
-/// colour; of several documents each has one colour, and the name given with it. The first document
-/// gives title, axes and labels; `x` and `y` name other columns, of which several may share the
-/// vertical axis. By default the axes are the continued parameter and the first state.
+/// Draws the diagram of all branches of some documents. Within a single document each branch has
+/// its own colour; with several documents each document has one colour and its given name. The
+/// first document gives title, axes and labels; `x` and `y` name other columns, and several columns
+/// may share the vertical axis. By default the axes are the continuation parameter and the first
+/// state.
 ///
 /// Every curve is drawn through its special points, and changes between solid (stable) and dashed
 /// (unstable) exactly there. On the axis of a state, orbits are drawn twice: by the state's largest
-/// and by its smallest value. Branches that lack a column are left out, and so are curves of special
-/// points in other axes than their two parameters, and branches in axes that are both parameters,
-/// if there are such curves.
+/// and by its smallest value. Branches that lack a column are left out. So are curves of special
+/// points in axes other than their two parameters, and branches of solutions in the axes of two
+/// parameters if such curves exist.
 ///
 /// # Errors
-/// [`FigureError::UnknownColumn`] with the columns that exist, [`FigureError::NoMonitor`] if
-/// nothing says what to draw, [`FigureError::NoOrigin`] without the special point that deviations
-/// are measured from, [`FigureError::Empty`] without a branch.
+/// [`FigureError::UnknownColumn`] with the existing columns, [`FigureError::NoMonitor`] if no
+/// column is chosen and the branch has no monitor, [`FigureError::NoOrigin`] without the special
+/// point from which deviations are measured, [`FigureError::Empty`] without a branch.
 ///
 /// ```
 /// use tangency::output::{Document, diagram, example_branch};
@@ -82,8 +83,8 @@ pub fn diagram(
     Ok(figure)
 }
 
-/// The curves and marks of all branches that are drawn, for any axes: only their order, styles and
-/// origins count. Both coordinates are the continued parameter.
+/// Returns the curves and marks of all drawn branches, for any axes: only their order, styles and
+/// origins are used. Both coordinates are the continuation parameter.
 pub(super) fn spine(documents: &[(&str, &Document)]) -> Figure {
     let mut figure = Figure::default();
     for Named { name, branch, place } in &named(documents) {
@@ -96,9 +97,9 @@ pub(super) fn spine(documents: &[(&str, &Document)]) -> Figure {
     figure
 }
 
-/// A branch that starts at a special point of another one needs no mark of its own there.
+/// Hides the mark of a branch that starts at a special point of another branch.
 fn hide_starts(figure: &mut Figure) {
-    // A figure that cannot be drawn is refused when it is.
+    // An invalid figure is reported when it is drawn.
     let Ok([x, y]) = figure.extent() else { return };
     let others = figure.marks.iter().filter(|mark| mark.symbol != Symbol::Ring);
     let others: Vec<[f64; 2]> = others.map(|mark| mark.at).collect();
@@ -114,11 +115,11 @@ fn hide_starts(figure: &mut Figure) {
     });
 }
 
-/// (H) This many of the user's points with one label are better told by an axis.
+/// (H) The number of user points with the same label above which the labels are replaced by an
+/// axis.
 const REPEATED: usize = 3;
 
-/// Leaves out the label `gap = 1` of the user's points where three or more have it, and an axis shows
-/// `gap`.
+/// Removes the label `gap = 1` from user points if three or more have it, and an axis shows `gap`.
 fn hide_repeated(figure: &mut Figure, axes: &[&str]) {
     let of_axis = |mark: &Mark| {
         let column = mark.label.split_once(" = ").map(|(column, _)| column);
@@ -133,29 +134,29 @@ fn hide_repeated(figure: &mut Figure, axes: &[&str]) {
     }
 }
 
-/// A branch that is drawn.
+/// A branch to draw.
 #[derive(Clone)]
 struct Named<'a> {
     name: String,
     branch: &'a Branch,
-    /// The positions of its document, and of the branch there.
+    /// The positions of the document, and of the branch in the document.
     place: [usize; 2],
 }
 
-/// The default axes of the diagram; `None` without a branch.
+/// Returns the default axes of the diagram; `None` without a branch.
 pub(super) fn usual_axes(documents: &[(&str, &Document)]) -> Option<[String; 2]> {
     let branches = named(documents);
     let (x, y) = axes(first_of(&branches)?, &documents.first()?.1.plot, None, &[]).ok()?;
     Some([x.to_owned(), y[0].to_owned()])
 }
 
-/// The branch that gives the default axes: the first one of solutions.
+/// Returns the branch that gives the default axes: the first branch of solutions.
 fn first_of<'a>(branches: &[Named<'a>]) -> Option<&'a Branch> {
     let solutions = branches.iter().find(|named| named.branch.condition.is_none());
     solutions.or(branches.first()).map(|named| named.branch)
 }
 
-/// The branches that the given axes show.
+/// Returns the branches that the given axes show.
 ///
 /// # Errors
 /// [`FigureError::UnknownColumn`] if no branch has the columns.
@@ -214,8 +215,9 @@ impl Named<'_> {
     }
 }
 
-/// The branches with their names: of one document unique names, which say what a curve of events is
-/// made of; of several the names of the documents, each of which has one colour.
+/// Returns the branches with their names. In a single document, names are unique and describe the
+/// kind of special points of a curve; with several documents, branches have the names of the
+/// documents, each with one colour.
 fn named<'a>(documents: &[(&str, &'a Document)]) -> Vec<Named<'a>> {
     let mut document_names: Vec<String> = Vec::new();
     for (name, _) in documents {
@@ -276,20 +278,21 @@ fn axes<'a>(
     Ok((x, vec![y]))
 }
 
-/// The branches of a document that are drawn.
+/// Returns the branches of a document to draw.
 pub(super) fn drawn_of(document: &Document) -> impl Iterator<Item = &Branch> {
     let curves = &document.plot.curves;
     document.branches.iter().filter(|it| curves.is_empty() || curves.contains(&it.name))
 }
 
-/// Whether a branch has orbits whose period is an unknown, alone or as the sum of durations.
+/// Returns whether a branch has orbits whose period is an unknown, directly or as the sum of
+/// durations.
 pub(super) fn has_free_period(branch: &Branch) -> bool {
     let any = |known: fn(&str) -> bool| branch.unknowns.iter().any(|group| known(&group.name));
     let durations = any(|name| name.starts_with("duration[")) && !any(|name| name == "start");
     branch.column(PERIOD).is_some() && (any(|name| name == PERIOD) || durations)
 }
 
-/// The first quantity that is recorded besides the period: of orbits, the first state.
+/// Returns the first recorded quantity other than the period: for orbits, the first state.
 fn first_quantity(branch: &Branch) -> Option<&str> {
     let mut others = branch.monitors.iter().map(String::as_str).filter(|name| *name != PERIOD);
     let first = others.next().or(branch.monitors.first().map(String::as_str))?;
@@ -298,7 +301,7 @@ fn first_quantity(branch: &Branch) -> Option<&str> {
     Some(state.filter(has_least).unwrap_or(first))
 }
 
-/// The columns that show a quantity, at least one.
+/// Returns the columns that show a quantity, at least one.
 fn columns(branch: &Branch, name: &str) -> Result<Vec<usize>, FigureError> {
     let columns = branch.columns_showing(name);
     if columns.is_empty() {
@@ -308,13 +311,13 @@ fn columns(branch: &Branch, name: &str) -> Result<Vec<usize>, FigureError> {
     Ok(columns)
 }
 
-/// One branch, seen in two of its columns.
+/// A branch, drawn in two of its columns.
 struct Curve<'a> {
     name: &'a str,
     branch: &'a Branch,
-    /// The positions of the document, and of the branch there.
+    /// The positions of the document, and of the branch in the document.
     place: [usize; 2],
-    /// The columns for the two axes, what is shown of their values, and what is added to that.
+    /// The columns of the two axes, their scales, and the shifts added to the shown values.
     columns: [usize; 2],
     scales: &'a [Scale<'a>; 2],
     shift: [f64; 2],
@@ -327,7 +330,7 @@ impl Curve<'_> {
         self.add_marks(figure);
     }
 
-    /// The pieces of the curve, each of one style.
+    /// Returns the pieces of the curve, each of one style.
     fn pieces(&self, cubic: bool) -> Vec<Series> {
         let mut pieces = Pieces { name: self.name, series: Vec::new() };
         let [document, branch] = self.place;
@@ -352,7 +355,7 @@ impl Curve<'_> {
                 // Eigenvalues are not known everywhere.
                 None => pieces.interrupt(),
             }
-            // Beyond the last point there is nothing whose stability could be taken.
+            // After the last point no stability is defined.
             let next = points.get(index + 1).unwrap_or(point);
             let known = |special: &&SpecialPoint| special.after == index && special.converged;
             for special in self.branch.special.iter().filter(known) {
@@ -370,7 +373,7 @@ impl Curve<'_> {
         pieces.series.into_iter().filter(|piece| !piece.points.is_empty()).collect()
     }
 
-    /// The lengths of the ranges of both columns.
+    /// Returns the lengths of the ranges of both columns.
     fn ranges(&self) -> [f64; 2] {
         self.columns.map(|column| {
             let values = self.branch.points.iter().filter_map(|point| point.value(column));
@@ -413,7 +416,8 @@ impl Curve<'_> {
         figure.beside.extend(regions(self.branch, self.columns).into_iter().map(beside));
     }
 
-    /// Whether a special point is merely the end of the branch at a bound; these are not marked.
+    /// Returns whether a special point is merely the end of the branch at a bound; such ends are
+    /// not marked.
     fn is_bound(&self, special: &SpecialPoint) -> bool {
         let all = &self.branch.special;
         let ends = [all.first(), all.last()].into_iter().zip(&self.branch.ends);
@@ -424,7 +428,7 @@ impl Curve<'_> {
         special.kind == Kind::EP && ends.into_iter().any(at_bound)
     }
 
-    /// A point on the axes, if it has a value on both.
+    /// Returns a point on the axes, if it has a value on both.
     fn at(&self, value: impl Fn(usize) -> Option<f64>) -> Option<[f64; 2]> {
         let on = |axis: usize| {
             Some(self.scales[axis].shown(value(self.columns[axis])?) + self.shift[axis])
@@ -440,7 +444,7 @@ struct Pieces<'a> {
 }
 
 impl Pieces<'_> {
-    /// Goes on to a point, and from there in a style.
+    /// Continues to a point, and from there in a given style.
     fn vertex(&mut self, at: [f64; 2], origin: Origin, style: Style) {
         let same = self.style() == style;
         let begun = || Series::with_origins(self.name, style, [(at, origin)]);
@@ -469,12 +473,12 @@ impl Pieces<'_> {
     }
 }
 
-/// The meanings of the styles of branches and profiles.
+/// Returns the meanings of the styles of branches and profiles.
 pub(super) fn stability() -> Vec<(Style, String)> {
     vec![(Style::Solid, "stable".into()), (Style::Dashed, "unstable".into())]
 }
 
-/// The style of a point's surroundings.
+/// Returns the style of a branch at a point.
 fn style_of(point: &Point) -> Style {
     match (point.admissible, &point.undetermined) {
         (false, _) => Style::Thin,
@@ -483,7 +487,7 @@ fn style_of(point: &Point) -> Style {
     }
 }
 
-/// The style of what has this number of unstable eigenvalues.
+/// Returns the style for a number of unstable eigenvalues.
 pub(super) fn style(unstable: Option<usize>) -> Style {
     match unstable {
         Some(1..) => Style::Dashed,
@@ -509,7 +513,7 @@ fn symbol(kind: Kind) -> Symbol {
         Kind::TR => Symbol::Hexagon,
         Kind::G => Symbol::TriangleLeft,
         Kind::UZ => Symbol::TriangleDown,
-        // MX, ND, and whatever has no symbol of its own.
+        // MX, ND, and all kinds without their own symbol.
         _ => Symbol::Cross,
     }
 }

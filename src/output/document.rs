@@ -1,4 +1,4 @@
-//! Documents: branches, what made them and how they are drawn.
+//! Documents: branches, the settings they were computed with, and their plots.
 
 use super::chosen::Chosen;
 use super::error::UnknownPoint;
@@ -8,7 +8,7 @@ use crate::core::problem::{UnknownName, position};
 use crate::core::system::Kind;
 use serde::{Deserialize, Serialize};
 
-/// Branches with what made them and how they are drawn by default.
+/// Branches with the settings they were computed with and their default plot.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Document {
@@ -23,85 +23,83 @@ pub struct Document {
     /// The settings that were chosen for an accuracy.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub chosen: Option<Chosen>,
-    /// How the branches are drawn by default.
+    /// The default plot of the branches.
     #[serde(default)]
     pub plot: Plot,
-    /// In what branches differ from the settings: a branch's name, and its own settings by name.
+    /// Settings of single branches that differ: a branch's name, and its own settings by name.
     #[serde(default)]
     pub differences: Vec<(String, Vec<(String, String)>)>,
     /// The branches; their names are unique.
     pub branches: Vec<Branch>,
 }
 
-/// How branches are drawn by default.
+/// The default plot of branches.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Plot {
-    /// The column for the horizontal axis; if it is not given, the first released parameter.
+    /// The column on the horizontal axis; by default, the first varied parameter.
     pub x: Option<String>,
-    /// The column for the vertical axis; if it is not given, the first monitor (on a curve of
-    /// events the second released parameter).
+    /// The column on the vertical axis; by default, the first monitor (on a curve of special
+    /// points, the second varied parameter).
     pub y: Option<String>,
-    /// The label of an axis that shows a column, with its unit: `("load", "load V² (1)")`.
-    /// A column without an entry is shown by its name.
+    /// The labels of axes that show a column, with units: `("load", "load V² (1)")`. A column
+    /// without an entry is shown by its name.
     pub labels: Vec<(String, String)>,
-    /// Further panels, as pairs of columns for the horizontal and the vertical axis. Branches that
-    /// lack one of them are left out.
+    /// Additional panels, as pairs of columns for the horizontal and the vertical axis. Branches
+    /// that lack one of the columns are left out.
     pub panels: Vec<(String, String)>,
-    /// Further panels where sweeps are drawn.
+    /// Additional panels in plots of sweeps.
     pub swept: Vec<(String, String)>,
-    /// The kinds of profiles that are drawn, as pairs (abscissa, ordinate):
-    /// `("displacement", "velocity")` is the phase portrait, `("time", "velocity")` a time history.
-    /// If none is given, all.
+    /// The kinds of profiles to draw, as pairs (abscissa, ordinate): `("displacement", "velocity")`
+    /// is the phase portrait, `("time", "velocity")` a time history. By default all.
     pub profiles: Vec<(String, String)>,
-    /// The special points whose profiles are drawn, as `LABEL` or `BRANCH/LABEL`; if none is given,
-    /// those of interest.
+    /// The special points whose profiles are drawn, as `LABEL` or `BRANCH/LABEL`; by default a
+    /// selection.
     pub points: Vec<String>,
-    /// The branches that diagrams show, by name; if none is given, all.
+    /// The branches that diagrams show, by name; by default all.
     pub curves: Vec<String>,
-    /// The number added to a column of a branch in diagrams, to compare curves of different height:
+    /// Numbers added to a column of a branch in diagrams, to compare curves of different height:
     /// branch, column, shift.
     pub shifts: Vec<(String, String, f64)>,
-    /// Columns that are shown as deviations from a special point, or as roots of these.
+    /// Columns that are shown as deviations from a special point, or as roots of deviations.
     pub deviations: Vec<Deviation>,
-    /// The part of a column that is shown, in the numbers of its axis: column, low, high.
+    /// The range of a column that is shown, in the numbers of its axis: column, low, high.
     pub ranges: Vec<(String, f64, f64)>,
-    /// The columns whose axes are logarithmic; an axis of several columns is if all of them are named.
-    /// Points where the column is zero or negative are not shown.
+    /// The columns with logarithmic axes; an axis of several columns is logarithmic if all of them
+    /// are named. Points where the column is zero or negative are not shown.
     pub logarithmic: Vec<String>,
-    /// Whether curves of bifurcations in two parameters have the numbers of unstable directions on both
-    /// sides.
+    /// Whether curves of bifurcations in two parameters are labelled with the numbers of unstable
+    /// directions on both sides.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub regions: bool,
-    /// Parts of the diagram that are shown again in panels of their own, in the numbers of its
-    /// axes.
+    /// Parts of the diagram that are enlarged in separate panels, in the numbers of its axes.
     pub enlargements: Vec<Enlargement>,
-    /// Special points of all branches against a setting in which the branches differ.
+    /// Plots of special points of all branches against a setting in which the branches differ.
     pub against: Vec<Against>,
 }
 
-/// A part of a diagram: its ends on both axes.
+/// A part of a diagram: its ranges on both axes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Enlargement {
-    /// On the horizontal axis.
+    /// The range on the horizontal axis.
     pub x: [f64; 2],
-    /// On the vertical axis.
+    /// The range on the vertical axis.
     pub y: [f64; 2],
 }
 
-/// A column that diagrams show as its deviation from a special point: `V − V*` where an orbit
-/// grazes at `V*`, or `√(V − V*)`, in which what begins there like a root is a line.
+/// A column that diagrams show as its deviation from a special point: `V − V*` for an orbit that
+/// grazes at `V*`, or `√(V − V*)`, which straightens curves that emanate there like a square root.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Deviation {
-    /// The column.
+    /// The column to show as a deviation.
     pub column: String,
     /// The branch with the special point.
     pub branch: String,
-    /// Its kind; the first one of the branch counts.
+    /// The kind of the special point; the first one of the branch is used.
     pub kind: Kind,
-    /// The power of the deviation that is shown, negative where the deviation is.
+    /// The power of the deviation that is shown, with the sign of the deviation.
     #[serde(default = "one")]
     pub power: f64,
 }
@@ -111,7 +109,7 @@ fn one() -> f64 {
 }
 
 impl Deviation {
-    /// The number shown for a value, where the special point has another one.
+    /// Returns the number shown for a value, given the value at the special point.
     ///
     /// ```
     /// use tangency::core::system::Kind;
@@ -127,28 +125,28 @@ impl Deviation {
 }
 
 /// Special points of one kind against a setting in which branches differ: pull-in against the
-/// number of modes. Branches that differ in other settings as well make one series for each of
-/// these.
+/// number of modes. Branches that also differ in other settings form a separate series for each
+/// combination of these.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Against {
-    /// The kind of special point; the first one of each branch counts.
+    /// The kind of special point; the first one of each branch is used.
     pub kind: Kind,
-    /// The setting, a number.
+    /// The setting on the horizontal axis, a number.
     pub setting: String,
     /// The parameter or monitor for the vertical axis.
     pub column: String,
 }
 
 impl Plot {
-    /// The label of an axis that shows a column.
+    /// Returns the label of an axis that shows a column.
     pub fn label<'a>(&'a self, column: &'a str) -> &'a str {
         let entry = self.labels.iter().find(|(name, _)| name == column);
         entry.map_or(column, |(_, label)| label)
     }
 
-    /// The picture of some branches only: what it shows of others, and columns that these branches
-    /// lack, are left out.
+    /// Returns the plot restricted to some branches, without the parts that concern other branches
+    /// or columns.
     ///
     /// ```
     /// use tangency::output::{Plot, example_branch};
@@ -170,7 +168,7 @@ impl Plot {
             |x: &str, y: &str| branches.iter().any(|branch| shows(branch, x) && shows(branch, y));
         own.panels.retain(|(x, y)| both(x, y));
         own.swept.clear();
-        // Labels are counted anew.
+        // Labels may have changed.
         own.points.clear();
         own.curves.retain(|name| named(name));
         own.logarithmic.retain(|column| has(column));
@@ -179,7 +177,7 @@ impl Plot {
             let of_branch = branches.iter().find(|branch| branch.name == deviation.branch);
             of_branch.is_some_and(|branch| branch.of_kind(deviation.kind).next().is_some())
         });
-        // A range is in the numbers of its axis, which are others without the deviation.
+        // A range in the numbers of a deviation is not valid without the deviation.
         let deviates =
             |plot: &Plot, column: &str| plot.deviations.iter().any(|it| it.column == column);
         let kept = |column: &str| has(column) && deviates(self, column) == deviates(&own, column);
@@ -195,18 +193,18 @@ impl Plot {
         own
     }
 
-    /// The part of a column that is shown.
+    /// Returns the range of a column that is shown.
     pub(super) fn range(&self, column: &str) -> [f64; 2] {
         let given = self.ranges.iter().find(|(name, ..)| name == column);
         given.map_or([f64::NEG_INFINITY, f64::INFINITY], |(_, low, high)| [*low, *high])
     }
 
-    /// Whether the axis of a column is logarithmic.
+    /// Returns whether the axis of a column is logarithmic.
     pub(super) fn is_logarithmic(&self, column: &str) -> bool {
         self.logarithmic.iter().any(|name| name == column)
     }
 
-    /// The number added to a column of a branch.
+    /// Returns the number added to a column of a branch.
     pub(super) fn shift(&self, branch: &str, column: &str) -> f64 {
         let meant = |entry: &&(String, String, f64)| entry.0 == branch && entry.1 == column;
         self.shifts.iter().find(meant).map_or(0.0, |(_, _, shift)| *shift)
@@ -214,7 +212,7 @@ impl Plot {
 }
 
 impl Document {
-    /// A document without settings, drawn as it comes.
+    /// Creates a document without settings, with the default plot.
     pub fn new(title: impl Into<String>, branches: Vec<Branch>) -> Self {
         Document {
             format: FORMAT.into(),
@@ -227,24 +225,26 @@ impl Document {
         }
     }
 
-    /// The value of a setting.
+    /// Returns the value of a setting.
     pub fn setting(&self, name: &str) -> Option<&str> {
         self.settings.iter().find(|(key, _)| key == name).map(|(_, value)| value.as_str())
     }
 
-    /// The branch with a name.
+    /// Returns the branch with a name.
     ///
     /// # Errors
-    /// [`UnknownName`] with the names of the branches that exist.
+    /// [`UnknownName`] with the names of the existing branches.
     pub fn branch(&self, name: &str) -> Result<&Branch, UnknownName> {
         let names = self.branches.iter().map(|branch| &branch.name);
         Ok(&self.branches[position("branch", name, names)?])
     }
 
-    /// The special point with a label, on a named branch or on the only branch that has it.
+    /// Returns the special point with a label, on a named branch or on the only branch that has the
+    /// label.
     ///
     /// # Errors
-    /// [`UnknownPoint`] if there is no such branch, no such label, or if several branches have it.
+    /// [`UnknownPoint`] if the branch or the label does not exist, or if several branches have the
+    /// label.
     ///
     /// ```
     /// use tangency::output::{Document, example_branch};

@@ -1,4 +1,4 @@
-//! Documents as files of RON.
+//! Documents as RON files.
 
 use super::check;
 use super::document::Document;
@@ -11,17 +11,17 @@ use ron::ser::PrettyConfig;
 use std::path::Path;
 
 impl Document {
-    /// The document as RON, one line a point, every number with all its digits.
+    /// Serializes the document as RON, one line per point, every number with all its digits.
     ///
     /// # Errors
     /// [`FormatError::Invalid`] if the text could not be read back: a number that is not finite, a
-    /// list of the wrong length, a name twice.
+    /// list of the wrong length, a duplicate name.
     pub fn to_ron(&self) -> Result<String, FormatError> {
         check::document(self)?;
         let pretty = PrettyConfig::new()
             .depth_limit(4)
             .indentor("  ")
-            // Written into the text, so that any reader of RON understands it.
+            // The extension is written into the text, so that any RON parser can read it.
             .extensions(Extensions::IMPLICIT_SOME);
         let mut text = ron::ser::to_string_pretty(self, pretty)
             .map_err(|error| FormatError::Unwritable(error.to_string()))?;
@@ -29,11 +29,10 @@ impl Document {
         Ok(text)
     }
 
-    /// Reads a document from its RON.
+    /// Parses a document from its RON.
     ///
     /// # Errors
-    /// [`FormatError`] with line and column, or with branch, point and column of a value that makes
-    /// no sense.
+    /// [`FormatError`] with line and column, or with branch, point and column of an invalid value.
     ///
     /// ```
     /// use tangency::output::Document;
@@ -47,7 +46,7 @@ impl Document {
         Ok(document)
     }
 
-    /// Saves the document, whole or not at all.
+    /// Saves the document atomically.
     ///
     /// # Errors
     /// [`FileError::Write`] if the file cannot be written, [`FileError::Format`] if it could not be
@@ -60,8 +59,8 @@ impl Document {
     /// Loads a document.
     ///
     /// # Errors
-    /// [`FileError::Read`] if the file cannot be read, [`FileError::Format`] if it is no document,
-    /// [`FileError::TooLarge`] beyond [`SizeLimit::default`].
+    /// [`FileError::Read`] if the file cannot be read, [`FileError::Format`] if it is not a
+    /// document, [`FileError::TooLarge`] beyond [`SizeLimit::default`].
     ///
     /// ```
     /// use tangency::output::{Document, example_branch};
@@ -87,8 +86,7 @@ impl Document {
     }
 }
 
-/// Says whether a text that could not be read is foreign, of another version, cut short or
-/// mistaken.
+/// Classifies a text that could not be parsed: foreign, of another version, truncated or invalid.
 fn explain(text: &str, error: &ron::error::SpannedError) -> FormatError {
     let (line, column) = (error.span.start.line, error.span.start.col);
     let reason = reason(&error.code);
@@ -103,7 +101,7 @@ fn explain(text: &str, error: &ron::error::SpannedError) -> FormatError {
     }
 }
 
-/// The tag of a text that may be mistaken elsewhere.
+/// Returns the tag of a text that may have errors elsewhere.
 fn tag(text: &str) -> Option<&str> {
     let start = text.find("\"tangency/")? + 1;
     text[start..].split('"').next()

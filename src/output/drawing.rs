@@ -1,8 +1,8 @@
-//! Figures as SVG and PNG.
+//! Figures as SVG, PDF and PNG pictures.
 //!
-//! The backends of plotters round to whole pixels, so everything is drawn on a [canvas] of finer ones.
-//! Its charts know neither the room a
-//! legend needs nor labels that keep off the curves, so that only its elements are used.
+//! The backends of plotters round to whole pixels, so everything is drawn on a [canvas] of finer
+//! ones. Its charts do not support sizing a legend or keeping labels off the curves, so only its
+//! elements are used.
 
 mod backend;
 mod canvas;
@@ -30,10 +30,10 @@ pub const COLUMN: f64 = 84.0;
 pub const PAGE: f64 = 170.0;
 
 /// Draws figures as the panels of one picture, of a width in millimetres: as many side by side as
-/// are at least 70 mm wide. The first one is wider where the rows would not be full. Text has 7.5
-/// points whatever the width. Several panels have letters, and the title of the first one, if no
-/// other has any, stands above all. Up to four curves have their names beside them; a legend below
-/// all panels explains everything else.
+/// are at least 70 mm wide. The first panel is wider if the rows would not be full. Text has 7.5
+/// points for every width. Several panels have letters, and the title of the first one, if no other
+/// has any, is above all. Up to four curves have their names beside them; a legend below all panels
+/// explains everything else.
 ///
 /// # Errors
 /// [`FigureError`] if a coordinate is not finite, there is nothing to draw, or the width is not
@@ -51,7 +51,8 @@ pub fn draw(figures: &[Figure], width: f64) -> Result<String, FigureError> {
     canvas::svg(layout.size(), width, |canvas: &Canvas| layout.draw(canvas))
 }
 
-/// The picture of [`draw`] as a page of PDF, whose letters are outlines: it needs no fonts.
+/// Draws the picture of [`draw`] as a PDF page, with letters as outlines, so that no fonts are
+/// needed.
 ///
 /// # Errors
 /// As [`draw`].
@@ -68,10 +69,10 @@ pub fn pdf(figures: &[Figure], width: f64) -> Result<Vec<u8>, FigureError> {
     canvas::pdf(layout.size(), width, |canvas: &Canvas| layout.draw(canvas))
 }
 
-/// The picture of [`draw`] as PNG, with 300 pixels per inch. It needs no fonts of the system.
+/// Draws the picture of [`draw`] as PNG, with 300 pixels per inch. No system fonts are needed.
 ///
 /// # Errors
-/// As [`draw`]; [`FigureError::Drawing`] where a side would have more than 16 384 pixels.
+/// As [`draw`]; [`FigureError::Drawing`] if a side would have more than 16 384 pixels.
 ///
 /// ```
 /// use tangency::output::{COLUMN, Figure, Series, Style, png};

@@ -1,4 +1,4 @@
-//! What can go wrong on the way out and back in.
+//! The errors of reading, writing and drawing results.
 
 use super::tag::FORMAT;
 use super::words::{Invalid, quoted};
@@ -8,43 +8,43 @@ use crate::misread::Place;
 use crate::spelling::sentence;
 use std::path::{Path, PathBuf};
 
-/// A file that cannot be read, understood or written.
+/// The error of a file that cannot be read, parsed or written.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum FileError {
     /// The file cannot be read.
     #[error("cannot read {}: {source}; check the path and its permissions", path.display())]
     Read {
-        /// The file.
+        /// The path of the file.
         path: PathBuf,
-        /// The system's message.
+        /// The message of the operating system.
         source: std::io::Error,
     },
     /// The file cannot be written.
-    #[error("cannot write {}: {source}; choose a folder that can be written to", path.display())]
+    #[error("cannot write {}: {source}; choose a writable folder", path.display())]
     Write {
-        /// The file.
+        /// The path of the file.
         path: PathBuf,
-        /// The system's message.
+        /// The message of the operating system.
         source: std::io::Error,
     },
     /// The file is not a text file.
     #[error(
         "{} is not a text file (byte {at} is not UTF-8){}",
-        path.display(), if path.extension().is_some_and(|e| e == "npz") { ": archives of sweeps are drawn by `tangency plot`" } else { "" }
+        path.display(), if path.extension().is_some_and(|e| e == "npz") { ": draw archives of sweeps with `tangency plot`" } else { "" }
     )]
     NoText {
-        /// The file.
+        /// The path of the file.
         path: PathBuf,
-        /// The first byte that is no text, counted from 0.
+        /// The first invalid byte, counted from 0.
         at: usize,
     },
-    /// The place of results is not a folder.
-    #[error("{} is {kind}, not a folder: name a folder with --out", path.display())]
+    /// The output path is not a folder.
+    #[error("{} is {kind}, not a folder: choose a folder with --out", path.display())]
     NoFolder {
         /// The path.
         path: PathBuf,
-        /// The kind of file that is there.
+        /// The kind of the existing file.
         kind: &'static str,
     },
     /// The name of a result is too long.
@@ -53,75 +53,75 @@ pub enum FileError {
         quoted(name), name.len()
     )]
     LongName {
-        /// The name.
+        /// The name of the result.
         name: String,
-        /// The most bytes that it may have.
+        /// The maximum length in bytes.
         most: usize,
     },
-    /// The file was read, but is no document.
+    /// The file was read, but is not a document.
     #[error("{}: {source}", path.display())]
     Format {
-        /// The file.
+        /// The path of the file.
         path: PathBuf,
         /// The reason.
         source: FormatError,
     },
     /// The output is a device, a FIFO or a folder, which is not replaced.
     #[error(
-        "{} is {kind}, and only regular files, and symbolic links to them, are replaced; name another place with --out",
+        "{} is {kind}, and only regular files and symbolic links to them are replaced; choose another place with --out",
         path.display()
     )]
     Special {
         /// The path.
         path: PathBuf,
-        /// The kind of file that is there.
+        /// The kind of the existing file.
         kind: &'static str,
     },
-    /// The file is larger than what is read.
+    /// The file exceeds the size limit.
     #[error(
-        "{} is larger than {} MB, the most that is read; if it is what you mean, raise the limit with --max-size",
+        "{} is larger than the limit of {} MB; to read it anyway, raise the limit with --max-size",
         path.display(), limit / 1_000_000
     )]
     TooLarge {
-        /// The file.
+        /// The path of the file.
         path: PathBuf,
-        /// How many bytes are read at most.
+        /// The size limit in bytes.
         limit: u64,
     },
     /// The input is a FIFO to which no process writes.
-    #[error("{} is {kind}, and for 5 s nothing has come from it; name a file", path.display())]
+    #[error("{} is {kind} and produced no data for 5 s; name a file", path.display())]
     Silent {
         /// The path.
         path: PathBuf,
-        /// The kind of file that is there.
+        /// The kind of the existing file.
         kind: &'static str,
     },
     /// Another run writes the same result.
     #[error(
-        "another run{} is writing {}: wait until it ends, end it, or name another folder with --out",
+        "another run{} is writing {}: wait until it ends, end it, or choose another folder with --out",
         process.map_or(String::new(), |id| format!(", process {id},")), path.display()
     )]
     Locked {
-        /// The result, without endings.
+        /// The path of the result, without extensions.
         path: PathBuf,
-        /// The id of the process, if it is known.
+        /// The id of the process, if known.
         process: Option<u32>,
     },
-    /// The ending of a file says nothing about its format.
+    /// The extension of a file is not a known format.
     #[error(
-        "{} has an ending that is no format of pictures; known: {}",
+        "{} does not have an extension of a known format; known: {}",
         path.display(), known.join(", ")
     )]
     Ending {
-        /// The file.
+        /// The path of the file.
         path: PathBuf,
-        /// The endings that are known.
+        /// The known extensions.
         known: &'static [&'static str],
     },
-    /// The name of a file cannot be that of a result.
-    #[error("the name of the file {} holds control characters; rename it", quoted(&path.to_string_lossy()))]
+    /// The name of a file is invalid as the name of a result.
+    #[error("the name of the file {} contains control characters; rename it", quoted(&path.to_string_lossy()))]
     Name {
-        /// The file.
+        /// The path of the file.
         path: PathBuf,
     },
 }
@@ -136,21 +136,21 @@ impl FileError {
     }
 }
 
-/// A text that is no document, or a document that must not be written.
+/// The error of a text that is not a document, or of a document that cannot be written.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum FormatError {
-    /// The text carries no tag of this toolkit.
+    /// The text has no tag of this toolkit.
     #[error(
         "not a tangency document (line {line}, column {column}: {reason}); \
-         give a file that a trace saved"
+         give a file saved by a trace"
     )]
     Foreign {
-        /// The line where the text departs from a document, counted from 1.
+        /// The line of the first error, counted from 1.
         line: usize,
         /// The column, counted from 1.
         column: usize,
-        /// How it departs.
+        /// The description of the error.
         reason: String,
     },
     /// The document has another version of the format.
@@ -159,13 +159,13 @@ pub enum FormatError {
          trace it again, or use the program that saved it"
     )]
     Version {
-        /// The tag found.
+        /// The tag of the document.
         found: String,
     },
-    /// The text ends before the document does.
+    /// The text is truncated.
     #[error(
-        "the document breaks off at line {line}, column {column}; \
-         the file was cut short: copy or trace it again"
+        "the document ends prematurely at line {line}, column {column}; \
+         the file is truncated: copy or trace it again"
     )]
     Truncated {
         /// The line, counted from 1.
@@ -173,114 +173,114 @@ pub enum FormatError {
         /// The column, counted from 1.
         column: usize,
     },
-    /// The document does not have the form it must have.
+    /// The document has an invalid form.
     #[error(
         "line {}, column {}: {reason}; correct it or trace it again{place}",
         place.line.unwrap_or(1), place.column
     )]
     Syntax {
-        /// Where, with the text of the line.
+        /// The position, with the text of the line.
         place: Box<Place>,
         /// The reason.
         reason: String,
     },
-    /// The document has the right form, but a value that makes no sense.
+    /// The document contains an invalid value.
     #[error(transparent)]
     Invalid(#[from] Invalid),
-    /// The archive of a sweep is damaged, or none.
-    #[error("not a file of sweeps ({reason}); give a file that a sweep saved, or sweep again")]
+    /// The archive of a sweep is damaged, or is not an archive.
+    #[error("not a file of sweeps ({reason}); give a file saved by a sweep, or repeat the sweep")]
     Archive {
         /// The reason.
         reason: String,
     },
-    /// An archive unpacks to more than what is read.
+    /// An archive unpacks to more than the size limit.
     #[error(
-        "the archive unpacks to more than {} MB, the most that is read; if it is what you mean, raise the limit with \
+        "the archive unpacks to more than the limit of {} MB; to read it anyway, raise the limit with \
          --max-size", limit / 1_000_000
     )]
     Unpacked {
-        /// How many bytes are unpacked at most.
+        /// The size limit in bytes.
         limit: u64,
     },
-    /// The document, or the archive, cannot be put into words.
+    /// The document or the archive cannot be serialized.
     #[error("it cannot be written: {0}")]
     Unwritable(String),
 }
 
-/// A special point that was asked for and is not in a document, or not the only one.
+/// The error of a requested special point that is missing or ambiguous.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum UnknownPoint {
-    /// No branch has that name.
+    /// No branch has the requested name.
     #[error("{}", sentence(.0))]
     Branch(#[from] UnknownName),
-    /// No branch that was meant has the label.
+    /// No special point has the requested label.
     #[error("no special point has the label {label}; known: {}", known.join(", "))]
     Label {
-        /// The label.
+        /// The requested label.
         label: usize,
-        /// The labels that exist, as `BRANCH/LABEL`.
+        /// The existing labels, as `BRANCH/LABEL`.
         known: Vec<String>,
     },
-    /// Several branches have the label.
+    /// Several branches have the requested label.
     #[error("several branches have the label {label}; name one of {}", candidates.join(", "))]
     Ambiguous {
-        /// The label.
+        /// The requested label.
         label: usize,
         /// The candidates, as `BRANCH/LABEL`.
         candidates: Vec<String>,
     },
-    /// A name that is not of the right form.
+    /// A name of an invalid form.
     #[error("`{0}` is not of the form LABEL or BRANCH/LABEL, for example 2 or orbits/2")]
     Form(String),
 }
 
-/// A figure that cannot be drawn.
+/// The error of a figure that cannot be drawn.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum FigureError {
-    /// A branch has no such column.
+    /// A branch lacks a column.
     #[error("branch `{branch}`: {}", sentence(source))]
     UnknownColumn {
-        /// The branch.
+        /// The name of the branch.
         branch: String,
-        /// The column and those that exist.
+        /// The requested column and the existing ones.
         source: UnknownName,
     },
-    /// No branch and no sweep has such a column.
+    /// No branch and no sweep has a column.
     #[error("{}", sentence(.0))]
     NoColumn(UnknownName),
-    /// A logarithmic axis that no figure has.
-    #[error("no axis shows {} alone: name the columns of an axis, or leave the logarithm out", names.join(", "))]
+    /// No figure has an axis for a column that should be logarithmic.
+    #[error("no axis shows only {}: name all columns of an axis, or omit the logarithm", names.join(", "))]
     NotLogarithmic {
-        /// The columns that were named.
+        /// The named columns.
         names: Vec<String>,
     },
-    /// Neither the document nor the user says what to draw, and the branch has no monitor.
-    #[error("branch `{branch}` has no monitor to draw; name the column for y: {}", available.join(", "))]
+    /// No column is chosen for the vertical axis, and the branch has no monitor.
+    #[error("branch `{branch}` has no monitor to draw; choose the column for y: {}", available.join(", "))]
     NoMonitor {
-        /// The branch.
+        /// The name of the branch.
         branch: String,
-        /// The names of its columns.
+        /// The names of the existing columns.
         available: Vec<String>,
     },
-    /// There is no special point that a column's deviations are measured from.
+    /// The special point is missing from which a column's deviations are measured.
     #[error(
-        "`{column}` is to be shown as its deviation from the first {kind} of `{branch}`, but there is none: trace \
-         as far as that point, or leave the deviation out"
+        "`{column}` should be shown as its deviation from the first {kind} of `{branch}`, but there is none: trace \
+         as far as that point, or omit the deviation"
     )]
     NoOrigin {
         /// The column.
         column: String,
         /// The kind of special point.
         kind: Kind,
-        /// The branch.
+        /// The name of the branch.
         branch: String,
     },
-    /// A point whose profiles are to be drawn does not exist.
+    /// A point whose profiles should be drawn does not exist.
     #[error(transparent)]
     UnknownPoint(#[from] UnknownPoint),
-    /// No point has a profile that is to be drawn.
+    /// No point has a profile that should be drawn.
     #[error("{}", sentence(.0))]
     UnknownProfile(UnknownName),
     /// A coordinate is NaN or infinite.
@@ -288,59 +288,59 @@ pub enum FigureError {
     NotFinite {
         /// The name of the series or the label of the mark.
         series: String,
-        /// The point, counted from 0.
+        /// The index of the point, counted from 0.
         index: usize,
-        /// Its coordinates.
+        /// The coordinates of the point.
         at: [f64; 2],
     },
     /// A coordinate that a logarithmic axis cannot show.
-    #[error("point {index} of `{series}` is at ({}, {}), which a logarithmic axis cannot show: leave the point or the logarithm out", at[0], at[1])]
+    #[error("point {index} of `{series}` is at ({}, {}), which a logarithmic axis cannot show: remove the point, or use a linear axis", at[0], at[1])]
     NotPositive {
-        /// The curve or mark.
+        /// The name of the curve or mark.
         series: String,
-        /// The point, counted from 0.
+        /// The index of the point, counted from 0.
         index: usize,
-        /// Its coordinates.
+        /// The coordinates of the point.
         at: [f64; 2],
     },
-    /// The values span more than numbers can hold.
-    #[error("the values from {low:e} to {high:e} span too much for an axis")]
+    /// The range of values exceeds the range of numbers.
+    #[error("the values from {low:e} to {high:e} span too wide a range for an axis")]
     TooWide {
         /// The smallest value.
         low: f64,
         /// The largest value.
         high: f64,
     },
-    /// Nothing has a single point.
+    /// The figure has no points.
     #[error("there is nothing to draw in the figure `{title}`: it has no points")]
     Empty {
-        /// The figure.
+        /// The title of the figure.
         title: String,
     },
-    /// A picture is too narrow or too wide.
-    #[error("a picture is from {} to {} mm wide, and cannot be {width} mm wide", range.start(), range.end())]
+    /// The width of a picture is out of range.
+    #[error("a picture must be from {} to {} mm wide, not {width} mm", range.start(), range.end())]
     Width {
         /// The width, in millimetres.
         width: f64,
-        /// The widths that are possible.
+        /// The allowed widths.
         range: std::ops::RangeInclusive<f64>,
     },
-    /// A text of a PNG has a letter that its font lacks.
+    /// The font of a picture lacks a letter.
     #[error(
-        "the font of PNG has no letter `{letter}`, in `{text}`; draw an SVG, whose reader has fonts, or use other words"
+        "the font of PNG lacks the letter `{letter}` in `{text}`; draw an SVG, which uses the viewer's fonts, or change the text"
     )]
     Letter {
-        /// The letter.
+        /// The missing letter.
         letter: char,
-        /// The text.
+        /// The text with the missing letter.
         text: String,
     },
-    /// No panel has the letter.
+    /// No panel has the requested letter.
     #[error("the picture has no panel `{wanted}`, only {known}")]
     UnknownPanel {
-        /// The letter.
+        /// The requested letter.
         wanted: String,
-        /// The letters that exist.
+        /// The existing letters.
         known: String,
     },
     /// The drawing library failed.

@@ -1,11 +1,11 @@
-//! A branch known in closed form, for documentation and tests.
+//! A branch in closed form, for documentation and tests.
 
 use crate::core::continuation::{Branch, End, Point, Settings, SpecialPoint};
 use crate::core::system::Kind;
 
-/// The parallel-plate actuator `load = u (1 − u)²` for `0 ≤ u ≤ 0.8`: stable up to its fold at
-/// `u = 1/3`, `load = 4/27`, unstable beyond it. It needs no solver, so that what becomes of a
-/// branch can be shown and tested by itself.
+/// Returns the branch of the parallel-plate actuator, `load = u (1 − u)²` for `0 ≤ u ≤ 0.8`: stable
+/// up to its fold at `u = 1/3`, `load = 4/27`, unstable beyond it. It needs no solver, so that the
+/// output of branches can be shown and tested separately.
 ///
 /// ```
 /// let branch = tangency::output::example_branch();
@@ -42,7 +42,7 @@ fn load(u: f64) -> f64 {
 }
 
 fn special(label: usize, kind: Kind, event: &str, after: usize, u: f64) -> SpecialPoint {
-    // Rounding would leave the last digit of the fold's load to chance.
+    // Rounding would make the last digit of the fold's load arbitrary.
     let exact = if kind == Kind::LP { 4.0 / 27.0 } else { load(u) };
     let neighbour = |i: usize| load(i.min(40) as f64 / 50.0);
     SpecialPoint {

@@ -1,4 +1,4 @@
-//! Figures of fields: arrays of two indices at special points as contour maps.
+//! Contour maps of fields: arrays of two indices at special points.
 
 use super::document::{Document, Plot};
 use super::error::FigureError;
@@ -8,13 +8,14 @@ use super::profiles::{Shown, shown};
 use super::tile::{Hue, Tile};
 use crate::core::problem::{PlaneField, distinct};
 
-/// The most levels of a map: as many as there are shades.
+/// The maximum number of levels of a map, equal to the number of shades.
 const LEVELS: usize = 9;
-/// Digits of levels in the legend.
+/// The significant digits of levels in the legend.
 const DIGITS: usize = 6;
 
-/// A map of each field of each point that is shown, as [`figures`](super::figures) says. The maps of
-/// one array have the same levels. A document that chooses kinds of profiles shows no fields.
+/// Returns a map of each field of each shown point, as [`figures`](super::figures) describes. The
+/// maps of one array have the same levels. A document that chooses kinds of profiles shows no
+/// fields.
 pub(super) fn fields(documents: &[(&str, &Document)]) -> Result<Vec<Figure>, FigureError> {
     let Some((_, Document { plot, .. })) = documents.first() else { return Ok(Vec::new()) };
     if !plot.profiles.is_empty() {
@@ -33,7 +34,7 @@ pub(super) fn fields(documents: &[(&str, &Document)]) -> Result<Vec<Figure>, Fig
     Ok(figures)
 }
 
-/// The map of a field at a point.
+/// Returns the map of a field at a point.
 fn map(plot: &Plot, shown: &Shown, field: &PlaneField, levels: &Levels) -> Figure {
     let label = plot.label(&field.name);
     let title = format!("{label} at {}", shown.name);
@@ -47,12 +48,12 @@ fn map(plot: &Plot, shown: &Shown, field: &PlaneField, levels: &Levels) -> Figur
             Tile { at, size, hue: Hue::Level, shade, meaning }.add_to(&mut figure.tiles, 1);
         }
     }
-    // The legend has the levels in their order.
+    // The legend lists the levels in increasing order.
     figure.tiles.sort_by_key(|tile| tile.shade);
     figure
 }
 
-/// The ends of the cell around an index: half-way to its neighbours.
+/// Returns the ends of the cell around an index: half-way to its neighbours.
 fn ends(along: &[i64], k: usize) -> [f64; 2] {
     let at = along[k] as f64;
     let half = |other: Option<&i64>| other.map(|other| 0.5 * (*other as f64 - at));
@@ -62,13 +63,13 @@ fn ends(along: &[i64], k: usize) -> [f64; 2] {
     [at + low.unwrap_or(-0.5), at + high.unwrap_or(0.5)]
 }
 
-/// The middle of the cell around an index.
+/// Returns the middle of the cell around an index.
 fn middle(along: &[i64], k: usize) -> f64 {
     let [low, high] = ends(along, k);
     0.5 * (low + high)
 }
 
-/// The widths of the cells around indices.
+/// Returns the widths of the cells around indices.
 fn widths(along: &[i64]) -> Vec<f64> {
     let width = |k| {
         let [low, high] = ends(along, k);
@@ -80,13 +81,13 @@ fn widths(along: &[i64]) -> Vec<f64> {
 /// Levels at multiples of a step.
 struct Levels {
     step: f64,
-    /// The number of the first level, and how many there are.
+    /// The number of the first level, and the number of levels.
     first: f64,
     count: usize,
 }
 
 impl Levels {
-    /// The levels of some fields; `None` if they have no values.
+    /// Returns the levels of some fields; `None` if they have no values.
     fn of<'a>(fields: impl Iterator<Item = &'a PlaneField>) -> Option<Self> {
         let values = fields.flat_map(|field| &field.values);
         let range = values.fold(None, |range: Option<[f64; 2]>, value| {
@@ -94,7 +95,7 @@ impl Levels {
             Some([low.min(*value), high.max(*value)])
         });
         let [low, high] = range?;
-        // Values that differ by rounding have one level.
+        // Values that differ only by rounding have one level.
         let least = ((high - low) / (LEVELS - 2) as f64).max(1e-9 * low.abs().max(high.abs()));
         let power = 10f64.powf(least.max(f64::MIN_POSITIVE).log10().floor());
         let step = [1.0, 2.0, 5.0].map(|digit| digit * power).into_iter().find(|it| *it >= least);
@@ -104,7 +105,7 @@ impl Levels {
         Some(Levels { step, first, count: count.min(LEVELS) })
     }
 
-    /// The shade of a value, and what it means.
+    /// Returns the shade of a value, and its meaning.
     fn level(&self, label: &str, value: f64) -> (usize, String) {
         let k = ((value / self.step).floor() - self.first).clamp(0.0, (self.count - 1) as f64);
         let shade = (LEVELS - 1) * k as usize / (self.count - 1).max(1);

@@ -1,4 +1,4 @@
-//! Figures: what can be drawn, before it is drawn.
+//! Figures: curves and marks before they are drawn.
 
 use super::error::FigureError;
 use super::tile::Tile;
@@ -26,35 +26,36 @@ pub struct Figure {
     pub x_label: String,
     /// The label of the vertical axis, with its unit.
     pub y_label: String,
-    /// The curves. Those of one name are pieces of one curve: they share a colour and an entry in
-    /// the legend.
+    /// The curves. Curves of the same name are pieces of one curve: they share a colour and an
+    /// entry in the legend.
     pub series: Vec<Series>,
     /// The marks.
     pub marks: Vec<Mark>,
     /// Texts on both sides of curves.
     pub beside: Vec<Beside>,
-    /// The meaning of the styles of lines, if they have one: `(Dashed, "unstable")`.
+    /// The meanings of line styles, if any: `(Dashed, "unstable")`.
     pub styles: Vec<(Style, String)>,
     /// Coloured rectangles behind all curves.
     pub tiles: Vec<Tile>,
-    /// The labels of 0, 1, 2, … at the vertical axis instead of numbers; empty for numbers.
+    /// Labels at 0, 1, 2, … on the vertical axis instead of numbers; empty for numbers.
     pub y_names: Vec<String>,
-    /// Walls that reset the motion, where an axis shows the coordinate that they bound.
+    /// Walls that reset the motion, on axes that show the coordinate that they bound.
     pub walls: Vec<Wall>,
-    /// Which of both axes are logarithmic. All coordinates on such an axis must be positive.
+    /// Whether each of the two axes is logarithmic. All coordinates on such an axis must be
+    /// positive.
     pub logarithmic: [bool; 2],
 }
 
-/// A curve, or a piece of one.
+/// A curve, or a piece of a curve.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Series {
-    /// Its name in the legend; the legend names curves if there is more than one name.
+    /// The name in the legend; the legend lists curves if there is more than one name.
     pub name: String,
-    /// How it is drawn.
+    /// The drawing style.
     pub style: Style,
-    /// Its points `[x, y]` in the units of the axes.
+    /// The points `[x, y]` in the units of the axes.
     pub points: Vec<[f64; 2]>,
-    /// The data behind each point; empty for curves that show none. A vertex between two points of a
+    /// The data behind each point; empty for curves without data. A vertex between two points of a
     /// branch has the data of the first one.
     pub origins: Vec<Origin>,
 }
@@ -75,39 +76,40 @@ pub struct Series {
 pub struct Beside {
     /// The name of the curve.
     pub curve: String,
-    /// Points `[x, y]` of the part, in the units of the axes.
+    /// The points `[x, y]` of the part, in the units of the axes.
     pub points: Vec<[f64; 2]>,
-    /// The text on the left and on the right of the part, seen from its first point to its last.
+    /// The texts on the left and on the right of the part, in the direction from its first point to
+    /// its last.
     pub sides: [String; 2],
 }
 
-/// The data behind a point that is drawn.
+/// The data behind a drawn point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Origin {
     /// A point of a branch.
     Point {
-        /// The position of its document among those drawn.
+        /// The position of the document among those drawn.
         document: usize,
-        /// The position of its branch in the document.
+        /// The position of the branch in the document.
         branch: usize,
-        /// Its position on the branch.
+        /// The position of the point on the branch.
         point: usize,
     },
     /// A special point of a branch.
     Special {
-        /// The position of its document among those drawn.
+        /// The position of the document among those drawn.
         document: usize,
-        /// The position of its branch in the document.
+        /// The position of the branch in the document.
         branch: usize,
-        /// Its label.
+        /// The label of the special point.
         label: usize,
     },
     /// A run of the sweep that has the curve's name.
     Run(usize),
 }
 
-/// How a series is drawn.
+/// The drawing style of a series.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Style {
@@ -119,11 +121,11 @@ pub enum Style {
     Thin,
     /// A dotted line.
     Dotted,
-    /// A dot at every point, and no line.
+    /// A dot at every point, without a line.
     Dots,
     /// A dot at every point, and a line through them.
     DottedLine,
-    /// The smallest spot that can be seen at every point.
+    /// The smallest visible spot at every point.
     Specks,
     /// A larger, paler spot at every point, behind the specks of other curves.
     Blots,
@@ -136,14 +138,14 @@ pub struct Wall {
     pub axis: usize,
     /// The coordinate.
     pub at: f64,
-    /// The side on which it is solid: 1 towards larger coordinates, −1 towards smaller ones.
+    /// The solid side: 1 towards larger coordinates, −1 towards smaller ones.
     pub side: f64,
 }
 
 /// A marked point.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mark {
-    /// Where it is, in the units of the axes.
+    /// The position, in the units of the axes.
     pub at: [f64; 2],
     /// The text beside the mark.
     pub label: String,
@@ -151,7 +153,7 @@ pub struct Mark {
     pub meaning: String,
     /// The appearance.
     pub symbol: Symbol,
-    /// The special point that is marked, if it is one.
+    /// The special point, for marks of special points.
     pub origin: Option<Origin>,
 }
 
@@ -183,12 +185,12 @@ pub enum Symbol {
     Cross,
     /// A gray ring, for a point that may not exist: it does not count for the extent of a figure.
     Doubtful,
-    /// Nothing but its label, a number.
+    /// Only the label, a number.
     Number,
 }
 
 impl Figure {
-    /// A figure without curves.
+    /// Creates a figure without curves.
     pub fn new(
         title: impl Into<String>,
         x_label: impl Into<String>,
@@ -208,17 +210,17 @@ impl Figure {
         self
     }
 
-    /// The distinct names of the curves, in the order of their first appearance.
+    /// Returns the distinct names of the curves, in the order of their first appearance.
     pub fn names(&self) -> Vec<&str> {
         distinct(self.series.iter().map(|series| &series.name))
     }
 
-    /// The smallest and largest `x` and `y` of all points.
+    /// Returns the smallest and largest `x` and `y` of all points.
     ///
     /// # Errors
     /// [`FigureError::NotFinite`] with the place of a coordinate that is NaN or infinite,
     /// [`FigureError::NotPositive`] for one that a logarithmic axis cannot show,
-    /// [`FigureError::Empty`] if there is no point at all.
+    /// [`FigureError::Empty`] if there are no points.
     ///
     /// ```
     /// use tangency::output::{Figure, Series, Style};
@@ -255,7 +257,7 @@ impl Figure {
 }
 
 impl Series {
-    /// A named curve through points `[x, y]`.
+    /// Creates a named curve through points `[x, y]`.
     pub fn new(
         name: impl Into<String>,
         style: Style,
@@ -265,7 +267,7 @@ impl Series {
         Series { name, style, points, origins: Vec::new() }
     }
 
-    /// A named curve through points, each with the data behind it.
+    /// Creates a named curve through points, each with the data behind it.
     pub(super) fn with_origins(
         name: impl Into<String>,
         style: Style,

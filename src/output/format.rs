@@ -1,9 +1,9 @@
-//! The formats in which results are written.
+//! The formats of result files.
 
 use super::error::FileError;
 use std::path::{Path, PathBuf};
 
-/// A format of files.
+/// A file format.
 ///
 /// ```
 /// use std::path::Path;
@@ -16,17 +16,17 @@ use std::path::{Path, PathBuf};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Format {
-    /// Branches with everything that belongs to them, or the data of a report, as RON.
+    /// Branches with all their data, or the data of a report, as RON.
     Ron,
     /// Sweeps or histories, as an archive of arrays for NumPy.
     Npz,
-    /// A picture of lines.
+    /// A vector picture.
     Svg,
-    /// A picture of pixels.
+    /// A pixel picture.
     Png,
     /// All points of branches or sweeps, or histories, as comma-separated values.
     Csv,
-    /// A picture of lines for print.
+    /// A vector picture for print.
     Pdf,
     /// An interactive page.
     Html,
@@ -36,7 +36,8 @@ pub enum Format {
     Markdown,
 }
 
-/// Formats with the endings of their files: data first, then those that files are converted to.
+/// Data formats with their file extensions: first data, then the formats to which files can be
+/// converted.
 const DATA: [(Format, &str); 3] =
     [(Format::Ron, "ron"), (Format::Npz, "npz"), (Format::Markdown, "md")];
 const VIEWS: &[(Format, &str)] = &[
@@ -49,14 +50,14 @@ const VIEWS: &[(Format, &str)] = &[
     (Format::Json, "json"),
 ];
 
-/// The endings of pictures and tables.
+/// The extensions of pictures and tables.
 const ENDINGS: &[&str] = &[".svg", ".png", ".pdf", ".html", ".csv", ".npz", ".json"];
 
 impl Format {
-    /// The format of a picture or table, by the ending of its name.
+    /// Returns the format of a picture or table, by the extension of its name.
     ///
     /// # Errors
-    /// [`FileError::Ending`] for other endings, and for none.
+    /// [`FileError::Ending`] for unknown or missing extensions.
     pub fn of(path: &Path) -> Result<Self, FileError> {
         let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
         let known = VIEWS.iter().find(|(_, known)| *known == ending);
@@ -65,7 +66,7 @@ impl Format {
             .ok_or_else(|| FileError::Ending { path: path.into(), known: ENDINGS })
     }
 
-    /// The ending of its files.
+    /// Returns the file extension.
     ///
     /// ```
     /// use tangency::output::Format;
@@ -76,7 +77,7 @@ impl Format {
         known.map_or("", |(_, ending)| ending)
     }
 
-    /// The file of a result in this format: `out/lorenz` becomes `out/lorenz.ron`, and
+    /// Returns the file of a result in this format: `out/lorenz` becomes `out/lorenz.ron`, and
     /// `out/a=0.5` becomes `out/a=0.5.ron`.
     pub fn file(self, stem: &Path) -> PathBuf {
         let mut name = stem.as_os_str().to_os_string();
@@ -84,7 +85,7 @@ impl Format {
         name.into()
     }
 
-    /// Whether the file is a picture.
+    /// Returns whether the file is a picture.
     pub(super) fn is_picture(self) -> bool {
         match self {
             Format::Svg | Format::Png | Format::Pdf | Format::Html => true,

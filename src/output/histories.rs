@@ -9,7 +9,7 @@ use super::table::{Csv, quoted};
 use crate::core::continuation::{Branch, SpecialPoint};
 use crate::core::problem::{Profile, distinct};
 
-/// Profiles over one abscissa, and where they belong.
+/// Profiles over one abscissa, with their branch and label.
 struct Course<'a> {
     /// The branch, and for one of several special points its label.
     place: Vec<String>,
@@ -22,14 +22,14 @@ impl<'a> Course<'a> {
         Course { place, curves: all.filter(|profile| profile.along == along).collect() }
     }
 
-    /// The histories of a document, a course for each branch.
+    /// Returns the histories of a document, a course for each branch.
     fn histories(document: &'a Document) -> Vec<Self> {
         let of = |branch: &'a Branch| Course::new(vec![branch.name.clone()], &branch.special, TIME);
         document.branches.iter().map(of).collect()
     }
 
-    /// The profiles of special points over the first abscissa that they have, over time if they
-    /// have it.
+    /// Returns the profiles of special points over time, or over their first abscissa if they have
+    /// no histories.
     fn of_points(points: &[Shown<'a>]) -> (&'a str, Vec<Self>) {
         let mut known = points.iter().flat_map(|shown| &shown.point.profiles);
         let along = known.clone().find(|profile| profile.along == TIME).or(known.next());
@@ -42,20 +42,20 @@ impl<'a> Course<'a> {
     }
 }
 
-/// The values at a place of a course; NaN for what a mode lacks.
+/// The values at a place of a course; NaN for states that a mode lacks.
 struct Row {
     course: usize,
     at: f64,
     state: Vec<f64>,
 }
 
-/// The names of all ordinates, and the rows of all courses. Just before and just after an event
-/// there are two rows of one time.
+/// Returns the names of all ordinates, and the rows of all courses. Two rows with the same time are
+/// just before and just after an event.
 fn rows(courses: &[Course]) -> (Vec<String>, Vec<Row>) {
     let names = distinct(courses.iter().flat_map(|course| &course.curves).map(|it| &it.name));
     let mut rows = Vec::new();
     for (course, Course { curves: profiles, .. }) in courses.iter().enumerate() {
-        // How many points of each curve are in rows that are there.
+        // The number of points of each curve that are already in rows.
         let mut next = vec![0; profiles.len()];
         let first = |next: &[usize]| {
             let times = profiles.iter().zip(next).filter_map(|(it, k)| Some(it.points.get(*k)?[0]));
@@ -77,9 +77,9 @@ fn rows(courses: &[Course]) -> (Vec<String>, Vec<Row>) {
     (names.into_iter().map(String::from).collect(), rows)
 }
 
-/// The histories of all branches as comma-separated values: `branch`, `time`, and every state by
-/// name. Just before and just after an event there are two rows of one time; a cell is empty where
-/// a mode lacks the state. Numbers have 15 significant digits.
+/// Writes the histories of all branches as comma-separated values: `branch`, `time`, and every
+/// state by name. Two rows with the same time are just before and just after an event; a cell is
+/// empty if a mode lacks the state. Numbers have 15 significant digits.
 ///
 /// ```
 /// use tangency::scene::{Scene, execute};
@@ -95,8 +95,8 @@ pub fn histories(document: &Document) -> String {
     table(&["branch", TIME], &Course::histories(document))
 }
 
-/// The profiles of special points as comma-separated values: `branch`, `label`, the abscissa (time,
-/// if there is any), and every ordinate by name.
+/// Writes the profiles of special points as comma-separated values: `branch`, `label`, the abscissa
+/// (time, if there is any), and every ordinate by name.
 pub(super) fn of_points(points: &[Shown]) -> String {
     let (along, courses) = Course::of_points(points);
     table(&["branch", "label", along], &courses)
@@ -114,14 +114,15 @@ fn table(first: &[&str], courses: &[Course]) -> String {
     table.0
 }
 
-/// The histories as an archive of arrays: `time` and every state by name, NaN where a mode lacks the
-/// state. Of several branches, each array has the name of its branch before its own, `r/time`.
+/// Returns the histories as an archive of arrays: `time` and every state by name, NaN where a mode
+/// lacks the state. With several branches, each array name is preceded by that of its branch,
+/// `r/time`.
 pub(super) fn arrays(document: &Document) -> Result<Vec<u8>, String> {
     archive(TIME, &Course::histories(document))
 }
 
-/// The profiles of special points as an archive of arrays, with the columns of [`of_points`]. Of several
-/// points, each array has branch and label before its name, `r/2/time`.
+/// Returns the profiles of special points as an archive of arrays, with the columns of
+/// [`of_points`]. With several points, each array name is preceded by branch and label, `r/2/time`.
 pub(super) fn arrays_of_points(points: &[Shown]) -> Result<Vec<u8>, String> {
     let (along, courses) = Course::of_points(points);
     archive(along, &courses)

@@ -1,6 +1,6 @@
-//! What leaves the toolkit: documents in RON, tables of special points, diagrams in SVG.
+//! Output of results: documents in RON, tables of special points, diagrams in SVG.
 //!
-//! Nothing here knows a problem: everything is made from
+//! This module is independent of problems: it uses only
 //! [`Branch`](crate::core::continuation::Branch)es.
 //!
 //! ```

@@ -1,12 +1,12 @@
-//! Names that tell documents apart.
+//! Distinct names for documents.
 
 use super::document::Document;
 
-/// Documents are named by their settings if they differ in no more than this number of them.
+/// The largest number of differing settings in the name of a document.
 const MOST_SETTINGS: usize = 3;
 
-/// A name for each of several documents: the settings in which they differ, such as `c = 0.8`, or
-/// else the names that they are given with. Parameters that vary along a branch are ignored.
+/// Returns a name for each of several documents: the settings in which they differ, such as `c =
+/// 0.8`, or else their given names. Parameters that vary along a branch are ignored.
 pub(super) fn distinguished(documents: &[(&str, &Document)]) -> Vec<String> {
     let given = || documents.iter().map(|(name, _)| (*name).to_owned()).collect::<Vec<_>>();
     let keys = differing(documents);
@@ -22,7 +22,7 @@ pub(super) fn distinguished(documents: &[(&str, &Document)]) -> Vec<String> {
     if names.iter().enumerate().any(repeated) { given() } else { names }
 }
 
-/// The settings in which documents differ, but for parameters that vary along a branch.
+/// Returns the settings in which documents differ, except for parameters that vary along a branch.
 pub(super) fn differing<'a>(documents: &[(&str, &'a Document)]) -> Vec<&'a str> {
     let Some((_, first)) = documents.first() else { return Vec::new() };
     let varies = |key: &str| {
@@ -37,7 +37,7 @@ pub(super) fn differing<'a>(documents: &[(&str, &'a Document)]) -> Vec<&'a str> 
     keys.filter(|key| !varies(key) && differs(key)).collect()
 }
 
-/// A setting of a document.
+/// Returns a setting of a document.
 pub(super) fn setting<'a>(document: &'a Document, key: &str) -> Option<&'a str> {
     document.settings.iter().find(|(known, _)| known == key).map(|(_, value)| value.as_str())
 }

@@ -1,14 +1,14 @@
 //! Columns in NumPy's format of arrays (`.npy`).
 //!
-//! A file begins with `\x93NUMPY`, two bytes for the version, the length of the header (two bytes in
-//! version 1, four from version 2 on, little-endian), and the header itself: a Python dictionary,
-//! such as `{'descr': '<f8', 'fortran_order': False, 'shape': (3,), }`, with blanks and a line
-//! break, so that the numbers behind it begin at a multiple of 64 bytes (R. Kern, *NumPy
+//! A file begins with `\x93NUMPY`, two bytes for the version, the length of the header (two bytes
+//! in version 1, four from version 2 on, little-endian), and the header itself: a Python
+//! dictionary, such as `{'descr': '<f8', 'fortran_order': False, 'shape': (3,), }`, with blanks and
+//! a line break, so that the numbers after it begin at a multiple of 64 bytes (R. Kern, *NumPy
 //! Enhancement Proposal 1*, 2007; `numpy.lib.format`). Files are written in version 1.
 
 const MAGIC: &[u8] = b"\x93NUMPY";
 
-/// Where the numbers begin is a multiple of this.
+/// The alignment of the first number, in bytes.
 const ALIGNMENT: usize = 64;
 
 /// A number of a column.
@@ -19,7 +19,7 @@ pub(super) trait Element: Sized {
     const SIZE: usize;
     /// Appends the number's bytes.
     fn write(self, bytes: &mut Vec<u8>);
-    /// The number with these bytes, [`SIZE`](Self::SIZE) of them.
+    /// Returns the number with the given bytes, [`SIZE`](Self::SIZE) of them.
     fn read(bytes: &[u8]) -> Self;
 }
 
@@ -49,22 +49,22 @@ impl Element for f64 {
     }
 }
 
-/// Why a file is no column of the wanted numbers.
+/// The error of a file that is not a column of the required numbers.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum ColumnError {
     #[error("it is not an array in NumPy's format")]
     Format,
     #[error("the header of the array has no `{0}` that can be read")]
     Header(&'static str),
-    #[error("the array holds `{found}`, but a column here holds `{wanted}`")]
+    #[error("the array contains `{found}`, but a column must contain `{wanted}`")]
     Type { found: String, wanted: &'static str },
-    #[error("a column has one axis, and this array has {}", if *.0 == 0 { "none" } else { "several" })]
+    #[error("a column has one axis, but this array has {}", if *.0 == 0 { "none" } else { "several" })]
     Axes(usize),
     #[error("the header states {stated} numbers of {size} bytes, but {bytes} bytes follow")]
     Length { stated: usize, size: usize, bytes: usize },
 }
 
-/// The file of a column.
+/// Returns the file of a column.
 pub(super) fn to_npy<T: Element>(values: impl Iterator<Item = T>) -> Vec<u8> {
     let mut numbers = Vec::new();
     values.for_each(|value| value.write(&mut numbers));
@@ -79,10 +79,10 @@ pub(super) fn to_npy<T: Element>(values: impl Iterator<Item = T>) -> Vec<u8> {
     bytes
 }
 
-/// The numbers of a column.
+/// Returns the numbers of a column.
 ///
 /// # Errors
-/// [`ColumnError`] if the file is not an array of one axis with these numbers, complete.
+/// [`ColumnError`] if the file is not a complete array of one axis with numbers of this type.
 pub(super) fn from_npy<T: Element>(bytes: &[u8]) -> Result<Vec<T>, ColumnError> {
     let (header, numbers) = parts(bytes).ok_or(ColumnError::Format)?;
     let found = value(header, "descr").and_then(|text| text.strip_prefix('\''));
@@ -102,7 +102,7 @@ pub(super) fn from_npy<T: Element>(bytes: &[u8]) -> Result<Vec<T>, ColumnError> 
     Ok(numbers.chunks_exact(T::SIZE).map(T::read).collect())
 }
 
-/// The header of a file, and the bytes behind it.
+/// Returns the header of a file, and the bytes after it.
 fn parts(bytes: &[u8]) -> Option<(&str, &[u8])> {
     let rest = bytes.strip_prefix(MAGIC)?;
     let (version, rest) = rest.split_at_checked(2)?;
@@ -114,7 +114,7 @@ fn parts(bytes: &[u8]) -> Option<(&str, &[u8])> {
     Some((std::str::from_utf8(header).ok()?, numbers))
 }
 
-/// What stands behind a key of a header.
+/// Returns the value of a key in a header.
 fn value<'a>(header: &'a str, key: &str) -> Option<&'a str> {
     let (_, rest) = header.split_once(&format!("'{key}'"))?;
     Some(rest.trim_start().strip_prefix(':')?.trim_start())

@@ -5,7 +5,7 @@ use std::io::{Cursor, Write};
 use zip::ZipWriter;
 use zip::write::SimpleFileOptions;
 
-/// An archive that is being written.
+/// An archive being written.
 pub(super) struct Npz(ZipWriter<Cursor<Vec<u8>>>);
 
 impl Npz {
@@ -28,7 +28,7 @@ impl Npz {
         self.0.write_all(bytes).map_err(|error| error.to_string())
     }
 
-    /// The bytes of the archive.
+    /// Returns the bytes of the archive.
     pub fn finish(self) -> Result<Vec<u8>, String> {
         Ok(self.0.finish().map_err(|error| error.to_string())?.into_inner())
     }

@@ -1,7 +1,7 @@
-//! Results as an interactive page: one file of HTML that needs no network.
+//! Results as an interactive page: one HTML file that needs no network.
 //!
 //! The page is drawn by Plotly 4.1.1 (`assets/plotly-gl3d.min.js`, licence beside the file) from
-//! the figures of the pictures and the values of the documents, which are part of the file as JSON.
+//! the figures of the pictures and the values of the documents, which the file contains as JSON.
 
 use super::diagram::spine;
 use super::document::{Document, Plot};
@@ -20,7 +20,7 @@ const LOOK: &str = include_str!("page/page.css");
 const CODE: &str = include_str!("page/page.js");
 const PLOTLY: &str = include_str!("../../assets/plotly-gl3d.min.js");
 
-/// The page of some documents, with names, and their figures.
+/// Returns the page of some named documents and their figures.
 ///
 /// # Errors
 /// [`FigureError`] if a figure cannot be drawn.
@@ -44,7 +44,7 @@ pub(super) fn page(
     let title = data.title;
     let data = serde_json::to_string(&data);
     let data = data.map_err(|error| FigureError::Drawing(error.to_string()))?;
-    // Without this letter no text can end the script, or begin a comment in it.
+    // Without this letter no text can end the script, or start a comment in it.
     let data = data.replace('<', "\\u003c");
     let parts = [("title", escaped(title)), ("look", LOOK.into()), ("data", data)];
     let parts = parts.into_iter().chain([("plotly", PLOTLY.into()), ("code", CODE.into())]);
@@ -60,12 +60,12 @@ pub(super) fn page(
     Ok(page + rest)
 }
 
-/// A text as HTML.
+/// Escapes a text for HTML.
 fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;")
 }
 
-/// Everything that the page shows.
+/// All data of the page.
 #[derive(Serialize)]
 struct Data<'a> {
     title: &'a str,
@@ -76,8 +76,8 @@ struct Data<'a> {
     regions: &'static str,
     documents: Vec<PageDocument<'a>>,
     panels: Vec<Panel<'a>>,
-    /// The curves and marks of all branches. The page finds their coordinates in the columns that the
-    /// reader chooses.
+    /// The curves and marks of all branches. The page takes their coordinates from the columns that
+    /// the reader chooses.
     spine: Panel<'a>,
 }
 
@@ -85,7 +85,8 @@ struct Data<'a> {
 struct PageDocument<'a> {
     name: &'a str,
     settings: &'a [(String, String)],
-    /// The labels of columns and of the abscissae of profiles, where columns are shown as they are.
+    /// The labels of columns and of the abscissae of profiles, for columns that are shown as they
+    /// are.
     labels: BTreeMap<&'a str, &'a str>,
     branches: Vec<PageBranch<'a>>,
 }
@@ -110,14 +111,14 @@ impl<'a> PageDocument<'a> {
 #[derive(Serialize)]
 struct PageBranch<'a> {
     name: &'a str,
-    /// One sentence.
+    /// The summary of the branch in one sentence.
     summary: String,
     warnings: &'a [String],
     released: &'a [String],
     columns: Vec<&'a str>,
-    /// The names that axes have, and the columns that show each.
+    /// The names of axes, and the columns that show each.
     shows: BTreeMap<&'a str, Vec<usize>>,
-    /// Values column by column; null where there is none.
+    /// The values column by column; null for missing values.
     values: Vec<Vec<Option<f64>>>,
     unstable: Vec<Option<usize>>,
     admissible: Vec<bool>,
@@ -152,10 +153,10 @@ struct PagePoint<'a> {
     kind: String,
     meaning: &'a str,
     event: &'a str,
-    /// The point of the branch that comes before.
+    /// The index of the preceding point of the branch.
     after: usize,
     converged: bool,
-    /// The error of the continued parameter.
+    /// The error of the continuation parameter.
     error: f64,
     values: Vec<f64>,
     unstable: Option<usize>,
@@ -202,7 +203,7 @@ impl<'a> PageProfile<'a> {
 struct Panel<'a> {
     title: &'a str,
     labels: [&'a str; 2],
-    /// The names of the curves: the position of a name is that of its colour.
+    /// The names of the curves, in the order of their colours.
     names: Vec<&'a str>,
     curves: Vec<Curve<'a>>,
     marks: Vec<PageMark<'a>>,
@@ -253,7 +254,7 @@ struct Curve<'a> {
     name: &'a str,
     style: String,
     points: &'a [[f64; 2]],
-    /// Where each point comes from: a branch, and there a point or a label.
+    /// The origin of each point: a branch, and a point or a label on the branch.
     from: Vec<Place>,
 }
 
@@ -266,7 +267,7 @@ fn curve(series: &Series) -> Curve<'_> {
     }
 }
 
-/// A document, a branch, and a point, or a special point by its label below zero; of a sweep, only
+/// A document, a branch, and a point, or a special point by its negative label; for a sweep, only
 /// the run.
 #[derive(Serialize)]
 #[serde(untagged)]

@@ -1,4 +1,4 @@
-//! Everything that a document says about its own drawing: diagrams, and profiles of special points.
+//! The figures of a document: diagrams, and profiles of special points.
 
 use super::axis::{Scale, clip, keep_positive};
 use super::diagram::{PERIOD, diagram, drawn_of, has_free_period, usual_axes};
@@ -13,14 +13,14 @@ use crate::core::continuation::Branch;
 use crate::core::problem::UnknownName;
 use std::collections::BTreeSet;
 
-/// The figures of some documents: the diagram, its enlargements and the further panels that the
-/// first document names, panels for curves of special points that these do not show, and one figure
-/// for each kind of profile (mode shapes, time histories, phase portraits) and each field that
-/// special points carry. Where the first document names neither axes nor panels, orbits whose period is free have a
-/// panel of it. [`Plot::profiles`] and [`Plot::points`] of the first document choose among profiles
-/// and points. By default they are a phase portrait and a time history of up to three orbits that
-/// differ, or the profiles of the user's points and, to compare, of the first end. Where
-/// `x` or `y` is given, the diagram in these columns alone.
+/// Returns the figures of some documents: the diagram, its enlargements and the additional panels
+/// that the first document names, panels for curves of special points that these do not show, and
+/// one figure for each kind of profile (mode shapes, time histories, phase portraits) and each
+/// field of special points. If the first document names neither axes nor panels, orbits with a free
+/// period have a panel of the period. [`Plot::profiles`] and [`Plot::points`] of the first document
+/// choose among profiles and points. By default they are a phase portrait and a time history of up
+/// to three different orbits, or the profiles of the user points and, for comparison, of the first
+/// end. If `x` or `y` is given, only the diagram in these columns is returned.
 ///
 /// [`Plot::profiles`]: super::Plot::profiles
 /// [`Plot::points`]: super::Plot::points
@@ -79,7 +79,7 @@ pub fn figures(
             false => together(documents, sweeps, Some(x), &[y])?,
         };
         panel.title = String::new();
-        // Branches that have just begun have no points.
+        // Branches that have just started have no points.
         if !matches!(panel.extent(), Err(FigureError::Empty { .. })) {
             figures.push(panel);
         }
@@ -100,7 +100,7 @@ pub fn figures(
     Ok(figures)
 }
 
-/// Refuses logarithmic axes of columns that nothing has.
+/// Rejects logarithmic axes of unknown columns.
 fn check_logarithmic(
     plot: &Plot,
     documents: &[(&str, &Document)],
@@ -119,7 +119,7 @@ fn check_logarithmic(
     Err(FigureError::NoColumn(UnknownName::new("column", unknown, known)))
 }
 
-/// Refuses logarithmic axes that no figure has.
+/// Rejects logarithmic axes that no figure has.
 fn check_axes(plot: Option<&Plot>, figures: &[Figure]) -> Result<(), FigureError> {
     let names = plot.map_or(&[][..], |plot| &plot.logarithmic);
     let has = figures.iter().any(|figure| figure.logarithmic != [false; 2]);
@@ -129,8 +129,8 @@ fn check_axes(plot: Option<&Plot>, figures: &[Figure]) -> Result<(), FigureError
     }
 }
 
-/// Leaves out the ranges and enlargements in which no branch of a document lies: a restarted scene
-/// has one branch only.
+/// Removes ranges and enlargements that contain no branch of a document: a restarted scene has only
+/// one branch.
 pub(crate) fn drop_empty_parts(document: &mut Document) {
     let drawn = |document: &Document| diagram(&[("", document)], None, &[]);
     if drawn(document).is_ok_and(|whole| whole.extent().is_err()) {
@@ -144,8 +144,8 @@ pub(crate) fn drop_empty_parts(document: &mut Document) {
     });
 }
 
-/// The panels added by default: of the period, where it is free and the first document says nothing
-/// of its picture, and of curves of special points that no other panel shows.
+/// Returns the panels added by default: of a free period, if the first document does not define its
+/// plot, and of curves of special points that no other panel shows.
 fn usual_panels(documents: &[(&str, &Document)], plot: &Plot) -> Vec<(String, String)> {
     let Some([x, y]) = usual_axes(documents) else { return Vec::new() };
     let branches = || documents.iter().flat_map(|(_, document)| drawn_of(document));
@@ -166,7 +166,7 @@ fn usual_panels(documents: &[(&str, &Document)], plot: &Plot) -> Vec<(String, St
     panels
 }
 
-/// Whether a document has simulated histories, and nothing that varies.
+/// Returns whether a document has only simulated histories, without varied parameters.
 pub(super) fn of_histories(document: &Document) -> bool {
     let in_time = |branch: &Branch| {
         let mut profiles = branch.special.iter().flat_map(|point| &point.profiles);
@@ -175,11 +175,11 @@ pub(super) fn of_histories(document: &Document) -> bool {
     !document.branches.is_empty() && document.branches.iter().all(in_time)
 }
 
-/// Refuses a diagram, and panels, in columns that the branches of a document do not have. They need
-/// no points yet: what is wrong is known before the work.
+/// Rejects a diagram, and panels, in columns that the branches of a document do not have. The
+/// branches need no points yet, so that errors are reported before the computation.
 pub(crate) fn check_columns(document: &Document) -> Result<(), FigureError> {
     let mut plain = document.clone();
-    // Special points are not there yet.
+    // Special points are not known yet.
     plain.plot.deviations.clear();
     let documents = [("", &plain)];
     check_logarithmic(&plain.plot, &documents, &[])?;
@@ -190,8 +190,8 @@ pub(crate) fn check_columns(document: &Document) -> Result<(), FigureError> {
     Ok(())
 }
 
-/// The branches of documents and what sweeps have found in one figure. Where there are sweeps, a
-/// column need not be one of all.
+/// Returns the branches of documents and the results of sweeps in one figure. With sweeps, a column
+/// need not belong to all of them.
 fn together(
     documents: &[(&str, &Document)],
     sweeps: &[Sweeps],
@@ -206,7 +206,7 @@ fn together(
     let title = documents.first().map_or(&first.title, |(_, document)| &document.title);
     let tables = || sweeps.iter().flat_map(|sweeps| &sweeps.sweeps);
     let x = x.or(plot.x.as_deref()).or(table.axes.first().map(String::as_str)).unwrap_or("run");
-    // By default a grid of two columns, or the first state.
+    // By default the second axis of a grid, or the first state.
     let own = table.axes.get(1).map(String::as_str).or(table.first_state());
     let y = y.first().copied().or(plot.y.as_deref()).or(own).unwrap_or("periods");
     let mut tiles: Vec<Tile> = tables().flat_map(|table| basins(table, x, y)).collect();
@@ -240,15 +240,16 @@ fn together(
         Err(error) => return Err(error),
     };
     figure.title.clone_from(title);
-    // Of several sweeps only the last one has small dots: all are seen where they coincide.
+    // Only the last of several sweeps has small dots, so that coincident points of all sweeps are
+    // visible.
     let last = scattered.iter().rposition(|series| series.style == Style::Specks);
     for series in scattered.iter_mut().take(last.unwrap_or_default()) {
         if series.style == Style::Specks {
             series.style = Style::Blots;
         }
     }
-    // Specks have the first colours, single dots the last ones. Blots are drawn below all lines, specks
-    // above them.
+    // Specks have the first colours, single dots the last ones. Blots are drawn below all lines,
+    // specks above them.
     let (behind, before): (Vec<Series>, Vec<Series>) =
         scattered.into_iter().partition(|series| series.style != Style::Dots);
     figure.series.splice(0..0, behind);
@@ -260,8 +261,8 @@ fn together(
     Ok(figure)
 }
 
-/// Special points of a document's branches against a setting in which the branches differ. A branch
-/// without that setting has no place in it.
+/// Returns the special points of a document's branches against a setting in which the branches
+/// differ. Branches without that setting are omitted.
 fn special_points_against(document: &Document, against: &Against) -> Figure {
     let Against { kind, setting, column } = against;
     let label = document.plot.label(column);

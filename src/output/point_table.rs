@@ -1,4 +1,4 @@
-//! Special points of many documents in one table.
+//! Special points of many documents in one table, as in `tangency table`.
 
 use super::document::Document;
 use super::names::{differing, setting};
@@ -9,8 +9,8 @@ use crate::core::problem::{UnknownName, distinct};
 use crate::core::system::Kind;
 use std::cmp::Ordering;
 
-/// Special points of some kinds, of all branches of some documents: a row for each. Documents are in
-/// the order of the settings in which they differ.
+/// Special points of some kinds, of all branches of some documents: one row for each. Documents are
+/// sorted by the settings in which they differ.
 ///
 /// ```
 /// use tangency::core::system::Kind;
@@ -35,25 +35,25 @@ pub struct PointTable {
     rows: Vec<Vec<Cell>>,
 }
 
-/// Which special points a table has, and which columns.
+/// The special points and columns of a table.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Selection<'a> {
-    /// The kinds of points; all if there are none.
+    /// The kinds of points; empty for all.
     pub kinds: &'a [Kind],
     /// The columns.
     pub columns: Columns<'a>,
-    /// Whether the columns are followed by those of all sensitivities, such as `dload/dgap`.
+    /// Whether to append the columns of all sensitivities, such as `dload/dgap`.
     pub sensitivities: bool,
 }
 
 /// The columns of a table of special points.
 #[derive(Clone, Copy, Debug, Default)]
 pub enum Columns<'a> {
-    /// The settings in which the documents differ, place and kind, the parameters that vary, the
+    /// The settings in which the documents differ, place and kind, the varied parameters, the
     /// monitors and the error.
     #[default]
     Usual,
-    /// All columns of [`csv`]; of several documents, after `file` and the settings in which they
+    /// All columns of [`csv`]; with several documents, after `file` and the settings in which they
     /// differ.
     All,
     /// Settings of documents, parameters, monitors and numbers of points by name, `file`, `branch`,
@@ -61,7 +61,7 @@ pub enum Columns<'a> {
     Named(&'a [&'a str]),
 }
 
-/// What stands in a cell.
+/// The content of a cell.
 #[derive(Clone, Debug, PartialEq)]
 enum Cell {
     Text(String),
@@ -69,7 +69,7 @@ enum Cell {
 }
 
 impl Cell {
-    /// The text of a setting, or its number.
+    /// Creates a cell from a setting: its number, or its text.
     fn of(text: &str) -> Self {
         text.parse().map_or_else(|_| Cell::Text(text.to_owned()), Cell::Number)
     }
@@ -86,13 +86,13 @@ impl Cell {
 const DIGITS: usize = 15;
 const SHOWN: usize = 10;
 
-/// What every point has, before and after the numbers that depend on the system.
+/// The columns of every point, before and after the numbers that depend on the system.
 const PLACE: [&str; 3] = ["branch", "label", "kind"];
 const QUALITY: [&str; 4] = ["error", "unstable", CONVERGED, "multiplicity"];
 const FILE: &str = "file";
 const CONVERGED: &str = "converged";
 
-/// A special point and where it belongs.
+/// A special point with its branch and document.
 struct Found<'a> {
     file: &'a str,
     document: Option<&'a Document>,
@@ -100,18 +100,17 @@ struct Found<'a> {
     point: &'a SpecialPoint,
 }
 
-/// A column: its title, the name of its values, and where they are looked for.
+/// A column: its title, the name of its values, and their source.
 struct Column {
     title: String,
     name: String,
     source: Source,
 }
 
-/// Where values are looked for.
+/// The source of values.
 #[derive(Clone, Copy, PartialEq)]
 enum Source {
-    /// Among the numbers of points, monitors, parameters, settings, and sensitivities, in this
-    /// order.
+    /// Numbers of points, monitors, parameters, settings, and sensitivities, in this order.
     Any,
     Parameters,
     Monitors,
@@ -127,7 +126,7 @@ impl Column {
         Column::new(name, name, Source::Any)
     }
 
-    /// A setting in which documents differ.
+    /// Creates the column of a setting in which documents differ.
     fn setting(name: &str) -> Self {
         match PLACE.contains(&name) || QUALITY.contains(&name) || name == FILE {
             true => Column::new(format!("setting {name}"), name, Source::Settings),
@@ -136,15 +135,15 @@ impl Column {
     }
 }
 
-/// The special points of several branches as comma-separated values: `branch,label,kind`, every
-/// parameter, then every monitor and every number that belongs to special points by name, in the
-/// order in which the branches first mention them, then `error`, the estimated absolute error of
-/// the continued parameter, `unstable`, the number of unstable eigenvalues or multipliers,
-/// `converged`: where it is `false` no digit is promised, and there is no error; and
-/// `multiplicity`, how many eigenvalues or pairs are critical together. Numbers have 15 significant
-/// digits. A cell is empty where a branch lacks the column, and `unstable` is `?` where multipliers
-/// are not determined. A parameter or monitor with the name of another column is `parameter error`,
-/// say, or `monitor error`.
+/// Writes the special points of several branches as comma-separated values: `branch,label,kind`,
+/// every parameter, then every monitor and every number of special points by name, in the order of
+/// their first occurrence, then `error`, the estimated absolute error of the continuation
+/// parameter, `unstable`, the number of unstable eigenvalues or multipliers, `converged` (if
+/// `false`, no digit is reliable, and the error is missing), and `multiplicity`, the number of
+/// simultaneously critical eigenvalues or pairs. Numbers have 15 significant digits. A cell is
+/// empty if a branch lacks the column, and `unstable` is `?` if multipliers are not determined. A
+/// parameter or monitor with the name of another column is called `parameter error`, for example,
+/// or `monitor error`.
 ///
 /// ```
 /// let table = tangency::output::csv(&[tangency::output::example_branch()]);
@@ -158,8 +157,8 @@ pub fn csv(branches: &[Branch]) -> String {
 }
 
 impl PointTable {
-    /// Special points of documents. If a listed point has not converged, the column `converged` is
-    /// added, except with [`Columns::All`].
+    /// Collects special points of documents. If a listed point has not converged, the column
+    /// `converged` is added, except with [`Columns::All`].
     ///
     /// # Errors
     /// [`UnknownName`] for a column that no document has.
@@ -209,7 +208,7 @@ impl PointTable {
         PointTable { rows, columns: columns.into_iter().map(|column| column.title).collect() }
     }
 
-    /// The table as comma-separated values. Numbers have 15 significant digits.
+    /// Returns the table as comma-separated values. Numbers have 15 significant digits.
     pub fn csv(&self) -> String {
         let line = |cells: Vec<String>| {
             cells.iter().map(|cell| quoted(cell)).collect::<Vec<_>>().join(",") + "\n"
@@ -217,14 +216,14 @@ impl PointTable {
         self.lines(DIGITS).map(line).collect()
     }
 
-    /// The titles, and the rows with numbers of some digits.
+    /// Returns the titles, and the rows with numbers of the given digits.
     fn lines(&self, digits: usize) -> impl Iterator<Item = Vec<String>> {
         let rows = self.rows.iter();
         let rows = rows.map(move |row| row.iter().map(|cell| cell.written(digits)).collect());
         std::iter::once(self.columns.clone()).chain(rows)
     }
 
-    /// Aligned lines. Numbers have 10 significant digits.
+    /// Returns the table as aligned lines. Numbers have 10 significant digits.
     pub fn screen(&self) -> String {
         let lines: Vec<Vec<String>> = self.lines(SHOWN).collect();
         let letters = |cell: &String| cell.chars().count();
@@ -239,7 +238,7 @@ impl PointTable {
     }
 }
 
-/// All columns of some points, after some others.
+/// Returns all columns of some points, after the given first columns.
 fn complete(first: Vec<Column>, found: &[Found]) -> Vec<Column> {
     let mut parameters = distinct(found.iter().flat_map(|found| &found.branch.parameters));
     // A parameter in which documents differ is among the first columns.
@@ -265,7 +264,7 @@ fn complete(first: Vec<Column>, found: &[Found]) -> Vec<Column> {
     columns
 }
 
-/// The special points of a branch.
+/// Returns the special points of a branch.
 fn found<'a>(
     file: &'a str,
     document: Option<&'a Document>,
@@ -274,11 +273,11 @@ fn found<'a>(
     branch.special.iter().map(move |point| Found { file, document, branch, point })
 }
 
-/// The special points of some kinds, or of all, of documents.
+/// Returns the special points of documents, of some or all kinds.
 fn chosen<'a>(documents: &[(&'a str, &'a Document)], kinds: &[Kind]) -> Vec<Found<'a>> {
     let mut documents = documents.to_vec();
     let keys = differing(&documents);
-    // Numbers stand before words.
+    // Numbers are sorted before words.
     let order = |a: &str, b: &str| match (a.parse::<f64>(), b.parse::<f64>()) {
         (Ok(a), Ok(b)) => a.total_cmp(&b),
         (Ok(_), Err(_)) => Ordering::Less,
@@ -296,7 +295,7 @@ fn chosen<'a>(documents: &[(&'a str, &'a Document)], kinds: &[Kind]) -> Vec<Foun
     branches.filter(|found| kinds.is_empty() || kinds.contains(&found.point.kind)).collect()
 }
 
-/// All columns that there are.
+/// Returns the names of all columns.
 fn known<'a>(documents: &[(&str, &'a Document)]) -> Vec<&'a str> {
     let documents = || documents.iter().map(|(_, document)| *document);
     let branches = || documents().flat_map(|document| &document.branches);
@@ -311,7 +310,7 @@ fn known<'a>(documents: &[(&str, &'a Document)]) -> Vec<&'a str> {
     known
 }
 
-/// The names of all sensitivities of special points of some kinds.
+/// Returns the names of all sensitivities of special points of some kinds.
 fn derivatives(documents: &[(&str, &Document)], kinds: &[Kind]) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     for found in chosen(documents, kinds) {
@@ -324,13 +323,13 @@ fn derivatives(documents: &[(&str, &Document)], kinds: &[Kind]) -> Vec<String> {
     names
 }
 
-/// What distinguishes the points of several documents.
+/// Returns the columns that distinguish the points of several documents.
 fn places(documents: &[(&str, &Document)]) -> Vec<Column> {
     let file = (documents.len() > 1).then(|| Column::any(FILE));
     file.into_iter().chain(differing(documents).into_iter().map(Column::setting)).collect()
 }
 
-/// The columns by default.
+/// Returns the default columns.
 fn usual<'a>(documents: &[(&str, &'a Document)], found: &[Found<'a>]) -> Vec<Column> {
     let mut columns = places(documents);
     let keys = differing(documents);
@@ -339,7 +338,7 @@ fn usual<'a>(documents: &[(&str, &'a Document)], found: &[Found<'a>]) -> Vec<Col
     let all: Vec<_> = documents.iter().map(|(_, document)| values(document)).collect();
     let repeated = all.iter().enumerate().any(|(k, values)| all[..k].contains(values));
     if documents.len() > 1 && !repeated {
-        // The settings say which file it is.
+        // The settings already identify the file.
         columns.remove(0);
     }
     columns.extend(PLACE.map(Column::any));
@@ -366,7 +365,7 @@ impl Found<'_> {
         cell.unwrap_or(Cell::Text(String::new()))
     }
 
-    /// What every point has.
+    /// Returns the cell of a column that every point has.
     fn own(&self, name: &str) -> Option<Cell> {
         let Found { file, branch, point, .. } = self;
         Some(Cell::Text(match name {
@@ -396,7 +395,7 @@ impl Found<'_> {
             .or_else(|| of(parameters, &point.parameters, Source::Monitors))
     }
 
-    /// How a released parameter depends on another one.
+    /// Returns the derivative of a varied parameter with respect to another one.
     fn derivative(&self, name: &str) -> Option<f64> {
         let mut all = self.derivatives();
         all.find(|(own, _)| own == name).map(|(_, slope)| slope)
@@ -410,7 +409,7 @@ impl Found<'_> {
         })
     }
 
-    /// A setting of the document, or of the branch.
+    /// Returns a setting of the document, or of the branch.
     fn setting(&self, name: &str) -> Option<&str> {
         let Found { document, branch, .. } = self;
         let Document { differences, settings, .. } = (*document)?;

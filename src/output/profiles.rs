@@ -1,4 +1,4 @@
-//! Figures of the profiles that special points carry: mode shapes, time histories, phase portraits.
+//! Figures of the profiles of special points: mode shapes, time histories, phase portraits.
 
 use super::diagram::{PERIOD, has_free_period, stability, style};
 use super::document::{Document, Plot};
@@ -9,26 +9,26 @@ use crate::core::continuation::{Branch, SpecialPoint};
 use crate::core::problem::{Profile, UnknownName, distinct};
 use crate::core::system::Kind;
 
-/// A figure does not show more curves than this unless their points are named one by one: of
-/// orbits, and of other solutions.
+/// The maximum numbers of curves in a figure of points chosen by default: for orbits, and for other
+/// solutions.
 const MOST_ORBITS: usize = 3;
 const MOST_CURVES: usize = 8;
-/// Orbits look alike unless a number by which they are measured differs by more than this part of
-/// the range of all of them.
+/// The smallest relative difference of a measure between two different orbits, in units of its
+/// range over all orbits.
 const ALIKE: f64 = 0.05;
-/// A history is closed if its ends differ by less than this part of its range.
+/// The largest relative distance between the ends of a closed history, in units of its range.
 const RETURNS: f64 = 1e-6;
 
-/// Special points whose solutions are worth a look.
+/// The kinds of special points whose solutions are shown by default.
 const SHOWN: [Kind; 6] = [Kind::LP, Kind::PD, Kind::TR, Kind::BP, Kind::G, Kind::UZ];
 
-/// The name of all points.
+/// The name that selects all points.
 pub(super) const ALL: &str = "all";
 
 /// A special point of a branch, and the name of its curve.
 pub(super) struct Shown<'a> {
     pub name: String,
-    /// The branch, after its document where there are several.
+    /// The branch, after its document if there are several.
     pub place: String,
     branch: &'a Branch,
     pub point: &'a SpecialPoint,
@@ -44,14 +44,14 @@ impl Shown<'_> {
         is_array(self.point)
     }
 
-    /// The histories of states.
+    /// Returns the histories of states.
     fn histories(&self) -> impl Iterator<Item = &Profile> {
         let is_history = |it: &&Profile| it.along == TIME && it.kicked().is_none();
         self.point.profiles.iter().filter(is_history)
     }
 
-    /// Where histories begin, if the phase of an orbit is free: at the first reset, or where the first
-    /// state is largest. Histories that begin just after an event stay as they are.
+    /// Returns the start of histories if the phase of an orbit is free: the first reset, or the
+    /// maximum of the first state. Histories that begin just after an event are not shifted.
     fn begin(&self) -> Option<f64> {
         let free = has_free_period(self.branch)
             && self.histories().all(|history| returns(&history.points));
@@ -64,7 +64,7 @@ impl Shown<'_> {
         resets.min_by(f64::total_cmp).or_else(crest)
     }
 
-    /// A profile as curves: what is smooth, and the resets between, dotted.
+    /// Returns a profile as curves: smooth pieces, and dotted resets between them.
     fn series(&self, profile: &Profile) -> Vec<Series> {
         let points = match self.begin().filter(|_| profile.along == TIME) {
             Some(begin) => begun_at(begin, &profile.points),
@@ -96,8 +96,9 @@ impl Shown<'_> {
         series
     }
 
-    /// The reset between the end and the beginning of an orbit with events, in a phase portrait. The
-    /// horizontal coordinate must not change there: an angle that winds is not reset.
+    /// Returns the reset between the end and the start of an orbit with events, in a phase
+    /// portrait. The horizontal coordinate must not change there, because winding angles are not
+    /// reset.
     fn closing(&self, profile: &Profile) -> Option<[[f64; 2]; 2]> {
         let [first, last] = [*profile.points.first()?, *profile.points.last()?];
         let is_orbit = self.is_orbit() && !self.branch.itinerary.is_empty();
@@ -109,7 +110,7 @@ impl Shown<'_> {
     }
 }
 
-/// The part of a range by which points of one time differ where a reset is between them.
+/// The smallest relative distance between points at the same time that counts as a reset.
 const JUMP: f64 = 1e-6;
 
 fn range(values: impl Iterator<Item = f64>) -> f64 {
@@ -118,7 +119,7 @@ fn range(values: impl Iterator<Item = f64>) -> f64 {
     high - low
 }
 
-/// The points behind which a state is reset: the next one is at the same time, and elsewhere.
+/// Returns the points before resets of a state: the next point has the same time and another value.
 fn jumps(times: &[[f64; 2]], points: &[[f64; 2]]) -> Vec<usize> {
     let ranges = [0, 1].map(|k| range(points.iter().map(|at| at[k])));
     let moves =
@@ -127,7 +128,7 @@ fn jumps(times: &[[f64; 2]], points: &[[f64; 2]]) -> Vec<usize> {
     pairs.filter(|k| times[*k][0] == times[k + 1][0] && moves(*k)).collect()
 }
 
-/// Whether a history ends where it begins.
+/// Returns whether a history ends where it begins.
 fn returns(points: &[[f64; 2]]) -> bool {
     let [Some(first), Some(last)] = [points.first(), points.last()] else {
         return false;
@@ -135,8 +136,9 @@ fn returns(points: &[[f64; 2]]) -> bool {
     (last[1] - first[1]).abs() <= RETURNS * range(points.iter().map(|at| at[1]))
 }
 
-/// A periodic history that begins at a time; at a reset, after it. One that jumps between its end and
-/// its beginning, as phase responses do at an event that resets no state, does so there.
+/// Shifts a periodic history to begin at a given time; at a reset, after the reset. A history that
+/// jumps between its end and its start, such as a phase response at an event without a reset, keeps
+/// the jump.
 fn begun_at(time: f64, points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let [Some(first), Some(last)] = [points.first(), points.last()] else { return Vec::new() };
     let after = points.iter().rposition(|at| at[0] == time);
@@ -151,8 +153,8 @@ fn begun_at(time: f64, points: &[[f64; 2]]) -> Vec<[f64; 2]> {
 /// The abscissa of histories.
 pub(super) const TIME: &str = "time";
 
-/// The points whose profiles and fields are shown: those that the first document names, or the
-/// usual ones.
+/// Returns the points whose profiles and fields are shown: those named by the first document, or
+/// the default ones.
 pub(super) fn shown<'a>(documents: &[(&str, &'a Document)]) -> Result<Vec<Shown<'a>>, FigureError> {
     match documents.first().map(|(_, document)| &document.plot.points) {
         Some(points) if !points.is_empty() => named(documents, points),
@@ -160,7 +162,7 @@ pub(super) fn shown<'a>(documents: &[(&str, &'a Document)]) -> Result<Vec<Shown<
     }
 }
 
-/// One figure for each kind of profile, as [`figures`](super::figures) says.
+/// Returns one figure for each kind of profile, as [`figures`](super::figures) describes.
 pub(super) fn profiles(documents: &[(&str, &Document)]) -> Result<Vec<Figure>, FigureError> {
     let Some((_, first)) = documents.first() else { return Ok(Vec::new()) };
     let plot = &first.plot;
@@ -179,7 +181,7 @@ pub(super) fn profiles(documents: &[(&str, &Document)]) -> Result<Vec<Figure>, F
         }
     }
     if plot.profiles.is_empty() && plot.points.is_empty() && shown.iter().all(Shown::is_orbit) {
-        // A phase portrait, the history of the first state, and the response to kicks of it.
+        // A phase portrait, the history of the first state, and its phase response.
         let mut seen = Vec::new();
         figures.retain(|(profile, _)| {
             let class = (profile.along == TIME, profile.kicked().is_some());
@@ -202,7 +204,7 @@ pub(super) fn profiles(documents: &[(&str, &Document)]) -> Result<Vec<Figure>, F
             figure.styles = stability();
         }
         if figure.series.iter().any(|series| series.style == Style::Dotted) {
-            // A response jumps at any event.
+            // A phase response jumps at any event.
             let meaning = if profile.kicked().is_some() { "event" } else { "reset" };
             figure.styles.push((Style::Dotted, meaning.into()));
         }
@@ -210,7 +212,7 @@ pub(super) fn profiles(documents: &[(&str, &Document)]) -> Result<Vec<Figure>, F
     chosen(figures, &plot.profiles)
 }
 
-/// What the vertical axis of a profile is called.
+/// Returns the label of the vertical axis of a profile.
 fn ordinate(plot: &Plot, profile: &Profile) -> String {
     let label = plot.label(&profile.name);
     match profile.kicked().filter(|_| label == profile.name) {
@@ -219,9 +221,9 @@ fn ordinate(plot: &Plot, profile: &Profile) -> String {
     }
 }
 
-/// The walls that phase portraits show, each with the state that it bounds: where motion is reset
-/// along a line on which that state is constant, and does not go beyond. Several different resets are
-/// needed: any state may happen to be largest at the only reset of an orbit.
+/// Returns the walls of phase portraits, each with the state that it bounds: motion is reset along
+/// a line of constant state, and does not go beyond the line. At least two different resets are
+/// needed, because any state may be largest at the only reset of an orbit.
 fn walls(figures: &[(&Profile, Figure)]) -> Vec<(String, Wall)> {
     let mut walls: Vec<(String, Wall)> = Vec::new();
     for (profile, figure) in figures.iter().filter(|(profile, _)| profile.along != TIME) {
@@ -254,8 +256,8 @@ fn walls(figures: &[(&Profile, Figure)]) -> Vec<(String, Wall)> {
     walls
 }
 
-/// The figures of the kinds of profiles that were asked for, in that order; all if none was. A phase
-/// response, which is there because a setting asks for it, is shown even if no kind is one.
+/// Returns the figures of the requested kinds of profiles, in that order; by default all. A phase
+/// response, which a setting requests, is always shown.
 fn chosen(
     mut figures: Vec<(&Profile, Figure)>,
     kinds: &[(String, String)],
@@ -283,7 +285,7 @@ fn chosen(
     Ok(found)
 }
 
-/// The points whose profiles are shown by default.
+/// Returns the points whose profiles are shown by default.
 fn usual<'a>(documents: &[(&str, &'a Document)]) -> Vec<Shown<'a>> {
     let mut shown: Vec<Shown> = Vec::new();
     for (document, content) in documents {
@@ -305,7 +307,7 @@ fn usual<'a>(documents: &[(&str, &'a Document)]) -> Vec<Shown<'a>> {
     }
 }
 
-/// The first few orbits that differ; ends of branches count last.
+/// Returns the first few different orbits; ends of branches come last.
 fn different(mut orbits: Vec<Shown>) -> Vec<Shown> {
     orbits.sort_by_key(|shown| matches!(shown.point.kind, Kind::EP | Kind::MX));
     let of = |shown: &Shown, name: &str| shown.point.value(shown.branch.column(name)?);
@@ -338,17 +340,17 @@ fn different(mut orbits: Vec<Shown>) -> Vec<Shown> {
     chosen
 }
 
-/// Whether a point has profiles or fields.
+/// Returns whether a point has profiles or fields.
 fn has_curves(point: &SpecialPoint) -> bool {
     !(point.profiles.is_empty() && point.fields.is_empty())
 }
 
-/// Whether the profiles of a point are arrays of unknowns.
+/// Returns whether the profiles of a point are arrays of unknowns.
 fn is_array(point: &SpecialPoint) -> bool {
     !point.fields.is_empty() || point.profiles.iter().any(|profile| profile.along == Profile::INDEX)
 }
 
-/// The points of a branch whose profiles are worth a look.
+/// Returns the points of a branch whose profiles are shown by default.
 fn interesting(branch: &Branch) -> Vec<&SpecialPoint> {
     let special = || branch.special.iter();
     let users = || special().filter(|point| point.kind == Kind::UZ);
@@ -367,8 +369,8 @@ fn interesting(branch: &Branch) -> Vec<&SpecialPoint> {
     }
 }
 
-/// The points that are named as `LABEL` or `BRANCH/LABEL`, in all documents that have them; or all with
-/// profiles.
+/// Returns the points named as `LABEL` or `BRANCH/LABEL`, in all documents that have them; or all
+/// points with profiles.
 pub(super) fn named<'a>(
     documents: &[(&str, &'a Document)],
     names: &[String],
@@ -418,7 +420,7 @@ pub(super) fn named<'a>(
     Ok(shown)
 }
 
-/// The branch of a point, after its document where there are several.
+/// Returns the branch of a point, after its document if there are several.
 fn place(documents: &[(&str, &Document)], document: &str, branch: &Branch) -> String {
     match documents.len() {
         1 => branch.name.clone(),
@@ -426,8 +428,8 @@ fn place(documents: &[(&str, &Document)], document: &str, branch: &Branch) -> St
     }
 }
 
-/// The name of a point's curve: branch, label, kind (or the user's event), and the continued
-/// parameter.
+/// Returns the name of a point's curve: branch, label, kind (or the user's event), and the
+/// continuation parameter.
 fn name(place: &str, branch: &Branch, point: &SpecialPoint) -> String {
     let kind = match point.kind {
         Kind::UZ => point.event.clone(),

@@ -1,19 +1,19 @@
-//! The numbers of unstable directions on both sides of curves in two parameters, as texts.
+//! Labels of regions: the numbers of unstable directions on both sides of curves in two parameters.
 
 use crate::core::continuation::{Branch, Stretch};
 
-/// What a stretch of a curve shows in two columns.
+/// The labels of a stretch of a curve in two columns.
 pub(super) struct Region {
-    /// The positions of its first and its last point among the points of the branch.
+    /// The positions of the first and the last point on the branch.
     pub points: [usize; 2],
-    /// The texts on its left and on its right, seen from the first point to the last.
+    /// The texts on the left and on the right, in the direction from the first point to the last.
     pub sides: [String; 2],
 }
 
 /// The meaning of the texts.
 pub(super) const MEANING: &str = "(n)\u{2002}unstable directions, (0+1) of two solutions, (–) none";
 
-/// The regions of a curve, if the columns of both axes are its two parameters.
+/// Returns the regions of a curve, if the columns of both axes are its two parameters.
 pub(super) fn regions(branch: &Branch, columns: [usize; 2]) -> Vec<Region> {
     let released: Vec<Option<usize>> =
         branch.released.iter().map(|name| branch.column(name)).collect();
@@ -32,7 +32,7 @@ pub(super) fn regions(branch: &Branch, columns: [usize; 2]) -> Vec<Region> {
     branch.stretches.iter().map(region).collect()
 }
 
-/// The numbers of unstable directions of the solutions on one side: `(0+1)`.
+/// Returns the numbers of unstable directions of the solutions on one side, such as `(0+1)`.
 fn text(counts: &[usize]) -> String {
     if counts.is_empty() {
         return "(–)".into();

@@ -1,4 +1,4 @@
-//! Results as files: rendered in one place, written together.
+//! Rendering of results into files of all formats, and saving them together.
 
 use super::document::Document;
 use super::drawing::{PAGE, draw, letter, pdf, png};
@@ -15,16 +15,16 @@ use super::sweeps::{Sweeps, csv as of_sweeps};
 use super::table::table;
 use std::path::{Path, PathBuf};
 
-/// What has a file in several formats.
+/// A result that can be rendered in several formats.
 pub trait Render {
-    /// The content of the file in one format.
+    /// Returns the content of the file in one format.
     ///
     /// # Errors
-    /// [`RenderError`] for what cannot be drawn or written, and for a format that does not suit.
+    /// [`RenderError`] for results that cannot be drawn or written, and for an unsuitable format.
     fn render(&self, format: Format) -> Result<Vec<u8>, RenderError>;
 }
 
-/// The results of a command, seen together.
+/// The results of a command, rendered together.
 ///
 /// ```
 /// use tangency::output::{Document, Format, Render, Results, example_branch};
@@ -38,40 +38,40 @@ pub trait Render {
 /// ```
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Results<'a> {
-    /// Documents, each with a name that tells its branches from the others. In pictures they are
+    /// Documents, each with a name that distinguishes its branches. In pictures, documents are
     /// named by the settings in which they differ, such as `c = 0.8`, if these are few.
     pub documents: &'a [(&'a str, &'a Document)],
-    /// Sweeps.
+    /// The sweeps.
     pub sweeps: &'a [Sweeps],
-    /// The column on the horizontal axis of the only diagram, if it is not the documents' choice.
+    /// The column on the horizontal axis of the only diagram; by default the documents' choice.
     pub x: Option<&'a str>,
-    /// The columns on its vertical axis; none for the documents' choice.
+    /// The columns on the vertical axis; empty for the documents' choice.
     pub y: &'a [&'a str],
-    /// The special points whose profiles are drawn, or written, as `LABEL` or `BRANCH/LABEL`; none
+    /// The special points whose profiles are drawn, or written, as `LABEL` or `BRANCH/LABEL`; empty
     /// for the documents' choice, and for tables of branches.
     pub points: &'a [String],
     /// The width of pictures in millimetres; [`PAGE`] by default.
     pub width: Option<f64>,
-    /// The letter of the only panel that is drawn; all by default.
+    /// The letter of the only panel to draw; all by default.
     pub panel: Option<&'a str>,
 }
 
-/// Why results cannot be rendered.
+/// The error of results that cannot be rendered.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum RenderError {
-    /// The picture.
+    /// The picture cannot be drawn.
     #[error(transparent)]
     Figure(#[from] FigureError),
-    /// The data.
+    /// The data cannot be written.
     #[error(transparent)]
     Format(#[from] FormatError),
-    /// A format does not suit.
+    /// The format is unsuitable.
     #[error("{0}")]
     Unsuited(&'static str),
 }
 
-/// Why results could not be saved.
+/// The error of results that could not be saved.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SaveError {
@@ -81,23 +81,22 @@ pub enum SaveError {
     /// The picture cannot be drawn. All other files are saved.
     #[error(transparent)]
     Figure(#[from] FigureError),
-    /// A format does not suit.
+    /// The format is unsuitable.
     #[error("{}: {reason}", path.display())]
     Unsuited {
-        /// The file.
+        /// The path of the file.
         path: PathBuf,
-        /// The rule.
+        /// The rule that the result violates.
         reason: &'static str,
     },
 }
 
-/// Saves results as `STEM.ENDING` in some formats, together, and gives the files. A picture that
-/// cannot be drawn keeps nothing else from being saved; an earlier one, which shows something else,
-/// is removed.
+/// Saves results as `STEM.EXTENSION` in some formats, together, and returns the paths. If a picture
+/// cannot be drawn, the other files are saved, and an outdated picture is removed.
 ///
 /// # Errors
-/// [`SaveError`]; all files but pictures are there after [`SaveError::Figure`], and none of them is
-/// after any other error.
+/// [`SaveError`]; after [`SaveError::Figure`] all files but pictures are saved, after any other
+/// error none.
 ///
 /// ```no_run
 /// use std::path::Path;
@@ -133,12 +132,12 @@ pub fn save(
 }
 
 impl Results<'_> {
-    /// The documents with the names that pictures show.
+    /// Returns the names of the documents in pictures.
     fn names(&self) -> Vec<String> {
         distinguished(self.documents)
     }
 
-    /// The figures that are drawn.
+    /// Returns the figures to draw.
     fn figures(&self) -> Result<Vec<Figure>, FigureError> {
         let names = self.names();
         let first = self.documents.first().filter(|_| !self.points.is_empty());
@@ -164,7 +163,7 @@ impl Results<'_> {
         Ok(figures)
     }
 
-    /// The special points whose profiles are written.
+    /// Returns the special points whose profiles are written.
     fn shown(&self) -> Result<Vec<Shown<'_>>, RenderError> {
         let shown = named(self.documents, self.points)?;
         match shown.iter().any(|shown| !shown.point.profiles.is_empty()) {
@@ -175,13 +174,13 @@ impl Results<'_> {
         }
     }
 
-    /// The profiles of the points that are named; or all points of the branches, or the histories
-    /// where there is nothing else.
+    /// Returns the profiles of the named points; without named points, all points of the branches,
+    /// or the histories if there is nothing else.
     fn csv(&self) -> Result<String, RenderError> {
         match self.documents {
             [] if !self.sweeps.is_empty() => Ok(of_sweeps(self.sweeps)),
             _ if !self.sweeps.is_empty() => Err(RenderError::Unsuited(
-                "a table (.csv) has the branches of documents, or sweeps, not both",
+                "a table (.csv) can contain the branches of documents or sweeps, but not both",
             )),
             _ if !self.points.is_empty() => Ok(of_points(&self.shown()?)),
             [(_, document)] if of_histories(document) => Ok(histories(document)),
@@ -190,7 +189,7 @@ impl Results<'_> {
     }
 }
 
-/// A whole document.
+/// Returns a whole document as JSON.
 fn json(document: &Document) -> Result<Vec<u8>, FormatError> {
     serde_json::to_vec(document).map_err(|error| FormatError::Unwritable(error.to_string()))
 }
@@ -200,7 +199,7 @@ impl Render for Results<'_> {
         Ok(match format {
             Format::Ron => match self.documents {
                 [(_, document)] => document.to_ron()?.into_bytes(),
-                _ => return Err(RenderError::Unsuited("a document (.ron) holds one result")),
+                _ => return Err(RenderError::Unsuited("a document (.ron) contains one result")),
             },
             Format::Npz => match (self.sweeps, self.documents) {
                 ([sweeps], _) => sweeps.to_bytes()?,
@@ -211,7 +210,7 @@ impl Render for Results<'_> {
                     arrays(document).map_err(FormatError::Unwritable)?
                 }
                 _ => {
-                    let rule = "an archive (.npz) holds the sweeps of one scene, histories, or the profiles of points (--points)";
+                    let rule = "an archive (.npz) contains the sweeps of one scene, histories, or the profiles of points (--points)";
                     return Err(RenderError::Unsuited(rule));
                 }
             },
@@ -229,11 +228,13 @@ impl Render for Results<'_> {
                 ([(_, document)], []) if self.points.is_empty() => json(document)?,
                 _ => {
                     return Err(RenderError::Unsuited(
-                        "JSON (.json) holds one whole document, without --points",
+                        "JSON (.json) contains one whole document, without --points",
                     ));
                 }
             },
-            Format::Markdown => return Err(RenderError::Unsuited("Markdown (.md) has reports")),
+            Format::Markdown => {
+                return Err(RenderError::Unsuited("Markdown (.md) is a format of reports only"));
+            }
         })
     }
 }

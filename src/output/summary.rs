@@ -1,12 +1,12 @@
-//! A branch in one sentence.
+//! The summary of a branch in one sentence.
 
 use super::number::significant;
 use crate::core::continuation::{Branch, End};
 use crate::core::system::Kind;
 use std::fmt;
 
-/// A branch in one sentence: how far it goes, why it ends there, and where it is stable. Unexpected
-/// ends are explained at the end.
+/// The summary of a branch in one sentence: its range, its ends with their reasons, and its
+/// stability. Unexpected ends are explained at the end.
 ///
 /// ```
 /// use tangency::output::{Summary, example_branch};
@@ -25,7 +25,7 @@ pub struct Summary<'a>(pub &'a Branch);
 /// The significant digits of numbers.
 const DIGITS: usize = 6;
 
-/// The most intervals of stability that are listed.
+/// The maximum number of intervals of stability that are listed.
 const MOST: usize = 3;
 
 impl fmt::Display for Summary<'_> {
@@ -51,7 +51,7 @@ impl fmt::Display for Summary<'_> {
                     write!(f, "{parameter} from {from} to {to}, ")?;
                 }
             },
-            // Interrupted at once: one point, which is the start.
+            // After an immediate interruption, the start is the only point.
             (Some(parameter), Some(value), _) => {
                 write!(f, "{parameter} = {} ({}), ", number(value), reason(&ends[1]))?;
             }
@@ -67,7 +67,8 @@ impl fmt::Display for Summary<'_> {
 }
 
 impl Summary<'_> {
-    /// Reasons for doubt: special points that have not converged, and unexpected ends.
+    /// Returns reasons to doubt the branch: special points that have not converged, and unexpected
+    /// ends.
     ///
     /// ```
     /// use tangency::output::{Summary, example_branch};
@@ -86,13 +87,13 @@ impl Summary<'_> {
         open.chain(ends).collect()
     }
 
-    /// The continued parameter at a point.
+    /// Returns the continuation parameter at a point.
     fn value(&self, index: usize) -> f64 {
         let column = self.0.released.first().and_then(|name| self.0.column(name));
         column.and_then(|column| self.0.points[index].value(column)).unwrap_or(f64::NAN)
     }
 
-    /// The continued parameter where stability changes between a point and the next one.
+    /// Returns the continuation parameter where stability changes between a point and the next one.
     fn boundary(&self, index: usize) -> f64 {
         let changes = |kind| !matches!(kind, Kind::EP | Kind::UZ | Kind::MX | Kind::ND);
         let mut special = self.0.special.iter().filter(|point| point.after == index);
@@ -102,7 +103,7 @@ impl Summary<'_> {
         value.unwrap_or_else(|| self.value(index))
     }
 
-    /// Where the branch is stable; `None` if stability does not apply.
+    /// Describes where the branch is stable; `None` if stability does not apply.
     fn stability(&self) -> Option<String> {
         let points = &self.0.points;
         let stable = |index: usize| points[index].unstable == Some(0) && points[index].admissible;
@@ -122,7 +123,7 @@ impl Summary<'_> {
             }
         }
         Some(match &intervals[..] {
-            // Where orbits emanate, stability is left open.
+            // Stability is undetermined where orbits emanate.
             [] if points.iter().all(|it| it.unstable != Some(0) && it.undetermined.is_none()) => {
                 "unstable".into()
             }
@@ -145,7 +146,7 @@ fn number(value: f64) -> String {
     significant(value, DIGITS)
 }
 
-/// Why a branch ends, in few words.
+/// Describes why a branch ends.
 fn reason(end: &End) -> String {
     match end {
         End::ParameterBound { .. } => "bound".into(),

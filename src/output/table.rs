@@ -5,11 +5,11 @@ use super::number::{certain_digits, significant};
 use crate::core::continuation::{Branch, Number, Point, SpecialPoint};
 use crate::core::problem::distinct;
 
-/// All points of the branches of some documents as comma-separated values: `branch`, `point`,
-/// counted from 0, every parameter and monitor by name, `unstable`, and `admissible`. Of several
-/// documents, each branch has the name of its document before its own. Numbers have 15 significant
-/// digits; a cell is empty where a branch lacks the column, and `unstable` is `?` where multipliers
-/// are not determined.
+/// Writes all points of the branches of some documents as comma-separated values: `branch`,
+/// `point`, counted from 0, every parameter and monitor by name, `unstable`, and `admissible`. With
+/// several documents, each branch name is preceded by that of its document. Numbers have 15
+/// significant digits; a cell is empty if a branch lacks the column, and `unstable` is `?` if
+/// multipliers are not determined.
 ///
 /// ```
 /// use tangency::output::{Document, example_branch, table};
@@ -52,8 +52,9 @@ pub fn table<'a>(documents: &[(&str, &'a Document)]) -> String {
 pub(super) struct Csv(pub String);
 
 impl Csv {
-    /// A table without rows: columns of its own before and behind those of parameters and monitors.
-    /// A parameter or monitor with the name of another column says what it is.
+    /// Creates a table without rows: the given columns before and after those of parameters and
+    /// monitors. A parameter or monitor with the name of another column is prefixed by `parameter`
+    /// or `monitor`.
     pub fn new(first: &[&str], parameters: &[&str], monitors: &[&str], last: &[&str]) -> Self {
         let own = || first.iter().chain(last);
         let parameter = |name: &&str| match own().any(|own| own == name) {
@@ -77,7 +78,7 @@ impl Csv {
     }
 }
 
-/// The cells of some columns.
+/// Returns the cells of some columns.
 fn cells<'a>(
     columns: &'a [&str],
     names: &'a [String],
@@ -92,8 +93,8 @@ fn cell(column: &str, names: &[String], values: &[f64]) -> String {
     value.map_or(String::new(), |value| significant(*value, 15))
 }
 
-/// A number of unstable eigenvalues; nothing where stability is not meant, and a question mark
-/// where it is not determined.
+/// Formats a number of unstable eigenvalues; empty if stability does not apply, and a question mark
+/// if it is not determined.
 pub(super) fn count(unstable: Option<usize>, undetermined: &Option<String>) -> String {
     match (unstable, undetermined) {
         (Some(count), _) => count.to_string(),
@@ -102,7 +103,7 @@ pub(super) fn count(unstable: Option<usize>, undetermined: &Option<String>) -> S
     }
 }
 
-/// Comma-separated values with another separator.
+/// Replaces the separator of comma-separated values.
 ///
 /// ```
 /// assert_eq!(tangency::output::separated("a,\"b,c\",d;e\n", ';'), "a;\"b,c\";\"d;e\"\n");
@@ -125,7 +126,7 @@ pub fn separated(csv: &str, separator: char) -> String {
     out + &cell
 }
 
-/// A name in quotes if it would otherwise break the table (RFC 4180).
+/// Quotes a name that would otherwise break the table (RFC 4180).
 pub(super) fn quoted(name: &str) -> String {
     if name.contains([',', '"', '\n', '\r']) {
         format!("\"{}\"", name.replace('"', "\"\""))
@@ -134,9 +135,10 @@ pub(super) fn quoted(name: &str) -> String {
     }
 }
 
-/// Aligned lines for a screen of a width in letters, or of any, one for each special point: its label, its kind, the number of
-/// unstable eigenvalues or multipliers (`?` where they are not determined), the parameters that
-/// vary, the monitors. Columns that do not fit are left out, the last ones first.
+/// Aligned lines for a screen, optionally of a given width in letters, one for each special point:
+/// its label, its kind, the number of unstable eigenvalues or multipliers (`?` if they are not
+/// determined), the varied parameters, the monitors. Columns that do not fit are left out, the last
+/// ones first.
 ///
 /// ```
 /// use tangency::output::{Screen, example_branch};
@@ -154,19 +156,19 @@ pub(super) fn quoted(name: &str) -> String {
 pub struct Screen {
     /// The columns of a point, and their names.
     columns: Vec<(usize, String)>,
-    /// How many columns do not fit.
+    /// The number of columns that do not fit.
     omitted: usize,
     /// The width in letters.
     width: usize,
 }
 
-/// A number of 12 significant digits has at most 18 letters.
+/// The largest number of letters of a number with 12 significant digits.
 const WIDTH: usize = 18;
-/// The letters of label, kind and stability, and of the number of columns that are left out.
+/// The letters of label, kind and stability, and of the number of omitted columns.
 const FIRST: usize = 22;
 const MORE: usize = 5;
 
-/// The letters of a column, with the room before it.
+/// Returns the letters of a column, including the space before it.
 fn width_of((_, name): &(usize, String)) -> usize {
     2 + name.chars().count().max(WIDTH).min(usize::from(u16::MAX))
 }
@@ -176,8 +178,8 @@ fn number(value: Option<f64>) -> String {
 }
 
 impl Screen {
-    /// The lines of a branch, also of one that is still being traced, for a screen of a width in
-    /// letters, if that matters.
+    /// Creates the lines of a branch, finished or not, for a screen of an optional width in
+    /// letters.
     pub fn of(branch: &Branch, width: Option<usize>) -> Self {
         let names = branch.released.iter().chain(&branch.monitors);
         let column = |name: &String| Some((branch.column(name)?, name.clone()));
@@ -189,26 +191,26 @@ impl Screen {
             room = room.saturating_sub(width_of(column));
             fits
         });
-        // The parameter is always there.
+        // The parameter is always shown.
         let kept = fitting.count().max(1).min(all);
         columns.truncate(kept);
         Screen { columns, omitted: all - kept, width }
     }
 
-    /// The names above the columns, and how many are left out.
+    /// Returns the names above the columns, and the number of omitted columns.
     pub fn header(&self) -> String {
         let names = self.assemble([" label", "kind", "unstable"], |(_, name)| name.clone());
         if self.omitted == 0 { names } else { format!("{names}  +{}", self.omitted) }
     }
 
-    /// The line of one point of the branch.
+    /// Returns the line of one point of the branch.
     pub fn point(&self, point: &Point) -> String {
         let unstable = count(point.unstable, &point.undetermined);
         self.assemble(["      ", "", &unstable], |(column, _)| number(point.value(*column)))
     }
 
-    /// The line of one special point, with what the field calls it and the numbers that belong to
-    /// it; one that has not converged says so.
+    /// Returns the line of one special point, with its standard name and its numbers; a point that
+    /// has not converged is marked.
     pub fn line(&self, point: &SpecialPoint) -> String {
         let label = format!("{:>6}", point.label);
         let unstable = count(point.unstable, &point.undetermined);
@@ -231,7 +233,7 @@ impl Screen {
         if point.multiplicity > 1 {
             notes.push(format!("multiplicity {}", point.multiplicity));
         }
-        // A doubt is said, whether it fits or not.
+        // A doubt is shown even if it does not fit.
         let mut omitted = false;
         for note in notes {
             let width = line.chars().count() + 2 + note.chars().count();

@@ -1,4 +1,4 @@
 //! The tag of documents.
 
-/// The tag by which a document is known, with the version of its format.
+/// The tag of documents, with the version of the format.
 pub const FORMAT: &str = "tangency/1";

@@ -3,13 +3,13 @@
 /// A coloured rectangle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tile {
-    /// Its middle, in the units of the axes.
+    /// The middle, in the units of the axes.
     pub at: [f64; 2],
-    /// Its width and height.
+    /// The width and height.
     pub size: [f64; 2],
-    /// Its colour.
+    /// The hue.
     pub hue: Hue,
-    /// Its shade, counted from 0: of one hue, several can be told apart.
+    /// The shade, counted from 0, which distinguishes tiles of one hue.
     pub shade: usize,
     /// The meaning, in words, for the legend.
     pub meaning: String,
@@ -32,12 +32,12 @@ pub enum Hue {
 }
 
 impl Tile {
-    /// Two opposite corners.
+    /// Returns two opposite corners.
     pub(super) fn corners(&self) -> [[f64; 2]; 2] {
         [-0.5, 0.5].map(|part| [0, 1].map(|k| self.at[k] + part * self.size[k]))
     }
 
-    /// Adds it to other tiles; neighbours along an axis that mean the same become one.
+    /// Adds the tile to other tiles; neighbours along an axis with the same meaning are merged.
     ///
     /// ```
     /// use tangency::output::{Hue, Tile};
@@ -65,7 +65,7 @@ impl Tile {
     }
 }
 
-/// The smallest distance between different values; `None` if all are equal.
+/// Returns the smallest distance between different values; `None` if all are equal.
 ///
 /// ```
 /// assert_eq!(tangency::output::spacing([0.0, 2.0, 1.5].into_iter()), Some(0.5));

@@ -1,12 +1,12 @@
-//! Names and texts that come from files: what they may hold, and how messages show them.
+//! Names and texts from files: their allowed contents, and their form in messages.
 
 use crate::spelling::is_hidden;
 
-/// A value of a document that makes no sense.
+/// An invalid value in a document.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{place} is {found}, but {rule}")]
 pub struct Invalid {
-    /// Where it is: branch, point or label, column.
+    /// The place: branch, point or label, column.
     pub place: String,
     /// The value.
     pub found: String,
@@ -14,30 +14,30 @@ pub struct Invalid {
     pub rule: String,
 }
 
-/// How many letters of a text a message quotes.
+/// The maximum number of letters of a quoted text.
 const QUOTED: usize = 60;
 
-/// A text in a message: in quotes, its control characters escaped, cut where it is long.
+/// Formats a text for a message: in quotes, control characters escaped, and shortened if long.
 pub(crate) fn quoted(text: &str) -> String {
     let cut = if text.chars().nth(QUOTED).is_some() { "…" } else { "" };
     format!("{:?}{cut}", text.chars().take(QUOTED).collect::<String>())
 }
 
-/// How many letters a line of a message has at most …
+/// The maximum number of letters in a line of a message.
 #[cfg(feature = "cli")]
 const LINE: usize = 380;
-/// … of which this many are its end, …
+/// The number of letters kept at the end of a shortened line.
 #[cfg(feature = "cli")]
 const END: usize = 120;
-/// … and how many lines there are.
+/// The maximum number of lines in a message.
 #[cfg(feature = "cli")]
 const LINES: usize = 20;
-/// A number of more digits is written with its power of ten.
+/// The largest number of digits of a number that is written in full.
 #[cfg(feature = "cli")]
 const DIGITS: usize = 25;
 
-/// A message as a terminal may show it: control characters are escaped, but for the ends of its
-/// lines, long numbers have powers of ten, and long lines are cut in their middle.
+/// Formats a message for a terminal: control characters except line ends are escaped, long numbers
+/// are written with powers of ten, and long lines are shortened in the middle.
 #[cfg(feature = "cli")]
 pub(crate) fn printable(message: &str) -> String {
     let lines = message.split('\n').take(LINES).map(|line| shortened(&with_powers(&escaped(line))));
@@ -53,7 +53,7 @@ fn escaped(line: &str) -> String {
     line.chars().map(show).collect()
 }
 
-/// A line in which numbers of many digits are written as `1e300`.
+/// Rewrites numbers of many digits in a line as `1e300`.
 #[cfg(feature = "cli")]
 fn with_powers(line: &str) -> String {
     let is_digit = |letter: char| letter.is_ascii_digit() || letter == '.';
@@ -81,24 +81,25 @@ fn shortened(line: &str) -> String {
     format!("{} … {}", text(&letters[..LINE - END]), text(&letters[letters.len() - END..]))
 }
 
-/// Refuses a name or a title that would move the cursor of a terminal, or make an ill-formed
-/// picture.
+/// Rejects a name or title that would move the cursor of a terminal, or make a picture ill-formed.
 pub(crate) fn text(place: &str, text: &str) -> Result<(), Invalid> {
-    require(!text.contains(is_hidden), place, text, "must hold no control characters")
+    require(!text.contains(is_hidden), place, text, "must not contain control characters")
 }
 
-/// Refuses a name that could choose a folder: a result's name is one plain component of a path.
+/// Rejects a name that contains a folder: the name of a result must be a single component of a
+/// path.
 pub(crate) fn component(place: &str, name: &str) -> Result<(), Invalid> {
     text(place, name)?;
-    let rule = "must be one plain name of a file, without a folder";
+    let rule = "must be a plain file name, without a folder";
     require(is_plain(name), place, name, rule)
 }
 
-/// Refuses a name that would leave the folder into which an archive with entries of this name is
-/// unpacked.
+/// Rejects a name that would escape from the folder into which an archive with entries of this name
+/// is unpacked.
 pub(crate) fn entry(place: &str, name: &str) -> Result<(), Invalid> {
     text(place, name)?;
-    let rule = "must be plain names with `/` between them: it is that of an entry in an archive";
+    let rule =
+        "must consist of plain names separated by `/`, because it names an entry of an archive";
     require(name.split('/').all(is_plain), place, name, rule)
 }
 

@@ -1,4 +1,4 @@
-//! Problems of the literature that every continuation toolkit is tried on.
+//! Test problems from the literature, as used by other continuation toolkits.
 
 mod equilibria;
 mod impact_oscillator;
@@ -16,8 +16,8 @@ vector_field! {
     /// A feedback control system of Lur'e type (also MatCont's `adaptx`):
     /// `x' = y, y' = z, z' = −αz − βy − x + x²`.
     ///
-    /// At β = 1 the equilibrium 0 has a Hopf point at α = 1, whose periodic orbits double their period
-    /// at α = 0.630302006160.
+    /// At β = 1 the equilibrium 0 has a Hopf point at α = 1, and the emanating periodic orbits
+    /// double their period at α = 0.630302006160.
     ///
     /// ```
     /// use tangency::core::problem::VectorField;

@@ -1,4 +1,5 @@
-//! Problems: the equations of devices, and classics to try methods on.
+//! Problems: the equations of devices, and classic test problems, such as the problem of `tangency
+//! trace plate-device`.
 
 pub mod classic;
 #[cfg(feature = "scene")]

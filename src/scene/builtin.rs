@@ -1,4 +1,4 @@
-//! The problems and scenes of this library.
+//! The problems and scenes of this library, as a [`Catalogue`].
 
 use super::catalogue::Catalogue;
 use super::discretisation::ProblemSettings;
@@ -12,7 +12,7 @@ use crate::problems::mita::{Actuator, Block};
 use crate::problems::plate::{self, PlateSettings};
 
 impl Catalogue {
-    /// The problems and scenes of this library.
+    /// Returns the catalogue of the problems and scenes of this library.
     pub fn built_in() -> Self {
         let problems = Catalogue::empty()
             .model::<_, PlateSettings>("Plate", Plate)
@@ -64,12 +64,12 @@ impl ProblemSettings for PlateSettings {
 /// A scene that comes with the program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BuiltIn {
-    /// Its name.
+    /// The name of the scene.
     pub name: &'static str,
-    /// Its text, as RON.
+    /// The text of the scene, as RON.
     pub text: &'static str,
 }
 
-// `BUILT_IN`, the devices and examples in `scenes`, and `LIBRARY`, the models of the literature in
-// `scenes/library`, in the order of their names: the build script lists the folders.
+// `BUILT_IN` holds the devices and examples in `scenes`, and `LIBRARY` the models of the literature
+// in `scenes/library`, both sorted by name: the build script lists the folders.
 include!(concat!(env!("OUT_DIR"), "/scenes.rs"));

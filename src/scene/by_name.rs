@@ -1,7 +1,8 @@
-//! Settings by name: the fields of a structure, with their values as RON writes and reads them.
+//! Settings by name: the fields of a structure, with their values in RON.
 //!
-//! A choice with settings of its own, as `method: collocation(intervals: 20, degree: 4)`, counts as the setting
-//! `method` of value `collocation`, and as the settings `intervals` and `degree`.
+//! A choice with its own settings, such as `method: collocation(intervals: 20, degree: 4)`, counts
+//! as the setting `method` with the value `collocation`, and as the settings `intervals` and
+//! `degree`.
 
 use super::error::SceneError;
 use super::notation::{options, written};
@@ -15,7 +16,7 @@ use serde::de::DeserializeOwned;
 /// A field of a structure.
 struct Field {
     name: String,
-    /// Its value, as RON writes it; of a choice, its name alone.
+    /// The value in RON; for a choice, only its name.
     value: String,
     /// The settings of a choice.
     own: Option<Vec<(String, String)>>,
@@ -29,7 +30,8 @@ impl Field {
         }
     }
 
-    /// Replaces the field's value, or one of its own settings; false if none has this name.
+    /// Replaces the field's value, or one of the choice's settings; returns false if the name is
+    /// unknown.
     fn replace(&mut self, name: &str, value: &str) -> Result<bool, RonError> {
         if self.name == name {
             let chosen = self.own.as_ref().is_some_and(|_| self.value == value);
@@ -47,7 +49,7 @@ impl Field {
     }
 }
 
-/// The fields of a structure.
+/// Returns the fields of a structure.
 fn fields(settings: &impl Serialize) -> Vec<Field> {
     let choice = |value: &str| {
         let (word, _) = value.split_once('(').filter(|(word, _)| is_word(word))?;
@@ -65,9 +67,9 @@ fn is_word(text: &str) -> bool {
         && text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
 }
 
-/// The named values in brackets.
+/// Returns the named values in brackets.
 fn parts(text: &str) -> Vec<(String, String)> {
-    // The text was written from a structure: it can always be read.
+    // The text was serialized from a structure, so it can always be parsed.
     let Parts(parts) = options().from_str(text).unwrap_or_default();
     parts.into_iter().map(|(name, value)| (name, value.trim().get_ron().into())).collect()
 }
@@ -77,8 +79,8 @@ fn joined(parts: &[(String, String)]) -> String {
     format!("({})", parts.join(","))
 }
 
-/// A value that replaces another one: a text needs no quotes, and `usual` stands for none. A value
-/// must be one, and must not bring further fields.
+/// Converts a value into the notation of the value that it replaces: texts need no quotes, and
+/// `usual` means `None`. Rejects an incomplete value, and a value that would add further fields.
 fn in_quotes(old: &str, value: &str) -> Result<String, RonError> {
     let value = match value {
         "usual" => "None".into(),
@@ -89,7 +91,8 @@ fn in_quotes(old: &str, value: &str) -> Result<String, RonError> {
     Ok(value)
 }
 
-/// A value for readers: a text without its quotes, and `usual` where the problem decides.
+/// Formats a value for readers: a text without its quotes, and `usual` for a default chosen by the
+/// problem.
 fn shown(value: String) -> String {
     match options().from_str::<String>(&value) {
         Ok(text) => text,
@@ -98,7 +101,7 @@ fn shown(value: String) -> String {
     }
 }
 
-/// All settings by name, with their values.
+/// Returns all settings by name, with their values.
 pub(super) fn settings(settings: &impl Serialize) -> Vec<(String, String)> {
     let field = |Field { name, value, own }| {
         std::iter::once((name, value)).chain(own.into_iter().flatten())
@@ -107,13 +110,13 @@ pub(super) fn settings(settings: &impl Serialize) -> Vec<(String, String)> {
     all.map(|(name, value)| (name, shown(value))).collect()
 }
 
-/// The choice that a structure makes, by the names of the setting and of its value.
+/// Returns the names of the setting and of the value by which a structure makes a choice.
 pub(super) fn choice(settings: &impl Serialize) -> Option<(String, String)> {
     let choice = fields(settings).into_iter().find(|field| field.own.is_some())?;
     Some((choice.name, choice.value))
 }
 
-/// Reads a value into the setting of a name; false if there is none of this name.
+/// Parses a value into the named setting; returns false if the name is unknown.
 pub(super) fn assign<S: Serialize + DeserializeOwned>(
     settings: &mut S,
     name: &str,
@@ -122,7 +125,7 @@ pub(super) fn assign<S: Serialize + DeserializeOwned>(
     let mut fields = fields(settings);
     let refused = |code: RonError| {
         let reason = match code {
-            // A value that is complete, and still not read to its end, is a number with decimals.
+            // A complete value that was not read to its end is a number with decimals.
             RonError::ExpectedStructLikeEnd | RonError::ExpectedComma => {
                 "expected a whole number".into()
             }
@@ -140,7 +143,7 @@ pub(super) fn assign<S: Serialize + DeserializeOwned>(
                 | RonError::InvalidIdentifier(_)
                 | RonError::SuggestRawIdentifier(_)
         );
-        // The error of a name that cannot be lists the names that can.
+        // The error for an invalid name lists the valid names.
         let tried = no_name && replace(&mut fields, name, "none").is_ok();
         match read::<S>(&fields) {
             Err(RonError::NoSuchEnumVariant { expected, outer, .. }) if tried => {
@@ -152,7 +155,7 @@ pub(super) fn assign<S: Serialize + DeserializeOwned>(
     Ok(true)
 }
 
-/// Replaces the value of the field of a name; false if none has it.
+/// Replaces the value of a named field; returns false if no field has the name.
 fn replace(fields: &mut [Field], name: &str, value: &str) -> Result<bool, RonError> {
     for field in fields {
         if field.replace(name, value)? {
@@ -162,7 +165,7 @@ fn replace(fields: &mut [Field], name: &str, value: &str) -> Result<bool, RonErr
     Ok(false)
 }
 
-/// A structure of these fields.
+/// Builds a structure from its fields.
 fn read<S: DeserializeOwned>(fields: &[Field]) -> Result<S, RonError> {
     let fields: Vec<String> = fields.iter().map(Field::written).collect();
     options().from_str(&format!("({})", fields.join(","))).map_err(|error| error.code)

@@ -1,4 +1,4 @@
-//! The problems and scenes that the command line knows by name.
+//! The problems and scenes that the command line finds by name, and how a crate adds its own.
 
 use super::discretisation::{
     BoundarySettings, FieldSettings, HybridOrbitSettings, MapSettings, ZeroSettings,
@@ -20,11 +20,11 @@ use ron::value::RawValue;
 use std::path::Path;
 use std::sync::Arc;
 
-/// The problems that scenes can name, and scenes that can be traced by name.
+/// The problems that scenes can name, and the scenes that can be traced by name.
 ///
-/// A crate adds problems of its own to the built-in ones, and has the whole command line with them
-/// ([`cli::run`](crate::cli::run)). A problem that is added under a name in use replaces the
-/// earlier one; so does a scene.
+/// A crate adds its own problems to the built-in ones, and can use the whole command line with them
+/// ([`cli::run`](crate::cli::run)). A new problem or scene replaces an earlier one of the same
+/// name.
 ///
 /// ```
 /// use tangency::prelude::*;
@@ -54,17 +54,17 @@ pub struct Catalogue {
     scenes: Vec<NamedScene>,
 }
 
-/// A scene that is traced by its name.
+/// A scene that can be traced by name.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct NamedScene {
-    /// Its name.
+    /// The name of the scene.
     pub name: String,
-    /// Its text, as RON.
+    /// The text of the scene, as RON.
     pub text: String,
 }
 
 impl Catalogue {
-    /// A catalogue without problems and scenes.
+    /// Creates a catalogue without problems and scenes.
     pub fn empty() -> Self {
         Catalogue::default()
     }
@@ -74,12 +74,12 @@ impl Catalogue {
         self.model::<_, ZeroSettings>(name, Arc::new(problem))
     }
 
-    /// Adds a smooth vector field: its equilibria, its periodic orbits, simulations and sweeps.
+    /// Adds a smooth vector field, with its equilibria, periodic orbits, simulations and sweeps.
     pub fn field(self, name: &'static str, field: impl VectorField + 'static) -> Self {
         self.model::<_, FieldSettings>(name, Arc::new(field))
     }
 
-    /// Adds a map: its fixed points and cycles.
+    /// Adds a map, with its fixed points and cycles.
     ///
     /// ```
     /// use tangency::core::problem::DiscreteMap;
@@ -116,14 +116,14 @@ impl Catalogue {
         self.model::<_, BoundarySettings>(name, problem)
     }
 
-    /// Adds a hybrid system: its periodic orbits, simulations, sweeps, and local maps at its
+    /// Adds a hybrid system, with its periodic orbits, simulations, sweeps, and local maps at
     /// grazings.
     pub fn hybrid(self, name: &'static str, system: impl HybridSystem + 'static) -> Self {
         let system: Hybrid = Arc::new(system);
         self.model::<_, HybridOrbitSettings>(name, system)
     }
 
-    /// Adds a scene. Lists show its summary, or else its title.
+    /// Adds a scene. Lists show its summary, or its title if the summary is missing.
     pub fn scene(self, name: impl Into<String>, text: impl Into<String>) -> Self {
         let scene = NamedScene { name: name.into(), text: text.into() };
         let mut scenes = self.scenes;
@@ -142,17 +142,17 @@ impl Catalogue {
         self
     }
 
-    /// All problems, with their default settings.
+    /// Returns all problems, with their default settings.
     pub fn problems(&self) -> &[Problem] {
         &self.problems
     }
 
-    /// All scenes.
+    /// Returns all scenes.
     pub fn scenes(&self) -> &[NamedScene] {
         &self.scenes
     }
 
-    /// The summary of a scene in one line, or its title; the error of a scene that cannot be read.
+    /// Returns the summary of a scene in one line, or its title; for an invalid scene, its error.
     pub fn summary(&self, scene: &NamedScene) -> String {
         match self.parse(&scene.text) {
             Ok(read) => read.summary.unwrap_or(read.title),
@@ -160,17 +160,17 @@ impl Catalogue {
         }
     }
 
-    /// Reads a scene.
+    /// Parses a scene.
     ///
     /// # Errors
-    /// [`SceneError::Model`] with the place, [`SceneError::UnknownName`] for problems that are not
-    /// in the catalogue, [`SceneError::Invalid`] for what a scene must not hold: numbers that are
-    /// not finite, names given twice or unknown, runs that start nowhere.
+    /// [`SceneError::Model`] with the position, [`SceneError::UnknownName`] for problems that are
+    /// not in the catalogue, [`SceneError::Invalid`] for invalid contents: numbers that are not
+    /// finite, duplicate or unknown names, runs without a start.
     pub fn parse(&self, text: &str) -> Result<Scene, SceneError> {
         self.parse_in(Files::of(Path::new("")), text)
     }
 
-    /// Reads a scene that may name files of equations.
+    /// Parses a scene that may refer to files of equations.
     ///
     /// # Errors
     /// As [`parse`](Self::parse); [`SceneError::File`] for files that cannot be read.
@@ -178,10 +178,11 @@ impl Catalogue {
         self.parse_within(Some(files), text)
     }
 
-    /// Reads a scene that names no files: one from an archive, which may be a stranger's.
+    /// Parses a scene that must not refer to files, such as a scene in an archive from an untrusted
+    /// source.
     ///
     /// # Errors
-    /// As [`parse`](Self::parse); [`SceneError::Value`] for the name of a file.
+    /// As [`parse`](Self::parse); [`SceneError::Value`] for a file name.
     pub fn parse_alone(&self, text: &str) -> Result<Scene, SceneError> {
         self.parse_within(None, text)
     }
@@ -226,7 +227,8 @@ impl Catalogue {
         Ok(scene)
     }
 
-    /// The problem of a scene, whose statement is a part of the scene's text: a name, and settings.
+    /// Returns the problem of a scene from the part of the scene's text that states its name and
+    /// settings.
     fn problem(
         &self,
         stated: &RawValue,
@@ -239,7 +241,7 @@ impl Catalogue {
         let (name, settings) = stated.split_at(end);
         let at = settings.as_ptr() as usize - text.as_ptr() as usize;
         if name.is_empty() {
-            let reason = "expected the name of a problem, as `Plate()`".into();
+            let reason = "expected the name of a problem, such as `Plate()`".into();
             return Err(Source::new("", text).fault_at(at..at, Fault::Form { reason }).into());
         }
         let known = self.problems.iter().map(Problem::name);
@@ -252,7 +254,7 @@ impl Catalogue {
     }
 }
 
-/// The error of a text that is not written as scenes are.
+/// Returns the error for a text that is not a scene.
 fn no_scene(text: &str, error: SpannedError) -> SceneError {
     let mut error = misread(&Source::new("", text), 0, error);
     if let (Fault::Form { reason }, false) = (&mut error.fault, text.contains("Scene(")) {

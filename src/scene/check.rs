@@ -1,4 +1,4 @@
-//! What a scene must satisfy beyond its form.
+//! Checks of a scene's contents, such as finite numbers, unique names and consistent runs.
 
 use super::error::SceneError;
 use super::local::Local;
@@ -12,20 +12,21 @@ use crate::spelling::shown;
 use std::collections::HashSet;
 use std::ops::RangeInclusive;
 
-/// The tolerances that the flow of a sweep may have.
+/// The allowed tolerances of the flow of a sweep.
 const FLOW_TOLERANCES: RangeInclusive<f64> = 1e-15..=1e-3;
 
-/// The most unused parameters that are named.
+/// The maximum number of unused parameters listed in a warning.
 const MOST_UNUSED: usize = 5;
 
-/// How long simulations may last, in the model's unit of time: steps limit their cost, not time.
+/// The allowed durations of simulations, in the model's unit of time. The number of steps, rather
+/// than the duration, limits their cost.
 const TIMES: RangeInclusive<f64> = 0.0..=1e15;
 
 impl Scene {
     pub(super) fn check(&self) -> Result<(), SceneError> {
         self.check_words()?;
         if self.runs.is_empty() && self.sweeps.is_empty() {
-            let rule = "a scene must hold one run, or one sweep, or more";
+            let rule = "a scene must have at least one run or one sweep";
             return Err(SceneError::invalid("the list of runs", "empty", rule));
         }
         self.check_parameters()?;
@@ -47,7 +48,7 @@ impl Scene {
         if aperiodic
             && (self.runs.iter().any(|run| !run.along.is_empty()) || !self.sweeps.is_empty())
         {
-            let rule = "must be periodic where branches are traced: state `period`, the period in which it enters";
+            let rule = "must be periodic where branches are traced: replace `t` by a state `period`, the time modulo the period";
             return Err(SceneError::invalid(
                 "the time `t` in the equations",
                 "without a period",
@@ -64,7 +65,7 @@ impl Scene {
         self.check_accuracy()
     }
 
-    /// Refuses a parameter with the name of a setting: `--set` could not tell one from the other.
+    /// Rejects a parameter with the name of a setting, which would make `--set` ambiguous.
     fn check_names(&self) -> Result<(), SceneError> {
         let settings = self.setting_names();
         let named = |name: &&String| settings.contains(name);
@@ -72,13 +73,13 @@ impl Scene {
             None => Ok(()),
             Some(name) => {
                 let place = format!("the name of the parameter `{}`", shown(name));
-                let rule = "`--set` could not tell them apart: rename the parameter";
-                Err(SceneError::invalid(place, "that of a setting", rule))
+                let rule = "must be unambiguous for `--set`: rename the parameter";
+                Err(SceneError::invalid(place, "also the name of a setting", rule))
             }
         }
     }
 
-    /// Refuses settings out of their ranges.
+    /// Rejects settings outside their ranges.
     pub(super) fn check_settings(&self) -> Result<(), SceneError> {
         let sound = self.problem.model().check().and_then(|()| self.settings.check());
         sound.map_err(|error| {
@@ -112,7 +113,7 @@ impl Scene {
             return Err(SceneError::invalid(place("tolerance"), tolerance.to_string(), rule));
         }
         if let (Some(at), Some(_)) = (&sweep.at, &sweep.local) {
-            let rule = "must be left out where a local map is iterated";
+            let rule = "must be omitted where a local map is iterated";
             return Err(SceneError::invalid(place("at"), at.clone(), rule));
         }
         let Some(local) = &sweep.local else {
@@ -160,7 +161,7 @@ impl Scene {
         if let Start::Simulated(simulated) = &run.start {
             check_simulated(simulated, &place, earlier)?;
         } else if run.along.is_empty() {
-            let rule = "a branch releases one parameter or more";
+            let rule = "a branch must vary at least one parameter";
             return Err(SceneError::invalid(place("along"), "empty", rule));
         }
         if let Start::Guess(values) = &run.start {
@@ -180,11 +181,11 @@ impl Scene {
         if run.is_akin_to(named(earlier, from)?) {
             return Ok(());
         }
-        let rule = "must follow the flow, or the same local map, as this one does";
+        let rule = "must follow the flow, or the same local map, as this run does";
         Err(SceneError::invalid(place("start"), format!("`{from}`"), rule))
     }
 
-    /// Refuses what a run that follows a local map cannot be.
+    /// Rejects options of a run that do not apply to a local map.
     fn check_local(&self, local: &Local, run: &Run, earlier: &[Run]) -> Result<(), SceneError> {
         let place = format!("run `{}`", run.name);
         let held = run.set.iter().map(|(name, _)| name).filter(|name| self.value(name).is_some());
@@ -192,11 +193,13 @@ impl Scene {
         check_map(local, &place, earlier, held.chain(along))?;
         if run.expanded.is_some() && (run.along.len(), local.parameters.len()) != (1, 2) {
             let found = format!("a map in {}", local.parameters.join(", "));
-            let rule = "must release one of the two parameters of a map: the other one is given by the series";
+            let rule =
+                "must vary one of the two parameters of a map: the series gives the other one";
             return Err(SceneError::invalid(place + ", expanded", found, rule));
         }
         if matches!(run.start, Start::Simulated(_)) {
-            let rule = "must be `Guess` or `From` where points of a local map are followed; sweeps iterate it";
+            let rule =
+                "must be `Guess` or `From` for points of a local map; a sweep iterates the map";
             return Err(SceneError::invalid(place + ", start", "a simulation", rule));
         }
         Ok(())
@@ -204,8 +207,8 @@ impl Scene {
 }
 
 impl Scene {
-    /// The probable mistakes in equations which are given as text: parameters that no formula uses,
-    /// guards that jump, and what a file says that has no effect.
+    /// Returns warnings of probable mistakes in equations given as text: unused parameters,
+    /// discontinuous guards, and parts of a file that have no effect.
     pub fn warnings(&self) -> Vec<String> {
         let unused = self.problem.text().map_or(&[][..], |model| model.unused());
         let more = unused.len().saturating_sub(MOST_UNUSED);
@@ -218,13 +221,13 @@ impl Scene {
 }
 
 impl Problem {
-    /// The warnings of guards that jump, which are saved with branches, too.
+    /// Returns the warnings of discontinuous guards, which are also saved with branches.
     pub(super) fn jumps(&self) -> impl Iterator<Item = String> + '_ {
         let jumping = self.text().map_or(Vec::new(), |model| model.jumping_guards());
         jumping.into_iter().map(|name| {
             format!(
-                "the guard `{name}` jumps: an event is found where a guard falls through zero, and missed where a guard jumps \
-                 away from zero, as `1 - mod(t, 1)` does; state events at given times by `at`, as in \
+                "the guard `{name}` is discontinuous: an event is located where a guard decreases through zero, and missed where \
+                 a guard jumps away from zero, as in `1 - mod(t, 1)`; state events at given times with `at`, as in \
                  `at: \"n*period\"`"
             )
         })
@@ -232,7 +235,8 @@ impl Problem {
 }
 
 impl Run {
-    /// Whether both are about the same motions: those of the flow, or those of one local map.
+    /// Returns whether two runs follow the same motions: those of the flow, or those of the same
+    /// local map.
     pub(super) fn is_akin_to(&self, other: &Run) -> bool {
         let map = |run: &Run| {
             let order = run.set.iter().find(|(name, _)| name == "order").cloned();
@@ -242,13 +246,13 @@ impl Run {
     }
 }
 
-/// Refuses a period or a length that is not positive where parameters begin.
+/// Rejects a period or length that is not positive for the initial parameters.
 fn check_durations(problem: &Problem, p: &[f64]) -> Result<(), SceneError> {
     let refused = problem.text().and_then(|model| model.refused_duration(p));
     Ok(refused.map_or(Ok(()), Err)?)
 }
 
-/// The earlier run of a name.
+/// Returns the earlier run with a given name.
 fn named<'a>(earlier: &'a [Run], name: &str) -> Result<&'a Run, UnknownName> {
     let names = earlier.iter().map(|run| &run.name);
     Ok(&earlier[position("earlier run", name, names)?])
@@ -271,7 +275,7 @@ fn check_simulated(
     Ok(after.map(|_| ())?)
 }
 
-/// Refuses a map that is none, for what has a name, sets parameters, and goes over others.
+/// Rejects an invalid local map of a run or sweep, which fixes some parameters and varies others.
 fn check_map<'a>(
     local: &Local,
     place: &str,
@@ -280,7 +284,7 @@ fn check_map<'a>(
 ) -> Result<(), SceneError> {
     let place = format!("{place}, local");
     if named(earlier, &local.run)?.local.is_some() {
-        let rule = "must be a run of the flow, at whose grazing there is a map";
+        let rule = "must be a run of the flow with a grazing";
         return Err(SceneError::invalid(place, format!("`{}`", local.run), rule));
     }
     if local.parameters.is_empty() {
@@ -300,7 +304,7 @@ fn finite(place: &str, value: f64) -> Result<(), SceneError> {
     if value.is_finite() {
         return Ok(());
     }
-    let rule = "must be a finite number; leave an end of a range out to leave it open";
+    let rule = "must be a finite number; omit an end of a range to leave it open";
     Err(SceneError::invalid(place, value.to_string(), rule))
 }
 
@@ -309,29 +313,29 @@ fn unique<'a>(what: &str, names: impl Iterator<Item = &'a String>) -> Result<(),
     match names.into_iter().find(|name| !seen.insert(*name)) {
         Some(name) => {
             let place = format!("the {what} `{name}`");
-            Err(SceneError::invalid(place, "given twice", "may be given once only"))
+            Err(SceneError::invalid(place, "given twice", "may be given only once"))
         }
         None => Ok(()),
     }
 }
 
-/// Refuses to hold points of which there are no curves in two parameters.
+/// Rejects held points of kinds without curves in two parameters.
 fn check_held(run: &Run) -> Result<(), SceneError> {
     let held = of_curves();
     let Some(kind) = run.hold.filter(|kind| !held.contains(kind)) else { return Ok(()) };
     let held: Vec<&str> = held.iter().map(|kind| kind.letters()).collect();
-    let rule = format!("must be a kind that is followed in two parameters: {}", held.join(", "));
+    let rule = format!("must be a kind that can be traced in two parameters: {}", held.join(", "));
     let found = format!("{kind} ({})", kind.meaning());
     Err(SceneError::invalid(format!("run `{}`, hold", run.name), found, rule))
 }
 
-/// Refuses what belongs to points of a local map in a run without one.
+/// Rejects options of a local map in a run without one.
 fn no_map(run: &Run) -> Result<(), SceneError> {
     let found = match (run.impacts.is_empty(), run.expanded) {
         (true, None) => return Ok(()),
         (false, _) => format!("impacts: {:?}", run.impacts),
         (_, Some(kind)) => format!("expanded: {kind}"),
     };
-    let rule = "must state the local map that it is about, `local`; orbits of the flow have an `itinerary`";
+    let rule = "must come with a local map, `local`; orbits of the flow have an `itinerary`";
     Err(SceneError::invalid(format!("run `{}`", run.name), found, rule))
 }

@@ -1,4 +1,4 @@
-//! The columns of branches before they are traced.
+//! The columns of branches, known before the branches are traced.
 
 use super::error::SceneError;
 use super::resolve::{Resolved, ResolvedSweep};
@@ -14,8 +14,8 @@ use crate::core::problem::{Names, UnknownName, distinct};
 use crate::output::{Document, FigureError, Plot, SweepTable, check_columns};
 
 impl Scene {
-    /// Refuses a picture in columns that its branches and sweeps will not have: better before the
-    /// work than after it.
+    /// Rejects a plot with columns that neither branches nor sweeps will have, before any
+    /// computation.
     ///
     /// ```
     /// use tangency::scene::{BUILT_IN, Scene};
@@ -30,11 +30,11 @@ impl Scene {
     /// ```
     ///
     /// # Errors
-    /// [`SceneError::Figure`] with the column and those that there are.
+    /// [`SceneError::Figure`] with the missing column and the known columns.
     pub fn check_plot(&self) -> Result<(), SceneError> {
         let resolution = self.resolve(None)?;
         let shown = resolution.runs.iter().filter(|resolved| resolved.run.shown);
-        // What is wrong beside columns is said by the trace.
+        // Errors other than unknown columns are reported by the trace.
         let branches: Option<Vec<Branch>> = shown.map(Resolved::untraced).collect();
         let tables: Option<Vec<SweepTable>> =
             resolution.sweeps.iter().map(ResolvedSweep::undone).collect();
@@ -48,7 +48,7 @@ impl Scene {
         self.check_together(&branches, &tables)
     }
 
-    /// Refuses a column that neither one of the branches nor one of the sweeps has.
+    /// Rejects a column that no branch and no sweep has.
     fn check_together(&self, branches: &[Branch], tables: &[SweepTable]) -> Result<(), SceneError> {
         let Plot { x, y, panels, swept, logarithmic, .. } = &self.plot;
         let pairs = panels.iter().chain(swept).flat_map(|(x, y)| [x, y]);
@@ -73,8 +73,8 @@ impl Scene {
 }
 
 impl Resolved {
-    /// The branch of a run without its points, with all columns that it may have; `None` where they
-    /// are not known.
+    /// Returns the branch of a run without its points, with all columns that it may have, or `None`
+    /// if the columns are not known yet.
     fn untraced(&self) -> Option<Branch> {
         let run = &self.run;
         let own = match (&run.local, run.along.is_empty()) {
@@ -91,7 +91,7 @@ impl Resolved {
         };
         let mut monitors = own.monitors;
         let guards = self.motion().is_ok_and(|motion| !motion.guards().is_empty());
-        // Whether orbits pass events is known only where they begin.
+        // The events of an orbit are known only if the start determines them.
         let begins = !matches!(run.start, Start::Rest | Start::Guess(_) | Start::Profile(_));
         let further = GRAZINGS.iter().map(ToString::to_string).filter(|_| guards && begins);
         let missing: Vec<String> = further.filter(|name| !monitors.contains(name)).collect();
@@ -118,8 +118,8 @@ impl Resolved {
 }
 
 impl ResolvedSweep {
-    /// The table of which nothing is done, with all columns that it may have; `None` where they are
-    /// not known.
+    /// Returns the empty table of a sweep, with all columns that it may have, or `None` if the
+    /// columns are not known yet.
     fn undone(&self) -> Option<SweepTable> {
         let motion = self.motion().ok()?;
         let mut modes = motion.modes();
@@ -133,7 +133,7 @@ impl ResolvedSweep {
     }
 }
 
-/// All coordinates that a local map may have.
+/// Returns all possible coordinates of a local map.
 fn coordinates(modes: &[Mode]) -> Vec<String> {
     let states = distinct(modes.iter().flat_map(|mode| &mode.states)).into_iter();
     states.map(String::from).chain([PHASE.to_string()]).collect()

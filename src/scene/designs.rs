@@ -1,21 +1,21 @@
-//! A scene over a grid of settings.
+//! The designs of a grid of settings.
 
 use super::error::SceneError;
 use super::statement::Grid;
 use crate::core::sweep::spaced;
 use crate::output::significant;
 
-/// A grid has no more designs than this.
+/// The maximum number of designs in a grid.
 const MOST: usize = 100_000;
 
 /// The significant digits of the values of a design.
 const DIGITS: usize = 12;
 
-/// All designs of a grid: settings by name, as `--set` gives them, the last one varying first.
+/// Returns all designs of a grid: settings by name, as for `--set`. The last setting varies first.
 ///
 /// # Errors
-/// [`SceneError::Invalid`] for a grid without values, with a name twice, or with more than 100 000
-/// designs.
+/// [`SceneError::Invalid`] for a grid without values, with a duplicate name, or with more than 100
+/// 000 designs.
 ///
 /// ```
 /// use tangency::scene::{Grid, designs};
@@ -29,12 +29,12 @@ pub fn designs(grid: &[Grid]) -> Result<Vec<Vec<(String, String)>>, SceneError> 
     let count = grid.iter().try_fold(1_usize, |all, axis| all.checked_mul(axis.count));
     let Some(count) = count.filter(|count| (1..=MOST).contains(count)) else {
         let counts: Vec<String> = grid.iter().map(|axis| axis.count.to_string()).collect();
-        let rule = "a grid has from 1 to 100 000 designs";
+        let rule = "a grid must have from 1 to 100 000 designs";
         return Err(SceneError::invalid("the grid", counts.join(" × "), rule));
     };
     let twice = |(k, axis): &(usize, &Grid)| grid[..*k].iter().any(|it| it.name == axis.name);
     if let Some((_, axis)) = grid.iter().enumerate().find(twice) {
-        let rule = "a grid has each setting once";
+        let rule = "each setting may occur only once in a grid";
         return Err(SceneError::invalid("the grid", format!("`{}` twice", axis.name), rule));
     }
     let design = |mut index: usize| {

@@ -1,4 +1,5 @@
-//! How the solutions of a field, a boundary-value problem or a hybrid system are discretised.
+//! The discretisation of the solutions of a field, a boundary-value problem or a hybrid system, as
+//! the `problem` of a scene states it.
 
 use super::error::{ProblemError, SceneError};
 use super::notation::written;
@@ -12,16 +13,16 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::error::Error;
 
-/// The settings of a problem: written and read as RON, and set by name.
+/// The settings of a problem: serialized as RON, and set by name.
 pub(super) trait ProblemSettings:
     Clone + Default + Send + Sync + Serialize + DeserializeOwned + 'static
 {
-    /// Which solutions are computed, where the problem has several kinds.
+    /// Returns the kind of solutions to compute, for problems with several kinds.
     fn solution(&mut self) -> Option<&mut Solution> {
         None
     }
 
-    /// How trajectories are discretised, where the problem has any.
+    /// Returns the discretisation of trajectories, for problems that have trajectories.
     fn discretisation(&mut self) -> Option<&mut Discretisation> {
         None
     }
@@ -31,12 +32,12 @@ pub(super) trait ProblemSettings:
         Ok(())
     }
 
-    /// The setting, with its value, under which a setting of this name has no effect.
+    /// Returns the setting and its value that make the named setting ineffective.
     fn without_effect(&self, _name: &str) -> Option<(&'static str, String)> {
         None
     }
 
-    /// The same settings with other discretisations, in their order.
+    /// Returns copies of the settings with other discretisations, in their order.
     fn with(&self, discretisations: impl IntoIterator<Item = Discretisation>) -> Vec<Self> {
         let mut all = Vec::new();
         for other in discretisations {
@@ -49,18 +50,19 @@ pub(super) trait ProblemSettings:
         all
     }
 
-    /// Settings of growing accuracy and cost: tolerances of flows, or Gauss points and intervals.
+    /// Returns settings of growing accuracy and cost: tolerances of flows, or Gauss points and
+    /// intervals.
     fn ladder(&self) -> Vec<Self> {
         let discretisation = self.clone().discretisation().copied();
         self.with(discretisation.map_or(Vec::new(), Discretisation::ladder))
     }
 }
 
-/// How a zero problem is solved.
+/// The settings of a zero problem.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ZeroSettings {
-    /// Which matrices are used: `cheaper`, `dense` or `sparse`.
+    /// The type of matrices: `cheaper`, `dense` or `sparse`.
     pub matrices: Matrices,
 }
 
@@ -70,8 +72,8 @@ impl ProblemSettings for ZeroSettings {}
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct MapSettings {
-    /// How many iterates a cycle has (1 to 4096), where a run does not start from an earlier one:
-    /// fixed points by default.
+    /// The number of iterates of a cycle (1 to 4096) for runs that do not start from an earlier
+    /// one; by default 1, for fixed points.
     pub iterates: usize,
 }
 
@@ -88,13 +90,13 @@ impl ProblemSettings for MapSettings {
     }
 }
 
-/// The setting that says which solutions of a field are traced.
+/// The setting that selects the solutions of a field to trace.
 pub(super) const SOLUTION: &str = "solution";
 
-/// The setting that says which matrices are used.
+/// The setting that selects the type of matrices.
 const MATRICES: &str = "matrices";
 
-/// Which solutions of a field are computed.
+/// The solutions of a field to compute.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
@@ -106,16 +108,17 @@ pub enum Solution {
     Equilibrium,
 }
 
-/// How trajectories are discretised: a method with its settings.
+/// The discretisation of trajectories: a method with its settings.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum Discretisation {
-    /// Collocation at Gauss points, on a mesh that follows the solution: the default for smooth
-    /// fields and boundary-value problems, as accurate for unstable orbits as for stable ones.
+    /// Collocation at Gauss points on an adaptive mesh: the default for smooth fields and
+    /// boundary-value problems, equally accurate for stable and unstable orbits.
     Collocation(CollocationSettings),
-    /// Multiple shooting: the default for hybrid systems, whose legs are short and smooth. It takes
-    /// a third of the time or less (`tangency-reports work-precision orbit`).
+    /// Multiple shooting: the default for hybrid systems, whose legs are short and smooth. There
+    /// shooting takes at most a third of the time of collocation (`tangency-reports work-precision
+    /// orbit`).
     Shooting(ShootingSettings),
 }
 
@@ -133,7 +136,7 @@ pub struct CollocationSettings {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ShootingSettings {
-    /// The number of parts of each segment, which are integrated one by one (1 to 4096).
+    /// The number of parts of each segment, integrated separately (1 to 4096).
     pub segments: usize,
     /// The integration scheme.
     pub scheme: Scheme,
@@ -159,8 +162,8 @@ impl Default for Discretisation {
     }
 }
 
-/// The coarsest meshes of collocation, Gauss points in an interval and intervals: each has about a
-/// digit more than the one before, at the lowest cost (`tangency-reports work-precision orbit`).
+/// The coarsest meshes of collocation, as Gauss points per interval and intervals: each gains about
+/// one digit over the previous one, at the lowest cost (`tangency-reports work-precision orbit`).
 const MESHES: [(usize, usize); 9] =
     [(3, 5), (4, 5), (4, 10), (4, 15), (5, 15), (5, 20), (5, 30), (7, 30), (7, 45)];
 
@@ -170,38 +173,38 @@ const TOLERANCES: [f64; 2] = [1e-3, 1e-4];
 /// The number of discretisations to choose from.
 const RUNGS: usize = 12;
 
-/// How the periodic orbits or equilibria of a smooth field are computed.
+/// The settings for the periodic orbits or equilibria of a smooth field.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct FieldSettings {
     /// Which solutions of the field are computed.
     pub solution: Solution,
-    /// How orbits are discretised; if not given, by collocation.
+    /// The discretisation of orbits; by default, collocation.
     pub method: Discretisation,
-    /// Which matrices equilibria are computed with: `cheaper`, `dense` or `sparse`.
+    /// The type of matrices for equilibria: `cheaper`, `dense` or `sparse`.
     pub matrices: Matrices,
 }
 
-/// How a boundary-value problem is discretised.
+/// The settings of a boundary-value problem.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct BoundarySettings {
-    /// How solutions are discretised; if not given, by collocation.
+    /// The discretisation of solutions; by default, collocation.
     pub method: Discretisation,
 }
 
-/// How the periodic orbits or equilibria of a hybrid system are computed.
+/// The settings for the periodic orbits or equilibria of a hybrid system.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct HybridOrbitSettings {
     /// Which solutions of the system are computed.
     pub solution: Solution,
-    /// The mode in which equilibria are, where a run does not start from an earlier one: by
-    /// default the one in which motion begins.
+    /// The mode of equilibria for runs that do not start from an earlier one; by default the
+    /// initial mode of the motion.
     pub mode: String,
-    /// How orbits are discretised; if not given, by shooting.
+    /// The discretisation of orbits; by default, shooting.
     pub method: Discretisation,
-    /// The modes and events of the orbit, where a run does not start from an earlier one: by
+    /// The modes and events of the orbit, for runs that do not start from an earlier one; by
     /// default an orbit without events, in the first mode.
     pub itinerary: String,
     /// The order of local maps near grazings (1 to 7).
@@ -288,13 +291,13 @@ fn in_range(
 }
 
 impl Discretisation {
-    /// Each method with its default settings.
+    /// Returns both methods with their default settings.
     pub(super) fn methods() -> [Self; 2] {
         use Discretisation::{Collocation, Shooting};
         [Collocation(CollocationSettings::default()), Shooting(ShootingSettings::default())]
     }
 
-    /// Discretisations of growing accuracy and cost.
+    /// Returns discretisations of growing accuracy and cost.
     fn ladder(self) -> Vec<Self> {
         let coarse = match self {
             Discretisation::Shooting(own) => TOLERANCES
@@ -311,7 +314,7 @@ impl Discretisation {
         ladder(coarse, RUNGS, Discretisation::finer)
     }
 
-    /// The finer discretisation by [`Method::finer`], which special points climb.
+    /// Returns the next finer discretisation by [`Method::finer`], to refine special points.
     fn finer(&self) -> Option<Self> {
         let mut finer = *self;
         match &mut finer {
@@ -344,12 +347,12 @@ impl Discretisation {
         }
     }
 
-    /// The system of a problem.
+    /// Builds the system of a problem.
     pub fn system(&self, problem: impl IntoEquations) -> Result<Box<dyn System>, SceneError> {
         Ok(Box::new(self.boundary(problem)?))
     }
 
-    /// The discretised problem.
+    /// Discretises a boundary-value problem.
     pub(super) fn boundary(
         &self,
         problem: impl IntoEquations,
@@ -360,7 +363,8 @@ impl Discretisation {
         built(BoundarySystem::new(problem, method, meshes))
     }
 
-    /// The system of the orbits like a simulated one, and the unknowns of that one.
+    /// Builds the system of orbits with the itinerary of a simulated orbit, and the unknowns of the
+    /// simulated orbit.
     pub fn start(
         &self,
         simulated: Guess<impl IntoEquations>,
@@ -371,7 +375,7 @@ impl Discretisation {
         Ok((Box::new(system), z))
     }
 
-    /// The method, and the number of its intervals on each segment.
+    /// Returns the method, and the number of intervals on each segment.
     pub(super) fn method(&self) -> Result<(Method, usize), SceneError> {
         Ok(match *self {
             Discretisation::Collocation(CollocationSettings { intervals, degree }) => {
@@ -388,10 +392,10 @@ fn built<S, E: Error + Send + Sync + 'static>(found: Result<S, E>) -> Result<S, 
     Ok(found.map_err(ProblemError::new)?)
 }
 
-/// A system, and unknowns to start from.
+/// A system and its initial unknowns.
 pub(super) type Started = (Box<dyn System>, Vec<f64>);
 
-/// A simulated motion from which no branch can start.
+/// Returns the error for a simulated motion from which no branch can start.
 pub(super) fn no_start(cause: Failure) -> SceneError {
     SceneError::value("start", "Simulated", cause.to_string())
 }

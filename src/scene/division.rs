@@ -1,9 +1,9 @@
-//! How evenly sweeps divide into parts, each done by a process of its own.
+//! The division of sweeps into parts, each computed by a separate process.
 
 use super::statement::{Scene, Sweep};
 use crate::core::sweep::{MOST_RUNS, Order};
 
-/// How evenly strands divide into parts, to which they are dealt in turn.
+/// The division of strands into parts, to which they are dealt in turn.
 ///
 /// ```
 /// use tangency::scene::Division;
@@ -42,23 +42,23 @@ impl Division {
         Division { parts, strands: count, runs: sizes.iter().sum(), largest }
     }
 
-    /// The number of runs in the largest part if single runs were dealt.
+    /// Returns the number of runs in the largest part if single runs were dealt.
     pub fn even(&self) -> usize {
         self.runs.div_ceil(self.parts)
     }
 
-    /// Whether the largest part has at most a tenth more runs than an even one.
+    /// Returns whether the largest part has at most a tenth more runs than an even part.
     pub fn is_even(&self) -> bool {
         self.largest <= self.even() + self.even() / 10
     }
 }
 
 impl Sweep {
-    /// The numbers of runs of its strands, in order; with another number of strands, if one is
-    /// given.
+    /// Returns the numbers of runs of the strands, in order, for a given or the stated number of
+    /// strands.
     pub(super) fn strand_lengths(&self, strands: Option<usize>) -> impl Iterator<Item = usize> {
         let points = self.over.iter().try_fold(1, |points, grid| grid.count.checked_mul(points));
-        // More are refused before they are done.
+        // Larger sweeps are rejected before the first run.
         let points = points.filter(|points| *points <= MOST_RUNS).unwrap_or(0);
         let strands = strands.unwrap_or(self.strands);
         let starts = 0..self.starts.len().max(1);
@@ -67,7 +67,7 @@ impl Sweep {
 }
 
 impl Scene {
-    /// How evenly `parts` parts divide the runs of all sweeps.
+    /// Returns the division of the runs of all sweeps into `parts` parts.
     ///
     /// ```
     /// let scene = tangency::scene::Scene::parse("Scene(title: \"t\", problem: ImpactOscillator(), sweeps: [
@@ -81,13 +81,13 @@ impl Scene {
         self.divided(parts, None)
     }
 
-    /// How many strands, if all sweeps are set to have them, divide more evenly into `parts` parts,
-    /// and the number of runs in the largest part then.
+    /// Returns a number of strands, set for all sweeps, that divides more evenly into `parts`
+    /// parts, and the number of runs in its largest part.
     pub fn better_strands(&self, parts: usize) -> Option<(usize, usize)> {
         let followed = || self.sweeps.iter().filter(|sweep| sweep.order != Order::Anew);
         let chains: usize = followed().map(|sweep| sweep.starts.len().max(1)).sum();
         let longest = followed().filter_map(|sweep| Some(sweep.over.first()?.count)).max()?;
-        // A strand for each part in all, or in every sweep from every start.
+        // One strand for each part in total, or one for each part in every sweep from every start.
         let offers = [parts.div_ceil(chains), parts].map(|strands| strands.min(longest));
         let divided = offers.map(|strands| (strands, self.divided(parts, Some(strands))));
         let even = divided.iter().find(|(_, division)| division.is_even());

@@ -1,4 +1,4 @@
-//! Settings that change nothing: they are refused, and not passed over.
+//! Checks of settings: changed settings that have no effect are rejected.
 
 use super::discretisation::{SOLUTION, Solution};
 use super::error::{SceneError, under_setting};
@@ -13,17 +13,17 @@ use crate::core::problem::{Dynamics, Forcing};
 pub enum Purpose {
     /// Its runs are traced.
     Runs,
-    /// Its runs are traced, and what they find is followed.
+    /// Its runs are traced, and emanating branches are followed.
     Exploration,
-    /// Its sweeps are done, and its runs are traced to be drawn with them.
+    /// Its sweeps are computed, and its runs are traced to be drawn with them.
     Sweeps,
 }
 
 impl Scene {
-    /// Refuses changed values that have no effect for a purpose.
+    /// Rejects changed values that have no effect for a purpose.
     ///
     /// # Errors
-    /// [`SceneError::NoEffect`] names the reason.
+    /// [`SceneError::NoEffect`] with the reason.
     ///
     /// ```
     /// use tangency::scene::{BUILT_IN, Scene, Purpose};
@@ -45,7 +45,7 @@ impl Scene {
         for name in set {
             let runs = resolution.runs.iter().map(|run| run.without_effect(name, purpose));
             let sweeps = resolution.sweeps.iter().filter(|_| purpose == Purpose::Sweeps);
-            // An effect on one of them suffices.
+            // An effect on one run or sweep suffices.
             let reasons: Option<Vec<String>> =
                 runs.chain(sweeps.map(|sweep| sweep.without_effect(name))).collect();
             if let Some(reason) = reasons.and_then(|reasons| reasons.into_iter().next()) {
@@ -56,18 +56,18 @@ impl Scene {
     }
 }
 
-/// What solutions must have for a setting of the continuation to have an effect.
+/// The property that solutions need for a setting of the continuation to have an effect.
 #[derive(Clone, Copy, PartialEq)]
 enum Need {
     /// A discretisation.
     Discretisation,
-    /// A period that may grow.
+    /// A free period.
     FreePeriod,
-    /// Motion, which is stable or not.
+    /// Dynamics, which define stability.
     Dynamics,
 }
 
-/// The settings of the continuation that need something.
+/// The settings of the continuation that need a property of the solutions.
 const NEEDS: [(&str, Need); 8] = [
     ("refinement", Need::Discretisation),
     ("refine", Need::Discretisation),
@@ -80,7 +80,7 @@ const NEEDS: [(&str, Need); 8] = [
 ];
 
 impl Resolved {
-    /// Why a changed value changes nothing in this run, if that is so.
+    /// Returns why a changed value has no effect in this run, or `None` if it has one.
     fn without_effect(&self, name: &str, purpose: Purpose) -> Option<String> {
         if self.problem.parameter_names().iter().any(|known| known == name) {
             return None;
@@ -91,7 +91,7 @@ impl Resolved {
         if self.run.along.is_empty() {
             return Some("on simulated histories: leave it out".into());
         }
-        // Orbits may begin where equilibria lose stability, and have other settings.
+        // Orbits may emanate from Hopf points of equilibria, and have other settings.
         let explores = purpose == Purpose::Exploration && self.problem.solution().is_some();
         if let Some((under, value)) = self.problem.model().without_effect(name) {
             let reason = under_setting(&under, &value);
@@ -111,7 +111,7 @@ impl Resolved {
         })
     }
 
-    /// Whether solutions lack something; not if that is not known.
+    /// Returns whether solutions lack a property; false if unknown.
     fn lacks(&self, need: Need) -> bool {
         let Resolved { problem, values, reach, .. } = self;
         let exact = problem.ladder(values, reach).is_ok_and(|ladder| ladder.is_empty());
@@ -125,10 +125,10 @@ impl Resolved {
 }
 
 impl ResolvedSweep {
-    /// Why a changed value changes nothing in this sweep, if that is so.
+    /// Returns why a changed value has no effect in this sweep, or `None` if it has one.
     fn without_effect(&self, name: &str) -> Option<String> {
         if self.sweep.over.iter().any(|grid| grid.name == name) {
-            return Some(format!("on the sweep `{}`, which goes over it", self.sweep.name));
+            return Some(format!("on the sweep `{}`, which varies it", self.sweep.name));
         }
         if let Some((_, own)) = self.sweep.set.iter().find(|(key, _)| key == name) {
             return Some(format!("on the sweep `{}`, which sets it to `{own}`", self.sweep.name));
@@ -140,12 +140,12 @@ impl ResolvedSweep {
 }
 
 impl Need {
-    /// Where solutions lack it.
+    /// Describes solutions that lack the property.
     fn without(self) -> &'static str {
         match self {
             Need::Discretisation => "where equations need no discretisation",
             Need::FreePeriod => "where the period is not an unknown",
-            Need::Dynamics => "for equations that describe no motion",
+            Need::Dynamics => "for equations without dynamics",
         }
     }
 }

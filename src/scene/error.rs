@@ -1,4 +1,4 @@
-//! What can be wrong with a scene.
+//! The errors of scenes: invalid statements, and runs that failed.
 
 use super::expansion::ExpansionError;
 use crate::core::attractor::{CycleSearchError, StroboscopicError};
@@ -14,13 +14,13 @@ use crate::spelling::{sentence, shown, spelled};
 use std::error::Error;
 use std::sync::Arc;
 
-/// Why a problem cannot be built from its settings: the problem's own error.
+/// The error of a problem that cannot be built from its settings.
 #[derive(Clone, Debug, thiserror::Error)]
 #[error(transparent)]
 pub struct ProblemError(Arc<dyn Error + Send + Sync>);
 
 impl ProblemError {
-    /// The error of a problem.
+    /// Wraps the error of a problem.
     pub fn new(cause: impl Error + Send + Sync + 'static) -> Self {
         ProblemError(Arc::new(cause))
     }
@@ -38,16 +38,16 @@ impl From<ModelError> for SceneError {
     }
 }
 
-/// An error of a scene, or of a request to it.
+/// The error of a scene, or of a request to it.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SceneError {
-    /// A value that would have no effect.
-    #[error("`{0}` is given twice: state each parameter or state once, in `--over` or in `--from`")]
+    /// A parameter or state is given both in `--over` and in `--from`, or twice in one of them.
+    #[error("`{0}` is given twice: give each parameter or state once, in `--over` or in `--from`")]
     Twice(String),
-    /// Sweeps both ways without an order.
+    /// `--both` is given without exactly one parameter to sweep.
     #[error(
-        "`--both` goes through the values of one parameter: state one `--over`, of a parameter"
+        "`--both` sweeps the values of one parameter upward and downward: give one `--over`, of a parameter"
     )]
     BothWays,
     /// A name that the scene does not have.
@@ -63,56 +63,56 @@ pub enum SceneError {
         /// The expected form.
         reason: String,
     },
-    /// A setting that changes nothing.
+    /// A setting without effect.
     #[error("`{name}` has no effect {reason}")]
     NoEffect {
         /// The parameter or setting.
         name: String,
-        /// Where and why, and the remedy.
+        /// Where and why the setting has no effect, and the remedy.
         reason: String,
     },
-    /// A name that the scene varies by itself.
+    /// A parameter or setting that a run of the scene sets.
     #[error(
-        "`{name}` is varied by the scene: the run `{run}` sets it to `{value}`; copy the scene to a file to change that"
+        "`{name}` is set by the scene: the run `{run}` sets it to `{value}`; copy the scene to a file to change that"
     )]
     Varied {
         /// The parameter or setting.
         name: String,
-        /// The run.
+        /// The run that sets the value.
         run: String,
-        /// Its value.
+        /// The value set by the run.
         value: String,
     },
     /// A file of equations cannot be read.
     #[error("{path} cannot be read: {cause}; check the path")]
     File {
-        /// Its path.
+        /// The path of the file.
         path: String,
-        /// The system's message.
+        /// The message of the operating system.
         cause: String,
     },
-    /// A scene is not written as scenes are, or its equations cannot be understood.
+    /// A scene has syntax errors, or its equations cannot be parsed.
     #[error(transparent)]
     Model(Box<ModelError>),
-    /// Something that a scene must not hold.
+    /// The scene contains an invalid value.
     #[error("{place} is {}, but {rule}", shown(found))]
     Invalid {
         /// The place, for example "run `plate`, mark `load`".
         place: String,
         /// The present value.
         found: String,
-        /// The condition that it must meet.
+        /// The condition that the value violates.
         rule: String,
     },
     /// The problem cannot be built.
     #[error(transparent)]
     Problem(#[from] ProblemError),
-    /// The problem cannot do what the scene needs.
+    /// The problem lacks a capability that the scene needs.
     #[error(
-        "{needs}, and this problem is {kind}; state a field as a hybrid system of one mode to use it so"
+        "{needs}, and this problem is {kind}; to use a vector field in this way, state it as a hybrid system of one mode"
     )]
     Unsupported {
-        /// Which problems can do it.
+        /// The problems that have the capability, in words.
         needs: &'static str,
         /// The kind of the problem.
         kind: &'static str,
@@ -122,39 +122,39 @@ pub enum SceneError {
     MissingParameters {
         /// The problem.
         problem: &'static str,
-        /// The parameters.
+        /// The names of the parameters.
         missing: Vec<String>,
     },
-    /// A sweep has no meaning.
+    /// The plan of a sweep is invalid.
     #[error(transparent)]
     Plan(#[from] PlanError),
-    /// There is no motion to be looked at.
+    /// The motion cannot be sampled.
     #[error("{}", spelled(.0))]
     Strobe(#[from] StroboscopicError),
     /// The known results belong to another scene.
     #[error(
-        "the runs that are done were made by another scene, or with other settings: remove their file, begin afresh, or \
-         name another folder"
+        "the earlier runs are from another scene, or from other settings: remove their file, start with --afresh, or \
+         choose another folder"
     )]
     OtherScene,
     /// The known results have other tables.
     #[error(
-        "the runs that are done are in other tables: {0}; remove their file, begin afresh, or name another folder"
+        "the earlier runs are in other tables: {0}; remove their file, start with --afresh, or choose another folder"
     )]
     OtherTables(#[source] TableDifference),
-    /// The accuracy that a scene asks for is not met by the finest discretisation.
-    #[error("{chosen}, which is more: ask for less, or state the discretisation")]
+    /// The finest discretisation does not reach the accuracy that a scene requests.
+    #[error("{chosen}, which is more: request a lower accuracy, or state the discretisation")]
     Unmet {
-        /// The finest one, and its estimated error.
+        /// The finest discretisation and its estimated error.
         chosen: Box<Chosen>,
     },
-    /// A picture that cannot be drawn, whatever is traced.
+    /// The plot is invalid for every result.
     #[error("the plot: {0}")]
     Figure(#[from] FigureError),
-    /// Ctrl-C.
-    #[error("the run `{run}` was interrupted before it had a point; those before it are kept")]
+    /// The run was cancelled, for example by Ctrl-C.
+    #[error("the run `{run}` was interrupted before its first point; earlier runs are saved")]
     GivenUp {
-        /// The run.
+        /// The name of the run.
         run: String,
     },
     /// A run starts from a point that an earlier run did not find.
@@ -162,59 +162,62 @@ pub enum SceneError {
         "the run `{run}` starts from point {nth} of kind {kind} of `{from}`, which has {found} of that kind ({ends})"
     )]
     NoSuchPoint {
-        /// The run.
+        /// The name of the run.
         run: String,
-        /// The run it starts from.
+        /// The run with the special points.
         from: String,
-        /// The kind.
+        /// The kind of the special point.
         kind: String,
-        /// Which one.
+        /// The index of the special point among its kind.
         nth: usize,
-        /// How many there are.
+        /// The number of special points of that kind.
         found: usize,
-        /// Why that run ended.
+        /// The reasons for the ends of the earlier run.
         ends: String,
     },
-    /// Neither a state nor where motion settles from there is a start.
-    #[error("motion does not settle from the given state: {cause}; no branch starts there: {near}")]
+    /// No branch starts from the given state, and the motion from there does not converge to an
+    /// attractor.
+    #[error(
+        "the motion from the given state does not converge: {cause}; no branch starts at the state itself: {near}"
+    )]
     NoStart {
-        /// Why no branch starts there.
+        /// The reason why no branch starts at the state.
         near: Box<SceneError>,
-        /// Why motion does not settle.
+        /// The reason why the motion does not converge.
         cause: Box<SceneError>,
     },
     /// A run failed.
     #[error("run `{run}`: {}", spelled(&**cause))]
     Run {
-        /// The run.
+        /// The name of the run.
         run: String,
-        /// Why.
+        /// The reason for the failure.
         #[source]
         cause: Box<RunError>,
     },
 }
 
-/// Why a run, or a sweep of a local map, failed.
+/// The reason for the failure of a run, or of a sweep of a local map.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 #[error("{0}")]
 pub enum RunError {
-    /// There is no local map to follow.
+    /// There is no local map.
     Local(#[from] GrazingError),
-    /// No curve begins at the grazing of a local map.
+    /// No curve emanates from the grazing of a local map.
     Expansion(#[from] ExpansionError),
-    /// A simulation ended before its time.
+    /// A simulation ended early.
     Simulation(#[from] HybridError),
     /// A simulation found no periodic motion to start from.
     Unsettled(#[from] CycleSearchError),
-    /// There is no saddle whose manifolds could be grown.
+    /// There is no saddle whose manifolds could be computed.
     Manifold(#[from] ManifoldError),
-    /// A trace could not begin.
+    /// A trace could not start.
     Trace(#[from] TraceError),
 }
 
 impl SceneError {
-    /// Whether it names the file that it is about: one of equations, in place of the scene's.
+    /// Returns whether the message names a file of equations, which then replaces the scene's file.
     pub fn names_file(&self) -> bool {
         match self {
             SceneError::File { .. } => true,
@@ -223,8 +226,8 @@ impl SceneError {
         }
     }
 
-    /// Whether another start of a run in which parameters are released may mend it: no solution is
-    /// there, or one that is out of bounds.
+    /// Returns whether another start could avoid the error of a run that varies parameters: no
+    /// solution was found, or only one out of bounds.
     pub(super) fn is_of_start(&self, is_released: impl Fn(&str) -> bool) -> bool {
         use TraceError::{OutOfRange, Start};
         let of_run = |cause: &RunError| match cause {
@@ -247,7 +250,7 @@ impl SceneError {
         SceneError::Value { name: name.into(), value: value.into(), reason: reason.into() }
     }
 
-    /// A setting that changes nothing while another one has a value.
+    /// Returns the error for a setting that has no effect while another setting has a given value.
     pub(super) fn no_effect_under(name: &str, under: &str, value: &str) -> Self {
         SceneError::NoEffect { name: name.into(), reason: under_setting(under, value) }
     }
@@ -261,7 +264,7 @@ impl SceneError {
     }
 }
 
-/// Why a setting has no effect while another one has a value, with the remedy.
+/// Explains why a setting has no effect while another setting has a given value, with the remedy.
 pub(super) fn under_setting(under: &str, value: &str) -> String {
     format!("where `{under}` is `{value}`: leave it out, or set `{under}` too")
 }

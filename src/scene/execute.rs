@@ -1,4 +1,5 @@
-//! Tracing a scene with the discretisation that it states, or that its accuracy asks for.
+//! Tracing a scene with the discretisation that it states, or one chosen for its requested
+//! accuracy.
 
 use super::error::SceneError;
 use super::fidelity::traced_to;
@@ -9,7 +10,7 @@ use super::trace::{Outcome, traced};
 use crate::output::Document;
 
 impl Outcome {
-    /// The outcome of a scene that could not be resolved.
+    /// Returns the outcome of a scene that could not be resolved.
     pub(super) fn failed(scene: &Scene, cause: SceneError) -> Self {
         Outcome { document: Document::new(scene.title.clone(), Vec::new()), error: Some(cause) }
     }
@@ -25,8 +26,8 @@ impl Resolution {
     }
 }
 
-/// Resolves a scene and traces its runs; from a start point, the run that goes on from there
-/// ([`Scene::resolve`]).
+/// Resolves a scene and traces its runs; with a start point, traces the run that continues from
+/// there ([`Scene::resolve`]).
 ///
 /// ```
 /// use tangency::scene::{BUILT_IN, Scene, execute};
@@ -38,9 +39,8 @@ impl Resolution {
 /// # Ok::<(), tangency::scene::SceneError>(())
 /// ```
 ///
-/// If the scene states an accuracy, the discretisation is chosen for it;
-/// [`Document::chosen`](crate::output::Document::chosen) says which, and what its error is
-/// estimated to be:
+/// If the scene requests an accuracy, the discretisation is chosen accordingly;
+/// [`Document::chosen`](crate::output::Document::chosen) holds the choice and its estimated error:
 ///
 /// ```
 /// # use tangency::scene::{BUILT_IN, Scene, execute};

@@ -1,17 +1,19 @@
-//! Expansions of the curves of folds and period doublings that begin at a point of codimension two.
+//! Expansions of the curves of folds and period doublings that emanate from a point of codimension
+//! two.
 //!
 //! An orbit with one impact solves `F = P(D(z, p), p) − ξ(z, p) = 0`, where `ξ` is the virtual
-//! point that `z`, its `y` and its other coordinates, stands for. It has the multiplier `μ` where
+//! point that corresponds to `z` (its `y` and its other coordinates). It has the multiplier `μ`
+//! where
 //!
 //! ```text
 //!     (∂[P ∘ D]/∂z − μ ∂ξ/∂z) v = 0,    ⟨c, v⟩ = 1.
 //! ```
 //!
-//! Both are regular at `y = 0`. Where the derivative of the smooth map leads no part of `β` into
-//! the normal direction (`∂P/∂θ = 0` in one phase), they are solved by `y = 0` with `μ = 1` and
-//! `μ = −1` alike, so that a curve of folds and one of period doublings begin there. With one
-//! parameter a jet, Newton's iteration for `z`, `v` and another parameter gives the Taylor series
-//! of the curve, a term an iteration.
+//! Both equations are regular at `y = 0`. If the derivative of the smooth map does not map `β` into
+//! the normal direction (`∂P/∂θ = 0` in one phase), `y = 0` solves them for both `μ = 1` and `μ =
+//! −1`, so that a curve of folds and a curve of period doublings emanate there. With one parameter
+//! as a jet, Newton's iteration for `z`, `v` and another parameter yields the Taylor series of the
+//! curve, one term per iteration.
 
 use crate::core::failure::Failure;
 use crate::core::linalg::{Border, BorderedLu};
@@ -21,32 +23,32 @@ use crate::core::scalar::{Jet, JetError, Scalar, Space};
 use crate::core::system::Kind;
 use num_dual::{Dual, Dual64, DualNum};
 
-/// The Taylor series of a curve of special points from a grazing of codimension two:
+/// The Taylor series of a curve of special points that emanates from a grazing of codimension two:
 /// `Δp₁ = Σ c_k Δp₂ᵏ`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Expansion {
     /// Folds ([`Kind::LP`]) or period doublings ([`Kind::PD`]).
     pub kind: Kind,
-    /// `c_1, c_2, …`, as many as the map has orders.
+    /// The coefficients `c_1, c_2, …`, one for each order of the map.
     pub parameter: Vec<f64>,
-    /// The coefficients of `y`, one fewer. The curve lies on the side of `Δp₂` where `y` is
-    /// positive.
+    /// The coefficients of `y`, one fewer than of the parameter. The curve lies on the side of
+    /// `Δp₂` where `y` is positive.
     pub depth: Vec<f64>,
 }
 
-/// Why no curve of special points begins at a grazing.
+/// The reason why no curve of special points emanates from a grazing.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ExpansionError {
-    /// No curve of special points begins at the grazing.
+    /// No curve of special points emanates from the grazing.
     #[error(
-        "no curve of folds or period doublings of orbits with one impact begins at this grazing: the test \
+        "no curve of folds or period doublings of orbits with one impact emanates from this grazing: the test \
          function is {0:.1e} and should vanish; locate the degenerate point on the curve of \
          grazings first"
     )]
     NotDegenerate(f64),
-    /// No such curve is known.
-    #[error("curves of LP and PD begin at a degenerate grazing, none of {0}")]
+    /// No curve of this kind is known.
+    #[error("curves of LP and PD emanate from a degenerate grazing, but none of {0}")]
     NoCurve(Kind),
     /// A parameter that the map does not have.
     #[error("{0}")]
@@ -59,8 +61,8 @@ pub enum ExpansionError {
     Jet(#[from] JetError),
 }
 
-/// The curve of a series, `Δp₁ − Σ c_k Δp₂ᵏ = 0` with its depth, as a zero problem in `p₂`: to be
-/// traced and drawn beside what it is a series of.
+/// The curve of a series, `Δp₁ − Σ c_k Δp₂ᵏ = 0` with its depth, as a zero problem in `p₂`: to
+/// trace and draw beside the exact curve.
 ///
 /// ```
 /// use tangency::core::continuation::Continuation;
@@ -82,14 +84,14 @@ pub struct ExpansionCurve {
     pub expansion: Expansion,
     /// `p₁` and `p₂` at the point of codimension two.
     pub origin: [f64; 2],
-    /// Their names.
+    /// The names of `p₁` and `p₂`.
     pub names: [String; 2],
 }
 
 /// The name of `y` along the curve.
 const DEPTH: &str = "depth";
 
-/// `Σ c_k xᵏ`, k from 1 on.
+/// Evaluates `Σ c_k xᵏ`, starting at k = 1.
 fn power_series<T: Scalar>(coefficients: &[f64], x: T) -> T {
     coefficients.iter().rev().fold(T::zero(), |sum, c| (sum + *c) * x)
 }
@@ -116,11 +118,10 @@ impl ZeroProblem for ExpansionCurve {
     }
 }
 
-/// A series has room for the terms of the highest order.
+/// A series with enough terms for the highest order.
 type Series = Jet<16>;
 
-/// A matrix is singular if its null vector within a border is found with a multiplier smaller than
-/// this.
+/// The largest multiplier of a bordered null vector at which a matrix counts as singular.
 const SINGULAR: f64 = 1e-6;
 
 /// The equations of a curve.
@@ -128,14 +129,14 @@ struct Curve<'a> {
     map: &'a LocalMap,
     /// The multiplier.
     mu: f64,
-    /// Positions of the parameter that is solved for, and of the other one.
+    /// The positions of the dependent and of the independent parameter.
     parameters: [usize; 2],
     /// The direction that normalises null vectors.
     scale: Vec<f64>,
 }
 
 impl Curve<'_> {
-    /// Image and virtual point with their derivatives along `v`.
+    /// Evaluates the image and the virtual point with their derivatives along `v`.
     fn along<T: Scalar>(&self, z: &[T], v: &[T], p: &[T]) -> [Vec<Dual<T>>; 2] {
         let z: Vec<_> = z.iter().zip(v).map(|(z, v)| Dual::new(*z, *v)).collect();
         let p: Vec<_> = p.iter().map(|p| Dual::new(*p, T::zero())).collect();
@@ -146,7 +147,8 @@ impl Curve<'_> {
         [image, place]
     }
 
-    /// `F`, the equation of the multiplier, and the length of `v`, for unknowns `(z, Δp₁, v)`.
+    /// Evaluates `F`, the equation of the multiplier, and the length of `v`, for unknowns `(z, Δp₁,
+    /// v)`.
     fn residual<T: Scalar>(&self, u: &[T], other: T, out: &mut [T]) {
         let n = self.scale.len();
         let (z, v) = (&u[..n], &u[n + 1..]);
@@ -161,7 +163,7 @@ impl Curve<'_> {
         out[2 * n] = length - 1.0;
     }
 
-    /// The null vector of the equation of the multiplier at the grazing.
+    /// Computes the null vector of the equation of the multiplier at the grazing.
     fn null_vector(&self) -> Result<Vec<f64>, ExpansionError> {
         let n = self.scale.len();
         let (zero, p) = (vec![0.0; n], vec![0.0; self.map.parameters().len()]);
@@ -172,7 +174,7 @@ impl Curve<'_> {
             let [image, place] = self.along(&zero, &v, &p);
             matrix.extend(image.iter().zip(&place).map(|(a, b)| a.eps - self.mu * b.eps));
         }
-        // The adjoint null vector points along the normal, as nothing leads there.
+        // The adjoint null vector is the normal, because the derivative has no normal component.
         let mut column = zero;
         column[self.map.normal()] = 1.0;
         let border =
@@ -188,7 +190,7 @@ impl Curve<'_> {
         }
     }
 
-    /// The derivative of the residual by the unknowns, one column after the other.
+    /// Computes the derivative of the residual with respect to the unknowns, stored by columns.
     fn jacobian(&self, u: &[f64]) -> Vec<f64> {
         let mut out = vec![Dual64::from(0.0); u.len()];
         let mut matrix = Vec::new();
@@ -201,7 +203,7 @@ impl Curve<'_> {
         matrix
     }
 
-    /// The series of the unknowns, by Newton's iteration with the Jacobian at the grazing.
+    /// Computes the series of the unknowns, by Newton's iteration with the Jacobian at the grazing.
     fn solved(&self, order: usize) -> Result<Vec<Series>, ExpansionError> {
         let n = self.scale.len();
         let start = [vec![0.0; n + 1], self.null_vector()?].concat();
@@ -211,7 +213,7 @@ impl Curve<'_> {
         let other = Series::variable(space, 0, 0.0)?;
         let mut u: Vec<Series> = start.iter().map(|u| Series::from(*u)).collect();
         let mut out = u.clone();
-        // A few more than there are terms, for the real parts to settle.
+        // A few extra iterations let the real parts converge.
         for _ in 0..order + 4 {
             self.residual(&u, other, &mut out);
             for k in 0..space.len() {
@@ -226,9 +228,9 @@ impl Curve<'_> {
     }
 }
 
-/// The series of the curve of folds ([`Kind::LP`]) or period doublings ([`Kind::PD`]) of orbits
-/// with one impact that begins at the grazing of a local map, if it is degenerate: one parameter by
-/// another one.
+/// Computes the series of the curve of folds ([`Kind::LP`]) or period doublings ([`Kind::PD`]) of
+/// orbits with one impact that emanates from a degenerate grazing of a local map: one parameter as
+/// a function of another.
 ///
 /// ```
 /// use tangency::scene::expanded;
@@ -236,7 +238,7 @@ impl Curve<'_> {
 /// use tangency::core::system::Kind;
 /// # use tangency::core::orbit::{HybridOrbit, Itinerary};
 /// # use tangency::problems::classic::ImpactOscillator;
-/// // The impact oscillator at twice the frequency of its free motion, where an amplitude D(ω) grazes.
+/// // The impact oscillator at twice its damped natural frequency, with grazing at the amplitude D(ω).
 /// let (damping, e) = (0.1_f64, 0.8);
 /// let frequency = 2.0 * (1.0 - damping * damping / 4.0).sqrt();
 /// let amplitude = (1.0 - frequency * frequency).hypot(damping * frequency);
@@ -246,7 +248,7 @@ impl Curve<'_> {
 /// let point = GrazingPoint::of(&orbit, &start, &[amplitude, frequency, e, damping, 1.0])?;
 /// let names = ["amplitude", "frequency"];
 /// let map = LocalMap::of(&ImpactOscillator, &point, &names, MapSettings::default())?;
-/// // Folds leave along the curve of grazings, A = D(ω).
+/// // Folds emanate along the curve of grazings, A = D(ω).
 /// let folds = expanded(&map, Kind::LP, names)?;
 /// let slope = frequency * (2.0 * (frequency * frequency - 1.0) + damping * damping) / amplitude;
 /// assert!((folds.parameter[0] - slope).abs() < 1e-6);
@@ -254,8 +256,8 @@ impl Curve<'_> {
 /// ```
 ///
 /// # Errors
-/// [`ExpansionError::NotDegenerate`] if no such curve begins here, [`ExpansionError::NoCurve`] for
-/// another kind, and [`ExpansionError::Unknown`] for a parameter that does not deviate.
+/// [`ExpansionError::NotDegenerate`] if no such curve emanates here, [`ExpansionError::NoCurve`]
+/// for another kind, and [`ExpansionError::Unknown`] for a parameter that is not expanded.
 pub fn expanded(
     map: &LocalMap,
     kind: Kind,
@@ -268,7 +270,7 @@ pub fn expanded(
     };
     let position = |name| position("parameter", name, map.parameters());
     let parameters = [position(parameters[0])?, position(parameters[1])?];
-    // Null vectors have a part along y.
+    // Null vectors have a component along y.
     let (n, order) = (map.coordinates().len(), map.space().order());
     let mut scale = vec![0.0; n];
     scale[map.normal()] = 1.0;

@@ -1,5 +1,5 @@
-//! Following what runs find: branches across branch points, orbits from Hopf points, doubled ones
-//! from period doublings, what begins at grazings, and the curves through points of curves.
+//! Automatic branch switching: traces the branches that emanate from branch points, Hopf points,
+//! period doublings and grazings, and the curves through codimension-two points.
 
 use super::discretisation::{SOLUTION, Solution};
 use super::error::SceneError;
@@ -17,19 +17,20 @@ use crate::core::system::Kind;
 use std::collections::VecDeque;
 use std::error::Error;
 
-/// The most runs that are added to a scene.
+/// The maximum number of runs added to a scene.
 const RUNS: usize = 50;
 
-/// Traces a scene's runs, and then what goes on from the special points found, to a depth: 1
-/// follows what the scene's own runs find, 2 also what is found then. A point that two branches
-/// share is followed once. Gives the scene with all runs that were added, at most 50, which traces
-/// the same.
+/// Traces a scene's runs, and then the branches that emanate from the special points found, to a
+/// depth: 1 switches branches at special points of the scene's own runs, 2 also at those of the
+/// added runs. A special point shared by two branches is used once. Returns the scene with all
+/// added runs, at most 50; tracing it reproduces the result.
 ///
-/// Where several branches cross at a point, all are followed that its equations determine.
+/// Where several branches cross at a point, all branches determined by its equations are traced.
 ///
-/// A run that fails is left out, and the first error is kept; the others go on. At a grazing, and
-/// where several eigenvalues are critical, a failure is no error: the branch with the point has a
-/// warning with the reason, as it has of points that have not converged, and of runs beyond 50.
+/// A run that fails is left out, its first error is kept, and the other runs continue. At a
+/// grazing, and where several eigenvalues are critical, a failure is not an error: the branch with
+/// the special point gets a warning with the reason. Special points that have not converged, and
+/// runs beyond 50, also give warnings.
 ///
 /// ```
 /// use tangency::scene::{Scene, explore};
@@ -55,44 +56,47 @@ pub fn explore(scene: &Scene, depth: usize, observer: &mut dyn SceneObserver) ->
     }
 }
 
-/// Which special points are followed, and how far.
+/// The special points at which branches are switched, and the depth.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Following {
-    /// The kinds of points, of [`OF_BRANCHES`](Self::OF_BRANCHES) and [`of_curves`](Self::of_curves).
+    /// The kinds of special points, from [`OF_BRANCHES`](Self::OF_BRANCHES) and
+    /// [`of_curves`](Self::of_curves).
     pub kinds: Vec<Kind>,
-    /// 1 follows what the scene's own runs find, 2 also what is found then.
+    /// The depth: 1 switches branches at special points of the scene's own runs, 2 also at those of
+    /// the added runs.
     pub depth: usize,
-    /// Whether a run is left out that would start at a solution of an earlier branch.
+    /// Whether to omit runs that would start at a solution of an earlier branch.
     pub distinct: bool,
 }
 
 impl Following {
-    /// The kinds of points of branches from which other branches go.
+    /// The kinds of special points of branches from which other branches emanate.
     pub const OF_BRANCHES: [Kind; 5] = [Kind::BP, Kind::LP, Kind::HB, Kind::PD, Kind::G];
 
-    /// Points of all kinds to a depth.
+    /// Selects points of all kinds, to a depth.
     pub fn all(depth: usize) -> Self {
         let kinds = Self::OF_BRANCHES.into_iter().chain(Self::of_curves()).collect();
         Following { kinds, depth, distinct: false }
     }
 
-    /// The kinds of points of curves from which other curves go.
+    /// Returns the kinds of points of curves from which other curves emanate.
     pub fn of_curves() -> Vec<Kind> {
         catalogue::crossings()
     }
 }
 
 impl Resolution {
-    /// Traces the runs, and then what goes on from special points, as [`explore`] does. An accuracy
-    /// that the scene states decides the discretisation, by the scene's own runs.
+    /// Traces the runs, and then the branches that emanate from special points, as [`explore`]
+    /// does. If the scene requests an accuracy, its own runs decide the discretisation.
     pub fn explore(
         &self,
         following: &Following,
         observer: &mut dyn SceneObserver,
     ) -> (Scene, Outcome) {
         if self.start().is_some() {
-            let rule = "goes on from one point: explore the scene without a start point";
-            let cause = SceneError::invalid("what is found", "to be followed", rule);
+            let rule =
+                "must start with all runs of the scene: explore the scene without a start point";
+            let cause = SceneError::invalid("the exploration", "given a start point", rule);
             return (self.scene().clone(), Outcome::failed(self.scene(), cause));
         }
         let Some(accuracy) = self.scene().accuracy else {
@@ -109,7 +113,7 @@ impl Resolution {
         let (explored, mut outcome) = Exploration::new(&on_rung, following).all(observer);
         for own in found.document.branches {
             let same = outcome.document.branches.iter_mut().find(|branch| branch.name == own.name);
-            // The errors of the discretisation were added to these.
+            // These special points include the errors of the discretisation.
             same.into_iter().for_each(|branch| branch.special = own.special.clone());
         }
         outcome.document.chosen = found.document.chosen;
@@ -117,12 +121,12 @@ impl Resolution {
     }
 }
 
-/// Runs that are traced, and others that they lead to.
+/// The traced runs, and the runs to which they lead.
 struct Exploration<'a> {
     resolution: &'a Resolution,
     following: &'a Following,
     tracing: Tracing,
-    /// Runs that are to come, with how many special points lead to them.
+    /// The pending runs, with the number of special points that lead to each.
     coming: VecDeque<(Run, usize)>,
 }
 
@@ -132,10 +136,10 @@ impl<'a> Exploration<'a> {
         Exploration { resolution, following, tracing: Tracing::default(), coming }
     }
 
-    /// Traces everything: the scene with all runs, and what they found.
+    /// Traces everything, and returns the scene with all runs, and the outcome.
     fn all(mut self, observer: &mut dyn SceneObserver) -> (Scene, Outcome) {
         while let Some((run, steps)) = self.coming.pop_front() {
-            // What the scene states itself is traced in any case, unless starts may be one.
+            // The scene's own runs are always traced, unless several starts may lie on one branch.
             let known = steps > 0 && (is_known(&run, &self.tracing.done) || self.is_started(&run));
             if known || self.following.distinct && self.is_passed(&run) {
                 continue;
@@ -150,7 +154,7 @@ impl<'a> Exploration<'a> {
             }
             match traced {
                 Ok(()) => self.follow(&run, steps),
-                // Of the scene's own runs later ones may start from this one.
+                // Later runs of the scene may start from this one.
                 Err(cause) if steps == 0 => {
                     self.tracing.error.get_or_insert(cause);
                     break;
@@ -163,7 +167,7 @@ impl<'a> Exploration<'a> {
         (scene, self.tracing.outcome(self.resolution))
     }
 
-    /// A run with the number of its branch, where starts may be on one branch.
+    /// Appends the number of the branch to a run's name, where starts may share a branch.
     fn numbered(&self, run: Run) -> Run {
         let is_start = self.following.distinct && matches!(run.start, Start::Guess(_));
         let first = self.tracing.runs.iter().find(|_| is_start);
@@ -172,7 +176,7 @@ impl<'a> Exploration<'a> {
         Run { name: format!("{name} {}", starts.count() + 1), ..run }
     }
 
-    /// Whether a branch passes through the solution at which a run would start.
+    /// Returns whether a branch passes through the solution at which a run would start.
     fn is_passed(&self, run: &Run) -> bool {
         let Start::Guess(at) = &run.start else { return false };
         let Ok(resolved) = self.resolution.further(run) else { return false };
@@ -186,7 +190,8 @@ impl<'a> Exploration<'a> {
         start.is_some_and(|z| others.any(|it| passes(it, &mut *system, &resolved.values, &z)))
     }
 
-    /// Whether another run has followed the same curve from the same point, found on another curve.
+    /// Returns whether another run has traced the same curve from the same point, found on another
+    /// curve.
     fn is_started(&self, run: &Run) -> bool {
         let Tracing { runs, done, .. } = &self.tracing;
         let Some(point) = origin(run, done).filter(|_| run.hold.is_some()) else { return false };
@@ -203,7 +208,7 @@ impl<'a> Exploration<'a> {
         alike.into_iter().any(|there| there.1.kind == point.1.kind && is_one(point, there))
     }
 
-    /// What goes on from a run that has been traced is to come.
+    /// Adds the runs that continue from a traced run.
     fn follow(&mut self, run: &Run, steps: usize) {
         if steps > 0 {
             self.warn_if_one_of_several(run);
@@ -218,7 +223,7 @@ impl<'a> Exploration<'a> {
         });
         let why = unconverged.map(|point| {
             let (kind, label) = (point.kind, point.label);
-            format!("nothing is followed from the {kind} {label}, which has not converged")
+            format!("no branch is traced from the {kind} {label}, which has not converged")
         });
         let why: Vec<String> = why.collect();
         let next = following(self.resolution, run, branch, &self.following.kinds);
@@ -231,16 +236,16 @@ impl<'a> Exploration<'a> {
         self.come(next, steps + 1);
     }
 
-    /// Some runs are to come, as long as there are not too many.
+    /// Adds runs up to the maximum number.
     fn come(&mut self, runs: impl IntoIterator<Item = Run>, steps: usize) {
         for mut run in runs {
             if self.tracing.runs.len() + self.coming.len() >= RUNS {
                 let Start::From { run: from, .. } = &run.start else { continue };
-                let why = format!("`{}` is left out: {RUNS} runs are traced at most", run.name);
+                let why = format!("`{}` is left out: at most {RUNS} runs are traced", run.name);
                 self.warn(from, [why]);
                 continue;
             }
-            // A scene may have given the name to another run.
+            // The scene may have used the name for another run.
             let known = |name: &str| {
                 let coming = self.coming.iter().map(|(run, _)| run);
                 self.tracing.runs.iter().chain(coming).any(|known| known.name == name)
@@ -252,18 +257,18 @@ impl<'a> Exploration<'a> {
         }
     }
 
-    /// A run that was added has failed.
+    /// Records the failure of an added run.
     fn leave_out(&mut self, run: &Run, steps: usize, cause: SceneError) {
         let Some((from, point)) = origin(run, &self.tracing.done) else { return };
         let (from, kind, label) = (from.name.clone(), point.kind, point.label);
         let several = point.multiplicity > 1;
         let determined = match failure(&cause) {
-            // All branches that cross there have been followed.
+            // All crossing branches have been traced.
             Some(Failure::NoBranch { which: 1.., .. }) => return,
             failure => !matches!(failure, Some(Failure::Undetermined(_))),
         };
-        // An orbit whose event goes elsewhere ends there for good, and where several eigenvalues
-        // are critical branches may not be determined.
+        // An orbit may end for good at its grazing, and where several eigenvalues are critical
+        // branches may not be determined.
         if kind == Kind::G || several || run.hold.is_some() {
             let why = format!("`{}`, from the {kind} {label}, is left out: {cause}", run.name);
             self.warn(&from, [why]);
@@ -276,15 +281,15 @@ impl<'a> Exploration<'a> {
         }
     }
 
-    /// Warns that a branch of orbits is one of several from its Hopf point.
+    /// Warns if several branches of orbits emanate from the Hopf point.
     fn warn_if_one_of_several(&mut self, run: &Run) {
         let point = origin(run, &self.tracing.done).map(|(_, point)| point);
         let Some(point) = point.filter(|it| it.kind == Kind::HB && it.multiplicity > 1) else {
             return;
         };
         let why = format!(
-            "one of the branches that begin at a Hopf point of multiplicity {}: terms of third order decide which \
-             others do, and these are left out",
+            "one of the branches that emanate from a Hopf point of multiplicity {}: terms of third order determine the \
+             other branches, which are left out",
             point.multiplicity
         );
         self.warn(&run.name, [why]);
@@ -298,21 +303,22 @@ impl<'a> Exploration<'a> {
     }
 }
 
-/// The special point that a run starts from.
+/// Returns the special point that a run starts from.
 fn origin<'a>(run: &Run, done: &'a [Branch]) -> Option<(&'a Branch, &'a SpecialPoint)> {
     let Start::From { run: from, kind, nth, .. } = &run.start else { return None };
     let branch = done.iter().find(|branch| branch.name == *from)?;
     Some((branch, branch.of_kind(*kind).nth(*nth)?))
 }
 
-/// Whether a run that starts from a special point is a curve of doubled orbits, beside a curve of the orbits.
+/// Returns whether a run that starts from a special point is a curve of doubled orbits, traced in
+/// addition to a curve of the orbits.
 fn is_of_doubled(run: &Run, (branch, point): (&Branch, &SpecialPoint)) -> bool {
     let Start::From { which, .. } = run.start else { return false };
     let on = (point.kind, branch.condition);
     run.hold.is_some_and(|held| catalogue::is_of_doubled(on, held, which))
 }
 
-/// What a system or its equations have to say about an error of a run.
+/// Returns the failure of the system or its equations behind an error of a run.
 fn failure(cause: &SceneError) -> Option<&Failure> {
     let mut error: Option<&dyn Error> = Some(cause);
     while let Some(cause) = error {
@@ -324,7 +330,7 @@ fn failure(cause: &SceneError) -> Option<&Failure> {
     None
 }
 
-/// The run along the next one of several branches that cross at the point which a run starts from.
+/// Returns the run along the next branch that crosses at the start point of a run.
 fn next_across(run: &Run, done: &[Branch]) -> Option<Run> {
     let several = origin(run, done).is_some_and(|(_, point)| point.multiplicity > 1);
     let mut next = run.clone();
@@ -335,24 +341,24 @@ fn next_across(run: &Run, done: &[Branch]) -> Option<Run> {
     several.then_some(next)
 }
 
-/// Whether another branch has come to the point that a run would start from.
+/// Returns whether another branch has passed through the point that a run would start from.
 fn is_known(run: &Run, done: &[Branch]) -> bool {
     let Some((from, point)) = origin(run, done) else { return false };
     if is_of_doubled(run, (from, point)) {
         return false;
     }
     if run.hold.is_some() {
-        // The other curve through the point has it as well.
+        // The other curve through the point also has this point.
         let others = done.iter().filter(|it| it.name != from.name && it.condition == run.hold);
         let mut points =
             others.flat_map(|other| other.of_kind(point.kind).map(move |there| (other, there)));
         return points.any(|there| is_one((from, point), there));
     }
     let others = done.iter().filter(|other| other.name != from.name && other.condition.is_none());
-    // Where several folds coincide other branches see a branch point.
+    // Where several folds coincide, other branches have a branch point.
     let crosses =
         |it: &SpecialPoint| it.kind == Kind::BP || it.kind == Kind::LP && it.multiplicity > 1;
-    // The branch on the other side of a grazing ends there.
+    // The branch on the other side of a grazing ends at the grazing.
     let ends = |it: &SpecialPoint| point.kind == Kind::G && it.kind == Kind::EP && it.converged;
     let alike = |there: &&SpecialPoint| {
         there.kind == point.kind || crosses(point) && crosses(there) || ends(there)
@@ -365,8 +371,9 @@ fn is_known(run: &Run, done: &[Branch]) -> bool {
     })
 }
 
-/// Whether a curve of points of a kind begins at a special point: torus points of cycles do at a
-/// fold–Hopf point with `s θ < 0`, and torus points of doubled orbits at a resonance 1:2 with `a < 0`.
+/// Returns whether a curve of points of a kind emanates from a special point: torus points of
+/// cycles at a fold–Hopf point with `s θ < 0`, and torus points of doubled orbits at a 1:2
+/// resonance with `a < 0`.
 fn begins_at(point: &SpecialPoint, held: Kind, doubled: bool) -> bool {
     let number = |name| point.number(name).map(|number| number.value);
     let product = number("zh_s").zip(number("zh_theta")).map(|(s, theta)| s * theta);
@@ -374,7 +381,7 @@ fn begins_at(point: &SpecialPoint, held: Kind, doubled: bool) -> bool {
     held != Kind::TR || decides.is_none_or(|decides| decides < 0.0)
 }
 
-/// The setting by which a run follows orbits, where neither the scene nor the run states so.
+/// Returns the setting by which a run traces orbits, unless the scene or the run sets it.
 fn orbits_of(resolution: &Resolution, run: &Run) -> Option<(String, String)> {
     let seen = resolution.further(run).ok()?.problem.solution();
     let orbits = seen.filter(|solution| *solution == Solution::Orbit)?;
@@ -383,7 +390,7 @@ fn orbits_of(resolution: &Resolution, run: &Run) -> Option<(String, String)> {
     (differs && !says).then(|| (SOLUTION.into(), written(&orbits)))
 }
 
-/// The curves that leave the special points of a curve.
+/// Returns the curves that emanate from the special points of a curve.
 fn leaving(
     resolution: &Resolution,
     run: &Run,
@@ -425,7 +432,7 @@ fn leaving(
     runs
 }
 
-/// The runs that go on from the special points of a branch.
+/// Returns the runs that continue from the special points of a branch.
 fn following(resolution: &Resolution, run: &Run, branch: &Branch, kinds: &[Kind]) -> Vec<Run> {
     if let Some(held) = branch.condition {
         return leaving(resolution, run, (branch, held), kinds);
@@ -447,7 +454,7 @@ fn following(resolution: &Resolution, run: &Run, branch: &Branch, kinds: &[Kind]
     runs
 }
 
-/// The run that goes on from a special point, if there is one of its kind.
+/// Returns the run that continues from a special point, if its kind has one.
 fn next(resolution: &Resolution, run: &Run, kind: Kind, nth: usize) -> Option<Run> {
     let start = |switch| Start::From {
         run: run.name.clone(),
@@ -460,12 +467,12 @@ fn next(resolution: &Resolution, run: &Run, kind: Kind, nth: usize) -> Option<Ru
     let mut next = Run { grazings: Vec::new(), ..run.clone() };
     next.start = start(kind != Kind::HB);
     if kind == Kind::HB {
-        // Orbits begin where equilibria lose stability, in problems that have both.
+        // Orbits emanate from Hopf points of equilibria, in problems with both kinds of solutions.
         let seen = resolution.further(run).ok()?.problem.solution();
         seen.filter(|solution| *solution == Solution::Equilibrium)?;
         next.set.retain(|(name, _)| name != SOLUTION);
     } else {
-        // A run from a Hopf point has them without saying so.
+        // A run from a Hopf point traces orbits by default.
         next.set.extend(orbits_of(resolution, run));
     }
     Some(next)

@@ -1,11 +1,10 @@
-//! The cheapest discretisation with which special points have the accuracy that a scene asks for.
+//! The choice of the cheapest discretisation that gives special points the requested accuracy.
 //!
-//! A problem has a ladder of discretisations, cheapest first. With rung `k` a scene finds numbers
-//! `v_k`: the released parameters of every special point, and the columns that the setting `refine`
-//! names, relative to themselves. They are compared with those of the next two rungs, and of finer
-//! ones that are known, by [`error_of_first`]. The rung taken is the lowest one whose estimate is
-//! below the accuracy, of those from a first guess downwards; or upwards, where the guess does not
-//! suffice.
+//! A problem has a ladder of discretisations, cheapest first. On rung `k` a scene yields numbers
+//! `v_k`: the varied parameters of every special point, and the columns that the setting `refine`
+//! names, in relative terms. They are compared with the numbers of the next two rungs, and of known
+//! finer rungs, by [`error_of_first`]. The search goes down from a first guess to the lowest rung
+//! whose estimated error is below the accuracy, or up if the guess is not accurate enough.
 
 use super::error::SceneError;
 use super::observer::SceneObserver;
@@ -20,13 +19,13 @@ use crate::output::{Chosen, Document};
 use std::ops::RangeInclusive;
 use std::time::Duration;
 
-/// Accuracies that can be asked for.
+/// The accuracies that can be requested.
 const RANGE: RangeInclusive<f64> = 1e-12..=0.1;
 
-/// How many rungs finer the discretisation is at least that others are compared with.
+/// The minimum number of finer rungs for an error estimate.
 const ABOVE: usize = 2;
 
-/// A trial is watched for Ctrl-C, and not shown.
+/// An observer of trials: passes on cancellation and shows nothing.
 pub(super) struct Unseen<'a>(pub &'a mut dyn SceneObserver);
 
 impl Observer for Unseen<'_> {
@@ -41,14 +40,14 @@ impl SceneObserver for Unseen<'_> {
     }
 }
 
-/// An estimated error, and where it is.
+/// An estimated error, and its place.
 #[derive(Clone, Debug, PartialEq)]
 struct Estimate {
     error: f64,
     of: String,
 }
 
-/// The rungs of a scene, and what was found with them.
+/// The rungs of a scene, and the outcomes on them.
 struct Search<'a> {
     rungs: Vec<Resolution>,
     found: Vec<Option<Outcome>>,
@@ -61,13 +60,13 @@ impl Search<'_> {
         found[rung].get_or_insert_with(|| traced(&rungs[rung], observer))
     }
 
-    /// Whether a trial was interrupted.
+    /// Returns whether a trial was interrupted.
     fn interrupted(&self) -> bool {
         let branches = self.found.iter().flatten().flat_map(|outcome| &outcome.document.branches);
         branches.into_iter().any(|branch| branch.ends.contains(&End::Interrupted))
     }
 
-    /// The error of a rung, from those above it that are known, two at least.
+    /// Estimates the error of a rung from the known rungs above it, at least two.
     fn estimate(&mut self, rung: usize) -> Estimate {
         for needed in rung..=rung + ABOVE {
             self.trace(needed);
@@ -78,16 +77,16 @@ impl Search<'_> {
         largest(&self.known(rung))
     }
 
-    /// The values found with a rung and those above it.
+    /// Returns the outcomes on a rung and on the known rungs above it.
     fn known(&self, rung: usize) -> Vec<&Outcome> {
         self.found[rung..].iter().flatten().collect()
     }
 
-    /// The lowest rung whose estimated error is below an accuracy; or the highest one, whose is
-    /// not.
+    /// Returns the lowest rung whose estimated error is below an accuracy, or the highest rung if
+    /// none is.
     fn choose(&mut self, accuracy: f64) -> (usize, Estimate) {
         let last = self.rungs.len() - 1 - ABOVE;
-        // A rung gains a digit, and the first one has two.
+        // Each rung gains a digit, and the first one has two.
         let digits = -accuracy.log10();
         let mut rung = ((digits - 2.0).round().max(0.0) as usize).min(last);
         let mut estimate = self.estimate(rung);
@@ -108,9 +107,8 @@ impl Search<'_> {
     }
 }
 
-/// Traces runs with the cheapest discretisation that meets an accuracy, and notes the choice in the
-/// document. Branches are shown when the choice is made. Gives the runs on the rung that was
-/// chosen, too.
+/// Traces runs with the cheapest discretisation that meets an accuracy, and records the choice in
+/// the document. Branches are shown after the choice. Also returns the runs on the chosen rung.
 pub(super) fn traced_to(
     accuracy: f64,
     resolution: &Resolution,
@@ -143,14 +141,14 @@ pub(super) fn traced_to(
     (outcome, on_rung)
 }
 
-/// What of the settings differs along a ladder, on one rung of it.
+/// Returns the settings on a rung that differ along the ladder.
 fn chosen(ladder: &[Problem], rung: usize) -> Vec<(String, String)> {
     let names = varied(ladder);
     let settings = ladder[rung].settings().into_iter();
     settings.filter(|(name, _)| names.contains(name)).collect()
 }
 
-/// The names of the settings that differ along a ladder.
+/// Returns the names of the settings that differ along a ladder.
 fn varied(ladder: &[Problem]) -> Vec<String> {
     let [Some(first), Some(last)] = [ladder.first(), ladder.last()] else { return Vec::new() };
     let pairs = first.settings().into_iter().zip(last.settings());
@@ -158,7 +156,7 @@ fn varied(ladder: &[Problem]) -> Vec<String> {
 }
 
 impl Resolution {
-    /// The same runs by discretisations of growing accuracy, with the problem on each of them.
+    /// Returns the runs with discretisations of growing accuracy, with the problem on each rung.
     fn rungs(&self) -> Result<Vec<(Problem, Resolution)>, SceneError> {
         let rung = |problem: Problem| {
             let resolution = self.scene().on(&problem).resolve(self.start())?;
@@ -169,19 +167,19 @@ impl Resolution {
 }
 
 impl Scene {
-    /// The problem by discretisations of growing accuracy, for what all runs need.
+    /// Returns the problem with discretisations of growing accuracy, suitable for all runs.
     fn ladder(&self) -> Result<Vec<Problem>, SceneError> {
         let values = self.values()?;
         self.problem.ladder(&values, &reach(&self.problem, &self.runs, &values))
     }
 
-    /// The scene on one rung of the ladder, whose special points are not refined any further.
+    /// Returns the scene on one rung of the ladder, without refinement of special points.
     fn on(&self, problem: &Problem) -> Scene {
         let settings = Settings { refinement: 0.0, ..self.settings.clone() };
         Scene { problem: problem.clone(), settings, accuracy: None, ..self.clone() }
     }
 
-    /// Refuses an accuracy that cannot be asked for, or beside what it chooses.
+    /// Rejects an accuracy out of range, or one combined with settings that it would choose.
     pub(super) fn check_accuracy(&self) -> Result<(), SceneError> {
         let Some(accuracy) = self.accuracy else { return Ok(()) };
         if !RANGE.contains(&accuracy) {
@@ -189,7 +187,7 @@ impl Scene {
         }
         let ladder = self.ladder()?;
         if ladder.len() <= ABOVE {
-            let rule = "has nothing to choose from: this problem has no discretisation of its own";
+            let rule = "has nothing to choose from: this problem has no discretisation";
             return refused(accuracy.to_string(), rule);
         }
         let names = varied(&ladder);
@@ -205,7 +203,7 @@ impl Scene {
         self.runs.iter().try_for_each(|run| self.check_accuracy_of(run, &names))
     }
 
-    /// Refuses a run that is discretised otherwise than by the settings chosen.
+    /// Rejects a run that states its own discretisation.
     fn check_accuracy_of(&self, run: &Run, names: &[String]) -> Result<(), SceneError> {
         let decides = |name: &str| names.iter().any(|known| known == name) || name == "refinement";
         if let Some((name, _)) = run.set.iter().find(|(name, _)| decides(name)) {
@@ -213,7 +211,10 @@ impl Scene {
         }
         if run.local.is_some() {
             let found = format!("stated for the run `{}` of a local map", run.name);
-            return refused(found, "is of flows: that of a map is its distance from the grazing");
+            return refused(
+                found,
+                "applies to flows only: the error of a local map is determined by the distance from the grazing",
+            );
         }
         let Resolved { problem, values, reach, .. } = self.resolved(run)?;
         let own = varied(&problem.ladder(&values, &reach)?);
@@ -227,29 +228,29 @@ impl Scene {
     }
 }
 
-/// The rule for what accuracy stands in place of.
-const DECIDES: &str = "is what decides it: leave one of both out";
+/// The rule against stating an accuracy together with the settings that it chooses.
+const DECIDES: &str = "chooses that setting: leave one of the two out";
 
 fn refused(found: String, rule: &str) -> Result<(), SceneError> {
     Err(SceneError::invalid("`accuracy`", found, rule))
 }
 
-/// The end of a branch at a special point.
+/// Returns the end of a branch at a special point.
 fn end_at<'a>(branch: &'a Branch, special: &SpecialPoint) -> Option<&'a End> {
     branch.ends.iter().find(|end| end.to_string() == special.event)
 }
 
-/// Which special points count.
+/// The special points to compare.
 #[derive(Clone, Copy, PartialEq)]
 enum Counted {
-    /// All but ends.
+    /// All special points except ends.
     Special,
     /// Ends at bounds, too.
     Ends,
 }
 
-/// Whether discretisations must agree on a special point. An end may be anywhere unless it is at a
-/// bound, at a grazing, or the start.
+/// Returns whether a special point must agree between discretisations. Ends are arbitrary, except
+/// for ends at bounds and grazings, and the start.
 fn is_definite(branch: &Branch, special: &SpecialPoint, counted: Counted) -> bool {
     let fixed = |end: &End| {
         use End::{Event, Grazing, MonitorBound, ParameterBound, Start};
@@ -262,9 +263,9 @@ fn is_definite(branch: &Branch, special: &SpecialPoint, counted: Counted) -> boo
     special.kind != Kind::EP || end()
 }
 
-/// The columns that the accuracy concerns at a special point: the released parameters and the ones
-/// that the setting `refine` names, but for the one whose level defines the point. The start is
-/// where it was put.
+/// Returns the columns at a special point to which the accuracy applies: the varied parameters and
+/// the columns that the setting `refine` names, except the column whose level defines the point.
+/// The start is excluded.
 fn columns(branch: &Branch, special: &SpecialPoint) -> Vec<usize> {
     let given = match end_at(branch, special) {
         Some(End::Start) => return Vec::new(),
@@ -275,21 +276,21 @@ fn columns(branch: &Branch, special: &SpecialPoint) -> Vec<usize> {
     names.filter(|name| given != Some(name)).filter_map(|name| branch.column(name)).collect()
 }
 
-/// What an error is relative to: the value itself, and where it passes zero a hundredth of the
-/// largest on the branch. Below the precision of numbers about 1 is rounding: the deflection of a
-/// flat plate.
+/// Returns the reference value of a relative error: the value itself, or, where it passes through
+/// zero, a hundredth of the largest value on the branch. Values below the rounding error of numbers
+/// of order 1, such as the deflection of a flat plate, count as rounding.
 fn size(branch: &Branch, column: usize, value: f64) -> f64 {
     let points = branch.points.iter().filter_map(|point| point.value(column));
     let largest = points.fold(0.0, |size: f64, value| size.max(value.abs()));
     value.abs().max(0.01 * largest).max(f64::EPSILON)
 }
 
-/// An error without bound, and why.
+/// Returns an infinite error, with its reason.
 fn unlike(of: impl Into<String>) -> Estimate {
     Estimate { error: f64::INFINITY, of: of.into() }
 }
 
-/// The error of a column of a special point on the first of some rungs.
+/// Returns the error of a column of a special point on the first of some rungs.
 fn error_in(column: usize, rungs: &[&SpecialPoint]) -> f64 {
     let values = rungs.iter().map(|special| special.value(column));
     match values.collect::<Option<Vec<f64>>>() {
@@ -298,8 +299,8 @@ fn error_in(column: usize, rungs: &[&SpecialPoint]) -> f64 {
     }
 }
 
-/// The definite special points of a branch, each on one rung after another; `None` if they are
-/// others on another rung.
+/// Returns the definite special points of a branch, each on all rungs; `None` if the points differ
+/// between rungs.
 fn followed<'a>(rungs: &[&'a Branch], counted: Counted) -> Option<Vec<Vec<&'a SpecialPoint>>> {
     let definite = |branch: &&'a Branch| -> Vec<&'a SpecialPoint> {
         let definite = |special: &&SpecialPoint| is_definite(branch, special, counted);
@@ -315,29 +316,32 @@ fn followed<'a>(rungs: &[&'a Branch], counted: Counted) -> Option<Vec<Vec<&'a Sp
     all.iter().all(alike).then(|| (0..first.len()).map(point).collect())
 }
 
-/// The branch at this place among those of each result.
+/// Returns the branch at a given position in each outcome.
 fn nth<'a>(found: &[&'a Outcome], place: usize) -> Vec<&'a Branch> {
     found.iter().filter_map(|outcome| outcome.document.branches.get(place)).collect()
 }
 
-/// The largest relative error of special points in the first result, by finer ones. Where there are
-/// no others, ends at bounds are held to the accuracy.
+/// Returns the largest relative error of special points in the first outcome, estimated from finer
+/// ones. Without other special points, ends at bounds are compared.
 fn largest(found: &[&Outcome]) -> Estimate {
     if let Some(cause) = found.iter().find_map(|outcome| outcome.error.as_ref()) {
         return unlike(cause.to_string());
     }
     let all = largest_of(found, Counted::Special).or_else(|| largest_of(found, Counted::Ends));
-    all.unwrap_or_else(|| unlike("no special point to hold it to: state one by `marks`"))
+    all.unwrap_or_else(|| unlike("no special point to measure it at: state one in `marks`"))
 }
 
-/// The largest error of those points that count; `None` without any.
+/// Returns the largest error of the counted points; `None` if there are no such points.
 fn largest_of(found: &[&Outcome], counted: Counted) -> Option<Estimate> {
     let mut largest: Option<Estimate> = None;
     for place in 0..found[0].document.branches.len() {
         let rungs = nth(found, place);
         let branch = rungs[rungs.len() - 1];
         let Some(points) = followed(&rungs, counted) else {
-            let words = format!("special points of `{}` come and go with it", branch.name);
+            let words = format!(
+                "special points of `{}` appear and disappear with the discretisation",
+                branch.name
+            );
             return Some(unlike(words));
         };
         for point in points {
@@ -346,7 +350,7 @@ fn largest_of(found: &[&Outcome], counted: Counted) -> Option<Estimate> {
                 let value = special.value(column).unwrap_or(f64::NAN);
                 let error = error_in(column, &point) / size(branch, column, value);
                 if special.kind == Kind::EP && error == 0.0 {
-                    // An end that is the same on all rungs was given.
+                    // An end that agrees on all rungs was prescribed.
                     continue;
                 }
                 if largest.as_ref().is_none_or(|largest| error > largest.error) {
@@ -359,7 +363,7 @@ fn largest_of(found: &[&Outcome], counted: Counted) -> Option<Estimate> {
     largest
 }
 
-/// Adds the errors of the discretisation to those of special points, by the results on this rung
+/// Adds the errors of the discretisation to the errors of special points, estimated from this rung
 /// and finer ones.
 fn add_errors(document: &mut Document, found: &[&Outcome]) {
     for (place, branch) in document.branches.iter_mut().enumerate() {
@@ -367,7 +371,7 @@ fn add_errors(document: &mut Document, found: &[&Outcome]) {
         let column = branch.released.first().and_then(|name| branch.column(name));
         let all = followed(&rungs, Counted::Ends);
         if all.is_none() {
-            // Ends that come and go with the discretisation are not known.
+            // Ends that appear and disappear with the discretisation have no known error.
             let ends = branch.special.iter_mut().filter(|own| own.kind == Kind::EP);
             ends.for_each(|own| own.converged = false);
         }

@@ -1,4 +1,5 @@
-//! All equilibria, fixed points or zeros of a scene's problem in a box.
+//! Search for all equilibria, fixed points or zeros of a scene's problem in a box, as in `tangency
+//! find`.
 
 use super::discretisation::{SOLUTION, Solution};
 use super::error::{ProblemError, SceneError};
@@ -8,7 +9,7 @@ use super::statement::{Range, Run, Scene, Start};
 use crate::core::continuation::{RootSearch, Roots};
 use crate::core::problem::position;
 
-/// What was found, with the names of the unknowns.
+/// The solutions found, with the names of the unknowns.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Found {
     /// The unknowns, in the order of the components of solutions.
@@ -18,9 +19,9 @@ pub struct Found {
 }
 
 impl Scene {
-    /// All equilibria of a field or of a mode, all fixed points or cycles of a map, or all zeros in a
-    /// box: those to which Newton's method leads from starts all over it, where the solutions found
-    /// before are taken out of the equations ([`RootSearch`]).
+    /// Finds equilibria of a field or of a mode, fixed points or cycles of a map, or zeros in a
+    /// box: Newton's method starts from points all over the box, and known solutions are removed by
+    /// deflation ([`RootSearch`]).
     ///
     /// ```
     /// use tangency::scene::{Range, Request, Scene, SearchBox};
@@ -35,8 +36,8 @@ impl Scene {
     /// ```
     ///
     /// # Errors
-    /// As [`set`](Self::set); [`SceneError`] for a problem that is discretised, and for a box that
-    /// lacks a range.
+    /// As [`set`](Self::set); [`SceneError`] for a discretised problem, and for a box that lacks a
+    /// range.
     pub fn find(mut self, request: &Request) -> Result<Found, SceneError> {
         self.settings.cancel = request.cancel.clone();
         self.set_all(&request.set)?;
@@ -46,14 +47,16 @@ impl Scene {
         }
     }
 
-    /// All equilibria, fixed points or zeros in a box.
+    /// Finds the equilibria, fixed points or zeros in a box.
     fn found(&mut self, within: &SearchBox) -> Result<Found, SceneError> {
         self.problem.follow(Solution::Equilibrium);
         let p = self.values()?;
         let mut system = self.problem.model().system(&p, &p)?;
         let names = system.names();
         if names.unknowns.iter().any(|group| group.length != group.count()) {
-            return Err(self.problem.model().lacks("only single unknowns have a box"));
+            return Err(self.problem.model().lacks(
+                "only problems whose unknowns are single numbers can be searched in a box",
+            ));
         }
         let unknowns: Vec<String> = names.elements().collect();
         let SearchBox { ranges, starts } = within;
@@ -72,12 +75,13 @@ impl Scene {
         Ok(Found { unknowns, roots })
     }
 
-    /// Replaces the first run by one from each solution in a box, at values all over the range of the
-    /// continued parameter: a branch need not come to the value at which the first run begins.
+    /// Replaces the first run by one from each solution in a box. Solutions are sought at values
+    /// all over the range of the continuation parameter, because a branch need not exist at the
+    /// value where the first run starts.
     pub(super) fn begin_everywhere(&mut self, within: &SearchBox) -> Result<(), SceneError> {
         let Some(first) = self.runs.first().cloned() else { return Ok(()) };
         let Some(range) = first.along.first().cloned() else {
-            let rule = "needs a run along a parameter, from whose solutions branches begin";
+            let rule = "needs a run along a parameter, so that branches start at the solutions";
             return Err(SceneError::invalid("`--start all`", "for a simulated history", rule));
         };
         let mut found: Vec<Run> = Vec::new();
@@ -99,22 +103,22 @@ impl Scene {
             }
         }
         if found.is_empty() {
-            let rule = "must have a solution from which a branch begins: give a larger box, or more starts";
+            let rule = "must contain a solution at which a branch starts: give a larger box, or more starts";
             return Err(SceneError::invalid("the box", "without any solution", rule));
         }
-        // The points of a branch tell whether the branch passes through another start.
+        // The solutions decide whether the branch passes through another start.
         self.settings.keep_solutions = true;
         self.runs.splice(..1, found);
         Ok(())
     }
 }
 
-/// The number of values of a parameter at which solutions are sought, beside its own.
+/// The number of searched values of a parameter, in addition to its initial value.
 const VALUES: usize = 8;
 
-/// The values of a parameter at which solutions are sought: if its range is finite, some all over
-/// the range, and last its own value. Special points, from which no branch should begin, are often at
-/// round numbers: the first values are not round.
+/// Returns the values of a parameter at which solutions are sought: some all over its range if
+/// finite, and last its own value. The values in the range are not round, because special points,
+/// from which no branch should start, often have round values.
 fn searched(range: &Range, own: Option<f64>) -> Vec<f64> {
     let place = |k: usize| (k as f64 + 0.618_033_988_749_895) / VALUES as f64;
     let mut values: Vec<f64> = range.low.zip(range.high).map_or(Vec::new(), |(low, high)| {
@@ -125,6 +129,6 @@ fn searched(range: &Range, own: Option<f64>) -> Vec<f64> {
 }
 
 fn no_box(found: String) -> SceneError {
-    let rule = "needs a range for each unknown, its low end first, as in `--box x=-3..3,y=0..5`";
+    let rule = "needs a range for each unknown, lower end first, as in `--box x=-3..3,y=0..5`";
     SceneError::invalid("the box", found, rule)
 }

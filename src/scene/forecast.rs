@@ -1,4 +1,4 @@
-//! How long runs and sweeps may take, told before they begin.
+//! Estimates of the duration of runs and sweeps, made before they start.
 
 use super::observer::SceneObserver;
 use crate::core::attractor::StroboscopicMap;
@@ -11,19 +11,19 @@ use cpu_time::ThreadTime;
 use std::ops::ControlFlow;
 use std::time::Duration;
 
-/// (H) How long motion is followed, in time of the processor, to see how long it takes …
+/// (H) The processor time for which a motion is followed to estimate its speed.
 const TRIAL: Duration = Duration::from_millis(20);
-/// (H) … and for how many periods at most.
+/// (H) The maximum number of periods for which a motion is followed to estimate its speed.
 const TRIAL_PERIODS: u32 = 64;
-/// (H) The largest number of halvings that a forecast assumes: after as many the ends of nearly
-/// every interval are neighbouring numbers.
+/// (H) The largest number of halvings that a forecast assumes: after this number, the ends of
+/// nearly every interval are neighbouring floating-point numbers.
 const MOST_HALVINGS: f64 = 106.0;
-/// (H) How many times as long a period takes that is followed with a tangent vector.
+/// (H) The cost of a period with a tangent vector, relative to a period without.
 const WITH_TANGENT: usize = 3;
-/// (H) A long branch goes as far as this from its start, in units of scaled arclength.
+/// (H) The length of a long branch from its start, in units of scaled arclength.
 const FAR: f64 = 10.0;
 
-/// Motion is followed for a time of the processor.
+/// An observer that stops a motion at a given processor time.
 struct Until(ThreadTime);
 
 impl HybridObserver<f64> for Until {
@@ -36,8 +36,8 @@ impl HybridObserver<f64> for Until {
     }
 }
 
-/// Tells how long it may take to follow a motion for a time, by its beginning, unless that is all
-/// of it.
+/// Estimates the duration of following a motion for a given time from its beginning, and reports
+/// the estimate unless the beginning is everything.
 pub(super) fn motion(
     run: &str,
     system: &dyn HybridEquations,
@@ -52,16 +52,16 @@ pub(super) fn motion(
         flow.advance(&mut state, duration, p, &mut Until(begin)).ok()?;
         Some(((state.time - start) / duration, begin.elapsed()))
     };
-    // In a thread of its own, since this one's work is counted.
+    // A separate thread keeps the trial out of the work counts of this thread.
     let followed = std::thread::scope(|scope| scope.spawn(followed).join());
-    // What fails fails again, and is said then.
+    // Errors of the trial occur again in the computation, and are reported there.
     if let Some((share, time)) = followed.ok().flatten().filter(|(share, _)| *share < 1.0) {
         observer.work(run, &format!("motion over a time of {duration}"), over(time, 1.0 / share));
     }
 }
 
-/// Tells how long a branch may take that is traced as far as [`FAR`] each way, unless fewer points
-/// are allowed; a point takes about as long as the start took.
+/// Estimates the duration of a branch traced as far as [`FAR`] in both directions, or to the
+/// maximum number of points. A point is assumed to take as long as the start.
 pub(super) fn branch(run: &str, steps: &Steps, start: Duration, observer: &mut dyn SceneObserver) {
     let settings = &steps.branch().settings;
     let each_way = settings.max_points.min((FAR / settings.max_step).ceil() as usize);
@@ -70,23 +70,23 @@ pub(super) fn branch(run: &str, steps: &Steps, start: Duration, observer: &mut d
     observer.work(run, &format!("a branch of {points} points"), over(start, points as f64));
 }
 
-/// The work that a sweep does at most.
+/// The maximum work of a sweep.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SweepForecast {
-    /// The runs that are not done.
+    /// The number of remaining runs.
     pub runs: usize,
-    /// The periods of a run, at most; one with a tangent vector counts as several.
+    /// The maximum number of periods of a run; a period with a tangent vector counts as several.
     pub periods: usize,
-    /// On how many threads.
+    /// The number of threads.
     pub threads: usize,
-    /// How long all may take, by the first periods of the first run: most runs end as soon as they
-    /// have settled.
+    /// The estimated maximum duration, from the first periods of the first run. Most runs end
+    /// earlier, once they have converged.
     pub time: Duration,
 }
 
 impl SweepForecast {
-    /// An upper estimate of the work of `runs` runs on `threads` threads; `None` if the first
-    /// motion ends early.
+    /// Returns an upper estimate of the work of `runs` runs on `threads` threads, or `None` if the
+    /// first motion ends early.
     pub(super) fn of(
         plan: &Plan,
         p: &[f64],
@@ -108,7 +108,7 @@ impl SweepForecast {
     }
 }
 
-/// The periods of a run, at most.
+/// Returns the maximum number of periods of a run.
 fn most_periods(plan: &Plan) -> usize {
     let search = &plan.search;
     let one = search.transient + search.recorded_periods + WITH_TANGENT * search.lyapunov_periods;
@@ -120,7 +120,7 @@ fn most_periods(plan: &Plan) -> usize {
     one.saturating_mul(times)
 }
 
-/// So many times a duration.
+/// Multiplies a duration by a number.
 fn over(each: Duration, times: f64) -> Duration {
     Duration::try_from_secs_f64(each.as_secs_f64() * times).unwrap_or(Duration::MAX)
 }

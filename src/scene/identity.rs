@@ -1,13 +1,13 @@
-//! Whether points of two branches are one.
+//! Identity of special points: decides whether points of two branches are the same point.
 
 use crate::core::continuation::{Branch, RootSearch, SpecialPoint};
 use crate::core::system::{Kind, System};
 
-/// Two grazings are one if no number of theirs differs by more than this part.
+/// The largest relative difference of corresponding numbers of two grazings that count as the same.
 const SAME_GRAZING: f64 = 1e-7;
 
-/// Whether two grazings are one, by the numbers that both branches have. (Where orbits double
-/// their period, the period differs.)
+/// Returns whether two grazings are the same, by the numbers that both branches have. (At period
+/// doublings, the periods differ.)
 pub(super) fn is_one_grazing(
     (branch, special): (&Branch, &SpecialPoint),
     (other, there): (&Branch, &SpecialPoint),
@@ -26,22 +26,25 @@ pub(super) fn is_one_grazing(
     })
 }
 
-/// Two special points are one if the parameters along their branches differ by no more than this
-/// many times their errors, or this part of what they are on the branches.
+/// Two special points may be the same only if the parameters along their branches differ by at most
+/// this multiple of their errors, or by at most [`ROUNDING`].
 const ERRORS: f64 = 10.0;
+/// The largest difference of the parameters of two equal special points, relative to the largest
+/// values on the branches.
 const ROUNDING: f64 = 1e-12;
 
-/// And if no other number of both branches differs by more than this part of what it is there.
+/// The largest difference of the other common numbers of two equal special points, relative to the
+/// numbers at the point.
 const SAME: f64 = 1e-6;
 
-/// Whether the special points of two branches are one. A branch of orbits ends within its error of a
-/// Hopf point, where the amplitude grows like a root; so does a curve of folds of cycles at a
-/// generalised Hopf point.
+/// Returns whether the special points of two branches are the same. A branch of orbits ends within
+/// its error of a Hopf point, where the amplitude grows like a square root; so does a curve of
+/// folds of cycles at a generalised Hopf point.
 pub(super) fn is_one(
     (branch, point): (&Branch, &SpecialPoint),
     (other, there): (&Branch, &SpecialPoint),
 ) -> bool {
-    // Of two critical pairs, each curve has the frequency of its own.
+    // With two critical pairs, each curve has the frequency of its own pair.
     let own = match point.kind {
         Kind::PD => "period",
         Kind::HH => "hopf_frequency",
@@ -59,8 +62,8 @@ pub(super) fn is_one(
         Some((name, difference, size(branch, here).max(size(other, first))))
     });
     let both: Vec<(&str, f64, f64)> = both.collect();
-    // A column that is rounding along both branches, compared with other states, tells nothing.
-    // Parameters may have any units.
+    // A column that is rounding noise along both branches, compared with other states, is ignored.
+    // Parameters are kept, since their units are arbitrary.
     let of_states = both.iter().filter(|(name, ..)| !branch.parameters.iter().any(|p| p == name));
     let largest = of_states.fold(0.0, |most: f64, (_, _, size)| most.max(*size));
     both.iter().all(|(name, difference, size)| {
@@ -72,14 +75,15 @@ pub(super) fn is_one(
     })
 }
 
-/// The largest absolute value of a column along a branch.
+/// Returns the largest absolute value of a column along a branch.
 fn size(branch: &Branch, column: usize) -> f64 {
     let values = branch.points.iter().filter_map(|point| point.value(column));
     values.fold(0.0, |size: f64, value| size.max(value.abs()))
 }
 
-/// Whether a branch passes through a solution at the parameters `p`: whether the solution is one of
-/// the branch's special points, or Newton's method leads there from points of the branch beside it.
+/// Returns whether a branch passes through a solution at the parameters `p`: whether the solution
+/// is one of the branch's special points, or Newton's method converges to it from neighbouring
+/// points of the branch.
 pub(super) fn passes(branch: &Branch, system: &mut dyn System, p: &[f64], start: &[f64]) -> bool {
     let released = branch.released.first().and_then(|name| branch.column(name));
     let Some(column) = released.filter(|column| *column < p.len()) else { return false };

@@ -1,4 +1,4 @@
-//! Branches that meet in a grazing: it has one row, that of the branch which ends there.
+//! Branches that meet in a grazing share one special point, listed on the branch that ends there.
 
 use super::identity::is_one_grazing;
 use super::observer::SceneObserver;
@@ -6,7 +6,7 @@ use crate::core::continuation::{Branch, Observer, Point, SpecialPoint};
 use crate::core::system::Kind;
 use std::time::Duration;
 
-/// Sees a branch with the grazings at which it meets earlier ones as ends.
+/// An observer that treats grazings shared with earlier branches as ends.
 pub(super) struct Joined<'a> {
     pub done: &'a [&'a Branch],
     pub observer: &'a mut dyn SceneObserver,
@@ -28,8 +28,8 @@ impl Observer for Joined<'_> {
     }
 }
 
-/// A grazing at which a branch meets an earlier one is that one's: it has one row, and is an end of
-/// this branch. Monitors that vanish at a grazing do so on one of the branches only.
+/// Turns a grazing at which a branch meets an earlier one into an end, since the earlier branch
+/// lists the grazing. Monitors that vanish at the grazing do so on only one of the branches.
 pub(super) fn join(branch: &Branch, special: &mut SpecialPoint, done: &[&Branch]) {
     if special.kind != Kind::G || branch.condition.is_some() {
         return;

@@ -23,23 +23,23 @@ use crate::core::system::{Matrices, System, ZeroSystem};
 use crate::spelling::spelled;
 use std::sync::Arc;
 
-/// Names with their defaults; without a default where the problem states fewer of them.
+/// Pairs names with their defaults; names beyond the given defaults have none.
 pub(super) fn with_defaults(names: Vec<String>, defaults: &[f64]) -> Parameters {
     let defaults = defaults.iter().copied().map(Some).chain(std::iter::repeat(None));
     names.into_iter().zip(defaults).collect()
 }
 
-/// Refuses motion of which no dense matrix fits into memory.
+/// Rejects dynamics whose dense matrices do not fit into memory.
 fn refuse_large(unknowns: usize) -> Result<(), SceneError> {
     if unknowns <= Matrices::LARGEST_DENSE {
         return Ok(());
     }
     let rule =
-        format!("must have {} at most: matrices of motion are dense", Matrices::LARGEST_DENSE);
+        format!("must be {} at most: motion requires dense matrices", Matrices::LARGEST_DENSE);
     Err(SceneError::invalid("the equations", format!("{unknowns} unknowns"), rule))
 }
 
-/// A zero problem, solved as it is.
+/// A zero problem, solved directly.
 impl<P: ZeroProblem + 'static> Model for Configured<Arc<P>, ZeroSettings> {
     fn kind(&self) -> &'static str {
         "a zero problem"
@@ -119,8 +119,8 @@ impl<F: VectorField + 'static> Model for Configured<Arc<F>, FieldSettings> {
     }
 }
 
-/// Why there are no equilibria.
-const FORCED: &str = "what is forced in time has none; take `orbit`";
+/// The reason why forced systems have no equilibria.
+const FORCED: &str = "forced systems have no equilibria: use `orbit`";
 
 fn no_equilibrium(reason: &str) -> SceneError {
     SceneError::value("solution", "equilibrium", reason)
@@ -219,11 +219,11 @@ impl Model for Configured<Boundary, BoundarySettings> {
     }
 }
 
-/// A hybrid system that is shared.
+/// A shared hybrid system.
 pub(super) type Hybrid = Arc<dyn HybridEquations>;
 
 impl Configured<Hybrid, HybridOrbitSettings> {
-    /// Orbits with all monitors that the settings ask for.
+    /// Adds all monitors that the settings request to an orbit.
     fn watched(&self, orbit: HybridOrbit) -> HybridOrbit {
         if self.settings.penetration { orbit.with_penetration() } else { orbit }
     }
@@ -233,7 +233,7 @@ impl Configured<Hybrid, HybridOrbitSettings> {
         refuse_large(states.unwrap_or(0))
     }
 
-    /// The equilibria of the mode that the settings name, or else of the first one.
+    /// Returns the system of equilibria of the mode that the settings name, or of the first mode.
     fn equilibria(&self) -> Result<Box<dyn System>, SceneError> {
         self.refuse_large()?;
         let (system, mode) = (self.problem.clone(), self.settings.mode.as_str());
@@ -248,8 +248,8 @@ impl Configured<Hybrid, HybridOrbitSettings> {
         Ok(Box::new(equilibria.map_err(refused)?))
     }
 
-    /// The mode in which motion begins that starts in some of the first mode's states, and in 0 for
-    /// all others.
+    /// Returns the initial mode of a motion that starts with the given states of the first mode,
+    /// all others being 0.
     fn initial_mode(&self, start: &[(String, f64)], p: &[f64]) -> String {
         let mut modes = self.problem.modes();
         let value =

@@ -1,4 +1,4 @@
-//! Runs that follow fixed and periodic points of a local map near a grazing.
+//! Runs that trace fixed and periodic points of a local map near a grazing.
 
 use super::discretisation::Discretisation;
 use super::expansion::{ExpansionCurve, ExpansionError, expanded};
@@ -12,28 +12,28 @@ use crate::core::system::{Dense, Kind, System};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// The local map of which a run follows fixed or periodic points: that at a grazing which an
-/// earlier run has found. Its order is a setting of the problem, `order`.
+/// The local map whose fixed or periodic points a run traces: the map at a grazing found by an
+/// earlier run. Its order is the setting `order` of the problem.
 ///
-/// Parameters are those of the flow, so that branches lie beside its own. A run that starts at rest
-/// starts near the grazing itself, and one that starts from another run follows points of the same
-/// map.
+/// Parameters are those of the flow, so that branches of the map and of the flow can be compared. A
+/// run with start `Rest` starts near the grazing itself, and one that starts from another run
+/// traces points of the same map.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Local {
-    /// The earlier run.
+    /// The earlier run with the grazing.
     pub run: String,
     /// The kind of special point: a grazing of a branch, or a point on a curve of grazings.
     pub kind: Kind,
-    /// Which one of that kind, in the order of the branch, from 0.
+    /// The index of the special point among its kind, in the order of the branch, from 0.
     #[serde(default)]
     pub nth: usize,
-    /// The parameters in which the map is expanded. All others are those of the grazing.
+    /// The parameters in which the map is expanded. All others have their values at the grazing.
     pub parameters: Vec<String>,
 }
 
 impl Local {
-    /// The map of a system at a special point.
+    /// Builds the map of a system at a special point.
     pub(super) fn map(
         &self,
         system: &Arc<dyn HybridEquations>,
@@ -51,16 +51,16 @@ impl Local {
     }
 }
 
-/// Points of a map each iterate of which goes through the surface, or does not; fixed points before
-/// the surface, if nothing is said.
+/// Returns the system of points of a map. Each entry of `impacts` states whether an iterate passes
+/// through the surface; without entries, fixed points before the surface.
 pub(super) fn points_of(map: LocalMap, impacts: &[bool]) -> Result<Box<dyn System>, GrazingError> {
     let impacts = if impacts.is_empty() { &[false] } else { impacts };
     let points = LocalOrbit::of(map, impacts).in_place().system();
     Ok(Box::new(points.map_err(Failure::from)?))
 }
 
-/// The curve of a kind of special points that begins at the grazing of a map, by its series in one
-/// of its two parameters.
+/// Returns the curve of a kind of special points that emanates from the grazing of a map, as a
+/// series in one of its two parameters.
 pub(super) fn series_of(
     map: &LocalMap,
     kind: Kind,
@@ -74,10 +74,10 @@ pub(super) fn series_of(
     Ok(Box::new(Dense::new(ExpansionCurve { expansion, origin: order.map(|k| p[k]), names })))
 }
 
-/// A grazing as branches find it touches as closely as this, in units of the guard's scale.
+/// The largest value of the guard, in units of its scale, at a converged grazing.
 const TOUCHES: f64 = 1e-6;
 
-/// Refuses a point that is no grazing yet, though one may be near.
+/// Rejects a special point that is not a grazing, even if one may be near.
 fn touches(system: &dyn HybridEquations, point: &GrazingPoint) -> Result<(), GrazingError> {
     let GrazingPoint { guard, mode, time, x, p, .. } = point;
     let value = system.guard(*guard, *mode, *time, x, p);
@@ -86,11 +86,11 @@ fn touches(system: &dyn HybridEquations, point: &GrazingPoint) -> Result<(), Gra
         return Ok(());
     }
     let guard = system.guards().swap_remove(*guard).name;
-    // The point is where the guard is least.
+    // The point is a minimum of the guard.
     Err(GrazingError::NoTouch { guard, time: *time, value, rate: 0.0 })
 }
 
-/// The grazing at a special point of a branch, or of a curve of grazings.
+/// Returns the grazing at a special point of a branch, or of a curve of grazings.
 fn grazing_point(
     system: &Arc<dyn HybridEquations>,
     method: Method,

@@ -1,4 +1,4 @@
-//! Manifolds of a saddle of a scene's map, as branches.
+//! Manifolds of a saddle of a scene's map, as branches, as in `tangency manifolds`.
 
 use super::error::SceneError;
 use super::plane::PlaneMap;
@@ -13,13 +13,13 @@ use crate::core::problem::{Group, position};
 use crate::core::system::Kind;
 use crate::output::{Document, Plot};
 
-/// Manifolds that are asked for.
+/// The manifolds to compute.
 #[derive(Clone, Debug, Default)]
 pub struct Manifolds {
-    /// The point of an earlier result at which the saddle is; by default it is sought near the states
-    /// of the request.
+    /// The point of an earlier result at which the saddle is; by default the saddle is sought near
+    /// the states of the request.
     pub start: Option<StartPoint>,
-    /// How far they are grown, and how finely.
+    /// The settings of the computation, such as the maximum length and the resolution.
     pub settings: ManifoldSettings,
 }
 
@@ -29,13 +29,14 @@ pub const DEVIATION: &str = "deviation";
 /// The name of the error of the local manifold.
 const LOCAL_ERROR: &str = "local_error";
 
-/// What is named in errors.
+/// The name of the computation in errors.
 const RUN: &str = "manifolds";
 
 impl Scene {
-    /// The unstable and the stable manifold of a saddle of the scene's map, as branches with the
-    /// states and the arclength from the saddle as columns, negative on one half. The saddle is
-    /// labelled 2; the ends are labelled 1 and 3 and have the number `deviation` of their half.
+    /// Computes the unstable and the stable manifold of a saddle of the scene's map, as branches
+    /// with the states and the arclength from the saddle as columns, negative on one half. The
+    /// saddle has the label 2; the ends have the labels 1 and 3 and the number `deviation` of their
+    /// half.
     ///
     /// ```
     /// use std::path::Path;
@@ -54,8 +55,8 @@ impl Scene {
     /// ```
     ///
     /// # Errors
-    /// As [`set`](Self::set); [`SceneError`] for a problem that is no map, a bound of a name that is no
-    /// state, a point of another problem, and where there is no saddle.
+    /// As [`set`](Self::set); [`SceneError`] for a problem that is not a map, a bound of an unknown
+    /// state, a point of another problem, and a map without a saddle.
     pub fn manifolds(
         mut self,
         request: &Request,
@@ -94,7 +95,7 @@ impl Scene {
     }
 }
 
-/// Both manifolds; the reason if there is no stable one.
+/// Computes both manifolds, and returns the reason if there is no stable one.
 fn both(
     map: &dyn PlaneMap,
     states: &[f64],
@@ -111,7 +112,7 @@ fn both(
     })
 }
 
-/// The parameters of the point, but for those that are changed there.
+/// Returns the parameters of the point, except those changed there.
 fn parameters_of(start: &StartPoint) -> Result<Vec<(String, f64)>, SceneError> {
     let values = labelled(start)?.parameters.iter().copied();
     let all = start.branch.parameters.iter().cloned().zip(values);
@@ -125,7 +126,7 @@ fn labelled(start: &StartPoint) -> Result<&SpecialPoint, SceneError> {
     })
 }
 
-/// The states of the cycle at a point, one iterate after the other.
+/// Returns the states of the cycle at a point, one iterate after another.
 fn states_of(start: &StartPoint, states: &[String]) -> Result<Vec<f64>, SceneError> {
     let z = &labelled(start)?.state;
     let groups = start.branch.unknowns.iter();
@@ -142,7 +143,7 @@ fn states_of(start: &StartPoint, states: &[String]) -> Result<Vec<f64>, SceneErr
     Ok((0..iterates).flat_map(|k| (0..states.len()).map(move |i| state(k, i))).collect())
 }
 
-/// The given states; without them, the states in which the problem begins.
+/// Returns the given states, or the initial states of the problem if none are given.
 fn begun(
     states: &[String],
     given: &[(String, f64)],
@@ -158,7 +159,8 @@ fn begun(
     Ok(states.iter().map(value).collect())
 }
 
-/// A manifold as a branch: from the end of one half through the saddle to the end of the other one.
+/// Converts a manifold into a branch: from the end of one half through the saddle to the end of the
+/// other half.
 fn branch(
     manifold: &Manifold,
     states: &[String],
@@ -196,7 +198,7 @@ fn branch(
     }
 }
 
-/// Both ends, and the saddle between them.
+/// Returns both ends, and the saddle between them.
 fn special(
     manifold: &Manifold,
     rows: &[Vec<f64>],

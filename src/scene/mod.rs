@@ -1,8 +1,9 @@
-//! Scenes: small RON files that say what is traced, and nothing more than it shows.
+//! Scenes: small RON files that state a problem and the branches to trace, as in `tangency trace
+//! scene.ron`.
 //!
 //! A [`Scene`] names a problem with its terms, the values of its parameters, and a list of runs. A
-//! run traces one branch, or one curve of events, from rest or from a special point of an earlier
-//! run.
+//! run traces one branch, or one curve of special points, from rest or from a special point of an
+//! earlier run.
 //!
 //! ```ron
 //! Scene(

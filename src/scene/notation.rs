@@ -1,17 +1,17 @@
-//! How scenes are written: RON, with formulas of numbers in place of numbers.
+//! The notation of scenes: RON, with formulas of numbers in place of numbers.
 
 use crate::language::number;
 pub(super) use crate::language::options;
 use serde::de::Visitor;
 use serde::{Deserialize, Deserializer, Serialize};
 
-/// A value, as RON writes it.
+/// Serializes a value as RON.
 pub(super) fn written<T: Serialize>(value: &T) -> String {
-    // Settings are plain enums, numbers and lists: they can always be written.
+    // Settings are plain enums, numbers and lists, so serialization cannot fail.
     options().to_string(value).unwrap_or_default()
 }
 
-/// Names with numbers, or with formulas of numbers.
+/// Deserializes names with numbers, or with formulas of numbers.
 pub(super) fn values<'de, D: Deserializer<'de>>(
     deserializer: D,
 ) -> Result<Vec<(String, f64)>, D::Error> {
@@ -19,7 +19,7 @@ pub(super) fn values<'de, D: Deserializer<'de>>(
     Ok(read.into_iter().map(|(name, Value(value))| (name, value)).collect())
 }
 
-/// A number, or a formula of numbers.
+/// Deserializes a number, or a formula of numbers.
 pub(super) fn value<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<f64>, D::Error> {
     let read: Option<Value> = Deserialize::deserialize(deserializer)?;
     Ok(read.map(|Value(value)| value))

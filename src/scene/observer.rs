@@ -1,14 +1,14 @@
-//! What watches the runs of a scene.
+//! Observers of the runs of a scene, for example to show progress.
 
 use crate::core::continuation::Observer;
 use std::time::Duration;
 
-/// Sees the runs of a scene.
+/// An observer of the runs of a scene.
 pub trait SceneObserver: Observer {
-    /// The run of this name begins; whether its branch is shown.
+    /// Called when a run begins; `shown` states whether its branch is shown.
     fn run(&mut self, _run: &str, _shown: bool) {}
 
-    /// The work that the run of this name is about to do, and the longest time that it may take.
+    /// Called before long work of the named run, with the longest time that it may take.
     fn work(&mut self, _run: &str, _what: &str, _longest: Duration) {}
 }
 

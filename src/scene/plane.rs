@@ -4,11 +4,11 @@ use crate::core::manifold::{Manifold, ManifoldError, ManifoldSettings, Side};
 
 /// A map whose saddles have manifolds.
 pub(super) trait PlaneMap {
-    /// The names of the states.
+    /// Returns the names of the states.
     fn states(&self) -> Vec<String>;
 
-    /// One of both manifolds of the cycle near some states: the first state, or the states of all
-    /// iterates.
+    /// Computes one of the two manifolds of the cycle near the given states: the first state, or
+    /// the states of all iterates.
     fn manifold(
         &self,
         states: &[f64],

@@ -25,54 +25,56 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Names of parameters, and their defaults; `None` where there is no default.
+/// The names of parameters, and their defaults; `None` for parameters without a default.
 pub(super) type Parameters = Vec<(String, Option<f64>)>;
 
-const SIMULATED: &str = "only vector fields and hybrid systems are simulated";
+const SIMULATED: &str = "only vector fields and hybrid systems can be simulated";
 
 /// Values of states by name, at a time in units of a segment's duration.
 pub(super) type Profiles<'a> = &'a dyn Fn(f64) -> Vec<(String, f64)>;
 
-/// What a problem with its settings answers for scenes: what a catalogue and a scene hold.
-/// Capabilities that a kind of problem does not have are typed errors.
+/// The interface of a problem with its settings, as stored in catalogues and scenes. Capabilities
+/// that a kind of problem lacks return typed errors.
 pub(super) trait Model: Adjustable {
-    /// The kind of problem, in words.
+    /// Describes the kind of problem.
     fn kind(&self) -> &'static str;
 
     fn parameters(&self) -> Parameters;
 
-    /// The same with settings of growing accuracy and cost, for parameters that begin at `p` and go
-    /// as far as `reach`; none if the problem has no discretisation.
+    /// Returns copies with settings of growing accuracy and cost, for parameters that start at `p`
+    /// and vary as far as `reach`; empty if the problem has no discretisation.
     fn ladder(&self, _p: &[f64], _reach: &[f64]) -> Result<Vec<Box<dyn Model>>, SceneError> {
         Ok(Vec::new())
     }
 
-    /// The same for a run that begins in some states, where these say what it follows; `None` if
-    /// they say nothing.
+    /// Returns a copy for a run that starts in the given states, if they determine the kind of
+    /// solution; `None` otherwise.
     fn begun_at(&self, _start: &[(String, f64)], _p: &[f64]) -> Option<Box<dyn Model>> {
         None
     }
 
-    /// The system for parameters that begin at `p`; `reach` lists for each of them how far it goes
-    /// from there.
+    /// Returns the system for parameters that start at `p`; `reach` lists how far each parameter
+    /// varies from there.
     fn system(&self, p: &[f64], reach: &[f64]) -> Result<Box<dyn System>, SceneError>;
 
-    /// The unknowns of a solution with these profiles; `None` unless solutions are profiles.
+    /// Returns the unknowns of a solution with the given profiles; `None` unless solutions are
+    /// profiles.
     fn sampled(&self, _profiles: Profiles) -> Result<Option<Vec<f64>>, SceneError> {
         Ok(None)
     }
 
-    /// The motion that is simulated and swept.
+    /// Returns the motion to simulate and sweep.
     fn motion(&self) -> Result<Arc<dyn HybridEquations>, SceneError> {
         Err(self.lacks(SIMULATED))
     }
 
-    /// The system of the orbits like a simulated one, and that orbit.
+    /// Returns the system of orbits with the itinerary of a simulated orbit, and the simulated
+    /// orbit.
     fn started(&self, _simulated: Guess<HybridOrbit>, _p: &[f64]) -> Result<Started, SceneError> {
         Err(self.lacks(SIMULATED))
     }
 
-    /// The system of the orbits like the one on which a simulation settles, and that orbit.
+    /// Returns the system of orbits with the itinerary of the simulated attractor, and that orbit.
     fn settled(
         &self,
         run: &str,
@@ -83,7 +85,7 @@ pub(super) trait Model: Adjustable {
         self.started(settled(self.motion()?, run, simulated, p, cancel)?, p)
     }
 
-    /// The local map at a grazing, for a run or a sweep.
+    /// Returns the local map at a grazing, for a run or a sweep.
     fn local_map(
         &self,
         _run: &str,
@@ -91,16 +93,16 @@ pub(super) trait Model: Adjustable {
         _at: (&Branch, &SpecialPoint),
         _cancel: &CancelToken,
     ) -> Result<LocalMap, SceneError> {
-        Err(self.lacks("only hybrid systems graze and have local maps"))
+        Err(self.lacks("only hybrid systems have grazings and local maps"))
     }
 
-    /// The map, whose saddles have manifolds.
+    /// Returns the map whose saddles have manifolds.
     fn plane(&self) -> Result<&dyn PlaneMap, SceneError> {
-        let rule = "only saddles of maps have manifolds here: state the problem as a `Map`";
+        let rule = "manifolds are computed only for saddles of maps: state the problem as a `Map`";
         Err(SceneError::invalid("the problem", self.kind(), rule))
     }
 
-    /// The error of a capability that problems of this kind do not have.
+    /// Returns the error for a capability that this kind of problem lacks.
     fn lacks(&self, needs: &'static str) -> SceneError {
         SceneError::Unsupported { needs, kind: self.kind() }
     }
@@ -112,22 +114,24 @@ pub(super) trait Adjustable: Send + Sync {
     fn with_defaults(&self) -> Box<dyn Model>;
     fn read(&self, settings: &str) -> Result<Box<dyn Model>, SpannedError>;
     fn written(&self) -> String;
-    /// The settings by name, with their values.
+    /// Returns the settings by name, with their values.
     fn settings(&self) -> Vec<(String, String)>;
-    /// The names of all settings, under every choice.
+    /// Returns the names of all settings, for every choice.
     fn setting_names(&self) -> Vec<String>;
-    /// Which solutions are followed, of problems with several kinds.
+    /// Returns the kind of solutions to trace, for problems with several kinds.
     fn solution(&self) -> Option<Solution>;
-    /// The same problem, of which other solutions are followed; itself if it has one kind.
+    /// Returns a copy that traces another kind of solutions, or an unchanged copy if the problem
+    /// has only one kind.
     fn following(&self, solution: Solution) -> Box<dyn Model>;
-    /// The same problem on other intervals, if it is discretised by collocation.
+    /// Returns a copy with another number of intervals, if the problem is discretised by
+    /// collocation.
     fn on_intervals(&self, count: usize) -> Box<dyn Model>;
-    /// Whether a setting is the choice of a method.
+    /// Returns whether a setting is the choice of a method.
     fn chooses(&self, name: &str) -> bool;
-    /// Sets one setting by name; false if there is none of this name.
+    /// Sets one setting by name; returns false if the name is unknown.
     fn assign(&mut self, name: &str, value: &str) -> Result<bool, SceneError>;
     fn check(&self) -> Result<(), SettingError>;
-    /// The setting, with its value, under which one of these names has no effect.
+    /// Returns the setting and its value that make the named setting ineffective.
     fn without_effect(&self, name: &str) -> Option<(String, String)>;
 }
 
@@ -142,7 +146,7 @@ impl<P: Clone, S> Configured<P, S>
 where
     Self: Model + 'static,
 {
-    /// The problems with each of some settings.
+    /// Returns copies of the problem with each of the given settings.
     pub fn on(&self, settings: Vec<S>) -> Vec<Box<dyn Model>> {
         settings.into_iter().map(|settings| self.with(settings)).collect()
     }
@@ -211,7 +215,8 @@ where
     }
 
     fn without_effect(&self, name: &str) -> Option<(String, String)> {
-        // The errors of meshes are settings of the continuation, and go with intervals.
+        // The error tolerances of meshes are settings of the continuation, and belong to the
+        // intervals.
         let name = if OF_MESHES.contains(&name) { INTERVALS } else { name };
         if !self.setting_names().iter().any(|known| known == name) {
             return None;
@@ -224,13 +229,13 @@ where
     }
 }
 
-/// The setting of collocation that settings of meshes go with.
+/// The setting of collocation to which the settings of meshes belong.
 const INTERVALS: &str = "intervals";
 
 /// The settings of the continuation that concern meshes.
 const OF_MESHES: [&str; 2] = ["target_mesh_error", "max_mesh_error"];
 
-/// The names of settings, with each method.
+/// Returns the names of the settings, for each method.
 pub(super) fn names_of<S: ProblemSettings>() -> Vec<String> {
     let usual = S::default();
     let mut names: Vec<String> = Vec::new();
@@ -241,22 +246,22 @@ pub(super) fn names_of<S: ProblemSettings>() -> Vec<String> {
     names
 }
 
-/// A model with its statement, by which problems are told apart.
+/// A model with its statement, by which problems are compared.
 #[derive(Clone, Debug)]
 pub(super) struct Stated {
     pub model: language::Model,
-    /// The statement, as [`Statement::ron`] writes it: from its bracket on.
+    /// The statement, as [`Statement::ron`] writes it, starting at its bracket.
     pub written: String,
-    /// The file that states it, if it is not stated in a scene.
+    /// The file with the statement, unless the scene contains it.
     pub file: Option<PathBuf>,
-    /// The lines of a file that have no effect, or another name here.
+    /// Notes about lines of a file that have no effect, or names that were changed.
     pub notes: Vec<String>,
-    /// How far a file says that its model is to be followed.
+    /// The numerical options of a file, such as the range and length of a simulation.
     pub options: Options,
 }
 
 impl Stated {
-    /// Understands a statement, for a scene that gives some parameters.
+    /// Parses a statement, for a scene that gives some of the parameters.
     pub(super) fn new(
         statement: Statement,
         source: &Source,
@@ -273,12 +278,12 @@ impl Stated {
 pub struct Problem {
     name: &'static str,
     model: Box<dyn Model>,
-    /// Its equations, if they are given as text.
+    /// The equations, if they are given as text.
     text: Option<Arc<Stated>>,
 }
 
 impl Problem {
-    /// A problem with its default settings.
+    /// Creates a problem with default settings.
     pub(super) fn new<P, S: Default>(name: &'static str, problem: P) -> Self
     where
         Configured<P, S>: Model + 'static,
@@ -287,50 +292,52 @@ impl Problem {
         Problem { name, model, text: None }
     }
 
-    /// A problem whose equations are given as text.
+    /// Creates a problem whose equations are given as text.
     pub(super) fn stated(name: &'static str, model: Box<dyn Model>, text: Stated) -> Self {
         Problem { name, model, text: Some(Arc::new(text)) }
     }
 
-    /// Its equations, if they are given as text.
+    /// Returns the equations, if they are given as text.
     pub fn text(&self) -> Option<&language::Model> {
         self.text.as_ref().map(|text| &text.model)
     }
 
-    /// The file that its equations were read from, if they have one of their own.
+    /// Returns the file of the equations, unless the scene contains them.
     pub fn file(&self) -> Option<&Path> {
         self.text.as_ref()?.file.as_deref()
     }
 
-    /// The lines of a file of its equations that have no effect, or another name here.
+    /// Returns notes about lines of the file of equations that have no effect, or names that were
+    /// changed.
     pub fn notes(&self) -> &[String] {
         self.text.as_ref().map_or(&[], |text| &text.notes)
     }
 
-    /// Its equations as a file that [`from_file`](Self::from_file) reads, if they are given as
-    /// text.
+    /// Returns the equations as a file that [`from_file`](Self::from_file) reads, if they are given
+    /// as text.
     pub fn equations(&self) -> String {
         self.text.as_ref().map_or(String::new(), |text| format!("{}{}", self.name, text.written))
     }
 
-    /// How far a file of its equations says that they are to be followed.
+    /// Returns the numerical options that a file of equations states.
     pub(super) fn options(&self) -> Options {
         self.text.as_ref().map_or(Options::default(), |text| text.options.clone())
     }
 
-    /// Values of states, where motion and branches begin if nothing else is said.
+    /// Returns the default initial states of motion and branches.
     pub(super) fn initial(&self, p: &[f64]) -> Vec<(String, f64)> {
         self.text().map_or(Vec::new(), |text| text.initial(p))
     }
 
-    /// The problem of a run that begins in some states, or where the problem says.
+    /// Returns the problem of a run that starts in the given states, or in the problem's initial
+    /// states.
     pub(super) fn begun_at(&self, start: &[(String, f64)], p: &[f64]) -> Self {
         let states = [start, &self.initial(p)].concat();
         self.model.begun_at(&states, p).map_or_else(|| self.clone(), |model| self.with(model))
     }
 
-    /// The unknowns of the profiles at which a branch begins; `None` unless solutions are profiles.
-    /// States that the table omits start at `initial`, or at 0.
+    /// Returns the unknowns of the profiles at which a branch starts; `None` unless solutions are
+    /// profiles. States that the table omits start at `initial`, or at 0.
     pub(super) fn sampled(
         &self,
         p: &[f64],
@@ -347,48 +354,48 @@ impl Problem {
         })
     }
 
-    /// Its name in the catalogue.
+    /// Returns the name in the catalogue.
     pub fn name(&self) -> &'static str {
         self.name
     }
 
-    /// Names of the parameters and their default values; `None` where the problem states no
-    /// default.
+    /// Returns the names of the parameters and their default values; `None` for parameters without
+    /// a default.
     pub fn parameters(&self) -> Parameters {
         self.model.parameters()
     }
 
-    /// Names of the settings, and their values as text.
+    /// Returns the names of the settings, and their values as text.
     pub fn settings(&self) -> Vec<(String, String)> {
         self.model.settings()
     }
 
-    /// Which solutions are followed, of problems with several kinds.
+    /// Returns the kind of solutions to trace, for problems with several kinds.
     pub(super) fn solution(&self) -> Option<Solution> {
         self.model.solution()
     }
 
-    /// Follows other solutions, if the problem has several kinds.
+    /// Selects the kind of solutions to trace, for problems with several kinds.
     pub(super) fn follow(&mut self, solution: Solution) {
         self.model = self.model.following(solution);
     }
 
-    /// Takes other intervals, if the problem is discretised by collocation.
+    /// Sets the number of intervals, if the problem is discretised by collocation.
     pub(super) fn take_intervals(&mut self, count: usize) {
         self.model = self.model.on_intervals(count);
     }
 
-    /// Names of everything that can be set.
+    /// Returns the names of all parameters and settings.
     pub fn names(&self) -> Vec<String> {
         [self.parameter_names(), self.model.setting_names()].concat()
     }
 
-    /// The names of the parameters.
+    /// Returns the names of the parameters.
     pub(super) fn parameter_names(&self) -> Vec<String> {
         self.parameters().into_iter().map(|(name, _)| name).collect()
     }
 
-    /// Refuses a name that is no parameter.
+    /// Rejects a name that is not a parameter.
     pub(super) fn require_parameter(&self, name: &str) -> Result<(), SceneError> {
         let known = self.parameter_names();
         if known.iter().any(|known| known == name) {
@@ -411,17 +418,18 @@ impl Problem {
         Problem { name: self.name, model, text: self.text.clone() }
     }
 
-    /// The problem with settings read from RON.
+    /// Returns the problem with settings parsed from RON.
     pub(super) fn read(&self, settings: &str) -> Result<Problem, SpannedError> {
         Ok(self.with(self.model.read(settings)?))
     }
 
-    /// The problem with default settings.
+    /// Returns the problem with default settings.
     pub(super) fn with_defaults(&self) -> Problem {
         self.with(self.model.with_defaults())
     }
 
-    /// Its equations, if they are given as text, and its settings, as a scene has them.
+    /// Returns the problem as scenes state it: its equations, if they are given as text, and its
+    /// settings.
     pub(super) fn written(&self) -> String {
         let settings = self.model.written();
         let Some(text) = &self.text else { return settings };
@@ -437,7 +445,7 @@ impl Problem {
         format!("({}\n)", parts.join(",\n    "))
     }
 
-    /// Sets one setting by name; false if there is none of this name.
+    /// Sets one setting by name; returns false if the name is unknown.
     pub(super) fn set(&mut self, name: &str, value: &str) -> Result<bool, SceneError> {
         if self.model.assign(name, value)? {
             return Ok(true);
@@ -445,14 +453,14 @@ impl Problem {
         if !self.model.setting_names().iter().any(|known| known == name) {
             return Ok(false);
         }
-        // Only the choice of another method has it.
+        // The setting may belong to another method.
         match self.model.without_effect(name) {
             Some((under, value)) => Err(SceneError::no_effect_under(name, &under, &value)),
             None => Ok(false),
         }
     }
 
-    /// The problem by discretisations of growing accuracy and cost; none if it has no
+    /// Returns the problem with discretisations of growing accuracy and cost; empty if it has no
     /// discretisation.
     pub(super) fn ladder(&self, p: &[f64], reach: &[f64]) -> Result<Vec<Problem>, SceneError> {
         let ladder = self.model.ladder(p, reach)?;

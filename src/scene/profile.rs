@@ -1,22 +1,22 @@
-//! Starting profiles of boundary-value problems, read from files.
+//! Initial profiles of boundary-value problems, read from files or stated in scenes.
 
 use super::error::SceneError;
 use super::source::{SceneText, file_of};
 use crate::core::problem::{Names, UnknownName};
 use serde::{Deserialize, Serialize};
 
-/// The name under which a start gives a file of points.
+/// The field of a start that names a file of points.
 const FILE: &str = "file";
 
-/// A starting profile of a boundary-value problem: a table of states whose first column is time. The
-/// table is stretched over the length of the problem.
+/// An initial profile of a boundary-value problem: a table of states whose first column is time.
+/// The table is stretched to the length of the problem.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Profile {
-    /// The file that holds the table; `None` once it has been read.
+    /// The file that contains the table; `None` once it has been read.
     #[serde(default, skip_serializing)]
     file: Option<String>,
-    /// The names of the columns: of time, then of states.
+    /// The names of the columns: time, followed by states.
     #[serde(default)]
     columns: Vec<String>,
     /// The rows, in the order of time.
@@ -38,8 +38,8 @@ impl Profile {
         Ok(())
     }
 
-    /// Checks that there are two rows or more, that each row has a finite number for each column, and
-    /// that times increase.
+    /// Checks for at least two rows, a finite number in each column of each row, and increasing
+    /// times.
     pub(super) fn check(&self, place: &str) -> Result<(), SceneError> {
         let wrong = |found: String, rule| Err(SceneError::invalid(place, found, rule));
         if self.columns.len() < 2 || self.rows.len() < 2 {
@@ -47,19 +47,19 @@ impl Profile {
                 format!("a table of {} columns, {} rows", self.columns.len(), self.rows.len());
             return wrong(
                 found,
-                "must have a column of times, one of a state, and two rows or more",
+                "must have a column of times, one of a state, and at least two rows",
             );
         }
         for (k, row) in self.rows.iter().enumerate() {
             if row.len() != self.columns.len() || row.iter().any(|x| !x.is_finite()) {
                 let found = format!("row {}, {row:?}", k + 1);
-                return wrong(found, "must hold a finite number for each column");
+                return wrong(found, "must contain a finite number for each column");
             }
         }
         match self.rows.windows(2).find(|pair| pair[0][0] >= pair[1][0]) {
             Some(pair) => {
                 let found = format!("time {} before {}", pair[0][0], pair[1][0]);
-                wrong(found, "times must grow from row to row")
+                wrong(found, "times must increase from row to row")
             }
             None => Ok(()),
         }
@@ -74,7 +74,7 @@ impl Profile {
         }
     }
 
-    /// The states at a time in units of the length, by linear interpolation.
+    /// Returns the states at a time in units of the length, by linear interpolation.
     pub(super) fn at(&self, tau: f64) -> Vec<(String, f64)> {
         let time = |row: &[f64]| row[0];
         let [start, end] = [0, self.rows.len() - 1].map(|k| time(&self.rows[k]));
@@ -87,8 +87,8 @@ impl Profile {
     }
 }
 
-/// Reads a table: column names in the first line, then rows of numbers, separated by blanks, commas or
-/// semicolons. Empty lines and lines that begin with `#` are skipped.
+/// Parses a table: column names in the first line, then rows of numbers, separated by blanks,
+/// commas or semicolons. Empty lines and lines that begin with `#` are skipped.
 fn table(text: &str) -> Result<Profile, String> {
     let separates = |c: char| c.is_whitespace() || c == ',' || c == ';';
     let cells = |line: &str| -> Vec<String> {
@@ -101,12 +101,12 @@ fn table(text: &str) -> Result<Profile, String> {
     });
     let (_, columns) = lines.next().ok_or("the file is empty")?;
     if columns.iter().all(|name| name.parse::<f64>().is_ok()) {
-        return Err("the first line must hold the names of the columns, as in `t, u, v`".into());
+        return Err("the first line must contain the names of the columns, as in `t, u, v`".into());
     }
     let mut rows = Vec::new();
     for (line, cells) in lines {
         let number = |cell: &String| {
-            cell.parse().map_err(|_| format!("`{cell}` in line {line} is no number"))
+            cell.parse().map_err(|_| format!("`{cell}` in line {line} is not a number"))
         };
         rows.push(cells.iter().map(number).collect::<Result<Vec<f64>, _>>()?);
         if cells.len() != columns.len() {

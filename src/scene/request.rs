@@ -14,30 +14,31 @@ use crate::core::system::Kind;
 use crate::language::xpp::Options;
 use crate::output::Plot;
 
-/// A request to a model without a scene, or to a scene beyond its statement.
+/// A request to a model without a scene, or to a scene beyond its statement, such as the options of
+/// `tangency trace`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
     /// Changed values, by the names of parameters and settings.
     pub set: Vec<(String, String)>,
-    /// The parameters that are released, the continued one first, with their ranges.
+    /// The varied parameters with their ranges, the continuation parameter first.
     pub along: Vec<Range>,
     /// Bounds of parameters and monitors.
     pub bounds: Vec<Range>,
-    /// Values of parameters and columns that are marked.
+    /// Values of parameters and columns at which branches are marked.
     pub marks: Vec<(String, f64)>,
-    /// States in which the first run begins.
+    /// The initial states of the first run.
     pub state: Vec<(String, f64)>,
     /// Whether the branch starts at a point of an earlier result, so that no start is sought.
     pub restarts: bool,
-    /// How long motion settles before the first run: in periods of the forcing, or else in units of
-    /// time.
+    /// The duration of the simulation before the first run: in periods of the forcing, or else in
+    /// units of time.
     pub settle: Option<f64>,
-    /// The kind of special point whose curve is followed in all released parameters, from the first
-    /// one that the first run finds.
+    /// The kind of special point whose curve is traced in all varied parameters, from the first
+    /// such point of the first run.
     pub hold: Option<Kind>,
-    /// Where solutions are sought, each of which is found or begins a branch.
+    /// The box in which solutions are sought, either as the result or as starts of branches.
     pub within: Option<SearchBox>,
-    /// Cancels all work for the request.
+    /// The token that cancels all work for the request.
     pub cancel: CancelToken,
 }
 
@@ -50,32 +51,34 @@ pub struct SearchBox {
     pub starts: usize,
 }
 
-/// How long motion settles where a branch is asked for and no equilibrium is found.
+/// The default duration of the simulation before a branch for which no equilibrium is found near
+/// the start.
 const SETTLE: f64 = 500.0;
 
-/// The longest time to settle.
+/// The longest duration of a simulation before a branch.
 const LONGEST: f64 = 1e9;
 
-/// Rates this small, compared with the states, are those of an equilibrium.
+/// The largest rate, relative to the states, at an equilibrium.
 const AT_REST: f64 = 1e-6;
 
-/// Sweeps that are asked for.
+/// The sweeps to compute in place of the scene's own.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Swept {
-    /// The parameters, or states in which motion begins, that vary. Over one parameter each run
-    /// begins where the run before has ended, the parameter growing; over others all begin anew.
+    /// The parameters or initial states to vary. Over one parameter, each run starts at the end of
+    /// the previous run, with the parameter increasing; otherwise all runs start from the initial
+    /// states.
     pub over: Vec<Grid>,
-    /// Whether the parameter falls in a second sweep.
+    /// Whether to add a second sweep with the parameter decreasing.
     pub both: bool,
-    /// The states in which the first run begins, by name.
+    /// The initial states of the first run, by name.
     pub start: Vec<(String, f64)>,
-    /// The event just after which motion without forcing is sampled.
+    /// The event at which motion without forcing is sampled, just after the event.
     pub at: Option<String>,
 }
 
 impl Scene {
-    /// The scene that a model amounts to: from where its motion begins, or settles, one branch; and
-    /// the curves of special points.
+    /// Builds the scene for a model and a request: one branch from the initial state, or from the
+    /// attractor of a simulation, and the requested curves of special points.
     ///
     /// ```
     /// use std::path::Path;
@@ -94,7 +97,7 @@ impl Scene {
     /// ```
     ///
     /// # Errors
-    /// [`SceneError`] if nothing is released, or motion settles on nothing.
+    /// [`SceneError`] if no parameter is varied, or the motion does not converge to an attractor.
     pub fn of_model(problem: Problem, title: &str, request: &Request) -> Result<Scene, SceneError> {
         let Some(first) = request.along.first() else {
             let rule = "a branch needs one: name it with its range, as in `--along rho=0..30`";
@@ -117,8 +120,8 @@ impl Scene {
             ));
         }
         let mut scene = Scene::of_problem(problem, title, request);
-        // A parameter without a value begins where its range does, and one outside of its range at
-        // the nearer end.
+        // A parameter without a value starts at the start of its range, and one outside its range
+        // at the nearer end.
         for range in &request.along {
             let value =
                 range.low.filter(|low| *low > 0.0).or(range.high.filter(|high| *high < 0.0));
@@ -148,7 +151,8 @@ impl Scene {
         Ok(scene)
     }
 
-    /// A scene of a problem without runs and sweeps, to which the token of a request belongs.
+    /// Builds a scene of a problem without runs and sweeps, with the cancellation token of a
+    /// request.
     pub fn of_problem(problem: Problem, title: &str, request: &Request) -> Scene {
         Scene {
             title: title.into(),
@@ -164,7 +168,7 @@ impl Scene {
         }
     }
 
-    /// The scene with one simulated history in place of its runs and sweeps.
+    /// Returns the scene with one simulated history in place of its runs and sweeps.
     ///
     /// ```
     /// use tangency::scene::{BUILT_IN, Request, Scene, Simulated, execute};
@@ -186,14 +190,14 @@ impl Scene {
     ) -> Result<Scene, SceneError> {
         self.settings.cancel = request.cancel.clone();
         (self.sweeps, self.plot, self.accuracy) = (Vec::new(), Plot::default(), None);
-        // What other runs set is not varied here.
+        // Values set by other runs can be changed in a simulation.
         self.runs =
             vec![Run { start: Start::Simulated(simulated), ..Run::along("history", Vec::new()) }];
         self.set_all(&request.set)?;
         Ok(self)
     }
 
-    /// The scene with sweeps over other values in place of its own.
+    /// Returns the scene with sweeps over other values in place of its own.
     ///
     /// ```
     /// use tangency::core::sweep::Order;
@@ -207,9 +211,9 @@ impl Scene {
     /// ```
     ///
     /// # Errors
-    /// As [`set`](Self::set); [`SceneError::BothWays`] if `both` is asked for anything but one
-    /// parameter, [`SceneError::Twice`] for a name that is given twice. Resolving the scene checks all
-    /// other names.
+    /// As [`set`](Self::set); [`SceneError::BothWays`] if `both` is given for anything but one
+    /// parameter, [`SceneError::Twice`] for a duplicate name. Resolving the scene checks all other
+    /// names.
     pub fn sweeping(mut self, request: &Request, swept: Swept) -> Result<Scene, SceneError> {
         let Swept { mut over, both, start, at } = swept;
         let names = || over.iter().map(|grid| &grid.name).chain(start.iter().map(|(name, _)| name));
@@ -224,7 +228,7 @@ impl Scene {
             return Err(SceneError::BothWays);
         }
         if let ([grid], true) = (&mut over[..], follows) {
-            // Both orders go by the values.
+            // Both orders need increasing values.
             (grid.low, grid.high) = (grid.low.min(grid.high), grid.low.max(grid.high));
         }
         let sweep = |(name, order): (&str, Order)| Sweep {
@@ -243,7 +247,7 @@ impl Scene {
         Ok(self)
     }
 
-    /// Does what the file of a model says about how far it is to be followed; gives bounds.
+    /// Applies the numerical options of a model's file, and returns its bounds.
     fn followed(&mut self) -> Result<Vec<Range>, SceneError> {
         let Options { bounds, ntst, npr, .. } = self.problem.options();
         if let Some(intervals) = ntst {
@@ -257,7 +261,7 @@ impl Scene {
         Ok(model.states().into_iter().map(within).collect())
     }
 
-    /// The scene with other values, ranges, bounds and starts.
+    /// Returns the scene with other values, ranges, bounds and starts.
     ///
     /// # Errors
     /// As [`set`](Self::set); [`SceneError`] for names that no run has.
@@ -297,7 +301,7 @@ impl Scene {
         Ok(self)
     }
 
-    /// Adds the curves of special points that are asked for.
+    /// Adds the requested curves of special points.
     fn hold(&mut self, request: &Request) {
         let (Some(kind), Some(first)) = (request.hold, self.runs.first()) else { return };
         let mut run = Run::along(&format!("{}-{kind}-curve", first.name), request.along.clone());
@@ -316,8 +320,9 @@ impl Scene {
         self.runs.push(run);
     }
 
-    /// Sets where the first run begins: where motion settles, if it must; else in given states.
-    /// `free` says whether equilibria or orbits are followed as they are found.
+    /// Sets the start of the first run: the attractor of a simulation if requested, else the given
+    /// states. With `free`, the kind of solution found there decides whether equilibria or orbits
+    /// are traced.
     fn begin(&mut self, request: &Request, free: bool) -> Result<(), SceneError> {
         let start = self.start(request, free)?;
         let [run, ..] = &mut self.runs[..] else { return Ok(()) };
@@ -342,7 +347,10 @@ impl Scene {
             let moves = self.problem.model().kind() == "a map";
             return match request.settle {
                 Some(time) if moves => Ok(simulated(time)),
-                Some(_) => Err(self.problem.model().lacks("only what moves settles")),
+                Some(_) => Err(self
+                    .problem
+                    .model()
+                    .lacks("only systems with dynamics can be simulated to an attractor")),
                 None => Ok(guess()),
             };
         };
@@ -361,7 +369,7 @@ impl Scene {
         if !smooth {
             return self.given_or_settled(guess(), simulated(transient));
         }
-        // A scene has said what it follows.
+        // The scene already states which kind of solutions it traces.
         if !free && follows(Solution::Orbit) {
             return Ok(simulated(transient));
         }
@@ -369,7 +377,7 @@ impl Scene {
         let Some(settle) = request.settle else {
             return match self.refused(&guess())? {
                 None => Ok(guess()),
-                // What was wrong there explains what may go wrong behind it.
+                // The first error explains possible later ones.
                 Some(near) => self.settled(request, SETTLE, &*motion).map_err(|cause| {
                     SceneError::NoStart { near: Box::new(near), cause: Box::new(cause) }
                 }),
@@ -378,7 +386,7 @@ impl Scene {
         self.settled(request, settle, &*motion)
     }
 
-    /// The equilibrium on which motion settles, or else the orbit.
+    /// Returns the equilibrium to which the motion converges, or else the orbit.
     fn settled(
         &mut self,
         request: &Request,
@@ -407,8 +415,8 @@ impl Scene {
         Ok(Start::Simulated(Simulated { state, transient: settle, ..Simulated::default() }))
     }
 
-    /// The states that are given, if a branch of equilibria starts there, or else where motion comes
-    /// to rest.
+    /// Returns the given states if a branch of equilibria starts there, or else the equilibrium to
+    /// which the motion converges.
     fn given_or_settled(&self, given: Start, settled: Start) -> Result<Start, SceneError> {
         let Some(near) = self.refused(&given)? else { return Ok(given) };
         match self.refused(&settled) {
@@ -419,10 +427,10 @@ impl Scene {
         }
     }
 
-    /// Why no branch starts from a guess, if none does.
+    /// Returns why no branch starts from a guess, or `None` if one does.
     ///
     /// # Errors
-    /// [`SceneError`] for what no other start can mend.
+    /// [`SceneError`] for errors that no other start can avoid.
     fn refused(&self, start: &Start) -> Result<Option<SceneError>, SceneError> {
         let Some(run) = self.runs.first() else { return Ok(None) };
         let run = Run { start: start.clone(), ..run.clone() };

@@ -1,4 +1,4 @@
-//! What a scene amounts to: each run and each sweep with every name resolved, every value a number and every default
+//! Resolution of a scene: each run and each sweep with resolved names, numeric values and defaults
 //! filled in.
 
 use super::discretisation::{SOLUTION, Solution};
@@ -14,37 +14,37 @@ use crate::core::system::{Kind, System};
 use crate::output::{Document, drop_empty_parts};
 use std::sync::Arc;
 
-/// A special point of an earlier result, from which a scene's run is to go on.
+/// A special point of an earlier result, from which a scene's run continues.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StartPoint {
-    /// The branch.
+    /// The branch with the special point.
     pub branch: Branch,
-    /// The label.
+    /// The label of the special point.
     pub label: usize,
-    /// The parameters that are changed there, with the values of the scene, by name: all others
-    /// have the values of the point.
+    /// The parameters changed to the values of the scene, by name; all others have the values of
+    /// the point.
     pub changed: Vec<String>,
-    /// The other branches of the result. Where the point is the one at which its branch leaves
-    /// another one, the branch begins there again.
+    /// The other branches of the result. If the point is where its branch leaves another one, the
+    /// branch starts there again.
     pub beside: Vec<Branch>,
-    /// The kind of special point of which a curve is to start there; `None` if the scene decides.
+    /// The kind of special point whose curve starts there; `None` if the scene decides.
     pub hold: Option<Kind>,
 }
 
 impl StartPoint {
-    /// A point at which nothing is changed.
+    /// Creates a start point with unchanged parameters.
     pub fn new(branch: Branch, label: usize) -> Self {
         StartPoint { branch, label, changed: Vec::new(), beside: Vec::new(), hold: None }
     }
 
-    /// A point with the other branches of its document.
+    /// Creates a start point with the other branches of its document.
     pub fn of(document: &Document, branch: Branch, label: usize) -> Self {
         let others = document.branches.iter().filter(|other| other.name != branch.name);
         let beside = others.cloned().collect();
         StartPoint { beside, ..StartPoint::new(branch, label) }
     }
 
-    /// Whether the branch begins at the point, and leaves another one there that is known.
+    /// Returns whether the branch starts at the point, and leaves a known branch there.
     pub(super) fn is_origin(&self, run: &Run) -> bool {
         let Start::From { run: from, kind, switch, .. } = &run.start else { return false };
         let leaves = *switch || *kind == Kind::HB;
@@ -55,71 +55,71 @@ impl StartPoint {
     }
 }
 
-/// A run as it is traced.
+/// A run with all names and values resolved.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Resolved {
-    /// What is stated of its branch: name, ranges, bounds, marks, what is held.
+    /// The statement of the branch: name, ranges, bounds, marks and held conditions.
     pub(super) run: Run,
     /// The problem, with the settings of the run.
     pub(super) problem: Problem,
-    /// All parameters where the run starts, in the problem's order.
+    /// All parameters at the start of the run, in the problem's order.
     pub(super) values: Vec<f64>,
-    /// The parameters that have these values also where the run starts from a point of a branch.
+    /// The parameters that keep these values even if the run starts from a point of a branch.
     pub(super) changed: Vec<(String, f64)>,
     /// The settings of the continuation.
     pub(super) settings: Settings,
-    /// How far each parameter goes from its start in any run of the scene.
+    /// The distance of each parameter from its start in any run of the scene.
     pub(super) reach: Vec<f64>,
     /// The point of an earlier result from which the run starts.
     pub(super) from: Option<StartPoint>,
 }
 
-/// A sweep as it is done.
+/// A sweep with all names and values resolved.
 #[derive(Clone, Debug)]
 pub(super) struct ResolvedSweep {
-    /// What is stated of it.
+    /// The statement of the sweep.
     pub sweep: Sweep,
     /// The problem, with the settings of the sweep.
     pub problem: Problem,
-    /// All parameters where no axis gives them, in the problem's order.
+    /// The values of all parameters except those given by an axis, in the problem's order.
     pub values: Vec<f64>,
-    /// Cancels it.
+    /// The token that cancels the sweep.
     pub cancel: CancelToken,
 }
 
-/// All that a scene amounts to, in the order in which it is done.
+/// The runs and sweeps of a scene with all names and values resolved, in the order of execution.
 #[derive(Clone, Debug)]
 pub struct Resolution {
-    /// The statement, by which results are known and drawn.
+    /// The statement, which identifies results and states how to draw them.
     scene: Scene,
     start: Option<StartPoint>,
-    /// The runs that are traced.
+    /// The runs to trace.
     pub(super) runs: Vec<Resolved>,
     pub(super) sweeps: Vec<ResolvedSweep>,
 }
 
 impl Resolved {
-    /// The name of its branch.
+    /// Returns the name of the branch.
     pub fn name(&self) -> &str {
         &self.run.name
     }
 
-    /// The system of which it follows solutions.
+    /// Returns the system whose solutions are traced.
     pub(super) fn system(&self) -> Result<Box<dyn System>, SceneError> {
         self.problem.model().system(&self.values, &self.reach)
     }
 
-    /// The motion that is simulated.
+    /// Returns the motion to simulate.
     pub(super) fn motion(&self) -> Result<Arc<dyn HybridEquations>, SceneError> {
         self.problem.model().motion()
     }
 
-    /// States where motion and branches begin if the run states no others.
+    /// Returns the default initial states of motion and branches.
     pub(super) fn initial(&self) -> Vec<(String, f64)> {
         self.problem.initial(&self.values)
     }
 
-    /// The values of the parameters by name.
+    /// Returns the values of the parameters by name.
     pub(super) fn parameters(&self) -> impl Iterator<Item = (String, f64)> {
         self.problem.parameter_names().into_iter().zip(self.values.iter().copied())
     }
@@ -128,11 +128,11 @@ impl Resolved {
 impl Scene {
     /// Resolves the scene: every name, value and default of its runs and sweeps.
     ///
-    /// From a start point only one shown run is traced, which holds the kind that the start point asks
-    /// for: the one named as the point's branch; else the first one that makes the same kind of curve of
-    /// the same unknowns; else the first one that follows points of its kind or a curve that leaves the
-    /// point; else the first one. If it follows points of a local map, the runs that find the map's
-    /// grazing come first.
+    /// With a start point only one shown run is traced, which holds the kind that the start point
+    /// requests: the one named as the point's branch; else the first one that traces the same kind
+    /// of curve in the same unknowns; else the first one that traces points of its kind or a curve
+    /// that leaves the point; else the first one. If the run traces points of a local map, the runs
+    /// that find the map's grazing come first.
     ///
     /// ```
     /// use tangency::scene::Scene;
@@ -166,9 +166,10 @@ impl Scene {
         Ok(Resolution { scene, start, runs, sweeps })
     }
 
-    /// A run of the scene, with the scene's values where it states none. A run from a Hopf point
-    /// traces orbits, unless it holds a condition; so does a run that holds a condition of orbits, and a
-    /// curve of special cycles from a point of equilibria; unless the run sets `solution`.
+    /// Resolves a run of the scene, with the scene's values as defaults. The following runs trace
+    /// orbits unless they set `solution`: a run from a Hopf point that holds no condition, a run
+    /// that holds a condition of orbits, and a curve of special cycles from a special point of
+    /// equilibria.
     pub(super) fn resolved(&self, run: &Run) -> Result<Resolved, SceneError> {
         let mut seen = self.with(&run.set)?;
         let at_hopf = matches!(run.start, Start::From { kind: Kind::HB, .. });
@@ -198,34 +199,34 @@ impl Scene {
 }
 
 impl Resolution {
-    /// The runs that are traced, in this order.
+    /// Returns the runs to trace, in order.
     pub fn runs(&self) -> &[Resolved] {
         &self.runs
     }
 
-    /// The scene that was resolved.
+    /// Returns the scene that was resolved.
     pub fn scene(&self) -> &Scene {
         &self.scene
     }
 
-    /// The point from which its run starts.
+    /// Returns the start point, if given.
     pub(super) fn start(&self) -> Option<&StartPoint> {
         self.start.as_ref()
     }
 
-    /// A further run, as if the scene stated it.
+    /// Resolves a further run, as if the scene stated it.
     pub(super) fn further(&self, run: &Run) -> Result<Resolved, SceneError> {
         self.scene.resolved(run)
     }
 
-    /// The runs that lead to the one of a name, and that one, in order.
+    /// Returns the named run, preceded by the runs that lead to it.
     pub(super) fn leading(&self, name: &str) -> Vec<&Resolved> {
         let names = leading(&self.runs, name);
         self.runs.iter().filter(|run| names.contains(&run.name())).collect()
     }
 
-    /// The probable mistakes in the scene ([`Scene::warnings`]), and the values of the scene that the
-    /// start point overrides.
+    /// Returns warnings of probable mistakes in the scene ([`Scene::warnings`]), and of values of
+    /// the scene that the start point overrides.
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = self.scene.warnings();
         if let (Some(start), Some(going)) = (&self.start, self.runs.last()) {
@@ -234,7 +235,7 @@ impl Resolution {
         warnings
     }
 
-    /// Warnings of parameters for which the scene and the start point state different values.
+    /// Returns warnings of parameters whose values differ between the scene and the start point.
     fn overridden(&self, start: &StartPoint, going: &Resolved) -> Vec<String> {
         let StartPoint { branch, label, .. } = start;
         let Some(special) = branch.labelled(*label) else { return Vec::new() };
@@ -261,7 +262,7 @@ impl Resolution {
         differs.collect()
     }
 
-    /// A document of branches, with what is said of all of them.
+    /// Creates a document of branches, with the title, plot and settings of the scene.
     pub(super) fn document<'a>(
         &self,
         runs: impl Iterator<Item = &'a Run>,
@@ -270,7 +271,7 @@ impl Resolution {
         let mut document = Document::new(self.scene.title.clone(), branches);
         document.plot = self.scene.plot.clone();
         if self.start.is_some() {
-            // The scene's picture may show other branches, which are not traced.
+            // The scene's plot may show other branches, which are not traced.
             document.plot = document.plot.restricted(&document.branches);
             drop_empty_parts(&mut document);
         }
@@ -282,7 +283,7 @@ impl Resolution {
             }
         }
         document.settings = self.scene.record();
-        // A start point has values of its own.
+        // The start point has its own parameter values.
         let parameters = self.scene.problem.parameter_names();
         let counts =
             |(name, _): &&(String, String)| self.start.is_none() || !parameters.contains(name);
@@ -293,7 +294,7 @@ impl Resolution {
     }
 }
 
-/// The one run that goes on from a start point, behind those that lead to its local map.
+/// Returns the run that continues from a start point, after the runs that lead to its local map.
 fn going_on(
     scene: &Scene,
     runs: Vec<Resolved>,
@@ -325,29 +326,30 @@ fn going_on(
     Ok(all)
 }
 
-/// Whether a run is a curve of special cycles that begins at a special point of equilibria.
+/// Returns whether a run is a curve of special cycles that emanates from a special point of
+/// equilibria.
 fn leads_to_cycles(point: Option<Kind>, run: &Run) -> bool {
     let leads = |(point, held)| catalogue::is_of_cycles(point, held);
     point.zip(run.hold).is_some_and(leads)
 }
 
-/// A run along orbits, where its problem has both.
+/// Returns the run with orbits as solutions, if its problem has both kinds.
 fn on_orbits(run: &Resolved) -> Resolved {
     let mut orbits = run.clone();
     orbits.problem.follow(Solution::Orbit);
     orbits
 }
 
-/// Whether the solutions of a run have the unknowns of a branch.
+/// Returns whether the solutions of a run have the unknowns of a branch.
 fn has_unknowns(run: &Resolved, branch: &Branch) -> bool {
     run.system().is_ok_and(|system| {
-        // In earlier documents each element of an array is a group.
+        // In old documents each element of an array is a group.
         system.names().elements().eq(branch.unknowns.iter().flat_map(Group::elements))
     })
 }
 
-/// The shown run that goes on with the branch of a point, or else follows points of its kind or a
-/// curve that leaves the point.
+/// Returns the shown run that continues the branch of a point, or else traces points of its kind or
+/// a curve that leaves the point.
 fn continuing<'a>(runs: &'a [Resolved], point: &StartPoint) -> Option<&'a Resolved> {
     let branch = &point.branch;
     let wanted = |run: &Run| point.hold.is_none() || run.hold == point.hold;
@@ -367,7 +369,7 @@ fn continuing<'a>(runs: &'a [Resolved], point: &StartPoint) -> Option<&'a Resolv
     named.or(shown().find(alike)).or(shown().find(follows)).or(shown().next())
 }
 
-/// The names of a run and of all that it starts from.
+/// Returns the names of a run and of all runs that lead to it.
 fn leading<'a>(runs: &'a [Resolved], name: &'a str) -> Vec<&'a str> {
     let mut names = vec![name];
     let mut last = name;
@@ -380,15 +382,17 @@ fn leading<'a>(runs: &'a [Resolved], name: &'a str) -> Vec<&'a str> {
     names
 }
 
-/// How far each parameter goes from its start in any run of the scene, by ratio: what a
-/// discretisation must be fit for. All runs share it, so that one can start where another ended.
+/// Returns how far each parameter goes from its start in any run of the scene, as a ratio; the
+/// discretisation must be suitable for all of these values. All runs share the result, so that one
+/// can start where another ended.
 pub(super) fn reach(problem: &Problem, runs: &[Run], values: &[f64]) -> Vec<f64> {
     let names = problem.parameter_names();
     let mut reach = values.to_vec();
     for ((reach, value), name) in reach.iter_mut().zip(values).zip(&names) {
         let ranges = runs.iter().flat_map(|run| &run.along).filter(|range| range.name == *name);
         for end in ranges.flat_map(|range| [range.low, range.high]).flatten() {
-            // By ratio, as an aspect ratio is meant; from zero, by size.
+            // Ratios suit parameters such as aspect ratios; a parameter that starts at zero is
+            // measured by its size.
             let far = |end: f64| if *value == 0.0 { end.abs() } else { (end / value).ln().abs() };
             if far(end).is_finite() && far(end) > far(*reach) {
                 *reach = end;

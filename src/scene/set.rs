@@ -1,4 +1,4 @@
-//! Reading a scene, and changing it by name.
+//! Parsing a scene, and changing it by name.
 
 use super::by_name::{assign, settings};
 use super::catalogue::Catalogue;
@@ -19,8 +19,8 @@ struct OfScene {
     accuracy: Option<f64>,
 }
 
-/// The settings of a sweep's search for attractors. The search has a `tolerance`, too, but `--set tolerance` sets the
-/// tolerance of the continuation.
+/// The settings of a sweep's search for attractors. The search also has a `tolerance`, but `--set
+/// tolerance` sets the tolerance of the continuation.
 const OF_SEARCHES: [&str; 4] = ["transient", "recorded_periods", "max_period", "lyapunov_periods"];
 
 /// The further settings of sweeps.
@@ -29,15 +29,15 @@ const OF_SWEEPS: [&str; 3] = ["flow_tolerance", COUNT, STRANDS];
 /// The number of values along a sweep's first axis.
 const COUNT: &str = "count";
 
-/// The number of strands of runs that follow each other.
+/// The number of strands of consecutive runs.
 const STRANDS: &str = "strands";
 
-/// Whether a setting is one of sweeps.
+/// Returns whether a setting belongs to sweeps.
 pub(super) fn is_of_sweeps(name: &str) -> bool {
     OF_SEARCHES.contains(&name) || OF_SWEEPS.contains(&name)
 }
 
-/// The names of a sweep's settings.
+/// Returns the names of a sweep's settings.
 fn settings_of(sweep: &Sweep) -> impl Iterator<Item = &'static str> {
     let has = |name: &&str| match *name {
         COUNT => !sweep.over.is_empty(),
@@ -47,7 +47,7 @@ fn settings_of(sweep: &Sweep) -> impl Iterator<Item = &'static str> {
     OF_SEARCHES.into_iter().chain(OF_SWEEPS).filter(has)
 }
 
-/// Sets one setting of a sweep by name; false if there is none of this name.
+/// Sets one setting of a sweep by name; returns false if the name is unknown.
 fn assign_to_sweep(sweep: &mut Sweep, name: &str, value: &str) -> Result<bool, SceneError> {
     if !settings_of(sweep).any(|known| known == name) {
         return Ok(false);
@@ -60,7 +60,7 @@ fn assign_to_sweep(sweep: &mut Sweep, name: &str, value: &str) -> Result<bool, S
 }
 
 impl Scene {
-    /// Reads a scene of a [built-in](Catalogue::built_in) problem.
+    /// Parses a scene of a [built-in](Catalogue::built_in) problem.
     ///
     /// # Errors
     /// As [`Catalogue::parse`].
@@ -74,7 +74,7 @@ impl Scene {
         Catalogue::built_in().parse(text)
     }
 
-    /// The scene as a file that [`Catalogue::parse`] reads: what differs from defaults, and all
+    /// Returns the scene as a file that [`Catalogue::parse`] reads: non-default values, and all
     /// settings of its problem.
     ///
     /// ```
@@ -87,26 +87,26 @@ impl Scene {
     /// ```
     pub fn to_ron(&self) -> String {
         let pretty = PrettyConfig::new().struct_names(true).depth_limit(3);
-        // Scenes are plain lists, numbers and names: they can always be written.
+        // Scenes are plain lists, numbers and names, so serialization cannot fail.
         self.readable(options().to_string_pretty(self, pretty).unwrap_or_default())
     }
 
-    /// The scene on one line, with all that was set: what results are known by.
+    /// Returns the scene on one line, with all values set; this text identifies results.
     pub fn in_words(&self) -> String {
         self.readable(options().to_string(self).unwrap_or_default())
     }
 
-    /// A text of the scene, its problem as scenes state it.
+    /// Rewrites a text of the scene with the problem in the notation of scenes.
     fn readable(&self, text: String) -> String {
         let (name, written) = (self.problem.name(), self.problem.written());
         text.replacen(&format!("{name}({written})"), &format!("{name}{written}"), 1)
     }
 
-    /// Changes a parameter, a setting of the problem or of the continuation, by name.
+    /// Changes a parameter, or a setting of the problem or of the continuation, by name.
     ///
     /// # Errors
     /// [`SceneError::UnknownName`], with a suggestion; [`SceneError::Value`] if the value cannot be
-    /// read; [`SceneError::Varied`] if the scene's runs set it by themselves.
+    /// parsed; [`SceneError::Varied`] if the scene's runs set the name.
     ///
     /// ```
     /// use tangency::scene::{BUILT_IN, Scene};
@@ -121,8 +121,8 @@ impl Scene {
         self.set_all(&[(name.into(), value.into())])
     }
 
-    /// Changes several values together: ranges that depend on each other, as `min_step` and
-    /// `max_step` do, are checked when all are changed.
+    /// Changes several values together. Ranges that depend on each other, such as `min_step` and
+    /// `max_step`, are checked after all changes.
     ///
     /// # Errors
     /// As [`set`](Self::set).
@@ -130,7 +130,7 @@ impl Scene {
         let mut changed = self.clone();
         for (name, value) in self.choices_first(values) {
             self.refuse_varied(name)?;
-            // The accuracy is of the whole scene: runs do not set it.
+            // The accuracy applies to the whole scene: runs do not set it.
             let mut of_scene = OfScene { accuracy: changed.accuracy };
             if assign(&mut of_scene, name, value)? {
                 changed.accuracy = of_scene.accuracy;
@@ -138,7 +138,7 @@ impl Scene {
                 changed.assign_or_leave_to_runs(name, value)?;
             }
         }
-        // The runs of a scene that is being made are checked when they are there.
+        // The runs of a scene under construction are checked once they exist.
         if changed.runs.is_empty() && changed.sweeps.is_empty() {
             changed.check_settings()?;
             changed.check_accuracy()?;
@@ -149,7 +149,7 @@ impl Scene {
         Ok(())
     }
 
-    /// Refuses a value that runs set by themselves.
+    /// Rejects a value that runs set.
     fn refuse_varied(&self, name: &str) -> Result<(), SceneError> {
         for run in &self.runs {
             if let Some((_, own)) = run.set.iter().find(|(key, _)| key == name) {
@@ -160,20 +160,20 @@ impl Scene {
         Ok(())
     }
 
-    /// The value of a parameter at the start.
+    /// Returns the initial value of a parameter.
     pub fn value(&self, parameter: &str) -> Option<f64> {
         let given = self.parameters.iter().find(|(name, _)| name == parameter);
         let default = || self.problem.parameters().into_iter().find(|(name, _)| name == parameter);
         given.map(|(_, value)| *value).or_else(|| default()?.1)
     }
 
-    /// All parameters at the start, in the problem's order.
+    /// Returns all initial parameters, in the problem's order.
     ///
     /// # Errors
-    /// [`SceneError::MissingParameters`] if the problem states no defaults for some that the scene
-    /// does not give.
+    /// [`SceneError::MissingParameters`] if some parameters have neither a default nor a value in
+    /// the scene.
     pub fn values(&self) -> Result<Vec<f64>, SceneError> {
-        // Of a parameter that is given twice the first value counts.
+        // For a parameter given twice, the first value counts.
         let given = self.parameters.iter().rev().map(|(name, value)| (name.as_str(), *value));
         let given: HashMap<&str, f64> = given.collect();
         let (mut values, mut missing) = (Vec::new(), Vec::new());
@@ -189,7 +189,8 @@ impl Scene {
         }
     }
 
-    /// The scene with some values set, without runs and sweeps: as one of them sees it.
+    /// Returns the scene with some values set, without runs and sweeps, as applied to a single run
+    /// or sweep.
     pub(super) fn with(&self, set: &[(String, String)]) -> Result<Scene, SceneError> {
         let mut scene = Scene {
             title: self.title.clone(),
@@ -211,14 +212,15 @@ impl Scene {
         Ok(scene)
     }
 
-    /// Values in the order in which they are set: a method before its settings.
+    /// Sorts values so that a method is set before its settings.
     fn choices_first<'a>(&self, values: &'a [(String, String)]) -> Vec<&'a (String, String)> {
         let mut values: Vec<&(String, String)> = values.iter().collect();
         values.sort_by_key(|(name, _)| !self.problem.model().chooses(name));
         values
     }
 
-    /// Changes one value; a setting that only the methods of some runs have, in these runs.
+    /// Changes one value. A setting that belongs only to the methods of some runs is changed in
+    /// these runs.
     fn assign_or_leave_to_runs(&mut self, name: &str, value: &str) -> Result<(), SceneError> {
         let Err(refused) = self.assign(name, value) else { return Ok(()) };
         if !matches!(refused, SceneError::NoEffect { .. }) {
@@ -234,14 +236,14 @@ impl Scene {
 
     /// Changes one value.
     fn assign(&mut self, name: &str, value: &str) -> Result<(), SceneError> {
-        // One name may be that of a setting of runs and of sweeps.
+        // Runs and sweeps may have settings with the same name.
         let known = self.problem.set(name, value)?
             | self.assign_to_continuation(name, value)?
             | self.assign_to_sweeps(name, value)?;
         if known { Ok(()) } else { self.assign_parameter(name, value) }
     }
 
-    /// Changes a setting of the continuation; false if there is none of this name.
+    /// Changes a setting of the continuation; returns false if the name is unknown.
     fn assign_to_continuation(&mut self, name: &str, value: &str) -> Result<bool, SceneError> {
         let mut read = self.settings.clone();
         let known = assign(&mut read, name, value)?;
@@ -250,7 +252,7 @@ impl Scene {
         Ok(known)
     }
 
-    /// Changes how the runs of all sweeps are followed; false if nothing of this name says that.
+    /// Changes a setting of the runs of all sweeps; returns false if the name is unknown.
     fn assign_to_sweeps(&mut self, name: &str, value: &str) -> Result<bool, SceneError> {
         let mut known = false;
         for sweep in &mut self.sweeps {
@@ -275,7 +277,7 @@ impl Scene {
         Ok(())
     }
 
-    /// Refuses a name that is neither a parameter nor a setting.
+    /// Rejects a name that is neither a parameter nor a setting.
     fn require_name(&self, name: &str) -> Result<(), SceneError> {
         match self.problem.require_parameter(name) {
             Err(SceneError::UnknownName(_)) => {}
@@ -285,7 +287,7 @@ impl Scene {
         Err(UnknownName::new("parameter or setting", name, known).into())
     }
 
-    /// The names of all settings.
+    /// Returns the names of all settings.
     pub(super) fn setting_names(&self) -> Vec<String> {
         let names = |settings: Vec<(String, String)>| settings.into_iter().map(|(name, _)| name);
         let mut known = self.problem.model().setting_names();
@@ -295,7 +297,7 @@ impl Scene {
         known
     }
 
-    /// Every parameter and setting by name, to be saved with the branches.
+    /// Returns every parameter and setting by name, to save with the branches.
     pub(super) fn record(&self) -> Vec<(String, String)> {
         let mut record = self.problem.settings();
         let values = self.values().unwrap_or_default();

@@ -1,5 +1,5 @@
-//! Histories by simulation: what a motion does that settles on no orbit of finitely many events, or
-//! has not settled yet.
+//! Histories by simulation, for transients and for motions that do not converge to a periodic
+//! orbit.
 
 use super::discretisation::no_start;
 use super::error::SceneError;
@@ -23,20 +23,20 @@ use serde::{Deserialize, Serialize};
 use std::error::Error;
 use std::sync::Arc;
 
-/// A simulation of a vector field, or of a hybrid system from a state of its first mode; of a
-/// Filippov system from the side of the surface on which the state is. Times are in periods of the
-/// forcing, or in units of time where there is none.
+/// A simulation of a vector field, or of a hybrid system from a state of its first mode. A Filippov
+/// system starts on the side of the surface on which the state is. Times are in periods of the
+/// forcing, or in units of time for systems without forcing.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Simulated {
-    /// The states at its beginning by name, where they are not zero.
+    /// The initial states by name; others are zero.
     #[serde(deserialize_with = "values")]
     pub state: Vec<(String, f64)>,
-    /// The simulated run in whose last state it begins instead.
+    /// The simulated run whose final state is the initial state instead.
     pub after: Option<String>,
-    /// How long it runs before it is looked at.
+    /// The duration of the transient before the history.
     pub transient: f64,
-    /// How long the history lasts.
+    /// The duration of the history.
     pub duration: f64,
 }
 
@@ -47,7 +47,7 @@ impl Default for Simulated {
 }
 
 impl Simulated {
-    /// The same from where a problem begins, unless it states something else.
+    /// Returns a copy that starts in the problem's initial states, unless it states others.
     pub(super) fn from(&self, initial: &[(String, f64)]) -> Self {
         let mut state = self.state.clone();
         let stated = |name: &String| self.state.iter().any(|(known, _)| known == name);
@@ -56,14 +56,14 @@ impl Simulated {
     }
 }
 
-/// Names of what is counted: events a period of the forcing (or in the whole history).
+/// The name of the count of events per period of the forcing (or in the whole history).
 const EVENTS: &str = "events";
 
-/// Samples of a step in a history.
+/// The number of samples per step in a history.
 const SAMPLES: usize = 8;
 
-/// Follows a system through a transient, and then for as long as the history is to last: the
-/// history as a branch of one point, and the state in which it ends.
+/// Simulates a system through a transient and a history; returns the history as a branch of one
+/// point, and the final state.
 pub(super) fn simulate(
     system: &dyn HybridEquations,
     name: &str,
@@ -85,7 +85,7 @@ pub(super) fn simulate(
         let mut state = state.clone();
         let mut flow = HybridFlow::new(system, settings)?;
         flow.advance(&mut state, simulated.transient * unit, p, &mut ())?;
-        // Long times have fewer digits, and a period more or less means nothing.
+        // Large times lose digits; the time matters only modulo a period.
         state.time %= unit;
         let begin = state.time;
         let mut history = History::new(SAMPLES);
@@ -97,8 +97,8 @@ pub(super) fn simulate(
     .map_err(failed)
 }
 
-/// Follows a motion that can be cancelled with the usual settings, and by the implicit method where
-/// the field turns out to be stiff.
+/// Runs a cancellable motion with the default settings, and switches to the implicit method if the
+/// field is stiff.
 pub(super) fn moved<T, E: Error + 'static>(
     cancel: &CancelToken,
     follow: impl Fn(HybridSettings) -> Result<T, E>,
@@ -113,7 +113,7 @@ pub(super) fn moved<T, E: Error + 'static>(
     }
 }
 
-/// Whether an explicit method gave up because the field is stiff, or may be.
+/// Returns whether an explicit method failed because the field is, or may be, stiff.
 fn is_stiff(cause: &(dyn Error + 'static)) -> bool {
     match cause.downcast_ref::<FlowError>() {
         Some(cause) => cause.is_stiff(),
@@ -121,12 +121,12 @@ fn is_stiff(cause: &(dyn Error + 'static)) -> bool {
     }
 }
 
-/// How periodic motion is searched for.
+/// Returns the settings of the search for periodic motion.
 fn search(system: &dyn HybridEquations, simulated: &Simulated, p: &[f64]) -> CycleSearch {
     CycleSearch { transient: simulated.transient * system.period(p), ..CycleSearch::default() }
 }
 
-/// Tells how long it may take until a simulation settles.
+/// Estimates and reports how long a simulation may take to converge.
 pub(super) fn foresee_settling(
     system: &dyn HybridEquations,
     run: &str,
@@ -144,7 +144,8 @@ pub(super) fn foresee_settling(
     Ok(())
 }
 
-/// The periodic motion on which a simulation settles, as one of the orbits like it.
+/// Returns the periodic motion to which a simulation converges, as an orbit of the system with its
+/// itinerary.
 pub(super) fn settled(
     system: Arc<dyn HybridEquations>,
     run: &str,
@@ -157,7 +158,7 @@ pub(super) fn settled(
     HybridOrbit::of_cycle(system, &cycle, p).map_err(no_start)
 }
 
-/// The equilibrium on which a simulation settles, as a mode and its states.
+/// Returns the equilibrium to which a simulation converges, as a mode and its states.
 pub(super) fn rested(
     system: &dyn HybridEquations,
     run: &str,
@@ -169,13 +170,13 @@ pub(super) fn rested(
         Err(CycleSearchError::Equilibrium { mode, states, .. }) => Ok((mode, states)),
         Err(cause) => Err(SceneError::of_run(run, cause)),
         Ok(_) => {
-            let rule = "the motion settles on a cycle, and not at an equilibrium: take `solution: orbit`, or begin elsewhere";
+            let rule = "the motion converges to a cycle, not to an equilibrium: set `solution: orbit`, or start elsewhere";
             Err(SceneError::invalid(format!("run `{run}`, start"), "Simulated", rule))
         }
     }
 }
 
-/// What a simulation settles on.
+/// Returns the attractor to which a simulation converges.
 fn found(
     system: &dyn HybridEquations,
     simulated: &Simulated,
@@ -190,8 +191,8 @@ fn found(
     }))
 }
 
-/// A state of the first mode, given by name where it is not zero: which mode it begins in the
-/// system says.
+/// Returns a state of the first mode, given by name with zero for other states; the system then
+/// determines the initial mode.
 pub(super) fn stated(mode: &Mode, given: &[(String, f64)]) -> Result<HybridState<f64>, SceneError> {
     let mut x = vec![0.0; mode.states.len()];
     for (name, value) in given {
@@ -200,7 +201,7 @@ pub(super) fn stated(mode: &Mode, given: &[(String, f64)]) -> Result<HybridState
     Ok(HybridState { mode: 0, time: 0.0, x })
 }
 
-/// The history of every state; of those that count from the start of a mode, their sum.
+/// Returns the history of every state; for cumulative states of a mode, their sum.
 fn curves(system: &dyn HybridEquations, pieces: &[Piece], begin: f64) -> Vec<Profile> {
     let (modes, counted) = (system.modes(), system.cumulative_states());
     let mut curves: Vec<Profile> = Vec::new();
@@ -225,18 +226,19 @@ fn curves(system: &dyn HybridEquations, pieces: &[Piece], begin: f64) -> Vec<Pro
     curves
 }
 
-/// The names of the extremes of a state.
+/// Returns the names of the extremes of a state.
 fn extremes(state: &str) -> [String; 3] {
     [format!("max_{state}"), format!("min_{state}"), format!("{state}_range")]
 }
 
-/// The monitors that histories through some modes may have.
+/// Returns the monitors that histories through the given modes may have.
 pub(super) fn history_columns(modes: &[Mode]) -> Vec<String> {
     let states = distinct(modes.iter().flat_map(|mode| &mode.states));
     [EVENTS.into()].into_iter().chain(states.into_iter().flat_map(extremes)).collect()
 }
 
-/// One point, with the extremes of all states as monitors, and the curves as profiles.
+/// Returns a branch of one point, with the extremes of all states as monitors, and the curves as
+/// profiles.
 fn branch(
     system: &dyn HybridEquations,
     name: &str,
@@ -298,12 +300,12 @@ fn branch(
     }
 }
 
-/// Time histories, and the portrait of the first two states.
+/// Returns time histories, and the phase portrait of the first two states.
 fn profiles(curves: &[Profile]) -> Vec<Profile> {
     let filled = curves.iter().filter(|curve| !curve.points.is_empty());
     let mut profiles: Vec<Profile> = filled.cloned().collect();
     if let [first, second, ..] = curves {
-        // A mode without the second state (contact) leaves no trace in the portrait.
+        // A mode without the second state (contact) is missing in the portrait.
         let value = |t: f64| second.points.iter().find(|q| q[0] >= t).map(|q| q[1]);
         let same = first.points.len() == second.points.len();
         let points = match same {

@@ -1,40 +1,40 @@
-//! The text of a scene, and the files that it names.
+//! The text of a scene, and the files to which it refers.
 
 use super::error::SceneError;
 use crate::output::{FileError, SizeLimit, read};
 use std::path::{Path, PathBuf};
 
-/// The files that a scene may name.
+/// The files to which a scene may refer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Files<'a> {
-    /// The folder to which their names are relative.
+    /// The folder to which file names are relative.
     pub folder: &'a Path,
-    /// How large they may be.
+    /// The maximum size of a file.
     pub limit: SizeLimit,
 }
 
 impl<'a> Files<'a> {
-    /// Files of a folder, of up to 256 MB.
+    /// Allows files of a folder, of up to 256 MB.
     pub fn of(folder: &'a Path) -> Self {
         Files { folder, limit: SizeLimit::default() }
     }
 }
 
-/// The text of a scene, and the files that the scene may name; `None` if it must not name any.
+/// The text of a scene, and the files to which it may refer; `None` if files are not allowed.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SceneText<'a> {
     pub text: &'a str,
     pub files: Option<Files<'a>>,
 }
 
-/// The path and the content of a file that the field `what` of a scene names.
+/// Returns the path and the content of the file named by the field `what` of a scene.
 pub(super) fn file_of(
     scene: SceneText,
     what: &str,
     file: &str,
 ) -> Result<(PathBuf, Vec<u8>), SceneError> {
     let files = scene.files.ok_or_else(|| {
-        SceneError::value(what, file, "an archive holds all that it needs, and names no files")
+        SceneError::value(what, file, "a scene in an archive must not refer to files")
     })?;
     let path = files.folder.join(file);
     let bytes = read(&path, files.limit).map_err(|cause| SceneError::File {

@@ -1,4 +1,4 @@
-//! What a scene states: runs and sweeps of a problem.
+//! The statement of a scene: runs and sweeps of a problem.
 
 use super::local::Local;
 use super::notation::{value, values};
@@ -13,10 +13,10 @@ use crate::core::system::Kind;
 use crate::output::Plot;
 use serde::{Deserialize, Serialize};
 
-/// A scene: a problem, its runs and sweeps, and their pictures.
+/// A scene: a problem, its runs and sweeps, and their plots.
 ///
 /// [`Catalogue::parse`](super::Catalogue::parse) reads a scene from RON: first with the text of its
-/// problem, `P`, which the catalogue then replaces by the [`Problem`] of that name.
+/// problem, `P`, which the catalogue then replaces by the named [`Problem`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Scene<P = Problem> {
@@ -32,85 +32,84 @@ pub struct Scene<P = Problem> {
     /// read.
     #[serde(default, skip_serializing)]
     pub model: Option<String>,
-    /// Values of parameters at the start, where they differ from the problem's defaults; all of
-    /// them, if it has none. A value may be a formula of numbers, `"8/3"`.
+    /// The initial values of parameters that differ from the problem's defaults; of all parameters,
+    /// if there are no defaults. A value may be a formula of numbers, such as `"8/3"`.
     #[serde(default, deserialize_with = "values", skip_serializing_if = "is_default")]
     pub parameters: Vec<(String, f64)>,
-    /// The wanted relative error of special points, or of ends at bounds where a scene has no others: of
-    /// the parameters that vary along their branch, and of the columns that the setting `refine` names.
-    /// An end that matters is stated by `marks`. The cheapest
-    /// orders, modes, meshes or tolerances that meet it are chosen, in place of stated ones, and
-    /// special points are not refined on others.
+    /// The requested relative error of special points, or of ends at bounds in scenes without other
+    /// special points. The error applies to the parameters that vary along the branch, and to the
+    /// columns that the setting `refine` names. An important end can be stated in `marks`. The
+    /// cheapest orders, modes, meshes or tolerances that meet the accuracy are chosen, in place of
+    /// stated ones, and special points are not refined further.
     #[serde(skip_serializing_if = "is_default")]
     pub accuracy: Option<f64>,
     /// Settings of the continuation.
     #[serde(default, skip_serializing_if = "is_default")]
     pub settings: Settings,
-    /// How the branches are drawn.
+    /// The plot of the branches.
     #[serde(default, skip_serializing_if = "is_default")]
     pub plot: Plot,
-    /// The runs to be traced, in this order.
+    /// The runs to trace, in order.
     #[serde(default, skip_serializing_if = "is_default")]
     pub runs: Vec<Run>,
-    /// The sweeps, in this order.
+    /// The sweeps, in order.
     #[serde(default, skip_serializing_if = "is_default")]
     pub sweeps: Vec<Sweep>,
 }
 
-/// One branch or curve of events.
+/// One branch, or one curve of special points.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Run {
-    /// The branch's name.
+    /// The name of the branch.
     pub name: String,
-    /// The differences from the scene, as `--set` gives them: parameters and settings by name.
+    /// The differences from the scene, as for `--set`: parameters and settings by name.
     #[serde(default, skip_serializing_if = "is_default")]
     pub set: Vec<(String, String)>,
-    /// Where it starts.
+    /// The start of the branch.
     #[serde(default, skip_serializing_if = "is_default")]
     pub start: Start,
-    /// The local map near a grazing of which fixed or periodic points are followed, in place of
-    /// orbits of the flow.
+    /// The local map near a grazing whose fixed or periodic points are traced, in place of orbits
+    /// of the flow.
     #[serde(skip_serializing_if = "is_default")]
     pub local: Option<Local>,
-    /// Whether each iterate of a point of the local map impacts: none, of fixed points before the
-    /// surface. A start from another run goes on with its iterates.
+    /// Whether each iterate of a point of the local map impacts; by default one iterate without
+    /// impact. A start from another run keeps the iterates of that run.
     #[serde(default, skip_serializing_if = "is_default")]
     pub impacts: Vec<bool>,
-    /// The curve of folds (`LP`) or period doublings (`PD`) that begins at the grazing of the local
-    /// map, by its Taylor series to the map's order, in place of points of the map: released is one
-    /// of its two parameters.
+    /// The curve of folds (`LP`) or period doublings (`PD`) that emanates from the grazing of the
+    /// local map, as a Taylor series to the map's order, in place of points of the map. One of the
+    /// map's two parameters is varied.
     #[serde(skip_serializing_if = "is_default")]
     pub expanded: Option<Kind>,
-    /// The kind of special point that is held along the curve, where it is a curve of events.
+    /// The kind of special point that is held along a curve of special points.
     #[serde(skip_serializing_if = "is_default")]
     pub hold: Option<Kind>,
-    /// The parameter or monitor that is held at a level along the curve, where it is a curve of
-    /// marks.
+    /// The parameter or monitor that is held at a level along a curve of marks.
     #[serde(skip_serializing_if = "is_default")]
     pub hold_level: Option<(String, f64)>,
-    /// The parameters that are released, the continued one first, with their ranges. A simulation
-    /// that releases none is kept as a history.
+    /// The varied parameters with their ranges, the continuation parameter first. A simulation
+    /// without varied parameters is kept as a history.
     #[serde(default, skip_serializing_if = "is_default")]
     pub along: Vec<Range>,
-    /// Bounds of parameters and monitors, where the branch ends.
+    /// Bounds of parameters and monitors, at which the branch ends.
     #[serde(default, skip_serializing_if = "is_default")]
     pub bounds: Vec<Range>,
-    /// Values of parameters and monitors that are marked.
+    /// Values of parameters and monitors at which the branch is marked.
     #[serde(default, deserialize_with = "values", skip_serializing_if = "is_default")]
     pub marks: Vec<(String, f64)>,
-    /// Values of monitors at which a solution touches something, marked as grazings (`G`). The
-    /// branch goes on behind them, as if nothing were touched.
+    /// Values of monitors at which a solution touches a surface, marked as grazings (`G`). The
+    /// branch continues beyond them, ignoring the contact.
     #[serde(default, deserialize_with = "values", skip_serializing_if = "is_default")]
     pub grazings: Vec<(String, f64)>,
-    /// Whether the branch goes on where solutions graze, and pass through surfaces beyond: virtual
-    /// ones.
+    /// Whether the branch continues beyond grazings with virtual solutions, which pass through
+    /// surfaces.
     #[serde(default, skip_serializing_if = "is_default")]
     pub beyond_grazings: bool,
-    /// Which way it is traced.
+    /// The direction of the trace.
     #[serde(default, skip_serializing_if = "is_default")]
     pub direction: Way,
-    /// Whether the branch is kept: a run that only leads to the start of others is not.
+    /// Whether the branch is kept; false for a run that only provides the start of others.
     #[serde(default = "yes", skip_serializing_if = "is_yes")]
     pub shown: bool,
 }
@@ -128,7 +127,7 @@ fn is_default<T: Default + PartialEq>(value: &T) -> bool {
 }
 
 impl Run {
-    /// A run from rest, both ways.
+    /// Creates a run from rest, in both directions.
     pub fn along(name: &str, along: Vec<Range>) -> Self {
         Run {
             name: name.into(),
@@ -150,7 +149,7 @@ impl Run {
     }
 }
 
-/// A range; an end that is not given is open. An end may be a formula of numbers, `"8/3"`.
+/// A range; an omitted end is open. An end may be a formula of numbers, such as `"8/3"`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Range {
@@ -165,64 +164,64 @@ pub struct Range {
 }
 
 impl Range {
-    /// The range as numbers, open ends being infinite.
+    /// Returns the range as numbers; open ends are infinite.
     pub fn interval(&self) -> std::ops::RangeInclusive<f64> {
         self.low.unwrap_or(f64::NEG_INFINITY)..=self.high.unwrap_or(f64::INFINITY)
     }
 
-    /// The number in the range that is nearest to this one.
+    /// Returns the number in the range that is nearest to `value`.
     pub(super) fn nearest(&self, value: f64) -> f64 {
         let interval = self.interval();
         value.min(*interval.end()).max(*interval.start())
     }
 }
 
-/// Where a run starts.
+/// The start of a run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 #[non_exhaustive]
 pub enum Start {
-    /// At rest: all unknowns zero.
+    /// At rest: all unknowns are zero.
     #[default]
     Rest,
     /// Near a guess: values of unknowns by name. The others have their initial value, or are zero.
     Guess(#[serde(deserialize_with = "values")] Vec<(String, f64)>),
     /// Near a profile given as a table, for boundary-value problems.
     Profile(Profile),
-    /// At the periodic motion on which a simulation settles; or, where no parameter is
-    /// released, the simulated history itself.
+    /// At the periodic motion to which a simulation converges; without varied parameters, the
+    /// simulated history itself.
     Simulated(Simulated),
     /// At a special point of an earlier run.
     From {
-        /// The run.
+        /// The name of the earlier run.
         run: String,
         /// The kind of special point.
         kind: Kind,
-        /// Which one of that kind, in the order of the branch, from 0.
+        /// The index of the special point among its kind, in the order of the branch, from 0.
         #[serde(default)]
         nth: usize,
-        /// Whether to leave it along the other branch.
+        /// Whether to leave the special point along the other branch.
         #[serde(default)]
         switch: bool,
-        /// Along which one, where several others cross or begin there, from 0.
+        /// The index of the branch to take, if several others cross or emanate there, from 0.
         #[serde(default)]
         which: usize,
-        /// Whether to start there although it has not converged.
+        /// Whether to start there even if the special point has not converged.
         #[serde(default)]
         unconverged: bool,
     },
 }
 
-/// Which way a branch is traced from its start.
+/// The direction in which a branch is traced from its start.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Way {
-    /// Both ways.
+    /// Both directions.
     #[default]
     Both,
-    /// The way in which the parameter released last grows.
+    /// The direction in which the last varied parameter increases.
     Forward,
-    /// The way in which it falls.
+    /// The direction in which the last varied parameter decreases.
     Backward,
 }
 
@@ -230,35 +229,35 @@ pub enum Way {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Sweep {
-    /// Its name.
+    /// The name of the sweep.
     pub name: String,
-    /// The differences from the scene, as `--set` gives them: parameters by name.
+    /// The differences from the scene, as for `--set`: parameters by name.
     #[serde(default)]
     pub set: Vec<(String, String)>,
-    /// The local map near a grazing that is iterated, in place of motion. Its states are deviations
-    /// from the grazing.
+    /// The local map near a grazing to iterate, in place of motion. Its states are deviations from
+    /// the grazing.
     pub local: Option<Local>,
-    /// The event just after which motion is sampled, of a hybrid system without forcing. Periods
-    /// are returns to it then.
+    /// The event at which a hybrid system without forcing is sampled, just after the event. Periods
+    /// are then returns to the event.
     #[serde(default)]
     pub at: Option<String>,
-    /// The parameters, or states in which motion begins, that vary; the last one varies fastest.
+    /// The parameters or initial states to vary; the last one varies fastest.
     pub over: Vec<Grid>,
-    /// Where runs begin.
+    /// The order of the runs, which determines their initial states.
     #[serde(default)]
     pub order: Order,
-    /// In how many strands, each from its start, the axis is divided where runs follow each other:
-    /// they are done at the same time.
+    /// The number of parallel strands into which the axis is divided if each run starts at the end
+    /// of the previous one. Each strand begins at the initial state.
     #[serde(default = "one")]
     pub strands: usize,
-    /// The states in which motion begins by name, where they are not zero: each makes a sweep of
-    /// its own. By default one, at rest.
+    /// The initial states by name; others are zero. Each entry makes a separate sweep. By default
+    /// one sweep, from rest.
     #[serde(default)]
     pub starts: Vec<Vec<(String, f64)>>,
-    /// How runs are followed.
+    /// The settings of the search for attractors.
     #[serde(default)]
     pub search: AttractorSearch,
-    /// Where each run seeks the crisis in which its attractor is lost.
+    /// The search for the crisis at which the attractor of each run is lost.
     pub crisis: Option<SoughtCrisis>,
     /// The measures of every recorded period, by the names of the problem's monitors.
     #[serde(default)]
@@ -269,7 +268,7 @@ pub struct Sweep {
 }
 
 impl Sweep {
-    /// A sweep over some values, anew at each of them from rest.
+    /// Creates a sweep over some values, with every run starting from rest.
     pub(super) fn over(name: &str, over: Vec<Grid>) -> Self {
         Sweep {
             name: name.into(),
@@ -306,24 +305,24 @@ pub struct Grid {
     pub low: f64,
     /// The last value.
     pub high: f64,
-    /// How many.
+    /// The number of values.
     pub count: usize,
 }
 
-/// Where a crisis is sought ([`CrisisSearch`]).
+/// The parameter and range of the search for a crisis ([`CrisisSearch`]).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SoughtCrisis {
-    /// The parameter that goes on.
+    /// The parameter to vary.
     pub name: String,
-    /// From where on.
+    /// The first value of the parameter.
     pub from: f64,
-    /// Where to.
+    /// The last value of the parameter.
     pub to: f64,
-    /// In how many steps.
+    /// The number of steps.
     #[serde(default = "one")]
     pub steps: usize,
-    /// How long the interval may be in which the crisis is.
+    /// The maximum length of the final interval that contains the crisis.
     pub tolerance: f64,
 }
 

@@ -1,4 +1,4 @@
-//! Sweeps of a scene: what motions settle on, over parameters and starts.
+//! Sweeps of a scene: the attractors of motion, over parameters and initial states.
 
 use super::error::SceneError;
 use super::forecast::SweepForecast;
@@ -19,22 +19,22 @@ use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
 use std::sync::Arc;
 
-/// Sees the runs of sweeps.
+/// An observer of the runs of sweeps.
 pub trait SweepWatch {
-    /// A sweep begins, of which so many runs are done.
+    /// Called when a sweep begins; the table contains its finished runs.
     fn begin(&mut self, _sweep: &SweepTable) {}
 
-    /// The time that the sweep that begins may take.
+    /// Called with the estimated work of the sweep that begins.
     fn work(&mut self, _work: &SweepForecast) {}
 
-    /// A run is done, and is the last of what is known now.
+    /// Called when a run is finished; `_known` contains its result as the last one.
     fn found(&mut self, _known: &Sweeps, _found: &Found) {}
 }
 
 impl SweepWatch for () {}
 
 impl Scene {
-    /// Refuses runs that another scene has done.
+    /// Rejects runs of another scene.
     ///
     /// # Errors
     /// [`SceneError::OtherScene`].
@@ -44,7 +44,7 @@ impl Scene {
 }
 
 impl ResolvedSweep {
-    /// The plan of its runs, for motion that begins in a mode.
+    /// Returns the plan of the runs, for motion that starts in a given mode.
     pub fn plan(&self, mode: &Mode) -> Result<Plan, SceneError> {
         let (sweep, parameters) = (&self.sweep, self.problem.parameter_names());
         let axis = |&Grid { ref name, low, high, count }: &Grid| {
@@ -66,12 +66,12 @@ impl ResolvedSweep {
         Ok(plan)
     }
 
-    /// The motion that is sampled.
+    /// Returns the motion to sample.
     pub fn motion(&self) -> Result<Arc<dyn HybridEquations>, SceneError> {
         self.problem.model().motion()
     }
 
-    /// The empty table of a number of runs.
+    /// Creates the empty table of a number of runs.
     pub fn table(&self, runs: usize, layout: &Layout) -> SweepTable {
         let Sweep { name, over, crisis, .. } = &self.sweep;
         let axes: Vec<String> = over.iter().map(|grid| grid.name.clone()).collect();
@@ -79,7 +79,7 @@ impl ResolvedSweep {
         SweepTable::new(name, (&axes, crisis), runs, layout)
     }
 
-    /// What is sampled once in every period: the problem's motion, or a local map.
+    /// Returns the system to sample once in every period: the problem's motion, or a local map.
     fn sampled<'a>(
         &self,
         motion: &'a dyn HybridEquations,
@@ -101,7 +101,7 @@ impl ResolvedSweep {
     }
 }
 
-/// Does the sweeps of a scene, or a part of them, but for the runs that are known.
+/// Computes the sweeps of a scene, or a part of them, except for runs with known results.
 ///
 /// ```
 /// use tangency::core::sweep::Part;
@@ -120,7 +120,7 @@ impl ResolvedSweep {
 /// ```
 ///
 /// # Errors
-/// [`SceneError`] if a sweep has no meaning, or what is known belongs to another scene.
+/// [`SceneError`] if a sweep is invalid, or the known results belong to another scene.
 pub fn sweep(
     scene: &Scene,
     name: &str,
@@ -158,11 +158,11 @@ pub fn sweep(
     Ok(all)
 }
 
-/// A sweep about to be done.
+/// A sweep before execution.
 struct Prepared<'a> {
     resolved: &'a ResolvedSweep,
     motion: Arc<dyn HybridEquations>,
-    /// The local map, if that is iterated.
+    /// The local map, if one is iterated.
     map: Option<LocalMap>,
     layout: Layout,
     plan: Plan,
@@ -178,12 +178,12 @@ impl<'a> Prepared<'a> {
         Ok(Prepared { resolved, motion, map, layout, plan })
     }
 
-    /// The sweep, of which nothing is done.
+    /// Returns the empty table of the sweep.
     fn table(&self) -> SweepTable {
         self.resolved.table(self.plan.runs(), &self.layout)
     }
 
-    /// Does the runs that are not known.
+    /// Computes the remaining runs.
     fn execute(
         &self,
         part: Part,

@@ -1,4 +1,4 @@
-//! Problems whose equations a scene states as text, or names a file of.
+//! Problems whose equations are given as text in a scene, or in a file that the scene names.
 
 use super::discretisation::{
     BoundarySettings, FieldSettings, HybridOrbitSettings, MapSettings, ProblemSettings,
@@ -15,16 +15,16 @@ use ron::error::SpannedError;
 use std::ops::Range;
 use std::path::Path;
 
-/// The kind of equations that a name stands for, with the names of what they state.
+/// Returns the kind of equations with a given name, and the names of its fields.
 pub(super) fn kind_of(name: &str) -> Option<(&'static str, &'static [&'static str])> {
     KINDS.iter().copied().find(|(kind, _)| *kind == name)
 }
 
-/// The name under which a scene gives a file of equations.
+/// The field of a scene that names a file of equations.
 const FILE: &str = "model";
 
-/// The problem whose equations and settings stand together in brackets, `part`, which begins in the
-/// scene's text at `at`.
+/// Parses the problem whose equations and settings are in the brackets of `part`, which begins at
+/// position `at` of the scene's text.
 pub(super) fn stated(
     scene: SceneText,
     (kind, fields): (&'static str, &[&'static str]),
@@ -41,7 +41,7 @@ pub(super) fn stated(
         Some(field) => {
             if let Some(other) = all.iter().find(|field| fields.contains(&field.name.as_str())) {
                 let place = format!("`{}` beside `model`", other.name);
-                let rule = "a file states the equations alone: state this in the file";
+                let rule = "`model` refers to a file with the complete equations: move this field to the file";
                 return Err(SceneError::invalid(place, "given", rule));
             }
             of_file(scene, &file_name(&scene.text[field.value.clone()])?, given)?
@@ -49,7 +49,7 @@ pub(super) fn stated(
         None => Stated::new(statement, &source, given)?,
     };
     if kind != stated.model.name() {
-        let rule = format!("its file holds `{}`", stated.model.name());
+        let rule = format!("its file contains `{}`", stated.model.name());
         let found = kind.to_string();
         return Err(SceneError::invalid("the kind of the problem", found, rule));
     }
@@ -59,7 +59,7 @@ pub(super) fn stated(
     problem(stated, &settings).map_err(|error| misread(&source, at, error).into())
 }
 
-/// A text with blanks in place of some parts, line ends excepted: nothing moves.
+/// Replaces some parts of a text by blanks and keeps line ends, so that positions do not change.
 fn blanked(text: &str, parts: &[Range<usize>]) -> String {
     let mut bytes = text.as_bytes().to_vec();
     for part in parts {
@@ -68,30 +68,31 @@ fn blanked(text: &str, parts: &[Range<usize>]) -> String {
     String::from_utf8(bytes).unwrap_or_default()
 }
 
-/// The name of a file, as a scene gives it.
+/// Parses the name of a file in a scene.
 fn file_name(value: &str) -> Result<String, SceneError> {
     let read = options().from_str(value);
     read.map_err(|error| SceneError::value(FILE, value, reason(&error.code)))
 }
 
-/// The model of a file that a scene names, and its statement.
+/// Returns the model in a file that a scene names, and its statement.
 pub(super) fn of_file(
     scene: SceneText,
     file: &str,
     given: &[String],
 ) -> Result<Stated, SceneError> {
     let (path, bytes) = file_of(scene, FILE, file)?;
-    // Files of XPPAUT's may be older than UTF-8.
+    // Old XPPAUT files may use an encoding other than UTF-8.
     of_text(&path, &String::from_utf8_lossy(&bytes), given)
 }
 
-/// The model that the text of a file states.
+/// Parses the model in the text of a file.
 fn of_text(path: &Path, text: &str, given: &[String]) -> Result<Stated, SceneError> {
     let source = Source::new(path.display().to_string(), text);
     let file = Some(path.to_path_buf());
     let is_ron = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("ron"));
     if !is_ode(path) && !is_ron && kind_of(language::statement_in(text).0).is_none() {
-        // A scene may be a stranger's: nothing is quoted from files of other kinds.
+        // Scenes may come from untrusted sources, so error messages quote nothing from files of
+        // other kinds.
         let kinds: Vec<&str> = KINDS.iter().map(|(kind, _)| *kind).collect();
         let rule = format!("must begin with {}", kinds.join(", or with "));
         return Err(SceneError::invalid(path.display().to_string(), "no file of equations", rule));
@@ -104,7 +105,9 @@ fn of_text(path: &Path, text: &str, given: &[String]) -> Result<Stated, SceneErr
     stated.file = file;
     stated.notes = read.ignored.iter().map(|what| format!("{what} has no effect")).collect();
     stated.notes.extend(read.of_simulations().iter().map(|what| {
-        format!("{what} has no effect: branches begin where motion settles (`--settle`)")
+        format!(
+            "{what} has no effect: branches begin at the attractor of a simulation (`--settle`)"
+        )
     }));
     let renamed = read.renamed.iter().map(|(old, new)| format!("`{old}` is called `{new}` here"));
     stated.notes.extend(renamed);
@@ -113,12 +116,12 @@ fn of_text(path: &Path, text: &str, given: &[String]) -> Result<Stated, SceneErr
     Ok(stated)
 }
 
-/// Whether a file is one of XPPAUT's, by its name.
+/// Returns whether a file is an XPPAUT model, by its name.
 pub(super) fn is_ode(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("ode"))
 }
 
-/// The problem of a file of equations, with default settings.
+/// Returns the problem of a file of equations, with default settings.
 pub(super) fn with_default_settings(
     scene: SceneText,
     file: &str,
@@ -163,7 +166,7 @@ where
     Ok(Box::new(Configured { problem, settings: options().from_str::<S>(settings)? }))
 }
 
-/// The names of the settings of a kind of problem.
+/// Returns the names of the settings of a kind of problem.
 fn settings_of(kind: &str) -> Vec<String> {
     match kind {
         "Equations" => names_of::<FieldSettings>(),
@@ -175,25 +178,25 @@ fn settings_of(kind: &str) -> Vec<String> {
 }
 
 impl Problem {
-    /// The problem that a file states: RON, or a file of XPPAUT's; with default settings.
+    /// Reads the problem in a file, which contains RON or an XPPAUT model, with default settings.
     ///
     /// # Errors
     /// [`SceneError::File`] for a file that cannot be read, [`SceneError::Model`] for one that
-    /// cannot be understood.
+    /// cannot be parsed.
     pub fn from_file(path: &Path, given: &[String]) -> Result<Self, SceneError> {
         let scene = SceneText { text: "", files: Some(Files::of(Path::new(""))) };
         with_default_settings(scene, &path.to_string_lossy(), given)
     }
 
-    /// The problem that the text of a file states, as [`from_file`](Self::from_file) reads one.
+    /// Parses the problem in the text of a file, as [`from_file`](Self::from_file) does.
     ///
     /// # Errors
-    /// [`SceneError::Model`] for a text that cannot be understood.
+    /// [`SceneError::Model`] for a text that cannot be parsed.
     pub fn from_text(path: &Path, text: &str, given: &[String]) -> Result<Self, SceneError> {
         with_defaults(of_text(path, text, given)?)
     }
 
-    /// Whether a file with this text states equations, and is no scene.
+    /// Returns whether a file with this text states equations rather than a scene.
     pub fn is_file_of_equations(path: &Path, text: &str) -> bool {
         is_ode(path) || kind_of(language::statement_in(text).0).is_some()
     }

@@ -1,4 +1,4 @@
-//! Tracing the runs of a scene, one after the other.
+//! Tracing the runs of a scene, one after another.
 
 use super::discretisation::Started;
 use super::error::SceneError;
@@ -18,17 +18,16 @@ use crate::output::Document;
 use cpu_time::ThreadTime;
 use std::time::Duration;
 
-/// The results of a scene: all branches that were traced, and the error that stopped it, if one
-/// did.
+/// The results of a scene: all traced branches, and the error that stopped the scene, if any.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outcome {
     /// The branches that are shown.
     pub document: Document,
-    /// Why the scene stopped before its last run.
+    /// The reason why the scene stopped before its last run.
     pub error: Option<SceneError>,
 }
 
-/// Traces runs, one after the other.
+/// Traces runs, one after another.
 pub(super) fn traced(resolution: &Resolution, observer: &mut dyn SceneObserver) -> Outcome {
     let mut tracing = Tracing::default();
     for resolved in &resolution.runs {
@@ -41,13 +40,13 @@ pub(super) fn traced(resolution: &Resolution, observer: &mut dyn SceneObserver) 
     tracing.outcome(resolution)
 }
 
-/// The runs that have been traced, with their branches.
+/// The traced runs, with their branches.
 #[derive(Default)]
 pub(super) struct Tracing {
     pub runs: Vec<Run>,
     pub done: Vec<Branch>,
     last: LastStates,
-    /// Why a run failed.
+    /// The error of the failed run.
     pub error: Option<SceneError>,
 }
 
@@ -81,7 +80,7 @@ impl Tracing {
         Ok(())
     }
 
-    /// The results, with the branches that are shown.
+    /// Returns the results, with the branches that are shown.
     pub fn outcome(self, resolution: &Resolution) -> Outcome {
         let Tracing { runs, done, error, .. } = self;
         let shown = runs.iter().zip(done).filter(|(run, _)| run.shown);
@@ -90,10 +89,10 @@ impl Tracing {
     }
 }
 
-/// The states in which simulated runs ended, by the run's name.
+/// The final states of simulated runs, by the run's name.
 type LastStates = Vec<(String, HybridState<f64>)>;
 
-/// A simulated history as a branch of one point.
+/// Returns a simulated history as a branch of one point.
 fn history(
     resolved: &Resolved,
     simulated: &Simulated,
@@ -110,7 +109,7 @@ fn history(
     Ok(branch)
 }
 
-/// The system of a run with the solution on which motion settles.
+/// Returns the system of a run with the solution to which the motion converges.
 fn settled(
     resolved: &Resolved,
     simulated: &Simulated,
@@ -124,7 +123,7 @@ fn settled(
     model.settled(run, &simulated, p, &resolved.settings.cancel)
 }
 
-/// The system of a run, and unknowns from which Newton's method finds its first point.
+/// Returns the system of a run, and initial unknowns for Newton's method.
 fn started(
     resolved: &Resolved,
     done: &[Branch],
@@ -156,7 +155,7 @@ fn started(
     let initial = match (begun.problem.sampled(p, profile)?, profile) {
         (Some(profiles), _) => profiles,
         (None, Some(_)) => {
-            let rule = "only boundary-value problems begin at a profile";
+            let rule = "only boundary-value problems can start at a profile";
             let place = format!("run `{}`, start", run.name);
             return Err(SceneError::invalid(place, "a profile", rule));
         }
@@ -182,7 +181,8 @@ fn trace(
     Ok(branch)
 }
 
-/// Corrects the first point of a run, and goes on with what follows and the time that it took.
+/// Corrects the first point of a run, and calls a continuation with the result and the elapsed
+/// time.
 fn begun<R>(
     resolved: &Resolved,
     done: &[Branch],
@@ -198,7 +198,7 @@ fn begun<R>(
         .named(&run.name)
         .settings(resolved.settings.clone())
         .from(&guess);
-    // A local map has but a few of the parameters.
+    // A local map has only some of the parameters.
     for (name, value) in resolved.parameters().filter(|(name, _)| known.contains(name)) {
         curve = curve.at(&name, value);
     }
@@ -226,7 +226,7 @@ fn begun<R>(
 }
 
 impl Resolved {
-    /// Why a run failed: because it was cancelled, if it was.
+    /// Returns the error of a run, replaced by a cancellation if the run was cancelled.
     fn unless_cancelled(&self, cause: SceneError) -> SceneError {
         match self.settings.cancel.is_cancelled() {
             true => SceneError::GivenUp { run: self.run.name.clone() },
@@ -234,15 +234,15 @@ impl Resolved {
         }
     }
 
-    /// Whether a branch begins where the run starts.
+    /// Checks that a branch begins where the run starts.
     ///
     /// # Errors
-    /// [`SceneError`] with the reason if none does.
+    /// [`SceneError`] with the reason if no branch begins there.
     pub(super) fn begins(&self) -> Result<(), SceneError> {
         begun(self, &[], &mut (), |_, _, _| ()).map_err(|cause| self.unless_cancelled(cause))
     }
 
-    /// Refuses a run that begins where equations which are given as text have no finite value.
+    /// Rejects a run that starts where equations given as text have no finite value.
     fn check_begin(&self) -> Result<(), SceneError> {
         let given = match (&self.from, &self.run.start) {
             (None, Start::Rest) => &[][..],
@@ -259,7 +259,7 @@ impl Resolved {
     }
 }
 
-/// The system of a run: the problem's own, or that of the points of a local map.
+/// Returns the system of a run: the problem's own, or that of the points of a local map.
 fn system_of(resolved: &Resolved, done: &[Branch]) -> Result<Box<dyn System>, SceneError> {
     let run = &resolved.run;
     let Some(local @ Local { run: from, kind, nth, .. }) = &run.local else {
@@ -275,7 +275,7 @@ fn system_of(resolved: &Resolved, done: &[Branch]) -> Result<Box<dyn System>, Sc
     }
 }
 
-/// The local map that a sweep iterates, after the runs that find its grazing.
+/// Returns the local map that a sweep iterates, after the runs that find its grazing.
 pub(super) fn map_of(
     resolution: &Resolution,
     resolved: &ResolvedSweep,
@@ -290,12 +290,12 @@ pub(super) fn map_of(
     resolved.problem.model().local_map(name, local, at, &resolved.cancel)
 }
 
-/// What a run changes holds at the point that it starts from, too.
+/// Applies the values changed by a run also to the point that it starts from.
 fn begin_from<'a>(curve: Continuation<'a>, resolved: &Resolved) -> Continuation<'a> {
     resolved.changed.iter().fold(curve, |curve, (name, value)| curve.at(name, *value))
 }
 
-/// The parameters that a run releases, bounds, marks and holds, and its direction.
+/// Applies the varied parameters, bounds, marks, holds and direction of a run.
 fn conditions<'a>(mut curve: Continuation<'a>, run: &Run) -> Continuation<'a> {
     for range in &run.along {
         curve = curve.along(&range.name, range.interval());
@@ -325,7 +325,7 @@ fn conditions<'a>(mut curve: Continuation<'a>, run: &Run) -> Continuation<'a> {
     }
 }
 
-/// The unknowns where a branch begins, with the values of a guess in place of some groups.
+/// Returns the initial unknowns of a branch, with the values of a guess in place of some groups.
 fn guess(
     groups: &[Group],
     values: &[(String, f64)],
@@ -339,8 +339,8 @@ fn guess(
     Ok(with_values(groups, values, initial))
 }
 
-/// Unknowns with the same value all over each group, or each element of an array, that is named; of
-/// two values of one unknown the last one counts.
+/// Returns unknowns with a constant value in each named group or element of an array; for duplicate
+/// names the last value counts.
 fn with_values(groups: &[Group], values: &[(String, f64)], mut z: Vec<f64>) -> Vec<f64> {
     for (name, value) in values {
         let mut rest = &mut z[..];
@@ -356,7 +356,7 @@ fn with_values(groups: &[Group], values: &[(String, f64)], mut z: Vec<f64>) -> V
     z
 }
 
-/// The special point of an earlier run that a run starts from.
+/// Returns the special point of an earlier run that a run starts from.
 fn point_of<'a>(
     run: &str,
     done: &'a [Branch],

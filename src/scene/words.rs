@@ -1,12 +1,12 @@
-//! What the names and texts of a scene may hold.
+//! Checks of the names and texts of a scene.
 
 use super::error::SceneError;
 use super::statement::Scene;
 use crate::output::{Invalid, entry, text};
 
 impl Scene {
-    /// Refuses control characters, and names of sweeps that cannot be those of entries in an
-    /// archive.
+    /// Rejects control characters, and names of sweeps that are invalid as names of archive
+    /// entries.
     pub(super) fn check_words(&self) -> Result<(), SceneError> {
         self.words().map_err(|Invalid { place, found, rule }| SceneError::Invalid {
             place,

@@ -62,40 +62,40 @@ fn formulas() {
 fn names() {
     says(
         "Equations(states: [(\"x\", \"1\"), (\"»x«\", \"2\")])",
-        "`x` is a state already; each name may be given once",
+        "`x` is already a state; each name may be given only once",
     );
     says(
         "Equations(states: [(\"x\", \"a\")], parameters: [(\"a\", 1)], definitions: [(\"»a«\", \"2\")])",
-        "`a` is a parameter already",
+        "`a` is already a parameter",
     );
     says(
         "Equations(states: [(\"x\", \"1\")], functions: [(\"»x«\", [\"u\"], \"u\")])",
-        "`x` is a state already",
+        "`x` is already a state",
     );
     says(
         "Equations(states: [(\"x\", \"1\")], functions: [(\"»sin«\", [\"u\"], \"u\")])",
-        "`sin` is a function of the language already",
+        "`sin` is already a function of the language",
     );
-    says("Equations(states: [(\"»t«\", \"1\")])", "the language uses this name by itself");
+    says("Equations(states: [(\"»t«\", \"1\")])", "this name is reserved by the language");
     says(
         "Equations(states: [(\"»2x«\", \"1\")])".replace("»2x«", "»2«x").as_str(),
         "expected a name",
     );
     says(
         "Equations(states: [(\"x\", \"1\")], monitors: [(\"»x«\", \"2\")])",
-        "`x` is a state already",
+        "`x` is already a state",
     );
     says(
         "Equations(states: [(\"x\", \"d\")], definitions: [(\"d\", \"»c« + 1\"), (\"c\", \"2\")])",
-        "`c` is defined by itself: `d` may use the definitions before it",
+        "`c` is defined in terms of itself: `d` may use only the definitions before it",
     );
     says(
         "Equations(states: [(\"x\", \"f(x)\")], functions: [(\"f\", [\"u\"], \"»f(u - 1)«\")])",
-        "`f` is defined by itself: f",
+        "`f` is defined in terms of itself: f",
     );
     says(
         "Equations(states: [(\"x\", \"1\")], initial: [(\"»a«\", 2)], parameters: [(\"a\", 1)])",
-        "only states begin somewhere",
+        "only states have initial values",
     );
     says(
         "Equations(states: [(\"x\", \"1\")], period: \"»2*x«\")",
@@ -122,7 +122,7 @@ fn statements() {
     );
     let error = refused("Equations()");
     assert!(matches!(error.fault, Fault::Missing { .. }), "{error}");
-    assert_eq!(error.to_string(), "model.ron: the equations: there must be one state or more");
+    assert_eq!(error.to_string(), "model.ron: the equations: there must be at least one state");
     assert!(
         refused("Map(states: [(\"x\", \"x + t\")])")
             .to_string()
@@ -161,7 +161,7 @@ fn sizes_of_arrays() {
         "Residual(unknowns: [(\"»u[i=1..1000, j=-999999999..999999999]«\", \"u[i,j]\")])",
         "elements of an array: more than 200000",
     );
-    says("Residual(unknowns: [(\"»u[i=1..3, i=1..2]«\", \"u[i,i]\")])", "`i` is an index already");
+    says("Residual(unknowns: [(\"»u[i=1..3, i=1..2]«\", \"u[i,i]\")])", "`i` is already an index");
     says(
         "Residual(unknowns: [(\"u[i=1..3, j=1..2]\", \"1 + »u[i, j-7]«\")])",
         "unknown name `u[1,-6]`",
@@ -170,7 +170,7 @@ fn sizes_of_arrays() {
     says("Residual(unknowns: [(\"u[i=1..3, »]«\", \"1\")])", "expected a number, a name or `(`");
     says(
         "Residual(unknowns: [(\"u[i=1..2]\", \"u[i]\")], definitions: [(\"»u[i=1..2]«\", 0)])",
-        "`u[1]` is a state already",
+        "`u[1]` is already a state",
     );
     says(
         "Residual(unknowns: [(\"»u[i=1..n]«\", \"u[i]\")], parameters: [(\"n\", 10)])",
@@ -196,7 +196,7 @@ fn modes_and_guards() {
     };
     says(
         &of("(name: \"»hit«\", function: \"x\")"),
-        "the guard `hit` is in no mode: name those that end there",
+        "the guard `hit` has no mode: name the modes that it ends",
     );
     says(
         &of("(name: \"hit\", modes: [\"»upp«\"], function: \"x\")"),
@@ -208,7 +208,7 @@ fn modes_and_guards() {
     );
     says(
         &of("(name: \"»hit«\", modes: [\"up\"], function: \"x\", next: \"down\")"),
-        "the reset of `hit` leaves `w` undefined: `down` has this state, `up` before it has not",
+        "the reset of `hit` leaves `w` undefined: `down` has this state, but `up` before it does not",
     );
     says(
         &of("(name: \"hit\", modes: [\"up\"], function: \"»w«\", next: \"up\")"),
@@ -226,12 +226,12 @@ fn modes_and_guards() {
     };
     says(
         &begin("\"»w«\""),
-        "`w` is a state of mode `down`: motion begins in mode `up`, the first one, which has not this state",
+        "`w` is a state of mode `down`: motion begins in the first mode, `up`, which does not have this state",
     );
     says(&begin("\"»vv«\""), "unknown state `vv`; did you mean `v`?");
     says(
         "HybridEquations(modes: [(name: \"a\", states: [(\"x\", \"1\")]), (name: \"»a«\", states: [(\"x\", \"1\")])])",
-        "`a` is a mode already",
+        "`a` is already a mode",
     );
 }
 
@@ -254,7 +254,7 @@ fn scenes_show_the_line() {
     let wrong = text.replace("solution", "solutoin").replace("rho", "rh");
     let error = Scene::parse(&wrong).unwrap_err().to_string();
     assert!(
-        error.contains("there is no field `solutoin` of `Equations`; did you mean `solution`?"),
+        error.contains("unknown field `solutoin` of `Equations`; did you mean `solution`?"),
         "{error}"
     );
     let unused = text.replace("rho", "2").replace("(\"rh\", 1)", "(\"rh\", 1), (\"q\", 2)");
@@ -289,38 +289,38 @@ fn a_start_where_a_formula_is_not_finite() {
 fn nothing_is_silently_left_out() {
     says(
         "Equations(states: [(\"x\", \"1\")], initial: [(\"x\", 1), (\"»x«\", 2)])",
-        "`x` is given a value already",
+        "`x` is already given a value",
     );
     says(
         "Equations(states: [(\"x\", \"1\")], initial: [(\"x\", \"»2*t«\")])",
-        "which may depend on parameters only",
+        "initial values may depend on parameters only",
     );
     says("Equations(states: [(\"x\", \"0 < x < »1«\")])", "`&` between two comparisons");
     says(
         "Equations(states: [(\"x\", \"1\")], scales: [(\"x\", \"»-1«\")])",
-        "it must be one number above 0",
+        "it must be a number above 0",
     );
     says(
         "Equations(states: [(\"x\", \"1\")], functions: [(\"»sum«\", [\"u\"], \"u\")])",
-        "the language uses this name by itself",
+        "this name is reserved by the language",
     );
     says(
         "Equations(states: [(\"x\", \"1\")], functions: [(\"f\", [\"u\", \"»u«\"], \"u\")])",
-        "`u` is an argument already",
+        "`u` is already an argument",
     );
     says(
         "Equations(states: [(\"x\", \"1\")], functions: [(\"»f«\", [], \"1\")])",
-        "without one it is a definition",
+        "without arguments, make it a definition",
     );
     let of = |guard: &str| {
         format!(
             "HybridEquations(modes: [(name: \"f\", states: [(\"x\", \"v\"), (\"v\", \"-1\")])], guards: [(name: \"g\", function: \"x\", {guard})])"
         )
     };
-    says(&of("reset: [(\"v\", \"-v\"), (\"»v«\", \"2*v\")]"), "`v` is reset already");
-    says(&of("modes: [\"f\", \"»f«\"]"), "`f` is a mode of this guard already");
+    says(&of("reset: [(\"v\", \"-v\"), (\"»v«\", \"2*v\")]"), "`v` is already reset");
+    says(&of("modes: [\"f\", \"»f«\"]"), "`f` is already a mode of this guard");
     says(&of("reset: [(\"»x[i=1..2]«\", 0)]"), "unknown state `x[1]`");
-    says(&of("next: [\"»f«\", (\"f\", \"x\")]"), "what stands behind it is never reached");
+    says(&of("next: [\"»f«\", (\"f\", \"x\")]"), "the modes after this one are never reached");
     // Values of arrays at ends.
     let text = "Boundary(states: [(\"u[i=1..2]\", \"-u[i]\")], conditions: [\"u[1](0) - 1\", \"u[2](1)\"])";
     assert!(Model::read(&Source::new("", text), &[]).is_ok());
@@ -333,7 +333,7 @@ fn nothing_is_silently_left_out() {
         "Equations(states: [(\"x\", \"f0(x)\")], functions: [{}, (\"f60\", [\"u\"], \"u\")])",
         functions.join(", ")
     );
-    assert!(refused(&text).to_string().contains("sums and functions in each other"));
+    assert!(refused(&text).to_string().contains("nested sums and functions"));
 }
 
 /// Periods and lengths must be positive where parameters begin: in the scene, in its runs and its
@@ -484,13 +484,16 @@ fn sliding() {
     assert!(text.contains("the equations have no surface"), "{text}");
     says(
         &of("below: [(\"»y«\", \"y\"), (\"x\", \"1\")], surface: \"x\""),
-        "state 1 is y: above it is x: all fields have the same states, in one order",
+        "state 1 is y: above the surface it is x: all fields must have the same states in the same order",
     );
-    says(&of("below: [(\"»x«\", \"y\")], surface: \"x\""), "state 2 is none: above it is y");
+    says(
+        &of("below: [(\"»x«\", \"y\")], surface: \"x\""),
+        "state 2 is none: above the surface it is y",
+    );
     let with = |rest: &str| of(&format!("{below}, surface: \"x\", {rest}"));
     says(&with("holds: [(\"»abvoe«\", \"1\")]"), "unknown side `abvoe`");
     says(&with("names: [(\"»slide«\", \"stick\")]"), "unknown mode or event `slide`");
-    says(&with("names: [(\"sliding\", \"»above«\")]"), "`above` is a mode or an event already");
+    says(&with("names: [(\"sliding\", \"»above«\")]"), "`above` is already a mode or an event");
     says(&with("sliding: [(\"x\", \"»u«\"), (\"y\", \"0\")]"), "unknown name `u`");
     // What motion needs where it begins: the rates of its mode, on the surface all that decides
     // there.

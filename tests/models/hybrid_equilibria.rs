@@ -372,7 +372,7 @@ fn an_equilibrium_that_goes_nowhere_says_so() {
 fn rest_that_cannot_be_is_refused() {
     let forced = r#"FilippovEquations(surface: "x", above: [("x", "-1 + mu*cos(t)")], below: [("x", "1")],
         period: "2*pi", parameters: [("mu", 0)], solution: equilibrium)"#;
-    assert!(refusal(forced).contains("what is forced in time has none"), "{}", refusal(forced));
+    assert!(refusal(forced).contains("forced systems have no equilibria"), "{}", refusal(forced));
     let unknown = linear(0.2, "mode: \"slide\",");
     let said = refusal(&unknown);
     assert!(said.contains("slide") && said.contains("sliding"), "{said}");
@@ -554,5 +554,5 @@ fn a_simulation_that_rests_names_the_equilibrium() {
     prey.runs.truncate(1);
     prey.runs[0].set.push(("solution".into(), "equilibrium".into()));
     let said = execute(&prey, None, &mut ()).error.unwrap().to_string();
-    assert!(said.contains("settles on a cycle"), "{said}");
+    assert!(said.contains("converges to a cycle"), "{said}");
 }

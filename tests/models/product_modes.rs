@@ -142,14 +142,14 @@ fn combinations_that_have_no_meaning_are_refused() {
     let unknown = with("next: \"contact\"", "next: \"contract\"");
     assert!(unknown.contains("`contract`") && unknown.contains("stick"), "{unknown}");
     let twice = with("(name: \"free\"", "(name: \"stick\"");
-    assert!(twice.contains("`stick` is an alternative already"), "{twice}");
+    assert!(twice.contains("`stick` is already an alternative"), "{twice}");
     let beside = with("product: [", "modes: [(name: \"m\")], product: [");
     assert!(beside.contains("`modes` beside `product`"), "{beside}");
     let none = with("product: [", "product: [[],");
     assert!(none.contains("from 1 to 256"), "{none}");
     // In one guard a combination stands once.
     let overlap = with("modes: [\"free\"]", "modes: [\"free\", \"stick.free\"]");
-    assert!(overlap.contains("`stick.free` is a mode of this guard already"), "{overlap}");
+    assert!(overlap.contains("`stick.free` is already a mode of this guard"), "{overlap}");
     let both = with("modes: [\"free\"]", "modes: [\"free.contact\"]");
     assert!(both.contains("`free.contact`"), "{both}");
 }

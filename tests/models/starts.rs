@@ -98,12 +98,12 @@ fn tables_that_are_no_profiles_are_refused() {
     };
     let cases = [
         ("", "the file is empty"),
-        ("0 0 1\n1 0 1", "the first line must hold the names of the columns"),
-        ("t u\n0 0\n1 one", "`one` in line 3 is no number"),
+        ("0 0 1\n1 0 1", "the first line must contain the names of the columns"),
+        ("t u\n0 0\n1 one", "`one` in line 3 is not a number"),
         ("t u\n0 0\n1", "line 3 has 1 numbers for 2 columns"),
         ("t u\n0 0", "a table of 2 columns, 1 rows"),
-        ("t u\n0 0\n1 inf", "must hold a finite number for each column"),
-        ("t u\n0 0\n0 1", "times must grow from row to row"),
+        ("t u\n0 0\n1 inf", "must contain a finite number for each column"),
+        ("t u\n0 0\n0 1", "times must increase from row to row"),
         ("t w\n0 0\n1 1", "unknown state `w`"),
     ];
     for (table, expected) in cases {
@@ -112,11 +112,11 @@ fn tables_that_are_no_profiles_are_refused() {
     let map = "Map(states: [(\"u\", \"lambda*u/2\")])";
     let scene = with_table("map", map, "t u\n0 0\n1 1").unwrap();
     let error = execute(&scene, None, &mut ()).error.unwrap().to_string();
-    assert!(error.contains("only boundary-value problems begin at a profile"), "{error}");
+    assert!(error.contains("only boundary-value problems can start at a profile"), "{error}");
     let archive = "Scene(title: \"t\", problem: Map(states: [(\"u\", \"a*u\")]), parameters: [(\"a\", 1)],
         runs: [(name: \"r\", start: Profile(file: \"/etc/passwd\"), along: [(name: \"a\", low: 1, high: 2)])])";
     let error = Catalogue::built_in().parse_alone(archive).unwrap_err().to_string();
-    assert!(error.contains("names no files"), "{error}");
+    assert!(error.contains("must not refer to files"), "{error}");
 }
 
 /// Orbits, unless the run says that equilibria are followed.

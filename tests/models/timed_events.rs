@@ -163,7 +163,7 @@ fn times_that_do_not_repeat_with_the_period_are_refused() {
     assert!(of("0.7*n", period).contains("it must grow by the period"));
     let both = doses("n", ", period: \"1\"").replace("at:", "function: \"S\", at:");
     let both = refusal(&format!("Scene(title: \"t\", problem: {both}, {run})"));
-    assert!(both.contains("it has a `function` already"), "{both}");
+    assert!(both.contains("it already has a `function`"), "{both}");
     let text = format!("Scene(title: \"t\", problem: {}, {run})", doses("n", ", period: \"1\""));
     let text = text.replace("start: Simulated(transient: 50)", "set: [(\"itinerary\", \"m\")]");
     assert!(

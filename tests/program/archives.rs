@@ -28,7 +28,7 @@ fn names_in_files_choose_no_paths() {
     refused(
         at,
         &["plot", "forged.npz"],
-        &["the name of a sweep is \"../up\"", "an entry in an archive"],
+        &["the name of a sweep is \"../up\"", "an entry of an archive"],
     );
     let scene = SCENE.replace("name: \"up\"", "name: \"../up\"");
     std::fs::write(at.join("bad.ron"), scene).unwrap();
@@ -42,7 +42,7 @@ fn names_in_files_choose_no_paths() {
         format!("{}model:\\\"up.ron\\\"{}", &about[..begin], &about[end..])
     };
     forged(at, "out/up.npz", "forged.npz", &model);
-    refused(at, &["merge", "forged.npz", "--out", "m"], &["names no files"]);
+    refused(at, &["merge", "forged.npz", "--out", "m"], &["must not refer to files"]);
 }
 
 /// C4. A merged result is that of the whole run, the branches in its picture and their document
@@ -76,7 +76,7 @@ fn sizes_are_limited() {
     let at = folder.path();
     // 3 MB of blanks, and an archive that unpacks to 8 MB.
     std::fs::write(at.join("large.ron"), vec![b' '; 3_000_000]).unwrap();
-    let said = ["large.ron is larger than 2 MB", "--max-size"];
+    let said = ["large.ron is larger than the limit of 2 MB", "--max-size"];
     refused(at, &["table", "large.ron", "--max-size", "2"], &said);
     refused(at, &["trace", "large.ron", "--max-size", "2"], &said);
     refused(at, &["table", "large.ron"], &["not a tangency document"]);
@@ -85,12 +85,12 @@ fn sizes_are_limited() {
     let large = |about: &str| about.replacen("title:\"Up\"", &format!("title:\"{title}\""), 1);
     forged(at, "out/up.npz", "bomb.npz", &large);
     assert!(bytes(at, "bomb.npz").len() < 100_000);
-    let said = ["bomb.npz: the archive unpacks to more than 4 MB", "--max-size"];
+    let said = ["bomb.npz: the archive unpacks to more than the limit of 4 MB", "--max-size"];
     refused(at, &["plot", "bomb.npz", "--max-size", "1"], &said);
     // A sparse file has no bytes, and a size.
     let sparse = std::fs::File::create(at.join("sparse.npz")).unwrap();
     sparse.set_len(100_000_000_000).unwrap();
-    refused(at, &["plot", "sparse.npz"], &["sparse.npz is larger than 256 MB"]);
+    refused(at, &["plot", "sparse.npz"], &["sparse.npz is larger than the limit of 256 MB"]);
     for size in ["0", "-1", "nan", "1e9"] {
         let output = tangency(at, &["table", "a.ron", &format!("--max-size={size}")]);
         assert_eq!(output.status.code(), Some(2), "{size}");
@@ -110,7 +110,7 @@ fn arrays_of_several_axes_are_refused() {
             false => content,
         };
         rewritten(at, "out/up.npz", "axes.npz", &change);
-        let said = ["amplitude`", "a column has one axis, and this array has several"];
+        let said = ["amplitude`", "a column has one axis, but this array has several"];
         refused(at, &["plot", "axes.npz"], &said);
     }
 }
@@ -123,9 +123,9 @@ fn arrays_that_are_no_columns_are_refused() {
     succeeds(at, &["sweep", "up.ron"]);
     type Change = dyn Fn(&[u8]) -> Vec<u8>;
     let cases: [(&Change, &str); 5] = [
-        (&|c| with_type(c, "<i4"), "the array holds `<i4`, but a column here holds `<f8`"),
+        (&|c| with_type(c, "<i4"), "the array contains `<i4`, but a column must contain `<f8`"),
         (&|c| with_shape(c, "(7,)"), "the header states 7 numbers of 8 bytes, but 48 bytes follow"),
-        (&|c| with_shape(c, "()"), "a column has one axis, and this array has none"),
+        (&|c| with_shape(c, "()"), "a column has one axis, but this array has none"),
         (&|c| with_shape(c, "(x,)"), "the header of the array has no `shape` that can be read"),
         (&|c| c[1..].to_vec(), "it is not an array in NumPy's format"),
     ];
@@ -171,7 +171,11 @@ fn damaged_archives_are_refused() {
     succeeds(at, &["sweep", "up.ron"]);
     let fewer = |about: &str| about.replace("total:6", "total:3");
     forged(at, "out/up.npz", "total.npz", &fewer);
-    refused(at, &["merge", "total.npz", "--out", "m"], &["total.npz: ", "its numbers are 0 to 2"]);
+    refused(
+        at,
+        &["merge", "total.npz", "--out", "m"],
+        &["total.npz: ", "valid numbers are 0 to 2"],
+    );
     let text = |about: &str| about.replace("tangency-sweeps/", "tangency-swepps/");
     forged(at, "out/up.npz", "format.npz", &text);
     refused(at, &["plot", "format.npz"], &["its format is `tangency-swepps/2`"]);

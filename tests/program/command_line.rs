@@ -63,7 +63,7 @@ fn a_reader_may_leave() {
     let output = points.stdout(full).stderr(Stdio::piped()).output().unwrap();
     let message = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(1));
-    assert!(message.starts_with("error: the standard output cannot be written to"), "{message}");
+    assert!(message.starts_with("error: cannot write to the standard output"), "{message}");
 }
 
 /// Where something is open, a strict command ends with a code of its own; what it found is saved.
@@ -102,7 +102,7 @@ fn plot_never_replaces_an_input() {
     let folder = folder();
     let before = std::fs::read_to_string(folder.path().join("b.ron")).unwrap();
     let output = tangency(folder.path(), &["plot", "a.ron", "b.ron", "--out", "./b.ron"]);
-    assert!(failure(&output, 1).contains("./b.ron is an input and is not overwritten"));
+    assert!(failure(&output, 1).contains("./b.ron is an input file and is not overwritten"));
     assert_eq!(std::fs::read_to_string(folder.path().join("b.ron")).unwrap(), before);
     std::fs::rename(folder.path().join("a.ron"), folder.path().join("a.svg")).unwrap();
     failure(&tangency(folder.path(), &["plot", "a.svg"]), 1);
@@ -121,7 +121,7 @@ fn an_output_that_cannot_be_written_is_named() {
     let output = tangency(folder().path(), &["plot", "a.ron", "--out", "b.ron/c.svg"]);
     let message = failure(&output, 1);
     assert!(message.contains("b.ron is a file, not a folder"), "{message}");
-    assert!(message.contains("name a folder with --out"), "{message}");
+    assert!(message.contains("choose a folder with --out"), "{message}");
 }
 
 #[test]
@@ -130,7 +130,7 @@ fn files_that_are_no_documents_are_refused_by_name_and_place() {
     let text = std::fs::read_to_string(folder.path().join("a.ron")).unwrap();
     let cases = [
         ("(modes: 3)".to_owned(), "not a tangency document"),
-        (text[..text.len() / 2].to_owned(), "the file was cut short"),
+        (text[..text.len() / 2].to_owned(), "the file is truncated"),
         (text.replace("[0.019208,", "[NaN,"), "point 1, column `load` is NaN"),
         (text.replace("  title:", "  title: \"\", title:"), "line 4, column "),
     ];
@@ -321,7 +321,7 @@ fn a_trace_that_cannot_begin_says_why() {
         (clamped(&["--set", "model=modal", "--set", "modes=0"]), vec!["0", "modes"]),
         (
             clamped(&["--out", "file/below"]),
-            vec!["file is a file, not a folder", "name a folder with --out"],
+            vec!["file is a file, not a folder", "choose a folder with --out"],
         ),
         (clamped(&["--start", "nothing.ron:1"]), vec!["cannot read nothing.ron"]),
     ] {
@@ -346,7 +346,7 @@ fn a_trace_never_replaces_its_inputs() {
     let path = folder.path().join("mine.ron");
     std::fs::write(&path, scene.text).unwrap();
     let output = tangency(folder.path(), &["trace", "mine.ron", "--out", "."]);
-    assert!(failure(&output, 1).contains("is an input and is not overwritten"));
+    assert!(failure(&output, 1).contains("is an input file and is not overwritten"));
     assert_eq!(std::fs::read_to_string(&path).unwrap(), scene.text);
     assert!(tangency(folder.path(), &["trace", "mine.ron"]).status.success());
     let before = std::fs::read_to_string(folder.path().join("out/mine.ron")).unwrap();
@@ -414,7 +414,7 @@ fn an_interrupted_trace_is_kept() {
     assert!(Command::new("kill").args(["-INT", &id]).status().unwrap().success());
     let rest: Vec<String> = lines.map(Result::unwrap).collect();
     let output = child.wait_with_output().unwrap();
-    assert!(failure(&output, 1).contains("interrupted; what was done until then is kept"));
+    assert!(failure(&output, 1).contains("interrupted; results computed so far are saved"));
     assert!(rest.iter().any(|line| line.contains("(interrupted)")), "{rest:?}");
     let document = Document::load(folder.path().join("out/plate-clamped.ron")).unwrap();
     let branch = &document.branches[0];

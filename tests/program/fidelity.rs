@@ -247,7 +247,7 @@ fn an_accuracy_out_of_reach_is_said_and_the_finest_result_kept() {
     let Some(SceneError::Unmet { chosen }) = &outcome.error else { panic!("{:?}", outcome.error) };
     assert!(chosen.estimate > 1e-11 && chosen.settings == [("modes".into(), "20".into())]);
     let text = outcome.error.as_ref().unwrap().to_string();
-    assert!(text.contains("modes = 20") && text.contains("ask for less"), "{text}");
+    assert!(text.contains("modes = 20") && text.contains("request a lower accuracy"), "{text}");
     assert!(outcome.document.branches[0].of_kind(Kind::LP).count() == 1);
 }
 

@@ -50,8 +50,8 @@ fn only_regular_files_are_replaced() {
         ("fifo.svg", "is a FIFO"),
         ("socket.svg", "is a socket"),
         ("folder.svg", "is a folder"),
-        ("null.svg", "is a symbolic link to something else than a regular file"),
-        ("dangling.svg", "is a symbolic link that leads to no file"),
+        ("null.svg", "is a symbolic link to something other than a regular file"),
+        ("dangling.svg", "is a dangling symbolic link"),
     ] {
         let kind = |name: &str| at.join(name).symlink_metadata().unwrap().file_type();
         let before = kind(name);
@@ -64,7 +64,7 @@ fn only_regular_files_are_replaced() {
     // Results of a trace are refused before the work.
     std::fs::create_dir(at.join("out")).unwrap();
     symlink("/dev/null", at.join("out/bratu.svg")).unwrap();
-    refused(at, &["trace", "bratu"], &["out/bratu.svg is a symbolic link to something else"]);
+    refused(at, &["trace", "bratu"], &["out/bratu.svg is a symbolic link to something other"]);
     assert_eq!(names(&at.join("out")), ["bratu.svg"]);
 }
 
@@ -102,7 +102,7 @@ fn control_characters_are_refused_and_escaped() {
         let output = tangency(at, &["plot", "a.ron", "--y", argument]);
         let message = std::str::from_utf8(&output.stderr).unwrap();
         assert_eq!(output.status.code(), Some(2), "{message}");
-        assert!(message.contains("holds control characters"), "{message}");
+        assert!(message.contains("contains control characters"), "{message}");
         assert!(!message.trim_end().contains(char::is_control), "{message:?}");
     }
 }
@@ -126,9 +126,9 @@ fn inputs_are_never_overwritten() {
     let at = folder.path();
     succeeds(at, &["sweep", "up.ron"]);
     let before = bytes(at, "out/up.npz");
-    refused(at, &["merge", "out/up.npz"], &["out/up.npz is an input and is not overwritten"]);
+    refused(at, &["merge", "out/up.npz"], &["out/up.npz is an input file and is not overwritten"]);
     let link = "./out/../out/up.npz";
-    refused(at, &["merge", link, "--out", "out"], &["is an input and is not overwritten"]);
+    refused(at, &["merge", link, "--out", "out"], &["is an input file and is not overwritten"]);
     refused(at, &["sweep", "up.ron", "--out", "."], &["./up.ron is an input", "--out"]);
     refused(at, &["plot", "a.ron", "out/up.npz", "--out", "a.ron"], &["a.ron is an input"]);
     // The file that a scene reads its equations from is one, too.
@@ -138,7 +138,7 @@ fn inputs_are_never_overwritten() {
         runs: [Run(name: \"r\", along: [(name: \"r\", low: 0, high: 2)])])";
     std::fs::write(at.join("out/s.ron"), equations).unwrap();
     std::fs::write(at.join("s.ron"), scene).unwrap();
-    refused(at, &["trace", "s.ron"], &["out/s.ron is an input and is not overwritten"]);
+    refused(at, &["trace", "s.ron"], &["out/s.ron is an input file and is not overwritten"]);
     succeeds(at, &["trace", "s.ron", "--out", "else"]);
     assert!(bytes(at, "out/up.npz") == before && bytes(at, "up.ron") == SCENE.as_bytes());
 }
@@ -149,10 +149,14 @@ fn inputs_are_never_overwritten() {
 fn devices_and_fifos_are_read_up_to_the_limit() {
     let folder = folder();
     let at = folder.path();
-    refused(at, &["table", "/dev/zero", "--max-size", "1"], &["/dev/zero is larger than 1 MB"]);
+    refused(
+        at,
+        &["table", "/dev/zero", "--max-size", "1"],
+        &["/dev/zero is larger than the limit of 1 MB"],
+    );
     let fifo = at.join("fifo.ron");
     assert!(Command::new("mkfifo").arg(&fifo).status().unwrap().success());
-    refused(at, &["table", "fifo.ron"], &["fifo.ron is a FIFO", "nothing has come from it"]);
+    refused(at, &["table", "fifo.ron"], &["fifo.ron is a FIFO", "produced no data"]);
     let content = bytes(at, "a.ron");
     let writer = std::thread::spawn(move || std::fs::write(fifo, content).unwrap());
     assert_eq!(succeeds(at, &["table", "fifo.ron"]).lines().count(), 5);
@@ -236,7 +240,7 @@ fn signals_that_ask_for_the_end_keep_what_is_done() {
         // So that a full pipe does not keep it from ending.
         std::io::copy(child.stdout.as_mut().unwrap(), &mut std::io::sink()).unwrap();
         let output = child.wait_with_output().unwrap();
-        assert_eq!(failure(&output, 1), "error: interrupted; what was done until then is kept\n");
+        assert_eq!(failure(&output, 1), "error: interrupted; results computed so far are saved\n");
         assert_eq!(names(&folder.path().join("out")), ["plate-clamped.ron", "plate-clamped.svg"]);
         let document = Document::load(folder.path().join("out/plate-clamped.ron")).unwrap();
         assert!(!document.branches[0].points.is_empty());
@@ -363,7 +367,7 @@ fn orbits_are_written_as_tables_and_arrays() {
     for more in [["--y", "max_velocity", "c.npz"], ["--x", "amplitude", "c.svg"]] {
         let [option, column, out] = more;
         let arguments = ["plot", "out/up.ron", "--points", "1", option, column, "--out", out];
-        refused(at, &arguments, &["cannot be with", option]);
+        refused(at, &arguments, &["cannot be combined with", option]);
     }
     // A picture of other columns does not replace the one that was traced.
     let traced = bytes(at, "out/up.svg");
@@ -397,10 +401,10 @@ fn formats_follow_endings() {
     assert!(bytes(at, "a-log-load.svg").starts_with(b"<svg"));
     refused(at, &["plot", "a.ron", "--log", "loads"], &["loads", "did you mean `load`"]);
     let other = ["plot", "a.ron", "--log", "aspect_ratio"];
-    refused(at, &other, &["no axis shows aspect_ratio alone"]);
+    refused(at, &other, &["no axis shows only aspect_ratio"]);
     for more in [&["--x", "load"][..], &["--y", "load"]] {
         let arguments = [&["plot", "a.ron", "--out", "c.csv"][..], more].concat();
-        refused(at, &arguments, &["cannot be with", more[0]]);
+        refused(at, &arguments, &["cannot be combined with", more[0]]);
     }
     succeeds(at, &["plot", "a.ron", "--out", "b.png"]);
     assert!(bytes(at, "b.png").starts_with(b"\x89PNG"));
@@ -410,7 +414,7 @@ fn formats_follow_endings() {
     refused(
         at,
         &["plot", "a.ron", "--separator", ";"],
-        &["--separator is for comma-separated values"],
+        &["--separator applies to comma-separated values"],
     );
     succeeds(at, &["plot", "a.ron", "--out", "b.json"]);
     let json: serde_json::Value = serde_json::from_slice(&bytes(at, "b.json")).unwrap();
@@ -432,13 +436,17 @@ fn formats_follow_endings() {
     // The wall is at 1.
     let impacts: Vec<_> = rows.iter().filter(|row| row[4] == "impact").collect();
     assert!(!impacts.is_empty() && impacts.iter().all(|row| row[6] == "1"), "{impacts:?}");
-    refused(at, &["plot", "a.ron", "a.ron", "--out", "b.json"], &["holds one whole document"]);
+    refused(at, &["plot", "a.ron", "a.ron", "--out", "b.json"], &["contains one whole document"]);
     succeeds(at, &["plot", "a.ron", "--width", "84", "--panel", "a"]);
     let picture = String::from_utf8(bytes(at, "a-panel=a-width=84.svg")).unwrap();
     assert!(picture.starts_with("<svg width=\"84mm\""));
     refused(at, &["plot", "a.ron", "--panel", "b"], &["no panel `b`, only a"]);
     refused(at, &["plot", "a.ron", "--width", "3"], &["from 40 to 1000 mm wide"]);
-    refused(at, &["plot", "a.ron", "--out", "b.csv", "--width", "84"], &["cannot be with --width"]);
+    refused(
+        at,
+        &["plot", "a.ron", "--out", "b.csv", "--width", "84"],
+        &["cannot be combined with --width"],
+    );
 }
 
 /// D4. How often a sweep saves has a range.

@@ -38,7 +38,9 @@ fn a_grid_is_traced_in_parts_and_goes_on() {
     let folder = folder();
     let at = folder.path();
     let said = succeeds(at, &[&GRID[..], &["--part", "1/2"]].concat());
-    assert!(said.contains("b=1: branch: r from") && said.contains("2 of 5 designs are to be done"));
+    assert!(
+        said.contains("b=1: branch: r from") && said.contains("2 of 5 designs are not finished")
+    );
     assert!(!at.join("out/fold/points.csv").exists());
     let said = succeeds(at, &GRID);
     assert!(said.contains("b=1.5: ") && !said.contains("b=1: "), "{said}");
@@ -69,13 +71,13 @@ fn a_grid_of_another_scene_is_refused() {
     let at = folder.path();
     succeeds(at, &GRID);
     let changed = [&GRID[..], &["--set", "max_step=0.05"]].concat();
-    refused(at, &changed, &["out/fold has designs of another scene", "scene.txt"]);
+    refused(at, &changed, &["out/fold contains designs of another scene", "scene.txt"]);
     for (more, said) in [
         (&["--check", "out/fold/b=1.ron"][..], "cannot be combined with --check"),
         (&["--verbose"], "cannot be combined with --verbose"),
         (&["--wide"], "cannot be combined with --wide"),
         (&["--set", "b=2"], "cannot be combined with --set of a setting of the grid"),
-        (&["--grid", "r=1..1:2"], "two designs of the grid have the name `b=1,r=1`"),
+        (&["--grid", "r=1..1:2"], "two designs of the grid have the same name `b=1,r=1`"),
         (&["--grid", "c=1..2:2", "--out", "new"], "unknown parameter or setting `c`"),
         (&["--grid", "b=1..2:2"], "`b` twice"),
         (&["--grid", "q=1..2:100000"], "100 000 designs"),

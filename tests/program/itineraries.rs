@@ -145,7 +145,7 @@ fn simulations_discover_itineraries() {
     let mut equilibria = Scene::parse(text).unwrap();
     equilibria.set("solution", "equilibrium").unwrap();
     let error = execute(&equilibria, None, &mut ()).error.unwrap().to_string();
-    assert!(error.contains("settles on a cycle, and not at an equilibrium"), "{error}");
+    assert!(error.contains("converges to a cycle, not to an equilibrium"), "{error}");
     // An itinerary is a setting, too.
     let given = with("mita-type-1", &[("itinerary", "stick")]);
     assert_eq!(execute(&given, None, &mut ()).error, None);

@@ -138,7 +138,7 @@ fn rows_must_be_of_the_runs_there_are() {
     assert!(tangency(folder.path(), &["sweep", "a.ron"]).status.success());
     let whole = Sweeps::load(&path).unwrap();
     let changes: [Change; 5] = [
-        ("its numbers are 0 to 1", |all| all.sweeps[0].total = 2),
+        ("valid numbers are 0 to 1", |all| all.sweeps[0].total = 2),
         ("number 0.5", |all| all.sweeps[0].rows.get_mut(&1).unwrap().values[0] = 0.5),
         ("number -1", |all| all.sweeps[0].rows.get_mut(&1).unwrap().values[0] = -1.0),
         ("the run 2 twice", |all| all.sweeps[0].rows.get_mut(&1).unwrap().values[0] = 2.0),

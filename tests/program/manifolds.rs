@@ -91,5 +91,5 @@ fn what_has_no_manifolds_is_refused() {
     refused(folder.path(), &bound, &["unknown state `z`", "x, y"]);
     refused(folder.path(), &["manifolds", "henon.ron", "--start", "all"], &["one saddle"]);
     refused(folder.path(), &["manifolds", "henon.ron", "--length", "0"], &["`length` is 0"]);
-    refused(folder.path(), &["manifolds", "lorenz"], &["only saddles of maps"]);
+    refused(folder.path(), &["manifolds", "lorenz"], &["only for saddles of maps"]);
 }

@@ -114,7 +114,7 @@ fn axes_have_the_words_and_units_of_the_model() {
             model.replace("(\"r\", \"V\")", "(\"s\", \"V\")"),
             "unknown state, parameter or monitor `s`",
         ),
-        (model.replace("(\"r\", \"V\")", "(\"x\", \"V\")"), "it is here twice"),
+        (model.replace("(\"r\", \"V\")", "(\"x\", \"V\")"), "it is given twice"),
         (model.replace("\"V\"", "\"\""), "it must be a word"),
         (model.replace("\"V\"", "\"V\\n\""), "it must be a word"),
     ] {
@@ -272,7 +272,7 @@ fn what_cannot_be_is_refused_before_the_work() {
     for kind in ["EP", "MX", "UZ", "ND", "RG", "CP", "BT"] {
         let along = ["--along", "rho=0..30", "--along", "sigma=5..15", "--hold", kind];
         let message = fails(path, &[&["trace", "lorenz.ron"][..], &along].concat());
-        let rule = "must be a kind that is followed in two parameters: BP, LP, HB, PD, TR, G";
+        let rule = "must be a kind that can be traced in two parameters: BP, LP, HB, PD, TR, G";
         assert!(
             message.contains(&format!("hold is {kind} (")) && message.contains(rule),
             "{message}"
@@ -294,7 +294,7 @@ fn why_no_branch_starts() {
     let model = "Equations(states: [(\"x\", \"a + x^2 + 1/(x - 1)^2\")], parameters: [(\"a\", 1)])";
     std::fs::write(path.join("runaway.ron"), model).unwrap();
     let message = fails(path, &["trace", "runaway.ron", "--along", "a=1..2", "--start", "x=1"]);
-    assert!(message.contains("no branch starts there: "), "{message}");
+    assert!(message.contains("no branch starts at the state itself: "), "{message}");
     assert!(message.contains("a division by zero at the start"), "{message}");
-    assert!(message.contains("motion does not settle from the given state: "), "{message}");
+    assert!(message.contains("the motion from the given state does not converge: "), "{message}");
 }

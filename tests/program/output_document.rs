@@ -116,7 +116,7 @@ fn a_document_cut_short_says_so() {
             matches!(error, FormatError::Truncated { line: at, .. } if at == line),
             "{error:?} is not at line {line}"
         );
-        assert!(error.to_string().contains("cut short"), "{error}");
+        assert!(error.to_string().contains("is truncated"), "{error}");
     }
 }
 
@@ -214,7 +214,7 @@ fn refused(change: impl FnOnce(&mut Branch)) -> String {
 #[test]
 fn names_and_labels_must_be_unique_and_refer_to_something() {
     let error = refused(|branch| branch.special[1].label = 1);
-    assert_eq!(error, "branch `plate`: a label is `1`, but is there twice: rename one of them");
+    assert_eq!(error, "branch `plate`: a label is `1`, but occurs twice: rename one of them");
     let error = refused(|branch| branch.monitors[0] = "load".into());
     assert!(error.contains("a column is `load`"), "{error}");
     let error = refused(|branch| branch.special[3].after = 41);
@@ -243,7 +243,7 @@ fn files_that_cannot_be_read_or_written_are_named() {
     assert!(matches!(error, FileError::Write { .. }), "{error:?}");
     let error = error.to_string();
     assert!(
-        error.contains(&*blocked.to_string_lossy()) && error.contains("choose a folder"),
+        error.contains(&*blocked.to_string_lossy()) && error.contains("choose a writable folder"),
         "{error}"
     );
     let error = Document::load(folder.path().join("missing.ron")).unwrap_err().to_string();

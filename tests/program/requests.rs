@@ -193,7 +193,7 @@ fn sweeps_of_models_go_both_ways() {
     for (more, said) in [
         (&["--over", "r=1..2:3"][..], "`r` is given twice"),
         (&["--from", "x=1,x=2"], "`x` is given twice"),
-        (&["--over", "x=0..1:2", "--both"], "goes through the values of one parameter"),
+        (&["--over", "x=0..1:2", "--both"], "sweeps the values of one parameter"),
     ] {
         refused(at, &[&["sweep", "m.ron", "--over", "r=1..2:3"][..], more].concat(), &[said]);
     }
@@ -243,7 +243,7 @@ fn results_of_another_scene_are_not_lost_silently() {
     for (file, said) in [("m.ron", false), ("m.ron", false), ("b/m.ron", true), ("b/m.ron", false)]
     {
         let message = stderr(&tangency(at, &["trace", file]));
-        let warning = "out/m.ron held the results of another scene, `one`: they are replaced";
+        let warning = "out/m.ron contained the results of another scene, `one`, which are replaced";
         assert_eq!(message.contains(warning), said, "{file}: {message}");
     }
 }
@@ -324,7 +324,11 @@ fn scenes_are_simulated() {
         let listed: f64 = line.split(',').nth(1).unwrap().parse().unwrap();
         assert!((time - listed).abs() <= 1e-14 * listed.abs());
     }
-    refused(at, &["simulate", "bratu"], &["only vector fields and hybrid systems are simulated"]);
+    refused(
+        at,
+        &["simulate", "bratu"],
+        &["only vector fields and hybrid systems can be simulated"],
+    );
     refused(
         at,
         &["simulate", "lorenz", "--set", "max_points=4"],
@@ -342,7 +346,7 @@ fn equilibria_and_fixed_points_are_found() {
     let said = succeeds(at, &lorenz);
     // ±√72 and 27.
     assert!(said.contains("-8.48528137424") && said.contains("   8.48528137424"), "{said}");
-    assert!(said.lines().count() == 5 && said.contains("3 in the box, 0 outside of it"), "{said}");
+    assert!(said.lines().count() == 5 && said.contains("3 in the box, 0 outside"), "{said}");
     let map = "Map(states: [(\"x\", \"1 - a*x^2 + y\"), (\"y\", \"b*x\")], parameters: [(\"a\", 1.4), (\"b\", 0.3)])";
     std::fs::write(at.join("henon.ron"), map).unwrap();
     let said = succeeds(at, &["find", "henon.ron", "--box", "x=-2..2,y=-1..1"]);
@@ -351,7 +355,11 @@ fn equilibria_and_fixed_points_are_found() {
     assert!(said.contains("2 in the box"), "{said}");
     refused(at, &["find", "henon.ron", "--box", "x=-2..2"], &["without one for `y`"]);
     refused(at, &["find", "henon.ron", "--box", "x=-2..2,w=0..1"], &["unknown component `w`"]);
-    refused(at, &["find", "bratu", "--box", "u=0..1"], &["only single unknowns"]);
+    refused(
+        at,
+        &["find", "bratu", "--box", "u=0..1"],
+        &["only problems whose unknowns are single numbers"],
+    );
 }
 
 /// Branches begin at all solutions over the range of the parameter: the isola x² + a² = 1/4 is one
@@ -383,12 +391,12 @@ fn branches_begin_at_all_solutions() {
     refused(
         at,
         &["trace", "fork.ron", "--along", "a=0..1", "--start", "all"],
-        &["belong together"],
+        &["must be given together"],
     );
     refused(
         at,
         &["trace", "fork.ron", "--along", "a=0..1", "--box", "x=0..1"],
-        &["belong together"],
+        &["must be given together"],
     );
     let empty = ["trace", "fork.ron", "--along", "a=0..1", "--start", "all", "--box", "x=7..8"];
     refused(at, &empty, &["the box is without any solution", "larger box"]);
@@ -488,7 +496,7 @@ fn sizes_are_limited_everywhere() {
     {
         succeeds(at, command);
         let limited = [&["--max-size", "1"], command].concat();
-        refused(at, &limited, &["larger than 1 MB"]);
+        refused(at, &limited, &["larger than the limit of 1 MB"]);
     }
 }
 
@@ -550,7 +558,7 @@ fn mistakes_are_named() {
     let said = failure(&tangency(at, &["trace", "stranger.ron"]), 1).to_string();
     assert!(said.contains("is no file of equations") && !said.contains("root"), "{said}");
     write("plain.ron", "Equations(states: [(\"x\", \"a - x\")], parameters: [(\"a\", 1)])");
-    refused(at, &["sweep", "plain.ron"], &["nothing to sweep"]);
+    refused(at, &["sweep", "plain.ron"], &["has no sweeps"]);
     let text = "Scene(title: \"t\", problem: Equations(states: [(\"x\", \"a - x\")], solution: equilibrium), parameters: [(\"a\", \"1/2\")],
         runs: [(name: \"r\", along: [(name: \"a\", low: \"-1/3\", high: \"4/3\")], marks: [(\"a\", \"1/4\")], bounds: [(name: \"max_x\", high: \"5/4\")])])";
     write("formulas.ron", text);
@@ -602,7 +610,7 @@ fn archives_are_told_from_documents() {
     );
     refused(at, &["table", "out/up.npz"], &["is not a text file", "tangency plot"]);
     for (name, words) in
-        [("max_step=0.2", "no effect on sweeps"), ("amplitude=2", "which goes over")]
+        [("max_step=0.2", "no effect on sweeps"), ("amplitude=2", "which varies it")]
     {
         refused(at, &["sweep", "up.ron", "--set", name, "--afresh"], &[words]);
     }

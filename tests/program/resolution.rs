@@ -92,7 +92,9 @@ fn parameters_have_other_names_than_settings() {
         );
         let refused = Scene::parse(&text).unwrap_err().to_string();
         assert!(
-            refused.contains(&format!("the name of the parameter `{name}` is that of a setting")),
+            refused.contains(&format!(
+                "the name of the parameter `{name}` is also the name of a setting"
+            )),
             "{refused}"
         );
     }
@@ -160,7 +162,7 @@ fn branches_beyond_the_limit_are_named() {
     let (scene, outcome) = explore(&pitchforks(5), 5, &mut ());
     assert_eq!((scene.runs.len(), outcome.error), (50, None));
     let warnings = outcome.document.branches.iter().flat_map(|branch| &branch.warnings);
-    let left = warnings.filter(|warning| warning.contains("50 runs are traced at most")).count();
+    let left = warnings.filter(|warning| warning.contains("at most 50 runs are traced")).count();
     assert!(left > 0, "nothing is said");
 }
 
@@ -299,7 +301,7 @@ fn settings_without_effect_are_refused_by_name() {
     }
     for (kind, name, reason) in [
         ("map", "max_mesh_error", "where equations need no discretisation"),
-        ("residual", "stability", "for equations that describe no motion"),
+        ("residual", "stability", "for equations without dynamics"),
         ("boundary", "max_period_growth", "where the period is not an unknown"),
         ("boundary", "segments", "where `method` is `collocation`"),
         ("impacts", "target_mesh_error", "where `method` is `shooting`"),

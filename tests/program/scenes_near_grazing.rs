@@ -176,10 +176,7 @@ fn periodic_points_are_followed() {
     );
     let of_the_flow = text.replace(&half, "impacts: [true, false]");
     assert!(
-        Scene::parse(&of_the_flow)
-            .unwrap_err()
-            .to_string()
-            .contains("the local map that it is about")
+        Scene::parse(&of_the_flow).unwrap_err().to_string().contains("must come with a local map")
     );
     let document = traced(&Scene::parse(&text).unwrap());
     close(one(&document, "b", Kind::PD, "voltage"), one(&document, "B", Kind::PD, "voltage"), 2e-8);

@@ -192,7 +192,7 @@ fn discretisations_are_set_by_name() {
 #[test]
 fn discretisations_that_cannot_be_are_refused_with_a_reason() {
     for (name, value, said) in [
-        ("solution", "equilibrium", "forced in time"),
+        ("solution", "equilibrium", "forced systems have no equilibria"),
         ("frequency", "-1", "frequency"),
         ("voltage", "2", "is not in its range"),
     ] {

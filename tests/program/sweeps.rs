@@ -60,7 +60,7 @@ fn a_sweep_has_the_same_bytes_however_it_was_done() {
     assert!(bytes(folder.path(), "merged/chaos.npz") == whole);
     // A part alone is no whole.
     let output = tangency(folder.path(), &["merge", "--out", "alone", &parts[0]]);
-    assert!(failure(&output, 1).contains("in none of the parts"), "{output:?}");
+    assert!(failure(&output, 1).contains("are missing in all parts"), "{output:?}");
 }
 
 /// Long enough to be ended between its first save and its end.
@@ -123,7 +123,7 @@ fn a_terminated_sweep_is_saved_and_resumed() {
         let id = child.id().to_string();
         assert!(Command::new("kill").args(["-TERM", &id]).status().unwrap().success());
     });
-    assert!(failure(&output, 1).contains("what was done until then is kept"), "{output:?}");
+    assert!(failure(&output, 1).contains("results computed so far are saved"), "{output:?}");
     is_resumed(folder.path());
 }
 
@@ -170,10 +170,15 @@ fn parts_are_even_or_say_why_not() {
     // Eight parts need more of them. Half of the parts have nothing to do …
     let (_, said) = part("chains", 8, 8, &[]);
     assert!(
-        said.contains("4 strands do not divide evenly into 8 parts: the largest has 4 of 16 runs"),
+        said.contains(
+            "4 strands cannot be divided evenly into 8 parts: the largest has 4 of 16 runs"
+        ),
         "{said}"
     );
-    assert!(said.contains("`--set strands=4`, for all parts, makes the largest 2;"), "{said}");
+    assert!(
+        said.contains("`--set strands=4`, given for all parts, reduces the largest to 2;"),
+        "{said}"
+    );
     assert_eq!(parts("chains", 8, &[]), [4, 4, 4, 4, 0, 0, 0, 0]);
     let files: Vec<String> =
         (1..=8).map(|number| format!("out/chains.part-{number}-of-8.npz")).collect();
@@ -227,7 +232,7 @@ fn bad_input_is_explained() {
         let message = failure(&output, 1);
         assert!(message.contains(expected), "{arguments:?}: {message}");
     };
-    fails(&["sweep", "lure"], "has nothing to sweep");
+    fails(&["sweep", "lure"], "has no sweeps");
     fails(&["trace", "mita-lyapunov"], "has no branches to trace");
     fails(&["sweep", "chaos.ron", "--set", "count=0"], "a count is 0");
     fails(&["sweep", "chaos.ron", "--set", "transiemt=5"], "did you mean `transient`?");
@@ -240,7 +245,7 @@ fn bad_input_is_explained() {
     let fixed =
         format!("Scene(title: \"t\", problem: Plate(), sweeps: [(name: \"loads\", {over})])");
     std::fs::write(folder.path().join("static.ron"), fixed).unwrap();
-    fails(&["sweep", "static.ron"], "only vector fields and hybrid systems are simulated");
+    fails(&["sweep", "static.ron"], "only vector fields and hybrid systems can be simulated");
     let measured = SCENE.replace("\"displacement_range\"]", "\"displacment_range\"]");
     std::fs::write(folder.path().join("measured.ron"), measured).unwrap();
     fails(
@@ -248,7 +253,7 @@ fn bad_input_is_explained() {
         "unknown measure `displacment_range`; did you mean `displacement_range`?",
     );
     assert!(tangency(folder.path(), &["sweep", "chaos.ron"]).status.success());
-    fails(&["sweep", "chaos.ron", "--set", "frequency=0.49"], "were made by another scene");
+    fails(&["sweep", "chaos.ron", "--set", "frequency=0.49"], "are from another scene");
     std::fs::write(folder.path().join("broken.npz"), b"PK").unwrap();
     fails(&["plot", "broken.npz"], "not a file of sweeps");
     let whole = Sweeps::load(folder.path().join("out/chaos.npz")).unwrap();

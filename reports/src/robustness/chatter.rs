@@ -55,15 +55,15 @@ impl HybridSystem for Ball {
     }
 }
 
-/// It falls from here, for a time of 1.
+/// The initial height; the ball falls for a time of 1 from here.
 const HEIGHT: f64 = 0.5;
 
-/// When it has come to rest, by the geometric series of its times of flight.
+/// Returns the time of coming to rest, by the geometric series of the times of flight.
 fn rest(restitution: f64) -> f64 {
     (1.0 + restitution) / (1.0 - restitution)
 }
 
-/// Its height at a time.
+/// Returns the height of the ball at a time.
 fn height(restitution: f64, time: f64) -> f64 {
     if time >= rest(restitution) {
         return 0.0;
@@ -77,7 +77,7 @@ fn height(restitution: f64, time: f64) -> f64 {
     flown * (speed - 0.5 * flown)
 }
 
-/// The core's motion up to a part of the time to rest.
+/// Follows the core's motion up to a fraction of the time to rest.
 fn followed(rests: bool, settings: HybridSettings, restitution: f64, part: f64) -> Found {
     let end = part * rest(restitution);
     let ball = Ball { rests };
@@ -103,7 +103,8 @@ fn followed(rests: bool, settings: HybridSettings, restitution: f64, part: f64) 
     }
 }
 
-/// Steps of one length; the velocity is turned round where a step has ended below the ground.
+/// Follows the ball by steps of equal length; the velocity is reversed after a step that ends below
+/// the ground.
 fn stepped(restitution: f64, part: f64) -> Found {
     let (end, step) = (part * rest(restitution), 0.01_f64);
     let (mut y, mut v, mut t) = (HEIGHT, 0.0_f64, 0.0_f64);
@@ -123,7 +124,7 @@ fn stepped(restitution: f64, part: f64) -> Found {
     }
 }
 
-/// Four panels.
+/// Computes four panels.
 pub(super) fn draw() -> RobustnessMap {
     let (losses, ends) = (from_to(-2.0, 0.0, 17), from_to(0.275, 1.325, 15));
     let panel = |name: &str, naive, method: &dyn Fn(f64, f64) -> Found| {

@@ -1,4 +1,4 @@
-//! Two crossings that merge where a motion only touches a surface, and the touching itself.
+//! Two crossings that merge where a motion touches a surface, and the touching itself.
 
 use super::grid::{Found, Panel, from_to, map};
 use crate::RobustnessMap;
@@ -13,7 +13,7 @@ use tangency::hybrid_system;
 use tangency::scene::{Scene, execute};
 
 hybrid_system! {
-    /// `x'' = −x`, below and above the level 1; nothing happens where it passes but a change of mode.
+    /// `x'' = −x`, below and above the level 1; crossing the level changes only the mode.
     struct Level [] {
         mode below [x, v] {
             d/dt x = v;
@@ -30,7 +30,7 @@ hybrid_system! {
 
 const BELOW: usize = 0;
 
-/// The motion `(1 + δ) cos(t − TOP)`, from 0 to this time.
+/// The end time of the motion `(1 + δ) cos(t − TOP)`, which starts at 0.
 const END: f64 = 4.0;
 const TOP: f64 = 1.9;
 
@@ -38,12 +38,12 @@ fn start(beyond: f64) -> [f64; 2] {
     [(1.0 + beyond) * TOP.cos(), (1.0 + beyond) * TOP.sin()]
 }
 
-/// Half the time between the crossings: `cos τ = 1/(1 + δ)`.
+/// Returns half the time between the crossings: `cos τ = 1/(1 + δ)`.
 fn half(beyond: f64) -> f64 {
     2.0 * (0.5 * beyond / (1.0 + beyond)).sqrt().asin()
 }
 
-/// Shows the steps of the motion.
+/// Passes each step of the motion to a callback.
 fn flowed<'a>(
     beyond: f64,
     observe: impl FnMut(&mut tangency::core::ode::Step<InMode<'a, Level>, f64>) -> ControlFlow<()>,
@@ -52,7 +52,8 @@ fn flowed<'a>(
     Flow::<f64>::default().observe(&field, 0.0, END, &mut start(beyond), &[], observe).map(|_| ())
 }
 
-/// Signs at the ends of so many parts of each step, or of the whole.
+/// Detects sign changes at the ends of a given number of parts of each step, or of the whole
+/// motion.
 fn signs(beyond: f64, parts: Option<usize>) -> Found {
     let (mut changes, mut above) = (0, false);
     let mut at = [0.0; 2];
@@ -80,10 +81,10 @@ fn signs(beyond: f64, parts: Option<usize>) -> Found {
     }
 }
 
-/// What the tolerance of flows leaves of the level.
+/// The error of the level due to the tolerance of flows.
 const ERROR: f64 = 1e-11;
 
-/// The search of hybrid motions.
+/// Detects the crossings by the event search of hybrid motions.
 fn hybrid(beyond: f64) -> Found {
     let mut state = HybridState { mode: BELOW, time: 0.0, x: start(beyond).into() };
     let events = HybridFlow::new(&Level, HybridSettings::default())
@@ -95,7 +96,7 @@ fn hybrid(beyond: f64) -> Found {
         }
         Err(cause) => return Found::reported("another failure", cause),
     };
-    // Where an error of the level moves a crossing to.
+    // The shift of a crossing due to the error of the level.
     let moved = half(beyond + ERROR) - half((beyond - ERROR).max(0.0));
     let right = |time: f64, exact: f64| (time - exact).abs() <= moved;
     match &events[..] {
@@ -109,7 +110,7 @@ fn hybrid(beyond: f64) -> Found {
     }
 }
 
-/// The largest value inside of steps.
+/// Finds the largest value inside steps.
 fn largest(beyond: f64) -> Found {
     let (mut extrema, mut top) = (Extrema::default(), f64::NEG_INFINITY);
     let flowed = flowed(beyond, |step| {
@@ -124,8 +125,8 @@ fn largest(beyond: f64) -> Found {
     }
 }
 
-/// Orbits of the impact oscillator without impacts, whose clearance is 1, from a forcing that stays
-/// away from the stop by a part, or would pass it.
+/// Orbits of the impact oscillator without impacts, with clearance 1, started at a forcing below or
+/// beyond the grazing by a given fraction.
 const ORBITS: &str = r#"Scene(
     title: "Orbits without impacts",
     problem: ImpactOscillator(method: shooting()),
@@ -134,13 +135,13 @@ const ORBITS: &str = r#"Scene(
     runs: [(name: "orbits", along: [(name: "amplitude", low: 0.0, high: 1.0)])],
 )"#;
 
-/// The forcing at which they graze: `√((1 − ω²)² + (cω)²)`.
+/// Returns the forcing at which the orbits graze: `√((1 − ω²)² + (cω)²)`.
 fn grazing_force() -> f64 {
     let (frequency, damping) = (1.2_f64, 0.1);
     (1.0 - frequency * frequency).hypot(damping * frequency)
 }
 
-/// The touching itself, on the branch of orbits.
+/// Locates the touching on the branch of orbits.
 fn touching(part: f64) -> Found {
     let amplitude = grazing_force() * (1.0 - part);
     let scene = Scene::parse(ORBITS).and_then(|mut scene| {
@@ -162,7 +163,7 @@ fn touching(part: f64) -> Found {
     let end = branch.ends.iter().find(|end| matches!(end, End::Grazing { .. }));
     match (&grazings[..], end) {
         ([value], Some(_)) if near(*value) => Found::right("the grazing"),
-        // A start this near to a level is on it.
+        // A start this close to a level counts as being on the level.
         ([], Some(end)) if part.abs() < 1e-6 => {
             let distance = part.abs();
             Found::reported(
@@ -175,7 +176,7 @@ fn touching(part: f64) -> Found {
     }
 }
 
-/// Two panels.
+/// Computes two panels.
 pub(super) fn draw() -> RobustnessMap {
     let heights = from_to(-14.0, -1.0, 40);
     let mut panel =

@@ -1,4 +1,4 @@
-//! Robustness maps: a method is run at every place of a grid.
+//! Robustness maps: runs a method at every place of a grid.
 
 use crate::{Cell, Class, Outcome, Region, RobustnessMap, Tried};
 use std::fmt::Display;
@@ -12,28 +12,28 @@ pub(super) struct Found {
 }
 
 impl Found {
-    /// A correct result.
+    /// Creates the outcome of a correct result.
     pub fn right(name: &'static str) -> Self {
         Found { class: Class::Right, name, message: None }
     }
 
-    /// A correct result of another method that took over.
+    /// Creates the outcome of a correct result of another method that took over.
     pub fn handed_over(name: &'static str) -> Self {
         Found { class: Class::HandedOver, name, message: None }
     }
 
-    /// A failure reported with its cause.
+    /// Creates the outcome of a failure reported with its cause.
     pub fn reported(name: &'static str, why: impl Display) -> Self {
         Found { class: Class::Reported, name, message: Some(why.to_string()) }
     }
 
-    /// A wrong result without any report.
+    /// Creates the outcome of a wrong result without any report.
     pub fn silent(name: &'static str) -> Self {
         Found { class: Class::Silent, name, message: None }
     }
 }
 
-/// `count` equidistant values from `low` to `high`, both included.
+/// Returns `count` equidistant values from `low` to `high`, both included.
 pub(super) fn from_to(low: f64, high: f64, count: usize) -> Vec<f64> {
     let parts = (count - 1).max(1) as f64;
     (0..count).map(|k| low + (high - low) * k as f64 / parts).collect()
@@ -54,12 +54,12 @@ pub(super) struct Panel {
 }
 
 impl Panel {
-    /// A panel with its title and the labels of its axes.
+    /// Creates a panel with its title and the labels of its axes.
     pub fn new(title: &str, x: &str, y: &str) -> Self {
         Panel { title: title.into(), labels: [x.into(), y.into()], attempts: Vec::new() }
     }
 
-    /// A panel of one method, which has its name.
+    /// Creates a panel of one method, with the method's name.
     pub fn of(
         (name, naive): (&str, bool),
         [x, y]: [&str; 2],
@@ -82,14 +82,14 @@ impl Panel {
         self
     }
 
-    /// Runs a method in a row of its own.
+    /// Runs a method in a separate row.
     pub fn row(self, name: (&str, bool), xs: &[f64], mut method: impl FnMut(f64) -> Found) -> Self {
         let y = [self.attempts.len() as f64];
         self.over(name, [xs, &y], |x, _| method(x))
     }
 }
 
-/// The map of panels.
+/// Returns the map of panels.
 pub(super) fn map(name: &str, panels: Vec<Panel>) -> RobustnessMap {
     let found = panels.iter().flat_map(|panel| &panel.attempts).flat_map(|a| &a.places);
     let mut outcomes: Vec<Outcome> = Vec::new();
@@ -114,7 +114,7 @@ pub(super) fn map(name: &str, panels: Vec<Panel>) -> RobustnessMap {
     }
 }
 
-/// A method with the positions of its outcomes; the first message of each outcome is kept.
+/// Converts the outcomes of a method to positions; the first message of each outcome is kept.
 fn tried(attempt: Attempt, outcomes: &[Outcome]) -> Tried {
     let mut cells: Vec<Cell> = Vec::new();
     for ([x, y], Found { class, name, message }) in attempt.places {

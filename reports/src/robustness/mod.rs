@@ -1,5 +1,4 @@
-//! Robustness maps: where methods succeed, where they report a failure, and where they are silently
-//! wrong.
+//! Robustness maps: where methods succeed, report failures, or are silently wrong.
 //!
 //! A map runs methods on a grid over the quantities that make them fail: the distance from a fold,
 //! the size of a multiplier, the rate of a stiff field. Each cell runs the method and is classified

@@ -1,4 +1,4 @@
-//! Newton's iteration about a fold: with the load held, without and with damping, and with the load
+//! Newton's iteration near a fold: with the load held, without and with damping, and with the load
 //! free.
 
 use super::grid::{Found, Panel, from_to, map};
@@ -15,22 +15,23 @@ use tangency::problems::classic::ParallelPlate;
 /// The load at the fold.
 const PULL_IN: f64 = 4.0 / 27.0;
 
-/// The residual, with the derivative by the deflection or by the load.
+/// Returns the residual, with the derivative with respect to the deflection or the load.
 fn residual(u: Dual64, load: Dual64) -> Dual64 {
     let mut r = [Dual64::from(0.0)];
     ParallelPlate.residual(&[u], &[load], &mut r);
     r[0]
 }
 
-/// The residual and its derivative by the deflection.
+/// Returns the residual and its derivative with respect to the deflection.
 fn by_deflection(u: f64, load: f64) -> Dual64 {
     residual(Dual64::from(u).derivative(), load.into())
 }
 
-/// What a deflection is that the iteration has ended at.
+/// Classifies the deflection at which the iteration ended.
 fn judged(u: f64, load: f64) -> Found {
     let r = by_deflection(u, load);
-    // Beside the fold the deflection is the root of what the residual can tell.
+    // Near the fold, the deflection is determined only up to the square root of the error of the
+    // residual.
     let solved = r.re.abs() < 1e-9 * load.max(u.abs());
     match u {
         _ if !solved => Found::silent("no solution"),
@@ -40,7 +41,7 @@ fn judged(u: f64, load: f64) -> Found {
     }
 }
 
-/// Newton's formula repeated until it changes nothing.
+/// Repeats Newton's formula until the deflection no longer changes.
 fn plain(share: f64, guess: f64) -> Found {
     let (load, mut u) = (share * PULL_IN, guess);
     for _ in 0..LIMITS.max_iterations {
@@ -67,7 +68,7 @@ fn failed(cause: &NewtonError) -> Found {
     Found::reported(name, cause)
 }
 
-/// The core's iteration with the load held.
+/// Runs the core's iteration with the load held.
 fn damped(share: f64, guess: f64) -> Found {
     let (load, mut system) = (share * PULL_IN, Dense::new(ParallelPlate));
     let mut equations = Extended::new(&mut system, &[guess, load], vec![]);
@@ -78,12 +79,13 @@ fn damped(share: f64, guess: f64) -> Found {
     }
 }
 
-/// The core's iteration with the load free, on the line across the curve of constant residual
-/// through the guess.
+/// Runs the core's iteration with the load free, on the line normal to the curve of constant
+/// residual through the guess.
 fn extended(share: f64, guess: f64) -> Found {
     let (load, mut system) = (share * PULL_IN, Dense::new(ParallelPlate));
     let start = [guess, load];
-    // ∂F/∂u and ∂F/∂λ, in units of the deflection 1 and of the load at the fold.
+    // The derivatives ∂F/∂u and ∂F/∂λ, with the deflection in units of 1 and the load in units of
+    // its value at the fold.
     let by_u = by_deflection(guess, load).eps;
     let by_load = PULL_IN * residual(guess.into(), Dual64::from(load).derivative()).eps;
     let along = [by_load, -by_u / PULL_IN];
@@ -100,7 +102,8 @@ fn extended(share: f64, guess: f64) -> Found {
     }
 }
 
-/// What arclength from rest knows of a load: both deflections, or the fold that comes before.
+/// Returns the result of arclength continuation from rest for a load: both deflections, or an
+/// earlier fold.
 fn from_rest(share: f64) -> Found {
     let (load, mut system) = (share * PULL_IN, Dense::new(ParallelPlate));
     let traced = Continuation::new(&mut system).along("load", 0.0..=1.0).mark("load", load).trace();
@@ -120,7 +123,7 @@ fn from_rest(share: f64) -> Found {
     }
 }
 
-/// Four panels.
+/// Computes four panels.
 pub(super) fn draw() -> RobustnessMap {
     let (loads, guesses) = (from_to(0.51, 1.31, 41), from_to(-0.95, 1.55, 26));
     let panel = |title: &str, naive, method: fn(f64, f64) -> Found| {

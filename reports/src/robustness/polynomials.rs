@@ -1,4 +1,4 @@
-//! The functions of plates by powers and by recurrence, in numbers of 7 and of 16 digits.
+//! The functions of plates by powers and by recurrence, in numbers with 7 and with 16 digits.
 
 use super::grid::{Found, Panel, from_to, map};
 use crate::RobustnessMap;
@@ -7,13 +7,13 @@ use std::f64::consts::PI;
 use tangency::problems::plate::Support;
 use tangency::problems::plate::basis::Basis;
 
-/// A small whole number or a number of double precision in another one.
+/// Converts a small integer or a double-precision number to another type.
 fn number<T: Float>(value: f64) -> T {
     T::from(value).unwrap_or_else(T::nan)
 }
 
-/// `f_r = Σ (−1)ⁿ (2r−2n−7)!!/(2ⁿ n! (r−2n−1)!) ξ^{r−2n−1}`, `r > 4` (N. S. Bardell, 1991), by its
-/// powers.
+/// Evaluates `f_r = Σ (−1)ⁿ (2r−2n−7)!!/(2ⁿ n! (r−2n−1)!) ξ^{r−2n−1}`, `r > 4` (N. S. Bardell,
+/// 1991), by its powers.
 fn in_powers<T: Float>(order: usize, xi: T) -> T {
     let product = |to: usize, stride: usize| {
         (1..=to).rev().step_by(stride).fold(T::one(), |product, v| product * number(v as f64))
@@ -22,7 +22,8 @@ fn in_powers<T: Float>(order: usize, xi: T) -> T {
         let power = order - 2 * n - 1;
         let sign = if n.is_multiple_of(2) { T::one() } else { -T::one() };
         let below = number::<T>(2.0).powi(n as i32) * product(n, 1);
-        // Factor by factor, as the factorials are beyond the largest number of 7 digits.
+        // The ratio is formed factor by factor, because the factorials exceed the range of 7-digit
+        // numbers.
         let above = (2 * order - 2 * n).saturating_sub(7);
         let odd = (1..=above).rev().step_by(2).map(|v| v as f64);
         let all = (1..=power).rev().map(|v| v as f64);
@@ -31,7 +32,7 @@ fn in_powers<T: Float>(order: usize, xi: T) -> T {
     (0..=(order - 1) / 2).fold(T::zero(), |sum, n| sum + term(n))
 }
 
-/// One product over another, factor by factor.
+/// Divides one product by another, factor by factor.
 fn ratio<T: Float>(above: impl Iterator<Item = f64>, below: impl Iterator<Item = f64>) -> T {
     let (mut above, mut below) = (above.fuse(), below.fuse());
     let mut value = T::one();
@@ -43,7 +44,7 @@ fn ratio<T: Float>(above: impl Iterator<Item = f64>, below: impl Iterator<Item =
     }
 }
 
-/// The same from three Legendre polynomials: with `n = r − 3`,
+/// Evaluates the same function from three Legendre polynomials: with `n = r − 3`,
 /// `P_{n+2}/((2n+1)(2n+3)) − 2 P_n/((2n−1)(2n+3)) + P_{n−2}/((2n−1)(2n+1))`.
 fn from_legendre<T: Float>(order: usize, polynomial: impl Fn(usize) -> T) -> T {
     let n = order - 3;
@@ -54,7 +55,7 @@ fn from_legendre<T: Float>(order: usize, polynomial: impl Fn(usize) -> T) -> T {
         + polynomial(n - 2) / (low * middle)
 }
 
-/// `k P_k = (2k − 1) ξ P_{k−1} − (k − 1) P_{k−2}`.
+/// Uses the recurrence `k P_k = (2k − 1) ξ P_{k−1} − (k − 1) P_{k−2}`.
 fn by_recurrence<T: Float>(order: usize, xi: T) -> T {
     let mut values = vec![T::one(), xi];
     for k in 2..=order {
@@ -64,8 +65,8 @@ fn by_recurrence<T: Float>(order: usize, xi: T) -> T {
     from_legendre(order, |n| values[n])
 }
 
-/// Laplace's integral, `P_n(ξ) = 1/π ∫₀^π (ξ + i √(1 − ξ²) cos φ)ⁿ dφ`, which the sum over equal
-/// angles is from `n` of them on: no power exceeds 1, so that nothing is lost.
+/// Evaluates Laplace's integral, `P_n(ξ) = 1/π ∫₀^π (ξ + i √(1 − ξ²) cos φ)ⁿ dφ`, which equals the
+/// sum over at least `n` equidistant angles. No power exceeds 1, so no digits are lost.
 fn exact(order: usize, xi: f64) -> f64 {
     let legendre = |n: usize| {
         let parts = n + 2;
@@ -79,8 +80,8 @@ fn exact(order: usize, xi: f64) -> f64 {
     from_legendre(order, legendre)
 }
 
-/// Of the digits that numbers have, how many the function of an order has lost, in units of its
-/// largest value.
+/// Classifies the fraction of digits that the function of an order loses, relative to its largest
+/// value.
 fn judged(order: usize, digits: f64, value: impl Fn(f64) -> f64) -> Found {
     let grid = || (-100..=100).map(|i| f64::from(i) / 100.0);
     let size = grid().map(|xi| exact(order, xi).abs()).fold(0.0, f64::max);
@@ -96,7 +97,7 @@ fn judged(order: usize, digits: f64, value: impl Fn(f64) -> f64) -> Found {
     }
 }
 
-/// One panel.
+/// Computes one panel.
 pub(super) fn draw() -> RobustnessMap {
     let orders = from_to(5.0, 60.0, 56);
     let basis = Basis::transverse([Support::Clamped; 2], false, 56);

@@ -1,4 +1,5 @@
-//! The load `1/(1 − w)²` near contact: Gauss points, and what the model of a plate says.
+//! The load `1/(1 − w)²` near contact: the number of Gauss points, and the errors estimated by the
+//! plate model.
 
 use super::grid::{Found, Panel, from_to, map};
 use crate::RobustnessMap;
@@ -7,8 +8,8 @@ use tangency::core::numerics::gauss_legendre;
 use tangency::core::system::Kind;
 use tangency::problems::plate::{Orders, Ritz, RitzSettings, Supports, Units};
 
-/// `∬ dx dy/(1 − w)²` over a quarter of a clamped plate, `w = W (16 x² (1 − x)² y² (1 − y)²)`, by
-/// so many points in each direction.
+/// Computes `∬ dx dy/(1 − w)²` over a quarter of a clamped plate, `w = W (16 x² (1 − x)² y² (1 −
+/// y)²)`, with a given number of points in each direction.
 fn load(largest: f64, points: usize) -> f64 {
     let (nodes, weights) = gauss_legendre(points);
     let place = |(node, weight): (&f64, &f64)| {
@@ -23,10 +24,10 @@ fn load(largest: f64, points: usize) -> f64 {
     line.iter().map(along).sum()
 }
 
-/// Enough points for all that is on the map.
+/// A number of points that is sufficient for the whole map.
 const MANY: usize = 256;
 
-/// The relative error of a number of points.
+/// Classifies the relative error for a number of points.
 fn judged(error: f64) -> Found {
     match error {
         ..1e-9 => Found::right("nine digits"),
@@ -36,7 +37,7 @@ fn judged(error: f64) -> Found {
     }
 }
 
-/// From rest to a largest deflection, with marks on the way.
+/// Traces a branch from rest to a largest deflection, with marks on the way.
 fn traced(orders: [usize; 2], refinement: f64, gaps: &[f64]) -> Traced {
     let supports: Supports =
         "CCCC".parse().map_err(|e: tangency::problems::plate::PlateError| e.to_string())?;
@@ -55,7 +56,7 @@ fn traced(orders: [usize; 2], refinement: f64, gaps: &[f64]) -> Traced {
     marked.trace().map_err(|cause| cause.to_string())
 }
 
-/// The load at a mark, and its error.
+/// Returns the load at a mark, and its error.
 fn marked(branch: &Branch, gap: f64) -> Option<[f64; 2]> {
     let deflection = branch.column("max_deflection")?;
     let near = |value: f64| (value - 1.0 + gap).abs() < 1e-9;
@@ -64,11 +65,11 @@ fn marked(branch: &Branch, gap: f64) -> Option<[f64; 2]> {
     Some([point.value(branch.column("load")?)?, point.error])
 }
 
-/// A branch, or why there is none.
+/// A branch, or the reason for its failure.
 type Traced = Result<Branch, String>;
 
-/// Where a branch has a mark, it is compared with that of a finer one; where it has none, its end
-/// says why.
+/// Compares a mark of a branch with that of a finer branch; a missing mark is explained by the end
+/// of the branch.
 fn compared(branch: &Traced, finer: &Traced, gap: f64) -> Found {
     let (branch, finer) = match (branch, finer) {
         (Ok(branch), Ok(finer)) => (branch, finer),
@@ -95,7 +96,7 @@ fn compared(branch: &Traced, finer: &Traced, gap: f64) -> Found {
     }
 }
 
-/// Two panels.
+/// Computes two panels.
 pub(super) fn draw() -> RobustnessMap {
     let gaps = from_to(-3.0, -0.1, 30);
     let points: Vec<f64> = (1..=32).rev().map(|k| f64::from(2 * k)).collect();

@@ -11,7 +11,7 @@ use tangency::core::system::Kind;
 use tangency::vector_field;
 
 vector_field! {
-    /// `x' = λ(x − A cos t) − A sin t`, `y' = −λ(y − A sin t) + A cos t`: whatever the rate λ, the
+    /// `x' = λ(x − A cos t) − A sin t`, `y' = −λ(y − A sin t) + A cos t`: for every rate λ, the
     /// periodic solution is `(A cos t, A sin t)`, with the multipliers `exp(±2πλ)`.
     struct Saddle [x, y; amplitude, rate; t] {
         let (sine, cosine) = t.sin_cos();
@@ -21,14 +21,15 @@ vector_field! {
     }
 }
 
-/// The amplitude at which the branch is marked, since `x` reaches it: 1.5.
+/// The amplitude at which the branch is marked, where `x` reaches 1.5.
 const MARKED: f64 = 1.5;
-/// Right is what is right to this.
+/// The largest relative error of a result that counts as right.
 const DIGITS: f64 = 1e-9;
-/// Estimates are honest that are not too small by more than this factor.
+/// The largest ratio of an error to its estimate for an honest estimate.
 const HONEST: f64 = 10.0;
 
-/// The branch over the amplitude, from a guess that is off by some hundredths.
+/// Traces the branch over the amplitude, from a guess that is off by a few hundredths, and
+/// classifies the result.
 fn judged(system: Result<BoundarySystem, BoundaryError>, multiplier: f64) -> Found {
     let mut system = match system {
         Ok(system) => system,
@@ -64,7 +65,7 @@ fn judged(system: Result<BoundarySystem, BoundaryError>, multiplier: f64) -> Fou
     }
 }
 
-/// The mark against the exact amplitude, and against its own estimate.
+/// Compares the mark with the exact amplitude, and its error with the estimate.
 fn compared(branch: &Branch) -> Found {
     let Some(point) = branch.of_kind(Kind::UZ).next() else {
         return match &branch.ends[1] {
@@ -90,7 +91,7 @@ fn compared(branch: &Branch) -> Found {
     }
 }
 
-/// One panel.
+/// Computes one panel.
 pub(super) fn draw() -> RobustnessMap {
     let multipliers = from_to(0.5, 20.0, 27);
     let mut panel = Panel::new("An orbit with the multipliers μ and 1/μ", "log₁₀ of μ", "method");

@@ -1,4 +1,4 @@
-//! Steps along a sharp bend beside another branch: without control, of one length, and adapted.
+//! Steps along a sharp bend near another branch: without control, of equal length, and adaptive.
 
 use super::grid::{Found, Panel, from_to, map};
 use crate::{Class, RobustnessMap};
@@ -8,7 +8,7 @@ use tangency::core::problem::ZeroProblem;
 use tangency::core::system::{Dense, Kind};
 use tangency::problems::classic::Hyperbola;
 
-/// `F` and its derivatives by `x` and `μ`.
+/// Returns `F` and its derivatives with respect to `x` and `μ`.
 fn linearised([x, mu]: [f64; 2], epsilon: f64) -> [f64; 3] {
     let derivative = |x: Dual64, mu: Dual64| {
         let mut r = [Dual64::from(0.0)];
@@ -20,7 +20,8 @@ fn linearised([x, mu]: [f64; 2], epsilon: f64) -> [f64; 3] {
     [by_x.re, by_x.eps, by_mu.eps]
 }
 
-/// Along the tangent, then Newton's formula across it; whatever it converges to is the next point.
+/// Steps along the tangent and applies Newton's formula across it; the point of convergence is the
+/// next point.
 fn uncontrolled(epsilon: f64, step: f64) -> Found {
     let mut at = [(1.0 + epsilon * epsilon).sqrt(), -1.0];
     let mut before = [-1.0, 1.0];
@@ -55,12 +56,12 @@ fn uncontrolled(epsilon: f64, step: f64) -> Found {
     arrived(at[0])
 }
 
-/// Which of the branches one is on behind the bend.
+/// Determines the branch reached beyond the bend.
 fn arrived(x: f64) -> Found {
     if x > 0.0 { Found::right("followed") } else { Found::silent("jumped to the other branch") }
 }
 
-/// The branch by the core's steps, between the least and the largest.
+/// Traces the branch by the core's steps, with a minimum and a maximum length.
 fn traced(epsilon: f64, [min_step, max_step]: [f64; 2]) -> Result<Branch, TraceError> {
     let settings = Settings { initial_step: max_step, max_step, min_step, ..Settings::default() };
     let mut system = Dense::new(Hyperbola);
@@ -73,10 +74,10 @@ fn traced(epsilon: f64, [min_step, max_step]: [f64; 2]) -> Result<Branch, TraceE
         .trace()
 }
 
-/// Branches that are nearer to each other than about this count as crossing.
+/// The approximate distance below which two branches count as crossing.
 const CROSSING: f64 = 5e-4;
 
-/// What the core makes of it.
+/// Classifies the result of the core.
 fn judged(epsilon: f64, traced: Result<Branch, TraceError>) -> Found {
     let branch = match traced {
         Ok(branch) => branch,
@@ -86,7 +87,7 @@ fn judged(epsilon: f64, traced: Result<Branch, TraceError>) -> Found {
         (End::ParameterBound { value: 1.0, .. }, Some(last)) => {
             let crossing = branch.of_kind(Kind::BP).next();
             match (arrived(last.state[0]), crossing) {
-                // Branches that are nearer cross, by what the core promises.
+                // The core is documented to treat closer branches as crossing.
                 (found, Some(point)) if found.class == Class::Silent && epsilon < CROSSING => {
                     let why = format!("{}, {}", point.kind, point.event);
                     Found::reported("taken for a branch point", why)
@@ -99,7 +100,7 @@ fn judged(epsilon: f64, traced: Result<Branch, TraceError>) -> Found {
     }
 }
 
-/// Three panels.
+/// Computes three panels.
 pub(super) fn draw() -> RobustnessMap {
     let (bends, lengths) = (from_to(-9.0, 0.0, 28), from_to(-2.5, -0.25, 19));
     let panel = |name: &str, naive, method: fn(f64, f64) -> Found| {

@@ -6,15 +6,15 @@ use tangency::core::failure::FlowError;
 use tangency::core::ode::{Flow, Scheme, Settings};
 use tangency::problems::classic::ProtheroRobinson;
 
-/// How long it flows.
+/// The duration of the flow.
 const TIME: f64 = 2.0;
-/// The error at the end may be so many tolerances.
+/// The largest allowed error at the end, in units of the tolerance.
 const TOLERANCES: f64 = 100.0;
 
-/// The error at the end and the evaluations of the field.
+/// Returns the error at the end and the number of evaluations of the field.
 fn flowed(scheme: Scheme, rate: f64, tolerance: f64) -> Result<(f64, usize), FlowError> {
     let mut x = [1.0];
-    // All tolerances on the map have a meaning.
+    // All tolerances on the map are valid.
     let mut flow = Flow::<f64>::new(Settings::new(scheme, tolerance)).unwrap_or_default();
     let statistics = flow.advance(&ProtheroRobinson, 0.0, TIME, &mut x, &[rate])?;
     Ok(((x[0] - TIME.cos()).abs(), statistics.evaluations))
@@ -46,7 +46,7 @@ fn tried(scheme: Scheme, rate: f64, tolerance: f64) -> Found {
     }
 }
 
-/// What a user does who reads the error: refused as stiff, the field goes to the implicit method.
+/// Switches to the implicit method if the explicit method reports a stiff field.
 fn handed_over(rate: f64, tolerance: f64) -> Found {
     match flowed(Scheme::DormandPrince8, rate, tolerance) {
         Err(FlowError::Stiff { .. } | FlowError::TooManySteps { .. }) => {
@@ -61,7 +61,7 @@ fn handed_over(rate: f64, tolerance: f64) -> Found {
     }
 }
 
-/// Four panels.
+/// Computes four panels.
 pub(super) fn draw() -> RobustnessMap {
     let (rates, tolerances) = (from_to(1.0, 8.0, 22), from_to(-12.0, -3.0, 10));
     let panel = |name: &str, method: &dyn Fn(f64, f64) -> Found| {

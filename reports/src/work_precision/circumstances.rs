@@ -1,9 +1,9 @@
-//! Where and when is measured.
+//! The circumstances of a measurement: machine, compiler and date.
 
 use crate::Circumstances;
 use std::time::SystemTime;
 
-/// This machine, this program and this day.
+/// Returns the current machine, program and date.
 pub(super) fn now(runs: usize) -> Circumstances {
     let date = humantime::format_rfc3339_seconds(SystemTime::now()).to_string();
     Circumstances {
@@ -15,7 +15,7 @@ pub(super) fn now(runs: usize) -> Circumstances {
     }
 }
 
-/// The name of the processor, or at least its kind.
+/// Returns the name of the processor, or at least its kind.
 fn processor() -> String {
     let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let named =

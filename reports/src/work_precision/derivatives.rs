@@ -7,14 +7,14 @@ use super::period::Period;
 use super::plan::{Answer, Method, Plan};
 use nalgebra::Matrix2;
 
-/// The sizes of both multipliers, the larger one first.
+/// Returns the moduli of both multipliers, the larger one first.
 fn multipliers(matrix: &Matrix2<f64>) -> Vec<f64> {
     let mut sizes: Vec<f64> = matrix.complex_eigenvalues().iter().map(|mu| mu.norm()).collect();
     sizes.sort_by(|a, b| b.total_cmp(a));
     sizes
 }
 
-/// The matrix, its multipliers, and a fold.
+/// Plans the matrix, its multipliers, and a fold.
 pub(super) fn plans() -> Vec<Plan> {
     let x = IMPACTING.settled();
     let plan = |title: &str, numbers: fn(&Matrix2<f64>) -> Vec<f64>| {

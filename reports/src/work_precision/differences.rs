@@ -1,4 +1,4 @@
-//! Derivatives by dual numbers, and by finite differences, which are for comparison only.
+//! Derivatives by dual numbers, and by finite differences for comparison.
 
 use super::period::{Period, parameters};
 use super::plan::{Answer, Method};
@@ -7,7 +7,7 @@ use std::iter;
 use std::ops::RangeInclusive;
 use tangency::core::ode::work;
 
-/// A rule with its step.
+/// A difference rule with its step.
 #[derive(Clone, Copy)]
 pub(super) enum Differences {
     OneSided(f64),
@@ -15,7 +15,7 @@ pub(super) enum Differences {
 }
 
 impl Differences {
-    /// The derivative of a function by all its arguments.
+    /// Computes the derivative of a function with respect to all its arguments.
     pub fn matrix<const N: usize, const M: usize>(
         self,
         of: impl Fn(SVector<f64, N>) -> Result<SVector<f64, M>, String>,
@@ -40,10 +40,10 @@ impl Differences {
     }
 }
 
-/// On the branch with an impact a period.
+/// The period map on the branch with one impact per period.
 pub(super) const IMPACTING: Period = Period { impacts: true, p: parameters(0.4), tolerance: 1e-12 };
 
-/// How a derivative is found.
+/// The way of computing a derivative.
 #[derive(Clone, Copy)]
 pub(super) enum By {
     Duals,
@@ -51,7 +51,7 @@ pub(super) enum By {
 }
 
 impl By {
-    /// Dual numbers, and differences of several steps.
+    /// Returns dual numbers, and differences with several steps.
     pub fn all(exponents: RangeInclusive<i32>) -> Vec<By> {
         let steps = || exponents.clone().map(|k| 10.0_f64.powi(-k));
         let one_sided = steps().map(Differences::OneSided);
@@ -59,7 +59,8 @@ impl By {
         iter::once(By::Duals).chain(differences.map(By::Differences)).collect()
     }
 
-    /// The method that finds numbers in this way; what it counts are evaluations of the field.
+    /// Returns a method that computes numbers with these derivatives, and counts evaluations of the
+    /// field.
     pub fn method(self, find: impl Fn(By) -> Result<Vec<f64>, String> + 'static) -> Method {
         let (line, setting) = match self {
             By::Duals => ("dual numbers", String::new()),
@@ -77,7 +78,7 @@ impl By {
         })
     }
 
-    /// The derivative of the image by the state.
+    /// Computes the derivative of the image with respect to the state.
     pub fn matrix(self, x: [f64; 2]) -> Result<Matrix2<f64>, String> {
         match self {
             By::Duals => IMPACTING.derivative(x),

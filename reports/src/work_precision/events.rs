@@ -1,5 +1,5 @@
-//! A grazing by repeated simulation, with the largest displacement on a mesh or inside of steps,
-//! and by its defining system.
+//! A grazing located by repeated simulation, with the largest displacement on a mesh or inside
+//! steps, and by its defining system.
 
 use super::period::{Period, parameters};
 use super::plan::{Answer, Method, Plan};
@@ -8,10 +8,11 @@ use tangency::core::ode::work;
 
 /// The clearance of the stopper.
 const CLEARANCE: f64 = 0.5;
-/// The grazing is between these voltages.
+/// The voltages that bracket the grazing.
 const BRACKET: [f64; 2] = [0.2, 0.24];
 
-/// How far the orbit without impacts stays from the stopper; orbits are found one after the other.
+/// The distance of the orbit without impacts from the stopper; each orbit starts the search for the
+/// next one.
 struct Distance {
     near: [f64; 2],
     tolerance: f64,
@@ -26,7 +27,7 @@ impl Distance {
     }
 }
 
-/// How a zero is found.
+/// The method to find a zero.
 #[derive(Clone, Copy)]
 enum Finder {
     Bisection,
@@ -78,7 +79,7 @@ fn repeated(line: &'static str, finder: Finder, tolerance: f64, mesh: Option<usi
     })
 }
 
-/// The grazing of the orbit without impacts.
+/// Plans the grazing of the orbit without impacts.
 pub(super) fn plans() -> Vec<Plan> {
     let defining = |tolerance: &str, line: &str| {
         let settings = [("flow_tolerance", tolerance)];

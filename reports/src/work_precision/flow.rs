@@ -1,5 +1,5 @@
-//! Integrators: on the stick of Mita's actuator, over an impacting period, on a stiff field; and on
-//! dual numbers.
+//! Integrators: on the stick phase of Mita's actuator, over an impacting period, on a stiff field,
+//! and on dual numbers.
 
 use super::period::{PERIOD, parameters};
 use super::plan::{Answer, Method, Plan};
@@ -19,7 +19,7 @@ const SCHEMES: [(Scheme, &str); 3] = [
 
 const TOLERANCES: [f64; 7] = [1e-3, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-13];
 
-/// The motion of a field over a time, in a scalar type.
+/// Integrates a field over a time, in a scalar type.
 fn over<F: VectorField + 'static, T: Scalar>(
     field: F,
     settings: Settings,
@@ -37,7 +37,7 @@ fn over<F: VectorField + 'static, T: Scalar>(
     }
 }
 
-/// Methods of all schemes and tolerances.
+/// Returns methods of all schemes and tolerances.
 fn all(method: impl Fn(Settings) -> Box<dyn FnMut() -> Result<Answer, String>>) -> Vec<Method> {
     let one = |(scheme, name): &(Scheme, &str), tolerance: f64| {
         let settings = Settings { max_steps: 1_000_000, ..Settings::new(*scheme, tolerance) };
@@ -47,7 +47,7 @@ fn all(method: impl Fn(Settings) -> Box<dyn FnMut() -> Result<Answer, String>>) 
     SCHEMES.iter().flat_map(of).collect()
 }
 
-/// The motion with an error below all others.
+/// Returns the motion with a smaller error than all others.
 fn exact<R>(motion: impl Fn(Settings) -> R) -> Method
 where
     R: FnMut() -> Result<Answer, String> + 'static,
@@ -56,20 +56,20 @@ where
     Method::new("order 8", "at a tolerance of 1e-15", motion(settings))
 }
 
-/// The stick over a period, on some numbers.
+/// Integrates the stick phase over a period, in a scalar type.
 fn stuck<T: Scalar>(settings: Settings) -> impl FnMut() -> Result<Answer, String> + 'static {
     let field = InMode { system: &Actuator, mode: Actuator::STICK };
     over(field, settings, ([0.1, -0.2].map(T::constant).to_vec(), PERIOD), parameters(0.2).to_vec())
 }
 
-/// The stick over a period.
+/// Plans the stick phase over a period.
 fn stick() -> Plan {
     Plan::of("Mita's actuator sticking, one period", exact(stuck::<f64>))
         .with(all(|settings| Box::new(stuck::<f64>(settings))))
         .recommending("order 8", "1e-12")
 }
 
-/// A period with an impact and a slip.
+/// Plans a period with an impact and a slip.
 fn impacting() -> Plan {
     let motion = |settings: Settings| {
         move || {
@@ -87,7 +87,7 @@ fn impacting() -> Plan {
         .recommending("order 8", "1e-10")
 }
 
-/// A stiff field.
+/// Plans a stiff field.
 fn stiff() -> Plan {
     let time = 2.0_f64;
     let exact = move || Ok(Answer { numbers: vec![time.cos()], work: 0.0 });
@@ -98,7 +98,7 @@ fn stiff() -> Plan {
         .recommending("Rodas5P, order 5", "1e-10")
 }
 
-/// The stick on dual numbers of several kinds.
+/// Plans the stick phase on several types of dual numbers.
 fn duals() -> Plan {
     fn methods<T: Scalar>(line: &'static str) -> impl Iterator<Item = Method> {
         [1e-4, 1e-6, 1e-8, 1e-10, 1e-12].into_iter().map(move |tolerance| {
@@ -112,7 +112,7 @@ fn duals() -> Plan {
         .with(methods::<HyperDual64>("second derivatives"))
 }
 
-/// Four panels.
+/// Plans four panels.
 pub(super) fn plans() -> Vec<Plan> {
     let plans = [stick(), impacting(), stiff(), duals()];
     plans.map(|plan| plan.counting("evaluations of the field")).into()

@@ -1,10 +1,10 @@
-//! The fold of orbits with an impact a period: the solution of `f(x, V) − x = 0`,
+//! The fold of orbits with one impact per period: the solution of `f(x, V) − x = 0`,
 //! `det(∂f/∂x − I) = 0` in state and voltage by Newton's method, with derivatives of first and
 //! second order by dual numbers or by differences.
 //!
-//! Along the curve of orbits the voltage is stationary at the fold. So its error is the square of
-//! that with which the state is found, and digits of the determinant that differences lose are lost
-//! in the state first.
+//! Along the curve of orbits the voltage is stationary at the fold. Therefore its error is the
+//! square of the error of the state, and the digits of the determinant that differences lose affect
+//! mainly the state.
 
 use super::differences::{By, Differences, IMPACTING};
 use super::orbit;
@@ -14,24 +14,26 @@ use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 use std::ops::Range;
 use tangency::core::scalar::{DualChunk, Scalar};
 
-/// Displacement and velocity where a period begins, and voltage, so near to the fold that Newton's
-/// method goes there.
+/// Displacement, velocity and voltage at the beginning of a period, close enough to the fold for
+/// Newton's method to converge.
 const NEAR: [f64; 3] = [0.033, -0.476, 0.1765];
 
-/// The map at a voltage, in the scalar type of the voltage.
+/// Returns the map at a voltage, in the scalar type of the voltage.
 fn period<T: Scalar>(voltage: T, tolerance: f64) -> Period<T> {
     let mut p = parameters(0.0).map(T::constant);
     p[0] = voltage;
     Period { tolerance, ..IMPACTING }.at(p)
 }
 
-/// What vanishes at the fold, of a state, its image, and the derivative of that.
+/// Evaluates the defining system of the fold, for a state, its image, and the derivative of the
+/// image.
 fn defining<T: Scalar>([x, u]: [T; 2], image: Vector2<T>, by_state: Matrix2<T>) -> [T; 3] {
     let [[a, b], [c, d]] = by_state.transpose().data.0;
     [image[0] - x, image[1] - u, (a - 1.0) * (d - 1.0) - b * c]
 }
 
-/// The defining system, and its derivative by state and voltage: dual numbers of dual numbers.
+/// Evaluates the defining system and its derivative with respect to state and voltage by nested
+/// dual numbers.
 fn by_duals(z: Vector3<f64>, tolerance: f64) -> Result<(Vector3<f64>, Matrix3<f64>), String> {
     let [x, u, voltage] = [0, 1, 2].map(|k| DualChunk::<f64, 8>::seeded(z[k], k));
     let (x, period) = ([x, u], period(voltage, tolerance));
@@ -40,7 +42,7 @@ fn by_duals(z: Vector3<f64>, tolerance: f64) -> Result<(Vector3<f64>, Matrix3<f6
     Ok((equations.map(|equation| equation.re), derivatives))
 }
 
-/// The same by differences of differences.
+/// Evaluates the defining system and its derivative by nested differences.
 fn by_differences(
     rule: Differences,
     z: Vector3<f64>,
@@ -54,7 +56,7 @@ fn by_differences(
     Ok((equations(z)?, rule.matrix(equations, z)?))
 }
 
-/// State and voltage at the fold, by Newton's method.
+/// Computes the state and the voltage at the fold by Newton's method.
 fn fold(by: By, tolerance: f64) -> Result<[f64; 3], String> {
     let (mut z, mut before) = (Vector3::from(NEAR), f64::INFINITY);
     for _ in 0..30 {
@@ -64,7 +66,7 @@ fn fold(by: By, tolerance: f64) -> Result<[f64; 3], String> {
         };
         let step = matrix.lu().solve(&miss).ok_or("the fold is degenerate")?;
         z -= step;
-        // Steps that are small, and shrink no more, are errors of the equations.
+        // Small steps that no longer shrink are due to errors of the equations.
         let size = step.norm();
         if size < 1e-4 && size > 0.5 * before || size == 0.0 {
             return Ok(z.into());
@@ -74,7 +76,7 @@ fn fold(by: By, tolerance: f64) -> Result<[f64; 3], String> {
     Err("Newton's method does not come to an end".into())
 }
 
-/// The voltage of the fold, and the state.
+/// Plans the voltage of the fold, and the state.
 pub(super) fn plans() -> [Plan; 2] {
     let plan = |title: &str, part: Range<usize>| {
         let of = part.clone();

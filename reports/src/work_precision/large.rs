@@ -7,12 +7,12 @@ use tangency::core::problem::{Names, ZeroProblem};
 use tangency::core::scalar::Scalar;
 use tangency::core::system::{Dense, Kind, Sparse, System};
 
-/// Bratu's problem, `Δu + λ eᵘ = 0` and `u = 0` at the edges, by differences of second order.
+/// Bratu's problem, `Δu + λ eᵘ = 0` with `u = 0` at the edges, by second-order differences.
 #[derive(Clone, Copy)]
 struct Bratu {
-    /// How many points lie in each direction inside of the edges.
+    /// The number of interior points in each direction.
     points: usize,
-    /// How many directions there are: 1 or 2.
+    /// The number of directions: 1 or 2.
     directions: u32,
 }
 
@@ -48,7 +48,7 @@ impl ZeroProblem for Bratu {
     }
 }
 
-/// The load at the fold, from a branch that goes on to twice the deflection there.
+/// Computes the load at the fold, from a branch traced to twice the deflection at the fold.
 fn fold(system: &mut dyn System, most: f64) -> Result<Answer, String> {
     let unknowns = system.names().dimension();
     let settings = Settings { max_points: 60, ..Settings::default() };
@@ -58,7 +58,7 @@ fn fold(system: &mut dyn System, most: f64) -> Result<Answer, String> {
     Ok(Answer { numbers: vec![fold.parameters[0]], work: unknowns as f64 })
 }
 
-/// The time of a branch against its unknowns. The error comes from the differences.
+/// Plans the time of a branch against its unknowns. The error is that of the differences.
 fn plan(name: &str, directions: u32, exact: f64, points: [&[usize]; 2]) -> Plan {
     let most = 2.0 * exact;
     let method = |sparse: bool, points: usize| {
@@ -79,7 +79,7 @@ fn plan(name: &str, directions: u32, exact: f64, points: [&[usize]; 2]) -> Plan 
         .with(sparse.iter().map(|points| method(true, *points)))
 }
 
-/// Time against unknowns on a line and in a square.
+/// Plans time against unknowns on a line and in a square.
 pub(super) fn plans() -> Vec<Plan> {
     // 8 (θ / cosh θ)² with θ tanh θ = 1.
     let line = plan(
@@ -88,7 +88,7 @@ pub(super) fn plans() -> Vec<Plan> {
         3.513_830_719_125_162,
         [&[20, 40, 60, 80, 160, 320], &[20, 40, 60, 80, 160, 320, 1280, 5120, 20480]],
     );
-    // By Richardson's extrapolation.
+    // The reference value comes from Richardson's extrapolation.
     let square = plan(
         "Bratu's problem in a square",
         2,

@@ -43,7 +43,7 @@ const FOLDS: [Sought; 2] = [
     Sought { branch: "P(1,1) by the local map", kind: Kind::LP, column: "voltage" },
 ];
 
-/// How far apart both folds are, at a distance from the degenerate point in frequency.
+/// Compares both folds at a distance in frequency from the degenerate point.
 fn apart(order: usize, distance: f64) -> Method {
     let (order, frequency) = (order.to_string(), (DEGENERATE + distance).to_string());
     let settings = [("order", &*order), ("frequency", &*frequency)];
@@ -54,7 +54,7 @@ fn apart(order: usize, distance: f64) -> Method {
     })
 }
 
-/// The error of the map against the distance.
+/// Plans the error of the map against the distance.
 pub(super) fn plans() -> Vec<Plan> {
     let distances = || (0..6).rev().map(|halvings| 4e-3 * 0.5_f64.powi(halvings));
     let of = |order| distances().map(move |distance| apart(order, distance));

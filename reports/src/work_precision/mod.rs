@@ -1,4 +1,4 @@
-//! Work-precision diagrams: error of methods against the CPU time that they take.
+//! Work-precision diagrams: the error of methods against their CPU time.
 //!
 //! A [`Plan`] states a problem, the reference method, and the methods that solve the problem, each
 //! with settings of growing effort. [`measure`] runs them: every answer and every time is measured
@@ -26,7 +26,7 @@ pub use plan::{Answer, Effort, Method, Plan, WorkPrecisionError};
 use crate::report::entries;
 use crate::{Entry, WorkPrecision};
 
-/// A work-precision diagram by its name, and what plans it.
+/// A work-precision diagram: its name and the function that plans it.
 pub type Diagram = Entry<fn() -> Vec<Plan>>;
 
 /// All work-precision diagrams.

@@ -1,4 +1,4 @@
-//! Equations as text beside the same equations compiled: what tapes of formulas cost.
+//! Equations given as text against the same equations compiled: the cost of tapes of formulas.
 
 use super::plan::{Answer, Method, Plan};
 use super::scenes::{Counted, Sought, scene, tracing};
@@ -8,7 +8,7 @@ use tangency::core::sweep::Part;
 use tangency::core::system::Kind;
 use tangency::scene::sweep;
 
-/// Orbits of the isothermal reaction to their first period doubling; its problem is put in.
+/// Orbits of the isothermal reaction up to their first period doubling; the problem is inserted.
 const ORBITS: &str = r#"Scene(
     title: "Isothermal reaction",
     problem: PROBLEM,
@@ -33,8 +33,7 @@ const REACTION: &str = r#"Equations(states: [
     ("y3", "y3*(16.5 - y1 - y3/2) + 0.1"),
 ])"#;
 
-/// What motions of the impact oscillator settle on, orbits with an impact a period; its problem is
-/// put in.
+/// Attractors of the impact oscillator, orbits with one impact per period; the problem is inserted.
 const SWEEP: &str = r#"Scene(
     title: "Impacts",
     problem: PROBLEM,
@@ -64,10 +63,10 @@ const OSCILLATOR: &str = r#"HybridEquations(
     period: "2*pi/frequency",
 )"#;
 
-/// How many periods of the forcing an orbit takes, and the states with which runs end.
+/// The period of an orbit in periods of the forcing, and the final states of runs.
 const ENDS: [&str; 3] = ["periods", "end_0", "end_1"];
 
-/// A method's settings, with what they are called.
+/// A method's settings, with their description.
 type Setting = (Vec<(&'static str, &'static str)>, String);
 
 fn orbits(title: &str, finest: Setting, settings: Vec<Setting>, counted: Counted) -> Plan {
@@ -86,7 +85,7 @@ fn orbits(title: &str, finest: Setting, settings: Vec<Setting>, counted: Counted
     Plan::of(title, method(lines[0], finest)).counting(unit).relative().with(methods)
 }
 
-/// A period doubling by collocation and by shooting.
+/// Plans a period doubling by collocation and by shooting.
 fn doublings() -> [Plan; 2] {
     let on = |intervals: &'static str| -> Setting {
         (
@@ -105,7 +104,7 @@ fn doublings() -> [Plan; 2] {
     ]
 }
 
-/// A sweep with impacts.
+/// Plans a sweep with impacts.
 fn impacts() -> Plan {
     let method = |(line, problem): (&str, &str), flow_tolerance: &str| {
         let text = SWEEP.replace("PROBLEM", problem);
@@ -130,7 +129,7 @@ fn impacts() -> Plan {
     plan.drawing(Drawn::ErrorAgainstTime).with(methods)
 }
 
-/// Orbits by collocation and by shooting, and a sweep.
+/// Plans orbits by collocation and by shooting, and a sweep.
 pub(super) fn plans() -> Vec<Plan> {
     let [collocation, shooting] = doublings();
     vec![collocation, shooting, impacts()]

@@ -1,5 +1,5 @@
-//! Mita's actuator below its impacts and with one a period, as maps over a period of the forcing,
-//! on any numbers.
+//! Maps over a period of the forcing of Mita's actuator, without impacts and with one impact per
+//! period, in any scalar type.
 
 use nalgebra::{Matrix2, Vector2};
 use num_dual::Dual;
@@ -16,7 +16,7 @@ use tangency::problems::mita::Actuator;
 /// The period of the forcing at ω = 0.5.
 pub(super) const PERIOD: f64 = TAU;
 
-/// So many periods bring motion from rest near to what it settles on.
+/// The number of periods after which motion from rest is close to its attractor.
 const TRANSIENT: usize = 150;
 
 /// The frame at rest.
@@ -25,14 +25,14 @@ const STICK: InMode<Actuator> = InMode { system: &Actuator, mode: Actuator::STIC
 /// The parameters of the actuator.
 pub(super) type Parameters<T = f64> = [T; Actuator::DEFAULTS.len()];
 
-/// The parameters at a voltage, ω = 0.5.
+/// Returns the parameters at a voltage, for ω = 0.5.
 pub(super) const fn parameters(voltage: f64) -> Parameters {
     let mut p = Actuator::DEFAULTS;
     p[0] = voltage;
     p
 }
 
-/// A map over a period of the forcing, from displacement and velocity while the frame rests.
+/// A map over a period of the forcing, of displacement and velocity while the frame rests.
 #[derive(Clone, Copy)]
 pub(super) struct Period<T = f64> {
     /// Whether there is a stopper, with impacts and slips.
@@ -43,7 +43,7 @@ pub(super) struct Period<T = f64> {
 }
 
 impl<T: Scalar> Period<T> {
-    /// The same with other parameters.
+    /// Returns a copy with other parameters.
     pub fn at<U: Scalar>(self, p: Parameters<U>) -> Period<U> {
         Period { impacts: self.impacts, p, tolerance: self.tolerance }
     }
@@ -53,7 +53,7 @@ impl<T: EventNumber> Period<T>
 where
     GuardOf<'static>: Watchable<T>,
 {
-    /// The state after a period.
+    /// Returns the state after a period.
     pub fn image(self, x: [T; 2]) -> Result<Vector2<T>, String> {
         let flow = Settings::new(Scheme::DormandPrince8, self.tolerance);
         let (mut x, p, begin, period) = (x.to_vec(), self.p, T::zero(), T::constant(PERIOD));
@@ -81,7 +81,7 @@ where
     Dual<T>: EventNumber,
     GuardOf<'static>: Watchable<Dual<T>>,
 {
-    /// The derivative of the image by the state, by dual numbers.
+    /// Computes the derivative of the image with respect to the state by dual numbers.
     pub fn derivative(self, x: [T; 2]) -> Result<Matrix2<T>, String> {
         let wide = self.at(self.p.map(Dual::from_re));
         let column = |k: usize| {
@@ -95,7 +95,7 @@ where
 }
 
 impl Period {
-    /// The state to which motion from rest comes near.
+    /// Returns the state to which motion from rest converges approximately.
     pub fn settled(self) -> Result<[f64; 2], String> {
         let mut x = Vector2::zeros();
         for _ in 0..TRANSIENT {
@@ -104,7 +104,7 @@ impl Period {
         self.fixed_point(x.into())
     }
 
-    /// The fixed point near a state, by Newton's method.
+    /// Computes the fixed point near a state by Newton's method.
     pub fn fixed_point(self, near: [f64; 2]) -> Result<[f64; 2], String> {
         let mut x = Vector2::from(near);
         for _ in 0..20 {
@@ -119,8 +119,8 @@ impl Period {
         Err(format!("Newton's method finds no orbit at the voltage {}", self.p[0]))
     }
 
-    /// The largest displacement within the period from a state, as if there were no stopper: the
-    /// true one, or that on a mesh of so many parts.
+    /// Returns the largest displacement within the period from a state, ignoring the stopper: the
+    /// exact one, or the largest on a mesh of the given number of parts.
     pub fn largest(self, x: [f64; 2], mesh: Option<usize>) -> Result<f64, String> {
         let settings = Settings::new(Scheme::DormandPrince8, self.tolerance);
         let mut flow = Flow::<f64>::new(settings).map_err(|cause| cause.to_string())?;

@@ -1,10 +1,10 @@
-//! What is measured, and how.
+//! Plans of measurements: problems, references and methods.
 
 use crate::{Clock, Drawn, Line, Measured, Measurement};
 use cpu_time::ProcessTime;
 use std::time::Instant;
 
-/// How often each method is run.
+/// The effort of a measurement: the number of runs of each method.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Effort {
     /// Every method runs once: errors are those of full effort, times are rough.
@@ -14,7 +14,7 @@ pub enum Effort {
 }
 
 impl Effort {
-    /// How many times each method runs.
+    /// Returns the number of runs of each method.
     pub fn runs(self) -> usize {
         match self {
             Effort::Quick => 1,
@@ -23,16 +23,16 @@ impl Effort {
     }
 }
 
-/// What a method has found.
+/// The result of a method.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Answer {
-    /// The numbers that are compared; NaN for what it does not find.
+    /// The numbers to compare; NaN for missing ones.
     pub numbers: Vec<f64>,
-    /// What was done: evaluations, unknowns.
+    /// The amount of work, such as evaluations or unknowns.
     pub work: f64,
 }
 
-/// What a method does. It gives the reason for a failure in words.
+/// The function of a method, which returns its result, or the reason for a failure in words.
 type Run = Box<dyn FnMut() -> Result<Answer, String>>;
 
 /// A method with a setting.
@@ -43,7 +43,7 @@ pub struct Method {
 }
 
 impl Method {
-    /// A method by its name, with a setting, in words.
+    /// Creates a method with its name and a setting, in words.
     pub fn new(
         line: impl Into<String>,
         setting: impl Into<String>,
@@ -53,17 +53,16 @@ impl Method {
     }
 }
 
-/// Why a work-precision diagram could not be measured: the method fails with whose result all
-/// others are compared.
+/// The error of a work-precision diagram whose reference method fails.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 #[error("the reference fails, {method}, {setting}: {cause}")]
 pub struct WorkPrecisionError {
-    /// The method.
+    /// The name of the method.
     pub method: String,
-    /// Its setting.
+    /// The setting of the method.
     pub setting: String,
-    /// Why.
+    /// The reason for the failure.
     pub cause: String,
 }
 
@@ -94,7 +93,7 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// A problem with the method that gives the reference.
+    /// Creates a problem with its reference method.
     pub fn of(title: &str, reference: Method) -> Self {
         let mut measured = Measured::of(title);
         let Method { line, setting, .. } = &reference;
@@ -104,31 +103,31 @@ impl Plan {
         Plan { measured, reference, methods: Vec::new(), relative: false }
     }
 
-    /// What the work counts.
+    /// Sets the unit of work.
     pub fn counting(mut self, work: &str) -> Self {
         self.measured.work = work.into();
         self
     }
 
-    /// The work stands beside every point of the figure.
+    /// Labels every point of the figure with its work.
     pub fn marked(mut self) -> Self {
         self.measured.marked = true;
         self
     }
 
-    /// What is drawn.
+    /// Sets the axes of the figure.
     pub fn drawing(mut self, drawn: Drawn) -> Self {
         self.measured.drawn = drawn;
         self
     }
 
-    /// What tells time; by default the processor's clock.
+    /// Sets the clock; by default the processor's clock.
     pub fn by(mut self, clock: Clock) -> Self {
         self.measured.clock = clock;
         self
     }
 
-    /// Errors are divided by the reference.
+    /// Divides errors by the reference.
     pub fn relative(mut self) -> Self {
         self.relative = true;
         self.measured.error = "relative error".into();
@@ -147,10 +146,10 @@ impl Plan {
         self
     }
 
-    /// Runs all methods; one that fails is a measurement too.
+    /// Runs all methods; a failure counts as a measurement.
     ///
     /// # Errors
-    /// [`WorkPrecisionError`] if there is nothing to compare with.
+    /// [`WorkPrecisionError`] if the reference method fails.
     pub fn measure(mut self, effort: Effort) -> Result<Measured, WorkPrecisionError> {
         let Method { line, setting, run } = &mut self.reference;
         let exact = run().map_err(|cause| {
@@ -180,15 +179,15 @@ impl Plan {
     }
 }
 
-/// The larger error; NaN is the worst.
+/// Returns the larger error; NaN is the largest.
 fn worse(a: f64, b: f64) -> f64 {
     if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) }
 }
 
-/// What takes less than this many seconds is run several times for one time.
+/// The time in seconds below which a method is run repeatedly for one measurement.
 const SHORTEST: f64 = 5e-3;
 
-/// An answer and the time that it takes: the median of several runs, after a first one.
+/// Returns an answer and its time: the median of several runs, after a first one.
 fn timed(method: &mut Method, clock: Clock, effort: Effort) -> (Result<Answer, String>, f64) {
     let (answer, first) = clocked(clock, &mut method.run);
     if effort == Effort::Quick || answer.is_err() {
@@ -197,7 +196,7 @@ fn timed(method: &mut Method, clock: Clock, effort: Effort) -> (Result<Answer, S
     let repeats = (SHORTEST / first.max(1e-9)).clamp(1.0, 1e5) as usize;
     let mut repeated = || {
         for _ in 0..repeats {
-            // It did not fail before.
+            // The method succeeded in an earlier run.
             let _ = std::hint::black_box((method.run)());
         }
     };
@@ -207,7 +206,7 @@ fn timed(method: &mut Method, clock: Clock, effort: Effort) -> (Result<Answer, S
     (answer, times[times.len() / 2])
 }
 
-/// What something gives, and how many seconds it takes.
+/// Returns the result of a function, and its time in seconds.
 fn clocked<R>(clock: Clock, run: impl FnOnce() -> R) -> (R, f64) {
     match clock {
         Clock::Processor => {

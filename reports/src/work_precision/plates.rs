@@ -1,10 +1,10 @@
-//! Pull-in of a plate: which model, and how many functions.
+//! Pull-in of a plate, by model and number of functions.
 
 use super::plan::{Method, Plan};
 use super::scenes::{Counted, Sought, number_of, tracing};
 use tangency::core::system::Kind;
 
-/// A supported square plate with twice its thickness as gap, through pull-in; special points are
+/// A supported square plate with a gap of twice its thickness, through pull-in; special points are
 /// not refined.
 pub(super) const PLATE: &str = r#"Scene(
     title: "A supported plate",
@@ -21,7 +21,8 @@ fn plate(line: &str, setting: String, settings: &[(&str, &str)]) -> Method {
     tracing((line, setting), PLATE, settings, PULL_IN, Counted::Unknowns)
 }
 
-/// The full model with so many functions across and in the plane, in each direction.
+/// Returns the full model with the given numbers of transverse and in-plane functions in each
+/// direction.
 fn ritz(line: &str, transverse: usize, in_plane: usize) -> Method {
     let orders =
         format!("(transverse: ({transverse}, {transverse}), in_plane: ({in_plane}, {in_plane}))");
@@ -32,7 +33,7 @@ fn reference() -> Method {
     ritz("the full model with functions across and in the plane", 14, 20)
 }
 
-/// Models of the plate.
+/// Plans the models of the plate.
 pub(super) fn models() -> Vec<Plan> {
     let mut methods = Vec::new();
     for (line, model, projection) in [
@@ -59,7 +60,7 @@ pub(super) fn models() -> Vec<Plan> {
     vec![plan.recommending("full model", "6 and 8")]
 }
 
-/// Orders across the plate against orders in its plane.
+/// Plans the orders across the plate against the orders in its plane.
 pub(super) fn orders() -> Vec<Plan> {
     let over = |in_plane| {
         let line = format!("{in_plane} in the plane");

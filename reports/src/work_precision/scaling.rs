@@ -1,4 +1,4 @@
-//! How time grows with unknowns, intervals and segments, and parameters, and falls with threads.
+//! The scaling of time with unknowns, intervals and segments, parameters, and threads.
 
 use super::differences::{Differences, IMPACTING};
 use super::period::Period;
@@ -16,7 +16,7 @@ use tangency::core::scalar::DualChunk;
 use tangency::core::sweep::Part;
 use tangency::scene::sweep;
 
-/// What motions of Mita's actuator settle on beyond grazing: cycles and chaos.
+/// Attractors of Mita's actuator beyond grazing: cycles and chaos.
 const SWEEP: &str = r#"Scene(
     title: "Beyond grazing",
     problem: Mita(),
@@ -28,7 +28,7 @@ const SWEEP: &str = r#"Scene(
     )],
 )"#;
 
-/// Time against the unknowns of a plate.
+/// Plans time against the unknowns of a plate.
 fn unknowns() -> Plan {
     let plate = |line: &str, order: usize| {
         let in_plane = order + 2;
@@ -48,7 +48,7 @@ fn unknowns() -> Plan {
     plan.counting("unknowns").relative().drawing(Drawn::TimeAgainstWork).with(methods)
 }
 
-/// Time against intervals of collocation and segments of shooting.
+/// Plans time against intervals of collocation and segments of shooting.
 fn pieces() -> Plan {
     let orbits = |line: String, pieces: usize, settings: &[(&str, &str)]| {
         let count = pieces.to_string();
@@ -72,7 +72,8 @@ fn pieces() -> Plan {
     plan.drawing(Drawn::TimeAgainstWork).with(methods)
 }
 
-/// The derivative of a period with an impact by its first parameters, in passes of `W` of them.
+/// Computes the derivative of a period with an impact with respect to its first parameters, in
+/// passes of `W` parameters.
 fn duals<const W: usize>(count: usize, x: [f64; 2], tolerance: f64) -> Result<Vec<f64>, String>
 where
     DualChunk<f64, W>: EventNumber,
@@ -89,7 +90,7 @@ where
     Ok(numbers)
 }
 
-/// The same in a pass for each parameter.
+/// Computes the same derivative in a pass for each parameter.
 fn one_by_one(count: usize, x: [f64; 2], tolerance: f64) -> Result<Vec<f64>, String> {
     let (mut numbers, period) = (Vec::new(), Period { tolerance, ..IMPACTING });
     for parameter in 0..count {
@@ -101,7 +102,7 @@ fn one_by_one(count: usize, x: [f64; 2], tolerance: f64) -> Result<Vec<f64>, Str
     Ok(numbers)
 }
 
-/// The same by one-sided differences.
+/// Computes the same derivative by one-sided differences.
 fn differences<const N: usize>(x: [f64; 2]) -> Result<Vec<f64>, String> {
     let image = |first: SVector<f64, N>| {
         let mut p = IMPACTING.p;
@@ -112,7 +113,7 @@ fn differences<const N: usize>(x: [f64; 2]) -> Result<Vec<f64>, String> {
     Ok(Differences::OneSided(1e-7).matrix(image, here)?.as_slice().to_vec())
 }
 
-/// Time against the parameters by which is differentiated.
+/// Plans time against the number of parameters of a derivative.
 fn parameters() -> Plan {
     let x = IMPACTING.settled();
     let tolerance = IMPACTING.tolerance;
@@ -146,7 +147,7 @@ fn parameters() -> Plan {
     plan
 }
 
-/// Time against threads.
+/// Plans time against threads.
 fn threads() -> Plan {
     let scene = scene(SWEEP, &[]);
     let method = |threads: NonZeroUsize| {
@@ -156,7 +157,7 @@ fn threads() -> Plan {
             let swept = sweep(scene.as_ref()?, "threads", part, None, &mut ());
             let swept = swept.map_err(|cause| cause.to_string())?;
             let rows = swept.sweeps.iter().flat_map(|table| table.rows.values());
-            // What does not apply to a motion is NaN.
+            // Columns that do not apply to a motion are NaN.
             let numbers = rows.flat_map(|row| &row.values).filter(|value| value.is_finite());
             let numbers = numbers.copied().collect();
             Ok(Answer { numbers, work: threads.get() as f64 })
@@ -167,7 +168,7 @@ fn threads() -> Plan {
     plan.by(Clock::Wall).drawing(Drawn::TimeAgainstWork).with(counts.map(method))
 }
 
-/// Plates, orbits, derivatives and sweeps.
+/// Plans plates, orbits, derivatives and sweeps.
 pub(super) fn plans() -> Vec<Plan> {
     vec![unknowns(), pieces(), parameters(), threads()]
 }

@@ -1,11 +1,11 @@
-//! Methods that are settings of a scene, and answers that are special points of it.
+//! Methods defined by settings of a scene, with special points of the scene as answers.
 
 use super::plan::{Answer, Method};
 use tangency::core::ode::work;
 use tangency::core::system::Kind;
 use tangency::scene::{Scene, SceneError, execute};
 
-/// A special point that a scene finds: the first one of a kind on a branch, and its column.
+/// A special point to find in a scene: the first one of a kind on a branch, and its column.
 #[derive(Clone, Copy)]
 pub(super) struct Sought {
     pub branch: &'static str,
@@ -13,7 +13,7 @@ pub(super) struct Sought {
     pub column: &'static str,
 }
 
-/// Orbits without impacts to their grazing.
+/// Orbits without impacts up to their grazing.
 pub(super) const PASSING: &str = r#"Scene(
     title: "Orbits without impacts",
     problem: Mita(),
@@ -22,11 +22,11 @@ pub(super) const PASSING: &str = r#"Scene(
     runs: [(name: "P(0,1)", along: [(name: "voltage", low: 0.2, high: 0.24)])],
 )"#;
 
-/// Where they graze.
+/// The grazing of the orbits without impacts.
 pub(super) const GRAZING: &[Sought] =
     &[Sought { branch: "P(0,1)", kind: Kind::G, column: "voltage" }];
 
-/// What the work of a scene is.
+/// The unit of the work of a scene.
 #[derive(Clone, Copy)]
 pub(super) enum Counted {
     /// The unknowns of the branch.
@@ -35,12 +35,12 @@ pub(super) enum Counted {
     Evaluations,
 }
 
-/// So many of something in words: `1 mode`, `2 modes`.
+/// Formats a number with a noun: `1 mode`, `2 modes`.
 pub(super) fn number_of(count: usize, what: &str) -> String {
     format!("{count} {what}{}", if count == 1 { "" } else { "s" })
 }
 
-/// A scene with settings, or what is wrong with it.
+/// Returns a scene with settings, or its error.
 pub(super) fn scene(text: &str, settings: &[(&str, &str)]) -> Result<Scene, String> {
     let set = |mut scene: Scene| -> Result<Scene, SceneError> {
         settings.iter().try_for_each(|(name, value)| scene.set(name, value))?;
@@ -49,7 +49,7 @@ pub(super) fn scene(text: &str, settings: &[(&str, &str)]) -> Result<Scene, Stri
     Scene::parse(text).and_then(set).map_err(|cause| cause.to_string())
 }
 
-/// What a scene has found.
+/// The results of a scene.
 pub(super) struct Found {
     pub numbers: Vec<f64>,
     unknowns: usize,
@@ -77,7 +77,7 @@ pub(super) fn found(scene: &Scene, sought: &[Sought]) -> Result<Found, String> {
     }
 }
 
-/// The method that traces a scene with settings and looks for special points.
+/// Returns the method that traces a scene with settings and looks for special points.
 pub(super) fn tracing(
     (line, setting): (&str, String),
     text: &str,

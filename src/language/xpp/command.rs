@@ -1,4 +1,4 @@
-//! Lists of names with values, and what is refused.
+//! Lists of names with values, and unsupported commands.
 
 use super::super::source::{ModelError, Source};
 use super::function;
@@ -6,11 +6,11 @@ use super::option::number;
 use super::origin::{Named, Slice, Text};
 
 /// The form of an initial value or a parameter.
-pub(super) const NUMBER: &str = "a number: XPPAUT reads no formula here; \
+pub(super) const NUMBER: &str = "a number: XPPAUT does not accept formulas here; \
                       a constant that depends on others is written `!b=2*a`";
 const VOLTERRA: &str = "integral equations have no counterpart";
 
-/// Commands without a counterpart: how they begin, what they are, and why they are refused.
+/// Commands without a counterpart: their first letters, a description, and the reason.
 pub(super) const REFUSED: [(&str, &str, &str); 18] = [
     ("MKSOL", "a pHtools command (`mksol`)", "it states chemical equilibria, not equations"),
     ("ADDTOSOL", "a pHtools command", "it states chemical equilibria, not equations"),
@@ -19,8 +19,8 @@ pub(super) const REFUSED: [(&str, &str, &str); 18] = [
     ("STRENGTH", "a pHtools command", "it states chemical equilibria, not equations"),
     ("BUFFCAP", "a pHtools command", "it states chemical equilibria, not equations"),
     ("SPECIES", "a pHtools command", "it states chemical equilibria, not equations"),
-    ("MA", "a Markov process (`markov`)", "motion that depends on chance is not followed"),
-    ("W", "noise (`wiener`)", "motion that depends on chance is not followed"),
+    ("MA", "a Markov process (`markov`)", "random motion is not supported"),
+    ("W", "noise (`wiener`)", "random motion is not supported"),
     ("V", "an integral equation (`volterra`)", VOLTERRA),
     (
         "SO",
@@ -28,15 +28,15 @@ pub(super) const REFUSED: [(&str, &str, &str); 18] = [
         "only differential equations and maps have a counterpart",
     ),
     ("SP", "a network (`special`)", "write the sum, as in `sum(0,9)of(w*shift(u0,i'))`"),
-    ("EX", "a library of compiled functions (`export`)", "the equations are not in this file then"),
+    ("EX", "a library of compiled functions (`export`)", "the equations would not be in this file"),
     ("TA", "a table (`table`)", "write the function as a formula"),
     ("GR", "a group (`group`)", "state the equations of each part"),
     ("B", "a boundary condition (`bdry`)", "state a `Boundary` problem in RON"),
     ("OP", "a file of options (`options`)", "write them here, as in `@ total=50`"),
-    ("OD", "the old form of files", "`xppaut -convert` writes it anew"),
+    ("OD", "the old form of files", "`xppaut -convert` converts it"),
 ];
 
-/// Refuses calls without a counterpart, whatever else is wrong in a line.
+/// Rejects calls without a counterpart, before any other error in a line.
 pub(super) fn refuse_calls(source: &Source, line: Slice) -> Result<(), ModelError> {
     let plain = |word: &str| {
         let start = line.text.get(..word.len());
@@ -71,7 +71,7 @@ pub(super) fn refuse_calls(source: &Source, line: Slice) -> Result<(), ModelErro
     Ok(())
 }
 
-/// Names with values, as in `a=1,b=2 c=3`.
+/// Parses names with values, as in `a=1,b=2 c=3`.
 pub(super) fn values_of(source: &Source, list: Slice) -> Result<Vec<Named>, ModelError> {
     let (mut values, mut rest) = (Vec::new(), list.trim());
     let ends = |c: char| c == ',' || c == '=' || c.is_whitespace();
@@ -83,7 +83,7 @@ pub(super) fn values_of(source: &Source, list: Slice) -> Result<Vec<Named>, Mode
             continue;
         }
         let Some(stripped) = behind.text.strip_prefix('=') else {
-            // XPPAUT takes it as 0.
+            // XPPAUT takes a missing value as 0.
             values.push(Named { name: name.to_text(), formula: behind.part(0..0).to_text() });
             rest = behind;
             continue;
@@ -101,7 +101,7 @@ pub(super) fn values_of(source: &Source, list: Slice) -> Result<Vec<Named>, Mode
     Ok(values)
 }
 
-/// The names between the brackets of a function.
+/// Returns the names between the brackets of a function.
 pub(super) fn arguments_of(within: Slice) -> Vec<Text> {
     let (mut arguments, mut rest) = (Vec::new(), Some(within));
     while let Some(list) = rest {

@@ -1,4 +1,4 @@
-//! What a statement has beside its states.
+//! The common fields of a statement, everything except its states.
 
 use super::super::source::{Fault, ModelError, Phrase};
 use super::super::statement::{Formulas as Pairs, Shared};
@@ -10,7 +10,7 @@ use super::parts::{Parts, Sort};
 use super::phrase::{arguments_of, name_of, pair, written};
 use super::tree::Known;
 
-/// Everything beside states.
+/// Returns the common fields, everything except states.
 pub(super) fn common(
     names: &Names,
     parts: &Parts,
@@ -53,7 +53,7 @@ pub(super) fn common(
     Ok(Shared { parameters, definitions, functions, monitors, initial })
 }
 
-/// `mod` as XPPAUT has it, of divisors of both signs.
+/// Returns XPPAUT's `mod`, for divisors of both signs.
 fn modulo(names: &Names) -> (Phrase, Vec<Phrase>, Phrase) {
     let (name, arguments) = (names.written(Known::Modulo), vec!["a".into(), "b".into()]);
     let negative = "if(a < 0 & mod(-a, -b) > 0)then(b - mod(-a, -b))else(mod(abs(a), -b))";
@@ -61,7 +61,7 @@ fn modulo(names: &Names) -> (Phrase, Vec<Phrase>, Phrase) {
     (name.into(), arguments, formula.into())
 }
 
-/// Where all states begin: at 0, where nothing else is said.
+/// Returns the initial values of all states; 0 by default.
 fn initial_of(names: &Names, parts: &Parts) -> Result<Pairs, ModelError> {
     let mut initial: Pairs = parts
         .states

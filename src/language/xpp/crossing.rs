@@ -1,4 +1,4 @@
-//! Whether motion goes on beyond a condition after its event, decided from the formulas.
+//! Decides from the formulas whether motion continues beyond a condition after its event.
 
 use super::super::affine::Affine;
 use super::super::assembling::Assembling;
@@ -8,26 +8,26 @@ use super::super::source::{ModelError, Source};
 use super::super::statement::HybridEquations;
 use std::collections::BTreeMap;
 
-/// A constant is zero below this part of others.
+/// The relative size below which a constant counts as zero.
 const ROUNDING: f64 = 1e-12;
 
 /// The conditions of a file, with one mode for both sides of each.
 pub(super) struct Crossings {
     conditions: Vec<Condition>,
-    /// The rates of states, where they are affine, and the states that each depends on.
+    /// The affine rates of states, and the states on which each rate depends.
     rates: Vec<(Option<Affine>, Vec<bool>)>,
-    /// States and time as they are.
+    /// States and time as affine values.
     inputs: BTreeMap<Value, Affine>,
 }
 
-/// The function that is positive before a condition, and what is set there, where it is affine.
+/// The function that is positive before a condition, and its affine resets.
 struct Condition {
     guard: Option<Affine>,
     resets: BTreeMap<usize, Option<Affine>>,
 }
 
 impl Crossings {
-    /// The conditions of a statement with one mode.
+    /// Collects the conditions of a statement with one mode.
     pub fn of(source: &Source, statement: &HybridEquations) -> Result<Self, ModelError> {
         let common = statement.common();
         let basis = Basis::of(source, common, &[])?;
@@ -61,8 +61,8 @@ impl Crossings {
         Ok(Crossings { conditions, rates, inputs })
     }
 
-    /// Whether motion may go on in its direction after the event of a condition; `None` if the
-    /// formulas do not tell: their parts that matter must be affine.
+    /// Returns whether motion may continue in its direction after the event of a condition; `None`
+    /// if the relevant parts of the formulas are not affine.
     pub fn goes_on(&self, k: usize) -> Option<bool> {
         let Condition { guard, resets } = &self.conditions[k];
         let guard = guard.as_ref()?;
@@ -75,7 +75,7 @@ impl Crossings {
         if !after.is_constant() || after.constant.abs() > ROUNDING * guard.constant.abs() {
             return Some(!after.is_constant() || after.constant < 0.0);
         }
-        // It is zero after the event, too: its speed decides.
+        // The guard is also zero after the event, so its rate decides.
         let rate = |input: &Value| match input {
             Value::State(k) => Some(&self.rates[*k as usize]),
             _ => None,

@@ -1,13 +1,13 @@
-//! What formulas depend on by way of others, and formulas with others in place of names.
+//! Indirect dependencies of formulas, and substitution of formulas for names.
 
 use super::super::syntax::{Node, Step};
 use super::tree::{Known, Tree};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// The most parts of a formula in which others are put in place of names.
+/// The maximum size of a formula after substitution.
 const LARGEST: usize = 20_000;
 
-/// The formulas behind names.
+/// The formulas of names.
 #[derive(Default)]
 pub(super) struct Formulas {
     pub constants: Vec<Option<Tree>>,
@@ -25,12 +25,12 @@ impl Formulas {
         }
     }
 
-    /// All names that a formula depends on, itself or by way of others.
+    /// Returns all names on which a formula depends directly or indirectly.
     pub fn all_names(&self, tree: &Tree) -> BTreeSet<Known> {
         self.reached(tree, |_| true)
     }
 
-    /// The names that a formula leads to, itself or by way of functions.
+    /// Returns the names on which a formula depends directly or through functions.
     pub fn by_functions(&self, tree: &Tree) -> BTreeSet<Known> {
         self.reached(tree, |known| matches!(known, Known::Function(_)))
     }
@@ -46,15 +46,15 @@ impl Formulas {
         found
     }
 
-    /// The functions that lead to themselves.
+    /// Returns a function that depends on itself, if any.
     pub fn circular(&self) -> Option<usize> {
         let circular =
             |k: &usize| self.by_functions(&self.functions[*k]).contains(&Known::Function(*k));
         (0..self.functions.len()).find(circular)
     }
 
-    /// Constants that are formulas, in an order in which each follows those that it depends on; or
-    /// one that depends on itself.
+    /// Sorts constants that are formulas so that each follows its dependencies, or returns one that
+    /// depends on itself.
     pub fn order(&self) -> Result<Vec<usize>, usize> {
         let count = self.constants.len();
         let needs = |k: usize| -> Vec<usize> {
@@ -91,8 +91,8 @@ impl Formulas {
         Ok(order)
     }
 
-    /// A formula after states have got other values; with `fixed`, what depends on them is computed
-    /// anew.
+    /// Substitutes new values of states in a formula; with `fixed`, also in the quantities that
+    /// depend on them.
     pub fn after(&self, tree: &Tree, states: &BTreeMap<usize, Tree>, fixed: bool) -> Option<Tree> {
         let mut left = LARGEST;
         self.replaced(tree, &Replacing { states, fixed }, None, &mut left)

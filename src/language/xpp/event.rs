@@ -1,8 +1,8 @@
 //! Conditions with resets, `global`, as guards.
 //!
-//! A condition may go on in its direction after it was met, or be met at the start already: motion
-//! is then in a further mode until it comes back. Where the resets stop it, as at impacts, there is
-//! one mode.
+//! Motion may continue in its direction after a condition is met, or the condition may be met at
+//! the start: motion is then in an additional mode until it returns. If the resets stop the motion,
+//! as at impacts, there is one mode.
 
 use super::super::basis::Kind;
 use super::super::operation::Operation;
@@ -20,26 +20,26 @@ use super::trial::{TRIALS, Trial};
 use crate::core::hybrid::HybridSystem;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// The most conditions after which motion goes on in a further mode.
+/// The maximum number of conditions with an additional mode.
 const PASSED: usize = 3;
 
-/// A condition is zero below this.
+/// The value below which a condition counts as zero.
 const ROUNDING: f64 = 1e-9;
 
-/// A condition that has been understood.
+/// A resolved condition.
 pub(super) struct Event {
     /// The function that is positive before the event.
     guard: Tree,
-    /// The states that the guard depends on.
+    /// The states on which the guard depends.
     depends: BTreeSet<usize>,
-    /// The states that are set, with formulas in those before.
+    /// The reset states, with formulas in the states before the event.
     resets: BTreeMap<usize, Tree>,
     /// The whole statement, for errors.
     place: Phrase,
 }
 
 impl Event {
-    /// Understands a condition and its resets, each of which counts for those behind it.
+    /// Resolves a condition and its resets; each reset applies to those after it.
     pub fn read(
         names: &Names,
         formulas: &Formulas,
@@ -68,12 +68,17 @@ impl Event {
                     ignored.push(format!("line {}: `out_put` in resets", name.line(source)));
                 }
                 (None, "arret") => {
-                    let reason = "motion goes on after an event";
+                    let reason = "motion that continues after an event";
                     return Err(name.unsupported(source, "the end of a motion (`arret`)", reason));
                 }
                 (Some(_), _) => {
-                    let reason = "only states are set; make it one, as in `b'=0` with `init b=1`";
-                    return Err(name.unsupported(source, "a reset of what is no state", reason));
+                    let reason =
+                        "only states can be set; make it a state, as in `b'=0` with `init b=1`";
+                    return Err(name.unsupported(
+                        source,
+                        "a reset of a name that is not a state",
+                        reason,
+                    ));
                 }
                 _ => {
                     return Err(names
@@ -87,16 +92,16 @@ impl Event {
     }
 }
 
-/// Says of a condition that it was tried out.
+/// Describes the result of testing a condition.
 fn tried_out(source: &Source, place: &Phrase, goes_on: bool) -> String {
     let line = source.line_of(place).unwrap_or_default();
     let result = match goes_on {
-        true => "it does in at least one of them, and there is a mode for each side",
-        false => "it does in none of them, and one mode is for both sides",
+        true => "it does in at least one of them, so each side has its own mode",
+        false => "it does in none of them, so both sides share one mode",
     };
     format!(
-        "{line}: whether motion goes on beyond the condition `{}` of `global` after its event does \
-         not follow from the formulas, and was tried at {TRIALS} states: {result}. Check this, or \
+        "{line}: whether motion continues beyond the condition `{}` of `global` after its event does \
+         not follow from the formulas and was tested at {TRIALS} states: {result}. Check this, or \
          import the model and state its modes",
         place.text
     )
@@ -120,12 +125,12 @@ pub(super) struct Hybrid<'a, 's> {
     pub rest: HybridEquations,
 }
 
-/// Which of the conditions have been passed, in each mode.
+/// For each mode, whether each condition has been passed.
 type Passed = Vec<bool>;
 
 impl Hybrid<'_, '_> {
-    /// The statement, with as many modes as are needed, and the conditions of which that was tried
-    /// out.
+    /// Returns the statement, with as many modes as needed, and descriptions of the tested
+    /// conditions.
     pub fn statement(self) -> Result<(HybridEquations, Vec<String>), ModelError> {
         let plain = self.with_modes(&[], &Vec::new())?;
         let source = self.names.source;
@@ -150,7 +155,8 @@ impl Hybrid<'_, '_> {
             let place = &self.events[passable[PASSED]].place;
             let construct = "a fourth condition that stays met after its event".to_string();
             let reason =
-                "each such condition doubles the number of modes; three are read".to_string();
+                "each such condition doubles the number of modes; at most three are supported"
+                    .to_string();
             let fault = super::super::Fault::Unsupported { construct, reason };
             return Err(source.fault_of(place, fault));
         }
@@ -160,7 +166,7 @@ impl Hybrid<'_, '_> {
         }
     }
 
-    /// The states where motion begins.
+    /// Returns the initial states.
     fn start(&self, model: &super::super::Hybrid) -> Vec<f64> {
         let initial = model.basis().initial_at(0.0, &model.basis().defaults);
         let value = |name: &String| {
@@ -169,8 +175,8 @@ impl Hybrid<'_, '_> {
         model.modes().swap_remove(0).states.iter().map(value).collect()
     }
 
-    /// The statement in which motion may be beyond some of the conditions; the first mode is that
-    /// of the start.
+    /// Returns the statement in which motion may be beyond some of the conditions; the first mode
+    /// is that of the start.
     fn with_modes(
         &self,
         passable: &[usize],
@@ -208,7 +214,7 @@ impl Hybrid<'_, '_> {
         Ok(statement)
     }
 
-    /// Where motion comes back before a condition.
+    /// Returns the guard at which motion returns from beyond a condition.
     fn back(
         &self,
         k: usize,
@@ -226,7 +232,7 @@ impl Hybrid<'_, '_> {
         }
     }
 
-    /// A condition that is met, in a mode.
+    /// Returns the guard at which a condition is met, in a mode.
     fn guard(
         &self,
         k: usize,
@@ -237,13 +243,13 @@ impl Hybrid<'_, '_> {
         let event = &self.events[k];
         let source = self.names.source;
         let resets = self.resets(k, mode, passable)?;
-        // The conditions that may be on the other side afterwards.
+        // The conditions whose side may change at the event.
         let touched = |other: usize| {
             other == k || self.events[other].depends.iter().any(|state| resets.contains_key(state))
         };
         let mut open: Vec<usize> =
             (0..passable.len()).filter(|bit| touched(passable[*bit])).collect();
-        // Where nothing is set that a condition depends on, motion goes on beyond it.
+        // If no state of the condition is reset, motion continues beyond it.
         let own = passable.iter().position(|other| *other == k);
         let goes_on = own.filter(|_| !event.depends.iter().any(|state| resets.contains_key(state)));
         open.retain(|bit| Some(*bit) != goes_on);
@@ -259,7 +265,7 @@ impl Hybrid<'_, '_> {
                 let guard = guard.ok_or_else(|| too_large(source, &event.place))?;
                 after[*bit] = choice >> position & 1 == 1;
                 let met = if after[*bit] { Operation::AtMost } else { Operation::More };
-                // Its own condition may be set to zero but for rounding.
+                // The reset may set its own condition to zero up to rounding.
                 let zero = if Some(*bit) == own { ROUNDING } else { 0.0 };
                 let holds_here = Tree::apply(met, [guard, Tree::number(zero)]);
                 holds = Some(match holds {
@@ -279,8 +285,8 @@ impl Hybrid<'_, '_> {
         Ok(Guard { function: Some(function), next, reset, ..Guard::default() })
     }
 
-    /// The values that are set at an event, with what is set at once where that meets other
-    /// conditions.
+    /// Returns the values set at an event, including further resets if it meets other conditions
+    /// immediately.
     fn resets(
         &self,
         k: usize,
@@ -320,7 +326,7 @@ impl Hybrid<'_, '_> {
     }
 
     fn written(&self, tree: &Tree, event: &Event) -> Phrase {
-        // Errors in it show the condition.
+        // Errors in the formula show the condition.
         event.place.rewritten(tree.written(&|known| self.names.written(known)))
     }
 }

@@ -1,4 +1,4 @@
-//! Formulas in XPPAUT's language: what their names mean.
+//! Formulas in XPPAUT's language, with resolved names.
 
 use super::super::operation::Operation;
 use super::super::source::{Fault, ModelError};
@@ -9,23 +9,23 @@ use super::origin::Slice;
 use super::tree::{Known, Tree};
 use std::ops::Range;
 
-/// Reads a formula; of a function with its arguments.
+/// Parses a formula; for a function, with its arguments.
 pub(super) fn read(names: &Names, text: Slice, arguments: &[String]) -> Result<Tree, ModelError> {
     let nodes = nodes(text.text, Dialect::Xpp);
     let nodes = nodes.map_err(|(part, fault)| text.part(part).fault(names.source, fault))?;
     Reader { names, text, arguments }.tree(&nodes, Index::Outside)
 }
 
-/// The index of the sum in which a formula stands.
+/// The index of the sum that contains a formula.
 #[derive(Clone, Copy, PartialEq)]
 enum Index {
     Outside,
-    /// It has no value yet.
+    /// The index does not have a value yet.
     Free,
     At(i64),
 }
 
-/// What the names of a formula mean.
+/// The context for resolving the names of a formula.
 struct Reader<'a, 's> {
     names: &'a Names<'s>,
     text: Slice<'a>,
@@ -55,7 +55,7 @@ impl<'a> Reader<'a, '_> {
         self.text.part(place.clone())
     }
 
-    /// Its value, if it has one without knowing more than numbers.
+    /// Returns the value of a formula of numbers, if it is one.
     fn value(&self, tree: &Tree) -> Option<f64> {
         tree.value(&|k| self.names.values[k])
     }
@@ -90,7 +90,7 @@ impl<'a> Reader<'a, '_> {
         known.map(Tree::name).ok_or_else(|| self.names.unknown_in_formula(self.part(place)))
     }
 
-    /// Refuses functions without a counterpart.
+    /// Rejects functions without a counterpart.
     fn refuse(&self, name: &str, place: &Range<usize>) -> Result<(), ModelError> {
         let refused = REFUSED.iter().find(|(known, ..)| known.eq_ignore_ascii_case(name));
         refused.map_or(Ok(()), |(_, what, why)| {
@@ -126,7 +126,7 @@ impl<'a> Reader<'a, '_> {
             let fault = Fault::Arguments { function: name.into(), takes, given };
             return Err(self.part(&place).fault(source, fault));
         }
-        // `mod` of a divisor that may be negative is not ours.
+        // `mod` differs from XPPAUT's for divisors that may be negative.
         let is_modulo = function.is_some_and(|known| known.operation == Operation::Modulo);
         if is_modulo && !self.value(&arguments[1]).is_some_and(|m| m > 0.0) {
             self.names.needs_modulo.set(true);
@@ -135,7 +135,7 @@ impl<'a> Reader<'a, '_> {
         Ok(Tree::of(Step::Call(known, given), arguments))
     }
 
-    /// `sum(1,n)of(…i'…)`.
+    /// Resolves `sum(1,n)of(…i'…)`.
     fn sum(
         &self,
         ends: Vec<Tree>,
@@ -165,7 +165,7 @@ impl<'a> Reader<'a, '_> {
             let ends = [low, high].map(|end| Tree::number(end as f64));
             return Ok(Tree::of(Step::Sum(Known::Index, body), ends));
         }
-        // Names depend on the index: the terms are written out.
+        // Names depend on the index, so the terms are written out.
         let count = usize::try_from(high - low + 1).unwrap_or(0);
         let size = body.len().saturating_mul(count);
         let Some(left) = self.names.budget.get().checked_sub(size) else {
@@ -182,7 +182,7 @@ impl<'a> Reader<'a, '_> {
         }
     }
 
-    /// `shift(x,2)`: the second name behind `x`.
+    /// Resolves `shift(x,2)`: the second name after `x`.
     fn shift(&self, arguments: Vec<Tree>, place: &Range<usize>) -> Result<Tree, ModelError> {
         let (source, word) = (self.names.source, self.part(place));
         let [of, by] = &arguments[..] else {
@@ -198,13 +198,17 @@ impl<'a> Reader<'a, '_> {
             return Err(word.expected(source, "a state, a parameter or a quantity in `shift`"));
         };
         let Some(by) = self.value(by) else {
-            let reason = "by how many names must be a number here, or the index of a sum";
-            return Err(word.unsupported(source, "`shift` by what can be varied", reason));
+            let reason = "the number of names must be a number here, or the index of a sum";
+            return Err(word.unsupported(
+                source,
+                "`shift` by a quantity that can be varied",
+                reason,
+            ));
         };
         let found =
             if by.abs() < 1e9 { self.names.shifted(known, by.trunc() as i64) } else { None };
         found.map(Tree::name).ok_or_else(|| {
-            let reason = format!("{by} names behind this one there is none");
+            let reason = format!("there is no name {by} places after this one");
             word.unsupported(source, "`shift` beyond all names", reason)
         })
     }

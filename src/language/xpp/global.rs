@@ -1,4 +1,4 @@
-//! Conditions with resets, as they are stated: `global`.
+//! The syntax of conditions with resets, `global`.
 
 use super::super::source::{ModelError, Source};
 use super::origin::{Named, Slice, Text};
@@ -11,7 +11,7 @@ pub(super) struct Global {
 }
 
 impl Global {
-    /// Reads `sign {condition} {name=formula;…}` from behind the word.
+    /// Parses `sign {condition} {name=formula;…}` after the keyword.
     pub fn read(source: &Source, rest: Slice) -> Result<Global, ModelError> {
         let form = "a sign, a condition and resets, as in `global 1 {x-1} {x=0;y=y+1}`";
         let wrong = || rest.expected(source, form);
@@ -22,8 +22,7 @@ impl Global {
             Ok(1.0) => false,
             Ok(-1.0) => true,
             Ok(0.0) => {
-                let reason =
-                    "a motion that is computed does not meet a condition exactly; use 1 or -1";
+                let reason = "computed motion does not meet a condition exactly; use 1 or -1";
                 return Err(sign.unsupported(source, "the sign 0 of `global`", reason));
             }
             _ => return Err(wrong()),
@@ -49,7 +48,7 @@ impl Global {
     }
 }
 
-/// The assignments between the second braces.
+/// Parses the assignments between the second braces.
 fn resets_of(source: &Source, list: Slice) -> Result<Vec<Named>, ModelError> {
     let (mut resets, mut rest) = (Vec::new(), list);
     while !rest.text.trim().is_empty() {

@@ -1,21 +1,20 @@
-//! Lines: continued ones are joined, arrays and blocks written out.
+//! Lines: joins continued lines, and writes out arrays and blocks.
 
 use super::super::source::{Fault, ModelError, Source};
 use super::origin::{Slice, Text};
 use std::ops::ControlFlow;
 
-/// The most elements of all arrays.
+/// The maximum number of elements of all arrays.
 const ELEMENTS: usize = 500_000;
-/// The most letters that arrays are written out as.
+/// The maximum number of letters of written-out arrays.
 const LETTERS: usize = 4_000_000;
-/// The longest source.
+/// The maximum length of a source.
 const LONGEST: usize = 16_000_000;
 
-/// What becomes of a line that has been written out, and whether of an array; a break ends the
-/// file.
+/// A callback for each line, with whether the line belongs to an array; a break ends the file.
 pub(super) type Visit<'v> = &'v mut dyn FnMut(Text, bool) -> Result<ControlFlow<()>, ModelError>;
 
-/// The lines of a source, those that end in a backslash joined with the next one.
+/// Returns the lines of a source, joining those that end in a backslash with the next one.
 fn joined(source: &Source) -> Vec<Text> {
     let (mut lines, mut open, mut at) = (Vec::new(), None::<Text>, 0);
     for whole in source.text.split_inclusive('\n') {
@@ -33,14 +32,14 @@ fn joined(source: &Source) -> Vec<Text> {
     lines
 }
 
-/// Whether a line is a comment, or lists options or sets: indices in it are left alone.
+/// Returns whether a line is a comment, or lists options or sets, whose indices are kept.
 fn is_plain(text: &str) -> bool {
     let word = text.trim_start();
     let set = word.get(..4).is_some_and(|first| first.eq_ignore_ascii_case("set "));
     set || text.starts_with('@') || word.is_empty() || word.starts_with(['#', '"'])
 }
 
-/// Shows all lines, written out, until one ends the file.
+/// Visits all lines, with arrays written out, until the callback ends the file.
 pub(super) fn for_each(source: &Source, visit: Visit) -> Result<(), ModelError> {
     if source.text.len() > LONGEST {
         let fault = Fault::TooLarge { what: "letters of a file", limit: LONGEST };
@@ -80,7 +79,7 @@ pub(super) fn for_each(source: &Source, visit: Visit) -> Result<(), ModelError> 
 fn refuse_range(source: &Source, line: Slice) -> Result<(), ModelError> {
     match range_of(source, line)? {
         Some(range) if !is_plain(line.text) => {
-            let reason = "the block gives the index already; write `[j]`";
+            let reason = "the block already gives the index; write `[j]`";
             Err(range.brackets.unsupported(source, "a range within a block", reason))
         }
         _ => Ok(()),
@@ -117,7 +116,7 @@ impl Budget<'_> {
                 let text = subscripted(self.source, *line, Some(k))?;
                 self.letters += text.len();
                 if self.letters > LETTERS {
-                    let what = "letters of arrays that are written out";
+                    let what = "letters of written-out arrays";
                     let fault = Fault::TooLarge { what, limit: LETTERS };
                     return Err(range.brackets.fault(self.source, fault));
                 }
@@ -137,12 +136,12 @@ struct Range<'a> {
     last: i64,
 }
 
-/// What stands between brackets, except those of integrals: where they open, and what is inside.
+/// Returns the positions and contents of brackets, except those of integrals.
 fn brackets<'a>(source: &Source, line: Slice<'a>) -> Result<Vec<(usize, Slice<'a>)>, ModelError> {
     let (mut found, mut at) = (Vec::new(), 0);
     while let Some(open) = line.text[at..].find('[').map(|open| at + open) {
         let Some(length) = line.text[open..].find(']') else {
-            return Err(line.part(open..open + 1).expected(source, "`]` behind it"));
+            return Err(line.part(open..open + 1).expected(source, "`]` after it"));
         };
         let before = &line.text.as_bytes()[..open];
         let integral = before.len() >= 3 && before[open - 3..].eq_ignore_ascii_case(b"int");
@@ -166,7 +165,7 @@ fn range_of<'a>(source: &Source, line: Slice<'a>) -> Result<Option<Range<'a>>, M
             return Err(inner.expected(source, "two whole numbers, as in `[1..9]`"));
         };
         if found.is_some() {
-            let reason = "XPPAUT writes out one a line; write two lines, or `[j]` for the second";
+            let reason = "XPPAUT writes out one per line; write two lines, or `[j]` for the second";
             return Err(whole.unsupported(source, "a second range in a line", reason));
         }
         found = Some(Range { brackets: whole, first: first.into(), last: last.into() });
@@ -174,10 +173,10 @@ fn range_of<'a>(source: &Source, line: Slice<'a>) -> Result<Option<Range<'a>>, M
     Ok(found)
 }
 
-/// A line that is no array's.
+/// Returns a line that does not belong to an array.
 fn alone(source: &Source, line: Slice) -> Result<Text, ModelError> {
     if let Some(at) = line.text.find("](0)") {
-        let reason = "XPPAUT passes over it; write the element's name, as in `u3(0)=1`";
+        let reason = "XPPAUT ignores it; write the element's name, as in `u3(0)=1`";
         return Err(line.part(at..at + 4).unsupported(
             source,
             "an initial value in brackets",
@@ -187,7 +186,7 @@ fn alone(source: &Source, line: Slice) -> Result<Text, ModelError> {
     subscripted(source, line, None)
 }
 
-/// A line in which `[j+1]` is a number.
+/// Returns a line with `[j+1]` replaced by a number.
 fn subscripted(source: &Source, line: Slice, k: Option<i64>) -> Result<Text, ModelError> {
     if !line.text.contains('[') {
         return Ok(line.to_text());
@@ -210,7 +209,7 @@ fn subscripted(source: &Source, line: Slice, k: Option<i64>) -> Result<Text, Mod
     Ok(text)
 }
 
-/// The value of what stands between brackets.
+/// Returns the value between brackets.
 fn index(source: &Source, whole: Slice, inner: Slice, k: Option<i64>) -> Result<i64, ModelError> {
     let forms = "`[j]`, `[j+1]`, `[j-1]`, `[j*2]` or a whole number in brackets";
     let plain: String = inner.text.chars().filter(|c| *c != ' ').collect();
@@ -219,7 +218,7 @@ fn index(source: &Source, whole: Slice, inner: Slice, k: Option<i64>) -> Result<
         None => plain.parse::<i32>().map_err(|_| wrong())?.into(),
         Some(rest) => {
             let Some(k) = k else {
-                let reason = "there is no range `[1..9]` in this line and no block around it";
+                let reason = "this line has no range `[1..9]` and is not in a block";
                 return Err(whole.unsupported(source, "`[j]` outside of an array", reason));
             };
             let number = |text: &str| text.parse::<u16>().map(i64::from).map_err(|_| wrong());

@@ -1,10 +1,10 @@
-//! XPPAUT's `.ode` files.
+//! XPPAUT's `.ode` files, as in `tangency trace model.ode`.
 //!
-//! [`read`] makes a [`Statement`] of a file, which means what XPPAUT takes the file for: letters of
-//! both cases are the same, comparisons bind as strongly as powers and all operators go from left
-//! to right, quantities are computed in their order, resets count for those behind them. Arrays are
-//! written out, as XPPAUT does. What has no counterpart is refused with its line and column; what
-//! has no effect is listed.
+//! [`read`] converts a file into a [`Statement`] with XPPAUT's semantics: letter case is ignored,
+//! comparisons bind as strongly as powers, all operators associate to the left, quantities are
+//! computed in their order, and resets apply to those after them. Arrays are written out, as in
+//! XPPAUT. Constructs without a counterpart are rejected with their line and column; lines without
+//! effect are listed.
 
 mod command;
 mod common;
@@ -29,27 +29,27 @@ pub use option::Options;
 use super::Statement;
 use super::source::{ModelError, Source};
 
-/// An `.ode` file that has been read.
+/// A parsed `.ode` file.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Ode {
     /// The equations: `Equations`, a `Map`, or with events `HybridEquations`.
     pub statement: Statement,
-    /// How far they are to be followed.
+    /// The numerical options, such as the duration of a simulation.
     pub options: Options,
-    /// The lines without effect here, in words, with line numbers.
+    /// The lines without effect, in words, with line numbers.
     pub ignored: Vec<String>,
-    /// Names that had to be changed, with what they are called now.
+    /// Names that had to be changed, with their new names.
     pub renamed: Vec<(String, String)>,
-    /// The conditions with resets of which it was tried out, since the formulas do not tell, whether
-    /// motion goes on beyond them.
+    /// The conditions with resets for which random trials decided whether motion continues beyond
+    /// them, because the formulas are not affine.
     pub tried: Vec<String>,
-    /// The last state of a map, if `t` occurs in it: it counts the iterates.
+    /// The last state of a map that uses `t`: it counts the iterates.
     pub clock: Option<String>,
 }
 
 impl Ode {
-    /// The options that say how motion is simulated, which branches do not need.
+    /// Returns the options of simulations, which branches do not need.
     ///
     /// ```
     /// use tangency::language::{Source, xpp};
@@ -59,7 +59,7 @@ impl Ode {
     /// ```
     pub fn of_simulations(&self) -> Vec<String> {
         let Options { start, total, transient, .. } = self.options;
-        // The count of iterates begins there.
+        // The count of iterates starts there.
         let start = Some(start).filter(|start| *start != 0.0 && self.clock.is_none());
         let all = [("t0", start), ("total", total), ("trans", transient)];
         let stated = all.into_iter().filter_map(|(name, value)| Some((name, value?)));
@@ -80,7 +80,7 @@ impl Ode {
 /// assert_eq!((rates, field.monitor(0, 0.0, &[1.0, 2.0], &[2.0, 0.5])), ([2.0, -5.0], 4.0));
 /// let source = Source::new("late.ode", "# a delay\nx'=-delay(x,2)\n");
 /// assert_eq!(xpp::read(&source).unwrap_err().to_string(), "\
-/// late.ode, line 2, column 5: a delay (`delay`) is not supported: motion that depends on its past is not followed
+/// late.ode, line 2, column 5: a delay (`delay`) is not supported: delay equations are not supported
 ///   |
 /// 2 | x'=-delay(x,2)
 ///   |     ^^^^^");
@@ -88,7 +88,7 @@ impl Ode {
 /// ```
 ///
 /// # Errors
-/// [`ModelError`] with the place of what is wrong, or not supported.
+/// [`ModelError`] with the place of an error or of an unsupported construct.
 pub fn read(source: &Source) -> Result<Ode, ModelError> {
     let parts = parts::Parts::read(source)?;
     model::understood(source, parts)

@@ -1,4 +1,4 @@
-//! From what a file states to a statement.
+//! Conversion of the contents of a file to a statement.
 
 use super::super::Statement;
 use super::super::source::{Fault, ModelError, Phrase, Source};
@@ -13,20 +13,20 @@ use super::phrase::{arguments_of, pair, written};
 use super::tree::{Known, Tree};
 use super::{Ode, formula};
 
-/// The model that a file states.
+/// Returns the model that a file states.
 pub(super) fn understood(source: &Source, parts: Parts) -> Result<Ode, ModelError> {
     check_sizes(source, &parts)?;
     let mut names = Names::of(source, &parts)?;
     if parts.states.is_empty() {
         let (what, needed) =
-            ("the file".into(), "there must be one equation or more, as in `x'=-x`".into());
+            ("the file".into(), "there must be at least one equation, as in `x'=-x`".into());
         return Err(source.fault_of(&Phrase::default(), Fault::Missing { what, needed }));
     }
     let formulas = formulas_of(&names, &parts)?;
     let read = |named: &Named| formula::read(&names, named.formula.all(), &[]);
     let rates: Vec<Tree> = parts.states.iter().map(read).collect::<Result<_, _>>()?;
     let monitors: Vec<Tree> = parts.monitors.iter().map(read).collect::<Result<_, _>>()?;
-    // A map that depends on the number of the iterate counts it.
+    // A map that depends on the number of the iterate has a state that counts iterates.
     let depends = |tree: &Tree| formulas.all_names(tree).contains(&Known::Time);
     if parts.is_map && rates.iter().chain(&monitors).any(depends) {
         names.clock = Some(names.free("iterate", false));
@@ -49,10 +49,10 @@ pub(super) fn understood(source: &Source, parts: Parts) -> Result<Ode, ModelErro
     Ok(Ode { statement, options, ignored, renamed, tried, clock: names.clock })
 }
 
-/// The most functions, and the most conditions with resets.
+/// The maximum number of functions, and of conditions with resets.
 const MOST: usize = 200;
 
-/// Refuses more functions or conditions than can be put into each other in time.
+/// Rejects numbers of functions or conditions whose mutual substitution would take too long.
 fn check_sizes(source: &Source, parts: &Parts) -> Result<(), ModelError> {
     let function =
         parts.functions.get(MOST).map(|function| ("functions", function.named.name.all()));
@@ -63,7 +63,8 @@ fn check_sizes(source: &Source, parts: &Parts) -> Result<(), ModelError> {
     }
 }
 
-/// A statement of the kind that a file is of, and the conditions that were tried out for it.
+/// Returns the statement of a file, of the matching kind, and descriptions of the tested
+/// conditions.
 fn statement(
     names: &Names,
     formulas: &Formulas,
@@ -93,8 +94,8 @@ fn statement(
     Ok((Statement::HybridEquations(statement), tried))
 }
 
-/// The formulas behind constants, quantities and functions; that nothing leads to itself or to what
-/// comes later.
+/// Returns the formulas of constants, quantities and functions. Rejects formulas that depend on
+/// themselves or on later quantities.
 fn formulas_of(names: &Names, parts: &Parts) -> Result<Formulas, ModelError> {
     let mut formulas = Formulas::default();
     for function in &parts.functions {
@@ -120,7 +121,7 @@ fn formulas_of(names: &Names, parts: &Parts) -> Result<Formulas, ModelError> {
     Ok(formulas)
 }
 
-/// Refuses constants that depend on what is not constant: XPPAUT computes them once.
+/// Rejects constants that depend on quantities that vary: XPPAUT computes them only once.
 fn check_constants(names: &Names, parts: &Parts, formulas: &Formulas) -> Result<(), ModelError> {
     for ((_, named), tree) in parts.constants.iter().zip(&formulas.constants) {
         let Some(tree) = tree else { continue };
@@ -129,30 +130,29 @@ fn check_constants(names: &Names, parts: &Parts, formulas: &Formulas) -> Result<
         if let Some(known) = formulas.all_names(tree).iter().find(|known| varies(known)) {
             let construct =
                 format!("`!{}` that depends on `{}`", named.name.all().text, names.written(*known));
-            let reason =
-                "XPPAUT computes it once, at the start; leave the `!` out if it is to follow";
+            let reason = "XPPAUT computes it once, at the start; omit the `!` if it should vary";
             return Err(named.name.all().unsupported(names.source, construct, reason));
         }
     }
     Ok(())
 }
 
-/// Refuses quantities that are used before they are computed: in XPPAUT they have the value of the
-/// step before.
+/// Rejects quantities that are used before they are computed: XPPAUT would use their values from
+/// the previous step.
 fn check_order(names: &Names, parts: &Parts, formulas: &Formulas) -> Result<(), ModelError> {
     for (k, (named, tree)) in parts.fixed.iter().zip(&formulas.fixed).enumerate() {
         let later = |known: &Known| matches!(known, Known::Fixed(other) if *other >= k);
         if let Some(known) = formulas.by_functions(tree).iter().find(|known| later(known)) {
             let construct =
                 format!("`{}` in a quantity that is computed before it", names.written(*known));
-            let reason = "XPPAUT takes its value of the step before; move it up";
+            let reason = "XPPAUT would use its value from the previous step; move it up";
             return Err(named.name.all().unsupported(names.source, construct, reason));
         }
     }
     Ok(())
 }
 
-/// Monitors, whose names other things may have in XPPAUT.
+/// Returns the monitors; in XPPAUT their names may coincide with other names.
 fn monitors_of(
     names: &mut Names,
     parts: &Parts,

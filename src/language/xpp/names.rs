@@ -1,4 +1,4 @@
-//! What the names of a file stand for, and how they are written here.
+//! The names of a file: their meaning, and their spelling in the statement.
 
 use super::super::operation::function;
 use super::super::source::{Fault, ModelError, Source};
@@ -10,13 +10,13 @@ use crate::core::problem::UnknownName;
 use std::cell::Cell;
 use std::collections::{HashMap, HashSet};
 
-/// Names that are XPPAUT's own, beside those of functions.
+/// Names reserved by XPPAUT, in addition to those of functions.
 const RESERVED: [&str; 16] = [
     "SHIFT", "IF", "THEN", "ELSE", "SUM", "OF", "NOT", "PI", "T", "I'", "START", "END", "MOUSE_X",
     "MOUSE_Y", "MOUSE_VX", "MOUSE_VY",
 ];
 
-/// Whether a name is XPPAUT's own.
+/// Returns whether a name is reserved by XPPAUT.
 fn is_reserved(upper: &str) -> bool {
     let refused = REFUSED.iter().any(|(known, ..)| *known == upper);
     refused || RESERVED.contains(&upper) || built_in(upper).is_some()
@@ -26,30 +26,30 @@ fn is_reserved(upper: &str) -> bool {
 pub(super) struct Names<'s> {
     pub source: &'s Source,
     known: HashMap<String, Known>,
-    /// How the names of states, constants, fixed quantities and functions are written.
+    /// The spelling of states, constants, fixed quantities and functions in the statement.
     states: Vec<String>,
     constants: Vec<String>,
     fixed: Vec<String>,
     functions: Vec<String>,
-    /// How many arguments functions take.
+    /// The numbers of arguments of functions.
     pub arguments: Vec<usize>,
     /// The values of constants that are numbers.
     pub values: Vec<Option<f64>>,
     /// The state that counts iterates, if there is one.
     pub clock: Option<String>,
-    /// Names that are written in another way here.
+    /// Names with a different spelling in the statement.
     pub renamed: Vec<(String, String)>,
-    /// How names are written here.
+    /// All spellings in use.
     taken: HashSet<String>,
-    /// Whether a divisor of `mod` may be negative, and what the function is called that knows it.
+    /// Whether a divisor of `mod` may be negative, and the name of the function for this case.
     pub needs_modulo: Cell<bool>,
     modulo: String,
-    /// How many parts sums may yet be written out as.
+    /// The remaining number of parts for writing out sums.
     pub budget: Cell<usize>,
 }
 
 impl<'s> Names<'s> {
-    /// The names that a file declares.
+    /// Collects the names that a file declares.
     pub fn of(source: &'s Source, parts: &Parts) -> Result<Self, ModelError> {
         let mut names = Names {
             source,
@@ -95,7 +95,7 @@ impl<'s> Names<'s> {
         let upper = name.text.to_ascii_uppercase();
         check(self.source, name)?;
         let first = match self.known.get(&upper) {
-            _ if is_reserved(&upper) => Some("a name of XPPAUT's"),
+            _ if is_reserved(&upper) => Some("a name reserved by XPPAUT"),
             Some(Known::State(_)) => Some("a state"),
             Some(Known::Constant(_)) => Some("a parameter or a constant"),
             Some(Known::Function(_)) => Some("a function"),
@@ -113,8 +113,8 @@ impl<'s> Names<'s> {
         Ok(written)
     }
 
-    /// A name as it may be written here, which nothing has yet, nor a function of the language if
-    /// it is a function's.
+    /// Returns an unused valid spelling of a name; for a function, one that is not a function of
+    /// the language.
     pub fn free(&mut self, name: &str, is_function: bool) -> String {
         let mut written: String = name.replace('.', "_");
         let ours = |written: &str| {
@@ -128,12 +128,12 @@ impl<'s> Names<'s> {
         written
     }
 
-    /// Whether something else is written so.
+    /// Returns whether a spelling is in use.
     pub fn is_taken(&self, name: &str) -> bool {
         self.taken.contains(name) || name == "t"
     }
 
-    /// The meaning of a name, letters of both cases being the same.
+    /// Returns the meaning of a name; letter case is ignored.
     pub fn find(&self, name: &str) -> Option<Known> {
         match name.to_ascii_uppercase().as_str() {
             "T" => Some(Known::Time),
@@ -142,7 +142,7 @@ impl<'s> Names<'s> {
         }
     }
 
-    /// The state of this name.
+    /// Returns the state with this name.
     pub fn state(&self, name: &Text) -> Result<usize, ModelError> {
         match self.find(name.all().text) {
             Some(Known::State(k)) => Ok(k),
@@ -150,7 +150,7 @@ impl<'s> Names<'s> {
         }
     }
 
-    /// An error of a name that nothing has.
+    /// Returns the error of an unknown name.
     pub fn unknown<'n>(
         &self,
         what: &str,
@@ -161,15 +161,15 @@ impl<'s> Names<'s> {
         name.fault(self.source, Fault::Unknown(UnknownName::new(what, name.text, known)))
     }
 
-    /// An error of a name in a formula that nothing has.
+    /// Returns the error of an unknown name in a formula.
     pub fn unknown_in_formula(&self, name: Slice) -> ModelError {
-        // Of long arrays the first elements show what there is.
+        // The first elements of long arrays are enough in the list of known names.
         let quantities = [&self.states, &self.constants, &self.fixed];
         let known = quantities.into_iter().flat_map(|names| names.iter().take(12));
         self.unknown("name", name, known.chain(&self.functions))
     }
 
-    /// How a name is written here.
+    /// Returns the spelling of a name in the statement.
     pub fn written(&self, known: Known) -> String {
         match known {
             Known::State(k) => self.states[k].clone(),
@@ -185,7 +185,7 @@ impl<'s> Names<'s> {
         }
     }
 
-    /// The name that stands so many names behind another one in XPPAUT's tables.
+    /// Returns the name a given number of places after another one in XPPAUT's tables.
     pub fn shifted(&self, known: Known, by: i64) -> Option<Known> {
         let states = self.states.len() as i64;
         let variable = |k: i64| match k {
@@ -208,7 +208,7 @@ impl<'s> Names<'s> {
     }
 }
 
-/// Refuses what is no name.
+/// Rejects an invalid name.
 pub(super) fn check(source: &Source, name: Slice) -> Result<(), ModelError> {
     let letter = |c: char| c.is_ascii_alphabetic() || c == '_';
     let inner = |c: char| letter(c) || c.is_ascii_digit() || c == '.';

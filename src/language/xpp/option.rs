@@ -1,9 +1,9 @@
-//! Options, which stand behind `@`.
+//! Options, given after `@`.
 
 use super::super::source::{ModelError, Source};
 use super::origin::Slice;
 
-/// The options of a file that say how far a model is to be followed.
+/// The numerical options of a file, such as the duration of a simulation.
 ///
 /// ```
 /// use tangency::language::{Source, xpp};
@@ -16,17 +16,17 @@ use super::origin::Slice;
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Options {
-    /// When motion begins: `t0`, 0 by default.
+    /// The initial time: `t0`, 0 by default.
     pub start: f64,
-    /// How long it is followed: `total`.
+    /// The duration: `total`.
     pub total: Option<f64>,
-    /// How much of it is left out at the beginning: `trans`.
+    /// The duration of the transient to discard: `trans`.
     pub transient: Option<f64>,
-    /// How large quantities may grow: `bound`, or `bounds`.
+    /// The bound of all quantities: `bound`, or `bounds`.
     pub bounds: Option<f64>,
-    /// How many intervals an orbit has in AUTO: `ntst`.
+    /// The number of mesh intervals of an orbit in AUTO: `ntst`.
     pub ntst: Option<usize>,
-    /// After how many points AUTO writes one, 0 for none: `npr`.
+    /// The number of points between two outputs of AUTO, 0 for none: `npr`.
     pub npr: Option<usize>,
 }
 
@@ -40,8 +40,8 @@ pub(super) struct Found {
 }
 
 impl Found {
-    /// Reads a line from behind its `@`. XPPAUT knows an option by its first letters, and the last
-    /// one counts.
+    /// Parses a line after its `@`. XPPAUT recognises an option by its first letters, and the last
+    /// occurrence counts.
     pub fn read(&mut self, source: &Source, line: Slice) -> Result<(), ModelError> {
         let mut at = 0;
         for piece in line.text.split_inclusive([' ', ',', '\t']) {
@@ -58,9 +58,9 @@ impl Found {
         let (name, value) = piece.text.split_once('=').unwrap_or((piece.text, ""));
         let name = name.to_ascii_uppercase();
         let options = &mut self.options;
-        let real = || number(value).ok_or_else(|| piece.expected(source, "a number behind `=`"));
+        let real = || number(value).ok_or_else(|| piece.expected(source, "a number after `=`"));
         let size = || {
-            let expected = "a number above 0 behind `=`";
+            let expected = "a number above 0 after `=`";
             number(value)
                 .filter(|value| *value > 0.0)
                 .ok_or_else(|| piece.expected(source, expected))
@@ -68,13 +68,13 @@ impl Found {
         let whole = |least: usize| {
             let value =
                 number(value).filter(|value| value.fract() == 0.0 && *value >= least as f64);
-            let expected = || format!("a whole number of {least} or more behind `=`");
+            let expected = || format!("a whole number of {least} or more after `=`");
             value
                 .map(|value| Some(value as usize))
                 .ok_or_else(|| piece.expected(source, expected()))
         };
         if name.starts_with("DLL") {
-            let reason = "the equations are not in this file then";
+            let reason = "the equations would not be in this file";
             return Err(piece.unsupported(source, "a library of compiled functions", reason));
         }
         if value.is_empty() {
@@ -104,7 +104,7 @@ impl Found {
     }
 }
 
-/// A number, if all of a text is one as C reads it.
+/// Parses a text as a number, as in C, if all of it is one.
 pub(super) fn number(text: &str) -> Option<f64> {
     let text = text.trim();
     let plain = text.bytes().all(|b| b.is_ascii_digit() || b"+-.eE".contains(&b));

@@ -1,9 +1,9 @@
-//! Texts that were made of a source, with where each of their parts stands there.
+//! Texts derived from a source, with the origin of each part.
 
 use super::super::source::{Fault, ModelError, Phrase, Source};
 use std::ops::Range;
 
-/// A text with, for each of its bytes and for its end, where it comes from.
+/// A text with the source position of each of its bytes and of its end.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Text {
     text: String,
@@ -12,26 +12,26 @@ pub(super) struct Text {
 }
 
 impl Text {
-    /// A text without anything, that would stand here.
+    /// Creates an empty text at a position.
     pub fn empty(at: usize) -> Self {
         Text { end: at as u32, ..Text::default() }
     }
 
-    /// Adds a part of the source that begins here.
+    /// Appends a part of the source that begins at a position.
     pub fn push(&mut self, part: &str, at: usize) {
         self.text.push_str(part);
         self.at.extend((at..at + part.len()).map(|at| at as u32));
         self.end = (at + part.len()) as u32;
     }
 
-    /// Adds a part of another text.
+    /// Appends a part of another text.
     pub fn extend(&mut self, part: Slice) {
         self.text.push_str(part.text);
         self.at.extend_from_slice(part.at);
         self.end = part.end;
     }
 
-    /// Adds what stands in place of a part.
+    /// Appends a replacement for a part.
     pub fn replace(&mut self, part: Slice, by: &str) {
         let span = part.span();
         self.text.push_str(by);
@@ -40,18 +40,18 @@ impl Text {
         self.end = part.end;
     }
 
-    /// All of it.
+    /// Returns the whole text.
     pub fn all(&self) -> Slice<'_> {
         Slice { text: &self.text, at: &self.at, end: self.end }
     }
 
-    /// How many bytes it has.
+    /// Returns the number of bytes.
     pub fn len(&self) -> usize {
         self.text.len()
     }
 }
 
-/// A part of a text that was made of a source.
+/// A part of a text derived from a source.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Slice<'a> {
     pub text: &'a str,
@@ -60,53 +60,53 @@ pub(super) struct Slice<'a> {
 }
 
 impl<'a> Slice<'a> {
-    /// A part of it.
+    /// Returns a part of the slice.
     pub fn part(self, range: Range<usize>) -> Slice<'a> {
         let end = self.at.get(range.end).copied().unwrap_or(self.end);
         Slice { text: &self.text[range.clone()], at: &self.at[range], end }
     }
 
-    /// It from here on.
+    /// Returns the slice from a position on.
     pub fn from(self, start: usize) -> Slice<'a> {
         self.part(start..self.text.len())
     }
 
-    /// It without blanks around it.
+    /// Returns the slice without surrounding blanks.
     pub fn trim(self) -> Slice<'a> {
         let start = self.text.len() - self.text.trim_start().len();
         self.part(start..start + self.text.trim().len())
     }
 
-    /// What stands before and behind the first of some letters.
+    /// Splits the slice at the first of the given letters.
     pub fn split(self, letters: &[char]) -> Option<(Slice<'a>, char, Slice<'a>)> {
         let at = self.text.find(letters)?;
         let letter = self.text[at..].chars().next()?;
         Some((self.part(0..at), letter, self.from(at + letter.len_utf8())))
     }
 
-    /// A text of its own.
+    /// Copies the slice into a separate text.
     pub fn to_text(self) -> Text {
         Text { text: self.text.into(), at: self.at.into(), end: self.end }
     }
 
-    /// Where it stands in the source.
+    /// Returns the position in the source.
     pub fn span(self) -> Range<usize> {
         let start = self.at.first().copied().unwrap_or(self.end) as usize;
         start..self.at.last().map_or(start, |last| *last as usize + 1)
     }
 
-    /// The line it stands in, from 1.
+    /// Returns the line of the slice, from 1.
     pub fn line(self, source: &Source) -> usize {
         let before = source.text.get(..self.span().start).unwrap_or_default();
         1 + before.matches('\n').count()
     }
 
-    /// An error here.
+    /// Returns an error at the slice.
     pub fn fault(self, source: &Source, fault: Fault) -> ModelError {
         source.fault_of(&source.phrase(self.span()), fault)
     }
 
-    /// An error of something that is not supported.
+    /// Returns the error of an unsupported construct.
     pub fn unsupported(
         self,
         source: &Source,
@@ -117,12 +117,12 @@ impl<'a> Slice<'a> {
         self.fault(source, fault)
     }
 
-    /// An error where something else is expected.
+    /// Returns the error of unexpected syntax.
     pub fn expected(self, source: &Source, expected: impl Into<String>) -> ModelError {
         self.fault(source, Fault::Syntax { expected: expected.into() })
     }
 
-    /// This text as a phrase: the source's own where it reads the same.
+    /// Returns a text as a phrase; the source's own phrase if the text is the same.
     pub fn phrase(self, source: &Source, text: String) -> Phrase {
         let own = source.phrase(self.span());
         let plain = |text: &str| text.chars().filter(|c| !c.is_whitespace()).collect::<String>();

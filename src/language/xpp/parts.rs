@@ -1,4 +1,4 @@
-//! What the lines of a file state, before names have a meaning.
+//! The contents of the lines of a file, before names are resolved.
 
 use super::super::source::{ModelError, Source};
 use super::command::{NUMBER, REFUSED, arguments_of, refuse_calls, values_of};
@@ -14,7 +14,7 @@ pub(super) struct Function {
     pub arguments: Vec<Text>,
 }
 
-/// A constant: one that can be varied, a number, or a formula of others.
+/// A constant: a parameter, a number, or a formula of other constants.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Sort {
     Parameter,
@@ -22,26 +22,26 @@ pub(super) enum Sort {
     Derived,
 }
 
-/// Everything that a file states, in its order.
+/// All contents of a file, in order.
 #[derive(Default)]
 pub(super) struct Parts {
     /// States with their rates, or next values.
     pub states: Vec<Named>,
-    /// Whether they are next values.
+    /// Whether the states have next values.
     pub is_map: bool,
     pub constants: Vec<(Sort, Named)>,
     pub fixed: Vec<Named>,
     pub functions: Vec<Function>,
     pub monitors: Vec<Named>,
     pub initial: Vec<Named>,
-    /// Initial values by formulas, of elements of arrays.
+    /// Initial values given as formulas, of elements of arrays.
     pub initial_formulas: Vec<Named>,
     pub globals: Vec<Global>,
     pub found: Found,
 }
 
 impl Parts {
-    /// Reads all lines of a source.
+    /// Parses all lines of a source.
     pub fn read(source: &Source) -> Result<Parts, ModelError> {
         let mut parts = Parts::default();
         lines::for_each(source, &mut |line, array| parts.line(source, line.all(), array))?;
@@ -62,7 +62,7 @@ impl Parts {
         }
         let line = line.trim();
         if line.text.starts_with("#include") {
-            let reason = "write what it has into this file";
+            let reason = "copy its contents into this file";
             return Err(line.part(0..8).unsupported(source, "`#include`", reason));
         }
         if line.text.is_empty() || line.text.starts_with(['#', '"']) {
@@ -70,11 +70,11 @@ impl Parts {
         }
         refuse_calls(source, line)?;
         let Some((head, letter, rest)) = line.split(&[' ', '\t', '=', '/', '\'', '(']) else {
-            // `done`
+            // The line is `done`.
             return match line.text.as_bytes()[0] {
                 b'd' | b'D' => Ok(ControlFlow::Break(())),
                 b'0'..=b'9' => {
-                    let reason = "`xppaut -convert` writes such files anew";
+                    let reason = "`xppaut -convert` converts such files";
                     Err(line.unsupported(source, "the old form of files", reason))
                 }
                 _ => Err(line.expected(source, "a statement, as in `x'=-x`")),
@@ -103,7 +103,7 @@ impl Parts {
         go_on
     }
 
-    /// `name = formula`, `!name = formula`, and `0 = formula`.
+    /// Parses `name = formula`, `!name = formula`, and `0 = formula`.
     fn assignment(&mut self, source: &Source, name: Slice, value: Slice) -> Result<(), ModelError> {
         if name.text == "0" {
             let reason = "only differential equations and maps have a counterpart";
@@ -119,7 +119,7 @@ impl Parts {
         Ok(())
     }
 
-    /// `dx/dt = formula`.
+    /// Parses `dx/dt = formula`.
     fn rate(&mut self, source: &Source, line: Slice) -> Result<(), ModelError> {
         let wrong = || line.expected(source, "a statement, as in `dx/dt=-x`");
         let (left, _, right) = line.split(&['=']).ok_or_else(wrong)?;
@@ -133,7 +133,7 @@ impl Parts {
         Ok(())
     }
 
-    /// `x(t+1) = formula`, `x(0) = number`, `f(a,b) = formula`.
+    /// Parses `x(t+1) = formula`, `x(0) = number`, `f(a,b) = formula`.
     fn bracket(
         &mut self,
         source: &Source,
@@ -156,7 +156,7 @@ impl Parts {
                 self.is_map = true;
                 self.states.push(Named { name, formula });
             }
-            // Only those of arrays are formulas in XPPAUT.
+            // In XPPAUT only initial values of arrays are formulas.
             "0" if array => self.initial_formulas.push(Named { name, formula }),
             "0" => {
                 if number(value.text).is_none() {
@@ -172,7 +172,7 @@ impl Parts {
         Ok(())
     }
 
-    /// A line that begins with a word: XPPAUT knows it by its first letters.
+    /// Parses a line that begins with a command: XPPAUT recognises it by its first letters.
     fn command(
         &mut self,
         source: &Source,

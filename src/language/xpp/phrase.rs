@@ -1,4 +1,4 @@
-//! Names and formulas as they are written here.
+//! Names and formulas in the notation of the statement.
 
 use super::super::source::{Fault, ModelError, Phrase, Source};
 use super::names::{Names, check};
@@ -6,7 +6,7 @@ use super::origin::{Named, Slice};
 use super::parts::Function;
 use super::tree::{Known, Tree};
 
-/// The names of a function's arguments.
+/// Returns the names of a function's arguments.
 pub(super) fn arguments_of(
     source: &Source,
     function: &Function,
@@ -27,7 +27,7 @@ pub(super) fn arguments_of(
     Ok(arguments)
 }
 
-/// A name with its formula, as they are written here.
+/// Returns a name with its formula, in the notation of the statement.
 pub(super) fn pair(
     names: &Names,
     named: &Named,
@@ -38,7 +38,7 @@ pub(super) fn pair(
     (name_of(names, named.name.all()), formula)
 }
 
-/// A formula as it is written here.
+/// Returns a formula in the notation of the statement.
 pub(super) fn written(names: &Names, place: Slice, tree: &Tree, arguments: &[String]) -> Phrase {
     let text = tree.written(&|known| match known {
         Known::Argument(k) => arguments[k].clone(),
@@ -47,7 +47,7 @@ pub(super) fn written(names: &Names, place: Slice, tree: &Tree, arguments: &[Str
     place.phrase(names.source, text)
 }
 
-/// A name as it is written here.
+/// Returns a name in the notation of the statement.
 pub(super) fn name_of(names: &Names, name: Slice) -> Phrase {
     let written = names.find(name.text).map_or(name.text.into(), |known| names.written(known));
     name.phrase(names.source, written)

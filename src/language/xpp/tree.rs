@@ -1,4 +1,4 @@
-//! Formulas whose names have a meaning, and how they are written in the language of models.
+//! Formulas with resolved names, and their conversion to the language of models.
 
 use super::super::operation::Operation;
 use super::super::syntax::{COMPARISON, INFIX, Infix, Node, POWER, SIGN, Step, value_of};
@@ -15,15 +15,15 @@ pub(super) enum Known {
     BuiltIn(&'static str),
     /// `mod` of a divisor that may be negative.
     Modulo,
-    /// An argument of the function in which it stands.
+    /// An argument of the function that contains the name.
     Argument(usize),
     Time,
     Pi,
-    /// The index of the sum in which it stands.
+    /// The index of the sum that contains the name.
     Index,
 }
 
-/// The formulas that need no brackets anywhere.
+/// The binding strength of formulas that need no brackets.
 const WHOLE: u8 = 9;
 
 /// A formula, in postfix order.
@@ -31,7 +31,7 @@ const WHOLE: u8 = 9;
 pub(super) struct Tree(pub Vec<Node<Known>>);
 
 impl Tree {
-    /// A formula of a step and its operands.
+    /// Builds a formula from a step and its operands.
     pub fn of(step: Step<Known>, operands: impl IntoIterator<Item = Tree>) -> Tree {
         let mut operands = operands.into_iter();
         let mut nodes = operands.next().unwrap_or_default().0;
@@ -40,7 +40,7 @@ impl Tree {
         Tree(nodes)
     }
 
-    /// A number.
+    /// Returns a number as a formula.
     pub fn number(value: f64) -> Tree {
         let number = Tree::of(Step::Number(format!("{}", value.abs())), []);
         if value < 0.0 { Tree::apply(Operation::Negate, [number]) } else { number }
@@ -54,7 +54,7 @@ impl Tree {
         Tree::of(Step::Apply(operation), operands)
     }
 
-    /// It with the opposite sign: of a difference the opposite difference.
+    /// Negates the formula; for a difference, swaps the operands.
     pub fn negated(mut self) -> Tree {
         match self.0.last().map(|node| &node.step) {
             Some(Step::Apply(Operation::Negate)) => {
@@ -63,7 +63,7 @@ impl Tree {
             }
             Some(Step::Apply(Operation::Subtract)) => {
                 self.0.pop();
-                // The second operand begins where it needs no more values.
+                // The second operand begins where no more values are needed.
                 let (mut begin, mut needed) = (self.0.len(), 1);
                 while needed > 0 {
                     begin -= 1;
@@ -76,8 +76,8 @@ impl Tree {
         }
     }
 
-    /// The formula that is made of it from the last operands to the whole: of a node and of what
-    /// has been made of its operands.
+    /// Rebuilds a formula from its operands upward: the callback receives a node and the rebuilt
+    /// operands.
     pub fn rebuilt<E>(
         &self,
         f: &mut impl FnMut(&Node<Known>, Vec<Tree>) -> Result<Tree, E>,
@@ -90,7 +90,7 @@ impl Tree {
         Ok(made.pop().unwrap_or_default())
     }
 
-    /// The names that occur in it, functions included.
+    /// Returns the names that occur in the formula, including functions.
     pub fn names(&self) -> BTreeSet<Known> {
         let (mut names, mut open) = (BTreeSet::new(), vec![&self.0]);
         while let Some(nodes) = open.pop() {
@@ -105,7 +105,7 @@ impl Tree {
         names
     }
 
-    /// Its value, if it has one without knowing more than some constants.
+    /// Returns the value of the formula if it depends on known constants only.
     pub fn value(&self, constant: &dyn Fn(usize) -> Option<f64>) -> Option<f64> {
         let mut values: Vec<f64> = Vec::new();
         for Node { step, .. } in &self.0 {
@@ -125,13 +125,13 @@ impl Tree {
         values.pop()
     }
 
-    /// It as text, where names are written so.
+    /// Returns the formula as text, with the given spelling of names.
     pub fn written(&self, names: &dyn Fn(Known) -> String) -> String {
         written(&self.0, names)
     }
 }
 
-/// Nodes as text: each formula with how strongly its weakest part binds.
+/// Converts nodes to text, together with the binding strength of each formula's weakest operator.
 fn written(nodes: &[Node<Known>], names: &dyn Fn(Known) -> String) -> String {
     let mut done: Vec<(String, u8)> = Vec::new();
     let within = |(text, strength): (String, u8), least: u8| {
@@ -164,7 +164,7 @@ fn written(nodes: &[Node<Known>], names: &dyn Fn(Known) -> String) -> String {
             Step::Apply(operation) => {
                 match INFIX.iter().rfind(|infix| infix.operation == *operation) {
                     Some(Infix { sign, own, .. }) => {
-                        // Powers go from right to left, and comparisons stand alone.
+                        // Powers associate to the right, and comparisons cannot be chained.
                         let least = match *own {
                             POWER => [WHOLE, WHOLE],
                             COMPARISON => [COMPARISON + 1; 2],

@@ -1,10 +1,10 @@
-//! What motion does where a condition is met, tried out at random states.
+//! Random trials of the motion at a condition.
 
 use super::super::Hybrid;
 use crate::core::hybrid::HybridSystem;
 use std::collections::BTreeSet;
 
-/// A condition that is tried out.
+/// A condition under trial.
 pub(super) struct Trial<'m> {
     pub system: &'m Hybrid,
     pub guard: usize,
@@ -12,9 +12,9 @@ pub(super) struct Trial<'m> {
     pub x: Vec<f64>,
 }
 
-/// How many states on a condition are tried.
+/// The number of states on a condition to try.
 pub(super) const TRIALS: usize = 24;
-/// A guard and its speed are zero below this part of their size.
+/// The relative size below which a guard and its rate count as zero.
 const ZERO: f64 = 1e-7;
 
 impl Trial<'_> {
@@ -22,7 +22,7 @@ impl Trial<'_> {
         self.system.guard(self.guard, 0, t, x, &self.system.defaults())
     }
 
-    /// How fast the guard grows.
+    /// Returns the rate of the guard.
     fn speed(&self, t: f64, x: &[f64]) -> f64 {
         let mut f = vec![0.0; x.len()];
         self.system.field(0, t, x, &self.system.defaults(), &mut f);
@@ -35,13 +35,13 @@ impl Trial<'_> {
         (at(step) - at(-step)) / (2.0 * step)
     }
 
-    /// Whether motion begins where the condition is met already.
+    /// Returns whether the condition is already met at the initial state.
     pub fn begins_beyond(&self) -> bool {
         let value = self.value(self.start, &self.x);
         value < 0.0 || (value == 0.0 && self.speed(self.start, &self.x) < 0.0)
     }
 
-    /// Whether motion may go on in its direction after the event.
+    /// Returns whether motion may continue in its direction after the event.
     pub fn goes_on(&self, depends: &BTreeSet<usize>) -> bool {
         if depends.is_empty() {
             return true;
@@ -59,7 +59,7 @@ impl Trial<'_> {
         })
     }
 
-    /// A state on the condition, from one nearby.
+    /// Returns a state on the condition, close to a given state.
     fn on_condition(&self, t: f64, mut x: Vec<f64>, depends: &BTreeSet<usize>) -> Option<Vec<f64>> {
         for _ in 0..30 {
             let value = self.value(t, &x);

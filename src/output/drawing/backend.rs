@@ -1,4 +1,4 @@
-//! Lines for SVG or PDF, or pixels for PNG, behind one backend of plotters.
+//! A common backend of plotters: vector graphics for SVG or PDF, or pixels for PNG.
 
 use super::pdf::Page;
 use super::text::write;
@@ -7,17 +7,17 @@ use plotters_backend::{
     BackendColor, BackendCoord, BackendStyle, BackendTextStyle, DrawingErrorKind,
 };
 
-/// One of them.
+/// The backend of one format.
 pub(super) enum Backend<'a> {
     Lines(SVGBackend<'a>),
     Page(&'a mut Page),
     Pixels(BitMapBackend<'a>),
 }
 
-/// The segments of a piece of a line of pixels, after the last segment of the piece before.
+/// The segments of a piece of a line of pixels, after the last segment of the previous piece.
 const PIECE: usize = 4;
 
-/// Why drawing failed.
+/// The error of a failed drawing operation.
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]
 pub(super) struct Failed(String);
@@ -30,7 +30,7 @@ fn failed<E: std::error::Error + Send + Sync>(
     DrawingErrorKind::DrawingError(Failed(error.to_string()))
 }
 
-/// The same call of each backend.
+/// Calls the same method of any backend.
 macro_rules! each {
     ($self:expr, $backend:ident => $call:expr) => {
         match $self {
@@ -124,8 +124,7 @@ impl DrawingBackend for Backend<'_> {
         each!(self, backend => backend.fill_polygon(corners, style))
     }
 
-    /// The reader of an SVG has fonts; everything else is written in the font that the program
-    /// brings.
+    /// Draws a text: as text in an SVG, in the built-in font for other formats.
     fn draw_text<S: BackendTextStyle>(&mut self, text: &str, style: &S, at: BackendCoord) -> Drawn {
         match self {
             Backend::Lines(backend) => backend.draw_text(text, style, at).map_err(failed),

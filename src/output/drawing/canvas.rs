@@ -1,4 +1,4 @@
-//! A canvas in units with fractions, on plotters' backends.
+//! A canvas with fractional coordinates, on plotters' backends.
 
 use super::backend::Backend;
 use super::pdf::Page;
@@ -10,52 +10,52 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use std::collections::BTreeSet;
 
-/// How many pixels of the backend make a unit of an SVG.
+/// The number of backend pixels per unit of an SVG.
 const FINENESS: f64 = 10.0;
 
 /// The pixels of a PNG per millimetre: 300 dots per inch.
 const DENSITY: f64 = 300.0 / 25.4;
-/// How many pixels of the backend, which does not smooth edges, make a side of a pixel.
+/// The number of backend pixels per pixel side; averaging them smooths edges.
 const SMOOTHING: u32 = 3;
 /// The longest side of a PNG, in pixels.
 const LONGEST: f64 = 16_384.0;
 
-/// The sides of a speck and of a blot, in units.
+/// The side lengths of a speck and of a blot, in units.
 pub(super) const SPECK: f64 = 1.2;
 pub(super) const BLOT: f64 = 2.6;
 
-/// The size of usual text, in units of the canvas.
+/// The size of normal text, in units of the canvas.
 pub(super) const TEXT: f64 = 12.0;
 
-/// Text and axes.
+/// The colour of text and axes.
 pub(super) const INK: RGBColor = RGBColor(38, 38, 38);
-/// Text that is less important than the curves.
+/// The colour of text that is less important than the curves.
 pub(super) const LIGHT: RGBColor = RGBColor(110, 110, 110);
-/// Lines of the grid.
+/// The colour of grid lines.
 pub(super) const FAINT: RGBColor = RGBColor(228, 228, 228);
 
-/// The result of drawing.
+/// The result of a drawing operation.
 pub(super) type Painted = Result<(), FigureError>;
 
-/// A drawing area in units with fractions, `y` downwards.
+/// A drawing area with fractional coordinates, `y` downwards.
 pub(super) struct Canvas<'a> {
     area: DrawingArea<Backend<'a>, Shift>,
-    /// How many pixels of the backend make a unit.
+    /// The number of backend pixels per unit.
     fineness: f64,
-    /// Whether the program brings the font.
+    /// Whether text is drawn in the built-in font.
     own_font: bool,
 }
 
-/// Where a text stands: its point of reference, and its turning.
+/// The alignment of a text at its reference point, and its direction.
 #[derive(Clone, Copy)]
 pub(super) enum Anchor {
-    /// The point is in the middle of its left side.
+    /// The reference point is in the middle of the left side.
     Left,
-    /// The point is in its middle.
+    /// The reference point is in the middle.
     Middle,
-    /// The point is in the middle of its right side.
+    /// The reference point is in the middle of the right side.
     Right,
-    /// The point is in its middle; it reads upwards.
+    /// The reference point is in the middle; the text reads upwards.
     Upwards,
 }
 
@@ -116,7 +116,7 @@ fn pixels(size: [f64; 2], fineness: f64) -> (u32, u32) {
     (width, height)
 }
 
-/// The means of squares of pixels.
+/// Returns the means of squares of pixels.
 fn smoothed(fine: &[u8], width: usize, height: usize) -> Vec<u8> {
     let side = SMOOTHING as usize;
     let mut coarse = Vec::with_capacity(3 * width * height);
@@ -135,7 +135,7 @@ fn smoothed(fine: &[u8], width: usize, height: usize) -> Vec<u8> {
     coarse
 }
 
-/// The file of pixels, which says how large they are.
+/// Encodes pixels as a PNG file with their physical size.
 fn encoded(pixels: &[u8], width: u32, height: u32) -> Result<Vec<u8>, png::EncodingError> {
     let mut file = Vec::new();
     let mut encoder = png::Encoder::new(&mut file, width, height);
@@ -153,11 +153,11 @@ fn failed<E: std::error::Error + Send + Sync>(error: DrawingAreaErrorKind<E>) ->
     FigureError::Drawing(error.to_string())
 }
 
-/// The cosine of the sharpest turn at which a line is drawn in one piece: backends would join
-/// sharper ones by a spike, as at a cusp.
+/// The cosine of the sharpest turn within a piece of a line: backends would join sharper turns, as
+/// at a cusp, by a spike.
 const SHARP: f64 = -0.5;
 
-/// The pieces of a path between its sharpest turns.
+/// Splits a path at its sharpest turns.
 fn between_spikes(path: &[(i32, i32)]) -> Vec<&[(i32, i32)]> {
     let side = |a: (i32, i32), b: (i32, i32)| [f64::from(b.0 - a.0), f64::from(b.1 - a.1)];
     let is_sharp = |at: &[(i32, i32)]| {
@@ -197,9 +197,9 @@ impl<'a> Canvas<'a> {
         colour.stroke_width((width * self.fineness).round() as u32)
     }
 
-    /// A line through points.
+    /// Draws a line through points.
     pub fn line(&self, points: &[[f64; 2]], colour: RGBColor, width: f64) -> Painted {
-        // Points nearer than the backend can tell apart only make the file longer.
+        // Points closer than the backend's resolution only enlarge the file.
         let mut path: Vec<(i32, i32)> = points.iter().map(|at| self.fine(*at)).collect();
         path.dedup();
         for piece in between_spikes(&path) {
@@ -209,7 +209,7 @@ impl<'a> Canvas<'a> {
         Ok(())
     }
 
-    /// A dashed line through points: the lengths of dashes and gaps, colour and width.
+    /// Draws a dashed line through points, with the lengths of dashes and gaps, colour and width.
     pub fn dashed(
         &self,
         points: &[[f64; 2]],
@@ -219,7 +219,7 @@ impl<'a> Canvas<'a> {
         dashes(points, lengths).iter().try_for_each(|dash| self.line(dash, colour, width))
     }
 
-    /// A filled polygon with an outline.
+    /// Draws a filled polygon with an outline.
     pub fn polygon(&self, corners: &[[f64; 2]], fill: RGBColor, outline: RGBColor) -> Painted {
         let mut path: Vec<(i32, i32)> = corners.iter().map(|at| self.fine(*at)).collect();
         self.area.draw(&Polygon::new(path.clone(), fill.filled())).map_err(failed)?;
@@ -227,14 +227,14 @@ impl<'a> Canvas<'a> {
         self.area.draw(&PathElement::new(path, self.stroke(outline, 1.0))).map_err(failed)
     }
 
-    /// A rectangle between two opposite corners.
+    /// Draws a rectangle between two opposite corners.
     pub fn rectangle(&self, corners: [[f64; 2]; 2], fill: RGBColor) -> Painted {
         self.area
             .draw(&Rectangle::new(corners.map(|at| self.fine(at)), fill.filled()))
             .map_err(failed)
     }
 
-    /// A filled disc with an outline.
+    /// Draws a filled disc with an outline.
     pub fn disc(
         &self,
         centre: [f64; 2],
@@ -249,8 +249,9 @@ impl<'a> Canvas<'a> {
             .map_err(failed)
     }
 
-    /// A spot of a size at every point. Of spots in one place one is drawn, and those on top of each
-    /// other are one line: the file does not grow with the points.
+    /// Draws a spot of a given size at every point. Coincident spots are drawn once, and spots on
+    /// top of each other as one line, so that the file size does not grow with the number of
+    /// points.
     pub fn specks(&self, points: &[[f64; 2]], colour: RGBColor, size: f64) -> Painted {
         let cell = |at: &[f64; 2]| at.map(|x| (x / size).floor() as i32);
         let cells: BTreeSet<[i32; 2]> = points.iter().map(cell).collect();
@@ -274,19 +275,19 @@ impl<'a> Canvas<'a> {
         open.map_or(Ok(()), line)
     }
 
-    /// A veil over a rectangle about a centre, on which a text can be read.
+    /// Draws a translucent rectangle about a centre, on which a text can be read.
     pub fn veil(&self, centre: [f64; 2], [w, h]: [f64; 2]) -> Painted {
         let corners =
             [-0.5, 0.5].map(|side| self.fine([centre[0] + side * w, centre[1] + side * h]));
         self.area.draw(&Rectangle::new(corners, WHITE.mix(0.75).filled())).map_err(failed)
     }
 
-    /// A text of a size in units.
+    /// Draws a text of a size in units.
     pub fn text(&self, text: &str, at: [f64; 2], size: f64, anchor: Anchor) -> Painted {
         self.coloured(text, at, (size, INK), anchor)
     }
 
-    /// A text of a size in units, and of a colour.
+    /// Draws a text of a size in units, in a given colour.
     pub fn coloured(
         &self,
         text: &str,
@@ -307,8 +308,8 @@ impl<'a> Canvas<'a> {
             Anchor::Middle | Anchor::Upwards => HPos::Center,
             Anchor::Right => HPos::Right,
         };
-        // The backend puts the foot of the letters 0.76 of the size below a point at their top;
-        // half the height of a digit is 0.36 of the size.
+        // The backend puts the baseline 0.76 of the size below a point at the top; half the height
+        // of a digit is 0.36 of the size.
         let shift = size * (FOOT - 0.36);
         let at = match anchor {
             Anchor::Upwards => [at[0] - shift, at[1]],
@@ -319,13 +320,13 @@ impl<'a> Canvas<'a> {
     }
 }
 
-/// A text without the letters that XML does not have.
+/// Removes letters that are invalid in XML.
 fn well_formed(text: &str) -> String {
     let foreign = |letter: char| letter.is_control() || ('\u{fffe}'..='\u{ffff}').contains(&letter);
     text.replace(foreign, "\u{fffd}")
 }
 
-/// The width of a text in units: an estimate, since the font is the reader's.
+/// Estimates the width of a text in units, since the viewer chooses the font.
 pub(super) fn text_width(text: &str, size: f64) -> f64 {
     let narrow = |letter: char| "fijlrt.,:;|'()[] ".contains(letter);
     let wide = |letter: char| letter.is_uppercase() || "mw–".contains(letter);

@@ -1,21 +1,21 @@
-//! Lines that lie on each other: a line below others is seen as a pale band beside them.
+//! Coincident lines: a line below others is drawn as a pale band beside them.
 
 use super::labels::{SAMPLED, sampled};
 use crate::output::figure::Style;
 use std::collections::{BTreeSet, HashMap};
 
-/// The width of the band of a line below one other line, and how much wider it is below a second and
-/// a third one, in units.
+/// The width of the band of a line below one other line, and the additional widths below a second
+/// and a third one, in units.
 const BAND: f64 = 5.0;
 const WIDER: f64 = 2.0;
 /// Half the distance of the points of a sampled line.
 const SPACING: f64 = 0.5 * SAMPLED;
-/// Lines nearer than this, in units, hide each other.
+/// The distance, in units, below which lines hide each other.
 const NEAR: f64 = 1.2;
-/// Lines that are near each other over a shorter length, in units, merely cross or touch.
+/// The length, in units, below which lines that are near each other merely cross or touch.
 const LEAST: f64 = 45.0;
 
-/// A line in units, with the position of its name.
+/// A line in units, with the index of its name.
 pub(super) struct Line {
     pub style: Style,
     pub points: Vec<[f64; 2]>,
@@ -28,16 +28,16 @@ impl Line {
     }
 }
 
-/// A part of a line that lies below others.
+/// A part of a line that is hidden below others.
 pub(super) struct Hidden {
     pub points: Vec<[f64; 2]>,
-    /// The position of its name.
+    /// The index of its name.
     pub name: usize,
     /// The width of its band.
     pub width: f64,
 }
 
-/// The parts of lines that lie below later lines of other names, the lowest first.
+/// Returns the parts of lines hidden below later lines of other names, the lowest first.
 pub(super) fn hidden(lines: &[Line]) -> Vec<Hidden> {
     let cell = |at: &[f64; 2]| at.map(|x| (x / NEAR).floor() as i32);
     // The lines in each cell, with a point of each.
@@ -54,7 +54,7 @@ pub(super) fn hidden(lines: &[Line]) -> Vec<Hidden> {
             }
         }
     }
-    // How many lines of other names lie above a point of a line.
+    // Counts the lines of other names above a point of a line.
     let above = |k: usize, at: &[f64; 2]| {
         let [column, row] = cell(at);
         let around = (-3..=3).flat_map(|i| (-3..=3).map(move |j| [column + i, row + j]));
@@ -79,7 +79,7 @@ pub(super) fn hidden(lines: &[Line]) -> Vec<Hidden> {
             }
         }
     }
-    // Narrow bands would be hidden by wide ones.
+    // Wide bands are drawn first, because they would hide narrow ones.
     all.sort_by(|a, b| b.width.total_cmp(&a.width));
     all
 }

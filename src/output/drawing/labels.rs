@@ -1,48 +1,49 @@
-//! Where labels of marks and names of curves stand: near their own, off the curves, off each other.
+//! Placement of labels of marks and names of curves: near their own curve, off other curves and
+//! labels.
 
 /// A rectangle in units: left, top, right, bottom.
 pub(super) type Rectangle = [f64; 4];
 
 const ADVANCE: f64 = 13.0;
-/// Marks of one kind that are nearer than this share a label.
+/// The distance below which marks of the same kind share a label.
 const CROWDED: f64 = 16.0;
-/// The number of points of a curve beside which its name is tried.
+/// The number of points of a curve at which its name is tried.
 const TRIED: usize = 40;
-/// The distance of a name from its curve, and the distance within which other curves confuse.
+/// The distance of a name from its curve, and the distance within which other curves are confusing.
 const BESIDE: f64 = 4.0;
 const CONFUSING: f64 = 14.0;
 /// The largest distance of points on a sampled curve.
 pub(super) const SAMPLED: f64 = 3.0;
-/// How a point of the own curve beside a name counts against one of another curve nearby.
+/// The weight of a point of the name's own curve, relative to a nearby point of another curve.
 const LENGTH: f64 = 0.05;
 
-/// The distance of a text on one side from its curve, the distances from the line across the curve to
-/// the text at which another curve confuses, and the fewest points of a curve that has such texts.
+/// The distance of a text on one side from its curve, the range of distances within which other
+/// curves are confusing, and the smallest number of points of a curve with such texts.
 const ASIDE: f64 = 2.5;
 const ACROSS: f64 = 4.0;
 const SHORTEST: usize = 9;
 
-/// The room for labels in a panel.
+/// The free space for labels in a panel.
 pub(super) struct Room {
-    /// The rectangle that labels may not leave.
+    /// The rectangle that labels must not leave.
     frame: Rectangle,
     /// The rectangles of marks and labels.
     taken: Vec<Rectangle>,
-    /// Points on all curves, some three units apart.
+    /// Points on all curves, about three units apart.
     curves: Vec<[f64; 2]>,
 }
 
 impl Room {
-    /// Room within a frame.
+    /// Creates the free space within a frame.
     pub fn new(frame: Rectangle) -> Self {
         Room { frame, taken: Vec::new(), curves: Vec::new() }
     }
 
-    /// Chooses places for the labels of marks, in order; `None` where each place is taken by a label
-    /// or a mark, or where the same label stands close by.
+    /// Places the labels of marks, in order; `None` if all places are taken by labels or marks, or
+    /// if the same label is nearby.
     ///
-    /// `marks` are points with their labels and the sizes of these, `curves` points on all curves,
-    /// some three units apart.
+    /// `marks` are points with their labels and the sizes of the labels, `curves` points on all
+    /// curves, about three units apart.
     pub fn place_labels(
         &mut self,
         marks: &[([f64; 2], &str, [f64; 2])],
@@ -52,7 +53,7 @@ impl Room {
         self.taken.extend(marks.iter().map(|(at, _, _)| around(*at, [11.0, 11.0])));
         let mut centres: Vec<Option<[f64; 2]>> = Vec::new();
         for (index, (at, label, size)) in marks.iter().enumerate() {
-            // A crowd of marks of one kind would write the same letters over and over.
+            // A cluster of marks of the same kind would repeat the same label.
             let repeated = marks[..index].iter().zip(&centres).any(|((other, text, _), centre)| {
                 let distance = (other[0] - at[0]).hypot(other[1] - at[1]);
                 text == label && Option::is_some(centre) && distance < CROWDED
@@ -73,8 +74,8 @@ impl Room {
         centres
     }
 
-    /// Chooses a place for the name of a curve, given by points some three units apart: on no curve, and
-    /// nearer to its own than to others. `None` if there is no such place.
+    /// Places the name of a curve, given by points about three units apart: on no curve, and nearer
+    /// to its own than to others. Returns `None` if there is no such place.
     pub fn place_name(&mut self, own: &[[f64; 2]], size: [f64; 2]) -> Option<[f64; 2]> {
         let step = own.len().div_ceil(TRIED).max(1);
         let reach = size.map(|side| side / 2.0 + BESIDE + 1.0);
@@ -89,7 +90,7 @@ impl Room {
             if !self.is_free(around(centre, size)) || count(&self.curves, wide) > 0 {
                 return None;
             }
-            // Beside a long piece of its own curve a name is least mistaken.
+            // A long stretch of the curve beside its name is the least ambiguous.
             let beside = count(own, around(centre, size.map(|side| side + 4.0 * BESIDE)));
             let nearby = around(centre, nearby);
             let others = count(&self.curves, nearby) - count(own, nearby);
@@ -100,9 +101,9 @@ impl Room {
         Some(centre)
     }
 
-    /// Chooses places for two texts of these sizes, on the left and on the right of a part of a curve,
-    /// given by points some three units apart with `y` downwards: as near to its middle as there is
-    /// room, opposite each other if that is possible.
+    /// Places two texts of given sizes on the left and on the right of a part of a curve, given by
+    /// points about three units apart with `y` downwards: as near to its middle as possible, and
+    /// opposite each other if possible.
     pub fn place_beside(
         &mut self,
         own: &[[f64; 2]],
@@ -125,8 +126,8 @@ impl Room {
         places
     }
 
-    /// The place of a text beside the second of three points of a curve, on its left (1) or on its
-    /// right (−1), unless something is there or between.
+    /// Returns the place of a text beside the second of three points of a curve, on its left (1) or
+    /// on its right (−1), unless the place is taken.
     fn place_aside(
         &self,
         [from, at, to]: [[f64; 2]; 3],
@@ -151,7 +152,7 @@ impl Room {
         free.then_some(centre)
     }
 
-    /// Gives back the places that were chosen last.
+    /// Frees the places that were chosen last.
     pub fn release(&mut self, count: usize) {
         self.taken.truncate(self.taken.len() - count);
     }
@@ -165,7 +166,7 @@ fn count(points: &[[f64; 2]], place: Rectangle) -> usize {
     points.iter().filter(|point| contains(place, **point)).count()
 }
 
-/// The eight directions, two rings of them, with the preference for each (less is better).
+/// Returns two rings of eight directions, with the penalty of each.
 fn directions() -> impl Iterator<Item = (f64, [f64; 2])> {
     const D: f64 = 0.75;
     let near =
@@ -195,7 +196,7 @@ fn contains(rectangle: Rectangle, [x, y]: [f64; 2]) -> bool {
     rectangle[0] <= x && x <= rectangle[2] && rectangle[1] <= y && y <= rectangle[3]
 }
 
-/// Points some three units apart on a line.
+/// Samples a line at points about three units apart.
 pub(super) fn sampled(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let between = |pair: &[[f64; 2]]| {
         let (from, to) = (pair[0], pair[1]);

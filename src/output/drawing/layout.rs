@@ -1,4 +1,4 @@
-//! The places of panels, of the title above them and of the legend below.
+//! The layout of panels, of the title above them and of the legend below.
 
 use super::canvas::{Canvas, Painted, TEXT};
 use super::legend::{Legend, NAMED as NUMBERED, Naming};
@@ -7,21 +7,21 @@ use crate::output::error::FigureError;
 use crate::output::figure::Figure;
 use std::ops::RangeInclusive;
 
-/// The size in print of text of [`TEXT`] units, in points, of which an inch has 72.
+/// The print size of text of [`TEXT`] units, in points (72 per inch).
 const POINTS: f64 = 7.5;
 const INCH: f64 = 25.4;
-/// The widths of pictures, and the least width of panels side by side, in millimetres.
+/// The widths of pictures, and the smallest width of panels side by side, in millimetres.
 const WIDTHS: RangeInclusive<f64> = 40.0..=1000.0;
 const LEAST_PANEL: f64 = 70.0;
-/// The height of a panel, as a part of its width, and the largest one in units.
+/// The height of a panel relative to its width, and the largest height in units.
 const ASPECT: f64 = 0.72;
 const HIGHEST: f64 = 430.0;
-/// The height of the line in which a title stands above all panels.
+/// The height of the title row above all panels.
 const TITLE_ROW: f64 = 30.0;
-/// The most curves that have their names beside them.
+/// The maximum number of curves with names beside them.
 const NAMED_AT_CURVES: usize = 4;
 
-/// Panels, title and legend, laid out.
+/// The layout of panels, title and legend.
 pub(super) struct Layout<'a> {
     panels: Vec<Panel<'a>>,
     legend: Legend<'a>,
@@ -46,7 +46,7 @@ impl<'a> Layout<'a> {
         let across = figures.len() == 1 || figures[1..].iter().all(|it| it.title.is_empty());
         let title = Some(first.title.as_str()).filter(|title| across && !title.is_empty());
         let mut top = if title.is_some() { TITLE_ROW } else { 0.0 };
-        // The first panel takes the places that would be left.
+        // The first panel takes the places that would stay empty.
         let spare = figures.len().next_multiple_of(columns) - figures.len();
         let mut panels: Vec<Panel> = Vec::new();
         let mut rest = figures;
@@ -72,7 +72,7 @@ impl<'a> Layout<'a> {
         Ok(Layout { panels, legend, title, width, bottom: top })
     }
 
-    /// Width and height, in units.
+    /// Returns the width and height, in units.
     pub fn size(&self) -> [f64; 2] {
         let legend = match self.legend.height() {
             0.0 => 0.0,
@@ -91,12 +91,12 @@ impl<'a> Layout<'a> {
     }
 }
 
-/// The room beside the legend.
+/// The margin beside the legend.
 const MARGIN: f64 = 16.0;
 
-/// Writes the names of curves beside them where they are few, each in the first panel that shows the
-/// curve and has room for the name. Panels whose curves have the same names, as far as they go, share
-/// their colours and their entries in the legend: those that are still to be named are returned.
+/// Writes the names of curves beside them if they are few, each in the first panel that shows the
+/// curve and has space for the name. Panels whose curves have the same names, as far as they go,
+/// share colours and entries in the legend. Returns the names that remain for the legend.
 fn named<'a>(panels: &mut [Panel<'a>]) -> Vec<Naming<'a>> {
     let mut namings: Vec<Naming> = Vec::new();
     for index in 0..panels.len() {
@@ -124,7 +124,7 @@ fn named<'a>(panels: &mut [Panel<'a>]) -> Vec<Naming<'a>> {
             .into_iter()
             .filter(|(_, name)| naming.panels.iter().any(|index| shown(panels, index, name)));
         let seen: Vec<(usize, &str)> = seen.collect();
-        // All names are beside their curves, or all are in the legend.
+        // Either all names are beside their curves, or all are in the legend.
         let few = seen.len() <= NAMED_AT_CURVES;
         let all = few
             && seen.iter().all(|(colour, name)| {
@@ -139,8 +139,8 @@ fn named<'a>(panels: &mut [Panel<'a>]) -> Vec<Naming<'a>> {
     namings
 }
 
-/// Writes the numbers that names have in the legend beside their curves, where there is room: colours
-/// may be printed in grey, and begin again after the last.
+/// Writes the legend numbers of names beside their curves, if there is space: pictures may be
+/// printed in grey, and colours repeat after the last.
 fn number(panels: &mut [Panel], naming: &Naming) {
     for (k, (colour, name)) in naming.named.iter().take(NUMBERED).enumerate() {
         for index in &naming.panels {

@@ -10,14 +10,15 @@ use plotters::style::RGBColor;
 const ROW: f64 = 19.0;
 const SAMPLE: f64 = 30.0;
 const GAP: f64 = 22.0;
-/// The smallest size of a text that is too wide, as a part of the usual size.
+/// The smallest size of a text that is too wide, relative to the normal size.
 const LEAST: f64 = 0.4;
-/// The most curves that the legend names; others are only counted.
+/// The maximum number of curves listed in the legend; further ones are only counted.
 pub(super) const NAMED: usize = 15;
 
-/// A legend: the names of the curves, and below them what styles and marks mean.
+/// A legend: the names of the curves, and below them the meanings of styles and marks.
 pub(super) struct Legend<'a> {
-    /// Each with the middle of its left side, seen from the upper left corner of the legend.
+    /// The entries, each with the middle of its left side relative to the upper left corner of the
+    /// legend.
     entries: Vec<(Entry<'a>, [f64; 2])>,
     width: f64,
     height: f64,
@@ -46,7 +47,7 @@ enum Sample<'a> {
 }
 
 impl<'a> Legend<'a> {
-    /// The legend of figures, in a width in units.
+    /// Creates the legend of figures, in a width in units.
     pub fn new(figures: &'a [Figure], namings: Vec<Naming<'a>>, width: f64) -> Self {
         let mut legend = Legend { entries: Vec::new(), width, height: 0.0 };
         let several = namings.iter().filter(|naming| !naming.named.is_empty()).count() > 1;
@@ -58,7 +59,7 @@ impl<'a> Legend<'a> {
         legend
     }
 
-    /// Adds entries below the others, after a heading: side by side if one row holds them, else in
+    /// Adds entries below the others, after a heading: side by side if they fit in one row, else in
     /// aligned columns.
     fn add(&mut self, heading: String, group: Vec<Entry<'a>>, width: f64) {
         if group.is_empty() {
@@ -91,12 +92,12 @@ impl<'a> Legend<'a> {
         self.height += ROW * rows as f64 + 4.0;
     }
 
-    /// Its height in units.
+    /// Returns the height in units.
     pub fn height(&self) -> f64 {
         self.height
     }
 
-    /// Draws it, with its upper left corner at a point.
+    /// Draws the legend, with its upper left corner at a point.
     pub fn draw(&self, canvas: &Canvas, [left, top]: [f64; 2]) -> Painted {
         let mut entries = self.entries.iter();
         let right = left + self.width;
@@ -104,7 +105,7 @@ impl<'a> Legend<'a> {
     }
 }
 
-/// The letters of panels: `(a), (c)`, or `(a)–(d)` for a row of them.
+/// Returns the letters of panels: `(a), (c)`, or `(a)–(d)` for consecutive panels.
 fn letters(panels: &[usize]) -> String {
     let of = |index: &usize| format!("({})", letter(*index));
     match panels {
@@ -115,7 +116,7 @@ fn letters(panels: &[usize]) -> String {
     }
 }
 
-/// The meanings of styles, marks and tiles.
+/// Returns the meanings of styles, marks and tiles.
 fn meanings(figures: &[Figure]) -> Vec<Entry<'_>> {
     let mut meanings: Vec<Entry> = Vec::new();
     let mut add = |sample, text: String| {
@@ -132,7 +133,7 @@ fn meanings(figures: &[Figure]) -> Vec<Entry<'_>> {
             add(Sample::Curve(*style, INK), text.clone());
         }
     }
-    // The user's points are labelled with their own event.
+    // User points are labelled with their own event.
     let marks = figures.iter().flat_map(|figure| &figure.marks);
     for mark in marks.filter(|mark| mark.symbol != Symbol::TriangleDown) {
         match mark.symbol {
@@ -150,7 +151,7 @@ fn meanings(figures: &[Figure]) -> Vec<Entry<'_>> {
     meanings
 }
 
-/// The names of curves of some panels.
+/// Returns the names of curves of some panels.
 fn names<'a>(figures: &'a [Figure], naming: &Naming<'a>) -> Vec<Entry<'a>> {
     let Naming { named, panels, .. } = naming;
     if named.is_empty() {
@@ -164,7 +165,7 @@ fn names<'a>(figures: &'a [Figure], naming: &Naming<'a>) -> Vec<Entry<'a>> {
     let styled = figures().any(|figure| !figure.styles.is_empty());
     let style = |name: &str| match of(name) {
         Some(style @ (Style::Specks | Style::Blots | Style::Dots)) => style,
-        // The styles have entries of their own, and a curve may have several.
+        // The styles have separate entries, and a curve may have several styles.
         _ if styled => Style::Solid,
         style => style.unwrap_or(Style::Solid),
     };
@@ -189,7 +190,7 @@ impl Entry<'_> {
         }
     }
 
-    /// Its width with the gap behind it.
+    /// Returns the width, including the gap after the entry.
     fn width(&self) -> f64 {
         self.sample_width() + 6.0 + text_width(&self.text, TEXT) + GAP
     }
@@ -215,7 +216,7 @@ impl Entry<'_> {
             }
             Sample::Mark(sample) => mark(canvas, sample.symbol, [x + 7.0, y])?,
         }
-        // A text that is wider than the legend is smaller.
+        // A text that is wider than the legend is shrunk.
         let left = x + self.sample_width() + 6.0;
         let size =
             TEXT * ((right - left) / text_width(&self.text, TEXT).max(1.0)).clamp(LEAST, 1.0);

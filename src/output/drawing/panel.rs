@@ -1,4 +1,4 @@
-//! One figure: its axes, curves and marks, and the names beside its curves.
+//! The drawing of one figure: axes, curves and marks, and the names beside its curves.
 
 use super::canvas::{Anchor, Canvas, FAINT, INK, LIGHT, Painted, TEXT, text_width};
 use super::coincident::{Hidden, Line, hidden};
@@ -11,51 +11,51 @@ use crate::output::figure::{Beside, Figure, Mark, Series, Style, Wall};
 
 const TITLE: f64 = 16.0;
 const NAME: f64 = 13.0;
-/// Texts on the sides of curves.
+/// The size of texts on the sides of curves.
 const SMALL: f64 = 10.0;
-/// Room above the data: for a letter, or for a title.
+/// The margin above the data for a letter, and for a title.
 const ABOVE: f64 = 26.0;
 const ABOVE_WITH_TITLE: f64 = 46.0;
-/// Room for the last tick's label, and for ticks and name of the horizontal axis.
+/// The margin for the last tick's label, and for the ticks and name of the horizontal axis.
 const RIGHT: f64 = 20.0;
 const BELOW: f64 = 48.0;
-/// The room between ticks, in units.
+/// The distance between ticks, in units.
 const BETWEEN_TICKS: [f64; 2] = [85.0, 58.0];
 
-/// The points of a curve that is smooth though it is no branch.
+/// The number of points above which a curve other than a branch is smoothed.
 const ENOUGH: usize = 20;
 
 /// The length of the strokes that hatch a wall, and their distance.
 const HATCH: f64 = 7.0;
 
-/// A figure laid out.
+/// A figure with its layout.
 pub(super) struct Panel<'a> {
     pub figure: &'a Figure,
     x: Ticks,
     y: Ticks,
-    /// Left, top, width and height.
+    /// The place: left, top, width and height.
     place: [f64; 4],
     /// The rectangle of the data: left, top, right, bottom.
     frame: [f64; 4],
     letter: Option<String>,
-    /// Whether the title stands above this panel.
+    /// Whether the title is above this panel.
     titled: bool,
-    /// The marks that are seen, with the middles of their labels.
+    /// The visible marks, with the middles of their labels.
     marks: Vec<(&'a Mark, Option<[f64; 2]>)>,
-    /// Names beside their curves: with the middle, and the index of the colour.
+    /// The names beside curves, with their middles and the indices of their colours.
     names: Vec<(String, [f64; 2], usize)>,
     /// Texts on the sides of curves, with their middles.
     beside: Vec<(&'a str, [f64; 2])>,
     room: Room,
 }
 
-/// Writes a title in the middle above a width.
+/// Writes a title centred above a given width.
 pub(super) fn heading(canvas: &Canvas, title: &str, [x, y]: [f64; 2], width: f64) -> Painted {
     let size = TITLE * ((width - 60.0) / text_width(title, TITLE).max(1.0)).min(1.0);
     canvas.text(title, [x + width / 2.0, y + 20.0], size, Anchor::Middle)
 }
 
-/// The letter of a panel: a, b, … z, aa, ab, …
+/// Returns the letter of a panel: a, b, … z, aa, ab, …
 pub(in crate::output) fn letter(index: usize) -> String {
     let last = char::from(b'a' + (index % 26) as u8);
     match index / 26 {
@@ -65,7 +65,7 @@ pub(in crate::output) fn letter(index: usize) -> String {
 }
 
 impl<'a> Panel<'a> {
-    /// Lays a figure out in a place: left, top, width and height.
+    /// Lays out a figure in a place: left, top, width and height.
     pub fn new(
         figure: &'a Figure,
         place: [f64; 4],
@@ -106,24 +106,24 @@ impl<'a> Panel<'a> {
             marks: Vec::new(),
             names: Vec::new(),
             beside: Vec::new(),
-            // Labels may stand a little beyond the data.
+            // Labels may extend a little beyond the data.
             room: Room::new([frame[0], frame[1] - 8.0, frame[2] + 18.0, frame[3]]),
         };
         panel.place_marks();
         Ok(panel)
     }
 
-    /// Its height.
+    /// Returns the height.
     pub fn height(&self) -> f64 {
         self.place[3]
     }
 
-    /// Whether a curve of this name has a point here.
+    /// Returns whether a curve of this name has a point here.
     pub fn shows(&self, name: &str) -> bool {
         self.figure.series.iter().any(|series| series.name == name && !series.points.is_empty())
     }
 
-    /// Chooses places for the labels of the marks.
+    /// Places the labels of the marks.
     fn place_marks(&mut self) {
         let figure = self.figure;
         let series = figure.series.iter().filter(|series| !is_spots(series.style));
@@ -136,13 +136,13 @@ impl<'a> Panel<'a> {
         self.marks = marks.into_iter().zip(places).collect();
     }
 
-    /// Whether a point of the data lies within both axes.
+    /// Returns whether a point of the data lies within both axes.
     fn sees(&self, at: &[f64; 2]) -> bool {
         let inside = |range: [f64; 2], value: f64| range[0] <= value && value <= range[1];
         inside(self.x.range, at[0]) && inside(self.y.range, at[1])
     }
 
-    /// Writes a name of a curve beside the curve, if there is room for it.
+    /// Writes the name of a curve beside the curve, if there is space.
     pub fn name(&mut self, curve: &str, name: &str, colour: usize) -> bool {
         let series = self.figure.series.iter().filter(|series| series.name == curve);
         let lines = series.filter(|it| !(is_spots(it.style) || it.style == Style::Dots));
@@ -152,7 +152,7 @@ impl<'a> Panel<'a> {
         place.is_some()
     }
 
-    /// Chooses places for the texts on the sides of curves, where there is room.
+    /// Places the texts on the sides of curves, if there is space.
     pub fn place_beside(&mut self) {
         for Beside { points, sides, .. } in &self.figure.beside {
             let pixels = points.windows(2).filter(|pair| pair.iter().all(|at| self.sees(at)));
@@ -166,13 +166,13 @@ impl<'a> Panel<'a> {
         }
     }
 
-    /// Takes the names of curves away again.
+    /// Removes the names of curves.
     pub fn forget_names(&mut self) {
         self.room.release(self.names.len());
         self.names.clear();
     }
 
-    /// Draws it.
+    /// Draws the panel.
     pub fn draw(&self, canvas: &Canvas) -> Painted {
         for tile in &self.figure.tiles {
             let corners = tile.corners().map(|corner| self.pixel(corner));
@@ -232,7 +232,7 @@ impl<'a> Panel<'a> {
                 name: names.iter().position(|name| *name == series.name).unwrap_or(0),
             })
             .collect();
-        // Large spots are behind all lines, small ones before them.
+        // Large spots are drawn behind all lines, small ones in front of them.
         lines.sort_by_key(|line| match line.style {
             Style::Blots => 0,
             Style::Specks => 2,
@@ -246,7 +246,7 @@ impl<'a> Panel<'a> {
         front.iter().try_for_each(|it| curve(canvas, it.style, &it.points, colour(it.name)))
     }
 
-    /// Walls with their hatching.
+    /// Draws walls with their hatching.
     fn walls(&self, canvas: &Canvas) -> Painted {
         let [left, top, right, bottom] = self.frame;
         for Wall { axis, at, side } in &self.figure.walls {
@@ -278,8 +278,9 @@ impl<'a> Panel<'a> {
         Ok(())
     }
 
-    /// The points of a series in units. Branches are smooth, over their pieces; other curves through
-    /// enough points are smooth where they turn little: motion may have corners.
+    /// Returns the points of a series in units. Branches are smoothed over their pieces; other
+    /// curves with enough points are smoothed where they turn little, since motion may have
+    /// corners.
     fn points(&self, k: usize) -> Vec<[f64; 2]> {
         let all = &self.figure.series;
         let Series { name, style, points, origins } = &all[k];
@@ -298,7 +299,7 @@ impl<'a> Panel<'a> {
         smooth(&own, [before, after.and_then(|it| it.points.get(1)).map(pixel)], CORNER)
     }
 
-    /// Marks, their labels, and the names of curves.
+    /// Draws marks, their labels, and the names of curves.
     fn labels(&self, canvas: &Canvas) -> Painted {
         let labels = || self.marks.iter().filter_map(|(mark, at)| Some((*mark, (*at)?)));
         for (mark, at) in labels() {
@@ -322,24 +323,24 @@ impl<'a> Panel<'a> {
         })
     }
 
-    /// Points on a series, near each other.
+    /// Samples a series at close points.
     fn sampled(&self, series: &Series) -> Vec<[f64; 2]> {
         sampled(&series.points.iter().map(|at| self.pixel(*at)).collect::<Vec<_>>())
     }
 
-    /// The place of a point of the data.
+    /// Returns the place of a point of the data.
     fn pixel(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let [left, top, right, bottom] = self.frame;
         [left + self.x.part(x) * (right - left), bottom - self.y.part(y) * (bottom - top)]
     }
 }
 
-/// Whether a curve is drawn as spots so small that they count as no line.
+/// Returns whether a curve is drawn as spots that are too small to count as a line.
 fn is_spots(style: Style) -> bool {
     matches!(style, Style::Specks | Style::Blots)
 }
 
-/// The size of a text that must not be longer than the room it has.
+/// Returns the size of a text that fits into a given length.
 fn fitting(text: &str, size: f64, room: f64) -> f64 {
     size * (room / text_width(text, size).max(1.0)).min(1.0)
 }

@@ -1,4 +1,4 @@
-//! A page of PDF as a backend of plotters: lines and areas as they are, letters as their outlines.
+//! A PDF page as a backend of plotters: lines and areas as vector graphics, letters as outlines.
 
 use super::text::{Stroke, outlines};
 use flate2::Compression;
@@ -12,22 +12,22 @@ use std::collections::BTreeSet;
 use std::convert::Infallible;
 use std::io::Write;
 
-/// How far the ends of the tangents of a quarter of a circle are from its ends, in radii: the cubic
-/// is then a circle to 2.7e-4.
+/// The distance of control points from the ends of a quarter circle, in radii: the cubic then
+/// approximates the circle to 2.7e-4.
 const QUARTER: f32 = 0.552_284_8;
 
-/// A page that is drawn.
+/// A page being drawn.
 pub(super) struct Page {
     content: Content,
     size: (u32, u32),
-    /// Degrees of opacity in percent.
+    /// The opacities in use, in percent.
     veils: BTreeSet<u8>,
 }
 
 type Drawn = Result<(), DrawingErrorKind<Infallible>>;
 
 impl Page {
-    /// A page of a size in pixels, shown in a width in points.
+    /// Creates a page of a size in pixels, shown in a width in points.
     pub fn new(size: (u32, u32), width: f64) -> Self {
         let mut content = Content::new();
         let scale = (width / f64::from(size.0)) as f32;
@@ -38,7 +38,7 @@ impl Page {
         Page { content, size, veils: BTreeSet::new() }
     }
 
-    /// The file, with sides in points.
+    /// Returns the file, with sides in points.
     pub fn finish(self, sides: [f64; 2]) -> std::io::Result<Vec<u8>> {
         let [catalog, pages, page, content] = [1, 2, 3, 4].map(Ref::new);
         let mut pdf = Pdf::new();
@@ -87,7 +87,7 @@ impl Page {
     }
 }
 
-/// The name of a degree of opacity.
+/// Returns the name of an opacity.
 fn veil(percent: u8) -> String {
     format!("A{percent}")
 }
@@ -96,7 +96,7 @@ fn float((x, y): BackendCoord) -> [f32; 2] {
     [x as f32, y as f32]
 }
 
-/// A path through points.
+/// Adds a path through points.
 fn path(content: &mut Content, points: impl IntoIterator<Item = BackendCoord>) {
     for (k, at) in points.into_iter().enumerate() {
         let [x, y] = float(at);

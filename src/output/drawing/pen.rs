@@ -1,12 +1,12 @@
-//! Colours, and how curves and symbols are drawn.
+//! Colours, and the drawing of curves and symbols.
 
 use super::canvas::{BLOT, Canvas, INK, Painted, SPECK};
 use crate::output::figure::{Style, Symbol};
 use crate::output::tile::{Hue, Tile};
 use plotters::style::{RGBColor, WHITE};
 
-/// Colours of curves, which differ for colour-blind readers as well (after Okabe, Ito and Tol).
-/// They begin again after the last.
+/// The colours of curves, distinct also for colour-blind readers (after Okabe, Ito and Tol). They
+/// repeat after the last.
 const COLOURS: [RGBColor; 10] = [
     RGBColor(0, 114, 178),
     RGBColor(230, 159, 0),
@@ -20,44 +20,44 @@ const COLOURS: [RGBColor; 10] = [
     RGBColor(17, 119, 51),
 ];
 
-/// The colour of a curve, by its position among the names of a figure.
+/// Returns the colour of a curve, by its index among the names of a figure.
 pub(super) fn colour(index: usize) -> RGBColor {
     COLOURS[index % COLOURS.len()]
 }
 
-/// The colours of curves, as in HTML.
+/// Returns the colours of curves in HTML notation.
 pub(in crate::output) fn hexadecimal() -> Vec<String> {
     COLOURS.iter().map(|RGBColor(r, g, b)| format!("#{r:02x}{g:02x}{b:02x}")).collect()
 }
 
-/// The colour of a tile, as in HTML.
+/// Returns the colour of a tile in HTML notation.
 pub(in crate::output) fn shade(tile: &Tile) -> String {
     let RGBColor(r, g, b) = tint(tile.hue, tile.shade);
     format!("#{r:02x}{g:02x}{b:02x}")
 }
 
-/// The colour of a curve's name: darker, to be read.
+/// Returns the colour of a curve's name, darker for readability.
 pub(super) fn darker(index: usize) -> RGBColor {
     let RGBColor(r, g, b) = colour(index);
     let [r, g, b] = [r, g, b].map(|part| (f64::from(part) * 0.8) as u8);
     RGBColor(r, g, b)
 }
 
-/// A colour half-way to white.
+/// Returns a colour half-way to white.
 pub(super) fn pale(RGBColor(r, g, b): RGBColor) -> RGBColor {
     let [r, g, b] = [r, g, b].map(|part| part / 2 + 128);
     RGBColor(r, g, b)
 }
 
-/// The colour of a tile: shades of a hue differ in lightness, the hues for colour-blind readers as
-/// well. The lightest shades begin again after the darkest.
+/// Returns the colour of a tile: shades of a hue differ in lightness, the hues are distinct also
+/// for colour-blind readers. Shades repeat, starting with the lightest.
 pub(super) fn tint(hue: Hue, shade: usize) -> RGBColor {
     let shades: &[(u8, u8, u8)] = match hue {
         Hue::Green => &[(178, 226, 204), (102, 194, 164), (35, 139, 105), (0, 88, 66)],
         Hue::Blue => &[(133, 180, 226), (66, 133, 196), (33, 91, 158), (8, 48, 107)],
         Hue::Yellow => &[(255, 237, 160), (254, 204, 92), (240, 160, 40), (196, 118, 10)],
         Hue::Red => &[(206, 60, 100), (158, 1, 66), (100, 0, 86), (50, 0, 30)],
-        // Of one lightness after the other, after C. Brewer.
+        // Shades of decreasing lightness, after C. Brewer.
         Hue::Level => &[
             (255, 255, 217),
             (237, 248, 177),

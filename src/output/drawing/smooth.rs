@@ -1,22 +1,22 @@
 //! Smooth curves through points.
 
-/// A curve turns by no more than this between two points of its drawing, in radians.
+/// The largest turn of a drawn curve between two of its points, in radians.
 const TURN: f64 = 0.05;
 
-/// A branch that turns by more than this at a point has a corner there, in radians.
+/// The turn above which a branch has a corner at a point, in radians.
 pub(super) const CORNER: f64 = 1.2;
 
-/// And motion, which may have corners.
+/// The turn above which a motion has a corner at a point, in radians.
 pub(super) const SLIGHT: f64 = 0.6;
 
-/// The most points between two points of a curve.
+/// The maximum number of interpolated points between two points of a curve.
 const MOST: f64 = 24.0;
 
-/// A curve through points, with further points between them where it turns: cubic pieces whose
-/// direction at a point lies between the directions of the chords on both sides, nearer to the chord
-/// of the shorter piece. At an end the direction is that of a circle. `before` and `after` are the
-/// points next to the ends, where the curve goes on. Where it turns by more than `corner` it has a
-/// corner.
+/// Returns a curve through points, with interpolated points where it turns: cubic pieces whose
+/// direction at a point lies between the directions of the chords on both sides, nearer to the
+/// chord of the shorter piece. At an end the direction is that of a circular arc. `before` and
+/// `after` are the neighbouring points beyond the ends. Where the curve turns by more than `corner`
+/// it has a corner.
 pub(super) fn smooth(
     points: &[[f64; 2]],
     [before, after]: [Option<[f64; 2]>; 2],
@@ -58,7 +58,8 @@ pub(super) fn smooth(
     drawn
 }
 
-/// The directions in which a curve comes to a point, and leaves it, as derivatives by its length.
+/// Returns the incoming and outgoing directions of a curve at a point, as derivatives with respect
+/// to its length.
 fn tangents(points: &[[f64; 2]], k: usize, corner: f64) -> [[f64; 2]; 2] {
     let chord = |i: usize| {
         let (a, b) = (points.get(i)?, points.get(i + 1)?);
@@ -78,7 +79,7 @@ fn tangents(points: &[[f64; 2]], k: usize, corner: f64) -> [[f64; 2]; 2] {
     }
 }
 
-/// A direction mirrored at a chord: the other end of an arc of a circle has it.
+/// Mirrors a direction at a chord, which gives the direction at the other end of a circular arc.
 fn mirrored(direction: [f64; 2], chord: [f64; 2]) -> [f64; 2] {
     let square = chord[0] * chord[0] + chord[1] * chord[1];
     let along = 2.0 * (direction[0] * chord[0] + direction[1] * chord[1]) / square;
@@ -93,7 +94,7 @@ fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
     (a[0] - b[0]).hypot(a[1] - b[1])
 }
 
-/// The angle between two directions.
+/// Returns the angle between two directions.
 fn angle(a: [f64; 2], b: [f64; 2]) -> f64 {
     (a[0] * b[1] - a[1] * b[0]).atan2(a[0] * b[0] + a[1] * b[1]).abs()
 }

@@ -1,5 +1,4 @@
-//! Text in pixels or outlines, in a font that the program brings: pictures look the same on every
-//! system.
+//! Text as pixels or outlines, in a built-in font, so that pictures look the same on every system.
 
 use ab_glyph::{Font, FontRef, Glyph, OutlineCurve, Point, PxScale, PxScaleFont, ScaleFont, point};
 use plotters_backend::{
@@ -12,12 +11,12 @@ static FONT: LazyLock<Option<FontRef<'static>>> = LazyLock::new(|| {
     FontRef::try_from_slice(include_bytes!("../../../assets/DejaVuSans-subset.ttf")).ok()
 });
 
-/// plotters' sizes as multiples of the sizes of letters, and how far the foot of the letters is below
-/// the top, as a part of their size (as its SVG backend has them).
+/// The ratio of plotters' font sizes to letter sizes, and the distance of the baseline from the top
+/// relative to the size, as in plotters' SVG backend.
 pub(super) const SIZES: f64 = 1.24;
 pub(super) const FOOT: f64 = 0.76;
 
-/// The first letter of a text that the font lacks.
+/// Returns the first letter of a text that the font lacks.
 pub(super) fn lacking(text: &str) -> Option<char> {
     let lacks = |letter: &char| match &*FONT {
         Some(font) => font.glyph_id(*letter).0 == 0,
@@ -26,8 +25,8 @@ pub(super) fn lacking(text: &str) -> Option<char> {
     text.chars().find(lacks)
 }
 
-/// The letters of a text with their places, for a pen at the left end of the text, and the length of
-/// the text.
+/// Returns the letters of a text with their places, relative to the left end of the text, and the
+/// length of the text.
 fn glyphs(text: &str, font: &PxScaleFont<&FontRef<'static>>, size: f64) -> (Vec<Glyph>, f32) {
     let (mut pen, mut last) = (0.0, None);
     let mut glyphs = Vec::new();
@@ -42,7 +41,7 @@ fn glyphs(text: &str, font: &PxScaleFont<&FontRef<'static>>, size: f64) -> (Vec<
     (glyphs, pen)
 }
 
-/// How far the pen begins to the right of the point at which a text of a length stands.
+/// Returns the offset of the left end of a text of a given length from its reference point.
 fn left<S: BackendTextStyle>(style: &S, length: f32) -> f32 {
     match style.anchor().h_pos {
         HPos::Left => 0.0,
@@ -51,7 +50,7 @@ fn left<S: BackendTextStyle>(style: &S, length: f32) -> f32 {
     }
 }
 
-/// A font in the size of a style, and the size of its letters in pixels.
+/// Returns a font in the size of a style, and the size of its letters in pixels.
 fn scaled<S: BackendTextStyle>(
     font: &'static FontRef<'static>,
     style: &S,
@@ -63,7 +62,7 @@ fn scaled<S: BackendTextStyle>(
 
 /// A piece of the outline of letters.
 pub(super) enum Stroke {
-    /// A new outline begins.
+    /// The start of a new outline.
     To([f32; 2]),
     /// A straight line.
     Line([f32; 2]),
@@ -71,7 +70,7 @@ pub(super) enum Stroke {
     Curve([f32; 2], [f32; 2], [f32; 2]),
 }
 
-/// The outlines of a text that stands at a point, as [`write`] writes it.
+/// Returns the outlines of a text at a point, with the alignment of [`write`].
 pub(super) fn outlines<S: BackendTextStyle>(
     text: &str,
     style: &S,
@@ -102,7 +101,8 @@ pub(super) fn outlines<S: BackendTextStyle>(
                 strokes.push(Stroke::To(place(from)));
             }
             last = Some(to);
-            // A quadratic curve is the cubic one whose control points are 2/3 of the way to its own.
+            // A quadratic curve equals the cubic one whose control points are 2/3 of the way to its
+            // control point.
             let towards = |end: Point, control: Point| {
                 point(
                     end.x + 2.0 / 3.0 * (control.x - end.x),
@@ -121,8 +121,8 @@ pub(super) fn outlines<S: BackendTextStyle>(
     strokes
 }
 
-/// Writes a text with the middle of the left side, the right side or the text itself at a point, by
-/// pixels that are partly covered.
+/// Writes an antialiased text, aligned by the middle of its left side, its right side or the whole
+/// text.
 pub(super) fn write<E, S: BackendTextStyle>(
     text: &str,
     style: &S,

@@ -1,36 +1,36 @@
-//! Round numbers along an axis.
+//! Ticks of an axis at round numbers.
 
 use crate::output::error::FigureError;
 use crate::output::number::significant;
 
-/// An axis: its range, its ticks and what stands beside them.
+/// An axis: its range, its ticks and their labels.
 #[derive(Debug, PartialEq)]
 pub(super) struct Ticks {
     /// The range, a little wider than the data.
     pub(super) range: [f64; 2],
     /// The ticks within the range, with their labels.
     pub(super) ticks: Vec<(f64, String)>,
-    /// The exponent of the power of ten by which all labels are to be multiplied, a multiple of 3.
+    /// The exponent of the power of ten that multiplies all labels, a multiple of 3.
     exponent: i32,
     logarithmic: bool,
 }
 
-/// Units that take prefixes, and the prefixes by exponent. Lengths and times have none for larger
-/// ones.
+/// Units that take prefixes, and the prefixes by exponent. Lengths and times have no prefixes for
+/// large values.
 const UNITS: [&str; 12] = ["m", "s", "V", "A", "N", "Pa", "Hz", "J", "W", "F", "C", "g"];
 const PREFIXES: [(i32, &str); 8] =
     [(-12, "p"), (-9, "n"), (-6, "µ"), (-3, "m"), (3, "k"), (6, "M"), (9, "G"), (12, "T")];
 const ONLY_SMALLER: [&str; 2] = ["m", "s"];
 
 impl Ticks {
-    /// Ticks of a usual or a logarithmic axis.
+    /// Returns the ticks of a linear or a logarithmic axis.
     pub(super) fn of(data: [f64; 2], count: f64, logarithmic: bool) -> Result<Self, FigureError> {
         if logarithmic { Ticks::decades(data, count) } else { Ticks::new(data, count) }
     }
 
-    /// Ticks for positive data between two values, some `count` of them: at powers of ten; at 1, 2 and 5
-    /// times powers of ten where fewer than three powers are in the range; and as on other axes within
-    /// a third of a decade.
+    /// Returns about `count` ticks for positive data between two values: at powers of ten; at 1, 2
+    /// and 5 times powers of ten if the range contains fewer than three powers; and as on linear
+    /// axes within a third of a decade.
     fn decades(data: [f64; 2], count: f64) -> Result<Self, FigureError> {
         let [low, high] = data.map(f64::log10);
         let [low, high] = widened(low, high);
@@ -58,7 +58,7 @@ impl Ticks {
             let all = (low.floor() as i32..=high.floor() as i32)
                 .flat_map(|power| [1, 2, 5].map(|digit| (digit, power)));
             let ticks_of = all.filter_map(|(digit, power)| {
-                // The number nearest to the decimal, which is written shortly.
+                // Parsing the decimal gives the number with the shortest text.
                 let tick: f64 = format!("{digit}e{power}").parse().ok()?;
                 let label = match power {
                     -4..=4 => format!("{tick}"),
@@ -71,7 +71,7 @@ impl Ticks {
         Ok(Ticks { range, ticks, exponent: 0, logarithmic: true })
     }
 
-    /// How far along the axis a value is, as a part of its length.
+    /// Returns the position of a value along the axis, as a fraction of its length.
     pub(super) fn part(&self, value: f64) -> f64 {
         let [low, high] = self.range;
         match self.logarithmic {
@@ -80,7 +80,7 @@ impl Ticks {
         }
     }
 
-    /// Ticks for data between two values, some `count` of them.
+    /// Returns about `count` ticks for data between two values.
     pub(super) fn new([low, high]: [f64; 2], count: f64) -> Result<Self, FigureError> {
         let range = widened(low, high);
         let width = range[1] - range[0];
@@ -105,9 +105,9 @@ impl Ticks {
         Ok(Ticks { range, ticks: ticks.collect(), exponent, logarithmic: false })
     }
 
-    /// The label of the axis, and the factor beside its end: a prefix of the unit in brackets takes
-    /// the place of the factor, `gap (µm)` for `gap (m)` and `×10⁻⁶`. Several columns on one axis keep
-    /// the factor, which holds for all of them.
+    /// Returns the label of the axis, and the factor beside its end: a prefix of the unit in
+    /// brackets replaces the factor, `gap (µm)` for `gap (m)` and `×10⁻⁶`. Several columns on one
+    /// axis keep the common factor.
     pub(super) fn label(&self, label: &str) -> (String, String) {
         let parts = label.strip_suffix(')').and_then(|label| label.rsplit_once('('));
         let parts = parts.filter(|(words, _)| words.ends_with(' ') && !words.contains(['(', ',']));
@@ -123,7 +123,7 @@ impl Ticks {
         }
     }
 
-    /// Names at 0, 1, 2, …, for data between two values.
+    /// Returns ticks with names at 0, 1, 2, …, for data between two values.
     pub(super) fn named([low, high]: [f64; 2], names: &[String]) -> Self {
         let ticks = names.iter().enumerate().map(|(k, name)| (k as f64, name.clone()));
         let range = widened(low, high);
@@ -131,8 +131,8 @@ impl Ticks {
     }
 }
 
-/// The range of the data and a margin of 4 %; values that are all the same get a range as well, and
-/// so do values so small that a power of ten for them cannot be represented.
+/// Returns the range of the data with a margin of 4 %. Ranges of a single value are widened, and so
+/// are ranges of values too small for a representable power of ten.
 fn widened(low: f64, high: f64) -> [f64; 2] {
     let largest = low.abs().max(high.abs());
     let width = high - low;
@@ -144,7 +144,7 @@ fn widened(low: f64, high: f64) -> [f64; 2] {
     [low - margin, high + margin]
 }
 
-/// The round step next to a width: 1, 2 or 5 times a power of ten, and the exponent.
+/// Returns the round step next to a width: 1, 2 or 5 times a power of ten, and the exponent.
 fn round_step(width: f64) -> (f64, i32) {
     let exponent = width.log10().floor() as i32;
     let power = 10f64.powi(exponent);

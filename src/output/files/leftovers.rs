@@ -1,16 +1,16 @@
-//! Temporary files: how they are named, and how those of killed runs are recognised.
+//! Temporary files: their names, and the detection of files left by killed runs.
 //!
-//! A file `NAME` is written as `.NAME.PROCESS.tmp` beside it, which its writer keeps locked. A lock
-//! ends with its process, however that ends, so that a file whose lock can be taken has no writer.
-//! (A process id alone would not do: ids are used again, and containers that share a folder have
-//! their own.)
+//! A file `NAME` is written as `.NAME.PROCESS.tmp` beside it, and the writer keeps the temporary
+//! file locked. A lock is released when its process ends for any reason, so that a file whose lock
+//! can be taken has no writer. (A process id alone would not suffice: ids are reused, and
+//! containers that share a folder have separate ids.)
 
 use std::ffi::OsStr;
 use std::fs::File;
 use std::path::Path;
 
-/// The name of the temporary file of a process, without its ending; a process that writes a file
-/// twice at a time numbers them.
+/// Returns the name of the temporary file of a process, without its extension; simultaneous
+/// temporary files of one process are numbered.
 pub(super) fn temporary(name: &str, serial: usize) -> String {
     let process = std::process::id();
     match serial {
@@ -19,10 +19,10 @@ pub(super) fn temporary(name: &str, serial: usize) -> String {
     }
 }
 
-/// The ending of temporary files.
+/// The extension of temporary files.
 pub(super) const ENDING: &str = ".tmp";
 
-/// Whether this is the name of a temporary file of a file.
+/// Returns whether a name is that of a temporary file of the given file.
 fn is_temporary(found: &OsStr, name: &str) -> bool {
     let process = found.to_str().and_then(|found| {
         found.strip_prefix('.')?.strip_prefix(name)?.strip_prefix('.')?.strip_suffix(ENDING)
@@ -31,8 +31,7 @@ fn is_temporary(found: &OsStr, name: &str) -> bool {
     process.is_some_and(|process| process.splitn(2, '-').all(number))
 }
 
-/// Removes the temporary files of a file whose writers have ended. What cannot be removed is not in
-/// the way.
+/// Removes the temporary files of a file whose writers have ended. Failures are ignored.
 pub(super) fn remove(folder: &Path, name: &str) {
     let entries = folder.read_dir().into_iter().flatten().flatten();
     for entry in entries.filter(|entry| is_temporary(&entry.file_name(), name)) {
@@ -46,7 +45,8 @@ pub(super) fn remove(folder: &Path, name: &str) {
     }
 }
 
-/// Whether an open file is still what stands under a path: it may have been removed, or replaced.
+/// Returns whether an open file is still the file at a path, since it may have been removed or
+/// replaced.
 pub(super) fn is_at(file: &File, path: &Path) -> bool {
     #[cfg(unix)]
     {
@@ -57,7 +57,7 @@ pub(super) fn is_at(file: &File, path: &Path) -> bool {
     }
     #[cfg(not(unix))]
     {
-        // Open files cannot be removed there.
+        // Open files cannot be removed on this system.
         let _ = file;
         path.exists()
     }

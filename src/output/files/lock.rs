@@ -1,4 +1,4 @@
-//! A lock for each result: no two runs write the same files.
+//! A lock for each result, so that two runs do not write the same files.
 
 use super::leftovers::is_at;
 use crate::output::error::FileError;
@@ -6,23 +6,23 @@ use std::fs::{File, TryLockError};
 use std::io::{Error, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 
-/// The lock of the result `NAME` in a folder: the file `.NAME.lock`, which holds the id of the
-/// process. It is released when it is dropped, and when the process ends, however it does: a file
-/// that a killed run leaves is no lock.
+/// The lock of the result `NAME` in a folder: the file `.NAME.lock`, which contains the id of the
+/// process. The lock is released when it is dropped, and when the process ends for any reason; the
+/// file left by a killed run is not a lock.
 pub(crate) struct Lock {
     path: PathBuf,
     _file: File,
 }
 
-/// How often a lock that was just released may be taken by others before they are given way.
+/// The number of retries after a lock was just released by another process.
 const ATTEMPTS: usize = 100;
 
 impl Lock {
-    /// Locks a result in a folder that exists.
+    /// Locks a result in an existing folder.
     ///
     /// # Errors
     /// [`FileError::Locked`] while another process holds the lock, [`FileError::Write`] if the
-    /// folder cannot be written to.
+    /// folder is not writable.
     pub fn take(folder: &Path, name: &str) -> Result<Self, FileError> {
         let path = folder.join(format!(".{name}.lock"));
         for _ in 0..ATTEMPTS {
@@ -41,14 +41,15 @@ impl Lock {
 
 impl Drop for Lock {
     fn drop(&mut self) {
-        // While it is still locked: whoever has opened it sees that it is gone.
+        // The file is removed while still locked, so that other processes that opened it notice the
+        // removal.
         let _ = std::fs::remove_file(&self.path);
     }
 }
 
 enum Attempt {
     Locked(File),
-    /// By this process, if it says so.
+    /// Locked by the process with this id, if known.
     Held(Option<u32>),
     /// The file was removed after it was opened.
     Gone,
@@ -56,9 +57,9 @@ enum Attempt {
 
 fn attempt(path: &Path) -> std::io::Result<Attempt> {
     if path.symlink_metadata().is_ok_and(|there| !there.is_file()) {
-        return Err(Error::new(ErrorKind::AlreadyExists, "a lock is a regular file"));
+        return Err(Error::new(ErrorKind::AlreadyExists, "a lock must be a regular file"));
     }
-    // What another process wrote stays there.
+    // The text of another process is kept.
     let options = File::options().read(true).write(true).create(true).truncate(false).clone();
     let mut file = options.open(path)?;
     match file.try_lock() {
@@ -67,7 +68,7 @@ fn attempt(path: &Path) -> std::io::Result<Attempt> {
             let _ = (&mut file).take(20).read_to_string(&mut process);
             return Ok(Attempt::Held(process.trim().parse().ok()));
         }
-        // A file system without locks does not keep anybody from working.
+        // File systems without locks are accepted.
         Ok(()) | Err(TryLockError::Error(_)) => {}
     }
     if !is_at(&file, path) {

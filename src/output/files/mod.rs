@@ -1,4 +1,4 @@
-//! Files: what may be read, and how results are written.
+//! Files: size limits for reading, and atomic writing of results.
 
 mod leftovers;
 #[cfg(feature = "cli")]

@@ -1,4 +1,4 @@
-//! Reading files, up to a size.
+//! Reading files up to a size limit.
 
 use super::target::kind;
 use crate::output::error::FileError;
@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::channel;
 use std::time::Duration;
 
-/// How large files may be that are read: what is larger is refused before it fills the memory.
+/// The size limits of input files. Larger files are rejected before they fill the memory.
 ///
 /// ```
 /// use tangency::output::SizeLimit;
@@ -16,14 +16,14 @@ use std::time::Duration;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SizeLimit {
-    /// A file, in bytes.
+    /// The maximum size of a file, in bytes.
     pub file: u64,
-    /// The size of an unpacked archive, in bytes.
+    /// The maximum size of an unpacked archive, in bytes.
     pub unpacked: u64,
 }
 
 impl SizeLimit {
-    /// Files of `megabytes` MB, and archives that unpack to four times that size.
+    /// Allows files of `megabytes` MB, and archives that unpack to four times that size.
     pub const fn megabytes(count: u64) -> Self {
         let file = count.saturating_mul(1_000_000);
         SizeLimit { file, unpacked: file.saturating_mul(4) }
@@ -31,13 +31,13 @@ impl SizeLimit {
 }
 
 impl Default for SizeLimit {
-    /// 256 MB, and about 1 GB unpacked.
+    /// Returns limits of 256 MB, and about 1 GB unpacked.
     fn default() -> Self {
         SizeLimit::megabytes(256)
     }
 }
 
-/// How long a FIFO waits for somebody who writes to it.
+/// The time to wait for a writer of a FIFO.
 const PATIENCE: Duration = Duration::from_secs(5);
 
 /// Reads a file.
@@ -68,7 +68,7 @@ pub(crate) fn read_text(path: &Path, limit: SizeLimit) -> Result<String, FileErr
     text_of(path, read(path, limit)?)
 }
 
-/// The text of a file.
+/// Converts the content of a file to text.
 pub(crate) fn text_of(path: &Path, bytes: Vec<u8>) -> Result<String, FileError> {
     String::from_utf8(bytes).map_err(|cause| FileError::NoText {
         path: path.into(),
@@ -76,7 +76,7 @@ pub(crate) fn text_of(path: &Path, bytes: Vec<u8>) -> Result<String, FileError> 
     })
 }
 
-/// Opens what is no regular file: opening a FIFO waits for a writer, who may never come.
+/// Opens a path that is not a regular file, with a time limit: opening a FIFO waits for a writer.
 fn open_patiently(path: &Path) -> std::io::Result<File> {
     let (sender, receiver) = channel();
     let path = PathBuf::from(path);

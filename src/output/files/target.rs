@@ -1,22 +1,22 @@
-//! Which file is replaced where a path leads.
+//! The file that is replaced when writing to a path.
 
 use crate::output::error::FileError;
 use std::fs::FileType;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-/// The file that writing to a path creates or replaces: the path, or the regular file that a
-/// symbolic link leads to.
+/// Returns the file that writing to a path creates or replaces: the path, or the regular file to
+/// which a symbolic link leads.
 ///
 /// # Errors
-/// [`FileError::Special`] for anything else that is there: a rename would put a regular file in
-/// place of a device.
+/// [`FileError::Special`] for any other existing file: a rename would replace a device by a regular
+/// file.
 pub(crate) fn target(path: &Path) -> Result<PathBuf, FileError> {
     let failed = |source| FileError::Write { path: path.into(), source };
     let special = |kind| FileError::Special { path: path.into(), kind };
     let there = match path.symlink_metadata() {
         Ok(there) => there.file_type(),
-        // What else is wrong with the path shows where it is written to.
+        // Other errors of the path are reported when writing.
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(path.into()),
         Err(error) => return Err(failed(error)),
     };
@@ -26,14 +26,14 @@ pub(crate) fn target(path: &Path) -> Result<PathBuf, FileError> {
     if !there.is_symlink() {
         return Err(special(kind(there)));
     }
-    let end = path.canonicalize().map_err(|_| special("a symbolic link that leads to no file"))?;
+    let end = path.canonicalize().map_err(|_| special("a dangling symbolic link"))?;
     match end.symlink_metadata().map_err(failed)?.is_file() {
         true => Ok(end),
-        false => Err(special("a symbolic link to something else than a regular file")),
+        false => Err(special("a symbolic link to something other than a regular file")),
     }
 }
 
-/// The kind of a path that is no regular file, in words.
+/// Describes the kind of a path that is not a regular file.
 pub(crate) fn kind(found: FileType) -> &'static str {
     #[cfg(unix)]
     {
@@ -48,5 +48,5 @@ pub(crate) fn kind(found: FileType) -> &'static str {
             return "a device";
         }
     }
-    if found.is_dir() { "a folder" } else { "no regular file" }
+    if found.is_dir() { "a folder" } else { "not a regular file" }
 }

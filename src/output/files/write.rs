@@ -1,4 +1,4 @@
-//! The one way to write files: whole or not at all, and those of one result together.
+//! Atomic writing of files: each file whole or not at all, and the files of one result together.
 
 use super::leftovers::{self, ENDING, temporary};
 use super::target::target;
@@ -7,7 +7,7 @@ use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
-/// Writes a file whole or not at all: [`write_together`] with one file.
+/// Writes a file whole or not at all, as [`write_together`] does with one file.
 ///
 /// # Errors
 /// As [`write_together`].
@@ -26,15 +26,14 @@ pub fn write_atomically(
     write_together(&[(path, content)])
 }
 
-/// Writes the files of one result, each whole or not at all. All are written as temporary files of
-/// the same folders, then all are renamed, one right after the other: after a failure or a kill all
-/// are as they were, unless it comes between two renames. Folders are made if they are missing.
-/// Symbolic links to regular files are followed. Temporary files of earlier writers that were
-/// killed are removed.
+/// Writes the files of one result, each whole or not at all. All files are written as temporary
+/// files in the same folders, then all are renamed in direct succession: after a failure or a kill
+/// all are unchanged, unless the process ends between two renames. Missing folders are created.
+/// Symbolic links to regular files are followed. Temporary files of killed writers are removed.
 ///
 /// # Errors
-/// [`FileError::Write`] with the path, if a folder cannot be made or written to;
-/// [`FileError::Special`] for a device or anything else that is no regular file.
+/// [`FileError::Write`] with the path, if a folder cannot be created or written to;
+/// [`FileError::Special`] for a device or any other file that is not regular.
 ///
 /// ```
 /// let folder = tempfile::tempdir()?;
@@ -49,7 +48,7 @@ pub fn write_together<P: AsRef<Path>, C: AsRef<[u8]>>(files: &[(P, C)]) -> Resul
     written.into_iter().try_for_each(Written::rename)
 }
 
-/// A file that is complete, and does not have its name yet. Dropped, it is removed.
+/// A complete file that does not have its final name yet. It is removed when dropped.
 struct Written<'a> {
     path: &'a Path,
     target: PathBuf,
@@ -81,13 +80,13 @@ impl<'a> Written<'a> {
     }
 }
 
-/// How many times one process writes a file at the same time.
+/// The maximum number of simultaneous writes of a file by one process.
 const MOST: usize = 100;
 
-/// A new temporary file for a target, locked.
+/// Creates a locked temporary file for a target.
 fn create(target: &Path) -> std::io::Result<NamedTempFile> {
     let Some(name) = target.file_name() else {
-        return Err(std::io::Error::new(ErrorKind::InvalidInput, "the path names no file"));
+        return Err(std::io::Error::new(ErrorKind::InvalidInput, "the path does not name a file"));
     };
     let name = name.to_string_lossy();
     let folder = target.parent().filter(|parent| !parent.as_os_str().is_empty());
@@ -102,10 +101,9 @@ fn create(target: &Path) -> std::io::Result<NamedTempFile> {
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
         match builder.tempfile_in(folder) {
             Ok(file) => {
-                // Where there are no locks, no temporary file is ever taken for one without a
-                // writer.
+                // On systems without locks, no temporary file is ever considered abandoned.
                 let _ = file.as_file().lock();
-                // Before it was locked, another writer may have removed it.
+                // Another writer may have removed the file before it was locked.
                 if leftovers::is_at(file.as_file(), file.path()) {
                     return Ok(file);
                 }
@@ -114,5 +112,5 @@ fn create(target: &Path) -> std::io::Result<NamedTempFile> {
             Err(error) => return Err(error),
         }
     }
-    Err(std::io::Error::new(ErrorKind::ResourceBusy, "it is being written many times at once"))
+    Err(std::io::Error::new(ErrorKind::ResourceBusy, "too many simultaneous writes"))
 }

@@ -1,19 +1,19 @@
-//! What tables of a file must satisfy: they are rectangular, of the runs that there are, and those
-//! of the scene.
+//! Checks of the tables in a file: rectangular, with valid run numbers, and consistent with the
+//! scene.
 
 use super::table::{Row, SweepTable, Sweeps};
 use crate::spelling::listed;
 use std::collections::BTreeMap;
 
-/// The columns that every table begins with.
+/// The first columns of every table.
 const RUN_COLUMNS: [&str; 2] = ["run", "start"];
 const POINT_COLUMNS: [&str; 4] = ["run", "period", "event", "time"];
 
-/// How the tables of a file differ from those that are meant.
+/// The difference between the tables of a file and the expected ones.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{what} of {place} differ: `{found}` in the file, `{expected}` by its scene")]
+#[error("{what} of {place} differ: `{found}` in the file, `{expected}` in its scene")]
 pub struct TableDifference {
-    /// Where: a sweep, or the file.
+    /// The place: a sweep, or the file.
     pub place: String,
     /// The part that differs.
     pub what: &'static str,
@@ -24,10 +24,10 @@ pub struct TableDifference {
 }
 
 impl Sweeps {
-    /// Whether the tables are those of other sweeps, whatever is done of them.
+    /// Checks that the tables belong to the same sweeps, finished or not.
     ///
     /// # Errors
-    /// [`TableDifference`] names the first names, columns or number of runs that differ.
+    /// [`TableDifference`] with the first names, columns or number of runs that differ.
     pub fn check_tables(&self, expected: &Sweeps) -> Result<(), TableDifference> {
         let names = |all: &Sweeps| all.sweeps.iter().map(|sweep| sweep.name.clone()).collect();
         let (found, wanted): (Vec<String>, Vec<String>) = (names(self), names(expected));
@@ -55,7 +55,7 @@ impl Sweeps {
 }
 
 impl SweepTable {
-    /// Refuses columns without which rows have no meaning.
+    /// Rejects tables that lack the required columns.
     pub(super) fn check_columns(&self) -> Result<(), String> {
         let begins = |columns: &[String], known: &[&str]| {
             columns.len() >= known.len() && columns.iter().zip(known).all(|(a, b)| a == b)
@@ -75,20 +75,20 @@ impl SweepTable {
         }
     }
 
-    /// The number of a run, if it is one of those that there are.
+    /// Returns the number of a run, if it is valid.
     pub(super) fn run_number(&self, value: f64) -> Result<usize, String> {
         let run = value as usize;
         match run < self.total && run as f64 == value {
             true => Ok(run),
             false => Err(format!(
-                "the sweep `{}` has a run of the number {value}; its numbers are 0 to {}",
+                "the sweep `{}` has a run of the number {value}; valid numbers are 0 to {}",
                 self.name,
                 self.total as f64 - 1.0
             )),
         }
     }
 
-    /// Takes in a row that is there once.
+    /// Adds a row, and rejects duplicates.
     pub(super) fn take_row(&mut self, run: usize, row: Row) -> Result<(), String> {
         match self.rows.insert(run, row) {
             None => Ok(()),
@@ -97,12 +97,12 @@ impl SweepTable {
     }
 }
 
-/// Refuses failures of runs that are not there.
+/// Rejects failures of runs without rows.
 pub(super) fn check_failures(name: &str, left: &BTreeMap<usize, Row>) -> Result<(), String> {
     match left.keys().next() {
         None => Ok(()),
-        Some(run) => {
-            Err(format!("the sweep `{name}` says why run {run} failed, and has no row of it"))
-        }
+        Some(run) => Err(format!(
+            "the sweep `{name}` has a reason for the failure of run {run}, but no row of the run"
+        )),
     }
 }

@@ -5,19 +5,20 @@ use crate::core::problem::distinct;
 use crate::output::number::significant;
 use crate::output::table::{Csv, quoted};
 
-/// The columns of points that say where they belong.
+/// The columns of points that state their place.
 const PLACE: [&str; 4] = ["run", "period", "event", "time"];
 
-/// What motions settled on: for each point recorded, the `sweep`, the number of the `run`, the values on
-/// all axes (`start NAME` for a state), the number of the `period`, the `event` by name (empty where a
-/// period begins), the `time` in the period, all states, and what was measured. A run without points
-/// has a row with its `failure`, if that is why. Numbers have 15 significant digits; a cell is empty where a sweep lacks the column.
+/// Writes the attractors of sweeps as comma-separated values: for each recorded point, the `sweep`,
+/// the number of the `run`, the values on all axes (`start NAME` for a state), the number of the
+/// `period`, the `event` by name (empty at the beginning of a period), the `time` in the period,
+/// all states, and the measures. A failed run without points has a row with its `failure`. Numbers
+/// have 15 significant digits; a cell is empty if a sweep lacks the column.
 pub(in crate::output) fn csv(sweeps: &[Sweeps]) -> String {
     let tables: Vec<&SweepTable> = sweeps.iter().flat_map(|sweeps| &sweeps.sweeps).collect();
     let axes = distinct(tables.iter().flat_map(|table| &table.axes));
     let mut columns = distinct(tables.iter().flat_map(|table| &table.point_columns));
     columns.retain(|name| !PLACE.contains(name));
-    // A state may be an axis, by its value at the start.
+    // A state may be an axis, by its initial value.
     let title = |axis: &&str| match columns.contains(axis) {
         true => format!("start {axis}"),
         false => (*axis).to_owned(),

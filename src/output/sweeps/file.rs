@@ -1,8 +1,8 @@
 //! The file of a sweep: an archive of columns.
 //!
 //! It is a NumPy archive (`.npz`): a ZIP file whose entries are arrays in NumPy's format,
-//! compressed. The entry `about` holds UTF-8 text as bytes, a RON structure with the tag [`SWEEPS`]
-//! and all names; each column is an entry of 64-bit numbers:
+//! compressed. The entry `about` contains UTF-8 text as bytes, a RON structure with the tag
+//! [`SWEEPS`] and all names; each column is an entry of 64-bit numbers:
 //!
 //! ```text
 //!     about.npy
@@ -10,7 +10,7 @@
 //!     SWEEP/points/COLUMN.npy     one number for each point, run after run
 //! ```
 //!
-//! Names in it hold no `..` and begin with no `/`, so that an archive that is unpacked stays in its
+//! Names of entries do not contain `..` or begin with `/`, so that an unpacked archive stays in its
 //! folder.
 //!
 //! In Python `numpy.load("mita-diagram.npz")["up/points/displacement"]` is a column.
@@ -27,7 +27,7 @@ use std::io::{Cursor, Read};
 use std::path::Path;
 use zip::ZipArchive;
 
-/// An archive that is read, and how much it may still unpack to.
+/// An archive being read, and the remaining size that it may unpack to.
 struct Archive<'a> {
     zip: ZipArchive<Cursor<&'a [u8]>>,
     limit: u64,
@@ -35,7 +35,7 @@ struct Archive<'a> {
 }
 
 impl Sweeps {
-    /// Saves all that is done, whole or not at all.
+    /// Saves all finished runs atomically.
     ///
     /// # Errors
     /// [`FileError::Write`] if the file cannot be written.
@@ -44,16 +44,16 @@ impl Sweeps {
         write_atomically(path, self.to_bytes().map_err(|source| FileError::format(path, source))?)
     }
 
-    /// Loads what is done.
+    /// Loads the finished runs.
     ///
     /// # Errors
-    /// [`FileError::Read`] if the file cannot be read, [`FileError::Format`] if it holds no sweeps,
-    /// [`FileError::TooLarge`] beyond [`SizeLimit::default`].
+    /// [`FileError::Read`] if the file cannot be read, [`FileError::Format`] if it does not contain
+    /// sweeps, [`FileError::TooLarge`] beyond [`SizeLimit::default`].
     pub fn load(path: impl AsRef<Path>) -> Result<Self, FileError> {
         Sweeps::load_within(SizeLimit::default(), path)
     }
 
-    /// Loads what is done, of a limited size.
+    /// Loads the finished runs from a file of a limited size.
     ///
     /// # Errors
     /// As [`load`](Self::load).
@@ -63,11 +63,10 @@ impl Sweeps {
         Sweeps::from_bytes(&bytes, limit).map_err(|source| FileError::format(path, source))
     }
 
-    /// The file's content: the same bytes for the same sweeps.
+    /// Returns the file's content, which is identical for identical sweeps.
     ///
     /// # Errors
-    /// [`FormatError`] if it could not be read back: a name that is none of an entry, or a name
-    /// twice.
+    /// [`FormatError`] if it could not be read back: an invalid or duplicate name of an entry.
     pub fn to_bytes(&self) -> Result<Vec<u8>, FormatError> {
         check(self)?;
         self.packed().map_err(FormatError::Unwritable)
@@ -114,8 +113,8 @@ fn damaged(reason: impl ToString) -> FormatError {
     FormatError::Archive { reason: reason.to_string() }
 }
 
-/// Checks all names: those of sweeps and columns are names of entries, and that of the scene is one
-/// of a file.
+/// Checks all names: names of sweeps and columns must be valid names of entries, and the scene's
+/// name a valid file name.
 fn check(all: &Sweeps) -> Result<(), Invalid> {
     component("the scene's name", &all.name)?;
     text("the title", &all.title)?;
@@ -137,7 +136,7 @@ impl Archive<'_> {
         let failed = |error: &dyn Display| damaged(format!("`{name}`: {error}"));
         let mut bytes = Vec::new();
         let entry = self.zip.by_name(&format!("{name}.npy")).map_err(|error| failed(&error))?;
-        // What an entry says about its size need not be so.
+        // The declared size of an entry may be wrong.
         let more = self.left.saturating_add(1);
         entry.take(more).read_to_end(&mut bytes).map_err(|error| failed(&error))?;
         let left = self.left.checked_sub(bytes.len() as u64);
@@ -145,7 +144,7 @@ impl Archive<'_> {
         from_npy(&bytes).map_err(|error| failed(&error))
     }
 
-    /// The columns of one sweep, all of one length.
+    /// Reads the columns of one sweep, all of one length.
     fn columns(
         &mut self,
         sweep: &str,
@@ -181,7 +180,7 @@ fn fill(sweep: &mut SweepTable, archive: &mut Archive) -> Result<(), FormatError
         let point = of(&points, k);
         let run = sweep.run_number(point[0]).map_err(damaged)?;
         let run = sweep.rows.get_mut(&run);
-        run.ok_or_else(|| damaged(format!("a point of run {} that is not there", point[0])))?
+        run.ok_or_else(|| damaged(format!("a point of run {}, which does not exist", point[0])))?
             .points
             .extend(point);
     }

@@ -1,62 +1,62 @@
-//! Parts of a sweep, put together.
+//! Merging of the parts of a sweep, as in `tangency merge`.
 
 use super::check::TableDifference;
 use super::table::Sweeps;
 
-/// Why parts do not make a whole.
+/// The error of parts that do not form a complete sweep.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MergeError {
-    /// Nothing to merge.
+    /// There are no parts.
     #[error("there is no part to merge: name the files of all parts")]
     Nothing,
-    /// Parts of different scenes.
+    /// The parts are of different scenes.
     #[error(
-        "part {number} is of another scene than the first: parts are made by one scene with the same settings"
+        "part {number} belongs to another scene than the first: all parts must be made by one scene with the same settings"
     )]
     Different {
-        /// Which of the parts, from 1 on.
+        /// The number of the part, from 1.
         number: usize,
     },
-    /// Parts with other tables.
-    #[error("part {number} is not of the same sweeps as the first: {cause}")]
+    /// The parts have different tables.
+    #[error("part {number} belongs to other sweeps than the first: {cause}")]
     Tables {
-        /// Which of the parts, from 1 on.
+        /// The number of the part, from 1.
         number: usize,
-        /// How they differ.
+        /// The difference.
         #[source]
         cause: TableDifference,
     },
-    /// Parts that say different things about one run.
+    /// The parts have different results for a run.
     #[error(
-        "part {number} disagrees with an earlier one about run {run} of the sweep `{sweep}`: one of them was made by another program"
+        "part {number} and an earlier part have different results for run {run} of the sweep `{sweep}`: one of them is from another version of the program"
     )]
     Contradiction {
-        /// Which of the parts, from 1 on.
+        /// The number of the part, from 1.
         number: usize,
-        /// The sweep.
+        /// The name of the sweep.
         sweep: String,
-        /// The run.
+        /// The number of the run.
         run: usize,
     },
-    /// Runs that no part has.
+    /// Runs are missing in all parts.
     #[error(
-        "{missing} of {total} runs of the sweep `{sweep}` are in none of the parts, the first is run {first}: do all parts, and each to its end"
+        "{missing} of {total} runs of the sweep `{sweep}` are missing in all parts, starting with run {first}: complete all parts"
     )]
     Missing {
-        /// The sweep.
+        /// The name of the sweep.
         sweep: String,
-        /// How many are missing.
+        /// The number of missing runs.
         missing: usize,
-        /// How many there are.
+        /// The total number of runs.
         total: usize,
-        /// The first that is missing.
+        /// The first missing run.
         first: usize,
     },
 }
 
 impl MergeError {
-    /// Which part is at fault, from 1 on, if it is one of them.
+    /// Returns the number of the invalid part, from 1, if the error concerns a single part.
     pub fn part(&self) -> Option<usize> {
         match self {
             MergeError::Different { number }
@@ -67,10 +67,10 @@ impl MergeError {
     }
 }
 
-/// Puts the parts of a sweep together.
+/// Merges the parts of a sweep.
 ///
 /// # Errors
-/// [`MergeError`] if they are not the parts of one whole.
+/// [`MergeError`] if they do not form a complete sweep.
 pub fn merge(parts: Vec<Sweeps>) -> Result<Sweeps, MergeError> {
     let mut parts = parts.into_iter();
     let mut whole = parts.next().ok_or(MergeError::Nothing)?;

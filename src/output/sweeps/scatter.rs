@@ -4,18 +4,19 @@ use super::table::{Row, SweepTable};
 use crate::output::figure::{Origin, Series, Style};
 use crate::output::tile::{Hue, Tile, spacing};
 
-/// Where the number of a column is found.
+/// The source of the numbers of a column.
 enum Source {
-    /// One for each run.
+    /// One number for each run.
     Run(usize),
-    /// One for each point at which a period begins.
+    /// One number for each point at the beginning of a period.
     Period(usize),
-    /// One for each event of this number.
+    /// One number for each event with this number.
     Event(usize, f64),
 }
 
 impl SweepTable {
-    /// A column of runs, of points, or, as `EVENT.STATE`, of events of one kind.
+    /// Returns the source of a column of runs, of points, or, as `EVENT.STATE`, of events of one
+    /// kind.
     fn source(&self, name: &str) -> Option<Source> {
         if let Some((event, state)) = name.split_once('.') {
             let number = self.events.iter().position(|known| known == event)?;
@@ -26,12 +27,12 @@ impl SweepTable {
         self.run_column(name).map(Source::Run).or_else(|| point().map(Source::Period))
     }
 
-    /// Whether runs, points or events have such a column.
+    /// Returns whether runs, points or events have a column.
     pub(crate) fn has_column(&self, name: &str) -> bool {
         self.source(name).is_some()
     }
 
-    /// The attractor of a run, in words.
+    /// Describes the attractor of a run.
     fn kind(&self, row: &Row) -> String {
         let value = |name: &str| self.run_column(name).map_or(f64::NAN, |k| row.values[k]);
         if row.failure.is_some() {
@@ -50,7 +51,7 @@ impl SweepTable {
         }
     }
 
-    /// The numbers of a run for two axes.
+    /// Returns the numbers of a run for two axes.
     fn pairs(&self, row: &Row, x: &Source, y: &Source) -> Vec<[f64; 2]> {
         if let (Source::Run(x), Source::Run(y)) = (x, y) {
             return vec![[row.values[*x], row.values[*y]]];
@@ -69,10 +70,10 @@ impl SweepTable {
     }
 }
 
-/// The points of a sweep in two columns; nothing if it does not have them.
+/// Returns the points of a sweep in two columns; empty if the sweep lacks one of them.
 pub(in crate::output) fn scatter(sweep: &SweepTable, x: &str, y: &str) -> Vec<Series> {
     let (Some(from), Some(to)) = (sweep.source(x), sweep.source(y)) else { return Vec::new() };
-    // One crisis in each run.
+    // Each run has one crisis.
     let crises = sweep.crisis().is_some_and(|crisis| [x, y].contains(&crisis));
     let style = if crises { Style::Dots } else { Style::Specks };
     let points = sweep.rows.iter().flat_map(|(run, row)| {
@@ -83,11 +84,11 @@ pub(in crate::output) fn scatter(sweep: &SweepTable, x: &str, y: &str) -> Vec<Se
     if sweep.rows.is_empty() { Vec::new() } else { vec![series] }
 }
 
-/// The colours of attractors, in the order in which they are met.
+/// The colours of attractors, in the order of their occurrence.
 const HUES: [Hue; 4] = [Hue::Blue, Hue::Yellow, Hue::Green, Hue::Red];
 
-/// The basins of attraction in a grid over both columns: a tile for each run, coloured by the kind
-/// of its attractor; nothing if the sweep is over other columns.
+/// Returns the basins of attraction in a grid over both columns: a tile for each run, coloured by
+/// the kind of its attractor; empty if the sweep is over other columns.
 pub(in crate::output) fn basins(sweep: &SweepTable, x: &str, y: &str) -> Vec<Tile> {
     let grid = x != y && [x, y].iter().all(|name| sweep.axes.iter().any(|axis| axis == name));
     let (true, Some(Source::Run(x)), Some(Source::Run(y))) =

@@ -1,4 +1,4 @@
-//! The tables of a sweep: a row for each run, and a row for everything recorded.
+//! The tables of a sweep: a row for each run, and a row for each recorded point.
 
 use crate::core::attractor::{Attractor, EventRecord, Layout, Period};
 use crate::core::hybrid::{HybridState, Mode};
@@ -8,10 +8,10 @@ use crate::output::Plot;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// The tag by which a file of sweeps is known, with the version of its format.
+/// The tag of files of sweeps, with the version of the format.
 pub const SWEEPS: &str = "tangency-sweeps/2";
 
-/// The sweeps of a scene, as far as they are done.
+/// The sweeps of a scene with their finished runs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Sweeps {
@@ -21,9 +21,9 @@ pub struct Sweeps {
     pub name: String,
     /// The title, in words.
     pub title: String,
-    /// The scene in full, with all that was set: sweeps of one scene can be resumed and merged.
+    /// The scene in full, with all settings: sweeps of the same scene can be resumed and merged.
     pub scene: String,
-    /// How they are drawn by default.
+    /// The default plot.
     pub plot: Plot,
     /// The sweeps; their names are unique.
     pub sweeps: Vec<SweepTable>,
@@ -34,14 +34,14 @@ pub struct Sweeps {
 pub struct Row {
     /// One number for each column of runs.
     pub values: Vec<f64>,
-    /// The numbers of all points recorded, one point after the other.
+    /// The numbers of all recorded points, one point after another.
     pub points: Vec<f64>,
-    /// Why the run failed, if it did.
+    /// The reason for a failure of the run.
     pub failure: Option<String>,
 }
 
 impl Row {
-    /// Whether two rows have the same numbers, bit by bit: NaN stands for a missing number.
+    /// Returns whether two rows have the same numbers, bit by bit; missing numbers are NaN.
     pub(super) fn is_identical(&self, other: &Row) -> bool {
         let bits = |numbers: &[f64]| numbers.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
         let both = |row: &Row| (bits(&row.values), bits(&row.points));
@@ -51,27 +51,29 @@ impl Row {
 
 /// A sweep as tables.
 ///
-/// Of a run there are: its number `run` and that of its `start`; the values on the axes; where it
-/// seeks a crisis, the value of the parameter there, by its name, and `crisis_error`; the `periods`
-/// in its cycle (0 if it has none); every event by name, how often it came in a cycle (a period, if
-/// there is no cycle), and `accumulations` of infinitely many; `exponent` and `exponent_error`;
-/// `failed` (1 or 0); and the state in the end, as `end_mode`, `end_0`, `end_1`, ….
+/// A run has these columns: its number `run` and that of its `start`; the values on the axes; if it
+/// searches for a crisis, the value of the parameter there, by its name, and `crisis_error`; the
+/// `periods` in its cycle (0 for no cycle); for every event by name, the number of occurrences in a
+/// cycle (or in a period, without a cycle), and `accumulations` of infinitely many events;
+/// `exponent` and `exponent_error`; `failed` (1 or 0); and the final state, as `end_mode`, `end_0`,
+/// `end_1`, ….
 ///
-/// A point is where a period begins (`event` 0), or an event: its number from 1 on, in the order of
-/// the columns of runs. It has the number of its `run`, that of its `period`, its `time` in it, all
-/// states by name, and, where a period begins, what was measured in it. What there is not is NaN.
+/// A point is the beginning of a period (`event` 0), or an event: its number from 1, in the order
+/// of the columns of runs. It has the number of its `run`, that of its `period`, its `time` in the
+/// period, all states by name, and, at the beginning of a period, the measures of the period.
+/// Missing values are NaN.
 ///
-/// Serialized are the names and what failed; numbers are in the columns of a file.
+/// Only names and failures are serialized; numbers are in the columns of a file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SweepTable {
-    /// The sweep's name.
+    /// The name of the sweep.
     pub name: String,
     /// The parameters that vary.
     pub axes: Vec<String>,
     /// The names of events.
     pub events: Vec<String>,
-    /// How many runs there are when all are done.
+    /// The total number of runs.
     pub total: usize,
     /// The columns of runs.
     #[serde(rename = "runs")]
@@ -79,12 +81,12 @@ pub struct SweepTable {
     /// The columns of points.
     #[serde(rename = "points")]
     pub point_columns: Vec<String>,
-    /// The runs that are done, by number.
+    /// The finished runs, by number.
     #[serde(rename = "failures", with = "failures")]
     pub rows: BTreeMap<usize, Row>,
 }
 
-/// Rows by their failures alone.
+/// Serialization of rows by their failures only.
 mod failures {
     use super::{BTreeMap, Row};
     use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -102,7 +104,8 @@ mod failures {
     }
 }
 
-/// The column with half the width of the interval in which a crisis is, behind that of its middle.
+/// The column with half the width of the interval that contains a crisis, after the column with its
+/// middle.
 const CRISIS_ERROR: &str = "crisis_error";
 
 fn all_states(modes: &[Mode]) -> Vec<&str> {
@@ -113,13 +116,13 @@ fn all_states(modes: &[Mode]) -> Vec<&str> {
 const BEFORE_STATES: [&str; 4] = ["run", "period", "event", "time"];
 
 impl SweepTable {
-    /// The column of points that holds the first state.
+    /// Returns the column of points that contains the first state.
     pub(in crate::output) fn first_state(&self) -> Option<&str> {
         self.point_columns.get(BEFORE_STATES.len()).map(String::as_str)
     }
 
-    /// A sweep over these axes, with the parameter in which each run seeks a crisis, if it does, of
-    /// a motion with this layout, of which nothing is done.
+    /// Creates an empty table of a sweep over the given axes, with the parameter of the search for
+    /// a crisis, if any, and the layout of the motion.
     pub fn new(
         name: &str,
         (axes, crisis): (&[String], Option<&str>),
@@ -151,23 +154,23 @@ impl SweepTable {
         }
     }
 
-    /// The position of a column of runs.
+    /// Returns the position of a column of runs.
     pub(super) fn run_column(&self, name: &str) -> Option<usize> {
         self.run_columns.iter().position(|known| known == name)
     }
 
-    /// The parameter in which each run seeks a crisis, if it does.
+    /// Returns the parameter in which each run searches for a crisis, if any.
     pub fn crisis(&self) -> Option<&str> {
         let error = self.run_column(CRISIS_ERROR)?;
         self.run_columns.get(error.checked_sub(1)?).map(String::as_str)
     }
 
-    /// Whether all runs are done.
+    /// Returns whether all runs are finished.
     pub fn is_complete(&self) -> bool {
         self.rows.len() == self.total
     }
 
-    /// Takes in what a run has found.
+    /// Adds the result of a run.
     pub fn push(&mut self, found: &Found, start: usize, modes: &[Mode]) {
         let states = all_states(modes).len();
         let attractor = found.attractor.as_ref();
@@ -199,8 +202,8 @@ impl SweepTable {
         values
     }
 
-    /// The state in which a run ended, if it is done; `None` inside if it failed. A start has this
-    /// time.
+    /// Returns the final state of a finished run, with the given time; the inner `None` means that
+    /// the run failed.
     pub fn end(&self, run: usize, time: f64, modes: &[Mode]) -> Option<Option<HybridState<f64>>> {
         let row = self.rows.get(&run)?;
         let first = self.run_column("end_mode")?;
@@ -214,7 +217,7 @@ impl SweepTable {
     }
 }
 
-/// All points of a run, one after the other.
+/// Returns all points of a run, one after another.
 fn points(run: usize, attractor: &Attractor, modes: &[Mode], states: usize) -> Vec<f64> {
     let names = all_states(modes);
     let mut points = Vec::new();

@@ -1,4 +1,4 @@
-//! Equations in one unknown, on which Newton's iteration and steps are tried.
+//! Equations in one unknown, as tests of Newton's iteration and of steps.
 
 use crate::core::failure::OutOfDomain;
 use crate::zero_problem;
@@ -26,8 +26,9 @@ zero_problem! {
 }
 
 zero_problem! {
-    /// `x² = μ² + ε²`: two branches, `2ε` apart at `μ = 0`, where each turns by a right angle with the
-    /// curvature `1/ε`. They cross for `ε = 0` only; else the branch point between them is on neither.
+    /// `x² = μ² + ε²`: two branches, `2ε` apart at `μ = 0`, where each turns by a right angle with
+    /// the curvature `1/ε`. They cross only for `ε = 0`; otherwise the point between them belongs
+    /// to neither branch.
     ///
     /// ```
     /// use tangency::core::problem::ZeroProblem;

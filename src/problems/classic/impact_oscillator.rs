@@ -13,8 +13,8 @@ use std::f64::consts::TAU;
 ///     x' = v,    v' = A cos ωt − x − c v;    v⁺ = −e v⁻ at x = d
 /// ```
 ///
-/// in the mode *flight*. Impacts that accumulate lead into the mode *contact*, in which the mass
-/// rests against the stop while the contact force `A cos ωt − d` is positive.
+/// in the mode *flight*. Accumulating impacts lead into the mode *contact*, in which the mass rests
+/// against the stop while the contact force `A cos ωt − d` is positive.
 ///
 /// States `displacement`, `velocity` (in flight only); parameters `amplitude` A, `frequency` ω,
 /// `restitution` e, `damping` c, `clearance` d; guards `impact` and `leave`.
@@ -27,7 +27,7 @@ use std::f64::consts::TAU;
 /// ImpactOscillator.field(ImpactOscillator::FLIGHT, 0.0, &[0.5, 1.0], &p, &mut f);
 /// assert_eq!(f, [1.0, 0.05 - 0.5 - 0.1]);
 /// let (impact, flight) = (ImpactOscillator::IMPACT, ImpactOscillator::FLIGHT);
-/// // The stop is 0.5 away; an impact leaves 0.8 of the speed.
+/// // The stop is 0.5 away; an impact keeps 0.8 of the speed.
 /// assert_eq!(ImpactOscillator.guard(impact, flight, 0.0, &[0.5, 1.0], &p), 0.5);
 /// let mut after = [0.0; 2];
 /// ImpactOscillator.reset(impact, (flight, flight), 0.0, &[1.0, 2.0], &p, &mut after);
@@ -41,7 +41,7 @@ pub struct ImpactOscillator;
 impl ImpactOscillator {
     /// The default values of the parameters.
     pub const DEFAULTS: [f64; 5] = [0.05, 1.0, 0.8, 0.1, 1.0];
-    /// The mode of motion off the stop.
+    /// The mode of motion away from the stop.
     pub const FLIGHT: usize = 0;
     /// The mode of rest against the stop.
     pub const CONTACT: usize = 1;

@@ -1,10 +1,10 @@
-//! The field on which stiffness is measured.
+//! The Prothero–Robinson equation, a test of stiffness.
 
 use crate::core::problem::{Names, VectorField};
 use crate::core::scalar::Scalar;
 
-/// `x' = −λ(x − cos t) − sin t`, whose slow motion is `x = cos t` whatever the rate λ (A. Prothero
-/// and A. Robinson, *Math. Comp.* 28, 1974).
+/// `x' = −λ(x − cos t) − sin t`, with the slow motion `x = cos t` for every rate λ (A. Prothero and
+/// A. Robinson, *Math. Comp.* 28, 1974).
 ///
 /// ```
 /// use tangency::core::ode::{Flow, Scheme, Settings};

@@ -1,4 +1,4 @@
-//! The actuator with impacts and dry friction.
+//! Mita's actuator with impacts and dry friction.
 
 use super::block::{Block, force};
 use super::parameters::{NAMES, Parameters};
@@ -7,14 +7,14 @@ use crate::core::hybrid::{Guard, HybridSystem, Mode, Passage, Scales};
 use crate::core::problem::{Forcing, Measure, VectorField};
 use crate::core::scalar::{LaneWidth, Scalar};
 
-/// Mita's impact microactuator: the block within its frame, which impacts set in motion against dry
+/// Mita's impact microactuator: a block within a frame, whose impacts move the frame against dry
 /// friction.
 ///
 /// With the displacement `q₂` and velocity `u₂` of the block relative to the frame, the velocity
-/// `u₁` of the frame, the mass `m₁` of the frame (that of the block is 1), `N = (m₁ + 1) g`, and
-/// the force `R = V² sin²ωt/(1 − q₂)² − q₂ − c u₂` between block and frame (section 2.2):
+/// `u₁` of the frame, the mass `m₁` of the frame (the mass of the block is 1), `N = (m₁ + 1) g`,
+/// and the force `R = V² sin²ωt/(1 − q₂)² − q₂ − c u₂` between block and frame (section 2.2):
 ///
-/// | mode | | while |
+/// | mode | equations | conditions |
 /// |---|---|---|
 /// | `stick` | `q₂' = u₂, u₂' = R` | `−δ < q₂ < δ`, `|R| < μ_s N` |
 /// | `forward`, `backward` | `u₁' = −(R ± μ_d N)/m₁, u₂' = R − u₁'` | `−δ < q₂ < δ`, `±u₁ > 0` |
@@ -22,20 +22,21 @@ use crate::core::scalar::{LaneWidth, Scalar};
 /// | `riding_forward`, `riding_backward` | `u₁' = ∓μ_d N/(m₁ + 1)`, at `q₂ = δ` | `±u₁ > 0`, `R ± μ_d N/(m₁ + 1) > 0` |
 /// | `riding_back` | `u₁' = μ_d N/(m₁ + 1)`, at `q₂ = −δ` | `u₁ < 0`, `R − μ_d N/(m₁ + 1) < 0` |
 ///
-/// An impact at `q₂ = ±δ` conserves momentum and leaves the part `e` of the relative velocity,
+/// An impact at `q₂ = ±δ` conserves momentum, multiplies the relative velocity by `−e`,
 ///
 /// ```text
 ///     u₁ ← u₁ + (1 + e) u₂/(m₁ + 1),    u₂ ← −e u₂,
 /// ```
 ///
-/// and sets the frame in motion. Where the frame comes to rest it sticks if `|R| ≤ μ_s N`, and is
-/// moved against `R` otherwise. Where impacts accumulate, the block stays in contact if it is
-/// pressed against the stopper: by the force, or because friction brakes the frame. (The force
-/// alone never presses it against the back stopper.)
+/// and sets the frame in motion. When the frame comes to rest it sticks if `|R| ≤ μ_s N`; otherwise
+/// it moves against `R`. When impacts accumulate, the block stays in contact if it is pressed
+/// against the stopper: by the force, or because friction brakes the frame. (The force alone never
+/// presses it against the back stopper.)
 ///
-/// Every mode has the state `displacement`, all but those in contact `velocity`; where the frame
-/// slips there are `frame_velocity` and `frame_displacement`, which is counted from the start of
-/// the mode: no equation reads it. The voltage enters squared, so the forcing has the period `π/ω`.
+/// Every mode has the state `displacement`, and all modes without contact have `velocity`. Modes in
+/// which the frame slips also have `frame_velocity` and `frame_displacement`, which is measured
+/// from the start of the mode and occurs in no equation. The voltage enters squared, so the forcing
+/// has the period `π/ω`.
 ///
 /// ```
 /// use tangency::core::hybrid::HybridSystem;
@@ -85,17 +86,18 @@ impl Actuator {
         mode == Self::FORWARD || mode == Self::RIDING_FORWARD
     }
 
-    /// Whether the frame moves.
+    /// Returns whether the frame moves.
     fn slips(mode: usize) -> bool {
         mode != Self::STICK && mode != Self::CONTACT
     }
 
-    /// Whether the block is in contact with a stopper.
+    /// Returns whether the block is in contact with a stopper.
     fn touches(mode: usize) -> bool {
         mode >= Self::CONTACT
     }
 
-    /// Displacement and velocity of the block, and the velocity of the frame, in a mode.
+    /// Returns the displacement and velocity of the block, and the velocity of the frame, in a
+    /// mode.
     #[inline(always)]
     fn motion<T: Scalar>(mode: usize, x: &[T]) -> [T; 3] {
         match (Self::touches(mode), Self::slips(mode)) {
@@ -106,8 +108,8 @@ impl Actuator {
         }
     }
 
-    /// The force `R` in excess of what takes the block along with the frame: positive where the
-    /// block is pressed against the front stopper, negative where against the back one.
+    /// Returns the part of `R` in excess of the force that accelerates the block with the frame:
+    /// positive if the block is pressed against the front stopper, negative for the back stopper.
     #[inline(always)]
     fn excess<T: Scalar>(mode: usize, r: T, parameters: &Parameters<T>) -> T {
         if !Self::slips(mode) {
@@ -116,20 +118,20 @@ impl Actuator {
         r - parameters.on_the_frame(Self::moves_forward(mode)) / parameters.mass()
     }
 
-    /// `R` in a mode.
+    /// Returns `R` in a mode.
     #[inline(always)]
     fn force<T: Scalar>(mode: usize, t: T, x: &[T], parameters: &Parameters<T>) -> T {
         let [q, u, _] = Self::motion(mode, x);
         force(t, q, u, parameters.block())
     }
 
-    /// Velocities of block and frame after an impact.
+    /// Returns the velocities of block and frame after an impact.
     fn impact<T: Scalar>([_, u, v]: [T; 3], parameters: &Parameters<T>) -> [T; 2] {
         let restitution = parameters.restitution();
         [-restitution * u, v + (restitution + 1.0) * u / parameters.mass()]
     }
 
-    /// The mode in which a frame of a velocity goes on, off the stopper.
+    /// Returns the mode without contact that follows for a given velocity of the frame.
     fn of_velocity(velocity: f64, r: f64, parameters: &Parameters<f64>) -> usize {
         if velocity > 0.0 {
             Self::FORWARD
@@ -186,7 +188,7 @@ impl HybridSystem for Actuator {
         Self::DEFAULTS.into()
     }
 
-    /// The equations are dimensionless. A drive may be far slower than the motion.
+    /// Returns scales of dimensionless equations. The forcing may be far slower than the motion.
     fn scales(&self, _p: &[f64]) -> Scales {
         Scales::default().time(1.0)
     }
@@ -285,7 +287,7 @@ impl HybridSystem for Actuator {
         }
     }
 
-    /// Contact, or the same mode where the block is not pressed against the stopper.
+    /// Returns contact, or the same mode if the block is not pressed against the stopper.
     fn mode_after_accumulation(
         &self,
         guard: usize,
@@ -320,9 +322,10 @@ impl HybridSystem for Actuator {
         VectorField::period(&Block, &Parameters::of(p).block().map(|p| *p))
     }
 
-    /// `max_displacement`; `displacement_range`; `poincare_velocity`, that of the block where it
-    /// passes through the middle, going up; `impact_velocity`, the largest one at the front
-    /// stopper; `step`, that of the frame in a period; and `average_velocity`, `ω` times the step.
+    /// Returns the measures: `max_displacement`; `displacement_range`; `poincare_velocity`, the
+    /// velocity of the block where it passes upward through the middle; `impact_velocity`, the
+    /// largest one at the front stopper; `step`, the displacement of the frame in a period; and
+    /// `average_velocity`, `ω` times the step.
     fn measures(&self) -> Vec<(String, Measure)> {
         let displacement = || "displacement".to_string();
         let rising = Measure::Rising { through: displacement(), value: "velocity".into() };
@@ -365,7 +368,7 @@ impl HybridSystem for Actuator {
         let parameters = Parameters::of(p);
         let (clearance, frame_mass) = (parameters.clearance(), parameters.frame_mass());
         if !(clearance > 0.0 && clearance < 1.0) {
-            let remedy = "the stoppers are between the middle, 0, and the electrode, 1";
+            let remedy = "the stoppers must be between the middle, 0, and the electrode, 1";
             return Err(OutOfDomain::new("clearance", clearance, remedy));
         }
         let ratios = [

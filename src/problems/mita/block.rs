@@ -1,4 +1,4 @@
-//! The block on its spring, the frame at rest.
+//! The block on its spring, with the frame at rest.
 
 use crate::core::failure::OutOfDomain;
 use crate::core::problem::{Forcing, Names, VectorField};
@@ -12,8 +12,7 @@ use std::f64::consts::PI;
 /// ```
 ///
 /// (equations 4.1 and 4.2 for `u₁ = 0`). The voltage enters squared, so the forcing has the period
-/// `π/ω`. The block pulls in at `q₂ = 1`; the front stopper, which this field does not know, is
-/// at 0.5.
+/// `π/ω`. The block pulls in at `q₂ = 1`; the front stopper at 0.5 is not part of this field.
 ///
 /// States `displacement`, `velocity`; parameters `voltage`, `frequency`, `damping`.
 ///
@@ -34,8 +33,8 @@ impl Block {
     pub const DEFAULTS: [f64; 3] = [0.01, 0.45, 0.04];
 }
 
-/// The force `R = V² sin²ωt/(1 − q₂)² − q₂ − c u₂` between block and frame, for a voltage, a
-/// frequency and a damping.
+/// Returns the force `R = V² sin²ωt/(1 − q₂)² − q₂ − c u₂` between block and frame, for a voltage,
+/// a frequency and a damping.
 #[inline(always)]
 pub(super) fn force<T: Scalar>(t: T, q: T, u: T, [voltage, frequency, damping]: [&T; 3]) -> T {
     let ratio = (*frequency * t).sin() * voltage / (T::one() - q);

@@ -2,7 +2,7 @@
 
 use crate::core::scalar::Scalar;
 
-/// Their names, in their order.
+/// The names of the parameters, in order.
 pub(super) const NAMES: [&str; 9] = [
     "voltage",
     "frequency",
@@ -15,10 +15,10 @@ pub(super) const NAMES: [&str; 9] = [
     "gravity",
 ];
 
-/// The parameters by name, where they stand.
+/// The parameters, accessible by name.
 pub(super) struct Parameters<'a, T>(&'a [T]);
 
-/// Each parameter by its name.
+/// Declares an accessor for each parameter.
 macro_rules! named {
     ($($name:ident: $position:literal)*) => {
         impl<T: Scalar> Parameters<'_, T> {
@@ -33,31 +33,31 @@ macro_rules! named {
 named! { clearance: 2 restitution: 3 static_friction: 5 dynamic_friction: 6 frame_mass: 7 gravity: 8 }
 
 impl<'a, T: Scalar> Parameters<'a, T> {
-    /// The parameters in their order; the caller gives all of them.
+    /// Wraps all parameters, in order.
     #[inline(always)]
     pub fn of(p: &'a [T]) -> Self {
         Parameters(&p[..NAMES.len()])
     }
 
-    /// Voltage, frequency, damping: those of the block.
+    /// Returns voltage, frequency and damping, the parameters of the block.
     #[inline(always)]
     pub fn block(&self) -> [&T; 3] {
         [&self.0[0], &self.0[1], &self.0[4]]
     }
 
-    /// The mass of all.
+    /// Returns the total mass.
     #[inline(always)]
     pub fn mass(&self) -> T {
         self.frame_mass() + 1.0
     }
 
-    /// `μ N`.
+    /// Returns `μ N`.
     #[inline(always)]
     pub fn friction(&self, coefficient: T) -> T {
         coefficient * self.mass() * self.gravity()
     }
 
-    /// Friction on a frame that moves forward, or backward.
+    /// Returns the friction on a frame that moves forward, or backward.
     #[inline(always)]
     pub fn on_the_frame(&self, forward: bool) -> T {
         let friction = self.friction(self.dynamic_friction());

@@ -1,4 +1,4 @@
-//! How the actuator switches on as a parameter grows.
+//! The type of switch-on of the actuator as a parameter grows.
 
 use super::actuator::Actuator;
 use crate::core::continuation::{Branch, SpecialPoint};
@@ -6,7 +6,7 @@ use crate::core::local_map::{Classification, GrazingError, GrazingPoint, LocalMa
 use crate::core::orbit::{HybridOrbit, Itinerary, ItineraryError};
 use crate::core::system::Kind;
 
-/// Why the type of a switch-on is not known.
+/// The reason why the type of a switch-on is not determined.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SwitchOnError {
@@ -15,44 +15,44 @@ pub enum SwitchOnError {
         "branch `{0}` has no grazing (G): trace the motion without impacts until it touches the front stopper"
     )]
     NoGrazing(String),
-    /// The branch is not of motion without impacts.
+    /// The branch does not follow motion without impacts.
     #[error(
         "branch `{branch}` has the itinerary `{itinerary}`: trace the motion without impacts, `stick`"
     )]
     Impacts {
-        /// The branch.
+        /// The name of the branch.
         branch: String,
-        /// Its itinerary.
+        /// The itinerary of the branch.
         itinerary: String,
     },
-    /// The itinerary has no meaning.
+    /// The itinerary is invalid.
     #[error(transparent)]
     Itinerary(#[from] ItineraryError),
-    /// The local map at the grazing cannot be computed, or decides no type.
+    /// The local map at the grazing cannot be computed, or does not determine the type.
     #[error(transparent)]
     Grazing(#[from] GrazingError),
 }
 
-/// How the actuator switches on as a parameter, usually the voltage or the frequency, moves motion
+/// The switch-on of the actuator as a parameter, usually the voltage or the frequency, moves motion
 /// without impacts to the front stopper (X. Zhao, *Modeling and Simulation of MEMS Devices*, 2004,
 /// section 4.3).
 #[derive(Clone, Debug, PartialEq)]
 pub struct SwitchOn {
-    /// The type, with the coefficients that decide: types I, II and III are the scenarios
+    /// The type, with its coefficients: types I, II and III are the scenarios
     /// [`Jump`](crate::core::local_map::Scenario::Jump),
     /// [`Continuous`](crate::core::local_map::Scenario::Continuous) and
     /// [`Unstable`](crate::core::local_map::Scenario::Unstable).
     pub classification: Classification,
-    /// The parameter where motion without impacts touches the stopper.
+    /// The parameter at which motion without impacts touches the stopper.
     pub grazing: f64,
-    /// The parameter where stable motion without impacts ends: the grazing of types I and II, the
-    /// fold before it of type III. `None` if the branch begins beyond that fold.
+    /// The parameter at which stable motion without impacts ends: the grazing for types I and II,
+    /// the fold before the grazing for type III. `None` if the branch begins beyond that fold.
     pub at: Option<f64>,
 }
 
 impl SwitchOn {
-    /// The switch-on at the first grazing of a branch of motion without impacts, from the local map
-    /// of first order there.
+    /// Classifies the switch-on at the first grazing of a branch of motion without impacts, by the
+    /// local map of first order.
     ///
     /// ```
     /// use tangency::core::local_map::Scenario;
@@ -70,8 +70,8 @@ impl SwitchOn {
     /// ```
     ///
     /// # Errors
-    /// [`SwitchOnError`] for a branch without a grazing or with impacts, and at points of codimension
-    /// two, where the type changes.
+    /// [`SwitchOnError`] for a branch without a grazing or with impacts, and at points of
+    /// codimension two, where the type changes.
     pub fn of(branch: &Branch) -> Result<Self, SwitchOnError> {
         let is_grazing = |point: &SpecialPoint| point.kind == Kind::G;
         let Some(place) = branch.special.iter().position(is_grazing) else {
@@ -85,7 +85,7 @@ impl SwitchOn {
         let grazing = &branch.special[place];
         let parameter = &branch.released[0];
         let value = |point: &SpecialPoint| branch.column(parameter).and_then(|k| point.value(k));
-        // States are saved node by node, one state after the other.
+        // States are stored node by node, one state after another.
         let velocity = branch.unknowns[0].length;
         let x = [grazing.state[0], grazing.state[velocity]];
         let orbit = HybridOrbit::of(Actuator, itinerary)?;

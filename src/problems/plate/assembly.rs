@@ -4,8 +4,8 @@
 //! F_q = K_b + (geometric and strain terms) − 2λ⟨φφᵀ/(1−w)³⟩ − 12α₁² BᵀK_uv⁻¹B,    B = ∂r/∂q
 //! ```
 //!
-//! Each term is a sum of `⟨a(ξ,ζ) · f_i f_k(ξ) · g_j g_l(ζ)⟩`: with the products of two functions
-//! of one variable tabulated, that is two matrix products, `X A Y`, whatever the number of
+//! Each term is a sum of `⟨a(ξ,ζ) · f_i f_k(ξ) · g_j g_l(ζ)⟩`. With tabulated products of two
+//! functions of one variable, this amounts to two matrix products, `X A Y`, for any number of
 //! functions. Tested against the derivative of the residual by dual numbers.
 
 use super::discretisation::{Discretisation, Membrane, PairTables};
@@ -17,9 +17,9 @@ use faer::linalg::matmul::{matmul, triangular};
 use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
 use faer::{Accum, MatMut, MatRef, Par};
 
-/// The assembled matrix and the memory it takes.
+/// The assembled matrix and its workspace.
 pub(super) struct Assembly {
-    /// `F_q`, one column after the other.
+    /// `F_q`, stored by columns.
     pub matrix: Vec<f64>,
     field: Vec<f64>,
     half: Vec<f64>,
@@ -27,7 +27,7 @@ pub(super) struct Assembly {
     coupling: Vec<f64>,
 }
 
-/// A field times pairs of functions, integrated: the memory for one such product.
+/// The workspace for the integral of a field times pairs of functions.
 struct Integral<'a> {
     points: [usize; 2],
     half: &'a mut Vec<f64>,
@@ -35,7 +35,8 @@ struct Integral<'a> {
 }
 
 impl Integral<'_> {
-    /// `out (+)= scale · Σ field(p, q) x(p, ·) y(q, ·)`: pair of ξ-functions fastest.
+    /// Computes `out (+)= scale · Σ field(p, q) x(p, ·) y(q, ·)`, with the pair of ξ-functions
+    /// varying fastest.
     fn add(&mut self, scale: f64, field: &[f64], x: &[f64], y: &[f64], accumulate: Accum) {
         let [px, py] = self.points;
         let (nx, ny) = (x.len() / px, y.len() / py);
@@ -63,7 +64,7 @@ impl Assembly {
         }
     }
 
-    /// Assembles at the state that `work` was last evaluated at; `factor` belongs to it.
+    /// Assembles at the state of the last evaluation of `work`, with its `factor`.
     pub fn assemble(
         &mut self,
         model: &Discretisation,
@@ -114,7 +115,7 @@ impl Assembly {
         }
     }
 
-    /// `12α₁²⟨δe:C:δe' + N:δ²e⟩` at fixed in-plane displacements.
+    /// Assembles `12α₁²⟨δe:C:δe' + N:δ²e⟩` at fixed in-plane displacements.
     fn stretch(
         &mut self,
         model: &Discretisation,
@@ -201,7 +202,7 @@ impl Assembly {
         }
     }
 
-    /// `B = ∂r/∂q` from the weighted slopes of the deflection.
+    /// Assembles `B = ∂r/∂q` from the weighted slopes of the deflection.
     fn couple(
         &mut self,
         model: &Discretisation,
@@ -213,7 +214,7 @@ impl Assembly {
         let [w_x, w_y] = slopes;
         let shear = 4.0 * (1.0 - nu) / alpha;
         let plane = &model.plane;
-        // Coefficient, slope of w, then the derivatives taken along ξ and ζ: [of u or v, of w].
+        // Coefficient, slope of w, then the derivatives along ξ and ζ: [of u or v, of w].
         let of_u = [
             (8.0, w_x, [1, 1], [0, 0]),
             (8.0 * nu / (alpha * alpha), w_y, [1, 0], [0, 1]),

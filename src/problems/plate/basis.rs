@@ -1,8 +1,8 @@
-//! Functions of one variable `ξ ∈ [−1, 1]` from which the displacements of a plate are built.
+//! Functions of one variable `ξ ∈ [−1, 1]` that make up the displacements of a plate.
 //!
-//! A [`Basis`] is hierarchical: a few polynomials of degree at most 3, which carry what happens at
-//! the ends, then *bubbles*, multiple integrals of Legendre polynomials that vanish at both ends
-//! (together with their slopes, where `m = 2`):
+//! A [`Basis`] is hierarchical: a few polynomials of degree at most 3, which satisfy the conditions
+//! at the ends, then *bubbles*, multiple integrals of Legendre polynomials that vanish at both ends
+//! (together with their slopes, for `m = 2`):
 //!
 //! ```text
 //! m = 1:  b_k' = √(k − ½) P_{k−1},    b_k = √(k − ½) (P_k − P_{k−2})/(2k − 1),                k ≥ 2
@@ -10,8 +10,8 @@
 //! ```
 //!
 //! so that `∫ b_j^(m) b_k^(m) dξ = δ_jk`: stiffness matrices are close to diagonal at every order.
-//! Values come from the recurrence of Legendre polynomials, never from powers of `ξ` (those lose
-//! all digits by order 50). Appendix B of the dissertation has the same functions in powers.
+//! Values are computed by the recurrence of Legendre polynomials, not from powers of `ξ` (which
+//! lose all digits by order 50). Appendix B of the dissertation gives the same functions in powers.
 
 use super::edges::{InPlane, Support};
 use super::tensor::{Rule, moments};
@@ -20,12 +20,12 @@ use faer::linalg::triangular_solve::{
 };
 use faer::{Mat, Par, Side};
 
-/// Along which of its edges a displacement acts: decides which ends are held.
+/// The direction of a displacement relative to the edges, which determines the ends that are held.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Direction {
     /// The displacement is normal to the edges at the two ends.
     Normal,
-    /// It is tangential to them.
+    /// The displacement is tangential to the edges at the two ends.
     Tangential,
 }
 
@@ -41,12 +41,12 @@ enum Function {
 #[derive(Clone, Debug)]
 pub struct Basis {
     functions: Vec<Function>,
-    /// How often the bubbles integrate a Legendre polynomial, `m`.
+    /// The number `m` of times that the bubbles integrate a Legendre polynomial.
     integrals: usize,
-    /// How many of the first functions do not vanish at the ends.
+    /// The number of first functions that do not vanish at the ends.
     pub(super) boundary: usize,
     degree: usize,
-    /// Combinations of the functions that take their place, if any.
+    /// Linear combinations that replace the functions, if any.
     mix: Option<Mix>,
 }
 
@@ -55,11 +55,12 @@ pub struct Basis {
 struct Mix {
     /// `T_mk` at `m·n + k`.
     to: Vec<f64>,
-    /// `T⁻ᵀ`, ordered alike: coefficients of `f` into those of `F`.
+    /// `T⁻ᵀ`, stored like `to`: converts coefficients of `f` into coefficients of `F`.
     back: Vec<f64>,
 }
 
-/// The cubics with one of: value at −1, slope at −1, value at 1, slope at 1 equal to 1, others 0.
+/// The cubics with one of the following equal to 1 and the others 0: value at −1, slope at −1,
+/// value at 1, slope at 1.
 const HERMITE: [[f64; 4]; 4] = [
     [0.5, -0.75, 0.0, 0.25],
     [0.25, -0.25, -0.25, 0.25],
@@ -67,12 +68,12 @@ const HERMITE: [[f64; 4]; 4] = [
     [-0.25, -0.25, 0.25, 0.25],
 ];
 
-/// Up to which order bases are built. Beyond it, the mass matrix has lost all digits.
+/// The largest order of a basis. Beyond this order, the mass matrix loses all digits.
 pub(super) const LARGEST_COUNT: usize = 60;
 
 impl Basis {
-    /// The first `count` functions for a deflection with supports `ends` at `ξ = −1` and `1`; only
-    /// even ones if `even` (the two supports must then be alike).
+    /// Creates the first `count` functions for a deflection with supports `ends` at `ξ = −1` and
+    /// `1`; only even ones if `even` (the two supports must then be alike).
     pub fn transverse(ends: [Support; 2], even: bool, count: usize) -> Basis {
         let cubics = if even {
             match ends[0] {
@@ -95,8 +96,8 @@ impl Basis {
         Basis::new(cubics, 2, 4, if even { 2 } else { 1 }, count)
     }
 
-    /// The first `count` functions for a displacement in the plane between two edges held as
-    /// `ends`. `parity` is `Some(true)` for even functions only, `Some(false)` for odd ones.
+    /// Creates the first `count` functions for a displacement in the plane between two edges held
+    /// as `ends`. `parity` is `Some(true)` for even functions only, `Some(false)` for odd ones.
     pub(super) fn in_plane(
         ends: [InPlane; 2],
         direction: Direction,
@@ -115,7 +116,7 @@ impl Basis {
             (Some(_), _) | (None, [true, true]) => vec![],
             (None, [false, true]) => vec![falling],
             (None, [true, false]) => vec![rising],
-            // A straight edge needs the functions of its own displacement alone; a tangential
+            // A straight edge needs only the functions of its normal displacement; a tangential
             // displacement needs the constant as one function, for straight edges across.
             (None, [false, false]) if direction == Direction::Normal => vec![falling, rising],
             (None, [false, false]) => vec![constant, linear],
@@ -139,14 +140,14 @@ impl Basis {
         Basis { functions, integrals, boundary, degree, mix: None }
     }
 
-    /// The same space, spanned by the modes of a beam with the same ends: `⟨F_i F_k⟩` and
-    /// `⟨F_i" F_k"⟩` are both diagonal. In products of such functions the stiffness of a plate is
-    /// nearly diagonal, and the eigenvalues of the scaled matrix say something about the plate. (In
-    /// the polynomials themselves its condition is 1e6 with ten functions, and inverse iteration
-    /// finds noise.)
+    /// Replaces the functions by the modes of a beam with the same ends, which span the same space:
+    /// `⟨F_i F_k⟩` and `⟨F_i" F_k"⟩` are both diagonal. In products of such functions the stiffness
+    /// of a plate is nearly diagonal, and the eigenvalues of the scaled matrix are meaningful for
+    /// the plate. (In the polynomials its condition number is 1e6 with ten functions, and inverse
+    /// iteration yields noise.)
     ///
-    /// The first function is the lowest mode; all are positive next to `ξ = 1`. Without a solution
-    /// of the eigenproblem (which would take values that are not finite), the basis stays as it is.
+    /// The first function is the lowest mode; all are positive next to `ξ = 1`. If the eigenproblem
+    /// has no solution (because values are not finite), the basis is unchanged.
     #[must_use]
     pub(super) fn into_beam_modes(mut self, symmetric: bool) -> Basis {
         let n = self.len();
@@ -157,7 +158,7 @@ impl Basis {
             move |i, k| mass[i * n + k]
         });
         let bending = moments(&rule, &table.curvatures, &table.curvatures);
-        // A free beam has modes without bending: the mass keeps the matrix regular.
+        // A free beam has modes without bending, so the mass is added to make the matrix regular.
         let energy = Mat::from_fn(n, n, |i, k| bending[i * n + k] + mass[(i, k)]);
         let Ok(factor) = energy.llt(Side::Lower) else { return self };
         let lower = factor.L();
@@ -174,7 +175,7 @@ impl Basis {
             modes.col_mut(mode).iter_mut().for_each(|entry| *entry *= sign);
         }
         let back = &energy * &modes;
-        // Eigenvalues ascend, and the largest mass for a given energy is the lowest mode.
+        // Eigenvalues ascend, and the largest mass for a given energy belongs to the lowest mode.
         let rows = |matrix: &Mat<f64>| {
             (0..n * n).map(|entry| matrix[(entry % n, n - 1 - entry / n)]).collect()
         };
@@ -182,28 +183,28 @@ impl Basis {
         self
     }
 
-    /// Coefficients of the polynomials from those of the functions, if these are combinations; and
-    /// back.
+    /// Returns the matrices that convert coefficients of the functions to those of the polynomials,
+    /// and back, if the functions are combinations.
     pub(super) fn conversions(&self) -> Option<[&[f64]; 2]> {
         self.mix.as_ref().map(|mix| [&mix.to[..], &mix.back[..]])
     }
 
-    /// The number of functions.
+    /// Returns the number of functions.
     pub fn len(&self) -> usize {
         self.functions.len()
     }
 
-    /// Whether there is no function.
+    /// Returns whether there are no functions.
     pub fn is_empty(&self) -> bool {
         self.functions.is_empty()
     }
 
-    /// The highest degree.
+    /// Returns the highest degree.
     pub fn degree(&self) -> usize {
         self.degree
     }
 
-    /// Whether 1 (`power` 0) or `ξ` (1) is among the combinations of these functions.
+    /// Returns whether 1 (`power` 0) or `ξ` (1) is a combination of these functions.
     pub(super) fn contains(&self, power: usize) -> bool {
         let linear = |function: &Function| match function {
             Function::Cubic(c) if c[2] == 0.0 && c[3] == 0.0 => Some(*c),
@@ -213,14 +214,14 @@ impl Basis {
         cubics.len() == 2 || cubics.iter().any(|c| c[power] != 0.0 && c[1 - power] == 0.0)
     }
 
-    /// Values, slopes and curvatures of all functions at `ξ`, one after the other.
+    /// Returns values, slopes and curvatures of all functions at `ξ`, one function after another.
     pub fn at(&self, xi: f64) -> Vec<[f64; 3]> {
         let mut point = AtPoint::default();
         self.evaluate(xi, &mut point);
         point.values
     }
 
-    /// Evaluates all functions with their derivatives into memory that is kept.
+    /// Evaluates all functions with their derivatives into a reusable workspace.
     pub(super) fn evaluate(&self, xi: f64, point: &mut AtPoint) {
         legendre(self.degree, xi, &mut point.legendre);
         let p = &point.legendre;
@@ -248,7 +249,7 @@ impl Basis {
         point.values.extend(mix.to.chunks_exact(plain.len()).map(combine));
     }
 
-    /// Values, slopes and curvatures at all `nodes`.
+    /// Returns values, slopes and curvatures at all `nodes`.
     pub fn table(&self, nodes: &[f64]) -> Table {
         let (points, functions) = (nodes.len(), self.len());
         let zeros = || vec![0.0; points * functions];
@@ -277,7 +278,7 @@ impl Function {
     }
 }
 
-/// The functions of a [`Basis`] at one point, and the memory that finding them takes.
+/// The functions of a [`Basis`] at one point, and the workspace of their evaluation.
 #[derive(Clone, Debug, Default)]
 pub(super) struct AtPoint {
     /// Value, slope and curvature of each function.
@@ -286,7 +287,7 @@ pub(super) struct AtPoint {
     polynomials: Vec<[f64; 3]>,
 }
 
-/// `P_0 … P_degree` at `ξ`.
+/// Computes `P_0 … P_degree` at `ξ`.
 fn legendre(degree: usize, xi: f64, p: &mut Vec<f64>) {
     p.resize(degree.max(1) + 1, 1.0);
     p[1] = xi;
@@ -296,13 +297,13 @@ fn legendre(degree: usize, xi: f64, p: &mut Vec<f64>) {
     }
 }
 
-/// `√(k − ½) ∫P_{k−1}`.
+/// Returns `√(k − ½) ∫P_{k−1}`.
 fn once(p: &[f64], k: usize) -> f64 {
     let j = k as f64;
     (j - 0.5).sqrt() * (p[k] - p[k - 2]) / (2.0 * j - 1.0)
 }
 
-/// `√(k − 3/2) ∬P_{k−2}`.
+/// Returns `√(k − 3/2) ∬P_{k−2}`.
 fn twice(p: &[f64], k: usize) -> f64 {
     let n = k as f64 - 2.0;
     (n + 0.5).sqrt()
@@ -310,18 +311,18 @@ fn twice(p: &[f64], k: usize) -> f64 {
         / (2.0 * n + 1.0)
 }
 
-/// The functions of a [`Basis`] at some nodes, one function after the other: entry
-/// `(function, point)` at `function · points + point`.
+/// The functions of a [`Basis`] at some nodes, one function after another: entry `(function,
+/// point)` at `function · points + point`.
 #[derive(Clone, Debug, Default)]
 pub struct Table {
     /// The number of nodes.
     pub points: usize,
     /// The number of functions.
     pub functions: usize,
-    /// Values.
+    /// The values.
     pub values: Vec<f64>,
-    /// Slopes, by `ξ`.
+    /// The slopes with respect to `ξ`.
     pub slopes: Vec<f64>,
-    /// Curvatures, by `ξ` (not a number for in-plane bubbles, which never need them).
+    /// The curvatures with respect to `ξ` (NaN for in-plane bubbles, which do not need them).
     pub curvatures: Vec<f64>,
 }

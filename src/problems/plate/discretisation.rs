@@ -1,4 +1,4 @@
-//! Everything about a plate that does not change with its state: functions, rules, tables, moments.
+//! The parts of a plate that do not depend on its state: functions, rules, tables, moments.
 
 use super::basis::{Basis, Table};
 use super::edges::{InPlane, Supports};
@@ -10,30 +10,30 @@ use super::tensor::{Product, Rule, means, moments, pairs};
 use super::terms::Theory;
 use crate::core::failure::OutOfDomain;
 
-/// Description of a plate for [`Ritz::new`](super::Ritz::new).
+/// The description of a plate for [`Ritz::new`](super::Ritz::new).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RitzSettings {
-    /// Edges across the plate.
+    /// The supports of the edges against deflection.
     pub supports: Supports,
-    /// Edges in the plane.
+    /// The supports of the edges in the plane.
     pub in_plane: InPlane,
-    /// Bending only, or stretching as well.
+    /// The theory: bending only, or stretching as well.
     pub theory: Theory,
-    /// Numbers of functions; `None` for the usual ones at `aspect`.
+    /// The numbers of functions; by default those suitable for `aspect`.
     pub orders: Option<Orders>,
-    /// The largest aspect ratio meant (if it is above 1; the smallest one if below), for the usual
-    /// orders.
+    /// The aspect ratio for the default orders: the largest one if above 1, the smallest one if
+    /// below.
     pub aspect: f64,
     /// The meaning of the named parameters.
     pub units: Units,
-    /// Use the symmetry of directions whose two edges are alike. A load that breaks it
+    /// Whether to use the symmetry of directions whose two edges are alike. A load that breaks it
     /// (`edge_shear`) needs `false`.
     pub symmetric: bool,
 }
 
 impl RitzSettings {
-    /// A plate with the usual in-plane edges, von Kármán's theory, usual orders and dimensionless
-    /// parameters.
+    /// Creates the settings of a plate with default in-plane edges and orders, von Kármán's theory
+    /// and dimensionless parameters.
     pub fn new(supports: Supports) -> RitzSettings {
         RitzSettings {
             supports,
@@ -46,69 +46,69 @@ impl RitzSettings {
         }
     }
 
-    /// Directions in which only symmetric displacements are considered.
+    /// Returns the directions in which only symmetric displacements are considered.
     pub(super) fn symmetries(&self) -> [bool; 2] {
         self.supports.alike().map(|alike| alike && self.symmetric)
     }
 }
 
-/// Mean products of the transverse functions of one direction, `(i, k)` at `i·n + k`.
+/// The mean products of the transverse functions of one direction, `(i, k)` at `i·n + k`.
 pub(super) struct LineMoments {
     pub values: Vec<f64>,
     pub slopes: Vec<f64>,
     pub curvatures: Vec<f64>,
     /// `⟨f_i" f_k⟩` and its transpose.
     pub mixed: [Vec<f64>; 2],
-    /// `⟨f_i' f_k⟩` and its transpose; zero where symmetry makes it so.
+    /// `⟨f_i' f_k⟩` and its transpose; zero by symmetry in symmetric directions.
     pub skew: [Vec<f64>; 2],
     pub means: Vec<f64>,
 }
 
-/// Tables of transverse functions on one rule for the load term.
+/// The transverse functions on one quadrature rule for the load term.
 pub(super) struct LoadRule {
     pub rules: [Rule; 2],
     pub tables: [Table; 2],
     /// `f_i f_k`, `i ≤ k`, at the nodes.
     pub squares: [Vec<f64>; 2],
-    /// Up to which deflection the rule is good for 1e-11.
+    /// The largest deflection at which the rule is accurate to 1e-11.
     pub largest: f64,
 }
 
-/// Products of a transverse function and another function at the nodes of the membrane rule, by
-/// which derivative is taken of either: `[of the other][of the transverse one]`.
+/// Products of a transverse function and another function at the nodes of the membrane rule, by the
+/// derivatives of the two functions: `[of the other][of the transverse one]`.
 pub(super) type PairTables = [[Vec<f64>; 2]; 2];
 
-/// Tables on the rule that integrates all products of strains exactly.
+/// The tables on the rule that integrates all products of strains exactly.
 pub(super) struct Membrane {
     pub rules: [Rule; 2],
     pub w: [Table; 2],
     pub u: [Table; 2],
     pub v: [Table; 2],
-    /// Transverse times transverse, for each direction.
+    /// Products of two transverse functions, for each direction.
     pub ww: [PairTables; 2],
-    /// Functions of `u` times transverse.
+    /// Products of functions of `u` and transverse functions.
     pub uw: [PairTables; 2],
-    /// Functions of `v` times transverse.
+    /// Products of functions of `v` and transverse functions.
     pub vw: [PairTables; 2],
 }
 
-/// A plate without its state.
+/// The parts of a plate that do not depend on its state.
 pub(super) struct Discretisation {
     pub settings: RitzSettings,
     pub orders: Orders,
-    /// Directions in which only symmetric displacements are considered.
+    /// The directions in which only symmetric displacements are considered.
     pub symmetric: [bool; 2],
     pub transverse: [Basis; 2],
     pub lines: [LineMoments; 2],
     pub loads: Vec<LoadRule>,
     pub membrane: Option<Membrane>,
     pub plane: PlaneSpace,
-    /// What each product `f_i g_j` is multiplied by, see [`scales`].
+    /// The factors of the products `f_i g_j`, see [`scales`].
     pub scale: Vec<f64>,
 }
 
-/// Deflections beyond this one are refused: the electrostatic load is no longer integrated to
-/// 1e-11.
+/// The largest allowed deflection. At larger deflections the electrostatic load is not integrated
+/// to 1e-11.
 pub(super) const LARGEST_DEFLECTION: f64 = 0.96;
 
 impl Discretisation {
@@ -144,7 +144,7 @@ impl Discretisation {
         })
     }
 
-    /// The mass matrix.
+    /// Returns the mass matrix.
     pub fn mass(&self) -> Vec<f64> {
         let [x, y] = &self.lines;
         let [nx, ny] = [0, 1].map(|axis| self.transverse[axis].len());
@@ -158,17 +158,17 @@ impl Discretisation {
         (0..n * n).map(entry).collect()
     }
 
-    /// The number of unknowns.
+    /// Returns the number of unknowns.
     pub fn unknowns(&self) -> usize {
         self.transverse[0].len() * self.transverse[1].len()
     }
 
-    /// Rules that integrate products of two transverse functions (or their slopes) exactly.
+    /// Returns rules that integrate products of two transverse functions (or their slopes) exactly.
     pub fn product_rules(&self) -> [Rule; 2] {
         [0, 1].map(|axis| Rule::exact(2 * self.transverse[axis].degree(), self.symmetric[axis]))
     }
 
-    /// Refuses shear where symmetry leaves no functions for it.
+    /// Rejects shear if symmetry excludes the functions that it needs.
     pub fn check_shear(&self, shear: f64) -> Result<(), OutOfDomain> {
         if shear == 0.0 || self.symmetric == [false; 2] || self.settings.supports.any_free() {
             return Ok(());
@@ -177,22 +177,22 @@ impl Discretisation {
         Err(OutOfDomain::new("edge_shear", shear, remedy))
     }
 
-    /// The rule for the load term at a deflection whose largest value is `largest`.
+    /// Returns the rule for the load term at a deflection whose largest value is `largest`.
     pub fn load_rule(&self, largest: f64) -> &LoadRule {
         let good = self.loads.iter().find(|rule| largest <= rule.largest);
         good.unwrap_or(&self.loads[self.loads.len() - 1])
     }
 }
 
-/// The unknowns are the coefficients of `d_ij f_i g_j` with
+/// Returns the factors `d_ij` of the functions `d_ij f_i g_j`, with
 ///
 /// ```text
 /// d_ij² (bending energy of f_i g_j + 100 mean square) = 100
 /// ```
 ///
-/// (a unit of an unknown is then a deflection of some gap in the lowest modes). Products of two
-/// high functions have next to no bending energy; unscaled, rounding would fill their coefficients
-/// with noise that no norm of the unknowns could tell from a correction.
+/// so that a unit of an unknown is a deflection of about one gap in the lowest modes. Products of
+/// two high functions have almost no bending energy; without scaling, rounding would fill their
+/// coefficients with noise that the norm of the unknowns could not distinguish from a correction.
 fn scales([x, y]: &[LineMoments; 2]) -> Vec<f64> {
     let count = [x, y].map(|line| line.means.len());
     let mut scales = Vec::with_capacity(count[0] * count[1]);
@@ -207,7 +207,7 @@ fn scales([x, y]: &[LineMoments; 2]) -> Vec<f64> {
     scales
 }
 
-/// Three of the four quantities deflection, two slopes and twist may be rigid motions.
+/// Rejects supports that permit a rigid motion: deflection, a slope, or twist.
 fn check_held(supports: Supports) -> Result<(), PlateError> {
     use super::edges::Support::{Clamped, Free};
     let clamped = supports.0.contains(&Clamped);
@@ -241,7 +241,7 @@ impl LineMoments {
 impl LoadRule {
     fn new(transverse: &[Basis; 2], symmetric: [bool; 2], count: usize, largest: f64) -> LoadRule {
         let rules = [0, 1].map(|axis| {
-            // Never fewer nodes than the bending moments would need.
+            // The bending moments require at least this number of nodes.
             Rule::halves(count.max(transverse[axis].degree() + 2), symmetric[axis])
         });
         let tables = [0, 1].map(|axis| transverse[axis].table(&rules[axis].nodes));
@@ -286,7 +286,7 @@ impl Membrane {
         [self.rules[0].len(), self.rules[1].len()]
     }
 
-    /// Derivatives by ξ and by ζ of fields built from `tables`.
+    /// Returns the derivatives by ξ and by ζ of fields built from `tables`.
     pub fn slopes<'a>(&self, tables: &'a [Table; 2]) -> [Product<'a>; 2] {
         let points = self.points();
         [

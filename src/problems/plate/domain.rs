@@ -1,10 +1,11 @@
-//! Where the equations of a plate have a meaning: one check for each idea, shared by all models.
+//! The domain of the equations of a plate: checks of parameters and deflections, shared by all
+//! models.
 
 use super::parameters::{Parameters, Units};
 use crate::core::failure::{Failure, OutOfDomain};
 
-/// The parameters of the equations, unless one is not finite, a quantity of a device is not
-/// positive, `α ≤ 0`, `d/h < 0`, or `ν` is not between −1 and ½.
+/// Returns the parameters of the equations. Rejects parameters that are not finite, quantities of a
+/// device that are not positive, `α ≤ 0`, `d/h < 0`, and `ν` outside of −1 to ½.
 pub(super) fn parameters(units: Units, p: &[f64]) -> Result<Parameters<f64>, OutOfDomain> {
     for (name, value) in units.names().iter().zip(p) {
         let positive = matches!(
@@ -30,7 +31,7 @@ pub(super) fn parameters(units: Units, p: &[f64]) -> Result<Parameters<f64>, Out
     Ok(plate)
 }
 
-/// Refuses a ratio below 0, or that is not finite.
+/// Rejects a ratio that is negative or not finite.
 pub(super) fn not_negative(name: &str, ratio: f64) -> Result<(), OutOfDomain> {
     match ratio >= 0.0 && ratio.is_finite() {
         true => Ok(()),
@@ -38,7 +39,7 @@ pub(super) fn not_negative(name: &str, ratio: f64) -> Result<(), OutOfDomain> {
     }
 }
 
-/// Refuses a largest deflection (over the gap) of `limit` or more, and one that is not a number.
+/// Rejects a largest deflection (over the gap) that is NaN or at least `limit`.
 pub(super) fn clear(largest: f64, limit: f64) -> Result<(), OutOfDomain> {
     if largest < limit {
         return Ok(());
@@ -49,7 +50,7 @@ pub(super) fn clear(largest: f64, limit: f64) -> Result<(), OutOfDomain> {
     Err(OutOfDomain::new("max_deflection", largest, remedy))
 }
 
-/// Refuses entries that are not finite; `name` says what the entry at a position is.
+/// Rejects entries that are not finite; `name` describes the entry at a position.
 pub(super) fn finite(entries: &[f64], name: impl Fn(usize) -> String) -> Result<(), Failure> {
     match entries.iter().position(|entry| !entry.is_finite()) {
         Some(i) => {

@@ -1,4 +1,4 @@
-//! How the edges of a plate are held, across the plate and in its plane.
+//! The supports of the edges of a plate, against deflection and in the plane.
 
 use super::error::PlateError;
 
@@ -10,7 +10,7 @@ pub enum Support {
     SimplySupported,
     /// `w = 0`, `∂w/∂n = 0`.
     Clamped,
-    /// Nothing: no moment and no shear force. Such an edge is free in its plane as well.
+    /// No moment and no shear force. The edge is also free in its plane.
     Free,
 }
 
@@ -27,28 +27,28 @@ pub enum Support {
 pub struct Supports(pub [Support; 4]);
 
 impl Supports {
-    /// The edges x = 0 and x = 1.
+    /// Returns the supports of the edges x = 0 and x = 1.
     pub fn x(&self) -> [Support; 2] {
         [self.0[0], self.0[2]]
     }
 
-    /// The edges y = 0 and y = 1.
+    /// Returns the supports of the edges y = 0 and y = 1.
     pub fn y(&self) -> [Support; 2] {
         [self.0[1], self.0[3]]
     }
 
-    /// Whether the two edges of each direction (x, then y) are alike.
+    /// Returns whether the two edges of each direction (x, then y) are alike.
     pub fn alike(&self) -> [bool; 2] {
         [self.x(), self.y()].map(|[first, second]| first == second)
     }
 
-    /// Whether some edge is free.
+    /// Returns whether at least one edge is free.
     pub fn any_free(&self) -> bool {
         self.0.contains(&Support::Free)
     }
 
-    /// What the edges of the plane are unless something else is said: `slide` for a plate
-    /// supported all round, `immovable` for all others.
+    /// Returns the default supports in the plane: `slide` for a plate supported on all sides,
+    /// `immovable` for all others.
     pub fn usual_in_plane(&self) -> InPlane {
         if self.0 == [Support::SimplySupported; 4] { InPlane::Slide } else { InPlane::Immovable }
     }
@@ -85,7 +85,7 @@ impl std::fmt::Display for Supports {
     }
 }
 
-/// The supports of the edges in the plane of the plate. Four different models: at `α₁ = 2` their
+/// The supports of the edges in the plane of the plate, four different models: at `α₁ = 2` their
 /// pull-in loads differ by a factor of two.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -103,7 +103,7 @@ pub enum InPlane {
 }
 
 impl InPlane {
-    /// The model as scenes and figures call it.
+    /// Returns the name of the model in scenes and figures.
     pub fn name(self) -> &'static str {
         match self {
             InPlane::Slide => "slide",
@@ -113,7 +113,8 @@ impl InPlane {
         }
     }
 
-    /// The same, except at a transversally free edge: that one is free in its plane.
+    /// Returns the support in the plane of an edge: free for an edge that is free against
+    /// deflection, otherwise this one.
     pub fn at(self, support: Support) -> InPlane {
         if support == Support::Free { InPlane::Free } else { self }
     }

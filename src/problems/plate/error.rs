@@ -1,6 +1,6 @@
-//! What can be wrong with the description of a plate.
+//! The errors in the description of a plate.
 
-/// A plate that cannot be set up, and what to change.
+/// The error of a plate that cannot be set up, with a remedy.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PlateError {
@@ -10,10 +10,10 @@ pub enum PlateError {
          F (free), for the edges x = 0, y = 0, x = 1, y = 1, such as \"SCSF\""
     )]
     Supports {
-        /// The name as written.
+        /// The letters as given.
         letters: String,
     },
-    /// Nothing holds the plate.
+    /// The supports do not hold the plate.
     #[error(
         "supports {supports} leave the plate free to move as a rigid body: hold it by one clamped \
          edge or two supported ones"
@@ -22,37 +22,37 @@ pub enum PlateError {
         /// The supports.
         supports: String,
     },
-    /// Supports that the sine model does not have.
+    /// The sine model does not have these supports.
     #[error(
-        "the model `sine` is for four supported edges (SSSS), not for {supports}; use `model=ritz`"
+        "the model `sine` requires four supported edges (SSSS), not {supports}; use `model=ritz`"
     )]
     SineSupports {
         /// The supports.
         supports: String,
     },
-    /// Edges that the stress function cannot describe: its shear traction vanishes on straight
+    /// The stress function cannot describe these edges: its shear traction vanishes on straight
     /// edges.
     #[error(
         "the sine model has no in-plane edges \"{in_plane}\": choose slide or straight, or a polynomial \
          model (model=ritz)"
     )]
     SineInPlane {
-        /// The name of the edges in the plane.
+        /// The name of the supports in the plane.
         in_plane: &'static str,
     },
-    /// More or fewer functions or modes than can be worked with.
+    /// The number of functions or modes is out of range.
     #[error("{count} {what}: choose between {least} and {most}, or another model of the plate")]
     Count {
         /// The counted quantity.
         what: &'static str,
-        /// The offending number.
+        /// The given number.
         count: usize,
-        /// The smallest possible.
+        /// The smallest allowed number.
         least: usize,
-        /// The largest possible.
+        /// The largest allowed number.
         most: usize,
     },
-    /// A quadrature that cannot tell the functions apart.
+    /// The quadrature has too few points to distinguish the functions.
     #[error("{points} quadrature points do not resolve the functions: use {needed} or more")]
     TooFewPoints {
         /// The number of points.
@@ -60,13 +60,13 @@ pub enum PlateError {
         /// The smallest number accepted.
         needed: usize,
     },
-    /// An accuracy of modes that no arithmetic of 16 digits gives, or none at all.
+    /// The accuracy of modes is out of the range that double precision allows.
     #[error("mode_accuracy is {accuracy:e}: choose between 1e-12 and 0.1")]
     AccuracyRange {
-        /// The accuracy.
+        /// The given accuracy.
         accuracy: f64,
     },
-    /// Modes that the polynomials do not resolve.
+    /// The polynomials do not resolve the modes.
     #[error(
         "{modes} modes cannot meet mode_accuracy {accuracy:.1e}: with {} × {} functions their ω² are \
          off by {error:.1e}, and {accurate} of them are accurate enough; ask for fewer modes, for more \
@@ -76,26 +76,25 @@ pub enum PlateError {
     Accuracy {
         /// The number of modes.
         modes: usize,
-        /// The relative error of `ω²` allowed.
+        /// The allowed relative error of `ω²`.
         accuracy: f64,
-        /// The estimated one.
+        /// The estimated relative error of `ω²`.
         error: f64,
         /// The numbers of transverse functions along x and y.
         functions: [usize; 2],
-        /// How many of the lowest modes are accurate enough.
+        /// The number of lowest modes that are accurate enough.
         accurate: usize,
     },
-    /// Stresses were asked of a plate without stretching, or with too many in-plane functions for
-    /// them.
+    /// Stresses were requested for a plate without stretching, or with too many in-plane functions.
     #[error("the plate has no in-plane stresses: set theory to von_karman, with fewer functions")]
     NoMembrane,
-    /// A value of a parameter without meaning.
+    /// The value of a parameter is outside the domain of the equations.
     #[error(transparent)]
     Domain(#[from] crate::core::failure::Failure),
 }
 
 impl PlateError {
-    /// [`PlateError::Count`] unless `least ≤ count ≤ most`.
+    /// Returns [`PlateError::Count`] unless `least ≤ count ≤ most`.
     pub(super) fn check(
         what: &'static str,
         count: usize,

@@ -1,5 +1,5 @@
-//! What a reduction to a few shapes needs of the full plate: fields at nodes, and the stretching
-//! energy as a quartic form of the shapes' amplitudes.
+//! The quantities of the full plate for a reduction to a few shapes: fields at nodes, and the
+//! stretching energy as a quartic form of the shapes' amplitudes.
 
 use super::domain;
 use super::error::PlateError;
@@ -18,14 +18,14 @@ pub(super) struct Field {
     pub slopes: [Vec<f64>; 2],
 }
 
-/// The stretching energy of a deflection `w = Σ a_i φ_i`, in-plane displacements eliminated:
+/// The stretching energy of a deflection `w = Σ a_i φ_i`, with in-plane displacements eliminated:
 ///
 /// ```text
 /// U = 6α₁² Σ_ij Σ_kl a_i a_j A_(ij)(kl) a_k a_l,    A_(ij)(kl) = ⟨ε_ij : C : ε_kl⟩ − B_ijᵀ K_uv⁻¹ B_kl
 /// ```
 ///
 /// with `ε_ij = ½ sym(∇φ_i ⊗ ∇φ_j)` and the mean `⟨·⟩` over the plate. Sums run over ordered pairs;
-/// stored are the pairs with `i ≤ j`, so one with `i < j` counts twice.
+/// only pairs with `i ≤ j` are stored, so a pair with `i < j` counts twice.
 #[derive(Clone, Debug)]
 pub struct MembraneForm {
     /// The pairs `(i, j)`, `i ≤ j`.
@@ -40,8 +40,8 @@ pub struct MembraneForm {
 }
 
 impl Ritz {
-    /// The deflection of coefficients `q` (a solution's unknowns, or a mode's) and its slopes at
-    /// the grid of `nodes` in ξ and in ζ, each in `[−1, 1]`.
+    /// Evaluates the deflection with coefficients `q` (unknowns of a solution, or coefficients of a
+    /// mode) and its slopes at the grid of `nodes` in ξ and in ζ, each in `[−1, 1]`.
     pub(super) fn field(&self, q: &[f64], nodes: [&[f64]; 2]) -> Field {
         let model = &self.model;
         let [x, y] = [0, 1].map(|axis| model.transverse[axis].table(nodes[axis]));
@@ -59,11 +59,11 @@ impl Ritz {
         }
     }
 
-    /// The stretching energy of deflections spanned by `shapes` (coefficients, such as those of
-    /// [`flat_modes`](Ritz::flat_modes)) at the given `α` and `ν`.
+    /// Computes the stretching energy of deflections spanned by `shapes` (coefficients, such as
+    /// those of [`flat_modes`](Ritz::flat_modes)) at the given `α` and `ν`.
     ///
     /// # Errors
-    /// [`PlateError`] if `α` or `ν` has no meaning, or the plate was built without stretching.
+    /// [`PlateError`] if `α` or `ν` is out of range, or the plate was built without stretching.
     pub fn membrane_form(
         &mut self,
         shapes: &[Vec<f64>],
@@ -115,7 +115,7 @@ impl Ritz {
     }
 }
 
-/// `½ sym(∇φ_i ⊗ ∇φ_j)`: `e₁`, `e₂`, `γ`.
+/// Computes `½ sym(∇φ_i ⊗ ∇φ_j)`: `e₁`, `e₂`, `γ`.
 fn pair_strain(first: &[Vec<f64>; 2], second: &[Vec<f64>; 2], along: f64) -> [Vec<f64>; 3] {
     let field = |value: &dyn Fn(usize) -> f64| (0..first[0].len()).map(value).collect();
     [

@@ -2,30 +2,29 @@
 //!
 //! # Models
 //!
-//! | model | what it is |
+//! | model | description |
 //! | --- | --- |
 //! | [`Ritz`] | polynomials of high degree for any supports and in-plane edges: the full model |
 //! | [`modal`] | the lowest modes of a full model's flat plate (section 3.3) |
 //! | [`sine`] | sines and a stress function for four supported edges (section 3.2) |
 //! | [`strip`] | the plate infinitely long in one direction |
 //!
-//! [`PlateSettings`] chooses among the first three. They share their parameters ([`Units`]), what
-//! they refuse, their monitors and the profiles of special points: the deflection and the first
-//! mode shape along the centre line `y = b/2`.
+//! [`PlateSettings`] chooses among the first three. They share their parameters ([`Units`]),
+//! domain, monitors and the profiles of special points: the deflection and the first mode shape
+//! along the centre line `y = b/2`.
 //!
 //! # Monitors
 //!
-//! | monitor | what |
+//! | monitor | meaning |
 //! | --- | --- |
-//! | `deflection` | of the centre, over the gap |
-//! | `max_deflection` | the largest one towards the electrode, over the gap |
-//! | `frequency` | the lowest one: `ωa²√(ρh/D)`, or in Hz for a device; `−√(−ω²)` where unstable |
-//! | `frequency_ratio` | the frequency over that of the same plate flat, without voltage, pressure and edge forces |
-//! | `displacement` | of the centre, in metres; only for a device |
+//! | `deflection` | the deflection of the centre, over the gap |
+//! | `max_deflection` | the largest deflection towards the electrode, over the gap |
+//! | `frequency` | the lowest frequency: `ωa²√(ρh/D)`, or in Hz for a device; `−√(−ω²)` if unstable |
+//! | `frequency_ratio` | the frequency over that of the flat plate without voltage, pressure and edge forces |
+//! | `displacement` | the deflection of the centre, in metres; only for a device |
 //!
-//! Where symmetry is used, the lowest frequency is that of the modes which share it. First
-//! derivatives of monitors are exact; second derivatives of the two frequencies leave out that the
-//! mode changes.
+//! If symmetry is used, the lowest frequency is that of the symmetric modes. First derivatives of
+//! monitors are exact; second derivatives of the two frequencies neglect the change of the mode.
 
 mod assembly;
 pub mod basis;

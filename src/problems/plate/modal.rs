@@ -1,14 +1,14 @@
-//! The modal reduced-order model of section 3.3: a plate in its own flat modes.
+//! The modal reduced-order model of section 3.3: a plate expanded in the modes of the flat plate.
 //!
-//! With `w = Σ q_i φ_i`, where `φ_i` are the lowest modes of the flat plate without loads, of mean
-//! square 1 over the plate, the potential energy per area is
+//! With `w = Σ q_i φ_i`, where `φ_i` are the lowest modes of the flat plate without loads, with
+//! mean square 1 over the plate, the potential energy per area is
 //!
 //! ```text
 //! Π = ½ Σ ω_i² q_i² + 6α₁² Σ A_(ij)(kl) q_i q_j q_k q_l − ½⟨P : ∇w∇w⟩ − λ⟨1/(1−w)⟩ − P⟨w⟩
 //! ```
 //!
 //! The in-plane displacements are condensed once into the form `A`, for any supports and any edges
-//! in the plane: no stress function is needed, and a state costs some microseconds. `N` modes give
+//! in the plane, without a stress function. An evaluation takes some microseconds. `N` modes give
 //! the load at pull-in of a clamped plate within 0.3 % (`N = 1`), 0.01 % (7). The modes and `A`
 //! belong to one aspect ratio and one Poisson's ratio: to vary these, use the full model,
 //! [`Ritz`](super::Ritz).

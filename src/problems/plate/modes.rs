@@ -1,8 +1,8 @@
 //! Natural modes about an equilibrium: all solutions of `K v = ω² M v`, both symmetric.
 //!
-//! In a polynomial basis of high order the mass matrix is singular to working accuracy (its
-//! condition is 1e11 at 10 functions, 6e14 at 18), while `K + σM` is not. So the problem solved is
-//! `M v = μ (K + σM) v`, `ω² = 1/μ − σ`.
+//! In a polynomial basis of high order the mass matrix is singular to working precision (its
+//! condition number is 1e11 at 10 functions, 6e14 at 18), but `K + σM` is not. Therefore the
+//! problem `M v = μ (K + σM) v`, `ω² = 1/μ − σ`, is solved.
 
 use crate::core::scalar::Scalar;
 use faer::diag::DiagMut;
@@ -19,42 +19,42 @@ use faer::{MatMut, MatRef, Par};
 pub struct Modes {
     /// `ω²`, dimensionless (`ω a²√(ρh/D)`); negative where the equilibrium is unstable.
     pub squares: Vec<f64>,
-    /// Coefficients of the modes, each with mean square 1 over the plate.
+    /// The coefficients of the modes, each with mean square 1 over the plate.
     pub shapes: Vec<Vec<f64>>,
 }
 
 impl Modes {
-    /// `ω`; `−√(−ω²)` for unstable modes.
+    /// Returns `ω`, or `−√(−ω²)` for unstable modes.
     pub fn frequencies(&self) -> Vec<f64> {
         self.squares.iter().map(|square| signed_root(*square)).collect()
     }
 }
 
-/// `ω` where `ω² ≥ 0`, else `−√(−ω²)`: an unstable plate's rate of growth, below the axis.
+/// Returns `ω` if `ω² ≥ 0`, else `−√(−ω²)`, the negative growth rate of an unstable plate.
 pub(super) fn signed_root<T: Scalar>(square: T) -> T {
     if square.real() < 0.0 { -(-square).sqrt() } else { square.sqrt() }
 }
 
-/// The entry of largest modulus; 0 where there is none.
+/// Returns the entry of largest modulus; 0 for no entries.
 pub(super) fn extreme(entries: impl Iterator<Item = f64>) -> f64 {
     entries.fold(0.0, |most, entry| if entry.abs() > most.abs() { entry } else { most })
 }
 
-/// The mass matrix and the memory for its eigenproblem.
+/// The mass matrix and the workspace of its eigenproblem.
 pub(super) struct Eigenproblem {
     mass: Vec<f64>,
     factor: Vec<f64>,
     reduced: Vec<f64>,
     /// `μ`, ascending.
     values: Vec<f64>,
-    /// Modes, one column after the other, in the order of `values`.
+    /// The modes, stored by columns, in the order of `values`.
     vectors: Vec<f64>,
     shift: f64,
     scratch: MemBuffer,
 }
 
 impl Eigenproblem {
-    /// For a symmetric mass matrix, one column after the other.
+    /// Creates the eigenproblem of a symmetric mass matrix, stored by columns.
     pub fn new(mass: Vec<f64>) -> Eigenproblem {
         let n = mass.len().isqrt();
         let need = StackReq::any_of(&[
@@ -77,12 +77,13 @@ impl Eigenproblem {
         }
     }
 
-    /// With all modes of a stiffness matrix; `None` if it is not finite.
+    /// Solves for all modes of a stiffness matrix; `None` if the matrix is not finite.
     pub fn solved(mut self, stiffness: &[f64]) -> Option<Eigenproblem> {
         self.solve(stiffness).then_some(self)
     }
 
-    /// All modes of a stiffness matrix (one column after the other); `false` if it is not finite.
+    /// Solves for all modes of a stiffness matrix (stored by columns); `false` if the matrix is not
+    /// finite.
     #[must_use]
     pub fn solve(&mut self, stiffness: &[f64]) -> bool {
         let n = self.values.len();
@@ -107,13 +108,13 @@ impl Eigenproblem {
         done.is_ok()
     }
 
-    /// `ω²` of the mode, 0 for the lowest.
+    /// Returns `ω²` of a mode; mode 0 is the lowest.
     pub fn square(&self, mode: usize) -> f64 {
         1.0 / self.values[self.values.len() - 1 - mode] - self.shift
     }
 
-    /// Coefficients of the mode, of mean square 1, into `out`. The sign makes the largest one
-    /// positive.
+    /// Writes the coefficients of a mode, with mean square 1 over the plate, into `out`. The sign
+    /// makes the largest coefficient positive.
     pub fn shape(&self, mode: usize, out: &mut [f64]) {
         let n = self.values.len();
         let column = n - 1 - mode;
@@ -122,7 +123,7 @@ impl Eigenproblem {
         out.iter_mut().for_each(|entry| *entry *= scale);
     }
 
-    /// The `count` lowest modes.
+    /// Returns the `count` lowest modes.
     pub fn lowest(&self, count: usize) -> Modes {
         let n = self.values.len();
         let modes = 0..count.min(n);

@@ -1,22 +1,22 @@
-//! What every model of a plate reports, in one order and by one convention.
-//! See [the list](super#monitors).
+//! The monitors common to all models of a plate, in one order and by one convention. See [the
+//! list](super#monitors).
 
 use super::parameters::Units;
 use crate::core::problem::Names;
 use crate::core::scalar::Scalar;
 
-/// The names that plates and strips share, in their order.
+/// The monitor names common to plates and strips, in order.
 pub(super) const MONITORS: [&str; 4] =
     ["deflection", "max_deflection", "frequency", "frequency_ratio"];
 
-/// The names of a plate with so many unknowns `w`.
+/// Returns the names of a plate with the given number of unknowns `w`.
 pub(super) fn names(units: Units, unknowns: usize) -> Names {
     let displacement = (units == Units::Device).then_some("displacement");
     Names::new([("w", unknowns)], units.names().iter().copied())
         .with_monitors(MONITORS.into_iter().chain(displacement))
 }
 
-/// The monitors' values from the two deflections over the gap, and from the dimensionless lowest
+/// Computes the monitors from the two deflections over the gap, and from the dimensionless lowest
 /// frequencies of the plate and of the flat plate.
 pub(super) fn fill<T: Scalar>(
     units: Units,

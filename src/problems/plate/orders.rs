@@ -1,44 +1,44 @@
-//! How many functions a plate's displacements are built from, and the ladder of finer ones.
+//! The numbers of functions for a plate's displacements, and the ladder of finer ones.
 
 use super::basis::LARGEST_COUNT;
 use super::error::PlateError;
 use crate::core::numerics::ladder;
 
-/// How many orders there are to choose from.
+/// The number of orders to choose from.
 const RUNGS: usize = 15;
 
-/// Numbers of functions in each direction (x, then y): even ones where the plate is symmetric in
-/// that direction, all degrees where it is not.
+/// Numbers of functions in each direction (x, then y): only even functions if the plate is
+/// symmetric in that direction, all degrees otherwise.
 ///
 /// ```
 /// use tangency::problems::plate::Orders;
 /// let orders = Orders::usual([true, true], 1.0);
 /// assert_eq!((orders.transverse, orders.in_plane), ([6, 6], [8, 8]));
 /// assert_eq!(orders.finer().in_plane, [12, 12]);
-/// // Along a side four times as long there are twice as many.
+/// // A side four times as long needs twice as many functions.
 /// assert_eq!(Orders::usual([true, true], 4.0).transverse, [6, 12]);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Orders {
-    /// For the deflection.
+    /// The numbers of functions for the deflection.
     pub transverse: [usize; 2],
-    /// For each displacement in the plane.
+    /// The numbers of functions for each displacement in the plane.
     pub in_plane: [usize; 2],
 }
 
 impl Orders {
-    /// Orders for a plate of the given aspect ratio, at which a branch is traced: for plates
+    /// Returns orders for tracing a branch of a plate with the given aspect ratio: for plates
     /// without free edges the error in a pull-in load is 1e-6 or less up to `α₁ = 2`, 6e-6 at 3.
     ///
-    /// A long plate needs more functions along its length: the deflection is flat but for layers, a
-    /// width long, at the short edges.
+    /// A long plate needs more functions along its length: the deflection is flat except in layers
+    /// at the short edges, about one width long.
     pub fn usual(symmetric: [bool; 2], aspect: f64) -> Orders {
         Orders::of(6, 8, symmetric, aspect)
     }
 
-    /// So many functions across and in the plane of a square plate with the symmetry of both
-    /// directions; and as many as they stand for without it, and for a longer plate.
+    /// Converts numbers of transverse and in-plane functions of a square plate, symmetric in both
+    /// directions, to a given symmetry and aspect ratio.
     fn of(transverse: usize, in_plane: usize, symmetric: [bool; 2], aspect: f64) -> Orders {
         let stretch = [1.0 / aspect, aspect].map(|length| length.clamp(1.0, 8.0).sqrt());
         let count = |base: usize, axis: usize| {
@@ -51,9 +51,9 @@ impl Orders {
         }
     }
 
-    /// Orders from the fewest functions to many. Up to the usual ones they have the ratio that
-    /// spends work on both displacements alike, and each gains about a digit of a pull-in load;
-    /// then come [`finer`](Orders::finer) ones, and one between each two.
+    /// Returns orders from the fewest functions to many. Up to the default orders, their ratio
+    /// balances the work on both displacements, and each gains about a digit of a pull-in load;
+    /// then follow [`finer`](Orders::finer) ones, with one between each two.
     pub(super) fn ladder(symmetric: [bool; 2], aspect: f64) -> Vec<Orders> {
         let rung = |n: usize| Orders::of(n, n + n.div_ceil(3), symmetric, aspect);
         let rungs =
@@ -61,9 +61,10 @@ impl Orders {
         rungs.into_iter().filter(|orders| orders.check().is_ok()).collect()
     }
 
-    /// The finer orders on which special points are finished, two rungs up the ladder. Twice finer
-    /// than the usual orders, pull-in loads of plates without free edges are good to 1e-8 and
-    /// deflections to 1e-6 (`0 ≤ α₁ ≤ 3`, `1 ≤ α ≤ 6`, every model of the edges).
+    /// Returns the finer orders for the refinement of special points, two rungs up the ladder. Two
+    /// refinements above the default orders, pull-in loads of plates without free edges are
+    /// accurate to 1e-8 and deflections to 1e-6 (`0 ≤ α₁ ≤ 3`, `1 ≤ α ≤ 6`, every model of the
+    /// edges).
     #[must_use]
     pub fn finer(self) -> Orders {
         Orders {

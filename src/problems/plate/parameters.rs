@@ -1,9 +1,10 @@
-//! Parameters of a plate, dimensionless or in SI units, mapped to those of the equations.
+//! The parameters of a plate, dimensionless or in SI units, and their conversion to those of the
+//! equations.
 
 use crate::core::scalar::Scalar;
 
-/// The parameters that the dimensionless equations read. Lengths in the plane are measured by the
-/// side `a`, deflections by the gap `d`.
+/// The parameters of the dimensionless equations. Lengths in the plane are in units of the side
+/// `a`, deflections in units of the gap `d`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameters<T> {
     /// `λ = α₂V²`, the electrostatic load, eq. 3.17: `6εa⁴(1−ν²)V²/(Eh³d³)`.
@@ -67,8 +68,8 @@ const DEVICE: [&str; 13] = [
 ];
 
 impl Units {
-    /// The names of the parameters, in the order in which [`parameters`](Units::parameters) reads
-    /// them.
+    /// Returns the names of the parameters, in the order in which [`parameters`](Units::parameters)
+    /// reads them.
     pub fn names(self) -> &'static [&'static str] {
         match self {
             Units::Dimensionless => &DIMENSIONLESS,
@@ -76,8 +77,8 @@ impl Units {
         }
     }
 
-    /// Default values: a square plate with `α₁ = 1`, `ν = 0.3`; or a silicon plate, 300 µm square
-    /// and 2 µm thick, over a gap of 2 µm.
+    /// Returns the default values: a square plate with `α₁ = 1`, `ν = 0.3`; or a silicon plate, 300
+    /// µm square and 2 µm thick, over a gap of 2 µm.
     pub fn defaults(self) -> &'static [f64] {
         match self {
             Units::Dimensionless => &[0.0, 1.0, 1.0, 0.3, 0.0, 0.0, 0.0, 0.0, 0.0],
@@ -99,8 +100,8 @@ impl Units {
         }
     }
 
-    /// The default values for a plate of this aspect ratio and Poisson's ratio (of a device, the
-    /// width is adapted).
+    /// Returns the default values for a plate of this aspect ratio and Poisson's ratio (for a
+    /// device, the width is adapted).
     ///
     /// ```
     /// use tangency::problems::plate::Units;
@@ -116,12 +117,12 @@ impl Units {
         p
     }
 
-    /// The position of the gap among the parameters, if it is one.
+    /// Returns the position of the gap among the parameters, for a device.
     pub(super) fn gap(self) -> Option<usize> {
         (self == Units::Device).then_some(4)
     }
 
-    /// The positions of the parameters that `α` and `ν` depend on.
+    /// Returns the positions of the parameters on which `α` and `ν` depend.
     pub(super) fn of_the_plane(self) -> &'static [usize] {
         match self {
             Units::Dimensionless => &[2, 3],
@@ -129,7 +130,7 @@ impl Units {
         }
     }
 
-    /// The parameters of the equations.
+    /// Returns the parameters of the equations.
     ///
     /// ```
     /// use tangency::problems::plate::Units;
@@ -173,7 +174,8 @@ impl Units {
         }
     }
 
-    /// Hertz (SI units) or 1 for each unit of dimensionless angular frequency `ωa²√(ρh/D)`.
+    /// Returns the factor that converts dimensionless angular frequency `ωa²√(ρh/D)` to hertz (SI
+    /// units), or 1.
     pub fn frequency_unit<T: Scalar>(self, p: &[T]) -> T {
         match self {
             Units::Dimensionless => T::one(),
@@ -185,7 +187,7 @@ impl Units {
     }
 }
 
-/// `D = Eh³/[12(1 − ν²)]`.
+/// Returns `D = Eh³/[12(1 − ν²)]`.
 fn rigidity<T: Scalar>(young: T, h: T, nu: T) -> T {
     young * h.powi(3) / ((T::one() - nu * nu) * 12.0)
 }

@@ -1,4 +1,4 @@
-//! The in-plane problem: for a given deflection, `K_uv s = −r(w)`.
+//! The in-plane problem for a given deflection: `K_uv s = −r(w)`.
 //!
 //! With `u = Σ U_k(ξ) U_l(ζ)` and `v` alike, the stiffness matrix of plane stress on the plate (the
 //! mean over the plate, `x = (1 + ξ)/2`, `y = α(1 + ζ)/2`) is a sum of constant matrices with
@@ -9,8 +9,8 @@
 //! K_uv = 4ν/α ⟨u_ξ v_ζ⟩ + 2(1−ν)/α ⟨u_ζ v_ξ⟩
 //! ```
 //!
-//! Rigid motions that the edges leave are held by a penalty on their means. The right side is
-//! orthogonal to them, so the penalty changes no stress.
+//! Rigid motions permitted by the edges are held by a penalty on their means. The right-hand side
+//! is orthogonal to them, so the penalty changes no stress.
 
 use super::basis::{Basis, Direction};
 use super::edges::{InPlane, Supports};
@@ -20,23 +20,23 @@ use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::{cholesky_in_place, cholesky_in_place_scratch};
 use faer::{MatMut, Par};
 
-/// The in-plane displacements: which products of functions they are made of.
+/// The space of in-plane displacements, spanned by products of functions.
 pub(super) struct PlaneSpace {
     /// Functions of ξ and of ζ for `u`.
     pub u: [Basis; 2],
     /// Functions of ξ and of ζ for `v`.
     pub v: [Basis; 2],
-    /// Positions of the unknowns of `u` in its full grid of products.
+    /// The positions of the unknowns of `u` in its full grid of products.
     pub u_active: Vec<usize>,
-    /// Positions of the unknowns of `v` in its full grid of products.
+    /// The positions of the unknowns of `v` in its full grid of products.
     pub v_active: Vec<usize>,
-    /// Linear functionals, one for each rigid motion that is left.
+    /// Linear functionals, one for each remaining rigid motion.
     pub rigid: Vec<Vec<f64>>,
     moments: Moments,
 }
 
-/// Mean products of the functions of two bases of one direction, by which derivative is taken of
-/// either.
+/// Mean products of the functions of two bases of one direction, by the derivatives of the two
+/// functions.
 type Products = [[Vec<f64>; 2]; 2];
 
 /// One-dimensional mean products along ξ and ζ: of the functions of `u`, of `v`, and of `u` with
@@ -48,8 +48,8 @@ struct Moments {
 }
 
 impl PlaneSpace {
-    /// The space for the given edges; `symmetric` directions have odd normal and even tangential
-    /// displacements.
+    /// Creates the space for the given edges; `symmetric` directions have odd normal and even
+    /// tangential displacements.
     pub fn new(
         supports: Supports,
         model: InPlane,
@@ -72,7 +72,7 @@ impl PlaneSpace {
         space
     }
 
-    /// The number of unknowns.
+    /// Returns the number of unknowns.
     pub fn len(&self) -> usize {
         self.u_active.len() + self.v_active.len()
     }
@@ -100,7 +100,7 @@ impl PlaneSpace {
         }
     }
 
-    /// Adds to `r` what the penalty on rigid motions adds to `K_uv s`.
+    /// Adds the contribution of the penalty on rigid motions to `r = K_uv s`.
     pub fn add_penalty<T: Scalar>(&self, s: &[T], r: &mut [T]) {
         for functional in &self.rigid {
             let amount = super::tensor::dot(s, functional);
@@ -129,7 +129,7 @@ impl PlaneSpace {
         motions
     }
 
-    /// `⟨ξ^i ζ^j u⟩` and `⟨ξ^i ζ^j v⟩` (where asked) for all unknowns.
+    /// Returns `⟨ξ^i ζ^j u⟩` and `⟨ξ^i ζ^j v⟩` (if requested) for all unknowns.
     fn functional(&self, symmetric: [bool; 2], powers: [Option<[i32; 2]>; 2]) -> Vec<f64> {
         let mut grids = [&self.u, &self.v].map(|bases| vec![0.0; bases[0].len() * bases[1].len()]);
         for ((grid, bases), power) in grids.iter_mut().zip([&self.u, &self.v]).zip(powers) {
@@ -149,7 +149,7 @@ impl PlaneSpace {
         packed
     }
 
-    /// `K_uv` with its penalty, one column after the other.
+    /// Computes `K_uv` with its penalty, stored by columns.
     fn stiffness(&self, alpha: f64, nu: f64, k: &mut [f64]) {
         let (n, nu_count) = (self.len(), self.u_active.len());
         let m = &self.moments;
@@ -190,20 +190,22 @@ impl PlaneSpace {
     }
 }
 
-/// Which of the functions normal to the edges belong to a straight edge, and may only be constant
+/// Returns which functions normal to the edges belong to a straight edge, and may only be constant
 /// along it.
 fn straight_functions(normal: &Basis, ends: [InPlane; 2], symmetric: bool) -> Vec<bool> {
     let straight = ends.map(|end| end == InPlane::Straight);
     match (normal.boundary, symmetric) {
         (2, false) => straight.to_vec(),
-        // One function at the ends: it is that of the end (or, by symmetry, of both ends) not held.
+        // A single function at the ends belongs to the end that is not held, or by symmetry to both
+        // ends.
         (1, _) => vec![straight[0] || straight[1]],
         _ => vec![false; normal.boundary],
     }
 }
 
-/// Positions, in the grid of products of `x` and `y`, of the unknowns: all of them, except products
-/// of a straight edge's function with anything but the constant. `normal_is_y` says which is which.
+/// Returns the positions of the unknowns in the grid of products of `x` and `y`: all products
+/// except those of a straight edge's function with anything but the constant. `normal_is_y` states
+/// which direction is normal.
 fn active(x: &Basis, y: &Basis, straight: Vec<bool>, normal_is_y: bool) -> Vec<usize> {
     let mut positions = Vec::with_capacity(x.len() * y.len());
     for i in 0..x.len() {
@@ -235,14 +237,14 @@ impl Moments {
 pub(super) struct PlaneFactor {
     /// `(α, ν)` of the factor.
     pub at: Option<(f64, f64)>,
-    /// `L`, on and below the diagonal, one column after the other.
+    /// `L`, on and below the diagonal, stored by columns.
     pub factor: Vec<f64>,
     size: usize,
     scratch: MemBuffer,
 }
 
 impl PlaneFactor {
-    /// Memory for a factor.
+    /// Allocates a factor.
     pub fn new(size: usize) -> PlaneFactor {
         let need = cholesky_in_place_scratch::<f64>(size, Par::Seq, Default::default());
         PlaneFactor {
@@ -253,7 +255,8 @@ impl PlaneFactor {
         }
     }
 
-    /// Factors `K_uv(α, ν)` unless that has just been done; `false` if it is not positive definite.
+    /// Factors `K_uv(α, ν)` unless the factor is current; returns `false` if the matrix is not
+    /// positive definite.
     #[must_use]
     pub fn update(&mut self, space: &PlaneSpace, alpha: f64, nu: f64) -> bool {
         if self.at == Some((alpha, nu)) {
@@ -268,7 +271,7 @@ impl PlaneFactor {
         done.is_ok()
     }
 
-    /// `K_uv⁻¹ r`, in place: all components of a dual number go through the same substitution.
+    /// Computes `K_uv⁻¹ r` in place: all components of a dual number undergo the same substitution.
     pub fn solve<T: Scalar>(&self, r: &mut [T]) {
         with_avx2(
             #[inline(always)]

@@ -1,4 +1,4 @@
-//! The residual `F = ∂Π/∂q`, stated once for every scalar type.
+//! The residual `F = ∂Π/∂q`, written once for all scalar types.
 //!
 //! Per unit of the plate's area, with `⟨·⟩` the mean over the plate, `w = Σ q_ij f_i(ξ) g_j(ζ)`,
 //! `x = (1 + ξ)/2`, `y = α(1 + ζ)/2`:
@@ -11,7 +11,8 @@
 //! ```
 //!
 //! The in-plane displacements `s` are eliminated: `K_uv s = −r(w)`. As `Π` is stationary in `s`,
-//! `F` is its partial derivative by `q` at that `s`. The mean takes `α` out of the mass matrix.
+//! `F` is its partial derivative with respect to `q` at that `s`. The mean removes `α` from the
+//! mass matrix.
 
 use super::discretisation::{Discretisation, Membrane};
 use super::edges::Support;
@@ -20,7 +21,7 @@ use super::plane::PlaneFactor;
 use super::tensor::{Product, weights};
 use crate::core::scalar::Scalar;
 
-/// Buffers for one scalar type, and the fields that the last residual left in them.
+/// Buffers for one scalar type, with the fields of the last residual.
 pub(super) struct Workspace<T> {
     pub q: Vec<T>,
     pub p: Vec<T>,
@@ -59,10 +60,11 @@ impl<T: Scalar> Workspace<T> {
         }
     }
 
-    /// `F` at the unknowns in `self.q` and the parameters in `self.p`, into `self.r`. Leaves the
-    /// coefficients of the products of functions in `self.q`. `largest` is the largest deflection;
-    /// `plane_fixed` says that `α` and `ν` have no derivative, so that one solution is exact to
-    /// every order. Returns the largest deflection at the nodes where the load is evaluated.
+    /// Computes `F` at the unknowns in `self.q` and the parameters in `self.p`, into `self.r`.
+    /// Afterwards `self.q` contains the coefficients of the products of functions. `largest` is the
+    /// largest deflection; `plane_fixed` states that `α` and `ν` have no derivative, so that one
+    /// solution is exact to every order. Returns the largest deflection at the nodes where the load
+    /// is evaluated.
     pub fn evaluate(
         &mut self,
         model: &Discretisation,
@@ -84,12 +86,12 @@ impl<T: Scalar> Workspace<T> {
         nearest
     }
 
-    /// The field with coefficients `self.q`, into `field`.
+    /// Expands the field with coefficients `self.q` into `field`.
     pub fn expand(&mut self, product: &Product, field: &mut [T]) {
         product.expand(&self.q, &mut self.half, field);
     }
 
-    /// Bending, applied edge forces and pressure: `Σ c L q R` with constant matrices.
+    /// Adds bending, applied edge forces and pressure: `Σ c L q R` with constant matrices.
     fn bend(&mut self, model: &Discretisation, parameters: &Parameters<T>) {
         let [nx, ny] = [model.transverse[0].len(), model.transverse[1].len()];
         for (coefficient, left, right) in quadratic_terms(model, parameters) {
@@ -121,7 +123,8 @@ impl<T: Scalar> Workspace<T> {
         }
     }
 
-    /// `s = −K_uv⁻¹ r(w)` by refinement with the `f64` factor, each turn exact to one order more.
+    /// Computes `s = −K_uv⁻¹ r(w)` by refinement with the `f64` factor; each iteration is exact to
+    /// one more order.
     pub fn solve_plane(
         &mut self,
         model: &Discretisation,
@@ -143,7 +146,8 @@ impl<T: Scalar> Workspace<T> {
         self.find_stress(model, membrane, parameters, false);
     }
 
-    /// Stresses of the present `w` and `s`; `at_rest` skips what `s = 0` contributes.
+    /// Computes the stresses of the current `w` and `s`; `at_rest` skips contributions that vanish
+    /// for `s = 0`.
     fn find_stress(
         &mut self,
         model: &Discretisation,
@@ -185,7 +189,7 @@ impl<T: Scalar> Workspace<T> {
         }
     }
 
-    /// `K_uv s + r(w)` of the present stresses into `right`.
+    /// Computes `K_uv s + r(w)` of the current stresses into `right`.
     fn project_on_plane(
         &mut self,
         model: &Discretisation,
@@ -246,8 +250,8 @@ impl<T: Scalar> Workspace<T> {
     }
 }
 
-/// What `u_ξ`, `u_ζ`, `v_ξ`, `v_ζ` contribute to the strains: the derivative of which grid, to
-/// which strain, times what.
+/// Returns the contributions of `u_ξ`, `u_ζ`, `v_ξ`, `v_ζ` to the strains: the derivative of the
+/// grid, the grid, the strain, and the factor.
 fn plane_strains<T: Scalar>(membrane: &Membrane, along: T) -> [(Product<'_>, usize, usize, T); 4] {
     let [u_x, u_y] = membrane.slopes(&membrane.u);
     let [v_x, v_y] = membrane.slopes(&membrane.v);
@@ -255,9 +259,9 @@ fn plane_strains<T: Scalar>(membrane: &Membrane, along: T) -> [(Product<'_>, usi
     [(u_x, 0, 0, two), (u_y, 0, 2, along), (v_x, 1, 2, two), (v_y, 1, 1, along)]
 }
 
-/// The terms of `Π` that are quadratic in `q`, as `½ qᵀ(c L ⊗ R)q`: coefficient, matrix of the
-/// functions of ξ, matrix of those of ζ (transposed). A pair of edges that is free at one end
-/// carries no normal force; a plate with any free edge carries no shear.
+/// Returns the terms of `Π` that are quadratic in `q`, as `½ qᵀ(c L ⊗ R)q`: coefficient, matrix of
+/// the functions of ξ, matrix of those of ζ (transposed). A pair of edges with a free edge carries
+/// no normal force; a plate with any free edge carries no shear.
 pub(super) fn quadratic_terms<'a, T: Scalar>(
     model: &'a Discretisation,
     parameters: &Parameters<T>,

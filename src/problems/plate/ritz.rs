@@ -16,18 +16,18 @@ use crate::core::scalar::Scalar;
 use num_dual::{Dual64, HyperDual64, HyperHyperDual64};
 use std::mem::swap;
 
-/// A plate on polynomials of high degree: `F = ∂Π/∂q = 0` for the coefficients `q` of the
-/// deflection, the in-plane displacements being eliminated (see
-/// [`System`](crate::core::system::System) for what can be done with it).
+/// A plate expanded in polynomials of high degree: `F = ∂Π/∂q = 0` for the coefficients `q` of the
+/// deflection, with the in-plane displacements eliminated (see
+/// [`System`](crate::core::system::System) for its use).
 ///
-/// The deflection over the gap is `w = Σ q_ij d_ij f_i(ξ) g_j(ζ)` with beam modes `f`, `g` (on
-/// polynomials) and factors `d` by which a unit of each unknown weighs alike in energy;
-/// `ξ = 2x − 1`, `ζ = 2y − 1`, where x and y run from 0 to 1 along the sides. Unknowns are the
-/// `q_ij`, in the group `w`; parameters are those of [`Units`].
+/// The deflection over the gap is `w = Σ q_ij d_ij f_i(ξ) g_j(ζ)` with beam modes `f`, `g` (in
+/// polynomials) and factors `d` that give a unit of each unknown equal energy; `ξ = 2x − 1`, `ζ =
+/// 2y − 1`, where x and y run from 0 to 1 along the sides. Unknowns are the `q_ij`, in the group
+/// `w`; parameters are those of [`Units`].
 ///
-/// Edge forces act on pairs of edges: where one of a pair is free, its normal force is zero, and
-/// where any edge is free, so is the shear. Shear breaks the symmetry of a plate, which is used
-/// unless [`RitzSettings::symmetric`] says otherwise.
+/// Edge forces act on pairs of edges: if one edge of a pair is free, its normal force is zero, and
+/// if any edge is free, so is the shear. Shear breaks the symmetry of a plate, which is used unless
+/// [`RitzSettings::symmetric`] is false.
 ///
 /// Monitors are those of [all plates](super#monitors).
 ///
@@ -50,21 +50,21 @@ pub struct Ritz {
     pub(super) first: Workspace<Dual64>,
     pub(super) second: Workspace<HyperDual64>,
     pub(super) third: Workspace<HyperHyperDual64>,
-    /// Where the assembled matrix belongs to; empty if nowhere.
+    /// The point at which the matrix was assembled; empty for none.
     pub(super) assembled_at: Vec<f64>,
-    /// A matrix beside the assembled one, which monitors must leave alone.
+    /// A second matrix for monitors, which must not change the assembled one.
     pub(super) spare: Vec<f64>,
-    /// Where the modes belong to; empty if nowhere.
+    /// The point at which the modes were computed; empty for none.
     pub(super) modes_at: Vec<f64>,
     pub(super) flat: Option<FlatPlate>,
-    /// Values of the functions in the middle of the plate.
+    /// The values of the functions in the middle of the plate.
     pub(super) centre: Vec<f64>,
     /// The lowest mode, as a direction of `x`.
     pub(super) mode: Vec<f64>,
     pub(super) potential: PotentialGradient,
 }
 
-/// The unloaded plate: what frequencies are compared with.
+/// The unloaded plate, as a reference for frequencies.
 pub(super) struct FlatPlate {
     pub at: (f64, f64),
     pub square: f64,
@@ -72,10 +72,10 @@ pub(super) struct FlatPlate {
 }
 
 impl Ritz {
-    /// A plate as described.
+    /// Sets up a plate.
     ///
     /// # Errors
-    /// [`PlateError`] for orders out of range and for supports that leave the plate loose.
+    /// [`PlateError`] for orders out of range and for supports that permit rigid motions.
     pub fn new(settings: RitzSettings) -> Result<Ritz, PlateError> {
         let model = Discretisation::new(settings)?;
         let n = model.unknowns();
@@ -105,36 +105,36 @@ impl Ritz {
         })
     }
 
-    /// The numbers of functions.
+    /// Returns the numbers of functions.
     pub fn orders(&self) -> Orders {
         self.model.orders
     }
 
-    /// `x = (z, p)` of the flat plate, with all parameters at their defaults.
+    /// Returns `x = (z, p)` of the flat plate, with all parameters at their defaults.
     pub fn at_rest(&self) -> Vec<f64> {
         let mut x = vec![0.0; self.model.unknowns()];
         x.extend_from_slice(self.model.settings.units.defaults());
         x
     }
 
-    /// The deflection over the gap that coefficients `q` (a solution's unknowns, or a mode's)
-    /// describe, at a point of the plate: `x` and `y` from 0 to 1 along the sides.
+    /// Returns the deflection over the gap for coefficients `q` (unknowns of a solution, or
+    /// coefficients of a mode), at a point of the plate: `x` and `y` from 0 to 1 along the sides.
     pub fn deflection(&self, q: &[f64], x: f64, y: f64) -> f64 {
         let at = [2.0 * x - 1.0, 2.0 * y - 1.0];
         shape::local(&self.model, q, at, &mut Default::default())[0]
     }
 
-    /// The deflection along the centre line `y = ½` at `points ≥ 2` equidistant points: pairs
-    /// `(x, w)`.
+    /// Returns the deflection along the centre line `y = ½` at `points ≥ 2` equidistant points:
+    /// pairs `(x, w)`.
     pub fn centre_line(&self, q: &[f64], points: usize) -> Vec<(f64, f64)> {
         profile::line(points, |x| self.deflection(q, x, 0.5))
     }
 
-    /// The `count` lowest modes of the flat plate without any load, at the given `α` and `ν`; where
-    /// symmetry is used, only those that share it.
+    /// Returns the `count` lowest modes of the flat plate without any load, at the given `α` and
+    /// `ν`; if symmetry is used, only symmetric modes.
     ///
     /// # Errors
-    /// [`Failure`] if `α` or `ν` has no meaning.
+    /// [`Failure`] if `α` or `ν` is out of range.
     pub fn flat_modes(&mut self, alpha: f64, nu: f64, count: usize) -> Result<Modes, Failure> {
         let p = Units::Dimensionless.defaults_at(alpha, nu);
         let parameters = domain::parameters(Units::Dimensionless, &p)?;
@@ -149,16 +149,16 @@ impl Ritz {
         }
     }
 
-    /// The `count` lowest modes of vibration about an equilibrium `x = (z, p)`.
+    /// Returns the `count` lowest modes of vibration about an equilibrium `x = (z, p)`.
     ///
     /// # Errors
-    /// [`Failure`] where the equations have no meaning at `x`.
+    /// [`Failure`] if `x` is outside the domain of the equations.
     pub fn modes(&mut self, x: &[f64], count: usize) -> Result<Modes, Failure> {
         self.ensure_modes(x)?;
         Ok(self.eigenproblem.lowest(count))
     }
 
-    /// Checks `x`, brings the factor of `K_uv` up to date and returns the largest deflection.
+    /// Checks `x`, updates the factor of `K_uv` and returns the largest deflection.
     pub(super) fn prepare(&mut self, x: &[f64]) -> Result<f64, Failure> {
         let (q, p) = x.split_at(self.model.unknowns());
         domain::finite(q, |i| format!("component {i} of w"))?;
@@ -170,13 +170,13 @@ impl Ritz {
             && !self.factor.update(&self.model.plane, parameters.aspect, parameters.nu)
         {
             let remedy =
-                "the in-plane stiffness is singular to working accuracy; use fewer functions";
+                "the in-plane stiffness is singular to working precision; use fewer functions";
             return Err(OutOfDomain::new("aspect", parameters.aspect, remedy).into());
         }
         Ok(largest)
     }
 
-    /// Assembles at `x`, whatever the matrix is for.
+    /// Assembles the matrix at `x`.
     pub(super) fn assemble_at(&mut self, x: &[f64]) -> Result<(), Failure> {
         let largest = self.evaluate(x)?;
         self.assembly.assemble(&self.model, &self.factor, &mut self.plain, largest);
@@ -190,12 +190,12 @@ impl Ritz {
         self.plain.q.copy_from_slice(q);
         self.plain.p.copy_from_slice(p);
         let nearest = self.plain.evaluate(&self.model, &self.factor, largest, true);
-        // Between the nodes searched the plate may still have touched.
+        // Between the search nodes, the plate may still touch the electrode.
         domain::clear(nearest, 1.0)?;
         Ok(largest)
     }
 
-    /// Brings the modes about `x` up to date, leaving the assembled matrix as it is.
+    /// Updates the modes about `x`, without changing the assembled matrix.
     pub(super) fn ensure_modes(&mut self, x: &[f64]) -> Result<(), Failure> {
         if self.modes_at == x {
             return Ok(());
@@ -215,13 +215,13 @@ impl Ritz {
             return Ok(());
         }
         let reason = "the frequencies are not determined: no shift makes the stiffness positive definite; the \
-                      equilibrium is far off";
+                      point is far from an equilibrium";
         Err(Failure::Undetermined(reason.into()))
     }
 }
 
-/// `T` along up to three directions: how a dual number is built from its first-order parts, and
-/// which of its parts is the mixed derivative.
+/// Types `T` for derivatives along up to three directions: the construction of a dual number from
+/// its first-order parts, and the extraction of its mixed derivative.
 pub(super) trait Directional: Scalar {
     fn seed(value: f64, parts: [f64; 3]) -> Self;
     fn mixed(&self) -> f64;

@@ -1,4 +1,4 @@
-//! Which plate, and which model of it: the settings of a plate's scene.
+//! The settings of a plate in a scene: the plate and its model.
 
 use super::discretisation::RitzSettings;
 use super::edges::{InPlane, Support, Supports};
@@ -12,7 +12,7 @@ use super::terms::{Projection, Theory};
 use crate::core::system::{Dense, System};
 use serde::{Deserialize, Deserializer, Serialize};
 
-/// How the plate is discretised.
+/// The discretisation of the plate.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
@@ -30,10 +30,11 @@ pub enum Model {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct PlateSettings {
-    /// Edges in the order x = 0, y = 0, x = 1, y = 1: `S` supported, `C` clamped, `F` free.
+    /// The supports of the edges in the order x = 0, y = 0, x = 1, y = 1: `S` supported, `C`
+    /// clamped, `F` free.
     #[serde(deserialize_with = "capitals")]
     pub supports: String,
-    /// Edges in the plane; if not given, `slide` for four supported edges, else `immovable`.
+    /// The supports in the plane; by default `slide` for four supported edges, else `immovable`.
     pub in_plane: Option<InPlane>,
     /// Linear or von Kármán's theory.
     pub theory: Theory,
@@ -43,16 +44,16 @@ pub struct PlateSettings {
     pub modes: usize,
     /// The projection of the models `modal` and `sine`.
     pub projection: Projection,
-    /// Numbers of functions of the model `ritz`; if not given, those that the accuracy needs.
+    /// The numbers of functions of the model `ritz`; by default those that the accuracy needs.
     pub orders: Option<Orders>,
     /// The meaning of the parameters.
     pub units: Units,
-    /// Whether the symmetry of the edges is used. If not given, it is unless edge forces act: a
-    /// compressed plate may buckle into two half waves first, which symmetry knows nothing of.
+    /// Whether to use the symmetry of the edges. By default symmetry is used unless edge forces
+    /// act: a compressed plate may first buckle into two half waves, which are not symmetric.
     pub symmetric: Option<bool>,
 }
 
-/// Letters in either case.
+/// Deserializes letters in either case.
 fn capitals<'de, D: Deserializer<'de>>(deserializer: D) -> Result<String, D::Error> {
     Ok(String::deserialize(deserializer)?.to_uppercase())
 }
@@ -73,15 +74,15 @@ impl Default for PlateSettings {
     }
 }
 
-/// Numbers of modes, each about a third more than the one before.
+/// Numbers of modes, each about a third more than the previous one.
 const MODES: [usize; 11] = [1, 2, 3, 4, 6, 8, 11, 15, 20, 27, 36];
 
 impl PlateSettings {
-    /// The system, for a plate whose parameters begin at `p` (in the order of [`Units::names`]) and
-    /// go as far as `reach`.
+    /// Returns the system, for a plate whose parameters start at `p` (in the order of
+    /// [`Units::names`]) and vary as far as `reach`.
     ///
     /// # Errors
-    /// [`PlateError`] with what is at fault and the remedy.
+    /// [`PlateError`] with the invalid setting and the remedy.
     ///
     /// ```
     /// use tangency::problems::plate::{PlateSettings, Units};
@@ -103,7 +104,7 @@ impl PlateSettings {
         }
     }
 
-    /// The full model of the plate.
+    /// Returns the full model of the plate.
     fn plate(&self, p: &[f64], reach: &[f64]) -> Result<RitzSettings, PlateError> {
         let supports: Supports = self.supports.parse()?;
         let [parameters, farthest] = [p, reach].map(|p| self.units.parameters(p));
@@ -121,18 +122,18 @@ impl PlateSettings {
         })
     }
 
-    /// The same plate by discretisations of growing accuracy and cost, for parameters as in
+    /// Returns the plate with discretisations of growing accuracy and cost, for parameters as in
     /// [`system`](Self::system): orders of the full model, numbers of modes of the others.
     ///
     /// # Errors
-    /// [`PlateError`] if the supports cannot be read.
+    /// [`PlateError`] if the supports cannot be parsed.
     ///
     /// ```
     /// use tangency::problems::plate::{Orders, PlateSettings, Units};
     /// let p = Units::Dimensionless.defaults();
     /// let ladder = PlateSettings::default().ladder(p, p)?;
     /// assert_eq!(ladder[0].orders, Some(Orders { transverse: [2, 2], in_plane: [3, 3] }));
-    /// // The fifth rung is what branches are traced on by default.
+    /// // By default branches are traced on the fifth rung.
     /// assert_eq!(ladder[4].orders, Some(Orders::usual([true, true], 1.0)));
     /// # Ok::<(), tangency::problems::plate::PlateError>(())
     /// ```

@@ -1,14 +1,14 @@
-//! Deflections at points of the plate, and the largest one.
+//! Deflections at points of the plate, and the largest deflection.
 
 use super::basis::{AtPoint, Table};
 use super::discretisation::Discretisation;
 use super::tensor::Product;
 
-/// Nodes of a half side on which the largest deflection is looked for.
+/// The number of nodes of a half side in the search for the largest deflection.
 const NODES: usize = 17;
 
-/// The deflection and its slopes and curvatures by `ξ`, `ζ` at a point:
-/// `[w, w_ξ, w_ζ, w_ξξ, w_ζζ, w_ξζ]`.
+/// Returns the deflection and its slopes and curvatures with respect to `ξ`, `ζ` at a point: `[w,
+/// w_ξ, w_ζ, w_ξξ, w_ζζ, w_ξζ]`.
 pub(super) fn local(
     model: &Discretisation,
     q: &[f64],
@@ -27,7 +27,7 @@ pub(super) fn local(
     sums
 }
 
-/// Values of all products of functions at a point.
+/// Returns the values of all products of functions at a point.
 pub(super) fn products(
     model: &Discretisation,
     at: [f64; 2],
@@ -41,7 +41,7 @@ pub(super) fn products(
     }
 }
 
-/// The functions of each direction at a point.
+/// Evaluates the functions of each direction at a point.
 fn evaluate<'a>(
     model: &Discretisation,
     at: [f64; 2],
@@ -53,15 +53,14 @@ fn evaluate<'a>(
     [&memory[0].values, &memory[1].values]
 }
 
-/// Equidistant nodes in `ξ`, from the middle (or one end) to the end.
+/// Returns equidistant nodes in `ξ`, from the middle (or one end) to the end.
 pub(super) fn search_nodes(symmetric: bool) -> Vec<f64> {
     let last = NODES as i32 - 1;
     let first = if symmetric { 0 } else { -last };
     (first..=last).map(|i| f64::from(i) / f64::from(last)).collect()
 }
 
-/// The position of the largest number and that number; of the first one that is not a number, if
-/// any.
+/// Returns the position of the largest number and that number; for NaN, the first one.
 pub(super) fn highest(values: impl Iterator<Item = f64>) -> (usize, f64) {
     let mut best = (0, f64::NEG_INFINITY);
     for (k, value) in values.enumerate() {
@@ -75,7 +74,7 @@ pub(super) fn highest(values: impl Iterator<Item = f64>) -> (usize, f64) {
     best
 }
 
-/// A grid of nodes, with tables, on which deflections are searched.
+/// A grid of nodes, with tables, for the search for the largest deflection.
 pub(super) struct Search {
     nodes: [Vec<f64>; 2],
     tables: [Table; 2],
@@ -100,7 +99,8 @@ impl Search {
         }
     }
 
-    /// The largest deflection on the grid and where it is, `(w, ξ, ζ)`; not a number if any is not.
+    /// Returns the largest deflection on the grid and its place, `(w, ξ, ζ)`; NaN if any deflection
+    /// is NaN.
     pub fn on_grid(&mut self, model: &Discretisation, q: &[f64]) -> (f64, f64, f64) {
         for ((out, q), scale) in self.coefficients.iter_mut().zip(q).zip(&model.scale) {
             *out = q * scale;
@@ -113,8 +113,9 @@ impl Search {
         (largest, self.nodes[0][k / points[1]], self.nodes[1][k % points[1]])
     }
 
-    /// The largest deflection and where it is, `(w, ξ, ζ)`: from the best node on, Newton's
-    /// iteration in the variables that are not at an end which the deflection still rises towards.
+    /// Returns the largest deflection and its place, `(w, ξ, ζ)`: starting at the best node, by
+    /// Newton's iteration in the variables that are not at an end towards which the deflection
+    /// still rises.
     pub fn largest(&mut self, model: &Discretisation, q: &[f64]) -> (f64, f64, f64) {
         let (best, xi, zeta) = self.on_grid(model, q);
         let held = |axis: usize| model.symmetric[axis];

@@ -1,6 +1,8 @@
-//! The stress-function model of a simply supported plate, in sines (section 3.2 of the source).
+//! The stress-function model of a simply supported plate, in sines (section 3.2 of the
+//! dissertation).
 //!
-//! With `w` measured by the gap and the plane by the sides (`ξ = x/a`, `η = y/b`), eqs. 3.12–3.13:
+//! With `w` in units of the gap and coordinates in units of the sides (`ξ = x/a`, `η = y/b`), eqs.
+//! 3.12–3.13:
 //!
 //! ```text
 //!     L(w) + ẅ = κ Φ(w, F) + λ/(1−w)² + pressure,      κ = 12(1−ν²)α₁²/α²
@@ -9,10 +11,10 @@
 //! ```
 //!
 //! `w = Σ w_mn sin mπξ sin nπη` over odd `m`, `n` (the plate's first instability is symmetric)
-//! meets the support conditions 3.14 term by term, and
-//! `F = ½(p_y ξ² + p_x η²) + Σ f_mn cos mπξ cos nπη` solves the second equation exactly for any
-//! such `w`: shear traction vanishes at the edges, which stay straight. What is left are as many
-//! equations as there are `w_mn`, projections of the first.
+//! satisfies the support conditions 3.14 term by term, and `F = ½(p_y ξ² + p_x η²) + Σ f_mn cos mπξ
+//! cos nπη` solves the second equation exactly for any such `w`: shear traction vanishes at the
+//! edges, which stay straight. The remaining equations are projections of the first one, as many as
+//! there are `w_mn`.
 //!
 //! `L(w) = λ ≠ 0` on the edges, where every sine vanishes: the series converges algebraically. The
 //! load at pull-in of a square plate with `α₁ = 2` is within 2e-6 of its limit with 15 modes, 1e-10
@@ -41,24 +43,26 @@ use projection::Sines;
 /// The mean square of a product of sines over the plate.
 const MEAN_SQUARE: f64 = 0.25;
 
-/// The settings of a [`SinePlate`]. The default: 15 modes, slide, von Kármán, direct,
+/// The settings of a [`SinePlate`]. The defaults: 15 modes, slide, von Kármán, direct,
 /// dimensionless.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SineSettings {
     /// The number of modes, `N ≥ 1`: odd-odd pairs by `m² + n²`, then by `m`.
     pub modes: usize,
-    /// The edges in their plane, all straight and free of shear traction. [`InPlane::Slide`]: no
-    /// normal displacement ("immovable" in section 3.2), `p_x` and `p_y` by eqs. 3.22–3.23.
+    /// The supports of the edges in their plane, all straight and free of shear traction.
+    /// [`InPlane::Slide`]: no normal displacement ("immovable" in section 3.2), `p_x` and `p_y` by
+    /// eqs. 3.22–3.23.
     /// [`InPlane::Straight`]: no mean normal force ("movable"), `p_x = p_y = 0`. No others.
     pub in_plane: InPlane,
-    /// Linear or von Kármán's.
+    /// The theory, linear or von Kármán's.
     pub theory: Theory,
-    /// Which projection.
+    /// The projection.
     pub projection: Projection,
     /// The meaning of the parameters.
     pub units: Units,
-    /// Gauss points in each half direction; by default enough for loads at deflections up to 0.9 of
-    /// the gap at 1e-9, and for the products of sines of the multiplied projection at rounding.
+    /// The number of Gauss points in each half direction; by default enough for loads at
+    /// deflections up to 0.9 of the gap to 1e-9, and for the products of sines of the multiplied
+    /// projection to rounding.
     pub quadrature_points: Option<usize>,
 }
 
@@ -86,17 +90,18 @@ pub struct StressTerm<T> {
     pub coefficient: T,
 }
 
-/// The lowest mode of vibration about an equilibrium, among those symmetric about both centre
+/// The lowest mode of vibration about an equilibrium, among the modes symmetric about both centre
 /// lines.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Vibration {
-    /// `ω a²√(ρh/D)`, or Hz for a device; `−√(−ω²)` where the equilibrium is unstable.
+    /// `ω a²√(ρh/D)`, or Hz for a device; `−√(−ω²)` for an unstable equilibrium.
     pub frequency: f64,
-    /// Coefficients of the mode's sines, in the order of [`SinePlate::modes`]; 1 at the centre.
+    /// The coefficients of the mode's sines, in the order of [`SinePlate::modes`], scaled to 1 at
+    /// the centre.
     pub shape: Vec<f64>,
 }
 
-/// A simply supported, electrically actuated plate in `N` products of sines.
+/// A simply supported, electrically actuated plate expanded in `N` products of sines.
 ///
 /// A [`ZeroProblem`] with unknowns `w` (the `N` coefficients `w_mn`, deflection over gap), the
 /// parameters of [`Units`] and the monitors of [all plates](super#monitors). The residual's
@@ -122,7 +127,7 @@ pub struct SinePlate {
 }
 
 impl SinePlate {
-    /// Orders the modes and tabulates their couplings and values.
+    /// Sets up a plate: sorts the modes and tabulates their couplings and values.
     ///
     /// # Errors
     /// [`PlateError`] for no modes, for modes of wave numbers above 127, for a quadrature with
@@ -134,8 +139,8 @@ impl SinePlate {
             return Err(PlateError::SineInPlane { in_plane: in_plane.name() });
         }
         let count = settings.modes;
-        // Beyond this not even a full square of wave numbers holds the modes; and the list stays
-        // short.
+        // Larger numbers of modes exceed the full square of wave numbers; the limit also keeps the
+        // list short.
         let modes = ordered_modes(count.min(LARGEST * LARGEST + 1));
         let width = modes.iter().map(|&(k, l)| k.max(l) + 1).max().unwrap_or(0);
         if !(1..=LARGEST).contains(&width) {
@@ -146,8 +151,8 @@ impl SinePlate {
         let wave_number = 2 * width - 1;
         let points = settings.quadrature_points.unwrap_or(match settings.projection {
             Projection::Direct => 32 + wave_number,
-            // Products of wave numbers up to 6 times the largest: 5π/4 per wave number and half
-            // interval, of which Gauss's rule needs a half, and some for the last digits.
+            // Products have wave numbers up to 6 times the largest: 5π/4 per wave number and half
+            // interval. Gauss's rule needs half of that, and some more points for the last digits.
             Projection::Multiplied => 16 + 5 * wave_number / 2,
         });
         if points < wave_number {
@@ -163,13 +168,13 @@ impl SinePlate {
         Ok(SinePlate { settings, sines })
     }
 
-    /// The wave numbers `(m, n)` of the unknowns, in their order.
+    /// Returns the wave numbers `(m, n)` of the unknowns, in order.
     pub fn modes(&self) -> Vec<(usize, usize)> {
         self.sines.modes.iter().map(|&(k, l)| (2 * k + 1, 2 * l + 1)).collect()
     }
 
-    /// `Σ z_i sin m_iπξ sin n_iπη` at a point of the unit square: the deflection over the gap, or a
-    /// mode of vibration.
+    /// Evaluates `Σ z_i sin m_iπξ sin n_iπη` at a point of the unit square: the deflection over the
+    /// gap, or a mode of vibration.
     ///
     /// ```
     /// use tangency::problems::plate::sine::{SinePlate, SineSettings};
@@ -182,15 +187,15 @@ impl SinePlate {
         self.sines.deflection(z, x, y)
     }
 
-    /// The terms of the stress function that the deflection `z` develops, eqs. 3.24–3.25 (in linear
-    /// theory none), without the uniform forces of [`SinePlate::edge_tension`].
+    /// Returns the terms of the stress function of the deflection `z`, eqs. 3.24–3.25 (empty in
+    /// linear theory), without the uniform forces of [`SinePlate::edge_tension`].
     pub fn stress_function<T: Scalar>(&self, z: &[T], p: &[T]) -> Vec<StressTerm<T>> {
         let aspect = self.settings.units.parameters(p).aspect;
         let terms = self.sines.airy.iter().flat_map(|airy| airy.coefficients(z, aspect));
         terms.map(|(m, n, coefficient)| StressTerm { m, n, coefficient }).collect()
     }
 
-    /// The mean tensions `[N_x, N_y]` that the deflection `z` develops between the edges, in units
+    /// Returns the mean tensions `[N_x, N_y]` between the edges due to the deflection `z`, in units
     /// of `D/a²`, tension positive: `κp_x` and `α²κp_y`, eqs. 3.22–3.23; zero for
     /// [`InPlane::Straight`] and in linear theory. Applied forces are not included.
     pub fn edge_tension<T: Scalar>(&self, z: &[T], p: &[T]) -> [T; 2] {
@@ -199,9 +204,8 @@ impl SinePlate {
         [x, y * plate.aspect * plate.aspect]
     }
 
-    /// The lowest mode of vibration about the equilibrium `z`; `None` where it has none: values
-    /// that are not finite, or, for [`Projection::Multiplied`], a lowest eigenvalue that is not
-    /// real.
+    /// Returns the lowest mode of vibration about the equilibrium `z`; `None` for values that are
+    /// not finite, or, with [`Projection::Multiplied`], for a lowest eigenvalue that is not real.
     pub fn vibration(&self, z: &[f64], p: &[f64]) -> Option<Vibration> {
         let vectors = self.lowest(z, p)?;
         let square = self.frequency_squared(z, p, &vectors);
@@ -272,7 +276,7 @@ impl ZeroProblem for SinePlate {
         self.settings.projection.dynamics()
     }
 
-    /// The deflection and the first mode shape along the centre line.
+    /// Returns the deflection and the first mode shape along the centre line.
     fn profiles(&self, z: &[f64], p: &[f64]) -> Vec<Profile> {
         profile::with_lowest_mode(self, z, p, |z, x| self.deflection(z, x, 0.5))
     }

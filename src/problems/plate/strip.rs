@@ -1,4 +1,4 @@
-//! The strip: a plate infinitely long in one direction, its edges immovable.
+//! The strip: a plate infinitely long in one direction, with immovable edges.
 //!
 //! ```text
 //!     w'''' = λ/(1−w)² + 6α₁² (∫₀¹ w'² dx) w''
@@ -24,7 +24,7 @@ use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// The largest number of functions provided for.
+/// The maximum number of functions.
 const MOST: usize = 512;
 
 /// The supports of both ends of a strip.
@@ -41,14 +41,14 @@ pub enum Ends {
     Clamped,
 }
 
-/// The settings of a [`Strip`]. The default: 40 functions, supported ends.
+/// The settings of a [`Strip`]. The defaults: 40 functions, supported ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StripSettings {
     /// The number of functions, 1 to 512.
     pub functions: usize,
-    /// Both ends.
+    /// The support of both ends.
     pub ends: Ends,
-    /// Gauss points on the half interval; by default 32 more than functions.
+    /// The number of Gauss points on the half interval; by default 32 more than functions.
     pub quadrature_points: Option<usize>,
 }
 
@@ -58,11 +58,11 @@ impl Default for StripSettings {
     }
 }
 
-/// An electrically actuated strip in `N` functions.
+/// An electrically actuated strip expanded in `N` functions.
 ///
 /// A [`ZeroProblem`] with unknowns `w` (`N` coefficients of the deflection over the gap),
 /// parameters `load` (`λ`, eq. 3.17) and `gap_ratio` (`α₁ = d/h`), and the dimensionless monitors
-/// of [all plates](super#monitors), the frequency being that of the modes even about the middle.
+/// of [all plates](super#monitors). The frequency is that of the modes even about the middle.
 ///
 /// ```
 /// use tangency::core::problem::ZeroProblem;
@@ -76,9 +76,10 @@ impl Default for StripSettings {
 #[derive(Clone, Debug)]
 pub struct Strip {
     functions: Functions,
-    /// Gauss points on (0, ½), then the middle, and the weights of the former, which sum to 1.
+    /// The weights of the Gauss points on (0, ½), with sum 1; the middle is an additional point of
+    /// the table.
     weights: Vec<f64>,
-    /// The functions at one point after another.
+    /// The functions, one point after another.
     table: Vec<f64>,
     /// `∫φ_i''φ_j'' = stiffness_i δ_ij`.
     stiffness: Vec<f64>,
@@ -89,7 +90,7 @@ pub struct Strip {
 }
 
 impl Strip {
-    /// Tabulates the functions and their products.
+    /// Sets up a strip: tabulates the functions and their products.
     ///
     /// # Errors
     /// [`PlateError`] for a number of functions out of range, and for fewer quadrature points than
@@ -110,8 +111,8 @@ impl Strip {
                 (Functions::Bubbles(bubbles), vec![1.0; n])
             }
         };
-        // The constant integrals need a rule exact for the products of functions of wave number or
-        // degree up to 2N + 2, whatever the rule of the load.
+        // The constant integrals need a rule that is exact for products of functions of wave number
+        // or degree up to 2N + 2, for any rule of the load.
         let gram = |pick: fn(&[f64; 2]) -> f64| -> DMatrix<f64> {
             let Rule { nodes, weights } = Rule::halves(2 * n + 16, true);
             nodes.iter().zip(weights).fold(DMatrix::zeros(n, n), |sum, (node, weight)| {
@@ -136,23 +137,23 @@ impl Strip {
         })
     }
 
-    /// `Σ z_i φ_i(x)` at `0 ≤ x ≤ 1`: the deflection over the gap.
+    /// Evaluates `Σ z_i φ_i(x)` at `0 ≤ x ≤ 1`: the deflection over the gap.
     pub fn deflection<T: Scalar>(&self, z: &[T], x: f64) -> T {
         let functions = self.functions.at(x);
         z.iter().zip(functions).fold(T::zero(), |sum, (&z, [value, _])| sum + z * value)
     }
 
-    /// The deflection at a point of the table; the last one is the middle.
+    /// Returns the deflection at a point of the table; the last one is the middle.
     fn tabulated<T: Scalar>(&self, z: &[T], point: usize) -> T {
         dot(z, self.row(point))
     }
 
-    /// The functions at a point of the table.
+    /// Returns the functions at a point of the table.
     fn row(&self, point: usize) -> &[f64] {
         &self.table[point * self.stiffness.len()..][..self.stiffness.len()]
     }
 
-    /// The point of the table with the largest deflection, and that deflection.
+    /// Returns the point of the table with the largest deflection, and that deflection.
     fn largest(&self, z: &[f64]) -> (usize, f64) {
         let middle = (self.weights.len(), self.tabulated(z, self.weights.len()));
         (0..self.weights.len())
@@ -214,7 +215,7 @@ impl ZeroProblem for Strip {
         Dynamics::Potential
     }
 
-    /// The deflection and the first mode shape along the strip.
+    /// Returns the deflection and the first mode shape along the strip.
     fn profiles(&self, z: &[f64], p: &[f64]) -> Vec<Profile> {
         profile::with_lowest_mode(self, z, p, |z, x| self.deflection(z, x))
     }
@@ -223,14 +224,14 @@ impl ZeroProblem for Strip {
 /// The functions of a strip, even about the middle.
 #[derive(Clone, Debug)]
 enum Functions {
-    /// `sin (2i+1)πx`, so many of them.
+    /// `sin (2i+1)πx`, with the number of functions.
     Sines(usize),
     /// Twice integrated Legendre polynomials, scaled to `∫₀¹ φ_i''² dx = 1`.
     Bubbles(Basis),
 }
 
 impl Functions {
-    /// All functions and their slopes at `0 ≤ x ≤ 1`.
+    /// Returns all functions and their slopes at `0 ≤ x ≤ 1`.
     fn at(&self, x: f64) -> Vec<[f64; 2]> {
         match self {
             Functions::Sines(count) => {
@@ -247,7 +248,7 @@ impl Functions {
     }
 }
 
-/// `(2i + 1)π`.
+/// Returns `(2i + 1)π`.
 fn odd_wave(i: usize) -> f64 {
     (2 * i + 1) as f64 * PI
 }

@@ -1,4 +1,4 @@
-//! [`Ritz`] as a [`System`]: the plate as continuation sees it.
+//! [`Ritz`] as a [`System`] for continuation.
 
 use super::discretisation::Discretisation;
 use super::modes::signed_root;
@@ -14,10 +14,10 @@ use faer::Mat;
 use num_dual::Dual64;
 use std::mem::take;
 
-/// The most unknowns of a rung of the ladder.
+/// The maximum number of unknowns of a rung of the ladder.
 const LARGEST_RUNG: usize = 500;
 
-/// The mixed derivative of `F` along `directions` (each as long as `x`), into `out`.
+/// Computes the mixed derivative of `F` along `directions` (each as long as `x`), into `out`.
 fn differentiate<T: Directional>(
     work: &mut Workspace<T>,
     model: &Discretisation,
@@ -42,9 +42,10 @@ fn differentiate<T: Directional>(
     out.iter_mut().zip(&work.r).for_each(|(out, r)| *out = r.mixed());
 }
 
-/// The unknowns of the same deflection in a larger space of polynomials.
+/// Returns the unknowns of the same deflection in a larger space of polynomials.
 fn prolonged(from: &Discretisation, to: &Discretisation, z: &[f64]) -> Vec<f64> {
-    // One direction: functions of the coarse basis in those of the fine one, `(coarse, fine)`.
+    // For one direction, expresses functions of the coarse basis in those of the fine one,
+    // `(coarse, fine)`.
     let carry = |axis: usize| {
         let [coarse, fine] = [from, to].map(|model| &model.transverse[axis]);
         let (n, m) = (coarse.len(), fine.len());
@@ -62,8 +63,8 @@ fn prolonged(from: &Discretisation, to: &Discretisation, z: &[f64]) -> Vec<f64> 
 }
 
 impl Ritz {
-    /// `x = (z, p)` of the same plate, deflected alike, on finer orders (none smaller than this
-    /// one's).
+    /// Returns `x = (z, p)` of the same plate and deflection on finer orders (none smaller than the
+    /// present ones).
     pub fn carry(&self, x: &[f64], finer: &Ritz) -> Vec<f64> {
         let (z, p) = x.split_at(self.model.unknowns());
         let mut carried = prolonged(&self.model, &finer.model, z);
@@ -71,19 +72,19 @@ impl Ritz {
         carried
     }
 
-    /// The assembled `F_z` as a dense matrix, one column after the other (`n × n`).
+    /// Returns the assembled `F_z` as a dense matrix, stored by columns (`n × n`).
     pub fn jacobian(&self, out: &mut [f64]) {
         out.copy_from_slice(&self.assembly.matrix);
     }
 
-    /// The lowest `ω²` about `x`; its mode is left in `self.mode`.
+    /// Returns the lowest `ω²` about `x`; its mode is left in `self.mode`.
     fn lowest(&mut self, x: &[f64]) -> Result<f64, Failure> {
         self.ensure_modes(x)?;
         self.eigenproblem.shape(0, &mut self.mode[..self.model.unknowns()]);
         Ok(self.eigenproblem.square(0))
     }
 
-    /// The lowest frequency of the unloaded plate; its mode is left in `self.flat`.
+    /// Returns the lowest frequency of the unloaded plate; its mode is left in `self.flat`.
     fn flat_frequency(&mut self, p: &[f64]) -> Result<f64, Failure> {
         let parameters = self.model.settings.units.parameters(p);
         let at = (parameters.aspect, parameters.nu);
@@ -95,7 +96,8 @@ impl Ritz {
         Ok(self.flat.as_ref().map_or(f64::NAN, |flat| signed_root(flat.square)))
     }
 
-    /// `∇ω²` of the unloaded plate with respect to released parameters, into the end of `out`.
+    /// Computes `∇ω²` of the unloaded plate with respect to varied parameters, into the end of
+    /// `out`.
     fn flat_gradient(
         &mut self,
         x: &[f64],
@@ -122,7 +124,7 @@ impl Ritz {
         Ok(())
     }
 
-    /// `∇ω` (dimensionless) into `out`; returns `ω`.
+    /// Computes `∇ω` (dimensionless) into `out`; returns `ω`.
     fn frequency_gradient(
         &mut self,
         x: &[f64],
@@ -131,7 +133,7 @@ impl Ritz {
     ) -> Result<f64, Failure> {
         let n = self.model.unknowns();
         let omega = signed_root(self.lowest(x)?);
-        // Taken out for as long as the rest of the plate is at work on the mode.
+        // The mode is taken out to allow mutable use of the rest of the plate.
         let mode = take(&mut self.mode);
         let outcome = self.gradient(x, Functional::First(&mode[..n], &mode), released, out);
         self.mode = mode;
@@ -140,7 +142,7 @@ impl Ritz {
         Ok(omega)
     }
 
-    /// `out ← unit · out + ω ∇unit`, for frequencies in the unit of the problem.
+    /// Computes `out ← unit · out + ω ∇unit`, for frequencies in the unit of the problem.
     fn apply_unit(&self, x: &[f64], omega: f64, out: &mut [f64]) {
         let n = self.model.unknowns();
         let units = self.model.settings.units;
@@ -171,7 +173,7 @@ impl Ritz {
         Ok(())
     }
 
-    /// The gradient of a monitor, into `out`.
+    /// Computes the gradient of a monitor into `out`.
     fn monitor_gradient(
         &mut self,
         monitor: usize,
@@ -184,7 +186,7 @@ impl Ritz {
         match monitor {
             0 => out[..n].copy_from_slice(&self.centre),
             1 => {
-                // The place of the largest deflection moves, but its slope is zero there.
+                // The place of the largest deflection moves, but the slope is zero there.
                 let (_, xi, zeta) = self.search.largest(&self.model, &x[..n]);
                 shape::products(&self.model, [xi, zeta], &mut self.search.point, &mut out[..n]);
             }
@@ -250,7 +252,8 @@ impl System for Ritz {
         domain::finite(out, |i| format!("a derivative of component {i} of the residual"))
     }
 
-    /// That of a derivative by derivatives of one order more: `F` is a gradient.
+    /// Computes the gradient of a derivative by derivatives of one higher order, because `F` is a
+    /// gradient.
     fn gradient(
         &mut self,
         x: &[f64],
@@ -299,7 +302,7 @@ impl System for Ritz {
         Ok(())
     }
 
-    /// The deflection and the first mode shape along the centre line.
+    /// Returns the deflection and the first mode shape along the centre line.
     fn profiles(&mut self, x: &[f64]) -> Vec<Profile> {
         let modes = self.modes(x, 1).ok();
         let shape = modes.as_ref().and_then(|modes| modes.shapes.first());

@@ -1,15 +1,15 @@
-//! Sum factorisation: fields of tensor products `Σ_ij c_ij f_i(ξ) g_j(ζ)` at the nodes of a tensor
-//! rule, and integrals of fields against such products, one variable after the other. With `n`
-//! functions and `m` nodes a direction that costs `n²m + nm²` products, not `n²m²`.
+//! Sum factorisation: evaluates fields of tensor products `Σ_ij c_ij f_i(ξ) g_j(ζ)` at the nodes of
+//! a tensor rule, and integrals of fields against such products, one variable after another. With
+//! `n` functions and `m` nodes per direction this takes `n²m + nm²` products instead of `n²m²`.
 //!
-//! Coefficients are ordered `(i, j)` at `i·n_y + j`, fields `(p, q)` at `p·m_y + q`; tables are
-//! ordered as [`Table`](super::basis::Table) orders them.
+//! Coefficients are ordered `(i, j)` at `i·n_y + j`, fields `(p, q)` at `p·m_y + q`; tables have
+//! the order of [`Table`](super::basis::Table).
 
 use crate::core::numerics::gauss_legendre;
 use crate::core::scalar::{Scalar, with_avx2};
 
-/// Nodes and weights along one direction. Weights are those of the mean over the whole plate
-/// (`Σ w f = ½∫₋₁¹ f dξ`), also where symmetry leaves only the nodes with `ξ ≥ 0`.
+/// Nodes and weights along one direction. Weights are those of the mean over the whole plate (`Σ w
+/// f = ½∫₋₁¹ f dξ`), even if symmetry restricts the nodes to `ξ ≥ 0`.
 #[derive(Clone, Debug)]
 pub struct Rule {
     /// Nodes.
@@ -19,7 +19,8 @@ pub struct Rule {
 }
 
 impl Rule {
-    /// Exact for polynomials of degree `degree`, even ones if `symmetric`.
+    /// Creates a rule exact for polynomials of degree `degree`, or only for even ones if
+    /// `symmetric`.
     pub fn exact(degree: usize, symmetric: bool) -> Rule {
         let count = degree / 2 + 1;
         let (nodes, weights) =
@@ -32,8 +33,8 @@ impl Rule {
         }
     }
 
-    /// `count` nodes on half the interval, for functions that vary most in its middle: on `[0, 1]`
-    /// if `symmetric`, else on both halves.
+    /// Creates a rule of `count` nodes on half the interval, for functions that vary most in its
+    /// middle: on `[0, 1]` if `symmetric`, else on both halves.
     pub fn halves(count: usize, symmetric: bool) -> Rule {
         let (nodes, weights) = gauss_legendre(count);
         let right: Vec<f64> = nodes.iter().map(|t| 0.5 + 0.5 * t).collect();
@@ -47,30 +48,30 @@ impl Rule {
         }
     }
 
-    /// The number of nodes.
+    /// Returns the number of nodes.
     pub fn len(&self) -> usize {
         self.nodes.len()
     }
 
-    /// Whether there is no node.
+    /// Returns whether there are no nodes.
     pub fn is_empty(&self) -> bool {
         self.nodes.is_empty()
     }
 }
 
-/// Weights of the mean over the plate, node by node.
+/// Returns the weights of the mean over the plate, node by node.
 pub fn weights([x, y]: &[Rule; 2]) -> impl Iterator<Item = f64> {
     x.weights.iter().flat_map(|wx| y.weights.iter().map(move |wy| wx * wy))
 }
 
-/// Functions of both variables at the nodes: which table of `ξ`, which of `ζ`.
+/// Functions of both variables at the nodes: a table for `ξ` and one for `ζ`.
 #[derive(Clone, Copy, Debug)]
 pub struct Product<'a> {
     /// Functions of `ξ` (values or slopes) at the nodes.
     pub x: &'a [f64],
     /// Functions of `ζ` at the nodes.
     pub y: &'a [f64],
-    /// Numbers of nodes.
+    /// The numbers of nodes.
     pub points: [usize; 2],
 }
 
@@ -79,7 +80,7 @@ impl Product<'_> {
         [self.x.len() / self.points[0].max(1), self.y.len() / self.points[1].max(1)]
     }
 
-    /// The field with coefficients `c`, into `field`, by the memory `half`.
+    /// Expands the field with coefficients `c` into `field`, with the workspace `half`.
     pub fn expand<T: Scalar>(&self, c: &[T], half: &mut Vec<T>, field: &mut [T]) {
         with_avx2(
             #[inline(always)]
@@ -105,7 +106,8 @@ impl Product<'_> {
         }
     }
 
-    /// Adds to `c` the sums of `field` times each product of functions (weights are the field's).
+    /// Adds to `c` the sums of `field` times each product of functions (the field includes the
+    /// weights).
     pub fn project<T: Scalar>(&self, field: &[T], half: &mut Vec<T>, c: &mut [T]) {
         with_avx2(
             #[inline(always)]
@@ -145,7 +147,7 @@ fn add_scaled<T: Scalar>(out: &mut [T], values: &[T], factor: f64) {
     }
 }
 
-/// `Σ aᵢ bᵢ`, in four partial sums: one alone would wait for each addition.
+/// Computes `Σ aᵢ bᵢ` in four partial sums, to avoid waiting for each addition.
 #[inline(always)]
 pub fn dot<T: Scalar>(a: &[T], b: &[f64]) -> T {
     let mut sums = [T::zero(); 4];
@@ -163,7 +165,8 @@ pub fn dot<T: Scalar>(a: &[T], b: &[f64]) -> T {
     (sums[0] + sums[1]) + (sums[2] + sums[3]) + tail
 }
 
-/// `⟨a_i b_k⟩` for all functions of two tables at the nodes of `rule`: `(i, k)` at `i·n_b + k`.
+/// Returns `⟨a_i b_k⟩` for all functions of two tables at the nodes of `rule`: `(i, k)` at `i·n_b +
+/// k`.
 pub fn moments(rule: &Rule, a: &[f64], b: &[f64]) -> Vec<f64> {
     let points = rule.len();
     let mut matrix = Vec::with_capacity(a.len() / points * (b.len() / points));
@@ -175,14 +178,14 @@ pub fn moments(rule: &Rule, a: &[f64], b: &[f64]) -> Vec<f64> {
     matrix
 }
 
-/// `⟨a_i⟩` for all functions of a table.
+/// Returns `⟨a_i⟩` for all functions of a table.
 pub fn means(rule: &Rule, a: &[f64]) -> Vec<f64> {
     a.chunks_exact(rule.len())
         .map(|a| a.iter().zip(&rule.weights).map(|(a, w)| a * w).sum())
         .collect()
 }
 
-/// `a_i b_k` at every node, for all pairs: pair `i·n_b + k`, one after the other.
+/// Returns `a_i b_k` at every node, for all pairs: pair `i·n_b + k`, one after another.
 pub fn pairs(points: usize, a: &[f64], b: &[f64]) -> Vec<f64> {
     let mut products = Vec::with_capacity(a.len() * (b.len() / points));
     for a in a.chunks_exact(points) {

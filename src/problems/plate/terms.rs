@@ -1,8 +1,8 @@
-//! Words that the models of a plate share: which theory, which projection.
+//! Choices common to the models of a plate: the theory and the projection.
 
 use serde::{Deserialize, Serialize};
 
-/// Which terms of the strains count.
+/// The terms of the strains to include.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
@@ -14,28 +14,29 @@ pub enum Theory {
     VonKarman,
 }
 
-/// How the equation of motion is projected on the functions of a reduced-order model.
+/// The projection of the equation of motion on the functions of a reduced-order model.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum Projection {
-    /// As it stands: Galerkin's method, the load `λ⟨φ/(1−w)²⟩` by Gauss quadrature. The residual is
-    /// the gradient of the potential energy.
+    /// Galerkin's method without a multiplier, with the load `λ⟨φ/(1−w)²⟩` by Gauss quadrature. The
+    /// residual is the gradient of the potential energy.
     #[default]
     Direct,
-    /// After multiplication by `(1−w)²`, eq. 3.26: the source's method, in which the load is
-    /// `λ⟨φ⟩`. The same limit, reached far more slowly. The residual is no gradient, and the
-    /// inertia depends on the deflection: stability is left to the monitor `frequency`, negative
-    /// where the equilibrium is unstable.
+    /// Multiplication by `(1−w)²` before the projection, eq. 3.26: the method of the dissertation,
+    /// in which the load is `λ⟨φ⟩`. It converges to the same limit, but far more slowly. The
+    /// residual is not a gradient, and the inertia depends on the deflection: stability is given by
+    /// the monitor `frequency`, negative for an unstable equilibrium.
     Multiplied,
 }
 
 impl Projection {
-    /// The dynamics that the residual of this projection describes.
+    /// Returns the dynamics that the residual of this projection describes.
     pub(super) fn dynamics(self) -> crate::core::problem::Dynamics {
         match self {
             Projection::Direct => crate::core::problem::Dynamics::Potential,
-            // Nearly (1 − w)² times a gradient: its eigenvalues have the signs of the gradient's.
+            // The residual is nearly (1 − w)² times a gradient, and its eigenvalues have the same
+            // signs.
             Projection::Multiplied => crate::core::problem::Dynamics::SecondOrder,
         }
     }

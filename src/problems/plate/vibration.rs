@@ -1,5 +1,5 @@
-//! The lowest eigenvalue of `J v = ω² M v` and its derivative: vectors in `f64`, a Rayleigh
-//! quotient in any arithmetic.
+//! The lowest eigenvalue of `J v = ω² M v` and its derivative: eigenvectors in `f64`, and a
+//! Rayleigh quotient in any scalar type.
 
 use super::modes::{Eigenproblem, signed_root};
 use crate::core::problem::{Dynamics, ZeroProblem};
@@ -8,22 +8,22 @@ use faer::Mat;
 use nalgebra::{Cholesky, DMatrix, DVector, LU};
 use num_dual::Dual;
 
-/// Left and right eigenvectors of the lowest eigenvalue (the same ones if `J` is symmetric).
+/// The left and right eigenvectors of the lowest eigenvalue (equal if `J` is symmetric).
 pub(super) struct Lowest {
     pub left: Vec<f64>,
     pub right: Vec<f64>,
 }
 
-/// A residual `r` with an inertia: small vibrations about `r(z) = 0` are `J v = ω² M v`,
-/// `J = ∂r/∂z`.
+/// A residual `r` with an inertia: small vibrations about `r(z) = 0` satisfy `J v = ω² M v`, `J =
+/// ∂r/∂z`.
 pub(super) trait Vibrates: ZeroProblem + Sized {
-    /// `M(z)`, symmetric and positive definite, one column after the other.
+    /// Returns `M(z)`, symmetric and positive definite, stored by columns.
     fn mass(&self, z: &[f64]) -> Vec<f64>;
 
-    /// `ℓᵀ M(z) r` of two vectors.
+    /// Returns `ℓᵀ M(z) r` of two vectors.
     fn inertia<T: Scalar>(&self, z: &[T], vectors: &Lowest) -> T;
 
-    /// `J`, one column after the other.
+    /// Returns `J`, stored by columns.
     fn stiffness(&self, z: &[f64], p: &[f64]) -> Vec<f64> {
         let n = z.len();
         let p: Vec<_> = p.iter().map(|p| Chunk::from(*p)).collect();
@@ -41,7 +41,7 @@ pub(super) trait Vibrates: ZeroProblem + Sized {
         matrix
     }
 
-    /// The eigenvectors of the lowest `ω²` about an equilibrium; `None` where values are not
+    /// Returns the eigenvectors of the lowest `ω²` about an equilibrium; `None` if values are not
     /// finite, or the lowest eigenvalue is not real.
     fn lowest(&self, z: &[f64], p: &[f64]) -> Option<Lowest> {
         let (stiffness, mass) = (self.stiffness(z, p), self.mass(z));
@@ -52,14 +52,14 @@ pub(super) trait Vibrates: ZeroProblem + Sized {
         Some(Lowest { left: right.clone(), right })
     }
 
-    /// Rayleigh's quotient for `ω²` between two eigenvectors: stationary, so that its first
-    /// derivatives are those of the eigenvalue.
+    /// Returns the Rayleigh quotient for `ω²` between two eigenvectors, which is stationary, so
+    /// that its first derivatives are those of the eigenvalue.
     fn frequency_squared<T: Scalar>(&self, z: &[T], p: &[T], vectors: &Lowest) -> T {
         product(self, z, p, vectors) / self.inertia(z, vectors)
     }
 
-    /// The lowest dimensionless `ω`, `−√(−ω²)` where unstable; not a number where there is none.
-    /// Exact with its first derivatives; second ones leave out that the mode changes.
+    /// Returns the lowest dimensionless `ω`, `−√(−ω²)` if unstable, or NaN if there is no real one.
+    /// Values and first derivatives are exact; second derivatives neglect the change of the mode.
     fn frequency<T: Scalar>(&self, z: &[T], p: &[T]) -> T {
         match self.lowest(&reals(z), &reals(p)) {
             Some(vectors) => signed_root(self.frequency_squared(z, p, &vectors)),
@@ -68,9 +68,9 @@ pub(super) trait Vibrates: ZeroProblem + Sized {
     }
 }
 
-/// Left and right eigenvectors of the `ω²` of smallest real part of `J v = ω² M v`, `M` symmetric
-/// and positive definite, `J` any matrix. `None` if the matrices are not finite or that `ω²` is not
-/// real.
+/// Returns the left and right eigenvectors of the `ω²` with the smallest real part of `J v = ω² M
+/// v`, for a symmetric positive definite `M` and any matrix `J`; `None` if the matrices are not
+/// finite or that `ω²` is not real.
 fn lowest_general(jacobian: &[f64], mass: &[f64]) -> Option<Lowest> {
     let n = mass.len().isqrt();
     let [jacobian, mass] =
@@ -84,11 +84,12 @@ fn lowest_general(jacobian: &[f64], mass: &[f64]) -> Option<Lowest> {
     if lowest.im.abs() > 1e-8 * lowest.re.abs() {
         return None;
     }
-    // Off the eigenvalue by a little, so that the matrix of inverse iteration has an inverse.
+    // A small shift from the eigenvalue keeps the matrix of inverse iteration invertible.
     let shifted = jacobian - &mass * (lowest.re - 1e-9 * (1.0 + lowest.re.abs()));
     let iterate = |matrix: DMatrix<f64>| -> Option<Vec<f64>> {
         let factor = LU::new(matrix);
-        // No symmetry that the vector sought might lack.
+        // The initial vector has no symmetry, so that it is generically not orthogonal to the
+        // eigenvector.
         let mut vector = DVector::from_fn(n, |i, _| 1.0 / (1.0 + i as f64));
         for _ in 0..4 {
             vector = factor.solve(&(&mass * vector))?.normalize();
@@ -98,7 +99,8 @@ fn lowest_general(jacobian: &[f64], mass: &[f64]) -> Option<Lowest> {
     Some(Lowest { left: iterate(shifted.transpose())?, right: iterate(shifted)? })
 }
 
-/// `ℓᵀ (∂r/∂z) r` in the arithmetic of `z`: one evaluation of the residual at `z + εr`.
+/// Computes `ℓᵀ (∂r/∂z) r` in the scalar type of `z`, by one evaluation of the residual at `z +
+/// εr`.
 fn product<P: ZeroProblem, T: Scalar>(problem: &P, z: &[T], p: &[T], vectors: &Lowest) -> T {
     let point: Vec<_> =
         z.iter().zip(&vectors.right).map(|(&z, &r)| Dual::new(z, T::constant(r))).collect();
@@ -108,7 +110,7 @@ fn product<P: ZeroProblem, T: Scalar>(problem: &P, z: &[T], p: &[T], vectors: &L
     values.iter().zip(&vectors.left).fold(T::zero(), |sum, (value, &l)| sum + value.eps * l)
 }
 
-/// The real parts of numbers.
+/// Returns the real parts of numbers.
 pub(super) fn reals<T: Scalar>(x: &[T]) -> Vec<f64> {
     x.iter().map(Scalar::real).collect()
 }

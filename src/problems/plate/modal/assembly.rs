@@ -1,8 +1,8 @@
 //! The derivative `∂r/∂q` of both projections, assembled from the tables.
 //!
-//! The residual on dual numbers carries eight derivatives through every sum; most of these sums are
-//! linear in `q` or in its products, so that their derivatives are known tables. Tested against the
-//! derivative of the residual by dual numbers.
+//! The residual on dual numbers carries eight derivatives through every sum. Most of these sums are
+//! linear in `q` or in products of its components, so their derivatives are known tables. Tested
+//! against the derivative of the residual by dual numbers.
 
 use super::membrane;
 use super::projection::{Direct, Linear, Multiplied, integrand};
@@ -12,7 +12,7 @@ use crate::problems::plate::parameters::Parameters;
 use crate::problems::plate::tensor::dot;
 
 impl Direct {
-    /// The Hessian of `Π`, into `out` (`N × N`).
+    /// Computes the Hessian of `Π` into `out` (`N × N`).
     pub fn stiffness(
         &self,
         linear: &Linear,
@@ -49,8 +49,8 @@ impl Direct {
 }
 
 impl Multiplied {
-    /// `∂r_i/∂q_k` at `k·N + i` of `out`: the integrand's derivatives by what it is made of at each
-    /// node from dual numbers, those of its ingredients by `q` from the tables.
+    /// Computes `∂r_i/∂q_k` at `k·N + i` of `out`: the derivatives of the integrand at each node by
+    /// dual numbers, and those of its arguments with respect to `q` from the tables.
     pub fn stiffness(&self, linear: &Linear, q: &[f64], plate: &Parameters<f64>, out: &mut [f64]) {
         let n = q.len();
         out.fill(0.0);

@@ -2,9 +2,8 @@
 //! [`MembraneForm`](crate::problems::plate::MembraneForm).
 //!
 //! With `w = Σ q_i φ_i` the strains of eq. 2.6 are `Σ q_i q_j ε_ij` plus those of the in-plane
-//! displacements, and these depend on the products `q_i q_j` linearly: for each pair one solution
-//! with `K_uv` gives the whole stress `N_ij` that the pair develops, in equilibrium in the plane.
-//! Then
+//! displacements, which depend linearly on the products `q_i q_j`: for each pair, one solution with
+//! `K_uv` gives the total stress `N_ij` of the pair, in equilibrium in the plane. Then
 //!
 //! ```text
 //! U_m = 6α₁² Σ s_P A_PQ s_Q,    A_PQ = ⟨N_P : ε_Q⟩,    s_P = q_i² or 2q_i q_j for the pairs P = (i ≤ j)
@@ -15,7 +14,7 @@
 use crate::core::scalar::Scalar;
 use crate::problems::plate::tensor::dot;
 
-/// `s_P = q_i²` or `2q_i q_j` for the pairs `i ≤ j`.
+/// Returns `s_P = q_i²` or `2q_i q_j` for the pairs `i ≤ j`.
 pub(super) fn products<T: Scalar>(q: &[T]) -> Vec<T> {
     let mut products = Vec::with_capacity(q.len() * (q.len() + 1) / 2);
     for (i, first) in q.iter().enumerate() {
@@ -54,7 +53,7 @@ pub(super) fn add_product_slopes(row: &[f64], q: &[f64], out: &mut [f64]) {
     }
 }
 
-/// Adds the derivative of [`add_force`] by `q` to `out` (`N × N`, symmetric).
+/// Adds the derivative of [`add_force`] with respect to `q` to `out` (`N × N`, symmetric).
 pub(super) fn add_stiffness(form: &[f64], q: &[f64], stiffness: f64, out: &mut [f64]) {
     let n = q.len();
     let pairs = products(q);

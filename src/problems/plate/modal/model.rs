@@ -1,4 +1,4 @@
-//! A plate in its own flat modes as a [`ZeroProblem`].
+//! A plate expanded in the modes of the flat plate, as a [`ZeroProblem`].
 
 use super::projection::{Direct, Linear, Multiplied};
 use super::settings::{MOST_MODES, ModalSettings};
@@ -18,16 +18,16 @@ use crate::problems::plate::terms::Projection;
 use crate::problems::plate::vibration::{Vibrates, reals};
 use crate::problems::plate::{domain, monitors, profile};
 
-/// How far `α` and `ν` may be from those of the modes, relatively: rounding of `b/a`.
+/// The largest relative deviation of `α` and `ν` from those of the modes, for rounding of `b/a`.
 const SAME: f64 = 1e-12;
 
-/// A plate in `N` of its flat modes.
+/// A plate expanded in `N` modes of the flat plate.
 ///
 /// A [`ZeroProblem`] with the unknowns `w` (the `N` coefficients `q_i`, deflection over gap), the
-/// parameters of [`Units`](crate::problems::plate::Units) and the monitors of
-/// [all plates](crate::problems::plate#monitors). With [`Projection::Direct`] the residual is the
+/// parameters of [`Units`](crate::problems::plate::Units) and the monitors of [all
+/// plates](crate::problems::plate#monitors). With [`Projection::Direct`] the residual is the
 /// gradient of `Π`, and the mass matrix is the identity. With [`Projection::Multiplied`], the
-/// source's method, the equation is multiplied by `(1−w)²` before it is projected.
+/// method of the dissertation, the equation is multiplied by `(1−w)²` before the projection.
 ///
 /// ```
 /// use tangency::core::continuation::Continuation;
@@ -50,11 +50,11 @@ const SAME: f64 = 1e-12;
 pub struct Modal {
     settings: ModalSettings,
     plate: Ritz,
-    /// Coefficients of the modes in the unknowns of `plate`.
+    /// The coefficients of the modes in the unknowns of `plate`.
     shapes: Vec<Vec<f64>>,
     pub(super) linear: Linear,
     pub(super) projected: Projected,
-    /// The modes at the nodes on which the largest deflection is searched.
+    /// The modes at the nodes of the search for the largest deflection.
     search: Nodes,
     places: [Rule; 2],
 }
@@ -65,11 +65,11 @@ pub(super) enum Projected {
 }
 
 impl Modal {
-    /// Finds the flat plate's modes and condenses its response in the plane.
+    /// Computes the modes of the flat plate and condenses its response in the plane.
     ///
     /// # Errors
-    /// [`PlateError`] for a number of modes or an accuracy out of range, for modes that do not
-    /// meet the accuracy, and for a plate that cannot be set up.
+    /// [`PlateError`] for a number of modes or an accuracy out of range, for modes that do not meet
+    /// the accuracy, and for a plate that cannot be set up.
     pub fn new(settings: ModalSettings) -> Result<Modal, PlateError> {
         let (modes, accuracy) = (settings.modes, settings.mode_accuracy);
         PlateError::check("modes", modes, [1, MOST_MODES])?;
@@ -91,13 +91,14 @@ impl Modal {
         Ok(Modal { settings, plate, shapes, linear, projected, search, places })
     }
 
-    /// `ω_i a²√(ρh/D)` of the modes of the flat plate, ascending.
+    /// Returns `ω_i a²√(ρh/D)` of the modes of the flat plate, ascending.
     pub fn frequencies(&self) -> Vec<f64> {
         self.linear.squares.iter().map(|square| signed_root(*square)).collect()
     }
 
-    /// `Σ z_i φ_i`, the deflection over the gap that coefficients `z` (a solution's unknowns, or a
-    /// mode's) describe, at a point of the plate: `x` and `y` from 0 to 1 along the sides.
+    /// Evaluates `Σ z_i φ_i`, the deflection over the gap for coefficients `z` (unknowns of a
+    /// solution, or coefficients of a mode), at a point of the plate: `x` and `y` from 0 to 1 along
+    /// the sides.
     ///
     /// ```
     /// use tangency::problems::plate::modal::{Modal, ModalSettings};
@@ -114,13 +115,13 @@ impl Modal {
         dot(z, &modes)
     }
 
-    /// The deflection along the centre line `y = ½` at `points ≥ 2` equidistant points: pairs
-    /// `(x, w)`.
+    /// Returns the deflection along the centre line `y = ½` at `points ≥ 2` equidistant points:
+    /// pairs `(x, w)`.
     pub fn centre_line(&self, z: &[f64], points: usize) -> Vec<(f64, f64)> {
         self.plate.centre_line(&self.coefficients(z), points)
     }
 
-    /// `Σ z_i φ_i` in the unknowns of the plate that the modes are taken from.
+    /// Expresses `Σ z_i φ_i` in the unknowns of the plate whose modes are used.
     fn coefficients(&self, z: &[f64]) -> Vec<f64> {
         let mut sum = vec![0.0; self.plate.model.unknowns()];
         for (shape, z) in self.shapes.iter().zip(z) {
@@ -133,7 +134,8 @@ impl Modal {
         self.settings.plate.units.parameters(p)
     }
 
-    /// The largest deflection at the nodes searched and its `ξ`, `ζ`; not a number if any is not.
+    /// Returns the largest deflection at the search nodes and its `ξ`, `ζ`; NaN if any deflection
+    /// is NaN.
     pub(super) fn on_grid(&self, z: &[f64]) -> (f64, [f64; 2]) {
         let deflections = self.search.values.chunks_exact(z.len()).map(|values| dot(z, values));
         let (k, largest) = shape::highest(deflections);
@@ -141,7 +143,7 @@ impl Modal {
         (largest, [x.nodes[k / y.len()], y.nodes[k % y.len()]])
     }
 
-    /// The largest deflection and where it is, along the sides from 0 to 1.
+    /// Returns the largest deflection and its place, along the sides from 0 to 1.
     fn largest(&self, z: &[f64]) -> [f64; 3] {
         let (best, [xi, zeta]) = self.on_grid(z);
         let model = &self.plate.model;
@@ -154,7 +156,7 @@ impl Modal {
         [w, 0.5 + 0.5 * xi, 0.5 + 0.5 * zeta]
     }
 
-    /// Refuses parameters without meaning, or other than those of the modes.
+    /// Rejects parameters outside the domain, or different from those of the modes.
     fn check_parameters(&self, p: &[f64]) -> Result<(), OutOfDomain> {
         let settings = &self.settings;
         let plate = domain::parameters(settings.plate.units, p)?;
@@ -163,7 +165,7 @@ impl Modal {
         for (name, value, of_modes) in fixed {
             if (value - of_modes).abs() > SAME * of_modes.abs() {
                 let remedy = format!(
-                    "the modes belong to {of_modes}; hold it there, make the modal model anew, or use \
+                    "the modes belong to {of_modes}; keep this value, build a new modal model, or use \
                      the full model to vary it"
                 );
                 return Err(OutOfDomain::new(name, value, remedy));
@@ -178,7 +180,7 @@ impl ZeroProblem for Modal {
         monitors::names(self.settings.plate.units, self.shapes.len())
     }
 
-    /// At the aspect ratio and Poisson's ratio of the modes.
+    /// Returns the default parameters, with the aspect ratio and Poisson's ratio of the modes.
     fn defaults(&self) -> Vec<f64> {
         let ModalSettings { plate, nu, .. } = self.settings;
         plate.units.defaults_at(plate.aspect, nu)
@@ -205,8 +207,8 @@ impl ZeroProblem for Modal {
 
     fn domain(&self, z: &[f64], p: &[f64]) -> Result<(), OutOfDomain> {
         self.check_parameters(p)?;
-        // Polynomials need no limit but contact; the load is integrated to ten digits up to the
-        // other.
+        // Polynomials are limited only by contact; otherwise the load is integrated to ten digits
+        // up to the limit.
         let limit = match self.settings.projection {
             Projection::Direct => LARGEST_DEFLECTION,
             Projection::Multiplied => 1.0,
@@ -218,7 +220,7 @@ impl ZeroProblem for Modal {
         self.settings.projection.dynamics()
     }
 
-    /// The deflection and the first mode shape along the centre line.
+    /// Returns the deflection and the first mode shape along the centre line.
     fn profiles(&self, z: &[f64], p: &[f64]) -> Vec<Profile> {
         profile::with_lowest_mode(self, z, p, |z, x| self.deflection(z, x, 0.5))
     }

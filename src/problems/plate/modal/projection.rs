@@ -1,4 +1,4 @@
-//! The two projections on the modes.
+//! The two projections of the equation of motion on the modes.
 
 use super::membrane;
 use super::settings::ModalSettings;
@@ -13,13 +13,14 @@ use crate::problems::plate::parameters::Parameters;
 use crate::problems::plate::tensor::{Rule, dot};
 use crate::problems::plate::terms::Theory;
 
-/// Up to which deflection, how many nodes in each half direction for the load; and how many more
-/// for each half wave of the highest mode, which enters by itself (deflections are mostly the
-/// lowest mode). With twenty more, loads at pull-in agree to nine digits.
+/// Pairs of the largest deflection and the number of nodes for the load in each half direction.
+/// Further nodes are added for each half wave of the highest mode, which occurs in the integrand as
+/// a factor (the deflection is mostly the lowest mode). With twenty more nodes, loads at pull-in
+/// agree to nine digits.
 const LOAD_NODES: [(f64, usize); 4] = [(0.5, 16), (0.75, 24), (0.88, 32), (LARGEST_DEFLECTION, 48)];
 const LOAD_NODES_PER_WAVE: f64 = 0.8;
 
-/// The data that both projections need.
+/// The tables common to both projections.
 pub(super) struct Linear {
     /// `ω_i²`.
     pub squares: Vec<f64>,
@@ -27,26 +28,26 @@ pub(super) struct Linear {
     pub means: Vec<f64>,
     /// `⟨φ_ix φ_kx⟩`, `⟨φ_iy φ_ky⟩` and `⟨φ_ix φ_ky + φ_iy φ_kx⟩`.
     pub slopes: [Vec<f64>; 3],
-    /// 1 or 0: which of the three edge forces the plate carries, free edges being what they are.
+    /// 1 or 0: whether the plate carries each of the three edge forces, given its free edges.
     carried: [f64; 3],
 }
 
 /// `r_i = ∂Π/∂q_i`.
 pub(super) struct Direct {
-    /// `A_PQ`; absent from linear theory.
+    /// `A_PQ`; `None` in linear theory.
     pub(super) form: Option<Vec<f64>>,
-    /// Rules for the load, each with the deflection up to which it is good.
+    /// The rules for the load, each with the largest deflection at which it is accurate.
     pub(super) loads: [(f64, Nodes); LOAD_NODES.len()],
 }
 
 /// `r_i = ⟨φ_i (1−w)² · equation⟩`.
 pub(super) struct Multiplied {
     pub(super) nodes: Nodes,
-    /// Rows of `N₁`, `N₂`, `N₆` of all pairs, node by node; absent from linear theory.
+    /// Rows of `N₁`, `N₂`, `N₆` of all pairs, node by node; `None` in linear theory.
     pub(super) stress: Option<[Vec<f64>; 3]>,
 }
 
-/// The response in the plane; none in linear theory.
+/// Returns the response in the plane; `None` in linear theory.
 fn membrane_form(
     settings: &ModalSettings,
     flat: &mut FlatModes,
@@ -66,7 +67,7 @@ impl Linear {
         let mixed = nodes.gram(x, y);
         let both = (0..count * count).map(|e| mixed[e] + mixed[e % count * count + e / count]);
         let supports = settings.plate.supports;
-        // Where symmetry is used a sheared plate is refused; see `domain`.
+        // With symmetry, a sheared plate is rejected; see `domain`.
         let sheared = !supports.any_free() && plate.model.symmetric == [false; 2];
         let carried = [
             !supports.x().contains(&Support::Free),
@@ -82,7 +83,7 @@ impl Linear {
         Linear { squares: flat.squares.clone(), means: means.collect(), slopes, carried }
     }
 
-    /// Applied forces along x, y and in shear, as far as the plate carries them.
+    /// Returns the applied forces along x, y and in shear that the plate carries.
     pub(super) fn forces<T: Scalar>(&self, plate: &Parameters<T>) -> [T; 3] {
         let [x, y, shear] = self.carried;
         [plate.compression_x * x, plate.compression_y * y, plate.shear * shear]
@@ -99,6 +100,8 @@ impl Direct {
         Ok(Direct { form, loads })
     }
 
+    /// Computes the residual
+    ///
     /// ```text
     /// r_i = ω_i² q_i + ∂U_m/∂q_i − Σ_k (P_x⟨φ_ix φ_kx⟩ + …) q_k − λ⟨φ_i/(1−w)²⟩ − P⟨φ_i⟩
     /// ```
@@ -133,7 +136,7 @@ impl Direct {
         }
     }
 
-    /// The nodes for the load where the deflection is at most `largest`.
+    /// Returns the nodes for the load if the deflection is at most `largest`.
     pub(super) fn load_nodes(&self, largest: f64) -> &Nodes {
         let good = self.loads.iter().find(|(good, _)| largest <= *good);
         &good.unwrap_or(&self.loads[self.loads.len() - 1]).1
@@ -142,8 +145,8 @@ impl Direct {
 
 impl Multiplied {
     pub fn new(settings: &ModalSettings, flat: &mut FlatModes) -> Result<Multiplied, PlateError> {
-        // Integrands are products of six modes or slopes. The rule for products of four is made for
-        // the polynomials' degrees, twice what the modes themselves need.
+        // Integrands are products of six modes or slopes. The rule for products of four suffices,
+        // because it is designed for the polynomials' degrees, twice those that the modes need.
         let (rules, stress) = match membrane_form(settings, flat)? {
             Some(form) => {
                 let nodes = form.rules[0].len() * form.rules[1].len();
@@ -160,14 +163,14 @@ impl Multiplied {
         Ok(Multiplied { nodes, stress })
     }
 
-    /// With `L(w) = Σ ω_k² q_k φ_k` (true of flat modes at every point) and the whole resultant
-    /// `S = 12α₁² N ∇w − P∇w`, whose divergence is the lateral force,
+    /// Computes the residual with `L(w) = Σ ω_k² q_k φ_k` (exact for flat modes at every point) and
+    /// the total resultant `S = 12α₁² N ∇w − P∇w`, whose divergence is the lateral force,
     ///
     /// ```text
     /// r_i = ⟨φ_i {(1−w)² [L(w) − pressure] − λ} + S·∇[φ_i (1−w)²]⟩
     /// ```
     ///
-    /// integrated by parts: `φ_i` vanishes where an edge carries a force. That takes no second
+    /// integrated by parts: `φ_i` vanishes at edges that carry a force. This form needs no second
     /// derivatives, and equilibrium in the plane only in the mean.
     pub fn residual<T: Scalar>(
         &self,
@@ -203,13 +206,13 @@ impl Multiplied {
         }
     }
 
-    /// `φ_i`, `φ_ix`, `φ_iy` at a node.
+    /// Returns `φ_i`, `φ_ix`, `φ_iy` at a node.
     pub(super) fn modes_at(&self, node: usize, modes: usize) -> [&[f64]; 3] {
         [&self.nodes.values, &self.nodes.slopes[0], &self.nodes.slopes[1]]
             .map(|rows| at(rows, node, modes))
     }
 
-    /// `⟨(1−w)² φ_l φ_r⟩` of two combinations of modes: the inertia that belongs to the multiplied
+    /// Returns `⟨(1−w)² φ_l φ_r⟩` of two combinations of modes: the inertia of the multiplied
     /// equations.
     pub fn inertia<T: Scalar>(&self, q: &[T], left: &[f64], right: &[f64]) -> T {
         let mut total = T::zero();
@@ -221,7 +224,7 @@ impl Multiplied {
         total
     }
 
-    /// The matrix of [`inertia`](Self::inertia).
+    /// Returns the matrix of [`inertia`](Self::inertia).
     pub fn mass(&self, q: &[f64]) -> nalgebra::DMatrix<f64> {
         let n = q.len();
         let mut matrix = nalgebra::DMatrix::zeros(n, n);
@@ -237,8 +240,8 @@ impl Multiplied {
     }
 }
 
-/// What `φ_i`, `φ_ix`, `φ_iy` are multiplied by in the multiplied projection (the load, a constant,
-/// apart), from `[w, w_x, w_y, L(w), 12α₁²N₁, 12α₁²N₂, 12α₁²N₆]` at a point, the applied forces and
+/// Returns the factors of `φ_i`, `φ_ix`, `φ_iy` in the multiplied projection (without the constant
+/// load), from `[w, w_x, w_y, L(w), 12α₁²N₁, 12α₁²N₂, 12α₁²N₆]` at a point, the applied forces and
 /// the pressure.
 pub(super) fn integrand<T: Scalar>(local: [T; 7], forces: [T; 3], pressure: T) -> [T; 3] {
     let [w, w_x, w_y, bending, n1, n2, n6] = local;
@@ -251,8 +254,8 @@ pub(super) fn integrand<T: Scalar>(local: [T; 7], forces: [T; 3], pressure: T) -
     [gap_squared * (bending - pressure) - along, gap_squared * force_x, gap_squared * force_y]
 }
 
-/// Rules with `base` nodes in each half direction, and `per_wave` more for each half wave that the
-/// highest mode may have along the whole side: `ω = k²` of a mode of wave number `k`.
+/// Returns rules with `base` nodes in each half direction, and `per_wave` more for each half wave
+/// that the highest mode may have along the whole side: `ω = k²` for a mode of wave number `k`.
 fn halves(settings: &ModalSettings, flat: &FlatModes, base: usize, per_wave: f64) -> [Rule; 2] {
     let symmetric = flat.plate.model.symmetric;
     let highest = flat.squares.last().map_or(0.0, |square| square.max(0.0).sqrt().sqrt());

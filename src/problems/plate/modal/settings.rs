@@ -1,32 +1,33 @@
-//! What a modal model is made from.
+//! The settings of a modal model.
 
 use crate::problems::plate::discretisation::RitzSettings;
 use crate::problems::plate::edges::Supports;
 use crate::problems::plate::terms::Projection;
 
-/// The largest number of modes: `A` has some N⁴/4 entries.
+/// The largest number of modes: `A` has about N⁴/4 entries.
 pub const MOST_MODES: usize = 40;
 
 /// The settings of a [`Modal`](super::Modal).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ModalSettings {
-    /// Supports, edges in the plane, theory, units, symmetry, and the aspect ratio of the plate,
-    /// which is fixed. Without `orders` as many functions are taken as the modes need.
+    /// Supports, edges in the plane, theory, units, symmetry, and the fixed aspect ratio of the
+    /// plate. By default `orders` has as many functions as the modes need.
     pub plate: RitzSettings,
-    /// Poisson's ratio of the plate, fixed as well.
+    /// The fixed Poisson's ratio of the plate.
     pub nu: f64,
-    /// The number of modes, 1 to [`MOST_MODES`]: the lowest ones, of those that share the symmetry.
+    /// The number of modes, 1 to [`MOST_MODES`]: the lowest ones with the symmetry of the plate.
     pub modes: usize,
-    /// Which projection.
+    /// The projection.
     pub projection: Projection,
-    /// The relative error allowed in each mode's `ω²`, 1e-12 to 0.1.
+    /// The allowed relative error in each mode's `ω²`, 1e-12 to 0.1.
     pub mode_accuracy: f64,
 }
 
 impl ModalSettings {
-    /// Eight modes of a square plate with `ν = 0.3`, in the direct projection, accurate to 1e-8, or
-    /// to 1e-4 if some edge is free: where it meets a clamped one, or another free one, the modes
-    /// have singularities that polynomials approach slowly.
+    /// Creates settings for eight modes of a square plate with `ν = 0.3`, in the direct projection,
+    /// accurate to 1e-8, or to 1e-4 if at least one edge is free: at corners of a free edge with a
+    /// clamped or another free edge, the modes have singularities that polynomials approximate
+    /// slowly.
     pub fn new(supports: Supports) -> ModalSettings {
         ModalSettings {
             plate: RitzSettings::new(supports),

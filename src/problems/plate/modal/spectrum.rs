@@ -1,4 +1,4 @@
-//! The flat plate's modes, accurate to what is asked for and in a reproducible order.
+//! The modes of the flat plate, computed to a requested accuracy and in a reproducible order.
 
 use super::settings::ModalSettings;
 use super::tables::Nodes;
@@ -11,31 +11,32 @@ use crate::problems::plate::tensor::Rule;
 use crate::problems::plate::terms::Theory;
 use faer::{Mat, Side};
 
-/// The most transverse functions tried: the eigenproblem of the next rung would take seconds.
+/// The maximum number of transverse functions: the eigenproblem of the next rung would take
+/// seconds.
 const LARGEST_RUNG: usize = 600;
 
-/// Modes computed beyond those asked for, so that the last one's equals are all there to be
-/// ordered.
+/// The number of additional modes, so that all modes with the frequency of the last one are
+/// available for ordering.
 const BEYOND: usize = 6;
 
-/// In-plane functions beyond the transverse ones in each direction: stresses contain products of
-/// slopes.
+/// The number of in-plane functions beyond the transverse ones in each direction: stresses contain
+/// products of slopes.
 const IN_PLANE_BEYOND: usize = 6;
 
 /// The lowest modes of the flat plate.
 pub(super) struct FlatModes {
-    /// The plate in whose unknowns the modes are written.
+    /// The plate whose unknowns represent the modes.
     pub plate: Ritz,
     /// `ω²`.
     pub squares: Vec<f64>,
-    /// Coefficients in the unknowns of `plate`, of mean square 1 over the plate.
+    /// The coefficients in the unknowns of `plate`, with mean square 1 over the plate.
     pub shapes: Vec<Vec<f64>>,
 }
 
 impl FlatModes {
-    /// As many modes as the settings ask for. Without orders in the settings, rung after rung of
-    /// the ladder of orders until two agree; with them, their modes must agree with the next
-    /// rung's.
+    /// Computes the modes that the settings request. Without orders in the settings, rungs of the
+    /// ladder of orders are tried until two agree; with orders, their modes must agree with those
+    /// of the next rung.
     pub fn new(settings: &ModalSettings) -> Result<FlatModes, PlateError> {
         let asked = settings.modes;
         let mut orders = settings.plate.orders.unwrap_or_else(|| first_rung(settings));
@@ -68,12 +69,13 @@ impl FlatModes {
     }
 }
 
-/// In-plane functions to go with the transverse ones.
+/// Adds in-plane functions that match the transverse ones.
 fn with_in_plane(orders: Orders) -> Orders {
     Orders { in_plane: orders.transverse.map(|n| n + IN_PLANE_BEYOND), ..orders }
 }
 
-/// The usual orders, or the first ones above with more functions than modes and their equals.
+/// Returns the default orders, or the first larger ones with more functions than the requested
+/// modes.
 fn first_rung(settings: &ModalSettings) -> Orders {
     let RitzSettings { supports, symmetric, aspect, .. } = settings.plate;
     let symmetric = supports.alike().map(|alike| alike && symmetric);
@@ -94,7 +96,7 @@ impl Rung {
     fn new(settings: &ModalSettings, orders: Orders) -> Result<Rung, PlateError> {
         let bending = RitzSettings {
             theory: Theory::Linear,
-            // Bending alone: no in-plane functions are wanted, and these are the fewest.
+            // Only bending is needed, so the in-plane functions are the fewest possible.
             orders: Some(Orders { transverse: orders.transverse, in_plane: [2, 2] }),
             ..settings.plate
         };
@@ -104,8 +106,8 @@ impl Rung {
         Ok(Rung { plate, modes })
     }
 
-    /// The largest relative difference of `ω²` among the lowest modes; infinite where there are not
-    /// as many.
+    /// Returns the largest relative difference of `ω²` among the lowest modes; infinite if a rung
+    /// has fewer modes.
     fn error(&self, finer: &Rung, count: usize) -> f64 {
         let (coarse, fine) = (&self.modes.squares, &finer.modes.squares);
         if coarse.len().min(fine.len()) < count {
@@ -115,10 +117,9 @@ impl Rung {
         pairs.map(|(a, b)| (a - b).abs() / b.abs()).fold(0.0, f64::max)
     }
 
-    /// Chooses among modes of equal frequency: those in which `⟨φ_x²⟩` is diagonal, in ascending
-    /// order. The eigenproblem leaves their combination to rounding; a supported square plate's
-    /// become (1,3), (3,1). Signs are such that the first of some moments that is not zero is
-    /// positive.
+    /// Fixes the modes of equal frequency: those in which `⟨φ_x²⟩` is diagonal, in ascending order.
+    /// Otherwise their combination would depend on rounding; the modes of a supported square plate
+    /// become (1,3), (3,1). Signs are chosen so that the first nonzero moment is positive.
     fn ordered(self, settings: &ModalSettings, orders: Orders) -> Result<FlatModes, PlateError> {
         let Rung { plate: bending, modes: Modes { squares, mut shapes } } = self;
         let rules = bending.model.product_rules();
@@ -139,18 +140,18 @@ impl Rung {
             let sign = sign(&at_nodes, mode, &rules);
             shape.iter_mut().for_each(|c| *c *= sign);
         }
-        // The same transverse functions, and in-plane ones beside them.
+        // The plate has the same transverse functions, with in-plane ones added.
         let plate = Ritz::new(RitzSettings { orders: Some(orders), ..settings.plate })?;
         Ok(FlatModes { plate, squares: squares[..settings.modes].to_vec(), shapes })
     }
 }
 
-/// Turns orthonormal shapes within the space they span until `⟨φ_x²⟩` is diagonal and ascends.
+/// Rotates orthonormal shapes within their span until `⟨φ_x²⟩` is diagonal and ascending.
 fn separate(nodes: &Nodes, shapes: &mut [Vec<f64>]) {
     let count = shapes.len();
     let gram = nodes.gram(&nodes.slopes[0], &nodes.slopes[0]);
     let gram = Mat::from_fn(count, count, |i, k| gram[i * count + k]);
-    // Without a solution (values that are not finite) the shapes stay as they are.
+    // If the eigenproblem has no solution (values that are not finite), the shapes are unchanged.
     let Ok(eigen) = gram.self_adjoint_eigen(Side::Lower) else { return };
     let turned: Vec<Vec<f64>> = (0..count)
         .map(|mode| {
@@ -165,7 +166,7 @@ fn separate(nodes: &Nodes, shapes: &mut [Vec<f64>]) {
     shapes.clone_from_slice(&turned);
 }
 
-/// The sign of the first moment of a mode that is not zero to rounding.
+/// Returns the sign of the first moment of a mode that is nonzero beyond rounding.
 fn sign(nodes: &Nodes, mode: usize, rules: &[Rule; 2]) -> f64 {
     let modes = nodes.values.len() / nodes.weights.len();
     let moment = |[i, j]: [i32; 2]| -> f64 {

@@ -3,18 +3,18 @@
 use crate::problems::plate::ritz::Ritz;
 use crate::problems::plate::tensor::{Rule, weights};
 
-/// Modes at nodes, all modes of one node together.
+/// Modes at nodes, with all modes of one node together.
 pub(super) struct Nodes {
-    /// Of the mean over the plate.
+    /// The weights of the mean over the plate.
     pub weights: Vec<f64>,
     /// `φ_i` at node `k`: entry `k·N + i`.
     pub values: Vec<f64>,
-    /// `φ_ix`, `φ_iy` alike, lengths by the side `a`.
+    /// `φ_ix`, `φ_iy`, stored likewise, with lengths in units of the side `a`.
     pub slopes: [Vec<f64>; 2],
 }
 
 impl Nodes {
-    /// All modes at the nodes of a rule.
+    /// Tabulates all modes at the nodes of a rule.
     pub fn new(plate: &Ritz, shapes: &[Vec<f64>], rules: &[Rule; 2], aspect: f64) -> Nodes {
         let fields: Vec<_> = (shapes.iter())
             .map(|shape| plate.field(shape, [&rules[0].nodes, &rules[1].nodes]))
@@ -33,7 +33,7 @@ impl Nodes {
         }
     }
 
-    /// The means of all products of two tables' functions, `(i, k)` at `i·N + k`.
+    /// Returns the means of all products of two tables' functions, `(i, k)` at `i·N + k`.
     pub fn gram(&self, first: &[f64], second: &[f64]) -> Vec<f64> {
         let modes = first.len() / self.weights.len();
         let mut matrix = vec![0.0; modes * modes];
@@ -47,7 +47,7 @@ impl Nodes {
     }
 }
 
-/// Row `node` of a table.
+/// Returns row `node` of a table.
 pub(super) fn at(rows: &[f64], node: usize, width: usize) -> &[f64] {
     &rows[node * width..(node + 1) * width]
 }

@@ -11,17 +11,17 @@ use crate::problems::plate::vibration::{Lowest, Vibrates};
 use nalgebra::DMatrix;
 
 impl Modal {
-    /// The `count` lowest modes of vibration about an equilibrium, as coefficients of the flat
-    /// modes with mean square 1 over the plate ([`Modal::deflection`] evaluates them). The
-    /// multiplied equations tell the lowest one alone.
+    /// Returns the `count` lowest modes of vibration about an equilibrium, as coefficients of the
+    /// flat modes with mean square 1 over the plate ([`Modal::deflection`] evaluates them). The
+    /// multiplied equations yield only the lowest mode.
     ///
     /// # Errors
-    /// [`Failure::OutOfDomain`] where the equations have no meaning, [`Failure::Undetermined`] if
+    /// [`Failure::OutOfDomain`] outside the domain of the equations, [`Failure::Undetermined`] if
     /// the lowest eigenvalue of the multiplied equations is not real.
     pub fn modes(&self, z: &[f64], p: &[f64], count: usize) -> Result<Modes, Failure> {
         self.domain(z, p)?;
         let none = || {
-            let reason = "the frequencies are not finite and real: the point is no equilibrium, or far too few \
+            let reason = "the frequencies are not finite and real: the point is not an equilibrium, or far too few \
                           modes describe it";
             Failure::Undetermined(reason.into())
         };
@@ -44,12 +44,12 @@ impl Modal {
         }
     }
 
-    /// The model as a system, with `F_z` assembled from tables.
+    /// Returns the model as a system, with `F_z` assembled from tables.
     pub fn into_system(self) -> Dense<Modal> {
         Dense::new(self).tabulated(Modal::assemble)
     }
 
-    /// `∂r/∂z`, one column after the other.
+    /// Computes `∂r/∂z`, stored by columns.
     fn assemble(&self, z: &[f64], p: &[f64], out: &mut [f64]) {
         let plate = self.parameters(p);
         match &self.projected {

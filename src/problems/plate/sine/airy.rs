@@ -17,7 +17,7 @@ struct Term {
 struct Function {
     m: u32,
     n: u32,
-    /// The terms of its quadratic form.
+    /// The start of the terms of its quadratic form.
     first: u32,
     end: u32,
 }
@@ -33,7 +33,7 @@ pub(super) struct Airy {
 }
 
 impl Airy {
-    /// For odd-odd modes `((m−1)/2, (n−1)/2)`.
+    /// Creates the forms for odd-odd modes `((m−1)/2, (n−1)/2)`.
     pub fn new(modes: &[(usize, usize)]) -> Self {
         let mut all: Vec<((u32, u32), Term)> = Vec::new();
         for (j, &(k, l)) in modes.iter().enumerate() {
@@ -71,7 +71,7 @@ impl Airy {
         &self.terms[function.first as usize..function.end as usize]
     }
 
-    /// `f_mn`, eq. 3.24 with `c = 1/8`.
+    /// Computes `f_mn`, eq. 3.24 with `c = 1/8`.
     fn coefficient<T: Scalar>(&self, function: &Function, w: &[T], aspect: T) -> T {
         let add = |sum: T, term: &Term| sum + w[term.i as usize] * w[term.j as usize] * term.b;
         let form = self.terms(function).iter().fold(T::zero(), add);
@@ -79,7 +79,7 @@ impl Airy {
         form / ((aspect * (m * m) + aspect.recip() * (n * n)).powi(2) * 8.0)
     }
 
-    /// All `(m, n, f_mn)`.
+    /// Returns all `(m, n, f_mn)`.
     pub fn coefficients<T: Scalar>(&self, w: &[T], aspect: T) -> Vec<(usize, usize, T)> {
         let all = self.functions.iter();
         all.map(|f| (f.m as usize, f.n as usize, self.coefficient(f, w, aspect))).collect()
@@ -87,8 +87,8 @@ impl Airy {
 
     /// Adds `−κ ∫∫ φ_i Φ(w, Σ f_mn ψ_mn)` to `r_i`, with `κ = 12(1−ν²)α₁²/α²`.
     ///
-    /// The bracket's trilinear form is symmetric for these functions, so that the integral is half
-    /// the derivative of `∫∫ Φ(w,w) ψ_mn` with respect to `w_i`, a quadratic form already at hand.
+    /// The trilinear form of the bracket is symmetric for these functions, so the integral is half
+    /// the derivative of `∫∫ Φ(w,w) ψ_mn` with respect to `w_i`, and uses the same quadratic form.
     pub fn add_force<T: Scalar>(&self, w: &[T], aspect: T, kappa: T, r: &mut [T]) {
         for function in &self.functions {
             let square = |m: u32| if m == 0 { 1.0 } else { 0.5 };
@@ -104,7 +104,8 @@ impl Airy {
     }
 }
 
-/// `(κp_x, κp_y)` with `p_x`, `p_y` of eqs. 3.22–3.23: the mean forces between immovable edges.
+/// Computes `(κp_x, κp_y)` with `p_x`, `p_y` of eqs. 3.22–3.23: the mean forces between immovable
+/// edges.
 pub(super) fn edge_tension<T: Scalar>(
     modes: &[(usize, usize)],
     w: &[T],

@@ -4,12 +4,13 @@ use crate::core::scalar::Scalar;
 use crate::problems::plate::tensor::Rule;
 use std::f64::consts::PI;
 
-/// Odd wave numbers `1, 3, …, 2K − 1` at most: the width of a row of coefficients.
+/// The largest number of odd wave numbers `1, 3, …, 2K − 1`: the width of a row of coefficients.
 pub(super) const LARGEST: usize = 64;
 
-/// The first `count` pairs of odd wave numbers by `m² + n²`, then by `m`; as `((m−1)/2, (n−1)/2)`.
+/// Returns the first `count` pairs of odd wave numbers sorted by `m² + n²`, then by `m`; as
+/// `((m−1)/2, (n−1)/2)`.
 pub(super) fn ordered_modes(count: usize) -> Vec<(usize, usize)> {
-    // All pairs with m² + n² ≤ (2K+1)² lie in the square m, n ≤ 2K+1, of which they fill about π/4.
+    // All pairs with m² + n² ≤ (2K+1)² lie in the square m, n ≤ 2K+1, and fill about π/4 of it.
     let side = (count as f64 * 4.0 / PI).sqrt().ceil() as usize + 3;
     let mut modes: Vec<_> = (0..side).flat_map(|k| (0..side).map(move |l| (k, l))).collect();
     modes.sort_by_key(|&(k, l)| ((2 * k + 1).pow(2) + (2 * l + 1).pow(2), k));
@@ -26,7 +27,7 @@ pub(super) struct Grid {
     pub points: Vec<f64>,
     /// Weights, which sum to 1: functions are even about ½.
     pub weights: Vec<f64>,
-    /// `sin (2k+1)πx`, the abscissa running slowest.
+    /// `sin (2k+1)πx`, with the abscissa varying slowest.
     sines: Vec<f64>,
     /// `cos (2k+1)πx`.
     cosines: Vec<f64>,
@@ -72,7 +73,7 @@ impl Grid {
     }
 }
 
-/// `Σ_i z_i φ_{m_i}(x) f(n_i, y)` as coefficients of the functions of x, for one y.
+/// Returns `Σ_i z_i φ_{m_i}(x) f(n_i, y)` as coefficients of the functions of x, for one y.
 pub(super) fn row<T: Scalar>(
     modes: &[(usize, usize)],
     z: &[T],
@@ -85,7 +86,7 @@ pub(super) fn row<T: Scalar>(
     row
 }
 
-/// `(2k + 1)π`.
+/// Returns `(2k + 1)π`.
 pub(super) fn wave(k: usize) -> f64 {
     (2 * k + 1) as f64 * PI
 }

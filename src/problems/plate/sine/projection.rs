@@ -13,22 +13,22 @@ use std::f64::consts::PI;
 pub(super) struct Sines {
     /// `((m−1)/2, (n−1)/2)`.
     pub modes: Vec<(usize, usize)>,
-    /// Absent from linear theory.
+    /// The stress function; `None` in linear theory.
     pub airy: Option<Airy>,
     pub grid: Grid,
-    /// Whether edges that do not move stretch the deflected plate.
+    /// Whether immovable edges stretch the deflected plate.
     pub held: bool,
 }
 
 impl Sines {
-    /// `Σ z_i sin m_iπξ sin n_iπη`.
+    /// Evaluates `Σ z_i sin m_iπξ sin n_iπη`.
     pub fn deflection<T: Scalar>(&self, z: &[T], x: f64, y: f64) -> T {
         self.modes.iter().zip(z).fold(T::zero(), |sum, (&(k, l), &z)| {
             sum + z * ((wave(k) * x).sin() * (wave(l) * y).sin())
         })
     }
 
-    /// `(κp_x, κp_y)` between edges that do not move, eqs. 3.22–3.23.
+    /// Returns `(κp_x, κp_y)` between immovable edges, eqs. 3.22–3.23.
     pub fn held_tension<T: Scalar>(&self, z: &[T], plate: &Parameters<T>) -> [T; 2] {
         if !self.held {
             return [T::zero(); 2];
@@ -36,24 +36,25 @@ impl Sines {
         airy::edge_tension(&self.modes, z, [plate.gap_ratio, plate.aspect, plate.nu])
     }
 
-    /// `(κp_x − P_x, κp_y − P_y/α²)`: what multiplies `w_ξξ` and `w_ηη`, the uniform part of the
-    /// in-plane forces.
+    /// Returns `(κp_x − P_x, κp_y − P_y/α²)`, the factors of `w_ξξ` and `w_ηη`: the uniform part of
+    /// the in-plane forces.
     fn tension<T: Scalar>(&self, z: &[T], plate: &Parameters<T>) -> [T; 2] {
         let [x, y] = self.held_tension(z, plate);
         [x - plate.compression_x, y - plate.compression_y / (plate.aspect * plate.aspect)]
     }
 
-    /// `ω_mn = π²(m² + n²/α²)`, of the flat plate without forces in its plane.
+    /// Returns `ω_mn = π²(m² + n²/α²)` of the flat plate without forces in its plane.
     pub fn flat_frequency<T: Scalar>((k, l): (usize, usize), aspect: T) -> T {
         (aspect * aspect).recip() * wave(l).powi(2) + wave(k).powi(2)
     }
 
-    /// `∫∫ φ_mn = 4/(π²mn)`.
+    /// Returns `∫∫ φ_mn = 4/(π²mn)`.
     fn mean((k, l): (usize, usize)) -> f64 {
         4.0 / (wave(k) * wave(l))
     }
 
-    /// `r_i = ∫∫ φ_i [L(w) − κΦ(w,F) − pressure − λ/(1−w)²]`: all exact but the electrostatic load.
+    /// Computes `r_i = ∫∫ φ_i [L(w) − κΦ(w,F) − pressure − λ/(1−w)²]`: all terms are exact except
+    /// the electrostatic load.
     pub fn direct<T: Scalar>(&self, z: &[T], plate: &Parameters<T>, r: &mut [T]) {
         let [tension_x, tension_y] = self.tension(z, plate);
         for ((&mode, &z), r) in self.modes.iter().zip(z).zip(r.iter_mut()) {
@@ -85,8 +86,9 @@ impl Sines {
         }
     }
 
-    /// `r_i = ∫∫ φ_i {(1−w)² [L(w) − κΦ(w,F) − pressure] − λ}`, eq. 3.26 without its tensors: the
-    /// trigonometric polynomial is integrated at points enough to be exact to rounding.
+    /// Computes `r_i = ∫∫ φ_i {(1−w)² [L(w) − κΦ(w,F) − pressure] − λ}`, eq. 3.26 without its
+    /// tensors: the trigonometric polynomial is integrated at enough points to be exact to
+    /// rounding.
     pub fn multiplied<T: Scalar>(&self, z: &[T], plate: &Parameters<T>, r: &mut [T]) {
         for (&mode, r) in self.modes.iter().zip(r.iter_mut()) {
             *r = -plate.load * Self::mean(mode);
@@ -117,7 +119,7 @@ impl Sines {
         }
     }
 
-    /// `κ f_jl` of `cos 2jπξ cos 2lπη`, row by row in `j`; all zero in linear theory.
+    /// Returns `κ f_jl` of `cos 2jπξ cos 2lπη`, row by row in `j`; all zero in linear theory.
     fn stress_coefficients<T: Scalar>(&self, z: &[T], plate: &Parameters<T>) -> Vec<T> {
         let stresses = 2 * self.grid.width;
         let kappa = kappa(plate);
@@ -128,7 +130,8 @@ impl Sines {
         stress
     }
 
-    /// `∫∫ φ_ℓ φ_r (1−w)²` for two fields given by their coefficients: the inertia of eq. 3.26.
+    /// Returns `∫∫ φ_ℓ φ_r (1−w)²` for two fields given by their coefficients: the inertia of eq.
+    /// 3.26.
     pub fn inertia<T: Scalar>(&self, z: &[T], left: &[f64], right: &[f64]) -> T {
         let grid = &self.grid;
         let mut sum = T::zero();
@@ -146,7 +149,7 @@ impl Sines {
         sum
     }
 
-    /// The matrix of [`inertia`](Self::inertia): `∫∫ φ_i φ_j (1−w)²`.
+    /// Returns the matrix of [`inertia`](Self::inertia): `∫∫ φ_i φ_j (1−w)²`.
     pub fn mass(&self, z: &[f64]) -> DMatrix<f64> {
         let grid = &self.grid;
         let count = grid.points.len();
@@ -164,7 +167,8 @@ impl Sines {
         functions.tr_mul(&functions)
     }
 
-    /// The largest deflection at the quadrature points and the centre, and where: `(w, x, y)`.
+    /// Returns the largest deflection at the quadrature points and the centre, and its place: `(w,
+    /// x, y)`.
     pub fn largest(&self, z: &[f64]) -> (f64, f64, f64) {
         let grid = &self.grid;
         let mut largest = (self.deflection(z, 0.5, 0.5), 0.5, 0.5);
@@ -182,7 +186,7 @@ impl Sines {
     }
 }
 
-/// What eq. 3.26 is made of along one line `η = const`: coefficients of functions of `ξ`.
+/// The terms of eq. 3.26 along one line `η = const`, as coefficients of functions of `ξ`.
 struct Line<T> {
     /// `w`, `w_η`, `w_ηη` and `L(w)`, of odd sines.
     w: [T; LARGEST],
@@ -200,7 +204,7 @@ impl<T: Scalar> Line<T> {
         Line { w: odd, w_y: odd, w_yy: odd, bending: odd, stress }
     }
 
-    /// The line through point `y` of the grid.
+    /// Evaluates the terms on the line through point `y` of the grid.
     fn cut(&mut self, sines: &Sines, y: usize, z: &[T], bending: &[T], stress: &[T]) {
         let (modes, grid) = (&sines.modes, &sines.grid);
         let (in_y, slope_in_y) = (grid.sines(y), grid.cosines(y));
@@ -220,7 +224,8 @@ impl<T: Scalar> Line<T> {
         }
     }
 
-    /// `L(w) − κΦ(w,F)` at point `x` of the line, for uniform forces `[tension_x, tension_y]`.
+    /// Returns `L(w) − κΦ(w,F)` at point `x` of the line, for uniform forces `[tension_x,
+    /// tension_y]`.
     fn force(&self, grid: &Grid, x: usize, [tension_x, tension_y]: [T; 2]) -> T {
         let (in_x, slope_in_x) = (grid.sines(x), grid.cosines(x));
         let w_yy = dot(&self.w_yy[..grid.width], in_x);
@@ -242,13 +247,13 @@ impl<T: Scalar> Line<T> {
     }
 }
 
-/// `κ = 12(1−ν²)α₁²/α²` of eq. 3.26.
+/// Returns `κ = 12(1−ν²)α₁²/α²` of eq. 3.26.
 fn kappa<T: Scalar>(plate: &Parameters<T>) -> T {
     let ratio = plate.gap_ratio / plate.aspect;
     (T::one() - plate.nu * plate.nu) * ratio * ratio * 12.0
 }
 
-/// `2kπ`.
+/// Returns `2kπ`.
 fn even_wave(k: usize) -> f64 {
     2.0 * PI * k as f64
 }
