@@ -5,7 +5,7 @@ use crate::core::hybrid::{HybridState, Member};
 use crate::core::linalg::{multipliers, solved, unit};
 use num_dual::Dual64;
 
-/// A largest Lyapunov exponent, per period.
+/// The largest Lyapunov exponent, per period, with its error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Exponent {
     /// The exponent; `−∞` if motion loses all memory of its past.

@@ -33,7 +33,7 @@ impl Kind {
 pub struct DegenerateFold {
     kind: Kind,
     form: Form,
-    /// `L' v`.
+    /// The vector `L' v`.
     growth: Vec<f64>,
     second: Vec<f64>,
     gradient: Vec<f64>,
