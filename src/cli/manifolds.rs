@@ -3,7 +3,7 @@
 use super::error::CommandError;
 use super::request::{range, value};
 use super::results::Results;
-use super::scene_at::SceneAt;
+use super::scene_at::{OutFolder, SceneAt};
 use super::signals;
 use super::sources::Sources;
 use super::trace::{Begin, start};
@@ -32,6 +32,8 @@ const EXAMPLES: &str = "Examples:
 pub struct Manifolds {
     #[command(flatten)]
     scene: SceneAt,
+    #[command(flatten)]
+    folder: OutFolder,
     /// The saddle: near given states, or at a special point of an earlier result [default: near the
     /// initial state of the model]
     #[arg(long, value_name = "NAME=VALUE,… or FILE:LABEL or FILE:BRANCH/LABEL", value_parser = start)]
@@ -79,7 +81,7 @@ impl Manifolds {
             self.scene.inputs(&scene).chain(point.map(|point| point.file.as_path())).collect();
         signals::handle();
         let name = format!("{name}-manifolds");
-        let results = Results::claim(&self.scene.out, &name, &FORMATS, &inputs)?;
+        let results = Results::claim(&self.folder.out, &name, &FORMATS, &inputs)?;
         let document = scene.clone().manifolds(&request, &wanted).map_err(at_fault)?;
         let mut warned = document.branches.iter().flat_map(|branch| &branch.warnings);
         warned.next().into_iter().for_each(|warning| warn(warning));

@@ -17,6 +17,11 @@ pub struct SceneAt {
     /// Change a value of the scene; may be repeated
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = setting)]
     pub settings: Vec<(String, String)>,
+}
+
+/// The folder of a command that saves results.
+#[derive(Debug, Args)]
+pub struct OutFolder {
     /// The folder for the results
     #[arg(long, value_name = "DIR", default_value = "out")]
     pub out: PathBuf,

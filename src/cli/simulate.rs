@@ -3,7 +3,7 @@
 use super::error::CommandError;
 use super::request::value;
 use super::results::Results;
-use super::scene_at::SceneAt;
+use super::scene_at::{OutFolder, SceneAt};
 use super::signals;
 use super::sources::Sources;
 use super::trace::states;
@@ -26,6 +26,8 @@ const EXAMPLES: &str = "Examples:
 pub struct Simulate {
     #[command(flatten)]
     scene: SceneAt,
+    #[command(flatten)]
+    folder: OutFolder,
     /// Start in these states, by name; the others start at the model's initial values, or at 0
     #[arg(long, value_name = "NAME=VALUE,…", value_parser = states)]
     from: Option<States>,
@@ -61,7 +63,7 @@ impl Simulate {
         // The file names differ from those written by `trace`.
         let name = format!("{name}-history");
         signals::handle();
-        let results = Results::claim(&self.scene.out, &name, &FORMATS, &inputs)?;
+        let results = Results::claim(&self.folder.out, &name, &FORMATS, &inputs)?;
         resolution.warnings().iter().for_each(|warning| warn(warning));
         let mut watch = Watch::new(out, Telling::USUAL);
         let outcome = resolution.trace(&mut watch);

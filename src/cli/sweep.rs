@@ -3,7 +3,7 @@
 use super::error::CommandError;
 use super::grid::axis;
 use super::results::Results;
-use super::scene_at::SceneAt;
+use super::scene_at::{OutFolder, SceneAt};
 use super::signals::{self, interrupted};
 use super::simulate::States;
 use super::sources::Sources;
@@ -36,6 +36,8 @@ const EXAMPLES: &str = "Examples:
 pub struct Sweep {
     #[command(flatten)]
     scene: SceneAt,
+    #[command(flatten)]
+    folder: OutFolder,
     /// Sweep over these values of a parameter or an initial state, instead of the scene's own
     /// sweeps; repeat the option for a grid
     #[arg(long, value_name = "NAME=LOW..HIGH:COUNT", value_parser = axis)]
@@ -130,7 +132,7 @@ impl Sweep {
         };
         let inputs: Vec<&Path> = self.scene.inputs(&scene).collect();
         signals::handle();
-        let results = Results::claim(&self.scene.out, &result, endings, &inputs)?;
+        let results = Results::claim(&self.folder.out, &result, endings, &inputs)?;
         let path = results.path(Format::Npz);
         let known = path.exists() && !self.afresh;
         let known = known.then(|| Sweeps::load_within(from.limit, &path)).transpose()?;

@@ -5,7 +5,7 @@ use super::error::CommandError;
 use super::grid::{Design, GridArgs, Traced};
 use super::request::{RequestArgs, Within, value};
 use super::results::Results;
-use super::scene_at::{SceneAt, Stated, setting};
+use super::scene_at::{OutFolder, SceneAt, Stated, setting};
 use super::signals;
 use super::sources::Sources;
 use super::warning::warn;
@@ -36,6 +36,8 @@ const EXAMPLES: &str = "Examples:
 pub struct Trace {
     #[command(flatten)]
     wanted: Wanted,
+    #[command(flatten)]
+    folder: OutFolder,
     /// Compare the result with an earlier one, as `tangency compare` does
     #[arg(long, value_name = "FILE")]
     check: Option<PathBuf>,
@@ -109,7 +111,8 @@ impl Trace {
         let resolution = scene.resolve(start.as_ref()).map_err(|cause| at.at_fault(cause))?;
         let inputs = self.inputs(&scene);
         signals::handle();
-        let results = Results::claim(&at.out, &name, &[Format::Ron, Format::Svg], &inputs)?;
+        let results =
+            Results::claim(&self.folder.out, &name, &[Format::Ron, Format::Svg], &inputs)?;
         let said = resolution.warnings();
         said.iter().for_each(|warning| warn(warning));
         let mut nowhere = std::io::sink();
@@ -188,7 +191,7 @@ impl Trace {
         let asked = format!("{:?} {start:?} {within:?} {request:?}", at.settings);
         let traced = Traced {
             designs,
-            folder: at.out.join(&name),
+            folder: self.folder.out.join(&name),
             made_of: format!("tangency {}\n{asked}\n{statement}\n", env!("CARGO_PKG_VERSION")),
             inputs: &self.inputs(first.scene()),
             warnings: first.warnings(),

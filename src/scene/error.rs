@@ -159,7 +159,8 @@ pub enum SceneError {
     },
     /// A run starts from a point that an earlier run did not find.
     #[error(
-        "the run `{run}` starts from point {nth} of kind {kind} of `{from}`, which has {found} of that kind ({ends})"
+        "the run `{run}` starts at {kind} number {} of `{from}`, and the branch has {} ({ends})",
+        nth + 1, counted(*found, kind)
     )]
     NoSuchPoint {
         /// The name of the run.
@@ -267,4 +268,9 @@ impl SceneError {
 /// Explains why a setting has no effect while another setting has a given value, with the remedy.
 pub(super) fn under_setting(under: &str, value: &str) -> String {
     format!("where `{under}` is `{value}`: leave it out, or set `{under}` too")
+}
+
+/// Counts special points of a kind in words: `no HB`, `1 HB`.
+fn counted(found: usize, kind: &str) -> String {
+    if found == 0 { format!("no {kind}") } else { format!("{found} {kind}") }
 }

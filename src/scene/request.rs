@@ -104,20 +104,18 @@ impl Scene {
             return Err(SceneError::invalid("the parameter to vary", "missing", rule));
         };
         if let (Some(second), None) = (request.along.get(1), request.hold) {
-            let rule = "a branch has one parameter: name the kind of special point whose curve is wanted, as in `--hold HB`";
+            let rule = "a branch has one parameter: leave the second one out, or name the kind of special point whose curve is traced, as in `--hold HB`";
             return Err(SceneError::invalid(
-                "the second parameter",
-                format!("`{}`", second.name),
+                "`--along`",
+                format!("given twice, the second time for `{}`", second.name),
                 rule,
             ));
         }
         if let (Some(kind), 1) = (request.hold, request.along.len()) {
-            let rule = "a curve of special points needs a second parameter: give another `--along`";
-            return Err(SceneError::invalid(
-                format!("`--hold {kind}`"),
-                "with one parameter",
-                rule,
-            ));
+            let rule = format!(
+                "a curve of special points (`--hold {kind}`) has two parameters: give another `--along`"
+            );
+            return Err(SceneError::invalid("`--along`", "given once", rule));
         }
         let mut scene = Scene::of_problem(problem, title, request);
         // A parameter without a value starts at the start of its range, and one outside its range

@@ -313,3 +313,32 @@ fn names_for_users_of_other_programs_exist() {
     }
     assert!(count > 100, "{count} names");
 }
+
+/// The page of commands has a section for each command, and in each section a row for each option
+/// that `--help` lists, and for no other.
+#[test]
+fn the_page_of_commands_has_every_option() {
+    let page = include_str!("../../docs/reference/commands.md");
+    let help_of_program = help(&[]);
+    let (_, list) = help_of_program.split_once("Commands:\n").expect("a list of commands");
+    let commands = list.lines().take_while(|line| !line.is_empty());
+    let commands: Vec<&str> = commands.filter_map(|line| line.split_whitespace().next()).collect();
+    assert!(commands.len() >= 14, "{commands:?}");
+    // Options of all commands have one table.
+    let of_all = ["--help", "--version", "--max-size"].map(String::from);
+    for command in commands {
+        let heading = format!("\n## {command}\n");
+        let (_, section) = page.split_once(&heading).unwrap_or_else(|| panic!("no {heading}"));
+        let section = section.split("\n## ").next().unwrap_or_default();
+        let rows = section.lines().filter_map(|line| line.strip_prefix("| `--"));
+        let mut shown: BTreeSet<String> =
+            rows.map(|row| format!("--{}", row.split('`').next().unwrap_or_default())).collect();
+        let text = help(&[command]);
+        let options = text.lines().filter(|line| line.trim_start().starts_with('-'));
+        let long = |line: &str| Some(format!("--{}", line.split_once("--")?.1.split(' ').next()?));
+        let options: BTreeSet<String> =
+            options.filter_map(long).filter(|option| !of_all.contains(option)).collect();
+        shown.retain(|option| !of_all.contains(option));
+        assert_eq!(shown, options, "{command}");
+    }
+}

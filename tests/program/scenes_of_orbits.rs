@@ -209,7 +209,7 @@ fn discretisations_that_cannot_be_are_refused_with_a_reason() {
     assert!(said.contains("`y4`") && said.contains("did you mean `y1`"), "{said}");
     let scene = Scene::parse(&text.replace("kind: HB", "kind: LP")).unwrap();
     let said = execute(&scene, None, &mut ()).error.unwrap().to_string();
-    assert!(said.contains("starts from point 0 of kind LP"), "{said}");
+    assert!(said.contains("starts at LP number 1"), "{said}");
 }
 
 /// A point of an orbit goes on with the run of orbits, not with the scene's first run, also where
