@@ -314,6 +314,12 @@ fn names_for_users_of_other_programs_exist() {
     assert!(count > 100, "{count} names");
 }
 
+/// The long option in the first cell of a row of a table: `| `-q`, `--quiet` | …`.
+fn option_of_row(row: &str) -> Option<String> {
+    let cell = row.strip_prefix("| ").filter(|row| row.starts_with("`-"))?.split(" |").next()?;
+    cell.split('`').find(|part| part.starts_with("--")).map(String::from)
+}
+
 /// The page of commands has a section for each command, and in each section a row for each option
 /// that `--help` lists, and for no other.
 #[test]
@@ -330,9 +336,7 @@ fn the_page_of_commands_has_every_option() {
         let heading = format!("\n## {command}\n");
         let (_, section) = page.split_once(&heading).unwrap_or_else(|| panic!("no {heading}"));
         let section = section.split("\n## ").next().unwrap_or_default();
-        let rows = section.lines().filter_map(|line| line.strip_prefix("| `--"));
-        let mut shown: BTreeSet<String> =
-            rows.map(|row| format!("--{}", row.split('`').next().unwrap_or_default())).collect();
+        let mut shown: BTreeSet<String> = section.lines().filter_map(option_of_row).collect();
         let text = help(&[command]);
         let options = text.lines().filter(|line| line.trim_start().starts_with('-'));
         let long = |line: &str| Some(format!("--{}", line.split_once("--")?.1.split(' ').next()?));
