@@ -316,7 +316,7 @@ fn plans_for_another_system_are_refused() {
     let sound = CrisisSearch::of(0, [0.24, 0.2345], 2e-5);
     let invalid = [
         (CrisisSearch { parameter: 9, ..sound }, "the system has 9 parameters"),
-        (CrisisSearch { steps: 0, ..sound }, "in 0 steps"),
+        (CrisisSearch { steps: 0, ..sound }, "has 0 steps"),
         (CrisisSearch { tolerance: 0.0, ..sound }, "tolerance of 0"),
         (CrisisSearch { tolerance: -1e-3, ..sound }, "tolerance of -0.001"),
         (CrisisSearch { tolerance: f64::NAN, ..sound }, "tolerance of NaN"),

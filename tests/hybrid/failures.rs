@@ -264,6 +264,6 @@ fn a_reset_is_the_identity_unless_it_is_stated() {
         HybridError::NoReset { time, before: 1, after: 2, .. } => close(*time, 0.75, 1e-12),
         other => panic!("{other}"),
     }
-    let said = "the event door leads from mode narrow, with 1 states, to mode wide, with 2";
+    let said = "the event door leads from mode narrow with 1 states to mode wide with 2";
     assert!(error.to_string().contains(said), "{error}");
 }

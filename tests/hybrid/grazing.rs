@@ -195,7 +195,7 @@ fn no_branch_begins_where_a_reset_jumps() {
         let refused = run.along("current", 0.0..=2.0).trace().unwrap_err().to_string();
         let no_point = GrazingPoint::at(&mut orbits, &branch.solution(grazing)).unwrap_err();
         for error in [refused, no_point.to_string()] {
-            assert!(error.contains("the event spike takes voltage from 1.0"), "{error}");
+            assert!(error.contains("the event spike changes voltage from 1.0"), "{error}");
         }
     }
 }

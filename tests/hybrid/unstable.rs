@@ -190,8 +190,8 @@ fn one_segment_says_where_its_digits_end() {
     };
     let grown = |error: TraceError, growth: &str| {
         let error = error.to_string();
-        let cause = format!("deviations grow by {growth}");
-        assert!(error.contains(&cause) && error.contains("take more segments"), "{error}");
+        let cause = format!("deviations and rounding errors grow by {growth}");
+        assert!(error.contains(&cause) && error.contains("use more segments"), "{error}");
     };
     // A deviation grows by cosh 2πb.
     let (mut system, z) = of(1.0, 0.0);

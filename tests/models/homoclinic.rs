@@ -218,7 +218,7 @@ fn other_starts_are_refused() {
         outcome.error.unwrap().to_string()
     };
     let at_rest = refused("HB", "rest");
-    assert!(at_rest.contains("homoclinic orbits start from a cycle near one"), "{at_rest}");
+    assert!(at_rest.contains("a homoclinic orbit starts from a nearby cycle"), "{at_rest}");
     let small = refused("EP", "cycles");
     assert!(small.contains("no homoclinic orbit starts here"), "{small}");
 }

@@ -33,7 +33,7 @@ fn warnings_of_guards_that_jump_are_saved() {
     let run = r#"(name: "pulses", start: Simulated(), along: [(name: "b", low: 0.5, high: 2)])"#;
     let warnings = |when: &str| branches(&problem(when), run).swap_remove(0).warnings;
     let saved = warnings(r#"function: "1 - mod(t, 1)""#);
-    assert!(saved[0].contains("the guard `pulse` jumps"), "{saved:?}");
+    assert!(saved[0].contains("the guard `pulse` is discontinuous"), "{saved:?}");
     assert_eq!(warnings(r#"at: "n""#), Vec::<String>::new());
 }
 
