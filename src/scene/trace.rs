@@ -1,6 +1,6 @@
 //! Tracing the runs of a scene, one after another.
 
-use super::discretisation::Started;
+use super::discretisation::{Solution, Started};
 use super::error::SceneError;
 use super::forecast;
 use super::join::{Joined, join};
@@ -12,7 +12,7 @@ use super::statement::{Run, Start, Way};
 use crate::core::continuation::{Branch, Continuation, SpecialPoint, Steps};
 use crate::core::hybrid::HybridState;
 use crate::core::local_map::LocalMap;
-use crate::core::problem::{Group, position};
+use crate::core::problem::{Group, Names, columns_showing, position};
 use crate::core::system::{Kind, System};
 use crate::output::Document;
 use cpu_time::ThreadTime;
@@ -173,12 +173,46 @@ fn trace(
     done: &[Branch],
     observer: &mut dyn SceneObserver,
 ) -> Result<Branch, SceneError> {
-    let mut branch = begun(resolved, done, observer, |steps, began, observer| {
+    let idle = idle_names(resolved)?;
+    let mut resolved = resolved.clone();
+    resolved.run.bounds.retain(|bound| !idle.contains(&bound.name));
+    resolved.run.marks.retain(|(name, _)| !idle.contains(name));
+    let mut branch = begun(&resolved, done, observer, |steps, began, observer| {
         forecast::branch(&resolved.run.name, &steps, began, observer);
         steps.run(observer)
     })?;
-    branch.warnings.splice(..0, resolved.problem.jumps());
+    let idle = idle.iter().map(|name| {
+        format!("the bound or mark of `{name}` has no effect: this branch has no such column")
+    });
+    branch.warnings.splice(..0, resolved.problem.jumps().into_iter().chain(idle));
     Ok(branch)
+}
+
+/// Returns the names of bounds and marks that equilibria lack and orbits of the same problem have,
+/// or conversely, such as `period`.
+fn idle_names(resolved: &Resolved) -> Result<Vec<String>, SceneError> {
+    let Resolved { run, problem, .. } = resolved;
+    let stated = run.bounds.iter().map(|bound| &bound.name);
+    let stated = stated.chain(run.marks.iter().map(|(name, _)| name));
+    let parameters = problem.parameter_names();
+    let columns: Vec<&String> = stated.filter(|name| !parameters.contains(name)).collect();
+    let (Some(solution), None, false) = (problem.solution(), &run.local, columns.is_empty()) else {
+        return Ok(Vec::new());
+    };
+    let mut other = resolved.clone();
+    other.problem.follow(match solution {
+        Solution::Orbit => Solution::Equilibrium,
+        Solution::Equilibrium => Solution::Orbit,
+    });
+    // Forced systems do not have equilibria.
+    let Ok(beside) = other.system() else { return Ok(Vec::new()) };
+    let own = resolved.system()?;
+    let shows = |names: &Names, name: &str| {
+        !columns_showing(name, |column| names.monitors.iter().any(|own| own == column)).is_empty()
+    };
+    let idle =
+        columns.into_iter().filter(|name| !shows(own.names(), name) && shows(beside.names(), name));
+    Ok(idle.cloned().collect())
 }
 
 /// Corrects the first point of a run, and calls a continuation with the result and the elapsed

@@ -271,7 +271,11 @@ fn jumping_guards_are_named() {
     };
     let period = ", period: \"1\"";
     let jumps = model("", "\"1 - mod(t, 1)\", reset: [(\"S\", \"S + 1\")]", period);
-    assert!(jumps.warnings()[0].contains("the guard `pulse` is discontinuous"), "{:?}", jumps.warnings());
+    assert!(
+        jumps.warnings()[0].contains("the guard `pulse` is discontinuous"),
+        "{:?}",
+        jumps.warnings()
+    );
     let reset = "\"1 - s\", reset: [(\"S\", \"S + 1\"), (\"s\", 0)]";
     let counts = model(", (\"s\", 1)", reset, "");
     assert_eq!(counts.warnings(), Vec::<String>::new());

@@ -140,7 +140,7 @@ fn the_setting_is_refused_where_there_is_no_phase() {
     scene.runs.truncate(1);
     let branch = execute(&scene, None, &mut ()).document.branches.remove(0);
     let said =
-        |it: &SpecialPoint| it.without_phase_response.as_ref().map(|it| it.contains("forcing"));
+        |it: &SpecialPoint| it.without_phase_response.as_ref().map(|it| it.contains("forced"));
     assert!(branch.special.iter().all(|point| said(point) == Some(true)));
 }
 

@@ -76,7 +76,7 @@ fn fixed_points_of_maps_show_and_bound_every_state() {
         "trace",
         "henon.ron",
         "--along",
-        "a=0..1",
+        "a=0.15..1",
         "--switch",
         "PD",
         "--bound",
@@ -102,6 +102,31 @@ fn fixed_points_of_maps_show_and_bound_every_state() {
         point.kind == Kind::EP && (value(cycles, point, "max_y") - 0.36).abs() < 1e-10
     });
     assert!(end.is_some(), "{:?}", cycles.ends);
+}
+
+/// A bound of the period holds for the cycles that are followed from a Hopf point; equilibria have no
+/// period, and a warning says so. A name that neither has is an error.
+#[test]
+fn a_bound_holds_for_the_branches_that_have_the_column() {
+    let folder = folder();
+    let at = folder.path();
+    std::fs::write(
+        at.join("fhn.ode"),
+        "v'=v-v^3/3-w+I\nw'=0.15*(v+0.7-0.8*w)\npar I=0\ninit v=-1.2,w=-0.6\ndone\n",
+    )
+    .unwrap();
+    let trace = ["trace", "fhn.ode", "--along", "I=0..1.2", "--switch", "HB", "--bound"];
+    let output = tangency(at, &[&trace[..], &["period=..30"]].concat());
+    assert!(
+        output.status.success()
+            && stderr(&output).contains("bound or mark of `period` has no effect")
+    );
+    let text = std::fs::read_to_string(at.join("out/fhn.ron")).unwrap();
+    let document = Document::parse(&text).unwrap();
+    let cycles = &document.branches[1];
+    let end = cycles.special.last().unwrap();
+    assert!((end.value(cycles.column("period").unwrap()).unwrap() - 30.0).abs() < 1e-8);
+    refused(at, &[&trace[..], &["perod=..30"]].concat(), &["perod"]);
 }
 
 /// An enlargement stays where the branch that is traced again lies in it.
@@ -390,15 +415,15 @@ fn branches_begin_at_all_solutions() {
     }
     refused(
         at,
-        &["trace", "fork.ron", "--along", "a=0..1", "--start", "all"],
+        &["trace", "fork.ron", "--along", "a=0.15..1", "--start", "all"],
         &["must be given together"],
     );
     refused(
         at,
-        &["trace", "fork.ron", "--along", "a=0..1", "--box", "x=0..1"],
+        &["trace", "fork.ron", "--along", "a=0.15..1", "--box", "x=0..1"],
         &["must be given together"],
     );
-    let empty = ["trace", "fork.ron", "--along", "a=0..1", "--start", "all", "--box", "x=7..8"];
+    let empty = ["trace", "fork.ron", "--along", "a=0.15..1", "--start", "all", "--box", "x=7..8"];
     refused(at, &empty, &["the box is without any solution", "larger box"]);
 }
 
@@ -492,7 +517,7 @@ fn sizes_are_limited_everywhere() {
     let scene = "Scene(title: \"t\", problem: Equations(model: \"m.ron\", solution: equilibrium), runs: [(name: \"r\", along: [(name: \"a\", low: 0, high: 1)])])";
     std::fs::write(at.join("s.ron"), scene).unwrap();
     for command in
-        [&["import", "m.ode"][..], &["trace", "s.ron"], &["trace", "m.ron", "--along", "a=0..1"]]
+        [&["import", "m.ode"][..], &["trace", "s.ron"], &["trace", "m.ron", "--along", "a=0.15..1"]]
     {
         succeeds(at, command);
         let limited = [&["--max-size", "1"], command].concat();
@@ -545,7 +570,7 @@ fn mistakes_are_named() {
     );
     refused(
         at,
-        &["trace", "big.ron", "--along", "a=0..1"],
+        &["trace", "big.ron", "--along", "a=0.15..1"],
         &["the last index, 1000000001", "must be from -1000000000 to 1000000000"],
     );
     write("secret", "root:x:0");

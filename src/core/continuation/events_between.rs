@@ -174,7 +174,7 @@ fn is_double(it: &Located, found: &[Located], length: f64) -> bool {
             others.any(|other| TURNS.contains(&other.special.kind) && same(other))
         }
         // Where impacting orbits emanate vertically, every multiplier solves the equations; the
-        // point is the degenerate grazing.
+        // point is the degenerate point.
         Kind::GF => others.any(|other| other.special.kind == Kind::GD && near(other)),
         _ => false,
     }
