@@ -185,7 +185,7 @@ fn rust(file: &Path, text: &str, all: &mut Vec<Paragraph>) {
     messages(file, text, all);
 }
 
-/// String literals of at least three words.
+/// String literals of at least six words: shorter ones are mostly parts of messages.
 fn messages(file: &Path, text: &str, all: &mut Vec<Paragraph>) {
     let mut rest = text;
     let mut line = 1;
@@ -200,7 +200,7 @@ fn messages(file: &Path, text: &str, all: &mut Vec<Paragraph>) {
             let is_prose = ["Scene(", ": [", "Examples:"].iter().all(|mark| !words.contains(mark));
             let count =
                 words.split(' ').filter(|word| word.chars().any(char::is_alphabetic)).count();
-            if is_prose && count >= 3 {
+            if is_prose && count >= 6 {
                 let (source, file) = (Source::Message, file.to_path_buf());
                 all.push(Paragraph { source, file, line, text: words });
             }

@@ -4,7 +4,7 @@ use std::path::Path;
 use tangency_reports::prose::{Paragraph, Source, drawn, paragraphs};
 
 /// Turns that are not used, and better ones.
-const TURNS: [(&str, &str); 31] = [
+const TURNS: [(&str, &str); 29] = [
     ("anyhow", "leave the word out"),
     ("are said", "name who says so, or state the fact"),
     ("are to be", "must be, or will be"),
@@ -29,10 +29,8 @@ const TURNS: [(&str, &str); 31] = [
     ("stand for", "represent, denote"),
     ("stands for", "represents, denotes"),
     ("that is so", "that holds"),
-    ("that of", "repeat the noun"),
     ("there are none", "say what is missing"),
     ("there is none", "say what is missing"),
-    ("those of", "repeat the noun"),
     ("to be edited", "ready to edit"),
     ("told apart", "distinguished"),
     ("what there is", "name the thing"),

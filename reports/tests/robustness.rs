@@ -220,7 +220,7 @@ fn stiff_fields_are_refused_and_go_to_the_implicit_method() {
 /// On another machine, rounding may decide otherwise in a cell of a hundred.
 #[test]
 fn the_page_is_what_the_command_has_printed() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs");
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/evidence");
     let page = std::fs::read_to_string(folder.join("speed-and-accuracy.md")).unwrap();
     for (entry, now) in MAPS.iter().zip(&*NOW) {
         let path = folder.join("measured").join(format!("robustness-{}.ron", entry.name));

@@ -128,7 +128,7 @@ pub trait System: Send {
         Ok(dot(&gradient[..n], &direction[..n]) + released.sum::<f64>())
     }
 
-    /// What the residual says about motion.
+    /// The motion that the residual describes.
     fn dynamics(&self) -> Dynamics;
 
     /// The eigenvalues that decide stability, from the assembled `F_z`; `None` if no motion is
@@ -186,12 +186,12 @@ pub trait System: Send {
         Vec::new()
     }
 
-    /// What the unknowns mean, which is saved with them.
+    /// The meaning of the unknowns, saved with branches and special points.
     fn representation(&self) -> Representation {
         Representation::default()
     }
 
-    /// What is known of a solution beside its unknowns.
+    /// The data of a solution beside its unknowns, such as the error of the mesh.
     fn traits(&mut self, _x: &[f64]) -> Traits {
         Traits::default()
     }
@@ -238,8 +238,9 @@ pub trait System: Send {
 
 /// A system that discretises something else: finer ones, and the mesh, which may follow a branch.
 pub trait Discretised {
-    /// The same problem on a finer discretisation: special points are finished on it, and the
-    /// difference is the discretisation's share of their `error`. `None` where there is none finer.
+    /// The same problem on a finer discretisation: special points are refined on this
+    /// discretisation, and the difference is the discretisation's share of their `error`. `None` on the
+    /// finest discretisation.
     fn refined(&mut self, x: &[f64]) -> Option<Refinement>;
 
     /// How evaluations, assemblies and factorisations are carried out from now on.
@@ -420,27 +421,27 @@ pub struct Effort<'a> {
     pub cancel: &'a CancelToken,
 }
 
-/// What the unknowns of a discretised solution mean: saved with branches and special points.
+/// The meaning of the unknowns of a discretised solution, saved with branches and special points.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Representation {
-    /// Which events solutions pass, in words; empty if that is the same for all.
+    /// The events of solutions, in words; empty if all solutions have the same events.
     pub itinerary: String,
-    /// The method: its name and what else the meaning of the unknowns depends on.
+    /// The method: its name and all settings on which the meaning of the unknowns depends.
     pub method: String,
-    /// The mesh that the unknowns are values on; empty without one.
+    /// The mesh on which the unknowns are values; empty without a mesh.
     pub mesh: Vec<f64>,
-    /// Whether solutions are interpolated between these values, as those of collocation are.
+    /// Whether solutions are interpolated between these values, as in collocation.
     pub interpolated: bool,
 }
 
 impl Representation {
-    /// Whether solutions are known to the error of a mesh only.
+    /// Whether the accuracy of solutions is limited by a mesh.
     pub fn is_on_mesh(&self) -> bool {
         !self.mesh.is_empty()
     }
 }
 
-/// What a discretisation knows of a solution.
+/// The data of a discretised solution beside its unknowns.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Traits {
     /// The estimated relative error that the mesh causes; 0 without one.
@@ -498,7 +499,7 @@ pub trait OrbitEvents {
     }
 
     /// The standard name of the solution `(z, p)` at which the limit with this monitor vanishes;
-    /// `None` if it has none.
+    /// `None` for a limit without a name.
     fn name_of_limit(&self, monitor: usize, x: &[f64]) -> Option<&'static str>;
 
     /// At a limit: the same orbit in the system of orbits without the vanishing event if this

@@ -266,7 +266,7 @@ pub enum FigureError {
     },
     /// The special point is missing from which a column's deviations are measured.
     #[error(
-        "`{column}` should be shown as its deviation from the first {kind} of `{branch}`, but there is none: trace \
+        "`{column}` should be shown as its deviation from the first {kind} of `{branch}`, but the branch does not have one: trace \
          as far as that point, or omit the deviation"
     )]
     NoOrigin {
