@@ -83,7 +83,9 @@
 //! use tangency::scene::{Scene, execute};
 //! let scene = Scene::parse("Scene(
 //!     title: \"A fold\",
-//!     problem: Equations(states: [(\"x\", \"a - x^2\")], initial: [(\"x\", 1)]),
+//!     problem: Equations(
+//!         states: [(\"x\", \"a - x^2\")], initial: [(\"x\", 1)], solution: equilibrium,
+//!     ),
 //!     parameters: [(\"a\", 1)],
 //!     runs: [(name: \"rest\", along: [(name: \"a\", low: -1, high: 1)])],
 //! )")?;

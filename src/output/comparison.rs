@@ -119,7 +119,7 @@ const FAR: f64 = 0.2;
 /// let found = compare(&old, &new);
 /// assert_eq!(
 ///     found[0].to_string(),
-///     "plate: LP moved from load = 0.148148148148 to 0.148149148148, by 1.0e-6 where 1.5e-13 is allowed"
+///     "plate: LP moved from load = 0.148148148148 to 0.148149148148, by 1.0e-6, more than the allowed 1.5e-13"
 /// );
 /// ```
 pub fn compare(old: &Document, new: &Document) -> Vec<Difference> {

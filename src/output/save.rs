@@ -33,7 +33,7 @@ pub trait Render {
 /// assert!(results.render(Format::Svg)?.starts_with(b"<svg"));
 /// assert!(results.render(Format::Csv)?.starts_with(b"branch,point,load"));
 /// let error = results.render(Format::Npz).unwrap_err().to_string();
-/// assert!(error.starts_with("an archive (.npz) holds"), "{error}");
+/// assert!(error.starts_with("an archive (.npz) contains"), "{error}");
 /// # Ok::<(), tangency::output::RenderError>(())
 /// ```
 #[derive(Clone, Copy, Debug, Default)]

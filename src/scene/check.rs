@@ -48,7 +48,7 @@ impl Scene {
         if aperiodic
             && (self.runs.iter().any(|run| !run.along.is_empty()) || !self.sweeps.is_empty())
         {
-            let rule = "must be periodic where branches are traced: replace `t` by a state `period`, the time modulo the period";
+            let rule = "must be periodic where branches are traced: state the period of the forcing as `period: \"2*pi/w\"`, after `tangency import` for an .ode file";
             return Err(SceneError::invalid(
                 "the time `t` in the equations",
                 "without a period",
