@@ -63,7 +63,7 @@ impl<'a> Layout<'a> {
         layout
     }
 
-    /// Preloads the states of a small system, all of which are read, and a few parameters into
+    /// Preloads the states of a small system, which are all read, and a few parameters into
     /// registers: separate steps would take longer.
     fn preload(&mut self) {
         let read = (0..PRELOADED as u32).take_while(|k| self.reads.get(Value::State(*k)) > 0);

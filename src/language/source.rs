@@ -239,7 +239,7 @@ impl From<&str> for Phrase {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}{fault}{place}", self.prefix())]
 pub struct ModelError {
-    /// The name of the source; empty if it has none.
+    /// The name of the source; empty for a source without a name.
     pub file: String,
     /// The place of the error.
     pub place: Box<Place>,

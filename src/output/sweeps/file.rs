@@ -1,6 +1,6 @@
 //! The file of a sweep: an archive of columns.
 //!
-//! It is a NumPy archive (`.npz`): a ZIP file whose entries are arrays in NumPy's format,
+//! The file is a NumPy archive (`.npz`): a ZIP file whose entries are arrays in NumPy's format,
 //! compressed. The entry `about` contains UTF-8 text as bytes, a RON structure with the tag
 //! [`SWEEPS`] and all names; each column is an entry of 64-bit numbers:
 //!

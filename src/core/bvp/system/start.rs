@@ -214,7 +214,7 @@ fn in_unknowns(solution: &mut Solution, new: impl Fn(&[f64]) -> Vec<f64>) {
     }
 }
 
-/// Splits breakpoints into the meshes of all segments, each of which begins with 0.
+/// Splits breakpoints into the meshes of all segments. Each mesh begins with 0.
 pub(super) fn meshes_of(points: &[f64]) -> Result<Vec<Mesh>, Failure> {
     let mut meshes: Vec<Vec<f64>> = Vec::new();
     for &point in points {
