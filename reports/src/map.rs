@@ -64,7 +64,7 @@ pub struct Cell {
     pub x: f64,
     /// The vertical quantity; with several methods, the number of the method, from 0.
     pub y: f64,
-    /// The position of the outcome among those of the map.
+    /// The position of the outcome among the outcomes of the map.
     pub outcome: usize,
     /// The error message, kept for the first cell of each outcome.
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -1,13 +1,12 @@
-//! Zero problems `F(z, p) = 0` as continuation sees them.
+//! The interface of zero problems `F(z, p) = 0` to continuation.
 //!
-//! A **[`System`]** is the object-safe `f64` face of a zero problem. Continuation, the conditions
-//! of bifurcations and the locator of events see nothing else, so a problem with structure
-//! (condensed unknowns, collocation blocks) implements it by itself, while an ordinary problem gets
-//! it from [`Dense`], by forward-mode dual numbers.
+//! A **[`System`]** is the object-safe `f64` interface of a zero problem. Continuation, the
+//! defining systems of bifurcations and the locator of events use only this interface. A problem
+//! with structure (condensed unknowns, collocation blocks) implements the interface itself; for an
+//! ordinary problem, [`Dense`] implements it by forward-mode dual numbers.
 //!
 //! Throughout, `x = (z, p)` is one vector: the `n` unknowns, then *all* parameters, held or
-//! released, in the order of their names. A direction in which a derivative is taken is such a
-//! vector as well.
+//! released, in the order of their names. The direction of a derivative is also such a vector.
 
 mod dense;
 mod expansion;
@@ -35,15 +34,15 @@ use crate::core::linalg::{Border, Factors, Form, Spectrum, SpectrumRequest, dot}
 use crate::core::problem::{Dynamics, Names, Profile};
 use crate::core::scalar::Space;
 
-/// The same zero problem on a finer discretisation, and a point of it.
+/// A zero problem on a finer discretisation, and a point on that discretisation.
 pub struct Refinement {
     /// The finer system; its parameters and monitors have the same names.
     pub system: Box<dyn System>,
-    /// `x = (z, p)` carried over.
+    /// The point `x = (z, p)`, carried over to the finer system.
     pub x: Vec<f64>,
 }
 
-/// A function of `x` whose gradient a [`System`] has.
+/// A function of `x` whose gradient a [`System`] computes.
 #[derive(Clone, Copy, Debug)]
 pub enum Functional<'a> {
     /// `wᵀ F_x[v]`, given `w` (one weight for each equation) and `v` (as long as `x`).
@@ -54,39 +53,40 @@ pub enum Functional<'a> {
     Monitor(usize),
 }
 
-/// A zero problem as continuation sees it: object-safe, in `f64`.
+/// The interface of a zero problem to continuation: object-safe, in `f64`.
 ///
 /// Implementations own their buffers: after a first call, residual, assembly, factorisation,
-/// derivatives and gradients allocate nothing but for what a problem returns (scales of its states).
+/// derivatives and gradients allocate nothing except the vectors that a problem returns (scales of
+/// its states).
 pub trait System: Send {
     /// The names of unknowns, parameters and monitors.
     fn names(&self) -> &Names;
 
-    /// `F(x)` into `r`.
+    /// Computes `F(x)` and writes it into `r`.
     ///
     /// # Errors
     /// [`Failure`] where the equations have no meaning at `x` or a component is not finite.
     fn residual(&mut self, x: &[f64], r: &mut [f64]) -> Result<(), Failure>;
 
     /// Evaluates `F_z` at `x` and keeps it for [`factor`](System::factor) and
-    /// [`spectrum`](System::spectrum). Conditions, monitors and Newton's iteration each ask for it
-    /// at the same `x`: a second call there should cost no more than the comparison with the `x` of
-    /// the first.
+    /// [`spectrum`](System::spectrum). Defining systems, monitors and Newton's method each request
+    /// `F_z` at the same `x`: a second call at this `x` should cost no more than its comparison
+    /// with the `x` of the first call.
     ///
     /// # Errors
-    /// [`Failure`] as for the residual.
+    /// [`Failure`] as for [`residual`](System::residual).
     fn assemble(&mut self, x: &[f64]) -> Result<(), Failure>;
 
-    /// Factors a form of the assembled `F_z` within a border (of width 0 or more) and puts the
+    /// Factors a form of the assembled `F_z` within a border (of width 0 or more) and writes the
     /// factors into `into`.
     ///
     /// # Errors
-    /// [`Failure::Singular`] if the bordered matrix is, to working accuracy, and
-    /// [`Failure::Unsupported`] for a form that the system does not have.
+    /// [`Failure::Singular`] if the bordered matrix is singular to working accuracy, and
+    /// [`Failure::Unsupported`] for a form that the system does not support.
     fn factor(&mut self, form: Form, border: Border, into: &mut Factors) -> Result<(), Failure>;
 
-    /// The derivative `F_x[d]`, `F_xx[d, e]` or `F_xxx[d, e, f]` at `x` along one to three
-    /// directions (each as long as `x`), into `out`.
+    /// Computes the derivative `F_x[d]`, `F_xx[d, e]` or `F_xxx[d, e, f]` at `x` along one to three
+    /// directions (each as long as `x`) and writes it into `out`.
     ///
     /// # Errors
     /// [`Failure`] outside the domain, where the derivative is not finite, or for another number of
@@ -98,9 +98,9 @@ pub trait System: Send {
         out: &mut [f64],
     ) -> Result<(), Failure>;
 
-    /// The gradient of a functional by `x`, into `out` (as long as `x`): all components of the
-    /// unknowns, and those of the parameters listed in `released`; other parameters' components are
-    /// unspecified.
+    /// Computes the gradient of a functional by `x` and writes it into `out` (as long as `x`): the
+    /// components of all unknowns, and the components of the parameters listed in `released`. The
+    /// components of other parameters are unspecified.
     ///
     /// # Errors
     /// [`Failure`] as for [`derivative`](System::derivative) and [`monitors`](System::monitors), or
@@ -113,7 +113,7 @@ pub trait System: Send {
         out: &mut [f64],
     ) -> Result<(), Failure>;
 
-    /// The derivative of a monitor at `x` along a direction, which is as long as `x`.
+    /// Returns the derivative of a monitor at `x` along a direction, which is as long as `x`.
     ///
     /// # Errors
     /// [`Failure`] as for [`gradient`](System::gradient).
@@ -131,29 +131,30 @@ pub trait System: Send {
     /// The motion that the residual describes.
     fn dynamics(&self) -> Dynamics;
 
-    /// The eigenvalues that decide stability, from the assembled `F_z`; `None` if no motion is
-    /// meant. At least those requested are returned.
+    /// Returns the eigenvalues that decide stability, from the assembled `F_z`: at least the
+    /// requested number. `None` if the residual describes no motion.
     ///
     /// # Errors
-    /// [`Failure::Undetermined`] where the equations do not determine them: the point is marked,
-    /// and no test function that depends on them acts. [`Failure::Eigenvalues`] if they are not
-    /// found.
+    /// [`Failure::Undetermined`] where the equations do not determine the eigenvalues: the point is
+    /// marked, and test functions that depend on eigenvalues are inactive. [`Failure::Eigenvalues`]
+    /// if the computation of the eigenvalues fails.
     fn spectrum(
         &mut self,
         x: &[f64],
         request: SpectrumRequest,
     ) -> Result<Option<Spectrum>, Failure>;
 
-    /// The values of monitors at a solution, from the one at the position `first` on, as many as
-    /// `values` has room for.
+    /// Computes the values of monitors at a solution, from the monitor at the position `first`: one
+    /// for each element of `values`.
     ///
     /// # Errors
     /// [`Failure`] if one of these monitors has no meaning at `x`.
     fn monitors(&mut self, x: &[f64], first: usize, values: &mut [f64]) -> Result<(), Failure>;
 
-    /// The Taylor coefficients of `F(z + W(ξ), p)` for a polynomial `W` with these coefficients (each
-    /// as long as `z`; none of degree 0), by the monomials of a space. The default follows from
-    /// [`derivative`](System::derivative), so the order is at most 3.
+    /// Returns the Taylor coefficients of `F(z + W(ξ), p)`, by the monomials of a space, for a
+    /// polynomial `W` with the coefficients `terms` (each as long as `z`). The constant term of `W`
+    /// is zero. The default follows from [`derivative`](System::derivative), so the order is at
+    /// most 3.
     ///
     /// # Errors
     /// [`Failure::Unsupported`] for a higher order, and as for [`derivative`](System::derivative).
@@ -166,8 +167,8 @@ pub trait System: Send {
         expansion::by_derivatives(self, x, space, terms)
     }
 
-    /// The size of a deviation `d` (as long as `x`), the period of the solution, and the derivative
-    /// of the period along `d`. The default is for equilibria.
+    /// Returns the size of a deviation `d` (as long as `x`), the period of the solution, and the
+    /// derivative of the period along `d`. The default is for equilibria.
     ///
     /// # Errors
     /// [`Failure`] where the solution has no meaning.
@@ -176,39 +177,40 @@ pub trait System: Send {
         Ok(Deviation { square, ..Deviation::default() })
     }
 
-    /// Typical sizes of the groups of unknowns at parameters `p`; empty if all are 1.
+    /// Returns typical sizes of the groups of unknowns at parameters `p`; empty if all are 1.
     fn unknown_scales(&self, _p: &[f64]) -> Vec<f64> {
         Vec::new()
     }
 
-    /// Curves that are kept with special points and drawn for them.
+    /// Returns the curves that are saved with special points and drawn for them.
     fn profiles(&mut self, _x: &[f64]) -> Vec<Profile> {
         Vec::new()
     }
 
-    /// The meaning of the unknowns, saved with branches and special points.
+    /// The meaning of the unknowns, which is saved with the unknowns.
     fn representation(&self) -> Representation {
         Representation::default()
     }
 
-    /// The data of a solution beside its unknowns, such as the error of the mesh.
+    /// Returns the properties of a solution that its unknowns do not contain.
     fn traits(&mut self, _x: &[f64]) -> Traits {
         Traits::default()
     }
 
-    /// Whether the spectrum factors the matrix assembled last by itself, so that the matrix factored before
-    /// may belong to another point: by default not.
+    /// Whether [`spectrum`](System::spectrum) itself factors the matrix assembled last, so that the
+    /// matrix factored before can belong to another point. By default false.
     fn factors_for_eigenvalues(&self) -> bool {
         false
     }
 
-    /// Which results so far are not certain, in words, to be saved with the branch.
+    /// Describes the results so far that are uncertain, in a text that is saved with the branch;
+    /// `None` if all are certain.
     fn doubts(&self) -> Option<String> {
         None
     }
 
-    /// Prepares the start of a branch from a saved solution: by default one of the same unknowns. A
-    /// discretisation may change its mesh, and with it the number of its unknowns.
+    /// Prepares the start of a branch from a saved solution: by default a solution with the same
+    /// unknowns. A discretisation can change its mesh, and thereby the number of its unknowns.
     ///
     /// # Errors
     /// [`Failure`] if this system cannot start there.
@@ -225,71 +227,74 @@ pub trait System: Send {
         Ok(Start::point(z, tangent))
     }
 
-    /// The system as a discretisation; `None` if the equations are exact as they stand.
+    /// The system as a discretisation; `None` if the equations are exact.
     fn discretised(&mut self) -> Option<&mut dyn Discretised> {
         None
     }
 
-    /// The facet of solutions with events; `None` if they have none.
+    /// The interface for solutions with events; `None` if solutions have no events.
     fn events(&mut self) -> Option<&mut dyn OrbitEvents> {
         None
     }
 }
 
-/// A system that discretises something else: finer ones, and the mesh, which may follow a branch.
+/// A system that discretises equations: refinement, and a mesh that can adapt along a branch.
 pub trait Discretised {
-    /// The same problem on a finer discretisation: special points are refined on this
-    /// discretisation, and the difference is the discretisation's share of their `error`. `None` on the
-    /// finest discretisation.
+    /// Returns the same problem on a finer discretisation: the final correction of special points
+    /// uses it, and the difference is the discretisation's share of their `error`. `None` if no
+    /// finer discretisation is available.
     fn refined(&mut self, x: &[f64]) -> Option<Refinement>;
 
-    /// How evaluations, assemblies and factorisations are carried out from now on.
+    /// Sets the effort of subsequent evaluations, assemblies and factorisations.
     fn set_effort(&mut self, _effort: Effort) {}
 
-    /// The same system, to be changed without changing this one; `None` for systems that no branch
-    /// changes.
+    /// Returns an independent copy of the system; `None` for systems that branches do not change.
     fn duplicate(&self) -> Option<Box<dyn System>> {
         None
     }
 
-    /// Whether a periodic solution goes through everything twice, so that it has half the period,
-    /// and the solution `beside` it does not.
+    /// Whether a periodic solution consists of two equal halves, so that its minimal period is half
+    /// its period, but the neighbouring solution `beside` does not.
     fn repeats(&mut self, _x: &[f64], _beside: &[f64]) -> bool {
         false
     }
 
-    /// The unknowns, on the present mesh, of a saved solution. Of a periodic solution, which may
-    /// begin anywhere, those in the phase of the solution accepted last, or one for each period of
-    /// the forcing that it lasts, at times near those of the solution `near`.
+    /// Returns the unknowns of a saved solution on the present mesh. A periodic solution can begin
+    /// at any phase: an autonomous solution is shifted to the phase of the solution accepted last;
+    /// a forced solution gives one image for each period of the forcing that it lasts, at times
+    /// near the times of the solution `near`.
     ///
     /// # Errors
-    /// [`Failure`] if the saved solution is not one of this problem.
+    /// [`Failure`] if the saved solution does not belong to this problem.
     fn images(&mut self, _solution: &Solution, _near: &[f64]) -> Result<Vec<Vec<f64>>, Failure> {
         Ok(Vec::new())
     }
 
-    /// Lets a phase condition and a mesh follow the branch: called at its start, and at each point
-    /// accepted. `x` and the `directions` (each as long as `z` or longer) are carried over to a new
-    /// mesh with the same number of intervals.
+    /// Updates a phase condition and a mesh along the branch: called at its start, and at each
+    /// accepted point. `x` and the `directions` (each as long as `z` or longer) are carried over to
+    /// a new mesh with the same number of intervals.
     fn on_accepted(&mut self, _x: &mut [f64], _directions: &mut [&mut [f64]]) {}
 
-    /// The phase response of a cycle, as profiles over time.
+    /// Returns the phase response of a cycle, as profiles over time.
     ///
     /// # Errors
-    /// [`Failure`] for solutions without a phase, and where the response is not determined.
+    /// [`Failure`] for solutions without a phase, and where the equations do not determine the
+    /// response.
     fn phase_response(&mut self, _x: &[f64]) -> Result<Vec<Profile>, Failure> {
         Err(Failure::Unsupported("only cycles have a phase, and these solutions are none".into()))
     }
 
-    /// How near a cycle whose period is free comes to an equilibrium; `None` for other solutions.
+    /// Returns the approach of a cycle with a free period to an equilibrium; `None` for other
+    /// solutions.
     fn approach(&mut self, _x: &[f64]) -> Option<Approach> {
         None
     }
 
-    /// The system of the homoclinic orbits near a cycle that was saved, or with which a saved curve
-    /// of homoclinic orbits goes on, and the orbit there. Beside a cycle the orbit begins and ends at
-    /// a distance from the equilibrium, the `radius`, in units of its extents; a saved one keeps its
-    /// distances. Where the monitor `homoclinic_gap` vanishes the orbit is homoclinic.
+    /// Returns the system of homoclinic orbits, and an orbit from which to start: near a saved
+    /// cycle, or the saved homoclinic orbit of a curve to be continued. The orbit near a cycle
+    /// begins and ends at the distance `radius` from the equilibrium, in units of the cycle's
+    /// extents; a saved orbit keeps its distances. Where the monitor `homoclinic_gap` vanishes the
+    /// orbit is homoclinic.
     ///
     /// # Errors
     /// [`Failure`] if no homoclinic orbit is near.
@@ -297,9 +302,10 @@ pub trait Discretised {
         Err(Failure::Unsupported("homoclinic orbits start from a cycle near one".into()))
     }
 
-    /// A long cycle near the homoclinic orbit with which a curve of such orbits leaves a
-    /// Bogdanov–Takens point, with two released parameters changed; the amplitude is a part of the size
-    /// of the equilibrium, or less where the normal form bounds it, times a factor.
+    /// Returns a long cycle near the homoclinic orbit with which a curve of homoclinic orbits
+    /// begins at a Bogdanov–Takens point, with the two released parameters changed. The amplitude
+    /// is a fraction of the size of the equilibrium, or less where the normal form limits it, times
+    /// a factor.
     ///
     /// # Errors
     /// [`Failure`] if the normal form is degenerate, or the parameters do not unfold it.
@@ -311,40 +317,41 @@ pub trait Discretised {
         Err(Failure::Unsupported("homoclinic orbits are solutions of a flow".into()))
     }
 
-    /// Goes back to the mesh of a solution of this system that was computed earlier, whatever number
-    /// of intervals a branch began with.
+    /// Returns to the mesh of an earlier solution of this system, regardless of the number of
+    /// intervals with which the branch began.
     ///
     /// # Errors
-    /// [`Failure`] if the solution is not one of this problem.
+    /// [`Failure`] if the solution does not belong to this problem.
     fn return_to(&mut self, _solution: &Solution) -> Result<(), Failure> {
         Ok(())
     }
 
-    /// Whether a solution needs another number of intervals to keep the error of the mesh below
-    /// `target`, or far fewer would do.
+    /// Whether a solution needs another number of mesh intervals to keep the mesh error below
+    /// `target`, or far fewer intervals would suffice.
     fn needs_fit(&mut self, _x: &[f64], _target: f64) -> bool {
         false
     }
 
-    /// Lets the number of intervals follow a solution: the mesh gets more of them where its
-    /// estimated error exceeds `target`, and fewer, but no fewer than it began with, where many
-    /// fewer would do. Returns whether it did: then `x`, and the `directions` (each as long as `z`
-    /// or longer), are carried over to as many unknowns as the system has now, and `x` needs to be
-    /// corrected.
+    /// Adapts the number of mesh intervals to a solution: more intervals where the estimated mesh
+    /// error exceeds `target`, and fewer, but not below the initial number, where far fewer would
+    /// suffice. Returns whether the mesh changed: then `x` and the `directions` (each as long as
+    /// `z` or longer) are carried over to the new unknowns, and `x` must be corrected.
     fn fit(&mut self, _x: &mut Vec<f64>, _directions: &mut [&mut Vec<f64>], _target: f64) -> bool {
         false
     }
 }
 
-/// The monitor of orbits between invariant manifolds that vanishes where they are homoclinic.
+/// The name of a monitor of orbits between invariant manifolds: the monitor vanishes at homoclinic
+/// orbits.
 pub(crate) const HOMOCLINIC_GAP: &str = "homoclinic_gap";
 
-/// The monitors of such orbits that belong to the equilibrium: the real parts of the leading
+/// The monitors of homoclinic orbits that describe the equilibrium: the real parts of the leading
 /// eigenvalues, and their sum.
 pub(crate) const HOMOCLINIC_RATES: [&str; 3] =
     ["leading_unstable", "leading_stable", "saddle_quantity"];
 
-/// The monitors of such orbits that vanish at points of codimension two, with the kinds of these.
+/// The monitors of homoclinic orbits that vanish at points of codimension two, with the kinds of
+/// these points.
 pub(crate) const HOMOCLINIC_TESTS: [(&str, Kind); 5] = [
     (HOMOCLINIC_RATES[2], Kind::NSS),
     ("stable_discriminant", Kind::DRS),
@@ -353,80 +360,81 @@ pub(crate) const HOMOCLINIC_TESTS: [(&str, Kind); 5] = [
     ("unstable_share", Kind::OFU),
 ];
 
-/// (D) The least distance from the equilibrium at which homoclinic orbits begin and end, in units of
-/// their extents: the parameter errs by a power of at least 2 of the distance.
+/// (D) The smallest distance from the equilibrium at which homoclinic orbits begin and end, in
+/// units of their extents: the error of the parameter is a power, at least the second, of the
+/// distance.
 pub(crate) const HOMOCLINIC_RADIUS: f64 = 1e-5;
 
 /// A deviation from a solution.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Deviation {
-    /// The sum of the squares of its states: of an orbit integrated over the period, of a cycle of
-    /// a map the mean over the iterates. States of orbits are compared at equal times since the
-    /// orbit's start.
+    /// The sum of the squares of the deviation's states: integrated over the period of an orbit, or
+    /// averaged over the iterates of a cycle of a map. States of orbits are compared at equal times
+    /// since the orbit's start.
     pub square: f64,
-    /// The products of its states with the velocity, and of the velocity with itself, integrated
-    /// over the period, where the time of the start is free: of an autonomous orbit with events. 0
-    /// elsewhere.
+    /// The inner product of the deviation's states with the velocity, integrated over the period,
+    /// where the start time is free: for an autonomous orbit with events. 0 otherwise.
     pub along: f64,
-    /// See `along`.
+    /// The square of the velocity, integrated over the period, where the start time is free. 0
+    /// otherwise.
     pub motion: f64,
     /// The period of the solution; 1 for equilibria and maps.
     pub period: f64,
-    /// How much the period changes with the deviation.
+    /// The derivative of the period along the deviation.
     pub lengthening: f64,
 }
 
-/// (R) A change of the period this small, compared with the period, as a solution changes by a
-/// deviation is rounding.
+/// (R) A change of the period along a deviation below this fraction of the period is a rounding
+/// error.
 const SAME_PERIOD: f64 = 1e-9;
 
 impl Default for Deviation {
-    /// No deviation from an equilibrium.
+    /// Returns the zero deviation from an equilibrium.
     fn default() -> Self {
         Deviation { square: 0.0, along: 0.0, motion: 0.0, period: 1.0, lengthening: 0.0 }
     }
 }
 
 impl Deviation {
-    /// `square` of the same deviation if the orbit starts later by `shift`.
+    /// Returns `square` of the same deviation if the orbit starts later by `shift`.
     pub fn square_after(&self, shift: f64) -> f64 {
         self.square - shift * (2.0 * self.along - shift * self.motion)
     }
 
-    /// How much the period changes with the deviation; `None` if the change is rounding.
+    /// Returns the derivative of the period along the deviation; `None` if it is a rounding error.
     pub(crate) fn changes_period(&self) -> Option<f64> {
         Some(self.lengthening).filter(|change| change.abs() > SAME_PERIOD * self.period)
     }
 }
 
-/// How near a cycle comes to an equilibrium.
+/// The approach of a cycle to an equilibrium.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Approach {
-    /// The estimated distance from the nearest one, relative to the extents.
+    /// The estimated distance from the nearest equilibrium, relative to the extents.
     pub distance: f64,
     /// The largest minus the smallest value of each state of each segment.
     pub extents: Vec<f64>,
 }
 
-/// How a discretisation is evaluated.
+/// The accuracy with which a discretisation is evaluated, and a cancel token.
 #[derive(Clone, Copy, Debug)]
 pub struct Effort<'a> {
-    /// The error (in units of the unknowns' sizes) tolerated in residuals and matrices, and in
-    /// monitors evaluated meanwhile, since a solution is only approached; 0 for full accuracy.
+    /// The error (in units of the unknowns' sizes) tolerated in residuals, matrices and monitors
+    /// during iterations that only approach a solution; 0 for full accuracy.
     pub error: f64,
-    /// Whether gradients are as accurate as residuals: the speed of Newton's iteration does not ask
-    /// for that, sensitivities do.
+    /// Whether gradients are as accurate as residuals: sensitivities require this accuracy, fast
+    /// convergence of Newton's method does not.
     pub exact_gradients: bool,
-    /// Cancels evaluations, assemblies and factorisations.
+    /// The token that cancels evaluations, assemblies and factorisations.
     pub cancel: &'a CancelToken,
 }
 
-/// The meaning of the unknowns of a discretised solution, saved with branches and special points.
+/// The meaning of the unknowns of a discretised solution: saved with branches and special points.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Representation {
-    /// The events of solutions, in words; empty if all solutions have the same events.
+    /// The events that solutions pass, in words; empty if all solutions pass the same events.
     pub itinerary: String,
-    /// The method: its name and all settings on which the meaning of the unknowns depends.
+    /// The method: its name, and any settings on which the meaning of the unknowns depends.
     pub method: String,
     /// The mesh on which the unknowns are values; empty without a mesh.
     pub mesh: Vec<f64>,
@@ -435,30 +443,30 @@ pub struct Representation {
 }
 
 impl Representation {
-    /// Whether the accuracy of solutions is limited by a mesh.
+    /// Whether the accuracy of solutions is limited by the error of a mesh.
     pub fn is_on_mesh(&self) -> bool {
         !self.mesh.is_empty()
     }
 }
 
-/// The data of a discretised solution beside its unknowns.
+/// The properties of a solution that its discretisation determines.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Traits {
-    /// The estimated relative error that the mesh causes; 0 without one.
+    /// The estimated relative error that the mesh causes; 0 without a mesh.
     pub mesh_error: f64,
-    /// The factor by which rounding errors grow inside the discretisation, as deviations do over a
-    /// segment of shooting, for what is assembled. Corrections of Newton's that are no larger than
-    /// rounding times this are noise.
+    /// The factor by which rounding errors grow inside the assembled discretisation, as deviations
+    /// grow over a segment of shooting. Newton corrections no larger than this factor times the
+    /// rounding error are noise.
     pub growth: f64,
     /// The amplitude of a cycle about its mean, relative to the amplitude of the last accepted cycle.
     /// The sign changes where a family of cycles passes through an equilibrium. `None` if cycles
     /// cannot shrink to equilibria.
     pub amplitude: Option<f64>,
-    /// The period of a cycle, if it is free: not one that a forcing prescribes.
+    /// The period of a cycle, if the period is free and not prescribed by a forcing.
     pub free_period: Option<f64>,
-    /// The largest state on the segment where that is least, in units of the states' scales:
-    /// tolerances are relative to these. Segments without motion do not count; infinite without
-    /// any.
+    /// The smallest, over the segments, of the largest state on a segment, in units of the states'
+    /// scales: tolerances are relative to these scales. Segments without motion do not count;
+    /// infinite if no segment counts.
     pub least_size: f64,
 }
 
@@ -474,61 +482,63 @@ impl Default for Traits {
     }
 }
 
-/// Solutions with events, orbits or equilibria of a mode: which of them are admissible, and which
-/// others begin where one ceases to be.
+/// Solutions with events, orbits or equilibria of a mode: the admissible solutions, and the
+/// solutions that emanate where a solution ceases to be admissible.
 ///
-/// *Limits* are monitors that are positive on admissible solutions. Where one vanishes a branch
-/// ends, unless it is to go on beyond, and branches of solutions with other events emanate.
+/// *Limits* are monitors that are positive on admissible solutions. Where a limit vanishes,
+/// branches of solutions with other events emanate, and the branch ends unless the caller continues
+/// it beyond the limit.
 pub trait OrbitEvents {
-    /// The limits at parameters `p`.
+    /// Returns the limits at parameters `p`.
     fn limits(&self, p: &[f64]) -> Vec<Limit>;
 
     /// Checks the order of events, which the equations do not determine: a branch must not start
-    /// where another event would follow, and its points there are marked. Not called where a limit
-    /// vanishes: there the order is undecided.
+    /// where another event would follow, and its points with another order are marked. Not called
+    /// where a limit vanishes, since the order is undecided at a limit.
     ///
     /// # Errors
-    /// [`Failure::Mismatch`] with the event that leads elsewhere, [`Failure::OutOfDomain`] where
-    /// the solution has no meaning.
+    /// [`Failure::Mismatch`] with the event that has another outcome, [`Failure::OutOfDomain`]
+    /// where the solution has no meaning.
     fn check(&self, x: &[f64]) -> Result<(), Failure>;
 
-    /// Where an event leads elsewhere at once on the way from one solution to another; `None` where none
-    /// does.
+    /// Returns the first jump of a reset between one solution and another; `None` if no reset
+    /// jumps.
     fn jump_between(&self, _solutions: [&[f64]; 2]) -> Option<Jump> {
         None
     }
 
     /// The standard name of the solution `(z, p)` at which the limit with this monitor vanishes;
-    /// `None` for a limit without a name.
+    /// `None` if the solution does not have a standard name.
     fn name_of_limit(&self, monitor: usize, x: &[f64]) -> Option<&'static str>;
 
-    /// At a limit: the same orbit in the system of orbits without the vanishing event if this
-    /// system `passes` that event, otherwise with it. `None` if that system is not known.
+    /// Returns the orbit at a limit in the system on the other side: the system of orbits without
+    /// the vanishing event if this system `passes` that event, otherwise with the event. `None` if
+    /// that system is unknown.
     ///
     /// # Errors
-    /// [`Failure`] where they cannot be found.
+    /// [`Failure`] if the computation of that system or orbit fails.
     fn across(&mut self, x: &[f64], passes: bool) -> Result<Option<Across<'_>>, Failure>;
 
-    /// A branch that emanates at a limit, counted from 0.
+    /// Returns the start of a branch that emanates at a limit, with the index `which` from 0.
     ///
     /// # Errors
-    /// [`Failure`] where none is known.
+    /// [`Failure`] if no such branch is known.
     fn emanating(&self, x: &[f64], which: usize) -> Result<Emanating, Failure>;
 }
 
-/// Where an event begins to lead elsewhere at once, on the way from one solution to another.
+/// A discontinuity of a reset between one solution and another.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error(
     "the reset of the event `{event}` jumps: behind the event {state} changes from {:.6e} to {:.6e} at once", states[0], states[1]
 )]
 pub struct Jump {
-    /// The part of the way up to there.
+    /// The position of the jump between the two solutions, from 0 to 1.
     pub share: f64,
     /// The event.
     pub event: String,
     /// The state that jumps most.
     pub state: String,
-    /// Its values after the event, before the jump and beyond it.
+    /// The values of that state after the event: before the jump, and beyond the jump.
     pub states: [f64; 2],
 }
 
@@ -537,16 +547,16 @@ pub struct Jump {
 pub struct Limit {
     /// The position of the monitor.
     pub monitor: usize,
-    /// Its typical size, which tolerances are relative to.
+    /// The typical size of the monitor, to which tolerances are relative.
     pub scale: f64,
-    /// Whether it belongs to an event that solutions pass, as the speed of an impact does. All
-    /// other limits are distances to surfaces that solutions do not pass.
+    /// Whether the limit belongs to an event that solutions pass, for example the speed of an
+    /// impact. All other limits are distances to surfaces that solutions do not pass.
     pub passes: bool,
 }
 
 /// A solution at a limit, in the system of the orbits on the other side.
 pub struct Across<'a> {
-    /// Their system.
+    /// The system of these orbits.
     pub system: &'a mut dyn System,
     /// The solution, as `x = (z, p)` of that system.
     pub x: &'a [f64],
@@ -558,6 +568,6 @@ pub struct Emanating {
     pub system: Box<dyn System>,
     /// The unknowns `z` of the solution at the limit in that system.
     pub z: Vec<f64>,
-    /// The direction `(z, p)` of the branch, to that side only, where the equations are singular.
+    /// The direction `(z, p)` of the branch, on one side only, where the equations are singular.
     pub along: Option<Vec<f64>>,
 }

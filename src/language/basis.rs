@@ -396,8 +396,8 @@ pub(super) fn recorded(states: &[String]) -> (Vec<usize>, Vec<(String, Range<usi
     (single, arrays)
 }
 
-/// Returns the measures recorded by default: those of all problems, but for a long array only its
-/// norm.
+/// Returns the measures recorded by default: the same as for every problem, except that a long
+/// array has only its norm.
 fn measures(states: &[String], monitors: Vec<String>) -> Vec<(String, Measure)> {
     let (single, arrays) = recorded(states);
     let norms = arrays.into_iter().map(|(name, all)| (name, Measure::norm(states[all].to_vec())));

@@ -115,7 +115,7 @@ pub(super) enum Called<'s> {
     State,
 }
 
-/// Returns whether a name is that of an element of an array.
+/// Returns whether a name denotes an element of an array.
 fn is_element(name: &str, array: &str) -> bool {
     name.strip_prefix(array).is_some_and(|rest| rest.starts_with('['))
 }

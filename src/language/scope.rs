@@ -94,7 +94,7 @@ impl Scope {
         Ok(())
     }
 
-    /// Returns whether a name is that of a state.
+    /// Returns whether a name denotes a state.
     pub fn is_state(&self, name: &str) -> bool {
         self.meaning(name).is_some_and(Meaning::is_state)
     }

@@ -266,8 +266,8 @@ pub enum FigureError {
     },
     /// The special point is missing from which a column's deviations are measured.
     #[error(
-        "`{column}` should be shown as its deviation from the first {kind} of `{branch}`, but the branch does not have one: trace \
-         as far as that point, or omit the deviation"
+        "`{column}` should be shown as its deviation from the first {kind} of `{branch}`, but the branch has no {kind}: \
+         trace as far as that point, or omit the deviation"
     )]
     NoOrigin {
         /// The column.

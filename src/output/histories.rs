@@ -115,8 +115,8 @@ fn table(first: &[&str], courses: &[Course]) -> String {
 }
 
 /// Returns the histories as an archive of arrays: `time` and every state by name, NaN where a mode
-/// lacks the state. With several branches, each array name is preceded by that of its branch,
-/// `r/time`.
+/// lacks the state. With several branches, each array name is preceded by the name of its branch,
+/// as in `r/time`.
 pub(super) fn arrays(document: &Document) -> Result<Vec<u8>, String> {
     archive(TIME, &Course::histories(document))
 }

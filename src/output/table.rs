@@ -7,7 +7,7 @@ use crate::core::problem::distinct;
 
 /// Writes all points of the branches of some documents as comma-separated values: `branch`,
 /// `point`, counted from 0, every parameter and monitor by name, `unstable`, and `admissible`. With
-/// several documents, each branch name is preceded by that of its document. Numbers have 15
+/// several documents, each branch name is preceded by the name of its document. Numbers have 15
 /// significant digits; a cell is empty if a branch lacks the column, and `unstable` is `?` if
 /// multipliers are not determined.
 ///
@@ -52,9 +52,9 @@ pub fn table<'a>(documents: &[(&str, &'a Document)]) -> String {
 pub(super) struct Csv(pub String);
 
 impl Csv {
-    /// Creates a table without rows: the given columns before and after those of parameters and
-    /// monitors. A parameter or monitor with the name of another column is prefixed by `parameter`
-    /// or `monitor`.
+    /// Creates a table without rows: the given columns before and after the columns of parameters
+    /// and monitors. A parameter or monitor with the name of another column is prefixed by
+    /// `parameter` or `monitor`.
     pub fn new(first: &[&str], parameters: &[&str], monitors: &[&str], last: &[&str]) -> Self {
         let own = || first.iter().chain(last);
         let parameter = |name: &&str| match own().any(|own| own == name) {

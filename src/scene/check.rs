@@ -235,7 +235,7 @@ impl Problem {
 }
 
 impl Run {
-    /// Returns whether two runs follow the same motions: those of the flow, or those of the same
+    /// Returns whether two runs follow the same motions: the motions of the flow, or of the same
     /// local map.
     pub(super) fn is_akin_to(&self, other: &Run) -> bool {
         let map = |run: &Run| {

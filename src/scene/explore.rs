@@ -21,9 +21,9 @@ use std::error::Error;
 const RUNS: usize = 50;
 
 /// Traces a scene's runs, and then the branches that emanate from the special points found, to a
-/// depth: 1 switches branches at special points of the scene's own runs, 2 also at those of the
-/// added runs. A special point shared by two branches is used once. Returns the scene with all
-/// added runs, at most 50; tracing it reproduces the result.
+/// depth: 1 switches branches at special points of the scene's own runs, 2 also at special points
+/// of the added runs. A special point shared by two branches is used once. Returns the scene with
+/// all added runs, at most 50; tracing it reproduces the result.
 ///
 /// Where several branches cross at a point, all branches determined by its equations are traced.
 ///
@@ -62,8 +62,8 @@ pub struct Following {
     /// The kinds of special points, from [`OF_BRANCHES`](Self::OF_BRANCHES) and
     /// [`of_curves`](Self::of_curves).
     pub kinds: Vec<Kind>,
-    /// The depth: 1 switches branches at special points of the scene's own runs, 2 also at those of
-    /// the added runs.
+    /// The depth: 1 switches branches at special points of the scene's own runs, 2 also at special
+    /// points of the added runs.
     pub depth: usize,
     /// Whether to omit runs that would start at a solution of an earlier branch.
     pub distinct: bool,

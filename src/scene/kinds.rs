@@ -23,7 +23,7 @@ use crate::core::system::{Matrices, System, ZeroSystem};
 use crate::spelling::spelled;
 use std::sync::Arc;
 
-/// Pairs names with their defaults; names beyond the given defaults have none.
+/// Pairs names with their defaults; names beyond the given defaults have no default.
 pub(super) fn with_defaults(names: Vec<String>, defaults: &[f64]) -> Parameters {
     let defaults = defaults.iter().copied().map(Some).chain(std::iter::repeat(None));
     names.into_iter().zip(defaults).collect()

@@ -15,9 +15,9 @@ use std::sync::Arc;
 /// The local map whose fixed or periodic points a run traces: the map at a grazing found by an
 /// earlier run. Its order is the setting `order` of the problem.
 ///
-/// Parameters are those of the flow, so that branches of the map and of the flow can be compared. A
-/// run with start `Rest` starts near the grazing itself, and one that starts from another run
-/// traces points of the same map.
+/// The parameters are the parameters of the flow, so that branches of the map and of the flow can
+/// be compared. A run with start `Rest` starts near the grazing itself, and one that starts from
+/// another run traces points of the same map.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Local {

@@ -293,7 +293,8 @@ impl Resolved {
     }
 }
 
-/// Returns the system of a run: the problem's own, or that of the points of a local map.
+/// Returns the system of a run: the problem's own system, or the system of the points of a local
+/// map.
 fn system_of(resolved: &Resolved, done: &[Branch]) -> Result<Box<dyn System>, SceneError> {
     let run = &resolved.run;
     let Some(local @ Local { run: from, kind, nth, .. }) = &run.local else {

@@ -127,7 +127,7 @@ fn from_rest(share: f64) -> Found {
 pub(super) fn draw() -> RobustnessMap {
     let (loads, guesses) = (from_to(0.51, 1.31, 41), from_to(-0.95, 1.55, 26));
     let panel = |title: &str, naive, method: fn(f64, f64) -> Found| {
-        let labels = ["load over that of the fold", "guess of the deflection"];
+        let labels = ["load over load at the fold", "guess of the deflection"];
         Panel::of((title, naive), labels, [&loads, &guesses], method)
     };
     map(

@@ -68,8 +68,8 @@ fn marked(branch: &Branch, gap: f64) -> Option<[f64; 2]> {
 /// A branch, or the reason for its failure.
 type Traced = Result<Branch, String>;
 
-/// Compares a mark of a branch with that of a finer branch; a missing mark is explained by the end
-/// of the branch.
+/// Compares a mark of a branch with the mark of a finer branch; a missing mark is explained by the
+/// end of the branch.
 fn compared(branch: &Traced, finer: &Traced, gap: f64) -> Found {
     let (branch, finer) = match (branch, finer) {
         (Ok(branch), Ok(finer)) => (branch, finer),

@@ -58,7 +58,8 @@ fn fold(system: &mut dyn System, most: f64) -> Result<Answer, String> {
     Ok(Answer { numbers: vec![fold.parameters[0]], work: unknowns as f64 })
 }
 
-/// Plans the time of a branch against its unknowns. The error is that of the differences.
+/// Plans the time of a branch against its unknowns. The error is the discretisation error of the
+/// finite differences.
 fn plan(name: &str, directions: u32, exact: f64, points: [&[usize]; 2]) -> Plan {
     let most = 2.0 * exact;
     let method = |sparse: bool, points: usize| {

@@ -7,7 +7,7 @@ use std::time::Instant;
 /// The effort of a measurement: the number of runs of each method.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Effort {
-    /// Every method runs once: errors are those of full effort, times are rough.
+    /// Every method runs once: errors equal the errors at full effort, times are rough.
     Quick,
     /// Times are medians of several runs.
     Full,

@@ -10,9 +10,9 @@
 //! ```
 //!
 //! which is renewed from time to time, since transients continue to decay. A motion is periodic if
-//! its mode and state equal those of `q` samples before, and the events in the last `q` samples
-//! equal those in the `q` samples before. Without forcing the time between them is the period. If a
-//! cycle attracts too slowly for this test, Newton's method finds it.
+//! its mode and state equal the mode and state `q` samples before, and the events in the last `q`
+//! samples equal the events in the `q` samples before. Without forcing the time between these
+//! samples is the period. If a cycle attracts too slowly for this test, Newton's method finds it.
 
 use super::repetition::{Repetition, StateScales};
 use super::section::Section;

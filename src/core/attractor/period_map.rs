@@ -40,7 +40,7 @@ pub struct PeriodMap<'a> {
 }
 
 impl<'a> PeriodMap<'a> {
-    /// Creates the map of a system with the named measures: those of the system, and
+    /// Creates the map of a system with the named measures: measures of the system, and
     /// [`penetration`](crate::core::problem::Measure::Penetration).
     ///
     /// # Errors

@@ -25,8 +25,8 @@ const DRIFT: f64 = 1e-5;
 pub(super) const SAME: f64 = 1e-8;
 
 /// Computes the stable point of period `q` near a state of a motion of this size, in units of the
-/// scales, and its exponent, by Newton's method; `None` if the iteration fails, or if the motion
-/// ends on the way. Neutral states, which the motion carries along, are unchanged.
+/// scales, and its exponent, by Newton's method; `None` if no stable point is found nearby, or if
+/// the motion ends on the way. Neutral states, which the motion carries along, are unchanged.
 pub(super) fn stable_point(
     push: &mut PushForward,
     near: &Member<f64>,

@@ -21,8 +21,8 @@ pub type Outcomes = Vec<Result<(), StroboscopicError>>;
 /// A map from state to state: a motion sampled stroboscopically, once a forcing period, or a
 /// discrete map.
 ///
-/// States belong to a hybrid system, and their time is that of the sample; a discrete map has one
-/// mode, and its time is zero.
+/// States belong to a hybrid system, and their time is the time of the sample; a discrete map has
+/// one mode, and its time is zero.
 pub trait StroboscopicMap {
     /// The names of modes, events and measures.
     fn layout(&self) -> &Layout;

@@ -52,7 +52,7 @@ pub trait BoundaryProblem: Send + Sync {
     /// The names of the parameters `p`.
     fn parameters(&self) -> Vec<String>;
 
-    /// The default values of all parameters, in order; empty without defaults.
+    /// The default values of all parameters, in order; empty without default values.
     fn defaults(&self) -> Vec<f64> {
         Vec::new()
     }

@@ -53,8 +53,8 @@ const SINGULAR: f64 = 1e8;
 /// eigenvalues, and no more than this many pass zero together.
 const BLOCK: usize = 6;
 
-/// (H) The maximal number of iterations for the eigenvalues of a matrix with at most 18 rows; an
-/// eigenvalue takes about two iterations.
+/// (H) The maximal number of iterations for the eigenvalues of a matrix with at most 18 rows; each
+/// eigenvalue takes about two.
 const ITERATIONS: usize = 1000;
 
 /// The branch points in a step.

@@ -6,7 +6,7 @@ use super::event::Event;
 use super::located::Located;
 use super::locator::Locator;
 
-/// (H) The maximal number of evaluations beyond those of bisection: the slack `n₀` of the ITP
+/// (H) The maximal number of evaluations in excess of plain bisection: the slack `n₀` of the ITP
 /// method, which its authors set to 1.
 const BEYOND_BISECTION: i32 = 1;
 

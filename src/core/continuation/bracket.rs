@@ -17,7 +17,7 @@ pub(super) fn halvings() -> i32 {
 
 /// A subinterval of a step that contains an event.
 pub(super) struct Bracket {
-    /// The position of the event among those of the curve.
+    /// The position of the event among the events of the curve.
     pub index: usize,
     pub low: f64,
     pub high: f64,

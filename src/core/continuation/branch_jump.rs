@@ -24,7 +24,8 @@ pub(super) struct Near {
     pub crosses: bool,
 }
 
-/// Finds a branch point near a guess, within a step of this length; `None` if the search fails.
+/// Finds a branch point near a guess, within a step of this length; `None` if no branch point is
+/// found.
 ///
 /// The defining system of branch points unfolds the problem, `F + β b = 0`. If `β ≠ 0` at its
 /// solution, the branches turn away from each other instead of crossing. For a curve point at a

@@ -13,7 +13,8 @@ use crate::core::linalg::{difference, dot};
 /// the step.
 const MOST_OF_PARENT: f64 = 0.5;
 
-/// The start of a curve at a branch point, along a tangent other than that of the parent branch.
+/// The start of a curve at a branch point, along a tangent other than the tangent of the parent
+/// branch.
 pub(super) struct Departure {
     unknowns: Vec<f64>,
     /// The two tangents, both of scaled length 1.
@@ -49,7 +50,7 @@ impl Departure {
 }
 
 /// Returns the tangents, of scaled length 1, of the branches that cross at a branch point where the
-/// null space of `F_z` exceeds that of a regular point by this dimension.
+/// null space of `F_z` has this many more dimensions than at a regular point.
 ///
 /// # Errors
 /// [`Failure::Undetermined`] if the algebraic bifurcation equations do not determine a tangent.

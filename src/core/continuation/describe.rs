@@ -38,7 +38,7 @@ pub(super) fn describe(
     let sides = [interval.from, interval.to].map(|place| place.point.unstable);
     let known = spectrum.as_ref().filter(|_| recorder.solutions);
     point.unstable = match known {
-        // The critical eigenvalues of a mirror point mask those of the branch.
+        // The critical eigenvalues of a mirror point mask the eigenvalues of the branch.
         Some(_) if event.mirror => sides[0],
         Some(all) => own_count(corrector.equations.system(), event.critical, all, sides),
         None if spectrum.is_none() && event.kind == AT_LIMIT => {

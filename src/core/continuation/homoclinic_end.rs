@@ -24,7 +24,7 @@ use crate::core::system::{
 /// difference of the orbits gives the error due to the distance.
 const WIDER: f64 = 10.0;
 
-/// (H) The largest difference between the parameter at the end of a branch and that of the
+/// (H) The largest difference between the parameter at the end of a branch and the parameter of the
 /// homoclinic orbit, relative to its range or to its value.
 const FAR_OFF: f64 = 1e-3;
 

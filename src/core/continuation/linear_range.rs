@@ -19,8 +19,8 @@ const LARGEST: f64 = 1e30;
 const CLOSE: f64 = 1.1;
 
 /// Computes the length along a tangent at which nonlinear terms are comparable with linear ones, or
-/// at which a group of unknowns has changed by its own size; `None` if both never happen. At a Hopf
-/// point, and at a branch point of zero solutions, no other length determines the size of the
+/// at which a group of unknowns has changed by its own size; `None` without such a length. At a
+/// Hopf point, and at a branch point of zero solutions, no other length determines the size of the
 /// emanating solutions.
 pub(super) fn linear_range(
     corrector: &mut Corrector,

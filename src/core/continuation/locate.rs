@@ -41,8 +41,8 @@ const BEYOND: f64 = 1e-9;
 const MOST_HALVINGS: usize = 40;
 
 impl Locator<'_, '_> {
-    /// Locates the event at this position among those of the curve. Returns `None` if the change of
-    /// sign was not due to this event, but to several others.
+    /// Locates the event at this position among the events of the curve. Returns `None` if the
+    /// change of sign was not due to this event, but to several others.
     ///
     /// # Errors
     /// [`Failure`] if the defining system does not apply there, or values cannot be recorded.

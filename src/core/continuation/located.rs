@@ -6,7 +6,7 @@ use crate::core::system::Kind;
 /// A special point between two points of the branch.
 #[derive(Clone)]
 pub(super) struct Located {
-    /// The event's position among those of the curve; `None` if it is unclassified.
+    /// The event's position among the events of the curve; `None` if it is unclassified.
     pub event: Option<usize>,
     /// The distance from the first point, in scaled arclength.
     pub along: f64,

@@ -155,7 +155,8 @@ const LOOPS: [f64; 7] = [1.0, 0.25, 4.0, 0.0625, 16.0, 0.015625, 0.00390625];
 
 /// Returns the homoclinic orbit near a Bogdanov–Takens point, and its parameters: the first of
 /// several sizes that lies within the ranges of the released parameters and converges to a
-/// homoclinic orbit. The error is that of the first loop within the ranges.
+/// homoclinic orbit. If no size succeeds, the error for the first loop within the ranges is
+/// returned.
 fn from_takens(
     (system, point): (&dyn Discretised, &Solution),
     (released, ranges): (&[usize], &[(String, [f64; 2])]),

@@ -69,7 +69,7 @@ impl Parts<'_, '_> {
     }
 
     /// Returns the events in a part in which stability changes by more than the events `found`
-    /// explain: those of its own parts, unless they coincide.
+    /// explain: the events in the halves of the part, unless the events coincide.
     pub fn separated(
         &mut self,
         from: &CurvePoint,

@@ -346,8 +346,8 @@ fn equations_at_crossing(origin: &Solution) -> usize {
     (origin.multiplicity - usize::from(origin.kind == Kind::LP).min(origin.multiplicity)).max(1)
 }
 
-/// Returns the tangent of a branch, if known before its start is corrected, and that of the parent
-/// branch: at a branch point both are solutions of the algebraic bifurcation equations.
+/// Returns the tangent of a branch, if known before its start is corrected, and the tangent of the
+/// parent branch: at a branch point both are solutions of the algebraic bifurcation equations.
 fn leaving(
     corrector: &mut Corrector,
     site: Site,

@@ -21,7 +21,7 @@ pub(in crate::core) trait Condensed: Send + 'static {
     /// The matrix with its border.
     type Matrix<'a>: Copy;
 
-    /// Eliminates all unknowns except those of `D`.
+    /// Eliminates all unknowns except the unknowns of `D`.
     ///
     /// # Errors
     /// [`Failure::Singular`] if the equations do not determine the eliminated unknowns.

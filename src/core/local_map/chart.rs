@@ -173,8 +173,8 @@ where
         place
     }
 
-    /// Returns the deviations of a point's coordinates from those of the touch `periods` periods
-    /// before.
+    /// Returns the deviations of a point's coordinates from the coordinates of the touch `periods`
+    /// periods before.
     pub fn deviations_of(&self, place: &Place<Jet<C>>, periods: usize) -> Vec<Jet<C>> {
         let deviation = |coordinate: &Coordinate| match coordinate {
             Coordinate::State(i) => place.x[*i] - self.source.point.x[*i],

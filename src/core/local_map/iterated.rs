@@ -20,10 +20,10 @@ const IMPACT: usize = 0;
 /// The iterated local map, which gives the attractors near a grazing in a fraction of the time of a
 /// simulation.
 ///
-/// States are deviations of the coordinates. Parameters are those of the system, in the order of
-/// the given names; only the parameters of the map have an effect. A period in which the virtual
-/// point lies beyond the surface has the event `impact`, and the measure `penetration` is
-/// available.
+/// States are deviations of the coordinates. The parameters are the parameters of the system, in
+/// the order of the given names; only the parameters of the map have an effect. A period in which
+/// the virtual point lies beyond the surface has the event `impact`, and the measure `penetration`
+/// is available.
 ///
 /// ```
 /// use tangency::core::attractor::AttractorSearch;

@@ -1,10 +1,10 @@
 //! Classification of grazings: the scenario as a parameter changes.
 //!
 //! To first order the image of a virtual point is `N (D_z z + D_p p) + N_p p`, where `z` consists
-//! of the point's `y` and its other coordinates, `N` is the derivative of `P_smooth`, and `D_z`
-//! that of the discontinuity map, whose first column `β` is the derivative by `y`. The virtual
-//! point itself is `E z + E_p p`, where the column of `y` in `E` is zero, since the penetration is
-//! `y²`. So the orbit with an impact is
+//! of the point's `y` and its other coordinates, `N` is the derivative of `P_smooth`, and `D_z` is
+//! the derivative of the discontinuity map, whose first column `β` is the derivative by `y`. The
+//! virtual point itself is `E z + E_p p`, where the column of `y` in `E` is zero, since the
+//! penetration is `y²`. So the orbit with an impact is
 //!
 //! ```text
 //!     z = −(N D_z − E)⁻¹ (N D_p + N_p − E_p) p,
@@ -16,7 +16,7 @@
 //!
 //! Where `β = 0`, as at a soft stop, the same equations hold with the penetration `y²` in place of
 //! `y`: the first column of `D_z` and `E` is then the derivative by `y²`, and the multipliers of
-//! the orbit with the event are those of `N D_z v = μ E v`.
+//! the orbit with the event are the eigenvalues `μ` of `N D_z v = μ E v`.
 
 use super::error::GrazingError;
 use super::map::LocalMap;
@@ -62,7 +62,8 @@ impl Display for Scenario {
 pub struct Classification {
     /// The scenario.
     pub scenario: Scenario,
-    /// The multipliers of the orbit without impacts at the grazing, which are those of `N`.
+    /// The multipliers of the orbit without impacts at the grazing, which are the eigenvalues of
+    /// `N`.
     pub multipliers: Spectrum,
     /// The derivative of the distance `h` of the orbit without impacts by the parameter: the orbit
     /// exists on the side where `h` increases from 0.

@@ -22,7 +22,7 @@ pub(super) struct Tableau {
     pub weights: Row,
     /// The weights of the error estimate.
     pub error: Row,
-    /// The weights of a second, rougher error estimate; empty for a scheme with one estimate.
+    /// The weights of a second, rougher error estimate; empty without a second estimate.
     pub rough_error: Row,
     /// The nodes of the stages of dense output.
     pub extra_nodes: &'static [f64],

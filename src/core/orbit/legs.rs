@@ -1,5 +1,5 @@
 //! The legs of hybrid orbits: a system, an itinerary, and the positions of each leg's states and
-//! numbers among those of the orbit.
+//! numbers among the states and numbers of the orbit.
 
 use super::itinerary::{Itinerary, Leg};
 use super::still::Still;
@@ -15,22 +15,22 @@ use std::sync::Arc;
 /// surface, with a multiplier 1.
 const LOST: f64 = 36.0;
 
-/// The positions of each leg's states and numbers among those of an orbit. An orbit has the numbers
-/// `q = (p, e)`. The extras `e` are the start time (under forcing) and the durations of the legs;
-/// without events, the period or, under forcing, nothing.
+/// The positions of each leg's states and numbers among the states and numbers of an orbit. An
+/// orbit has the numbers `q = (p, e)`. The extras `e` are the start time (under forcing) and the
+/// durations of the legs; without events, the period or, under forcing, nothing.
 #[derive(Clone)]
 pub(in crate::core) struct LegLayout {
     parameters: usize,
     pub forced: bool,
     /// Whether the itinerary has no events.
     pub smooth: bool,
-    /// The offsets of each leg's states among those of all legs, followed by the total number of
-    /// states.
+    /// The offsets of each leg's states among the states of all legs, followed by the total number
+    /// of states.
     places: Vec<usize>,
 }
 
 impl LegLayout {
-    /// The range of a leg's states among those of all legs.
+    /// The range of a leg's states among the states of all legs.
     pub fn states(&self, leg: usize) -> Range<usize> {
         self.places[leg]..self.places[leg + 1]
     }

@@ -10,7 +10,7 @@ pub trait DiscreteMap: Send + Sync {
     /// The names of states, parameters and monitors.
     fn names(&self) -> Names;
 
-    /// The default values of all parameters, in order; empty without defaults.
+    /// The default values of all parameters, in order; empty without default values.
     fn defaults(&self) -> Vec<f64> {
         Vec::new()
     }

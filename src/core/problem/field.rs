@@ -59,7 +59,7 @@ pub trait VectorField: Send + Sync {
     /// The names of the states and of the parameters; the number of states is the dimension.
     fn names(&self) -> Names;
 
-    /// The default values of all parameters, in order; empty without defaults.
+    /// The default values of all parameters, in order; empty without default values.
     fn defaults(&self) -> Vec<f64> {
         Vec::new()
     }

@@ -50,7 +50,7 @@ pub trait ZeroProblem: Send + Sync {
     /// The names of unknowns, parameters and monitors; the number of unknowns is the dimension.
     fn names(&self) -> Names;
 
-    /// The default values of all parameters, in order; empty without defaults.
+    /// The default values of all parameters, in order; empty without default values.
     fn defaults(&self) -> Vec<f64> {
         Vec::new()
     }

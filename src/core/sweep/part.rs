@@ -11,7 +11,7 @@ pub struct Part {
     pub number: usize,
     /// The number of parts.
     pub of: usize,
-    /// The number of threads; by default that of rayon, the number of cores.
+    /// The number of threads; by default rayon's default, the number of cores.
     pub threads: Option<NonZeroUsize>,
 }
 

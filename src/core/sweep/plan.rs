@@ -11,7 +11,7 @@ pub(crate) const MOST_RUNS: usize = 4_000_000;
 /// (H) The maximal length of the transient, and of the average of an exponent; more would be a
 /// mistake.
 const MOST_PERIODS: usize = 1_000_000_000;
-/// (H) The maximal number of recorded periods of one run. All recorded periods are kept in memory.
+/// (H) The maximal number of recorded periods of one run; all recorded periods are kept in memory.
 const MOST_RECORDED: usize = 1_000_000;
 
 /// The quantity that varies along an axis.

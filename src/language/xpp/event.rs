@@ -175,8 +175,8 @@ impl Hybrid<'_, '_> {
         model.modes().swap_remove(0).states.iter().map(value).collect()
     }
 
-    /// Returns the statement in which motion may be beyond some of the conditions; the first mode
-    /// is that of the start.
+    /// Returns the statement in which motion may be beyond some of the conditions; the motion
+    /// starts in the first mode.
     fn with_modes(
         &self,
         passable: &[usize],

@@ -136,7 +136,7 @@ struct Range<'a> {
     last: i64,
 }
 
-/// Returns the positions and contents of brackets, except those of integrals.
+/// Returns the positions and contents of brackets, except the brackets of integrals.
 fn brackets<'a>(source: &Source, line: Slice<'a>) -> Result<Vec<(usize, Slice<'a>)>, ModelError> {
     let (mut found, mut at) = (Vec::new(), 0);
     while let Some(open) = line.text[at..].find('[').map(|open| at + open) {

@@ -10,7 +10,7 @@ use crate::core::problem::UnknownName;
 use std::cell::Cell;
 use std::collections::{HashMap, HashSet};
 
-/// Names reserved by XPPAUT, in addition to those of functions.
+/// Names reserved by XPPAUT, in addition to the names of functions.
 const RESERVED: [&str; 16] = [
     "SHIFT", "IF", "THEN", "ELSE", "SUM", "OF", "NOT", "PI", "T", "I'", "START", "END", "MOUSE_X",
     "MOUSE_Y", "MOUSE_VX", "MOUSE_VY",

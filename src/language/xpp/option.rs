@@ -34,7 +34,7 @@ pub struct Options {
 #[derive(Default)]
 pub(super) struct Found {
     pub options: Options,
-    /// Whether the method is that of maps.
+    /// Whether the method is the method for maps.
     pub discrete: bool,
     pub ignored: Vec<String>,
 }

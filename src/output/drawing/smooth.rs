@@ -14,9 +14,9 @@ const MOST: f64 = 24.0;
 
 /// Returns a curve through points, with interpolated points where it turns: cubic pieces whose
 /// direction at a point lies between the directions of the chords on both sides, nearer to the
-/// chord of the shorter piece. At an end the direction is that of a circular arc. `before` and
-/// `after` are the neighbouring points beyond the ends. Where the curve turns by more than `corner`
-/// it has a corner.
+/// chord of the shorter piece. At an end the direction is the direction of a circular arc. `before`
+/// and `after` are the neighbouring points beyond the ends. Where the curve turns by more than
+/// `corner` it has a corner.
 pub(super) fn smooth(
     points: &[[f64; 2]],
     [before, after]: [Option<[f64; 2]>; 2],

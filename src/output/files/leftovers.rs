@@ -22,7 +22,7 @@ pub(super) fn temporary(name: &str, serial: usize) -> String {
 /// The extension of temporary files.
 pub(super) const ENDING: &str = ".tmp";
 
-/// Returns whether a name is that of a temporary file of the given file.
+/// Returns whether a name belongs to a temporary file of the given file.
 fn is_temporary(found: &OsStr, name: &str) -> bool {
     let process = found.to_str().and_then(|found| {
         found.strip_prefix('.')?.strip_prefix(name)?.strip_prefix('.')?.strip_suffix(ENDING)

@@ -51,17 +51,17 @@ impl Row {
 
 /// A sweep as tables.
 ///
-/// A run has these columns: its number `run` and that of its `start`; the values on the axes; if it
-/// searches for a crisis, the value of the parameter there, by its name, and `crisis_error`; the
-/// `periods` in its cycle (0 for no cycle); for every event by name, the number of occurrences in a
-/// cycle (or in a period, without a cycle), and `accumulations` of infinitely many events;
+/// A run has these columns: its number `run` and the number of its `start`; the values on the axes;
+/// if it searches for a crisis, the value of the parameter there, by its name, and `crisis_error`;
+/// the `periods` in its cycle (0 for no cycle); for every event by name, the number of occurrences
+/// in a cycle (or in a period, without a cycle), and `accumulations` of infinitely many events;
 /// `exponent` and `exponent_error`; `failed` (1 or 0); and the final state, as `end_mode`, `end_0`,
 /// `end_1`, ….
 ///
 /// A point is the beginning of a period (`event` 0), or an event: its number from 1, in the order
-/// of the columns of runs. It has the number of its `run`, that of its `period`, its `time` in the
-/// period, all states by name, and, at the beginning of a period, the measures of the period.
-/// Missing values are NaN.
+/// of the columns of runs. A point has the number of its `run`, the number of its `period`, its
+/// `time` in the period, all states by name, and, at the beginning of a period, the measures of the
+/// period. Missing values are NaN.
 ///
 /// Only names and failures are serialized; numbers are in the columns of a file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

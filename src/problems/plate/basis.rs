@@ -183,8 +183,8 @@ impl Basis {
         self
     }
 
-    /// Returns the matrices that convert coefficients of the functions to those of the polynomials,
-    /// and back, if the functions are combinations.
+    /// Returns the matrices that convert coefficients of the functions to coefficients of the
+    /// polynomials, and back, if the functions are combinations.
     pub(super) fn conversions(&self) -> Option<[&[f64]; 2]> {
         self.mix.as_ref().map(|mix| [&mix.to[..], &mix.back[..]])
     }

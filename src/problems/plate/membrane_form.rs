@@ -59,8 +59,8 @@ impl Ritz {
         }
     }
 
-    /// Computes the stretching energy of deflections spanned by `shapes` (coefficients, such as
-    /// those of [`flat_modes`](Ritz::flat_modes)) at the given `α` and `ν`.
+    /// Computes the stretching energy of deflections spanned by `shapes` (coefficients, for example
+    /// of the [`flat_modes`](Ritz::flat_modes)) at the given `α` and `ν`.
     ///
     /// # Errors
     /// [`PlateError`] if `α` or `ν` is out of range, or the plate was built without stretching.

@@ -20,11 +20,12 @@
 //! | `deflection` | the deflection of the centre, over the gap |
 //! | `max_deflection` | the largest deflection towards the electrode, over the gap |
 //! | `frequency` | the lowest frequency: `ωa²√(ρh/D)`, or in Hz for a device; `−√(−ω²)` if unstable |
-//! | `frequency_ratio` | the frequency over that of the flat plate without voltage, pressure and edge forces |
+//! | `frequency_ratio` | the frequency over the frequency of the flat plate without voltage, pressure and edge forces |
 //! | `displacement` | the deflection of the centre, in metres; only for a device |
 //!
-//! If symmetry is used, the lowest frequency is that of the symmetric modes. First derivatives of
-//! monitors are exact; second derivatives of the two frequencies neglect the change of the mode.
+//! If symmetry is used, `frequency` is the lowest frequency of the symmetric modes. First
+//! derivatives of monitors are exact; second derivatives of the two frequencies neglect the change
+//! of the mode.
 
 mod assembly;
 pub mod basis;

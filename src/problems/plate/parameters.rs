@@ -1,5 +1,5 @@
-//! The parameters of a plate, dimensionless or in SI units, and their conversion to those of the
-//! equations.
+//! The parameters of a plate, dimensionless or in SI units, and their conversion to the parameters
+//! of the equations.
 
 use crate::core::scalar::Scalar;
 

@@ -204,8 +204,8 @@ fn straight_functions(normal: &Basis, ends: [InPlane; 2], symmetric: bool) -> Ve
 }
 
 /// Returns the positions of the unknowns in the grid of products of `x` and `y`: all products
-/// except those of a straight edge's function with anything but the constant. `normal_is_y` states
-/// which direction is normal.
+/// except the products of a straight edge's function with anything but the constant. `normal_is_y`
+/// states which direction is normal.
 fn active(x: &Basis, y: &Basis, straight: Vec<bool>, normal_is_y: bool) -> Vec<usize> {
     let mut positions = Vec::with_capacity(x.len() * y.len());
     for i in 0..x.len() {

@@ -260,8 +260,8 @@ fn plane_strains<T: Scalar>(membrane: &Membrane, along: T) -> [(Product<'_>, usi
 }
 
 /// Returns the terms of `Π` that are quadratic in `q`, as `½ qᵀ(c L ⊗ R)q`: coefficient, matrix of
-/// the functions of ξ, matrix of those of ζ (transposed). A pair of edges with a free edge carries
-/// no normal force; a plate with any free edge carries no shear.
+/// the functions of ξ, matrix of the functions of ζ (transposed). A pair of edges with a free edge
+/// carries no normal force; a plate with any free edge carries no shear.
 pub(super) fn quadratic_terms<'a, T: Scalar>(
     model: &'a Discretisation,
     parameters: &Parameters<T>,

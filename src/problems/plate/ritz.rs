@@ -23,13 +23,13 @@ use std::mem::swap;
 /// The deflection over the gap is `w = Σ q_ij d_ij f_i(ξ) g_j(ζ)` with beam modes `f`, `g` (in
 /// polynomials) and factors `d` that give a unit of each unknown equal energy; `ξ = 2x − 1`, `ζ =
 /// 2y − 1`, where x and y run from 0 to 1 along the sides. Unknowns are the `q_ij`, in the group
-/// `w`; parameters are those of [`Units`].
+/// `w`; the parameters are listed at [`Units`].
 ///
 /// Edge forces act on pairs of edges: if one edge of a pair is free, its normal force is zero, and
 /// if any edge is free, so is the shear. Shear breaks the symmetry of a plate, which is used unless
 /// [`RitzSettings::symmetric`] is false.
 ///
-/// Monitors are those of [all plates](super#monitors).
+/// The monitors are the monitors of [all plates](super#monitors).
 ///
 /// ```
 /// use tangency::core::system::System;

@@ -62,7 +62,7 @@ impl Default for StripSettings {
 ///
 /// A [`ZeroProblem`] with unknowns `w` (`N` coefficients of the deflection over the gap),
 /// parameters `load` (`λ`, eq. 3.17) and `gap_ratio` (`α₁ = d/h`), and the dimensionless monitors
-/// of [all plates](super#monitors). The frequency is that of the modes even about the middle.
+/// of [all plates](super#monitors). The frequency belongs to the modes even about the middle.
 ///
 /// ```
 /// use tangency::core::problem::ZeroProblem;

@@ -44,7 +44,7 @@ fn differentiate<T: Directional>(
 
 /// Returns the unknowns of the same deflection in a larger space of polynomials.
 fn prolonged(from: &Discretisation, to: &Discretisation, z: &[f64]) -> Vec<f64> {
-    // For one direction, expresses functions of the coarse basis in those of the fine one,
+    // For one direction, expresses functions of the coarse basis by functions of the fine basis,
     // `(coarse, fine)`.
     let carry = |axis: usize| {
         let [coarse, fine] = [from, to].map(|model| &model.transverse[axis]);

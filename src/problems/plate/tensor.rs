@@ -8,8 +8,8 @@
 use crate::core::numerics::gauss_legendre;
 use crate::core::scalar::{Scalar, with_avx2};
 
-/// Nodes and weights along one direction. Weights are those of the mean over the whole plate (`Σ w
-/// f = ½∫₋₁¹ f dξ`), even if symmetry restricts the nodes to `ξ ≥ 0`.
+/// Nodes and weights along one direction. The weights give the mean over the whole plate (`Σ w f =
+/// ½∫₋₁¹ f dξ`), even if symmetry restricts the nodes to `ξ ≥ 0`.
 #[derive(Clone, Debug)]
 pub struct Rule {
     /// Nodes.

@@ -53,7 +53,7 @@ pub(super) trait Vibrates: ZeroProblem + Sized {
     }
 
     /// Returns the Rayleigh quotient for `ω²` between two eigenvectors, which is stationary, so
-    /// that its first derivatives are those of the eigenvalue.
+    /// that its first derivatives equal the first derivatives of the eigenvalue.
     fn frequency_squared<T: Scalar>(&self, z: &[T], p: &[T], vectors: &Lowest) -> T {
         product(self, z, p, vectors) / self.inertia(z, vectors)
     }

@@ -70,7 +70,8 @@ impl<'f, 'a> Forms<'f, 'a> {
     }
 
     /// Computes the size of a critical direction with the exponent `iω`, from its real part and, if
-    /// it is complex, its imaginary part. The change of the period is that of the real part.
+    /// it is complex, its imaginary part. The change of the period is its change along the real
+    /// part.
     ///
     /// Where the start time is free, as for autonomous orbits with events, it deviates by the `σ`
     /// for which states at equal times are multiplied by `e^{iω}` in a period: `(e^{iω} − 1) σ =

@@ -45,7 +45,8 @@ pub(in crate::core::bifurcation) fn fold_hopf(at: &mut At) -> Result<NormalForm,
 /// ```
 ///
 /// with `∫₀ᵀ⟨q, q⟩ dt = 1`, and `dτ/dt = 1 − v + …` where the period is free; otherwise `a₂₀ > 0`.
-/// The numbers `s = sign a₂₀ a₀₂`, `θ = b₁₁/a₂₀` and `E` correspond to those of a fold–Hopf point.
+/// The numbers `s = sign a₂₀ a₀₂`, `θ = b₁₁/a₂₀` and `E` correspond to `s`, `θ` and `E` of a
+/// fold–Hopf point.
 pub(in crate::core::bifurcation) fn fold_torus(at: &mut At) -> Result<NormalForm, Failure> {
     let Some(&angle) = at.held.first() else { return Ok(NormalForm::default()) };
     let (motion, any_sign) = reduced(at, [Form::Jacobian, Form::Oscillation(angle)])?;
@@ -168,7 +169,7 @@ fn two_pairs(
 ///     dy/dt = p₁₁ y³ + p₁₂ y |z|²,     dz/dt = iθ/T z + (p₂₁ + i …) y² z + (p₂₂ + i …) z |z|²,
 /// ```
 ///
-/// with `∫₀ᵀ⟨q, q⟩ dt = 1`: the amplitude equations are those of a double Hopf point.
+/// with `∫₀ᵀ⟨q, q⟩ dt = 1`: the amplitude equations are the same as at a double Hopf point.
 pub(in crate::core::bifurcation) fn flip_torus(at: &mut At) -> Result<NormalForm, Failure> {
     let Some(&angle) = at.held.first() else { return Ok(NormalForm::default()) };
     let (motion, _) = reduced(at, [Form::Antiperiodic, Form::Oscillation(angle)])?;

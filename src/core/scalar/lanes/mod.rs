@@ -24,7 +24,7 @@ use std::ops::Neg;
 /// compilers to inline automatically.)
 pub type DualLanes<R> = DualChunk<Lanes<R>, 1>;
 
-/// A scalar with a form for several values side by side in registers `R`.
+/// A scalar type whose values are computed several at a time, side by side in registers `R`.
 pub trait InLanes<R: Register>: Scalar {
     /// The scalars of all lanes.
     type Wide: Scalar;

@@ -50,7 +50,7 @@ impl Direct {
 
 impl Multiplied {
     /// Computes `∂r_i/∂q_k` at `k·N + i` of `out`: the derivatives of the integrand at each node by
-    /// dual numbers, and those of its arguments with respect to `q` from the tables.
+    /// dual numbers, and the derivatives of its arguments with respect to `q` from the tables.
     pub fn stiffness(&self, linear: &Linear, q: &[f64], plate: &Parameters<f64>, out: &mut [f64]) {
         let n = q.len();
         out.fill(0.0);

@@ -1,9 +1,10 @@
 //! Algebra of the stretching energy as a quartic form,
 //! [`MembraneForm`](crate::problems::plate::MembraneForm).
 //!
-//! With `w = Σ q_i φ_i` the strains of eq. 2.6 are `Σ q_i q_j ε_ij` plus those of the in-plane
-//! displacements, which depend linearly on the products `q_i q_j`: for each pair, one solution with
-//! `K_uv` gives the total stress `N_ij` of the pair, in equilibrium in the plane. Then
+//! With `w = Σ q_i φ_i` the strains of eq. 2.6 are `Σ q_i q_j ε_ij` plus the strains of the
+//! in-plane displacements, which depend linearly on the products `q_i q_j`: for each pair, one
+//! solution with `K_uv` gives the total stress `N_ij` of the pair, in equilibrium in the plane.
+//! Then
 //!
 //! ```text
 //! U_m = 6α₁² Σ s_P A_PQ s_Q,    A_PQ = ⟨N_P : ε_Q⟩,    s_P = q_i² or 2q_i q_j for the pairs P = (i ≤ j)

@@ -18,7 +18,8 @@ use crate::problems::plate::terms::Projection;
 use crate::problems::plate::vibration::{Vibrates, reals};
 use crate::problems::plate::{domain, monitors, profile};
 
-/// The largest relative deviation of `α` and `ν` from those of the modes, for rounding of `b/a`.
+/// The largest relative deviation of `α` and `ν` from the values of the modes, for rounding of
+/// `b/a`.
 const SAME: f64 = 1e-12;
 
 /// A plate expanded in `N` modes of the flat plate.
@@ -156,7 +157,7 @@ impl Modal {
         [w, 0.5 + 0.5 * xi, 0.5 + 0.5 * zeta]
     }
 
-    /// Rejects parameters outside the domain, or different from those of the modes.
+    /// Rejects parameters outside the domain, or different from the parameters of the modes.
     fn check_parameters(&self, p: &[f64]) -> Result<(), OutOfDomain> {
         let settings = &self.settings;
         let plate = domain::parameters(settings.plate.units, p)?;

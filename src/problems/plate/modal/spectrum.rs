@@ -35,8 +35,8 @@ pub(super) struct FlatModes {
 
 impl FlatModes {
     /// Computes the modes that the settings request. Without orders in the settings, rungs of the
-    /// ladder of orders are tried until two agree; with orders, their modes must agree with those
-    /// of the next rung.
+    /// ladder of orders are tried until two agree; with orders, their modes must agree with the
+    /// modes of the next rung.
     pub fn new(settings: &ModalSettings) -> Result<FlatModes, PlateError> {
         let asked = settings.modes;
         let mut orders = settings.plate.orders.unwrap_or_else(|| first_rung(settings));
