@@ -1,5 +1,17 @@
-//! Messages about unknown names: suggest the known name that was probably meant, and shorten long
-//! names and lists.
+//! Suggests the known name nearest to an unknown one, and shortens long names in messages.
+//!
+//! Names are compared by the number of edits, with swaps of neighbours as one edit (F. J. Damerau,
+//! *Commun. ACM* 7:171, 1964).
+//!
+//! ```
+//! use tangency::core::problem::UnknownName;
+//! use tangency::spelling::{sentence, suggest};
+//! assert_eq!(suggest("laod", ["load", "gap"]), Some("load"));
+//! assert_eq!(suggest("voltage", ["load", "gap"]), None);
+//! let unknown = UnknownName::new("parameter", "laod", ["load", "gap"]);
+//! let message = sentence(&unknown);
+//! assert_eq!(message, "unknown parameter `laod`; did you mean `load`? Known: load, gap");
+//! ```
 
 use crate::core::continuation::TraceError;
 use crate::core::problem::UnknownName;

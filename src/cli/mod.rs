@@ -1,4 +1,23 @@
-//! The command line: arguments, exit codes and messages, without numerics.
+//! Runs the command line: arguments, exit codes and messages, without numerics.
+//!
+//! [`run`] is the `main` of the program `tangency`, and of programs with problems of their own:
+//!
+//! ```
+//! use tangency::{Catalogue, problems::classic::ParallelPlate, scene::execute};
+//! const SCENE: &str = "Scene(title: \"pull-in\", problem: MyPlate(), parameters: [(\"load\", 0)],
+//!     runs: [Run(name: \"plate\", along: [(name: \"load\", low: 0)])])";
+//! fn catalogue() -> Catalogue {
+//!     Catalogue::built_in().zero("MyPlate", ParallelPlate).scene("plate", SCENE)
+//! }
+//! /// The program: `my-program trace plate` prints the branch.
+//! fn program() -> std::process::ExitCode {
+//!     tangency::cli::run(catalogue())
+//! }
+//! // The same branch without the command line: the fold of the plate is at the load 4/27.
+//! let document = execute(&catalogue().parse(SCENE)?, None, &mut ()).document;
+//! assert!((document.branches[0].special[1].parameters[0] - 4.0 / 27.0).abs() < 1e-14);
+//! # Ok::<(), tangency::scene::SceneError>(())
+//! ```
 
 mod compare;
 mod error;

@@ -1,10 +1,29 @@
-//! Cancellation of long computations from outside, for example by Ctrl-C.
+//! Cancels long computations from outside, for example by Ctrl-C.
 //!
 //! A [`CancelToken`] belongs to the settings of flows, searches and branches. Flows check it before
 //! every step, systems of equations before every assembly, every interval and every block of a
 //! factorisation, and sweeps between periods, on all threads. Cancelled work fails immediately with
 //! [`Cancelled`]; a branch keeps its points and ends with
 //! [`End::Interrupted`](crate::core::continuation::End::Interrupted).
+//!
+//! ```
+//! use tangency::core::continuation::{Continuation, End, Settings, Traced};
+//! use tangency::core::{cancel::CancelToken, system::{Dense, Kind}};
+//! use tangency::problems::classic::ParallelPlate;
+//! let (mut plate, cancel) = (Dense::new(ParallelPlate), CancelToken::default());
+//! let settings = Settings { cancel: cancel.clone(), ..Settings::default() };
+//! let curve = Continuation::new(&mut plate).along("load", 0.0..=1.0).settings(settings);
+//! let mut steps = curve.steps()?;
+//! for found in steps.by_ref() {
+//!     if matches!(found, Traced::Point(point) if point.parameters[0] > 0.1) {
+//!         cancel.cancel(); // Usually on another thread.
+//!     }
+//! }
+//! // The branch ends before the fold at the load 4/27.
+//! let branch = steps.finish();
+//! assert!(branch.ends[1] == End::Interrupted && branch.of_kind(Kind::LP).next().is_none());
+//! # Ok::<(), tangency::core::continuation::TraceError>(())
+//! ```
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};

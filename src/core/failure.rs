@@ -1,4 +1,18 @@
-//! The reasons why equations cannot be evaluated or solved.
+//! Defines the errors of equations that cannot be evaluated or solved.
+//!
+//! ```
+//! use tangency::core::failure::Failure;
+//! use tangency::core::linalg::{Border, BorderedLu};
+//! use tangency::core::system::{Dense, System};
+//! use tangency::problems::classic::ParallelPlate;
+//! // The plate's deflection u = 1.5 lies beyond the electrode.
+//! let failure = Dense::new(ParallelPlate).residual(&[1.5, 0.1], &mut [0.0]).unwrap_err();
+//! let message = failure.to_string();
+//! assert!(message.starts_with("u = 1.500000e0 is outside the domain of the equations"));
+//! // The matrix [1 2; 2 4] is singular.
+//! let failure = BorderedLu::default().factor(&[1.0, 2.0, 2.0, 4.0], Border::NONE).unwrap_err();
+//! assert!(matches!(failure, Failure::Singular { pivot: 0.0, .. }));
+//! ```
 
 use super::cancel::Cancelled;
 

@@ -1,5 +1,39 @@
-//! The continuation core, independent of applications: problems, flows, hybrid systems,
-//! boundary-value problems and branches.
+//! The core of continuation, independent of applications: problems, flows, orbits and branches.
+//!
+//! | module | purpose |
+//! |---|---|
+//! | [`scalar`] | the numbers on which equations are evaluated: reals, dual numbers, jets |
+//! | [`problem`] | models of users: zero problems, vector fields, maps, their names and measures |
+//! | [`system`] | zero problems as continuation uses them, with dense or sparse matrices |
+//! | [`linalg`] | bordered matrices, chains of intervals, Floquet multipliers |
+//! | [`bifurcation`] | defining systems, test functions and normal forms of special points |
+//! | [`continuation`] | branches: steps, events, switching |
+//! | [`ode`] | integration of vector fields |
+//! | [`bvp`] | boundary-value problems by collocation or shooting |
+//! | [`hybrid`] | hybrid and Filippov systems, and their simulation |
+//! | [`orbit`] | periodic orbits of fields and hybrid systems, cycles of maps |
+//! | [`equilibrium`] | equilibria of hybrid and Filippov systems |
+//! | [`local_map`] | local maps near grazing orbits |
+//! | [`manifold`] | stable and unstable manifolds of saddles of maps |
+//! | [`attractor`] | attractors by simulation: cycles, Lyapunov exponents, crises |
+//! | `sweep` (feature `scene`) | attractors over grids of parameters, on all cores |
+//! | [`numerics`] | quadrature, interpolation, bracketed roots |
+//! | [`cancel`], [`failure`] | cancellation of computations; the reasons of failures |
+//!
+//! A problem becomes a system, and a system has branches:
+//!
+//! ```
+//! use tangency::core::{continuation::Continuation, system::{Dense, Kind}};
+//! tangency::zero_problem! {
+//!     struct Parabola [x; a] { 0 = a - x * x; }
+//! }
+//! let mut system = Dense::new(Parabola);
+//! let start = Continuation::new(&mut system).from(&[1.0]).at("a", 1.0);
+//! let branch = start.along("a", -1.0..=1.0).trace()?;
+//! let fold = branch.of_kind(Kind::LP).next().expect("the fold at a = 0");
+//! assert!(fold.parameters[0].abs() < 1e-12 && fold.state[0].abs() < 1e-12);
+//! # Ok::<(), tangency::core::continuation::TraceError>(())
+//! ```
 
 pub mod attractor;
 pub mod bifurcation;

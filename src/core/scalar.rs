@@ -1,4 +1,20 @@
-//! The one bound that equations are written against.
+//! Defines the numbers on which equations are evaluated: reals, dual numbers and jets.
+//!
+//! Equations are written once, generic over [`Scalar`]; evaluated on `f64` they give values, on
+//! dual numbers derivatives, and on a [`Jet`] Taylor polynomials (A. Griewank and A. Walther,
+//! *Evaluating Derivatives*, 2nd ed. 2008).
+//!
+//! ```
+//! use tangency::core::scalar::Scalar;
+//! use tangency::num_dual::{first_derivative, third_derivative};
+//! /// The load `u (1 − u)²` of the parallel-plate actuator.
+//! fn load<T: Scalar>(u: T) -> T {
+//!     u * (T::one() - u).powi(2)
+//! }
+//! assert_eq!(load(0.5), 0.125);
+//! assert_eq!(first_derivative(load, 0.5).1, -0.25);
+//! assert_eq!(third_derivative(load, 0.5), (0.125, -0.25, -1.0, 6.0));
+//! ```
 
 mod chunk;
 pub(crate) mod jet;

@@ -1,12 +1,31 @@
-//! The interface of zero problems `F(z, p) = 0` to continuation.
+//! Defines zero problems `F(z, p) = 0` as continuation uses them: residuals, derivatives, solves.
 //!
-//! A **[`System`]** is the object-safe `f64` interface of a zero problem. Continuation, the
-//! defining systems of bifurcations and the locator of events use only this interface. A problem
-//! with structure (condensed unknowns, collocation blocks) implements the interface itself; for an
-//! ordinary problem, [`Dense`] implements it by forward-mode dual numbers.
+//! A **[`System`]** is the object-safe `f64` interface of a zero problem. Continuation, defining
+//! systems and the location of events use nothing else, so a problem with structure (condensed
+//! unknowns, collocation blocks) implements the trait directly; [`Dense`] and [`Sparse`] implement
+//! the trait for any [`ZeroProblem`](crate::core::problem::ZeroProblem), by forward-mode dual
+//! numbers.
 //!
 //! Throughout, `x = (z, p)` is one vector: the `n` unknowns, then *all* parameters, held or
-//! released, in the order of their names. The direction of a derivative is also such a vector.
+//! released, in the order of their names. A direction in which a derivative is taken is such a
+//! vector as well.
+//!
+//! ```
+//! use tangency::core::system::{Dense, System};
+//! use tangency::problems::classic::Hyperbola;
+//! // `F = x² − μ² − ε²` at `x = 5`, `μ = 3`, `ε = 4`.
+//! let (mut system, x) = (Dense::new(Hyperbola), [5.0, 3.0, 4.0]);
+//! let mut value = [1.0];
+//! system.residual(&x, &mut value)?;
+//! assert_eq!(value, [0.0]);
+//! // The derivative along `μ`, and the second derivative along `x`.
+//! system.derivative(&x, &[&[0.0, 1.0, 0.0]], &mut value)?;
+//! assert_eq!(value, [-6.0]);
+//! let along_x: &[f64] = &[1.0, 0.0, 0.0];
+//! system.derivative(&x, &[along_x, along_x], &mut value)?;
+//! assert_eq!(value, [2.0]);
+//! # Ok::<(), tangency::core::failure::Failure>(())
+//! ```
 
 mod dense;
 mod expansion;

@@ -1,4 +1,24 @@
 //! Test problems from the literature, as used by other continuation toolkits.
+//!
+//! | problem | equations |
+//! |---|---|
+//! | [`ParallelPlate`], [`Hyperbola`] | equations in one unknown: a fold, and two branches that nearly cross |
+//! | [`Lure`], [`Isothermal`] | vector fields: a Hopf point and period doublings (R. Seydel, *Practical Bifurcation and Stability Analysis*, example 7.8) |
+//! | [`ProtheroRobinson`] | a stiff vector field (A. Prothero and A. Robinson, 1974) |
+//! | [`ImpactOscillator`] | a hybrid system (S. W. Shaw and P. J. Holmes, 1983) |
+//! | [`Bratu`], [`Decay`] | boundary-value problems |
+//!
+//! ```
+//! use tangency::prelude::*;
+//! use tangency::problems::classic::Lure;
+//! // The equilibrium 0 of `x″′ + αx″ + βx′ + x = x²` at β = 1 has a Hopf point at α = 1.
+//! let mut rest = Dense::new(Equilibria(Lure));
+//! let start = Continuation::new(&mut rest).at("alpha", 0.5).at("beta", 1.0);
+//! let branch = start.along("alpha", 0.5..=1.5).trace()?;
+//! let hopf = branch.of_kind(Kind::HB).next().expect("a Hopf point");
+//! assert!((hopf.parameters[0] - 1.0).abs() < 1e-13);
+//! # Ok::<(), tangency::core::continuation::TraceError>(())
+//! ```
 
 mod equilibria;
 mod impact_oscillator;

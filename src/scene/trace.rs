@@ -174,10 +174,7 @@ fn trace(
     observer: &mut dyn SceneObserver,
 ) -> Result<Branch, SceneError> {
     let idle = idle_names(resolved)?;
-    let mut resolved = resolved.clone();
-    resolved.run.bounds.retain(|bound| !idle.contains(&bound.name));
-    resolved.run.marks.retain(|(name, _)| !idle.contains(name));
-    let mut branch = begun(&resolved, done, observer, |steps, began, observer| {
+    let mut branch = begun(resolved, done, observer, |steps, began, observer| {
         forecast::branch(&resolved.run.name, &steps, began, observer);
         steps.run(observer)
     })?;
@@ -223,7 +220,11 @@ fn begun<R>(
     observer: &mut dyn SceneObserver,
     go_on: impl FnOnce(Steps, Duration, &mut dyn SceneObserver) -> R,
 ) -> Result<R, SceneError> {
-    let run = &resolved.run;
+    let idle = idle_names(resolved)?;
+    let mut run = resolved.run.clone();
+    run.bounds.retain(|bound| !idle.contains(&bound.name));
+    run.marks.retain(|(name, _)| !idle.contains(name));
+    let run = &run;
     resolved.check_begin()?;
     let (mut system, guess) = started(resolved, done, observer)?;
     let names = system.names().clone();

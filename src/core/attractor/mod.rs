@@ -1,4 +1,4 @@
-//! Attractors by brute-force simulation.
+//! Finds the attractors of motions by simulation: cycles, chaos and crises.
 //!
 //! A motion sampled once a period is a map from state to state, `x ↦ F(x, p)`: the motion of a
 //! hybrid system under a forcing ([`PeriodMap`]), or a discrete map; without forcing a motion is
@@ -8,8 +8,24 @@
 //! motion repeats, `F^q(x) ≈ x` with the same events, the periodic point is refined by Newton's
 //! method with `M = ∂F^q/∂x`, whose eigenvalues are the multipliers `μ`. The largest Lyapunov
 //! exponent, per period, is `ln max|μ| / q`, or, for a motion that is not periodic, the mean growth
-//! of a tangent vector. All derivatives are computed by simulation on dual numbers; at events this
-//! is equivalent to the saltation matrix.
+//! of a tangent vector (G. Benettin, L. Galgani, A. Giorgilli and J.-M. Strelcyn, *Meccanica* 15:9,
+//! 1980). All derivatives are computed by simulation on dual numbers; at events this is equivalent
+//! to the saltation matrix.
+//!
+//! ```
+//! use tangency::core::attractor::{AttractorSearch, PeriodMap};
+//! use tangency::core::hybrid::{HybridSettings, HybridState};
+//! use tangency::problems::classic::ImpactOscillator;
+//! // A forced mass beside a stop settles on a cycle with one impact per forcing period.
+//! let mut map = PeriodMap::of(&ImpactOscillator, HybridSettings::default(), &[])?;
+//! let start = HybridState { mode: ImpactOscillator::FLIGHT, time: 0.0, x: vec![0.0, 0.0] };
+//! let found = AttractorSearch::default().follow(&mut map, start, &[5.0, 2.2, 0.8, 0.1, 1.0])?;
+//! assert_eq!((found.periods, found.count("impact")), (Some(1), 1.0));
+//! // Restitution 0.8 and damping 0.1 over the period 2π/2.2 give the exponent ln 0.8 − 0.1·π/2.2.
+//! let exact = 0.8_f64.ln() - 0.1 * std::f64::consts::PI / 2.2;
+//! assert!((found.exponent.expect("an exponent").value - exact).abs() < 1e-9);
+//! # Ok::<(), tangency::core::attractor::StroboscopicError>(())
+//! ```
 
 mod crisis;
 mod cycle_search;

@@ -1,11 +1,30 @@
-//! Defining systems of bifurcations, as minimally augmented systems, with test functions and normal
-//! forms.
+//! Defines bifurcations by minimally augmented systems, with test functions and normal forms.
 //!
 //! A matrix that is singular at the bifurcation is bordered so that the bordered matrix is regular.
 //! The border's multiplier `g` vanishes where the matrix is singular, and its gradient is `−∇(wᵀ
 //! F_x v)` with the null vectors `v`, `w` from the bordered system (A. Griewank and G. Reddien,
 //! *IMA J. Numer. Anal.* 4 (1984); W. Govaerts, *Numerical Methods for Bifurcations of Dynamical
 //! Equilibria*, SIAM 2000, chapters 3 and 4).
+//!
+//! One defining system locates a special point on a branch, and defines the curve of such points:
+//!
+//! ```
+//! use tangency::prelude::*;
+//! zero_problem! {
+//!     /// Folds at `x² = b/3`, `a = −2x³`; they meet in a cusp at `a = b = 0`.
+//!     struct Cubic [x; a, b] { 0 = a + b * x - x * x * x; }
+//! }
+//! let mut cubic = Dense::new(Cubic);
+//! let start = Continuation::new(&mut cubic).from(&[-2.0]).at("a", -6.0).at("b", 1.0);
+//! let branch = start.along("a", -6.0..=6.0).trace()?;
+//! let fold = branch.of_kind(Kind::LP).next().expect("a fold");
+//! assert!((fold.parameters[0] - 2.0 / 27.0_f64.sqrt()).abs() < 1e-13);
+//! let curve = Continuation::new(&mut cubic).restart(&branch, fold.label).hold(Kind::LP);
+//! let curve = curve.along("a", -1.0..=1.0).along("b", -1.0..=1.0).trace()?;
+//! let cusp = curve.of_kind(Kind::CP).next().expect("a cusp");
+//! assert!(cusp.parameters.iter().all(|p| p.abs() < 1e-12));
+//! # Ok::<(), tangency::core::continuation::TraceError>(())
+//! ```
 
 mod at;
 mod branch_point;

@@ -1,10 +1,24 @@
-//! Boundary-value problems: segments of trajectories with conditions at their ends, and their
-//! discretisation.
+//! Discretises boundary-value problems: segments of trajectories with conditions at their ends.
 //!
-//! A [`BoundaryProblem`] defines the equations. A [`Method`], [`Collocation`] or [`Shooting`],
+//! A [`BoundaryProblem`] defines the equations. A [`Method`], [`Collocation`] at Gauss points (C.
+//! de Boor and B. Swartz, 1973; U. Ascher, R. Mattheij and R. Russell, 1988) or [`Shooting`],
 //! replaces each trajectory by values at nodes and equations on the intervals of a [`Mesh`]. A
 //! [`BoundarySystem`] assembles all intervals and conditions into a
 //! [`System`](crate::core::system::System), which can be continued like any other.
+//!
+//! ```
+//! use tangency::prelude::*;
+//! use tangency::problems::classic::Bratu;
+//! // Bratu's problem `u'' + λeᵘ = 0`, `u(0) = u(1) = 0`, on 10 intervals with 4 Gauss points each.
+//! let mut bratu = BoundarySystem::new(Bratu, Collocation::new(4)?, vec![Mesh::uniform(10)])?;
+//! let branch = Continuation::new(&mut bratu)
+//!     .along("lambda", 0.0..=4.0)
+//!     .bound("max_u", ..=3.0)
+//!     .trace()?;
+//! let fold = branch.of_kind(Kind::LP).next().expect("a fold");
+//! assert!((fold.parameters[0] - 3.51383071912516).abs() < 1e-12);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod collocation;
 mod derivatives;

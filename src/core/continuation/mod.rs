@@ -1,4 +1,24 @@
-//! Continuation: stepping along curves of zeros, events on them, and branches as data.
+//! Continuation: traces branches of solutions, and locates the special points on them.
+//!
+//! A [`Continuation`] states a curve; [`trace`](Continuation::trace) follows it by its arclength
+//! (H. B. Keller, *Numerical solution of bifurcation and nonlinear eigenvalue problems*, 1977) and
+//! returns a [`Branch`] with its points and [`SpecialPoint`]s.
+//!
+//! ```
+//! use tangency::prelude::*;
+//! use tangency::problems::classic::ParallelPlate;
+//! // `load/(1 − u)² = u`: marks the load 0.1, and finds the fold at `u = 1/3`, `load = 4/27`.
+//! let mut plate = Dense::new(ParallelPlate);
+//! let branch = Continuation::new(&mut plate).along("load", 0.0..=1.0).mark("load", 0.1).trace()?;
+//! let mark = branch.of_kind(Kind::UZ).next().expect("a mark");
+//! let fold = branch.of_kind(Kind::LP).next().expect("a fold");
+//! assert!((mark.state[0] * (1.0 - mark.state[0]).powi(2) - 0.1).abs() < 1e-14);
+//! assert!((fold.state[0] - 1.0 / 3.0).abs() < 1e-12);
+//! assert!((fold.parameters[0] - 4.0 / 27.0).abs() < 1e-14);
+//! # Ok::<(), tangency::core::continuation::TraceError>(())
+//! ```
+//!
+//! # The files
 //!
 //! - **Statement**: `builder` (what a user states), `quantities` and `resolve` (names resolved),
 //!   `start` (the start corrected) with `singular_start`, `trace` (from the statement to the

@@ -1,13 +1,38 @@
-//! Hybrid systems: smooth motion in modes, interrupted by events.
+//! Simulates hybrid systems: smooth motion in modes, interrupted by events.
 //!
 //! In each **mode** a state of the mode's own dimension follows a vector field, `x' = f_m(t, x, p)`,
 //! while the mode's **guards** `h_g(t, x, p)` are positive. When the first of the guards falls to
 //! zero, an **event** occurs: a **reset** `x⁺ = r_g(t, x, p)` maps the state to a state of the next
-//! mode. An impact is a reset of velocity; sticking is a mode.
+//! mode. An impact is a reset of velocity; sticking is a mode (M. di Bernardo et al.,
+//! *Piecewise-smooth Dynamical Systems*, 2008).
 //!
-//! A [`HybridFlow`] simulates such motions from event to event. Of guards that vanish simultaneously,
-//! the one defined first counts. If the events of one guard accumulate (complete chatter), the motion
-//! continues from their accumulation.
+//! A [`HybridFlow`] simulates such motions from event to event. Of guards that vanish
+//! simultaneously, the one defined first counts. If the events of one guard accumulate (complete
+//! chatter), the motion continues from their accumulation.
+//!
+//! A ball that falls from a height of 1 and rebounds with 0.8 of its speed bounces first at `t = 1`
+//! and comes to rest at `t = 9`, after infinitely many bounces:
+//!
+//! ```
+//! use tangency::core::hybrid::{History, HybridFlow, HybridSettings, HybridState};
+//! tangency::hybrid_system! {
+//!     struct Ball [gravity] {
+//!         mode flight [y, v] {
+//!             d/dt y = v; d/dt v = -gravity;
+//!             event bounce: y => flight { y, v: -v * 0.8 };
+//!             accumulates to rest { y };
+//!         }
+//!         mode rest [y] { d/dt y = T::zero(); }
+//!     }
+//! }
+//! let mut flow = HybridFlow::new(&Ball, HybridSettings::default())?;
+//! let mut ball = HybridState { mode: 0, time: 0.0, x: vec![1.0, 0.0] };
+//! let mut history = History::new(1);
+//! flow.advance(&mut ball, 10.0, &[2.0], &mut history)?;
+//! let [first, .., last] = &history.events[..] else { panic!("several events") };
+//! assert!((first.time - 1.0).abs() < 1e-12 && (last.time - 9.0).abs() < 1e-9 && ball.mode == 1);
+//! # Ok::<(), tangency::core::hybrid::HybridError>(())
+//! ```
 
 mod accumulated;
 mod beyond;

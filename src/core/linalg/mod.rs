@@ -1,5 +1,21 @@
-//! Linear algebra: dense and sparse LU factorisation within a border, condensation of chains of
-//! intervals, and Floquet multipliers.
+//! Solves the linear systems of continuation: matrices within borders, and chains of intervals.
+//!
+//! [`BorderedLu`] factors a dense matrix within a border, [`Factors`] a dense or sparse one.
+//! [`Chain`] condenses the intervals of a boundary-value problem to its ends (U. Ascher, R.
+//! Mattheij and R. Russell, 1995), and [`multipliers`] computes Floquet multipliers from the
+//! condensed equations (T. F. Fairgrieve and A. D. Jepson, 1991).
+//!
+//! ```
+//! use tangency::core::linalg::{Border, BorderedLu};
+//! // `A = [0]` is singular, as at a fold; the bordered matrix `[0 2; 4 0]` is regular.
+//! let mut lu = BorderedLu::default();
+//! let border = Border { width: 1, columns: &[2.0], rows: &[4.0], corner: &[0.0], units: &[] };
+//! lu.factor(&[0.0], border)?;
+//! let mut x = [2.0, 8.0];
+//! lu.solve(&mut x);
+//! assert_eq!(x, [2.0, 1.0]);
+//! # Ok::<(), tangency::core::failure::Failure>(())
+//! ```
 
 mod balance;
 mod border;

@@ -1,5 +1,25 @@
-//! The models that users define: zero problems, vector fields, maps, potentials, measures, and their
-//! names, and their object-safe forms.
+//! Defines the models of users: zero problems, vector fields, maps, potentials and measures.
+//!
+//! A model implements one trait, such as [`ZeroProblem`], [`VectorField`] or [`DiscreteMap`], for
+//! any [`Scalar`](crate::core::scalar::Scalar), with the [`Names`] of its states and parameters;
+//! the macros [`zero_problem!`](crate::zero_problem) and [`vector_field!`](crate::vector_field)
+//! implement the trait from formulas. Continuation uses object-safe forms of these traits.
+//!
+//! ```
+//! use tangency::prelude::*;
+//! vector_field! {
+//!     /// Lotka and Volterra's prey `x` and predators `y`.
+//!     struct Hunt [x, y; birth, death] {
+//!         d/dt x = x * (birth - y);
+//!         d/dt y = y * (x - death);
+//!         monitor total = x + y;
+//!     }
+//! }
+//! assert_eq!(Hunt.names().parameters, ["birth", "death"]);
+//! let (x, p, mut rates) = ([3.0, 0.5], [2.0, 1.0], [0.0; 2]);
+//! Hunt.field(0.0, &x, &p, &mut rates);
+//! assert_eq!((rates, Hunt.monitor(0, 0.0, &x, &p)), ([4.5, 1.0], 3.5));
+//! ```
 
 mod discrete_map;
 mod erasure;

@@ -1,10 +1,24 @@
-//! XPPAUT's `.ode` files, as in `tangency trace model.ode`.
+//! Reads XPPAUT's `.ode` files, as in `tangency trace model.ode`.
 //!
-//! [`read`] converts a file into a [`Statement`] with XPPAUT's semantics: letter case is ignored,
+//! [`read`] converts a file into a [`Statement`] with the semantics of XPPAUT (B. Ermentrout,
+//! *Simulating, Analyzing, and Animating Dynamical Systems*, SIAM 2002): letter case is ignored,
 //! comparisons bind as strongly as powers, all operators associate to the left, quantities are
 //! computed in their order, and resets apply to those after them. Arrays are written out, as in
 //! XPPAUT. Constructs without a counterpart are rejected with their line and column; lines without
 //! effect are listed.
+//!
+//! ```
+//! use tangency::core::problem::VectorField;
+//! use tangency::language::{Model, Source, xpp};
+//! let text = "x'=y\ny'=-w^2*x-c*y\npar w=2,c=.5\ninit x=1\naux energy=(y^2+(w*x)^2)/2\ndone\n";
+//! let source = Source::new("pendulum.ode", text);
+//! let model = xpp::read(&source)?.statement.model(&source, &[])?;
+//! let Model::Field(field) = model else { panic!("a vector field") };
+//! let (x, p, mut rates) = ([1.0, 2.0], [2.0, 0.5], [0.0; 2]);
+//! field.field(0.0, &x, &p, &mut rates);
+//! assert_eq!((rates, field.monitor(0, 0.0, &x, &p)), ([2.0, -5.0], 4.0));
+//! # Ok::<(), tangency::language::ModelError>(())
+//! ```
 
 mod command;
 mod common;

@@ -1,4 +1,26 @@
-//! Electrically actuated rectangular microplates: von Kármán's theory, several models.
+//! Models electrically actuated rectangular microplates by von Kármán's theory (1910).
+//!
+//! Numbers of equations and sections refer to the dissertation of X. Zhao, *Modeling and Simulation
+//! of MEMS Devices*, 2004.
+//!
+//! ```
+//! use tangency::core::continuation::Continuation;
+//! use tangency::core::system::{Dense, Kind};
+//! use tangency::problems::plate::sine::{SinePlate, SineSettings};
+//! // The static pull-in of a square plate with supported edges, in three modes.
+//! let plate = SinePlate::new(SineSettings { modes: 3, ..Default::default() })?;
+//! let branch = Continuation::new(&mut Dense::new(plate))
+//!     .at("gap_ratio", 2.0)
+//!     .at("aspect", 1.0).at("nu", 0.3)
+//!     .along("load", 0.0..=400.0)
+//!     .bound("max_deflection", 0.0..=0.9)
+//!     .trace()?;
+//! let pull_in = branch.of_kind(Kind::LP).next().expect("pull-in");
+//! let deflection = branch.column("deflection").and_then(|column| pull_in.value(column));
+//! assert!((pull_in.parameters[0] - 144.863462).abs() < 1e-5);
+//! assert!((deflection.expect("a deflection") - 0.668334).abs() < 1e-5);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 //!
 //! # Models
 //!
