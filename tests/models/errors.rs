@@ -281,7 +281,7 @@ fn a_start_where_a_formula_is_not_finite() {
     let text = "Scene(title: \"t\", problem: Equations(states: [(\"x\", \"a*t - x\")]), parameters: [(\"a\", 1)],
         runs: [Run(name: \"r\", along: [(name: \"a\", low: 0.5, high: 2)])])";
     let error = Scene::parse(text).unwrap_err().to_string();
-    assert!(error.contains("state `period`"), "{error}");
+    assert!(error.contains("state the period of the forcing"), "{error}");
 }
 
 /// What a stranger may state twice, or in a way that means something else elsewhere.
