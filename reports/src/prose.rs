@@ -252,8 +252,10 @@ impl Paragraph {
         for (at, _) in self.text.match_indices(['.', '?', '!']) {
             let (before, behind) = (&self.text[start..at], &self.text[at + 1..]);
             let last = before.rsplit([' ', '(']).next().unwrap_or_default();
-            let word = last.chars().filter(|c| c.is_alphabetic()).count() > 3
-                || last.ends_with(['`', ')', '*']);
+            // Abbreviations are short, or begin with a capital letter: `eq.`, `Int.`
+            let letters = last.chars().filter(|c| c.is_alphabetic()).count();
+            let least = if last.starts_with(char::is_uppercase) { 4 } else { 3 };
+            let word = letters >= least || last.ends_with(['`', ')', '*']);
             let next = behind.strip_prefix(' ').and_then(|next| next.chars().next());
             if word && next.is_some_and(|c| c.is_uppercase() || "`[*".contains(c)) {
                 sentences.push(self.text[start..=at].trim());
