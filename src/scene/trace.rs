@@ -181,7 +181,7 @@ fn trace(
     let idle = idle.iter().map(|name| {
         format!("the bound or mark of `{name}` has no effect: this branch has no such column")
     });
-    branch.warnings.splice(..0, resolved.problem.jumps().into_iter().chain(idle));
+    branch.warnings.splice(..0, resolved.problem.jumps().chain(idle));
     Ok(branch)
 }
 
