@@ -238,7 +238,7 @@ fn character(text: &str) -> usize {
     }
 }
 
-/// The text of a literal: escaped line breaks join lines, other escapes become spaces.
+/// Returns the text of a literal in one line.
 fn unescaped(literal: &str) -> String {
     let joined = literal.replace("\\\"", "\"").replace("\\n", " ").replace("\\\n", " ");
     joined.split_whitespace().collect::<Vec<_>>().join(" ")

@@ -92,8 +92,11 @@ impl Trace {
     /// Ctrl-C.
     pub fn run(&self, from: Sources, out: &mut impl Write) -> Result<(), CommandError> {
         let Wanted { scene: at, request, .. } = &self.wanted;
-        if self.wanted.start_point().is_some() && request.switch.is_some() {
-            return Err(CommandError::NotTogether("--switch"));
+        let apart =
+            [("--switch", request.switch.is_some()), ("--settle", request.settle.is_some())];
+        let given = apart.into_iter().find(|(_, given)| *given);
+        if let (Some(_), Some((option, _))) = (self.wanted.start_point(), given) {
+            return Err(CommandError::NotTogether(option));
         }
         if !self.grid.grid.is_empty() {
             return self.run_grid(from, out);

@@ -1,5 +1,6 @@
 //! The columns of branches, known before the branches are traced.
 
+use super::discretisation::Solution;
 use super::error::SceneError;
 use super::resolve::{Resolved, ResolvedSweep};
 use super::simulate::history_columns;
@@ -114,6 +115,37 @@ impl Resolved {
             warnings: Vec::new(),
             settings: self.settings.clone(),
         })
+    }
+}
+
+impl Resolved {
+    /// Returns the run without bounds and marks of columns that only the other solutions of its
+    /// problem have, and the names of these columns: orbits have a `period`, equilibria do not.
+    pub(super) fn without_idle(&self) -> (Resolved, Vec<String>) {
+        let idle = self.idle_columns().unwrap_or_default();
+        let mut resolved = self.clone();
+        resolved.run.bounds.retain(|bound| !idle.contains(&bound.name));
+        resolved.run.marks.retain(|(name, _)| !idle.contains(name));
+        (resolved, idle)
+    }
+
+    fn idle_columns(&self) -> Option<Vec<String>> {
+        let marked = self.run.marks.iter().map(|(name, _)| name);
+        let stated: Vec<&String> =
+            self.run.bounds.iter().map(|bound| &bound.name).chain(marked).collect();
+        if stated.is_empty() {
+            return None;
+        }
+        let mut other = self.clone();
+        other.problem.follow(match self.problem.solution()? {
+            Solution::Orbit => Solution::Equilibrium,
+            Solution::Equilibrium => Solution::Orbit,
+        });
+        // Forced systems do not have equilibria.
+        let (own, other) = (self.untraced()?, other.untraced()?);
+        let shows = |branch: &Branch, name: &str| !branch.columns_showing(name).is_empty();
+        let idle = stated.into_iter().filter(|name| !shows(&own, name) && shows(&other, name));
+        Some(idle.cloned().collect())
     }
 }
 

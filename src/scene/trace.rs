@@ -1,6 +1,6 @@
 //! Tracing the runs of a scene, one after another.
 
-use super::discretisation::{Solution, Started};
+use super::discretisation::Started;
 use super::error::SceneError;
 use super::forecast;
 use super::join::{Joined, join};
@@ -12,7 +12,7 @@ use super::statement::{Run, Start, Way};
 use crate::core::continuation::{Branch, Continuation, SpecialPoint, Steps};
 use crate::core::hybrid::HybridState;
 use crate::core::local_map::LocalMap;
-use crate::core::problem::{Group, Names, columns_showing, position};
+use crate::core::problem::{Group, position};
 use crate::core::system::{Kind, System};
 use crate::output::Document;
 use cpu_time::ThreadTime;
@@ -173,8 +173,8 @@ fn trace(
     done: &[Branch],
     observer: &mut dyn SceneObserver,
 ) -> Result<Branch, SceneError> {
-    let idle = idle_names(resolved)?;
-    let mut branch = begun(resolved, done, observer, |steps, began, observer| {
+    let (applied, idle) = resolved.without_idle();
+    let mut branch = begun(&applied, done, observer, |steps, began, observer| {
         forecast::branch(&resolved.run.name, &steps, began, observer);
         steps.run(observer)
     })?;
@@ -185,33 +185,6 @@ fn trace(
     Ok(branch)
 }
 
-/// Returns the names of bounds and marks that equilibria lack and orbits of the same problem have,
-/// or conversely, such as `period`.
-fn idle_names(resolved: &Resolved) -> Result<Vec<String>, SceneError> {
-    let Resolved { run, problem, .. } = resolved;
-    let stated = run.bounds.iter().map(|bound| &bound.name);
-    let stated = stated.chain(run.marks.iter().map(|(name, _)| name));
-    let parameters = problem.parameter_names();
-    let columns: Vec<&String> = stated.filter(|name| !parameters.contains(name)).collect();
-    let (Some(solution), None, false) = (problem.solution(), &run.local, columns.is_empty()) else {
-        return Ok(Vec::new());
-    };
-    let mut other = resolved.clone();
-    other.problem.follow(match solution {
-        Solution::Orbit => Solution::Equilibrium,
-        Solution::Equilibrium => Solution::Orbit,
-    });
-    // Forced systems do not have equilibria.
-    let Ok(beside) = other.system() else { return Ok(Vec::new()) };
-    let own = resolved.system()?;
-    let shows = |names: &Names, name: &str| {
-        !columns_showing(name, |column| names.monitors.iter().any(|own| own == column)).is_empty()
-    };
-    let idle =
-        columns.into_iter().filter(|name| !shows(own.names(), name) && shows(beside.names(), name));
-    Ok(idle.cloned().collect())
-}
-
 /// Corrects the first point of a run, and calls a continuation with the result and the elapsed
 /// time.
 fn begun<R>(
@@ -220,11 +193,7 @@ fn begun<R>(
     observer: &mut dyn SceneObserver,
     go_on: impl FnOnce(Steps, Duration, &mut dyn SceneObserver) -> R,
 ) -> Result<R, SceneError> {
-    let idle = idle_names(resolved)?;
-    let mut run = resolved.run.clone();
-    run.bounds.retain(|bound| !idle.contains(&bound.name));
-    run.marks.retain(|(name, _)| !idle.contains(name));
-    let run = &run;
+    let run = &resolved.run;
     resolved.check_begin()?;
     let (mut system, guess) = started(resolved, done, observer)?;
     let names = system.names().clone();
@@ -274,7 +243,8 @@ impl Resolved {
     /// # Errors
     /// [`SceneError`] with the reason if no branch begins there.
     pub(super) fn begins(&self) -> Result<(), SceneError> {
-        begun(self, &[], &mut (), |_, _, _| ()).map_err(|cause| self.unless_cancelled(cause))
+        begun(&self.without_idle().0, &[], &mut (), |_, _, _| ())
+            .map_err(|cause| self.unless_cancelled(cause))
     }
 
     /// Rejects a run that starts where equations given as text have no finite value.

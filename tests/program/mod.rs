@@ -18,6 +18,7 @@ mod reference;
 mod regions;
 mod requests;
 mod resolution;
+mod restarts;
 mod returns;
 pub mod scenarios;
 mod scenes;

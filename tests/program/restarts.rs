@@ -1,0 +1,146 @@
+//! Promise: a restart traces and draws the branch of its point, and bounds and marks hold for every branch that has
+//! the column.
+
+use crate::program::command::{refused, succeeds, tangency};
+use tangency::core::continuation::{Branch, SpecialPoint};
+use tangency::core::system::Kind;
+use tangency::output::Document;
+use tempfile::{TempDir, tempdir};
+
+fn folder() -> TempDir {
+    tempdir().expect("a folder")
+}
+
+/// A restart draws what it has: the picture of the scene may show other branches.
+#[test]
+fn a_restart_is_drawn_without_the_other_branches() {
+    let folder = folder();
+    let at = folder.path();
+    for (scene, point) in
+        // Ranges of the last one are those of deviations from a point of another branch.
+        [
+            ("lorenz", "rest/2"),
+            ("co-oxidation", "equilibria/2"),
+            ("bouncing-ball", "doubled/1"),
+            ("mita-near-grazing-1", "P(1,1)/2"),
+        ]
+    {
+        succeeds(at, &["trace", scene, "--out", "a"]);
+        let start = format!("a/{scene}.ron:{point}");
+        succeeds(at, &["trace", scene, "--start", &start, "--out", "b"]);
+        assert!(at.join(format!("b/{scene}.svg")).exists(), "{scene}");
+    }
+}
+
+/// An enlargement stays where the branch that is traced again lies in it.
+#[test]
+fn a_restart_is_drawn_with_its_own_enlargements() {
+    let folder = folder();
+    let at = folder.path();
+    let scene = r#"Scene(title: "t", problem: Map(states: [("x", "c + a*x/2")]), parameters: [("a", 0), ("c", 1)],
+        plot: (x: "a", y: "x", enlargements: [(x: (0, 1), y: (0, 3)), (x: (0, 1), y: (-3, 0))]), runs: [
+            (name: "above", along: [(name: "a", low: 0, high: 1)]),
+            (name: "below", set: [("c", "-1")], along: [(name: "a", low: 0, high: 1)]),
+        ])"#;
+    std::fs::write(at.join("m.ron"), scene).unwrap();
+    succeeds(at, &["trace", "m.ron", "--out", "a"]);
+    succeeds(at, &["trace", "m.ron", "--start", "a/m.ron:below/1", "--out", "b"]);
+    let document = std::fs::read_to_string(at.join("b/m.ron")).unwrap();
+    assert_eq!(Document::parse(&document).unwrap().plot.enlargements[0].y, [-3.0, 0.0]);
+    assert!(at.join("b/m.svg").exists());
+}
+
+/// A curve from a saved point seeks no start of its own: at ρ = 1, the end of the range that is nearest
+/// to the model's value, Lorenz' equations have a branch point. The Hopf curve is
+/// ρ = σ (σ + β + 3)/(σ − β − 1).
+#[test]
+fn a_curve_from_a_saved_point_seeks_no_other_start() {
+    let folder = folder();
+    let at = folder.path();
+    let model = include_str!("../../examples/lorenz.ron");
+    std::fs::write(at.join("lorenz.ron"), model).unwrap();
+    let trace = ["trace", "lorenz.ron", "--along"];
+    succeeds(at, &[&trace[..], &["rho=0..30", "--switch", "BP", "--out", "a"]].concat());
+    let curve = ["--start", "a/lorenz.ron:branch-BP/1", "--hold", "HB", "--along", "sigma=4..20"];
+    succeeds(at, &[&trace[..], &["rho=1..60"], &curve[..], &["--out", "b"]].concat());
+    let text = std::fs::read_to_string(at.join("b/lorenz.ron")).unwrap();
+    let document = Document::parse(&text).unwrap();
+    let branch = &document.branches[0];
+    let [rho, sigma] = ["rho", "sigma"].map(|name| branch.column(name).unwrap());
+    assert!(branch.special.len() >= 2);
+    for point in &branch.special {
+        let [rho, sigma] = [rho, sigma].map(|column| point.value(column).unwrap());
+        let beta = 8.0 / 3.0;
+        let exact = sigma * (sigma + beta + 3.0) / (sigma - beta - 1.0);
+        assert!((rho / exact - 1.0).abs() < 1e-10, "{rho} at sigma = {sigma}: {exact}");
+    }
+}
+
+/// Fixed points show each state in its own column, and a bound of a state holds for the cycles of two
+/// iterates, too. Hénon's map has the fixed point `y = b x`, `a x² + (1 − b) x = 1`.
+#[test]
+fn fixed_points_of_maps_show_and_bound_every_state() {
+    let folder = folder();
+    let at = folder.path();
+    let model = r#"Map(states: [("x", "1 - a*x^2 + y"), ("y", "b*x")], parameters: [("a", 0.1), ("b", 0.3)])"#;
+    std::fs::write(at.join("henon.ron"), model).unwrap();
+    let trace = [
+        "trace",
+        "henon.ron",
+        "--along",
+        "a=0.15..1",
+        "--switch",
+        "PD",
+        "--bound",
+        "y=0..0.36",
+        "--mark",
+        "y=0.25",
+    ];
+    succeeds(at, &trace);
+    let text = std::fs::read_to_string(at.join("out/henon.ron")).unwrap();
+    let document = Document::parse(&text).unwrap();
+    let [fixed, cycles] = &document.branches[..] else { panic!("two branches") };
+    let value = |branch: &Branch, point: &SpecialPoint, name: &str| {
+        point.value(branch.column(name).unwrap()).unwrap()
+    };
+    for point in &fixed.special {
+        let [a, x, y] = ["a", "x", "y"].map(|name| value(fixed, point, name));
+        assert!((y - 0.3 * x).abs() < 1e-12 && (a * x * x + 0.7 * x - 1.0).abs() < 1e-12);
+    }
+    let mark = fixed.of_kind(Kind::UZ).next().expect("a mark");
+    assert!((value(fixed, mark, "y") - 0.25).abs() < 1e-12);
+    // At the doubling 3 (1 − b)²/4 = a = 0.3675 the bound is not reached; the cycle reaches it.
+    let end = cycles.special.iter().find(|point| {
+        point.kind == Kind::EP && (value(cycles, point, "max_y") - 0.36).abs() < 1e-10
+    });
+    assert!(end.is_some(), "{:?}", cycles.ends);
+}
+
+/// A bound of the period holds for the cycles that are followed from a Hopf point; equilibria have no
+/// period, and a warning says so. A name that neither has is an error.
+#[test]
+fn a_bound_holds_for_the_branches_that_have_the_column() {
+    let folder = folder();
+    let at = folder.path();
+    std::fs::write(
+        at.join("fhn.ode"),
+        "v'=v-v^3/3-w+I\nw'=0.15*(v+0.7-0.8*w)\npar I=0\ninit v=-1.2,w=-0.6\ndone\n",
+    )
+    .unwrap();
+    let trace = ["trace", "fhn.ode", "--along", "I=0..1.2", "--switch", "HB", "--bound"];
+    let output = tangency(at, &[&trace[..], &["period=..30"]].concat());
+    assert!(
+        output.status.success()
+            && String::from_utf8_lossy(&output.stderr)
+                .contains("bound or mark of `period` has no effect")
+    );
+    let text = std::fs::read_to_string(at.join("out/fhn.ron")).unwrap();
+    let document = Document::parse(&text).unwrap();
+    let cycles = &document.branches[1];
+    let end = cycles.special.last().unwrap();
+    assert!((end.value(cycles.column("period").unwrap()).unwrap() - 30.0).abs() < 1e-8);
+    refused(at, &[&trace[..], &["perod=..30"]].concat(), &["perod"]);
+    // Neither a simulation nor switching has an effect where a saved point is the start.
+    let start = ["trace", "fhn.ode", "--along", "I=0..1.2", "--start", "out/fhn.ron:branch/2"];
+    refused(at, &[&start[..], &["--settle", "10"]].concat(), &["cannot be combined with --settle"]);
+}
