@@ -114,7 +114,6 @@
 //! | [`language`] | equations as text, and XPPAUT's files |
 //! | [`output`] | [`Document`](output::Document)s in RON, tables, figures |
 //! | [`scene`] | [`Scene`](scene::Scene)s: RON files that state runs and sweeps |
-//! | [`spelling`] | suggestions for unknown names in messages |
 //! | [`cli`] | the command line: [`cli::run`] is a whole program for any catalogue of problems |
 //!
 //! `core` does not depend on any device, nor `output` on any problem; `scene` joins them, and `cli` adds
@@ -134,9 +133,8 @@ pub mod prelude;
 pub mod problems;
 #[cfg(feature = "scene")]
 pub mod scene;
-#[cfg(feature = "scene")]
-pub mod spelling;
 
+pub use miette::Diagnostic;
 pub use num_dual;
 #[cfg(feature = "scene")]
 pub use scene::Catalogue;

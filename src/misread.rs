@@ -1,6 +1,6 @@
 //! Syntax errors in texts: their place in the text, and for RON the reason.
 
-use crate::spelling::{shown, suggest};
+use crate::core::spelling::{shown, suggest};
 use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
 use ron::Error as RonError;
 use ron::error::{Position, SpannedError};
@@ -94,7 +94,8 @@ pub(crate) fn reason(code: &RonError) -> String {
             "expected a name without quotes".into()
         }
         TrailingCharacters => {
-            "the text should end before this: an earlier bracket is closed too early, or this part must be removed".into()
+            "the text should end before this: an earlier bracket is closed too early, or this part must be \
+             removed".into()
         }
         UnclosedBlockComment => "the comment is not closed: `*/` is missing".into(),
         NoSuchStructField { expected, found, outer } => unknown("field", found, expected, outer),

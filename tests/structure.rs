@@ -27,9 +27,8 @@ const LAYERS: [&str; 18] = [
 ];
 
 /// The folders and files of `src`: each imports only from itself and from those before it.
-const FOLDERS: [&str; 10] = [
+const FOLDERS: [&str; 9] = [
     "core",
-    "spelling",
     "misread",
     "problems",
     "language",

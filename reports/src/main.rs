@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use tangency::core::problem::UnknownName;
 use tangency::output::write_atomically;
-use tangency::spelling::sentence;
+use tangency::core::failure::one_line;
 use tangency_reports::prose::{drawn, paragraphs};
 use tangency_reports::robustness::{MAPS, map};
 use tangency_reports::work_precision::{DIAGRAMS, Effort, measure};
@@ -136,7 +136,7 @@ impl Wanted {
             let known = entries.iter().map(|entry| entry.name).chain(["all"]);
             let unknown = UnknownName::new(kind, name.as_str(), known);
             return Err(
-                format!("{}; `tangency-reports {command}` lists all", sentence(&unknown)).into()
+                format!("{}; `tangency-reports {command}` lists all", one_line(&unknown)).into()
             );
         }
         std::fs::create_dir_all(&self.out)?;

@@ -3,17 +3,19 @@
 use crate::core::problem::UnknownName;
 use crate::output::{FigureError, FileError, MergeError, RenderError, SaveError, UnknownPoint};
 use crate::scene::SceneError;
-use crate::spelling::sentence;
+use miette::Diagnostic;
 use std::path::PathBuf;
 
 /// The error of a command that failed.
-#[derive(Debug, thiserror::Error)]
+#[derive(Debug, miette::Diagnostic, thiserror::Error)]
 pub enum CommandError {
     /// A file cannot be read, parsed or written.
     #[error(transparent)]
+    #[diagnostic(transparent)]
     File(#[from] FileError),
     /// The figure cannot be drawn.
     #[error("{files}: {cause}")]
+    #[diagnostic(forward(cause))]
     Figure {
         /// The files whose contents are drawn.
         files: String,
@@ -21,10 +23,12 @@ pub enum CommandError {
         cause: FigureError,
     },
     /// The output file is also an input file.
-    #[error("{} is an input file and is not overwritten; choose another place with --out", path.display())]
+    #[error("{} is an input file and is not overwritten", path.display())]
+    #[diagnostic(help("choose another place with --out"))]
     OutputIsInput { path: PathBuf },
     /// The scene or the request is invalid, or its computation failed.
     #[error("{}{cause}", if cause.names_file() { String::new() } else { format!("{place}: ") })]
+    #[diagnostic(forward(cause))]
     Scene {
         /// The scene or model as named on the command line.
         place: String,
@@ -32,17 +36,20 @@ pub enum CommandError {
         cause: Box<SceneError>,
     },
     /// The name is neither a built-in scene nor an existing file.
-    #[error("{}; give the name of a built-in scene (see `tangency scenes`) or the path of a RON file", sentence(.0))]
-    UnknownScene(UnknownName),
+    #[error("{unknown}")]
+    #[diagnostic(help("{}", of_scene(unknown)))]
+    UnknownScene { unknown: UnknownName },
     /// The special point to start from does not exist.
     #[error("{}: {cause}", file.display())]
+    #[diagnostic(forward(cause))]
     Start {
         file: PathBuf,
         #[source]
         cause: UnknownPoint,
     },
     /// The scene has sweeps but no branches.
-    #[error("`{scene}` has no branches to trace: run its sweeps with `tangency sweep {scene}`")]
+    #[error("`{scene}` has no branches to trace")]
+    #[diagnostic(help("run the sweeps of the scene with `tangency sweep {scene}`"))]
     NoRun { scene: String },
     /// An option that cannot be combined with `--start FILE:LABEL`.
     #[error("--start FILE:LABEL starts from one special point and cannot be combined with {0}")]
@@ -55,27 +62,26 @@ pub enum CommandError {
     Doubts(Vec<String>),
     /// Only one of `--start all` and `--box` is given.
     #[error(
-        "`--start all` and `--box` must be given together, as in `--start all --box x=-3..3,y=0..5`: branches start at \
-         all solutions in the box"
+        "`--start all` and `--box` must be given together: branches start at all solutions in the box"
     )]
+    #[diagnostic(help("give both, as in `--start all --box x=-3..3,y=0..5`"))]
     Everywhere,
     /// `--start all` is given to `tangency manifolds`.
-    #[error(
-        "manifolds belong to one saddle: start in states (`--start x=0.6,y=0.2`) or at a special point (`--start FILE:LABEL`)"
-    )]
+    #[error("manifolds belong to one saddle")]
+    #[diagnostic(help(
+        "start in states (`--start x=0.6,y=0.2`) or at a special point (`--start FILE:LABEL`)"
+    ))]
     OneSaddle,
     /// `--points` is given without a document.
     #[error("--points needs a document (.ron): sweeps (.npz) have no special points")]
     NoPoints,
     /// An option that has no effect on data files.
-    #[error(
-        "data files (.csv, .npz, .json) are complete and cannot be combined with {0}; omit that option, or draw a picture (.svg, .png, .pdf, .html)"
-    )]
+    #[error("data files (.csv, .npz, .json) are complete and cannot be combined with {0}")]
+    #[diagnostic(help("omit that option, or draw a picture (.svg, .png, .pdf, .html)"))]
     Table(&'static str),
     /// A width is given for an HTML page.
-    #[error(
-        "a page (.html) is as wide as its window: omit --width, or draw a picture (.svg, .png, .pdf)"
-    )]
+    #[error("a page (.html) is as wide as its window")]
+    #[diagnostic(help("omit --width, or draw a picture (.svg, .png, .pdf)"))]
     PageWidth,
     /// `--points` is combined with `--x` or `--y`.
     #[error(
@@ -83,36 +89,41 @@ pub enum CommandError {
     )]
     PointsInColumns,
     /// A separator is given for an output that is not comma-separated.
-    #[error(
-        "--separator applies to comma-separated values: name a .csv file with --out (`table` also has --csv)"
-    )]
+    #[error("--separator applies to comma-separated values")]
+    #[diagnostic(help("name a .csv file with --out (`table` also has --csv)"))]
     NoSeparator,
     /// `--regions` is given, but no curve in two parameters has known numbers of unstable
     /// directions.
     #[error(
-        "--regions: no document has a curve of LP, HB, PD, TR or BP in two parameters with known numbers of unstable \
-         directions; trace one with --hold and stability=true, or trace it again if it is from another version"
+        "--regions: no document has a curve of LP, HB, PD, TR or BP in two parameters with known numbers of \
+         unstable directions"
     )]
+    #[diagnostic(help(
+        "trace such a curve with --hold and stability=true; repeat the trace of a document of another version"
+    ))]
     NoRegions,
     /// Several columns are given for the vertical axis of a sweep.
-    #[error("sweeps (.npz) are drawn with one column on the vertical axis: name one with --y")]
+    #[error("sweeps (.npz) are drawn with one column on the vertical axis")]
+    #[diagnostic(help("name one column with --y"))]
     OneColumn,
     /// The grid is invalid.
     #[error(transparent)]
+    #[diagnostic(transparent)]
     Grid(SceneError),
     /// The output folder contains the results of another grid.
     #[error(
-        "{} contains designs of another scene, other settings or another version, listed in its scene.txt; choose another \
-         folder with --out, or remove that folder", folder.display()
+        "{} contains designs of another scene, other settings or another version, listed in its scene.txt", folder.display()
     )]
+    #[diagnostic(help("choose another folder with --out, or remove that folder"))]
     OtherGrid { folder: PathBuf },
     /// An option that cannot be combined with a grid.
     #[error("a grid traces the scene as written and cannot be combined with {0}")]
     NotInGrid(&'static str),
     /// Two designs of a grid would be saved in the same file.
-    #[error(
-        "two designs of the grid have the same name `{name}`: values must differ in their first 12 digits, and names in letters and digits"
-    )]
+    #[error("two designs of the grid have the same name `{name}`")]
+    #[diagnostic(help(
+        "choose values that differ in their first 12 digits, and names that differ in letters and digits"
+    ))]
     EqualDesigns { name: String },
     /// The name of a design is too long for a file name.
     #[error(
@@ -120,20 +131,20 @@ pub enum CommandError {
     )]
     LongDesign { name: String, most: usize },
     /// Some designs of a grid failed.
-    #[error(
-        "{failed} of {of} designs failed; the others are saved, and the same command retries the failed ones"
-    )]
+    #[error("{failed} of {of} designs failed; the others are saved")]
+    #[diagnostic(help("repeat the command to retry the designs that failed"))]
     Designs { failed: usize, of: usize },
     /// No document has the requested column.
-    #[error("{}", sentence(.0))]
+    #[error(transparent)]
+    #[diagnostic(transparent)]
     NoColumn(UnknownName),
     /// The scene has no sweeps.
-    #[error(
-        "`{scene}` has no sweeps: give the values to sweep over with --over NAME=LOW..HIGH:COUNT"
-    )]
+    #[error("`{scene}` has no sweeps")]
+    #[diagnostic(help("give the values to sweep over with --over NAME=LOW..HIGH:COUNT"))]
     NoSweep { scene: String },
     /// The parts do not add up to a complete sweep.
     #[error("{files}: {cause}")]
+    #[diagnostic(forward(cause))]
     Merge {
         /// The files of the parts.
         files: String,
@@ -142,18 +153,25 @@ pub enum CommandError {
     },
     /// The results could not be saved.
     #[error(transparent)]
+    #[diagnostic(transparent)]
     Unsaved(SaveError),
     /// The results cannot be converted to a format.
     #[error(transparent)]
+    #[diagnostic(transparent)]
     Unrendered(RenderError),
     /// The command was interrupted by Ctrl-C, SIGTERM or SIGHUP.
     #[error("interrupted; results computed so far are saved")]
     Interrupted,
     /// The standard output cannot be written to.
-    #[error(
-        "cannot write to the standard output: {0}; the files listed above are complete; redirect the output to a file instead"
-    )]
+    #[error("cannot write to the standard output: {0}; the files listed above are complete")]
+    #[diagnostic(help("redirect the output to a file instead"))]
     Output(#[from] std::io::Error),
+}
+
+/// Returns the remedy for the name of an unknown scene.
+fn of_scene(unknown: &UnknownName) -> String {
+    let help = unknown.help().map_or(String::new(), |help| format!("{help}; "));
+    format!("{help}or give the path of a RON file (`tangency scenes` lists all scenes)")
 }
 
 impl CommandError {

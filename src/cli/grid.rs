@@ -7,6 +7,7 @@ use super::results::Results;
 use super::signals;
 use super::warning::warn;
 use super::watch::bar;
+use crate::core::failure::one_line;
 use crate::core::sweep::Part;
 use crate::output::{
     Columns, Document, Format, PointTable, Selection, SizeLimit, Summary, read, write_atomically,
@@ -222,7 +223,7 @@ fn together(
                 Err(CommandError::Interrupted) => {}
                 Err(cause) => {
                     failed += 1;
-                    bar.suspend(|| warn(&format!("{name}: {cause}")));
+                    bar.suspend(|| warn(&format!("{name}: {}", one_line(&cause))));
                 }
             }
         }

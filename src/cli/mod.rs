@@ -41,9 +41,9 @@ mod trace;
 mod warning;
 mod watch;
 
+use crate::core::spelling::shown;
 use crate::output::{SizeLimit, printable};
 use crate::scene::Catalogue;
-use crate::spelling::shown;
 use clap::{Parser, Subcommand};
 use sources::Sources;
 use std::ffi::OsString;
@@ -143,8 +143,7 @@ pub fn run(catalogue: Catalogue) -> ExitCode {
     match result.and_then(|()| Ok(out.flush()?)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            // The error is ignored if the error stream is closed, too.
-            let _ = writeln!(std::io::stderr(), "error: {}", printable(&error.to_string()));
+            warning::complain(&error);
             ExitCode::from(error.code())
         }
     }

@@ -140,7 +140,7 @@ impl SceneAt {
         if !is_path && !path.exists() {
             let names = catalogue.scenes().iter().map(|scene| scene.name.as_str());
             let unknown = UnknownName::new("scene", &self.scene, names);
-            return Err(CommandError::UnknownScene(unknown));
+            return Err(CommandError::UnknownScene { unknown });
         }
         let bytes = read(path, limit)?;
         // Old XPPAUT files may use an encoding other than UTF-8.

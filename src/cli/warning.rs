@@ -1,9 +1,19 @@
-//! Warnings on the error stream.
+//! Errors and warnings on the error stream.
 
 use crate::output::printable;
+use miette::Diagnostic;
 use std::io::Write;
 
 /// Prints a warning. Errors in writing the warning are ignored.
 pub fn warn(what: &str) {
     let _ = writeln!(std::io::stderr(), "warning: {}", printable(what));
+}
+
+/// Prints an error, and on a line of its own the help. Errors in writing are ignored.
+pub fn complain(error: &dyn Diagnostic) {
+    let mut lines = format!("error: {}", printable(&error.to_string()));
+    if let Some(help) = error.help() {
+        lines += &format!("\nhelp: {}", printable(&help.to_string()));
+    }
+    let _ = writeln!(std::io::stderr(), "{lines}");
 }

@@ -15,14 +15,27 @@
 //! ```
 
 use super::cancel::Cancelled;
+use miette::Diagnostic;
 
 /// A pivot counts as zero if it is smaller than this fraction of the largest pivot of an equilibrated
 /// matrix, or of the largest entry of its row.
 pub(in crate::core) const SINGULAR: f64 = 1e-15;
 
+/// Returns the message of an error with its help, in one line: `message; help`.
+///
+/// ```
+/// use tangency::core::failure::{OutOfDomain, one_line};
+/// let error = OutOfDomain::new("u", 1.5, "keep u below 1");
+/// assert_eq!(one_line(&error), "u = 1.500000e0 is outside the domain of the equations; keep u below 1");
+/// ```
+pub fn one_line(error: &dyn Diagnostic) -> String {
+    error.help().map_or(error.to_string(), |help| format!("{error}; {help}"))
+}
+
 /// A value outside the domain of the equations.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{quantity} = {value:.6e} is outside the domain of the equations: {remedy}")]
+#[derive(Clone, Debug, PartialEq, miette::Diagnostic, thiserror::Error)]
+#[error("{quantity} = {value:.6e} is outside the domain of the equations")]
+#[diagnostic(help("{remedy}"))]
 pub struct OutOfDomain {
     /// The name of the quantity with the offending value.
     pub quantity: String,
@@ -40,11 +53,12 @@ impl OutOfDomain {
 }
 
 /// The reason why a trajectory ends early.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum FlowError {
     /// The trajectory leaves the domain of the field.
     #[error("at t = {time:.9e}: {left}")]
+    #[diagnostic(forward(left))]
     OutOfDomain {
         /// The time.
         time: f64,
@@ -53,12 +67,11 @@ pub enum FlowError {
     },
     /// The work was cancelled.
     #[error(transparent)]
+    #[diagnostic(transparent)]
     Cancelled(#[from] Cancelled),
     /// A state, its slope or the result of a step is not finite.
-    #[error(
-        "at t = {time:.9e}: state {state} or its slope is not finite ({value:e}); end the flow before the \
-         field becomes undefined"
-    )]
+    #[error("at t = {time:.9e}: state {state} or its slope is not finite ({value:e})")]
+    #[diagnostic(help("end the flow before the field becomes undefined"))]
     NotFinite {
         /// The time.
         time: f64,
@@ -70,9 +83,9 @@ pub enum FlowError {
     /// The step size became too small for the tolerance: the solution or a derivative of the field is
     /// singular.
     #[error(
-        "at t = {time:.9e} even a step of {step:.1e} is too large: the solution blows up or the field is not \
-         smooth; end the flow earlier, or split it where the field changes"
+        "at t = {time:.9e} even a step of {step:.1e} is too large: the solution blows up or the field is not smooth"
     )]
+    #[diagnostic(help("end the flow earlier, or split the flow where the field changes"))]
     StepTooSmall {
         /// The time.
         time: f64,
@@ -81,10 +94,12 @@ pub enum FlowError {
     },
     /// The flow took more steps than allowed.
     #[error(
-        "at t = {time:.9e} the flow reached its limit of {steps} steps, the last one of {step:.1e}: allow more \
-         steps, loosen the tolerance, split the interval, or use the implicit method Rodas5P if the field is \
-         stiff"
+        "at t = {time:.9e} the flow reached its limit of {steps} steps, the last one of {step:.1e}"
     )]
+    #[diagnostic(help(
+        "allow more steps, loosen the tolerance, split the interval, or use the implicit method Rodas5P if the \
+         field is stiff"
+    ))]
     TooManySteps {
         /// The time.
         time: f64,
@@ -95,9 +110,10 @@ pub enum FlowError {
     },
     /// Stability, not accuracy, limits the steps of an explicit method.
     #[error(
-        "at t = {time:.9e} the field is stiff: a step of {step:.1e} times its fastest rate is {product:.1}, \
-         the limit of stability; use the implicit method Rodas5P"
+        "at t = {time:.9e} the field is stiff: a step of {step:.1e} times its fastest rate is {product:.1}, the \
+         limit of stability"
     )]
+    #[diagnostic(help("use the implicit method Rodas5P"))]
     Stiff {
         /// The time.
         time: f64,
@@ -116,14 +132,16 @@ impl FlowError {
 }
 
 /// The reason why equations cannot be evaluated or solved.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum Failure {
     /// The point lies outside the domain of the equations.
     #[error(transparent)]
+    #[diagnostic(transparent)]
     OutOfDomain(#[from] OutOfDomain),
     /// A number that must be finite is not.
-    #[error("{quantity} = {value:.6e} is not finite: {remedy}")]
+    #[error("{quantity} = {value:.6e} is not finite")]
+    #[diagnostic(help("{remedy}"))]
     NotFinite {
         /// The name of the number.
         quantity: String,
@@ -133,7 +151,8 @@ pub enum Failure {
         remedy: String,
     },
     /// A matrix is singular to 16 digits.
-    #[error("{}", singular(*pivot, *largest))]
+    #[error("the matrix is singular: pivot {pivot:.1e} where the largest is {largest:.1e}")]
+    #[diagnostic(help("{}", of_singular(*pivot)))]
     Singular {
         /// The smallest pivot.
         pivot: f64,
@@ -142,22 +161,25 @@ pub enum Failure {
     },
     /// A trajectory ends early.
     #[error(transparent)]
+    #[diagnostic(transparent)]
     Flow(#[from] FlowError),
     /// The work was cancelled.
     #[error(transparent)]
+    #[diagnostic(transparent)]
     Cancelled(#[from] Cancelled),
     /// Deviations, and rounding errors with them, grow so much over a segment that too few digits are
     /// left.
     #[error(
-        "deviations and rounding errors grow by {0:.1e} over a segment, which leaves too few digits: use more \
-         segments, or collocation"
+        "deviations and rounding errors grow by {0:.1e} over a segment, which leaves too few digits"
     )]
+    #[diagnostic(help("use more segments, or collocation"))]
     Growth(f64),
     /// A segment of a trial solution lasts longer than the limit.
     #[error(
         "a segment of a trial solution lasts {duration:.3e}, longer than the limit of {longest:.3e} (ten times \
-         the last solution): Newton's iteration diverges; take smaller steps"
+         the last solution): Newton's iteration diverges"
     )]
+    #[diagnostic(help("take smaller steps"))]
     Astray {
         /// The duration of the segment.
         duration: f64,
@@ -220,12 +242,13 @@ impl Failure {
     }
 }
 
-fn singular(pivot: f64, largest: f64) -> String {
-    let hint = match pivot == 0.0 {
-        true => " (is every equation written, and does every unknown occur in one?)",
-        false => "",
-    };
-    format!("the matrix is singular: pivot {pivot:.1e} where the largest is {largest:.1e}{hint}")
+fn of_singular(pivot: f64) -> &'static str {
+    match pivot == 0.0 {
+        true => {
+            "check that every equation is written, and that every unknown occurs in an equation"
+        }
+        false => "continue by arclength at a fold, or start away from the singular point",
+    }
 }
 
 /// Creates the error for a pivot that vanishes, relative to the largest one, or is NaN.

@@ -18,7 +18,7 @@
 //! | [`attractor`] | attractors by simulation: cycles, Lyapunov exponents, crises |
 //! | `sweep` (feature `scene`) | attractors over grids of parameters, on all cores |
 //! | [`numerics`] | quadrature, interpolation, bracketed roots |
-//! | [`cancel`], [`failure`] | cancellation of computations; the reasons of failures |
+//! | [`cancel`], [`failure`], [`spelling`] | cancellation of computations; the reasons of failures; suggestions for unknown names |
 //!
 //! A problem becomes a system, and a system has branches:
 //!
@@ -51,6 +51,7 @@ pub mod ode;
 pub mod orbit;
 pub mod problem;
 pub mod scalar;
+pub mod spelling;
 #[cfg(feature = "scene")]
 pub mod sweep;
 pub mod system;

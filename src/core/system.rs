@@ -546,7 +546,7 @@ pub trait OrbitEvents {
 }
 
 /// A discontinuity of a reset between one solution and another.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, miette::Diagnostic, thiserror::Error)]
 #[error(
     "the reset of the event `{event}` jumps: behind the event {state} changes from {:.6e} to {:.6e} at once", states[0], states[1]
 )]

@@ -291,8 +291,8 @@ pub(super) fn states_of(
     what: &str,
 ) -> Result<Vec<Stated>, ModelError> {
     if states.is_empty() {
-        let needed = format!("there must be at least one {what}");
-        let fault = Fault::Missing { what: "the equations".into(), needed };
+        let needed = format!("state at least one {what}");
+        let fault = Fault::Missing { what: "the equations are missing".into(), needed };
         return Err(basis.source.fault_of(&Phrase::default(), fault));
     }
     // Ends of arrays may be definitions that are constant.

@@ -82,9 +82,9 @@ fn check_count(source: &Source, statement: &Boundary, states: usize) -> Result<(
     if given == states + unknowns {
         return Ok(());
     }
-    let what = format!("{given} conditions and integrals");
+    let what = format!("{given} conditions and integrals are given");
     let needed = format!(
-        "there must be {}, as many as states ({states}) and unknowns ({unknowns})",
+        "give {}, as many as states ({states}) and unknowns ({unknowns})",
         states + unknowns
     );
     let phrase = statement.conditions.first().cloned().unwrap_or_default();

@@ -157,7 +157,7 @@ fn understood(
         ([], 1) => vec![0],
         ([], _) => {
             let what = format!("the guard `{name}` has no mode");
-            let needed = "name the modes that it ends, as in `modes: [\"flight\"]`".into();
+            let needed = "name the modes that the guard ends, as in `modes: [\"flight\"]`".into();
             return Err(source.fault_of(&guard.name, Fault::Missing { what, needed }));
         }
         (stated, _) => {
@@ -211,8 +211,10 @@ fn when(source: &Source, guard: &statement::Guard, scope: &Scope) -> Result<When
             let unused = [!guard.accumulates_to.0.is_empty(), guard.changes_in.is_some()];
             if unused.contains(&true) {
                 let what = format!("`accumulates_to` or `changes_in` of `{name}`");
-                let reason = "its events have given times: leave both fields out".into();
-                return Err(source.fault_of(&guard.name, Fault::Misplaced { what, reason }));
+                let reason = "the events of the guard have given times".into();
+                return Err(source
+                    .fault_of(&guard.name, Fault::Misplaced { what, reason })
+                    .with_help("omit both fields"));
             }
             Ok(When::At(Times::read(scope, at)?))
         }
@@ -225,10 +227,10 @@ fn when(source: &Source, guard: &statement::Guard, scope: &Scope) -> Result<When
         }
         (Some(_), Some(at)) => {
             let what = format!("`at` of `{name}`");
-            let reason =
-                "it already has a `function`: events are at zeros of a function or at given times"
-                    .into();
-            Err(source.fault_of(at, Fault::Misplaced { what, reason }))
+            let reason = "the guard has a `function`, too".into();
+            Err(source.fault_of(at, Fault::Misplaced { what, reason }).with_help(
+                "state either `function`, whose zeros are events, or `at`, the times of events",
+            ))
         }
     }
 }
@@ -316,11 +318,13 @@ fn reset(
             None if before.states.contains(state) => assembling.read(&state.as_str().into())?,
             None => {
                 let what =
-                    format!("the reset of `{}` leaves `{state}` undefined", guard.name.text);
-                let needed = format!(
-                    "`{}` has this state, but `{}` before it does not; give the value, as in `reset: [(\"{state}\", \"0\")]`",
-                    after.name, before.name
-                );
+                    format!(
+                        "the reset of `{}` leaves `{state}` undefined, a state of mode `{}` but not of `{}` \
+                         before the event",
+                        guard.name.text, after.name, before.name
+                    );
+                let needed =
+                    format!("give the value, as in `reset: [(\"{state}\", \"0\")]`");
                 return Err(source.fault_of(&guard.name, Fault::Missing { what, needed }));
             }
         });

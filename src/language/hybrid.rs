@@ -124,10 +124,12 @@ fn refuse_later_starts(
             if let (None, Some(mode)) = (first.scope.meaning(&state), later.iter().find(has)) {
                 let what = format!("`{state}` is a state of mode `{}`", mode.name);
                 let reason = format!(
-                    "motion begins in the first mode, `{}`, which does not have this state: leave it out, or state `{}` first",
-                    first.name, mode.name
+                    "motion begins in the first mode, `{}`, which does not have this state",
+                    first.name
                 );
-                return Err(source.fault_of(name, Fault::Misplaced { what, reason }));
+                return Err(source
+                    .fault_of(name, Fault::Misplaced { what, reason })
+                    .with_help(format!("omit this value, or state mode `{}` first", mode.name)));
             }
         }
     }

@@ -23,7 +23,8 @@ pub(super) fn modes_of(
     let common = Mode { states: states.clone(), ..Mode::default() };
     match (&modes[..], &product[..]) {
         ([], []) => {
-            let (what, needed) = ("the equations".into(), "there must be at least one mode".into());
+            let (what, needed) =
+                ("the equations have no mode".into(), "state at least one mode".into());
             Err(source.fault_of(&Phrase::default(), Fault::Missing { what, needed }))
         }
         ([first, ..], [_, ..]) => {

@@ -121,9 +121,9 @@ impl Scope {
         if !["t", "if", "sum", "then", "else", "of"].contains(&name) {
             return Ok(());
         }
-        let reason = "this name is reserved by the language; choose another one".to_string();
+        let reason = "this name is reserved by the language".to_string();
         let fault = Fault::Misplaced { what: format!("`{name}`"), reason };
-        Err(self.source.fault_of(phrase, fault))
+        Err(self.source.fault_of(phrase, fault).with_help("choose another name"))
     }
 
     /// Rejects time in formulas without time.
@@ -185,10 +185,9 @@ impl Scope {
         let arguments = arguments.iter().map(plain).collect::<Result<Vec<_>, _>>()?;
         self.refuse_reserved(name, &called)?;
         if arguments.is_empty() {
-            let needed =
-                "a function needs at least one argument; without arguments, make it a definition"
-                    .into();
-            let fault = Fault::Missing { what: format!("`{called}`"), needed };
+            let needed = "give an argument, or make the function a definition".into();
+            let fault =
+                Fault::Missing { what: format!("the function `{called}` has no argument"), needed };
             return Err(self.source.fault_of(name, fault));
         }
         for (k, argument) in arguments.iter().enumerate() {

@@ -2,7 +2,7 @@
 
 use crate::core::problem::UnknownName;
 use crate::misread::{Place, part_of, reason};
-use crate::spelling::sentence;
+use miette::Diagnostic;
 use ron::error::SpannedError;
 use serde::de::{Deserialize, Deserializer, Visitor};
 use serde::{Serialize, Serializer};
@@ -79,7 +79,7 @@ impl Source {
             Some(span) => self.place(span),
             None => Place::within(&phrase.text, part),
         };
-        ModelError { file: self.name.clone(), place: Box::new(place), fault }
+        ModelError::new(&self.name, place, fault)
     }
 
     /// Returns an error of a whole phrase.
@@ -99,7 +99,7 @@ impl Source {
 
     /// Returns an error at a part of the text.
     pub fn fault_at(&self, part: Range<usize>, fault: Fault) -> ModelError {
-        ModelError { file: self.name.clone(), place: Box::new(self.place(part)), fault }
+        ModelError::new(&self.name, self.place(part), fault)
     }
 
     /// Returns the line of an offset, from 1.
@@ -231,12 +231,14 @@ impl From<&str> for Phrase {
 /// assert!(matches!(error.fault, Fault::Unknown(_)));
 /// assert_eq!((error.place.line, error.place.column), (Some(2), 21));
 /// assert_eq!(error.to_string(), "\
-/// fold.ron, line 2, column 21: unknown name `lamda`; did you mean `lambda`? Known: lambda, x, t, pi, e
+/// fold.ron, line 2, column 21: unknown name `lamda`
 ///   |
 /// 2 |     states: [(\"x\", \"lamda - x^2\")],
 ///   |                     ^^^^^");
+/// let help = "did you mean `lambda`? Known: lambda, x, t, pi, e";
+/// assert_eq!(error.help.as_deref(), Some(help));
 /// ```
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, Eq, miette::Diagnostic, thiserror::Error)]
 #[error("{}{fault}{place}", self.prefix())]
 pub struct ModelError {
     /// The name of the source; empty for a source without a name.
@@ -245,9 +247,23 @@ pub struct ModelError {
     pub place: Box<Place>,
     /// The kind of error.
     pub fault: Fault,
+    /// The remedy, unless the fault implies the remedy.
+    #[help]
+    pub help: Option<String>,
 }
 
 impl ModelError {
+    fn new(file: &str, place: Place, fault: Fault) -> Self {
+        let help = fault.help().map(|help| help.to_string());
+        ModelError { file: file.into(), place: Box::new(place), fault, help }
+    }
+
+    /// Adds a remedy.
+    pub(crate) fn with_help(mut self, remedy: impl Into<String>) -> Self {
+        self.help = Some(remedy.into());
+        self
+    }
+
     fn prefix(&self) -> String {
         let at = self.place.line.map(|line| format!("line {line}, column {}", self.place.column));
         let parts = [Some(self.file.clone()).filter(|name| !name.is_empty()), at];
@@ -257,7 +273,7 @@ impl ModelError {
 }
 
 /// The kinds of errors in equations given as text.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, Eq, miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum Fault {
     /// A statement has an invalid form.
@@ -273,10 +289,11 @@ pub enum Fault {
         expected: String,
     },
     /// An unknown name.
-    #[error("{}", sentence(.0))]
+    #[error(transparent)]
+    #[diagnostic(transparent)]
     Unknown(UnknownName),
     /// A name that is declared twice.
-    #[error("`{name}` is already {first}; each name may be given only once")]
+    #[error("`{name}` is already {first}, and each name may be given only once")]
     Twice {
         /// The duplicate name.
         name: String,
@@ -310,11 +327,12 @@ pub enum Fault {
         through: String,
     },
     /// A missing part of a statement.
-    #[error("{what}: {needed}")]
+    #[error("{what}")]
+    #[diagnostic(help("{needed}"))]
     Missing {
         /// The statement that is incomplete.
         what: String,
-        /// The missing part, and how to give it.
+        /// The missing part, and how to give the part.
         needed: String,
     },
     /// A part that is not allowed at its place.
@@ -322,7 +340,7 @@ pub enum Fault {
     Misplaced {
         /// The misplaced part.
         what: String,
-        /// The reason, and the remedy.
+        /// The reason.
         reason: String,
     },
     /// A quantity that exceeds a limit.
@@ -356,7 +374,7 @@ pub enum Fault {
     Unsupported {
         /// The name of the construct in the other language.
         construct: String,
-        /// The reason, and the remedy.
+        /// The reason.
         reason: String,
     },
 }

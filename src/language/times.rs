@@ -58,7 +58,8 @@ impl Times {
         let what = || format!("the time `{}`", self.phrase.text);
         if period.is_none() {
             let needed = "state the period of the forcing, as in `period: \"1\"`".into();
-            return Err(source.fault_of(&self.phrase, Fault::Missing { what: what(), needed }));
+            let what = format!("{} has no period", what());
+            return Err(source.fault_of(&self.phrase, Fault::Missing { what, needed }));
         }
         // Two generic choices of parameters.
         let counts = [0.618_033_98, 0.414_213_56].map(|part| {
@@ -74,11 +75,13 @@ impl Times {
         match counts[0] > 0 && counts[0] == counts[1] {
             true => Ok(counts[0]),
             false => {
-                let reason = "it must grow by the period, or by a part 1/k of it, with each `n`, for all parameters, \
-                    as in `n*period + phase`"
+                let reason = "the time must grow by the period, or by a part 1/k of the period, with each `n`, for \
+                    all parameters"
                     .to_string();
                 let fault = Fault::Misplaced { what: what(), reason };
-                Err(source.fault_of(&self.phrase, fault))
+                Err(source
+                    .fault_of(&self.phrase, fault)
+                    .with_help("write, for example, `n*period + phase`"))
             }
         }
     }

@@ -5,15 +5,15 @@ use super::words::{Invalid, quoted};
 use crate::core::problem::UnknownName;
 use crate::core::system::Kind;
 use crate::misread::Place;
-use crate::spelling::sentence;
 use std::path::{Path, PathBuf};
 
 /// The error of a file that cannot be read, parsed or written.
-#[derive(Debug, thiserror::Error)]
+#[derive(Debug, miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum FileError {
     /// The file cannot be read.
-    #[error("cannot read {}: {source}; check the path and its permissions", path.display())]
+    #[error("cannot read {}: {source}", path.display())]
+    #[diagnostic(help("check the path and its permissions"))]
     Read {
         /// The path of the file.
         path: PathBuf,
@@ -21,7 +21,8 @@ pub enum FileError {
         source: std::io::Error,
     },
     /// The file cannot be written.
-    #[error("cannot write {}: {source}; choose a writable folder", path.display())]
+    #[error("cannot write {}: {source}", path.display())]
+    #[diagnostic(help("choose a writable folder"))]
     Write {
         /// The path of the file.
         path: PathBuf,
@@ -40,7 +41,8 @@ pub enum FileError {
         at: usize,
     },
     /// The output path is not a folder.
-    #[error("{} is {kind}, not a folder: choose a folder with --out", path.display())]
+    #[error("{} is {kind}, not a folder", path.display())]
+    #[diagnostic(help("choose a folder with --out"))]
     NoFolder {
         /// The path.
         path: PathBuf,
@@ -48,10 +50,8 @@ pub enum FileError {
         kind: &'static str,
     },
     /// The name of a result is too long.
-    #[error(
-        "the name of the result, `{}`, has {} bytes, and at most {most} are allowed: give the scene's file a shorter name",
-        quoted(name), name.len()
-    )]
+    #[error("the name of the result, `{}`, has {} bytes, and at most {most} are allowed", quoted(name), name.len())]
+    #[diagnostic(help("give the scene's file a shorter name"))]
     LongName {
         /// The name of the result.
         name: String,
@@ -67,10 +67,8 @@ pub enum FileError {
         source: FormatError,
     },
     /// The output is a device, a FIFO or a folder, which is not replaced.
-    #[error(
-        "{} is {kind}, and only regular files and symbolic links to them are replaced; choose another place with --out",
-        path.display()
-    )]
+    #[error("{} is {kind}, and only regular files and symbolic links to them are replaced", path.display())]
+    #[diagnostic(help("choose another place with --out"))]
     Special {
         /// The path.
         path: PathBuf,
@@ -89,7 +87,8 @@ pub enum FileError {
         limit: u64,
     },
     /// The input is a FIFO to which no process writes.
-    #[error("{} is {kind} and produced no data for 5 s; name a file", path.display())]
+    #[error("{} is {kind} and produced no data for 5 s", path.display())]
+    #[diagnostic(help("name a file"))]
     Silent {
         /// The path.
         path: PathBuf,
@@ -98,9 +97,11 @@ pub enum FileError {
     },
     /// Another run writes the same result.
     #[error(
-        "another run{} is writing {}: wait until it ends, end it, or choose another folder with --out",
-        process.map_or(String::new(), |id| format!(", process {id},")), path.display()
+        "another run{} is writing {}", process.map_or(String::new(), |id| format!(", process {id},")), path.display()
     )]
+    #[diagnostic(help(
+        "wait until the other run ends, end the run, or choose another folder with --out"
+    ))]
     Locked {
         /// The path of the result, without extensions.
         path: PathBuf,
@@ -108,10 +109,8 @@ pub enum FileError {
         process: Option<u32>,
     },
     /// The extension of a file is not a known format.
-    #[error(
-        "{} does not have an extension of a known format; known: {}",
-        path.display(), known.join(", ")
-    )]
+    #[error("{} does not have an extension of a known format", path.display())]
+    #[diagnostic(help("known: {}", known.join(", ")))]
     Ending {
         /// The path of the file.
         path: PathBuf,
@@ -119,7 +118,8 @@ pub enum FileError {
         known: &'static [&'static str],
     },
     /// The name of a file is invalid as the name of a result.
-    #[error("the name of the file {} contains control characters; rename it", quoted(&path.to_string_lossy()))]
+    #[error("the name of the file {} contains control characters", quoted(&path.to_string_lossy()))]
+    #[diagnostic(help("rename the file"))]
     Name {
         /// The path of the file.
         path: PathBuf,
@@ -137,14 +137,12 @@ impl FileError {
 }
 
 /// The error of a text that is not a document, or of a document that cannot be written.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum FormatError {
     /// The text has no tag of this toolkit.
-    #[error(
-        "not a tangency document (line {line}, column {column}: {reason}); \
-         give a file saved by a trace"
-    )]
+    #[error("not a tangency document (line {line}, column {column}: {reason})")]
+    #[diagnostic(help("give a file saved by a trace"))]
     Foreign {
         /// The line of the first error, counted from 1.
         line: usize,
@@ -154,19 +152,17 @@ pub enum FormatError {
         reason: String,
     },
     /// The document has another version of the format.
-    #[error(
-        "the document's format is `{found}`, but this program reads `{FORMAT}`; \
-         trace it again, or use the program that saved it"
-    )]
+    #[error("the document's format is `{found}`, but this program reads `{FORMAT}`")]
+    #[diagnostic(help(
+        "repeat the trace, or read the document with the program that saved the document"
+    ))]
     Version {
         /// The tag of the document.
         found: String,
     },
     /// The text is truncated.
-    #[error(
-        "the document ends prematurely at line {line}, column {column}; \
-         the file is truncated: copy or trace it again"
-    )]
+    #[error("the document ends prematurely at line {line}, column {column}; the file is truncated")]
+    #[diagnostic(help("copy the file again, or repeat the trace"))]
     Truncated {
         /// The line, counted from 1.
         line: usize,
@@ -174,10 +170,8 @@ pub enum FormatError {
         column: usize,
     },
     /// The document has an invalid form.
-    #[error(
-        "line {}, column {}: {reason}; correct it or trace it again{place}",
-        place.line.unwrap_or(1), place.column
-    )]
+    #[error("line {}, column {}: {reason}", place.line.unwrap_or(1), place.column)]
+    #[diagnostic(help("correct the document, or repeat the trace{place}"))]
     Syntax {
         /// The position, with the text of the line.
         place: Box<Place>,
@@ -186,9 +180,11 @@ pub enum FormatError {
     },
     /// The document contains an invalid value.
     #[error(transparent)]
+    #[diagnostic(transparent)]
     Invalid(#[from] Invalid),
     /// The archive of a sweep is damaged, or is not an archive.
-    #[error("not a file of sweeps ({reason}); give a file saved by a sweep, or repeat the sweep")]
+    #[error("not a file of sweeps ({reason})")]
+    #[diagnostic(help("give a file saved by a sweep, or repeat the sweep"))]
     Archive {
         /// The reason.
         reason: String,
@@ -208,14 +204,16 @@ pub enum FormatError {
 }
 
 /// The error of a requested special point that is missing or ambiguous.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, Eq, miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum UnknownPoint {
     /// No branch has the requested name.
-    #[error("{}", sentence(.0))]
+    #[error(transparent)]
+    #[diagnostic(transparent)]
     Branch(#[from] UnknownName),
     /// No special point has the requested label.
-    #[error("no special point has the label {label}; known: {}", known.join(", "))]
+    #[error("no special point has the label {label}")]
+    #[diagnostic(help("known: {}", known.join(", ")))]
     Label {
         /// The requested label.
         label: usize,
@@ -223,7 +221,8 @@ pub enum UnknownPoint {
         known: Vec<String>,
     },
     /// Several branches have the requested label.
-    #[error("several branches have the label {label}; name one of {}", candidates.join(", "))]
+    #[error("several branches have the label {label}")]
+    #[diagnostic(help("name one of {}", candidates.join(", ")))]
     Ambiguous {
         /// The requested label.
         label: usize,
@@ -236,11 +235,12 @@ pub enum UnknownPoint {
 }
 
 /// The error of a figure that cannot be drawn.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum FigureError {
     /// A branch lacks a column.
-    #[error("branch `{branch}`: {}", sentence(source))]
+    #[error("branch `{branch}`: {source}")]
+    #[diagnostic(forward(source))]
     UnknownColumn {
         /// The name of the branch.
         branch: String,
@@ -248,16 +248,19 @@ pub enum FigureError {
         source: UnknownName,
     },
     /// No branch and no sweep has a column.
-    #[error("{}", sentence(.0))]
+    #[error(transparent)]
+    #[diagnostic(transparent)]
     NoColumn(UnknownName),
     /// No figure has an axis for a column that should be logarithmic.
-    #[error("no axis shows only {}: name all columns of an axis, or omit the logarithm", names.join(", "))]
+    #[error("no axis shows only {}", names.join(", "))]
+    #[diagnostic(help("name all columns of an axis, or omit the logarithm"))]
     NotLogarithmic {
         /// The named columns.
         names: Vec<String>,
     },
     /// No column is chosen for the vertical axis, and the branch has no monitor.
-    #[error("branch `{branch}` has no monitor to draw; choose the column for y: {}", available.join(", "))]
+    #[error("branch `{branch}` has no monitor to draw")]
+    #[diagnostic(help("choose the column for y: {}", available.join(", ")))]
     NoMonitor {
         /// The name of the branch.
         branch: String,
@@ -266,9 +269,10 @@ pub enum FigureError {
     },
     /// The special point is missing from which a column's deviations are measured.
     #[error(
-        "`{column}` should be shown as its deviation from the first {kind} of `{branch}`, but the branch has no {kind}: \
-         trace as far as that point, or omit the deviation"
+        "`{column}` should be shown as its deviation from the first {kind} of `{branch}`, but the branch has no \
+         {kind}"
     )]
+    #[diagnostic(help("trace as far as that point, or omit the deviation"))]
     NoOrigin {
         /// The column.
         column: String,
@@ -279,9 +283,11 @@ pub enum FigureError {
     },
     /// A point whose profiles should be drawn does not exist.
     #[error(transparent)]
+    #[diagnostic(transparent)]
     UnknownPoint(#[from] UnknownPoint),
     /// No point has a profile that should be drawn.
-    #[error("{}", sentence(.0))]
+    #[error(transparent)]
+    #[diagnostic(transparent)]
     UnknownProfile(UnknownName),
     /// A coordinate is NaN or infinite.
     #[error("`{series}` cannot be drawn: its point {index} is ({}, {})", at[0], at[1])]
@@ -294,7 +300,8 @@ pub enum FigureError {
         at: [f64; 2],
     },
     /// A coordinate that a logarithmic axis cannot show.
-    #[error("point {index} of `{series}` is at ({}, {}), which a logarithmic axis cannot show: remove the point, or use a linear axis", at[0], at[1])]
+    #[error("point {index} of `{series}` is at ({}, {}), which a logarithmic axis cannot show", at[0], at[1])]
+    #[diagnostic(help("remove the point, or use a linear axis"))]
     NotPositive {
         /// The name of the curve or mark.
         series: String,
@@ -326,9 +333,8 @@ pub enum FigureError {
         range: std::ops::RangeInclusive<f64>,
     },
     /// The font of a picture lacks a letter.
-    #[error(
-        "the font of PNG lacks the letter `{letter}` in `{text}`; draw an SVG, which uses the viewer's fonts, or change the text"
-    )]
+    #[error("the font of PNG lacks the letter `{letter}` in `{text}`")]
+    #[diagnostic(help("draw an SVG, which uses the viewer's fonts, or change the text"))]
     Letter {
         /// The missing letter.
         letter: char,

@@ -50,7 +50,7 @@ impl Element for f64 {
 }
 
 /// The error of a file that is not a column of the required numbers.
-#[derive(Debug, thiserror::Error)]
+#[derive(Debug, miette::Diagnostic, thiserror::Error)]
 pub(super) enum ColumnError {
     #[error("it is not an array in NumPy's format")]
     Format,

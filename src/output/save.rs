@@ -57,14 +57,16 @@ pub struct Results<'a> {
 }
 
 /// The error of results that cannot be rendered.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum RenderError {
     /// The picture cannot be drawn.
     #[error(transparent)]
+    #[diagnostic(transparent)]
     Figure(#[from] FigureError),
     /// The data cannot be written.
     #[error(transparent)]
+    #[diagnostic(transparent)]
     Format(#[from] FormatError),
     /// The format is unsuitable.
     #[error("{0}")]
@@ -72,14 +74,16 @@ pub enum RenderError {
 }
 
 /// The error of results that could not be saved.
-#[derive(Debug, thiserror::Error)]
+#[derive(Debug, miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum SaveError {
     /// A file cannot be written.
     #[error(transparent)]
+    #[diagnostic(transparent)]
     File(#[from] FileError),
     /// The picture cannot be drawn. All other files are saved.
     #[error(transparent)]
+    #[diagnostic(transparent)]
     Figure(#[from] FigureError),
     /// The format is unsuitable.
     #[error("{}: {reason}", path.display())]

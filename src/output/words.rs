@@ -1,9 +1,9 @@
 //! Names and texts from files: their allowed contents, and their form in messages.
 
-use crate::spelling::is_hidden;
+use crate::core::spelling::is_hidden;
 
 /// An invalid value in a document.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, Eq, miette::Diagnostic, thiserror::Error)]
 #[error("{place} is {found}, but {rule}")]
 pub struct Invalid {
     /// The place: branch, point or label, column.

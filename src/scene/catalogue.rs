@@ -197,9 +197,9 @@ impl Catalogue {
             (Some(stated), None) => self.problem(stated, within, &given)?,
             (None, Some(file)) => with_default_settings(within, file, &given)?,
             (stated, _) => {
-                let found = if stated.is_some() { "given twice" } else { "missing" };
-                let rule = "must be given once, as `problem: …` or as `model: \"file.ron\"`";
-                return Err(SceneError::invalid("the problem", found, rule));
+                let found = if stated.is_some() { "is given twice" } else { "is missing" };
+                let help = "give the problem once, as `problem: …` or as `model: \"file.ron\"`";
+                return Err(SceneError::invalid(format!("the problem {found}")).with_help(help));
             }
         };
         let Scene {

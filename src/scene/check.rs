@@ -8,7 +8,7 @@ use super::statement::{Run, Scene, Start, Sweep};
 use crate::core::attractor::StroboscopicError;
 use crate::core::bifurcation::catalogue::of_curves;
 use crate::core::problem::{Forcing, Measure, UnknownName, position};
-use crate::spelling::shown;
+use crate::core::spelling::shown;
 use std::collections::HashSet;
 use std::ops::RangeInclusive;
 
@@ -26,8 +26,7 @@ impl Scene {
     pub(super) fn check(&self) -> Result<(), SceneError> {
         self.check_words()?;
         if self.runs.is_empty() && self.sweeps.is_empty() {
-            let rule = "a scene must have at least one run or one sweep";
-            return Err(SceneError::invalid("the list of runs", "empty", rule));
+            return Err(SceneError::invalid("the scene has neither runs nor sweeps"));
         }
         self.check_parameters()?;
         check_durations(&self.problem, &self.values()?)?;
@@ -37,9 +36,9 @@ impl Scene {
         unique("column of a label", self.plot.labels.iter().map(|(column, _)| column))?;
         for (name, value) in &self.parameters {
             if !value.is_finite() {
-                let rule = "must be a finite number";
-                let place = format!("parameter `{}`", shown(name));
-                return Err(SceneError::invalid(place, value.to_string(), rule));
+                let name = shown(name);
+                let message = format!("parameter `{name}` is {value}, but must be a finite number");
+                return Err(SceneError::invalid(message));
             }
         }
         self.check_settings()?;
@@ -48,11 +47,11 @@ impl Scene {
         if aperiodic
             && (self.runs.iter().any(|run| !run.along.is_empty()) || !self.sweeps.is_empty())
         {
-            let rule = "must be periodic where branches are traced: state the period of the forcing as `period: \"2*pi/w\"`, after `tangency import` for an .ode file";
             return Err(SceneError::invalid(
-                "the time `t` in the equations",
-                "without a period",
-                rule,
+                "the equations contain the time `t`, but have no period, and branches need a period",
+            )
+            .with_help(
+                "state the period of the forcing as `period: \"2*pi/w\"`, after `tangency import` for an .ode file",
             ));
         }
         if let Ok(motion) = self.problem.model().motion() {
@@ -72,9 +71,9 @@ impl Scene {
         match self.problem.parameter_names().iter().find(named) {
             None => Ok(()),
             Some(name) => {
-                let place = format!("the name of the parameter `{}`", shown(name));
-                let rule = "must be unambiguous for `--set`: rename the parameter";
-                Err(SceneError::invalid(place, "also the name of a setting", rule))
+                let name = shown(name);
+                let message = format!("a parameter and a setting have the same name, `{name}`");
+                Err(SceneError::invalid(message).with_help("rename the parameter"))
             }
         }
     }
@@ -82,11 +81,7 @@ impl Scene {
     /// Rejects settings outside their ranges.
     pub(super) fn check_settings(&self) -> Result<(), SceneError> {
         let sound = self.problem.model().check().and_then(|()| self.settings.check());
-        sound.map_err(|error| {
-            let (place, rule) =
-                (format!("the setting `{}`", error.name), format!("must be {}", error.range));
-            SceneError::invalid(place, error.value.to_string(), rule)
-        })
+        sound.map_err(|error| SceneError::invalid(error.to_string()))
     }
 
     pub(super) fn check_parameters(&self) -> Result<(), SceneError> {
@@ -100,21 +95,20 @@ impl Scene {
         check_durations(&resolved.problem, &resolved.values)?;
         let place = |what: &str| format!("sweep `{}`, {what}", sweep.name);
         if !FLOW_TOLERANCES.contains(&sweep.flow_tolerance) {
-            let rule = "must be from 1e-15 to 1e-3";
-            return Err(SceneError::invalid(
-                place("flow_tolerance"),
-                sweep.flow_tolerance.to_string(),
-                rule,
-            ));
+            let (place, found) = (place("flow_tolerance"), sweep.flow_tolerance);
+            let message = format!("{place} is {found}, but must be from 1e-15 to 1e-3");
+            return Err(SceneError::invalid(message));
         }
         let tolerance = sweep.search.tolerance;
         if !(tolerance > 0.0 && tolerance < 1.0) {
-            let rule = "must be between 0 and 1";
-            return Err(SceneError::invalid(place("tolerance"), tolerance.to_string(), rule));
+            let message =
+                format!("{} is {tolerance}, but must be between 0 and 1", place("tolerance"));
+            return Err(SceneError::invalid(message));
         }
         if let (Some(at), Some(_)) = (&sweep.at, &sweep.local) {
-            let rule = "must be omitted where a local map is iterated";
-            return Err(SceneError::invalid(place("at"), at.clone(), rule));
+            let message =
+                format!("{} is `{}`, but a local map has no events", place("at"), shown(at));
+            return Err(SceneError::invalid(message).with_help("omit `at`"));
         }
         let Some(local) = &sweep.local else {
             let motion = resolved.motion()?;
@@ -161,8 +155,8 @@ impl Scene {
         if let Start::Simulated(simulated) = &run.start {
             check_simulated(simulated, &place, earlier)?;
         } else if run.along.is_empty() {
-            let rule = "a branch must vary at least one parameter";
-            return Err(SceneError::invalid(place("along"), "empty", rule));
+            let message = format!("{} is empty, but a branch varies a parameter", place("along"));
+            return Err(SceneError::invalid(message));
         }
         if let Start::Guess(values) = &run.start {
             unique("unknown", values.iter().map(|(name, _)| name))?;
@@ -181,8 +175,14 @@ impl Scene {
         if run.is_akin_to(named(earlier, from)?) {
             return Ok(());
         }
-        let rule = "must follow the flow, or the same local map, as this run does";
-        Err(SceneError::invalid(place("start"), format!("`{from}`"), rule))
+        let message = format!(
+            "run `{}` starts from `{}`, which follows another local map, or the flow",
+            run.name,
+            shown(from)
+        );
+        Err(SceneError::invalid(message).with_help(
+            "start from a run of the same local map, or of the flow for orbits of the flow",
+        ))
     }
 
     /// Rejects options of a run that do not apply to a local map.
@@ -192,15 +192,19 @@ impl Scene {
         let along = run.along.iter().map(|range| &range.name);
         check_map(local, &place, earlier, held.chain(along))?;
         if run.expanded.is_some() && (run.along.len(), local.parameters.len()) != (1, 2) {
-            let found = format!("a map in {}", local.parameters.join(", "));
-            let rule =
-                "must vary one of the two parameters of a map: the series gives the other one";
-            return Err(SceneError::invalid(place + ", expanded", found, rule));
+            let message = format!(
+                "{place}, expanded: the map has the parameters {}, and {} are varied, but a series varies one of the \
+                 two parameters of a map and gives the other one",
+                local.parameters.join(", "),
+                run.along.len()
+            );
+            return Err(SceneError::invalid(message));
         }
         if matches!(run.start, Start::Simulated(_)) {
-            let rule =
-                "must be `Guess` or `From` for points of a local map; a sweep iterates the map";
-            return Err(SceneError::invalid(place + ", start", "a simulation", rule));
+            let message = format!(
+                "{place} starts at a simulation, but points of a local map start at `Guess` or `From`"
+            );
+            return Err(SceneError::invalid(message).with_help("iterate the map by a sweep"));
         }
         Ok(())
     }
@@ -268,8 +272,8 @@ fn check_simulated(
     }
     let times = [("transient", simulated.transient), ("duration", simulated.duration)];
     if let Some((what, time)) = times.into_iter().find(|(_, time)| !TIMES.contains(time)) {
-        let rule = "must be from 0 to 1e15";
-        return Err(SceneError::invalid(place(what), time.to_string(), rule));
+        let message = format!("{} is {time}, but must be from 0 to 1e15", place(what));
+        return Err(SceneError::invalid(message));
     }
     let after = simulated.after.as_ref().map(|after| named(earlier, after)).transpose();
     Ok(after.map(|_| ())?)
@@ -284,17 +288,18 @@ fn check_map<'a>(
 ) -> Result<(), SceneError> {
     let place = format!("{place}, local");
     if named(earlier, &local.run)?.local.is_some() {
-        let rule = "must be a run of the flow with a grazing";
-        return Err(SceneError::invalid(place, format!("`{}`", local.run), rule));
+        let message = format!("{place}: `{}` is a run of a local map itself", shown(&local.run));
+        return Err(SceneError::invalid(message).with_help("name a run of the flow with a grazing"));
     }
     if local.parameters.is_empty() {
-        let rule = "must name the parameters of the map";
-        return Err(SceneError::invalid(place, "without parameters", rule));
+        return Err(SceneError::invalid(format!("{place} names no parameters of the map")));
     }
     match parameters.find(|name| !local.parameters.contains(name)) {
         Some(name) => {
-            let rule = format!("must be a parameter of the map: {}", local.parameters.join(", "));
-            Err(SceneError::invalid(place, format!("`{name}`"), rule))
+            let (name, known) = (shown(name), local.parameters.join(", "));
+            let message =
+                format!("{place}: `{name}` is not a parameter of the map, which has {known}");
+            Err(SceneError::invalid(message))
         }
         None => Ok(()),
     }
@@ -304,16 +309,17 @@ fn finite(place: &str, value: f64) -> Result<(), SceneError> {
     if value.is_finite() {
         return Ok(());
     }
-    let rule = "must be a finite number; omit an end of a range to leave it open";
-    Err(SceneError::invalid(place, value.to_string(), rule))
+    Err(SceneError::invalid(format!("{place} is {value}, but must be a finite number"))
+        .with_help("omit an end of a range that has no bound"))
 }
 
 fn unique<'a>(what: &str, names: impl Iterator<Item = &'a String>) -> Result<(), SceneError> {
     let mut seen = HashSet::new();
     match names.into_iter().find(|name| !seen.insert(*name)) {
         Some(name) => {
-            let place = format!("the {what} `{name}`");
-            Err(SceneError::invalid(place, "given twice", "may be given only once"))
+            let message =
+                format!("the {what} `{}` is given twice, but may be given only once", shown(name));
+            Err(SceneError::invalid(message))
         }
         None => Ok(()),
     }
@@ -324,9 +330,12 @@ fn check_held(run: &Run) -> Result<(), SceneError> {
     let held = of_curves();
     let Some(kind) = run.hold.filter(|kind| !held.contains(kind)) else { return Ok(()) };
     let held: Vec<&str> = held.iter().map(|kind| kind.letters()).collect();
-    let rule = format!("must be a kind that can be traced in two parameters: {}", held.join(", "));
-    let found = format!("{kind} ({})", kind.meaning());
-    Err(SceneError::invalid(format!("run `{}`, hold", run.name), found, rule))
+    let message = format!(
+        "run `{}` holds {kind} ({}), which cannot be traced in two parameters",
+        run.name,
+        kind.meaning()
+    );
+    Err(SceneError::invalid(message).with_help(format!("hold one of {}", held.join(", "))))
 }
 
 /// Rejects options of a local map in a run without one.
@@ -336,6 +345,7 @@ fn no_map(run: &Run) -> Result<(), SceneError> {
         (false, _) => format!("impacts: {:?}", run.impacts),
         (_, Some(kind)) => format!("expanded: {kind}"),
     };
-    let rule = "must come with a local map, `local`; orbits of the flow have an `itinerary`";
-    Err(SceneError::invalid(format!("run `{}`", run.name), found, rule))
+    let message = format!("run `{}` has `{found}`, but no local map, `local`", run.name);
+    Err(SceneError::invalid(message)
+        .with_help("state the `itinerary` of orbits of the flow instead"))
 }

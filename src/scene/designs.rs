@@ -2,6 +2,7 @@
 
 use super::error::SceneError;
 use super::statement::Grid;
+use crate::core::spelling::shown;
 use crate::core::sweep::spaced;
 use crate::output::significant;
 
@@ -29,13 +30,15 @@ pub fn designs(grid: &[Grid]) -> Result<Vec<Vec<(String, String)>>, SceneError> 
     let count = grid.iter().try_fold(1_usize, |all, axis| all.checked_mul(axis.count));
     let Some(count) = count.filter(|count| (1..=MOST).contains(count)) else {
         let counts: Vec<String> = grid.iter().map(|axis| axis.count.to_string()).collect();
-        let rule = "a grid must have from 1 to 100 000 designs";
-        return Err(SceneError::invalid("the grid", counts.join(" × "), rule));
+        let counts = counts.join(" × ");
+        let message = format!("the grid has {counts} designs, but must have from 1 to 100 000");
+        return Err(SceneError::invalid(message));
     };
     let twice = |(k, axis): &(usize, &Grid)| grid[..*k].iter().any(|it| it.name == axis.name);
     if let Some((_, axis)) = grid.iter().enumerate().find(twice) {
-        let rule = "each setting may occur only once in a grid";
-        return Err(SceneError::invalid("the grid", format!("`{}` twice", axis.name), rule));
+        let name = shown(&axis.name);
+        let message = format!("`{name}` occurs twice in the grid, but each setting may occur once");
+        return Err(SceneError::invalid(message));
     }
     let design = |mut index: usize| {
         let setting = |axis: &Grid| {

@@ -9,9 +9,9 @@ use crate::core::failure::Failure;
 use crate::core::numerics::ladder;
 use crate::core::ode::Scheme;
 use crate::core::system::{Matrices, System};
+use miette::Diagnostic;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
-use std::error::Error;
 
 /// The settings of a problem: serialized as RON, and set by name.
 pub(super) trait ProblemSettings:
@@ -388,7 +388,7 @@ impl Discretisation {
     }
 }
 
-fn built<S, E: Error + Send + Sync + 'static>(found: Result<S, E>) -> Result<S, SceneError> {
+fn built<S, E: Diagnostic + Send + Sync + 'static>(found: Result<S, E>) -> Result<S, SceneError> {
     Ok(found.map_err(ProblemError::new)?)
 }
 
@@ -397,5 +397,5 @@ pub(super) type Started = (Box<dyn System>, Vec<f64>);
 
 /// Returns the error for a simulated motion from which no branch can start.
 pub(super) fn no_start(cause: Failure) -> SceneError {
-    SceneError::value("start", "Simulated", cause.to_string())
+    SceneError::value("start", "Simulated", cause.to_string()).with_help_of(&cause)
 }

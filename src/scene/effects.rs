@@ -1,7 +1,7 @@
 //! Checks of settings: changed settings that have no effect are rejected.
 
 use super::discretisation::{SOLUTION, Solution};
-use super::error::{SceneError, under_setting};
+use super::error::SceneError;
 use super::notation::written;
 use super::resolve::{Resolved, ResolvedSweep};
 use super::set::is_of_sweeps;
@@ -23,7 +23,7 @@ impl Scene {
     /// Rejects changed values that have no effect for a purpose.
     ///
     /// # Errors
-    /// [`SceneError::NoEffect`] with the reason.
+    /// [`SceneError::NoEffect`] with the reason and the remedy.
     ///
     /// ```
     /// use tangency::scene::{BUILT_IN, Scene, Purpose};
@@ -46,10 +46,10 @@ impl Scene {
             let runs = resolution.runs.iter().map(|run| run.without_effect(name, purpose));
             let sweeps = resolution.sweeps.iter().filter(|_| purpose == Purpose::Sweeps);
             // An effect on one run or sweep suffices.
-            let reasons: Option<Vec<String>> =
+            let refused: Option<Vec<SceneError>> =
                 runs.chain(sweeps.map(|sweep| sweep.without_effect(name))).collect();
-            if let Some(reason) = reasons.and_then(|reasons| reasons.into_iter().next()) {
-                return Err(SceneError::NoEffect { name: name.into(), reason });
+            if let Some(error) = refused.and_then(|refused| refused.into_iter().next()) {
+                return Err(error);
             }
         }
         Ok(())
@@ -80,34 +80,35 @@ const NEEDS: [(&str, Need); 8] = [
 ];
 
 impl Resolved {
-    /// Returns why a changed value has no effect in this run, or `None` if it has one.
-    fn without_effect(&self, name: &str, purpose: Purpose) -> Option<String> {
+    /// Returns the error for a changed value that has no effect in this run, or `None` if the value
+    /// has an effect.
+    fn without_effect(&self, name: &str, purpose: Purpose) -> Option<SceneError> {
         if self.problem.parameter_names().iter().any(|known| known == name) {
             return None;
         }
         if is_of_sweeps(name) && !self.problem.names().iter().any(|known| known == name) {
-            return Some("on branches: it is a setting of sweeps".into());
+            return Some(SceneError::idle(name, "on branches: it is a setting of sweeps"));
         }
         if self.run.along.is_empty() {
-            return Some("on simulated histories: leave it out".into());
+            return Some(SceneError::idle(name, "on simulated histories"));
         }
         // Orbits may emanate from Hopf points of equilibria, and have other settings.
         let explores = purpose == Purpose::Exploration && self.problem.solution().is_some();
         if let Some((under, value)) = self.problem.model().without_effect(name) {
-            let reason = under_setting(&under, &value);
-            return (!explores || under != SOLUTION).then_some(reason);
+            let refused = SceneError::no_effect_under(name, &under, &value);
+            return (!explores || under != SOLUTION).then_some(refused);
         }
         if self.run.local.is_some() {
             return None;
         }
         if name == "order" {
-            return Some("where no local map is followed: leave it out".into());
+            return Some(SceneError::idle(name, "where no local map is followed"));
         }
         let (_, need) = NEEDS.into_iter().find(|(known, _)| *known == name)?;
         let at_rest = self.problem.solution().filter(|it| *it == Solution::Equilibrium);
         (!explores && self.lacks(need)).then(|| match at_rest.filter(|_| need != Need::Dynamics) {
-            Some(value) => under_setting(SOLUTION, &written(&value)),
-            None => format!("{}: leave it out", need.without()),
+            Some(value) => SceneError::no_effect_under(name, SOLUTION, &written(&value)),
+            None => SceneError::idle(name, need.without()),
         })
     }
 
@@ -125,17 +126,21 @@ impl Resolved {
 }
 
 impl ResolvedSweep {
-    /// Returns why a changed value has no effect in this sweep, or `None` if it has one.
-    fn without_effect(&self, name: &str) -> Option<String> {
+    /// Returns the error for a changed value that has no effect in this sweep, or `None` if the
+    /// value has an effect.
+    fn without_effect(&self, name: &str) -> Option<SceneError> {
+        let sweep = &self.sweep.name;
         if self.sweep.over.iter().any(|grid| grid.name == name) {
-            return Some(format!("on the sweep `{}`, which varies it", self.sweep.name));
+            let reason = format!("on the sweep `{sweep}`, which varies `{name}`");
+            return Some(SceneError::idle(name, reason));
         }
         if let Some((_, own)) = self.sweep.set.iter().find(|(key, _)| key == name) {
-            return Some(format!("on the sweep `{}`, which sets it to `{own}`", self.sweep.name));
+            let reason = format!("on the sweep `{sweep}`, which sets `{name}` to `{own}`");
+            return Some(SceneError::idle(name, reason));
         }
         let of_motion = self.problem.parameter_names().iter().any(|known| known == name);
         let has_effect = of_motion || is_of_sweeps(name) || self.sweep.local.is_some();
-        (!has_effect).then(|| "on sweeps of motion: leave it out".into())
+        (!has_effect).then(|| SceneError::idle(name, "on sweeps of motion"))
     }
 }
 

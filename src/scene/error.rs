@@ -7,21 +7,22 @@ use crate::core::hybrid::HybridError;
 use crate::core::local_map::GrazingError;
 use crate::core::manifold::ManifoldError;
 use crate::core::problem::UnknownName;
+use crate::core::spelling::shown;
 use crate::core::sweep::PlanError;
 use crate::language::ModelError;
 use crate::output::{Chosen, FigureError, TableDifference};
-use crate::spelling::{sentence, shown, spelled};
-use std::error::Error;
+use miette::Diagnostic;
 use std::sync::Arc;
 
 /// The error of a problem that cannot be built from its settings.
-#[derive(Clone, Debug, thiserror::Error)]
-#[error(transparent)]
-pub struct ProblemError(Arc<dyn Error + Send + Sync>);
+#[derive(Clone, Debug, miette::Diagnostic, thiserror::Error)]
+#[error("{0}")]
+#[diagnostic(forward(0))]
+pub struct ProblemError(Arc<dyn Diagnostic + Send + Sync>);
 
 impl ProblemError {
     /// Wraps the error of a problem.
-    pub fn new(cause: impl Error + Send + Sync + 'static) -> Self {
+    pub fn new(cause: impl Diagnostic + Send + Sync + 'static) -> Self {
         ProblemError(Arc::new(cause))
     }
 }
@@ -39,23 +40,27 @@ impl From<ModelError> for SceneError {
 }
 
 /// The error of a scene, or of a request to it.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum SceneError {
     /// A parameter or state is given both in `--over` and in `--from`, or twice in one of them.
-    #[error("`{0}` is given twice: give each parameter or state once, in `--over` or in `--from`")]
+    #[error("`{0}` is given twice")]
+    #[diagnostic(help("give each parameter or state once, in `--over` or in `--from`"))]
     Twice(String),
     /// `--both` is given without exactly one parameter to sweep.
-    #[error(
-        "`--both` sweeps the values of one parameter upward and downward: give one `--over`, of a parameter"
-    )]
+    #[error("`--both` sweeps the values of one parameter upward and downward")]
+    #[diagnostic(help("give `--over` once, with a parameter"))]
     BothWays,
     /// A name that the scene does not have.
-    #[error("{}", sentence(.0))]
+    #[error(transparent)]
+    #[diagnostic(transparent)]
     UnknownName(#[from] UnknownName),
     /// A value of the wrong form.
     #[error("`{}` cannot be `{}`: {reason}", shown(name), shown(value))]
     Value {
+        /// The remedy, unless the reason implies the remedy.
+        #[help]
+        help: Option<String>,
         /// The parameter or setting.
         name: String,
         /// The value.
@@ -68,13 +73,15 @@ pub enum SceneError {
     NoEffect {
         /// The parameter or setting.
         name: String,
-        /// Where and why the setting has no effect, and the remedy.
+        /// Where and why the setting has no effect.
         reason: String,
+        /// The remedy.
+        #[help]
+        help: Option<String>,
     },
     /// A parameter or setting that a run of the scene sets.
-    #[error(
-        "`{name}` is set by the scene: the run `{run}` sets it to `{value}`; copy the scene to a file to change that"
-    )]
+    #[error("`{name}` is set by the scene: the run `{run}` sets it to `{value}`")]
+    #[diagnostic(help("copy the scene to a file and change the run there"))]
     Varied {
         /// The parameter or setting.
         name: String,
@@ -84,7 +91,8 @@ pub enum SceneError {
         value: String,
     },
     /// A file of equations cannot be read.
-    #[error("{path} cannot be read: {cause}; check the path")]
+    #[error("{path} cannot be read: {cause}")]
+    #[diagnostic(help("check the path"))]
     File {
         /// The path of the file.
         path: String,
@@ -93,23 +101,25 @@ pub enum SceneError {
     },
     /// A scene has syntax errors, or its equations cannot be parsed.
     #[error(transparent)]
+    #[diagnostic(transparent)]
     Model(Box<ModelError>),
     /// The scene contains an invalid value.
-    #[error("{place} is {}, but {rule}", shown(found))]
+    #[error("{message}")]
     Invalid {
-        /// The place, for example "run `plate`, mark `load`".
-        place: String,
-        /// The present value.
-        found: String,
-        /// The condition that the value violates.
-        rule: String,
+        /// The place, the value there, and the condition that the value violates.
+        message: String,
+        /// The remedy, unless the message implies the remedy.
+        #[help]
+        help: Option<String>,
     },
     /// The problem cannot be built.
     #[error(transparent)]
+    #[diagnostic(transparent)]
     Problem(#[from] ProblemError),
     /// The problem lacks a capability that the scene needs.
     #[error(
-        "{needs}, and this problem is {kind}; to use a vector field in this way, state it as a hybrid system of one mode"
+        "{needs}, and this problem is {kind}; to use a vector field in this way, state it as a hybrid system of \
+         one mode"
     )]
     Unsupported {
         /// The problems that have the capability, in words.
@@ -118,7 +128,8 @@ pub enum SceneError {
         kind: &'static str,
     },
     /// Parameters without a value.
-    #[error("`{problem}` has no default values for {}: give them in `parameters`", missing.join(", "))]
+    #[error("`{problem}` has no default values for {}", missing.join(", "))]
+    #[diagnostic(help("give the values in `parameters`"))]
     MissingParameters {
         /// The problem.
         problem: &'static str,
@@ -127,23 +138,27 @@ pub enum SceneError {
     },
     /// The plan of a sweep is invalid.
     #[error(transparent)]
+    #[diagnostic(transparent)]
     Plan(#[from] PlanError),
     /// The motion cannot be sampled.
-    #[error("{}", spelled(.0))]
+    #[error(transparent)]
+    #[diagnostic(transparent)]
     Strobe(#[from] StroboscopicError),
     /// The known results belong to another scene.
-    #[error(
-        "the earlier runs are from another scene, or from other settings: remove their file, start with --afresh, or \
-         choose another folder"
-    )]
+    #[error("the earlier runs are from another scene, or from other settings")]
+    #[diagnostic(help(
+        "remove the file of the earlier runs, start with --afresh, or choose another folder"
+    ))]
     OtherScene,
     /// The known results have other tables.
-    #[error(
-        "the earlier runs are in other tables: {0}; remove their file, start with --afresh, or choose another folder"
-    )]
+    #[error("the earlier runs are in other tables: {0}")]
+    #[diagnostic(help(
+        "remove the file of the earlier runs, start with --afresh, or choose another folder"
+    ))]
     OtherTables(#[source] TableDifference),
     /// The finest discretisation does not reach the accuracy that a scene requests.
-    #[error("{chosen}, which is more: request a lower accuracy, or state the discretisation")]
+    #[error("{chosen}, which is more")]
+    #[diagnostic(help("request a lower accuracy, or state the discretisation"))]
     Unmet {
         /// The finest discretisation and its estimated error.
         chosen: Box<Chosen>,
@@ -181,6 +196,7 @@ pub enum SceneError {
     #[error(
         "the motion from the given state does not converge: {cause}; no branch starts at the state itself: {near}"
     )]
+    #[diagnostic(forward(near))]
     NoStart {
         /// The reason why no branch starts at the state.
         near: Box<SceneError>,
@@ -188,7 +204,8 @@ pub enum SceneError {
         cause: Box<SceneError>,
     },
     /// A run failed.
-    #[error("run `{run}`: {}", spelled(&**cause))]
+    #[error("run `{run}`: {cause}")]
+    #[diagnostic(forward(cause))]
     Run {
         /// The name of the run.
         run: String,
@@ -199,21 +216,32 @@ pub enum SceneError {
 }
 
 /// The reason for the failure of a run, or of a sweep of a local map.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
-#[error("{0}")]
 pub enum RunError {
     /// There is no local map.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
     Local(#[from] GrazingError),
     /// No curve emanates from the grazing of a local map.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
     Expansion(#[from] ExpansionError),
     /// A simulation ended early.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
     Simulation(#[from] HybridError),
     /// A simulation found no periodic motion to start from.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
     Unsettled(#[from] CycleSearchError),
     /// There is no saddle whose manifolds could be computed.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
     Manifold(#[from] ManifoldError),
     /// A trace could not start.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
     Trace(#[from] TraceError),
 }
 
@@ -248,26 +276,46 @@ impl SceneError {
     }
 
     pub(super) fn value(name: &str, value: &str, reason: impl Into<String>) -> Self {
-        SceneError::Value { name: name.into(), value: value.into(), reason: reason.into() }
+        let (name, value, reason) = (name.into(), value.into(), reason.into());
+        SceneError::Value { name, value, reason, help: None }
     }
 
     /// Returns the error for a setting that has no effect while another setting has a given value.
     pub(super) fn no_effect_under(name: &str, under: &str, value: &str) -> Self {
-        SceneError::NoEffect { name: name.into(), reason: under_setting(under, value) }
+        let reason = format!("where `{under}` is `{value}`");
+        let help = Some(format!("omit `{name}`, or set `{under}` too"));
+        SceneError::NoEffect { name: name.into(), reason, help }
     }
 
-    pub(super) fn invalid(
-        place: impl Into<String>,
-        found: impl Into<String>,
-        rule: impl Into<String>,
-    ) -> Self {
-        SceneError::Invalid { place: place.into(), found: found.into(), rule: rule.into() }
+    /// Returns the error for an invalid statement, which the message describes.
+    pub(super) fn invalid(message: impl Into<String>) -> Self {
+        SceneError::Invalid { message: message.into(), help: None }
     }
-}
 
-/// Explains why a setting has no effect while another setting has a given value, with the remedy.
-pub(super) fn under_setting(under: &str, value: &str) -> String {
-    format!("where `{under}` is `{value}`: leave it out, or set `{under}` too")
+    /// Returns the error for a setting that has no effect, with the reason; the remedy is to omit it.
+    pub(super) fn idle(name: &str, reason: impl Into<String>) -> Self {
+        let help = Some(format!("omit `{name}`"));
+        SceneError::NoEffect { name: name.into(), reason: reason.into(), help }
+    }
+
+    /// Adds a remedy to an error of an invalid statement, value or setting.
+    pub(super) fn with_help(mut self, remedy: impl Into<String>) -> Self {
+        if let SceneError::Invalid { help, .. }
+        | SceneError::Value { help, .. }
+        | SceneError::NoEffect { help, .. } = &mut self
+        {
+            *help = Some(remedy.into());
+        }
+        self
+    }
+
+    /// Adds the remedy of a cause, if the cause has a remedy.
+    pub(super) fn with_help_of(self, cause: &dyn Diagnostic) -> Self {
+        match cause.help() {
+            Some(help) => self.with_help(help.to_string()),
+            None => self,
+        }
+    }
 }
 
 /// Counts special points of a kind in words: `no HB`, `1 HB`.

@@ -37,27 +37,30 @@ pub struct Expansion {
 }
 
 /// The reason why no curve of special points emanates from a grazing.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum ExpansionError {
     /// No curve of special points emanates from the grazing.
     #[error(
         "no curve of folds or period doublings of orbits with one impact emanates from this grazing: the test \
-         function is {0:.1e} and should vanish; locate the degenerate point on the curve of \
-         grazings first"
+         function is {0:.1e} and should vanish"
     )]
+    #[diagnostic(help("locate the degenerate point on the curve of grazings first"))]
     NotDegenerate(f64),
     /// No curve of this kind is known.
     #[error("curves of LP and PD emanate from a degenerate grazing, but none of {0}")]
     NoCurve(Kind),
     /// A parameter that the map does not have.
-    #[error("{0}")]
+    #[error(transparent)]
+    #[diagnostic(transparent)]
     Unknown(#[from] UnknownName),
     /// The equations of the curve cannot be solved.
     #[error(transparent)]
+    #[diagnostic(transparent)]
     Failure(#[from] Failure),
     /// The series has too many terms.
     #[error(transparent)]
+    #[diagnostic(transparent)]
     Jet(#[from] JetError),
 }
 

@@ -12,7 +12,7 @@ use super::statement::{Run, Scene, Start};
 use super::trace::{Outcome, Tracing};
 use crate::core::bifurcation::catalogue;
 use crate::core::continuation::{Branch, SpecialPoint};
-use crate::core::failure::Failure;
+use crate::core::failure::{Failure, one_line};
 use crate::core::system::Kind;
 use std::collections::VecDeque;
 use std::error::Error;
@@ -94,9 +94,9 @@ impl Resolution {
         observer: &mut dyn SceneObserver,
     ) -> (Scene, Outcome) {
         if self.start().is_some() {
-            let rule =
-                "must start with all runs of the scene: explore the scene without a start point";
-            let cause = SceneError::invalid("the exploration", "given a start point", rule);
+            let cause =
+                SceneError::invalid("all runs of a scene are explored, and a start point is given")
+                    .with_help("explore the scene without a start point");
             return (self.scene().clone(), Outcome::failed(self.scene(), cause));
         }
         let Some(accuracy) = self.scene().accuracy else {
@@ -270,7 +270,11 @@ impl<'a> Exploration<'a> {
         // An orbit may end for good at its grazing, and where several eigenvalues are critical
         // branches may not be determined.
         if kind == Kind::G || several || run.hold.is_some() {
-            let why = format!("`{}`, from the {kind} {label}, is left out: {cause}", run.name);
+            let why = format!(
+                "`{}`, from the {kind} {label}, is left out: {}",
+                run.name,
+                one_line(&cause)
+            );
             self.warn(&from, [why]);
         } else {
             self.tracing.error.get_or_insert(cause);

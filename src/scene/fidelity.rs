@@ -13,6 +13,7 @@ use super::resolve::{Resolution, Resolved, reach};
 use super::statement::{Run, Scene};
 use super::trace::{Outcome, traced};
 use crate::core::continuation::{Branch, End, Observer, Point, Settings, SpecialPoint};
+use crate::core::failure::one_line;
 use crate::core::numerics::error_of_first;
 use crate::core::system::Kind;
 use crate::output::{Chosen, Document};
@@ -183,12 +184,11 @@ impl Scene {
     pub(super) fn check_accuracy(&self) -> Result<(), SceneError> {
         let Some(accuracy) = self.accuracy else { return Ok(()) };
         if !RANGE.contains(&accuracy) {
-            return refused(accuracy.to_string(), "must be between 1e-12 and 0.1");
+            return refused(format!("`accuracy` is {accuracy}, but must be between 1e-12 and 0.1"));
         }
         let ladder = self.ladder()?;
         if ladder.len() <= ABOVE {
-            let rule = "has nothing to choose from: this problem has no discretisation";
-            return refused(accuracy.to_string(), rule);
+            return Err(SceneError::idle(ACCURACY, "on this problem, which has no discretisation"));
         }
         let names = varied(&ladder);
         let (own, mut defaults) = (self.problem.settings(), self.problem.with_defaults());
@@ -198,7 +198,7 @@ impl Scene {
         let stated = own.into_iter().zip(defaults.settings());
         let mut different = stated.filter(|(own, default)| own != default).map(|(own, _)| own.0);
         if let Some(name) = different.find(|name| names.contains(name)) {
-            return refused(format!("stated beside `{name}`"), DECIDES);
+            return Err(decided(&name, ""));
         }
         self.runs.iter().try_for_each(|run| self.check_accuracy_of(run, &names))
     }
@@ -207,32 +207,38 @@ impl Scene {
     fn check_accuracy_of(&self, run: &Run, names: &[String]) -> Result<(), SceneError> {
         let decides = |name: &str| names.iter().any(|known| known == name) || name == "refinement";
         if let Some((name, _)) = run.set.iter().find(|(name, _)| decides(name)) {
-            return refused(format!("stated beside `{name}` by the run `{}`", run.name), DECIDES);
+            return Err(decided(name, &format!(" by the run `{}`", run.name)));
         }
         if run.local.is_some() {
-            let found = format!("stated for the run `{}` of a local map", run.name);
-            return refused(
-                found,
-                "applies to flows only: the error of a local map is determined by the distance from the grazing",
+            let reason = format!(
+                "on the run `{}` of a local map, whose error is determined by the distance from the grazing",
+                run.name
             );
+            return Err(SceneError::idle(ACCURACY, reason));
         }
         let Resolved { problem, values, reach, .. } = self.resolved(run)?;
         let own = varied(&problem.ladder(&values, &reach)?);
         match own.iter().find(|name| !names.contains(name)) {
-            Some(name) => refused(
-                format!("stated for the run `{}`, which has `{name}`", run.name),
-                "chooses one discretisation for all runs",
-            ),
+            Some(name) => refused(format!(
+                "`accuracy` chooses one discretisation for all runs, but the run `{}` has its own `{name}`",
+                run.name
+            )),
             None => Ok(()),
         }
     }
 }
 
-/// The rule against stating an accuracy together with the settings that it chooses.
-const DECIDES: &str = "chooses that setting: leave one of the two out";
+/// The name of the accuracy of a scene.
+const ACCURACY: &str = "accuracy";
 
-fn refused(found: String, rule: &str) -> Result<(), SceneError> {
-    Err(SceneError::invalid("`accuracy`", found, rule))
+/// Returns the error for an accuracy that is stated together with a setting that it chooses.
+fn decided(name: &str, by: &str) -> SceneError {
+    let message = format!("`accuracy` chooses `{name}`, which is also stated{by}");
+    SceneError::invalid(message).with_help(format!("omit `accuracy` or `{name}`"))
+}
+
+fn refused(message: String) -> Result<(), SceneError> {
+    Err(SceneError::invalid(message))
 }
 
 /// Returns the end of a branch at a special point.
@@ -325,7 +331,7 @@ fn nth<'a>(found: &[&'a Outcome], place: usize) -> Vec<&'a Branch> {
 /// ones. Without other special points, ends at bounds are compared.
 fn largest(found: &[&Outcome]) -> Estimate {
     if let Some(cause) = found.iter().find_map(|outcome| outcome.error.as_ref()) {
-        return unlike(cause.to_string());
+        return unlike(one_line(cause));
     }
     let all = largest_of(found, Counted::Special).or_else(|| largest_of(found, Counted::Ends));
     all.unwrap_or_else(|| unlike("no special point to measure it at: state one in `marks`"))

@@ -43,7 +43,7 @@ impl Scene {
         self.set_all(&request.set)?;
         match &request.within {
             Some(within) => self.found(within),
-            None => Err(no_box(String::from("missing"))),
+            None => Err(no_box("is missing".into())),
         }
     }
 
@@ -65,7 +65,7 @@ impl Scene {
         }
         let interval = |name: &String| match ranges.iter().find(|range| range.name == *name) {
             Some(&Range { low: Some(low), high: Some(high), .. }) if low < high => Ok([low, high]),
-            _ => Err(no_box(format!("without one for `{name}`"))),
+            _ => Err(no_box(format!("has no range for `{name}` with the lower end first"))),
         };
         let within = unknowns.iter().map(interval).collect::<Result<Vec<_>, _>>()?;
         let cancel = self.settings.cancel.clone();
@@ -81,8 +81,9 @@ impl Scene {
     pub(super) fn begin_everywhere(&mut self, within: &SearchBox) -> Result<(), SceneError> {
         let Some(first) = self.runs.first().cloned() else { return Ok(()) };
         let Some(range) = first.along.first().cloned() else {
-            let rule = "needs a run along a parameter, so that branches start at the solutions";
-            return Err(SceneError::invalid("`--start all`", "for a simulated history", rule));
+            return Err(SceneError::invalid(
+                "`--start all` needs a branch, but the first run of the scene is a simulated history",
+            ));
         };
         let mut found: Vec<Run> = Vec::new();
         for value in searched(&range, self.value(&range.name)) {
@@ -103,8 +104,10 @@ impl Scene {
             }
         }
         if found.is_empty() {
-            let rule = "must contain a solution at which a branch starts: give a larger box, or more starts";
-            return Err(SceneError::invalid("the box", "without any solution", rule));
+            return Err(SceneError::invalid(
+                "the box contains no solution at which a branch starts",
+            )
+            .with_help("give a larger box, or more starts"));
         }
         // The solutions decide whether the branch passes through another start.
         self.settings.keep_solutions = true;
@@ -129,6 +132,6 @@ fn searched(range: &Range, own: Option<f64>) -> Vec<f64> {
 }
 
 fn no_box(found: String) -> SceneError {
-    let rule = "needs a range for each unknown, lower end first, as in `--box x=-3..3,y=0..5`";
-    SceneError::invalid("the box", found, rule)
+    SceneError::invalid(format!("the box {found}"))
+        .with_help("give a range for each unknown, lower end first, as in `--box x=-3..3,y=0..5`")
 }

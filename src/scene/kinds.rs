@@ -20,7 +20,6 @@ use crate::core::orbit::{HybridOrbit, Itinerary, ItineraryError, MapCycle, Perio
 use crate::core::problem::DiscreteMap;
 use crate::core::problem::{Equilibria, VectorField, ZeroProblem};
 use crate::core::system::{Matrices, System, ZeroSystem};
-use crate::spelling::spelled;
 use std::sync::Arc;
 
 /// Pairs names with their defaults; names beyond the given defaults have no default.
@@ -34,9 +33,10 @@ fn refuse_large(unknowns: usize) -> Result<(), SceneError> {
     if unknowns <= Matrices::LARGEST_DENSE {
         return Ok(());
     }
-    let rule =
-        format!("must be {} at most: motion requires dense matrices", Matrices::LARGEST_DENSE);
-    Err(SceneError::invalid("the equations", format!("{unknowns} unknowns"), rule))
+    Err(SceneError::invalid(format!(
+        "the equations have {unknowns} unknowns, but motion requires dense matrices, which have at most {} rows",
+        Matrices::LARGEST_DENSE
+    )))
 }
 
 /// A zero problem, solved directly.
@@ -120,10 +120,10 @@ impl<F: VectorField + 'static> Model for Configured<Arc<F>, FieldSettings> {
 }
 
 /// The reason why forced systems have no equilibria.
-const FORCED: &str = "forced systems have no equilibria: use `orbit`";
+const FORCED: &str = "forced systems have no equilibria";
 
 fn no_equilibrium(reason: &str) -> SceneError {
-    SceneError::value("solution", "equilibrium", reason)
+    SceneError::value("solution", "equilibrium", reason).with_help("set `solution` to `orbit`")
 }
 
 /// The cycles of a map.
@@ -243,7 +243,7 @@ impl Configured<Hybrid, HybridOrbitSettings> {
         };
         let refused = |cause: EquilibriumError| match cause {
             EquilibriumError::Forced => no_equilibrium(FORCED),
-            _ => SceneError::value("mode", mode, spelled(&cause)),
+            _ => SceneError::value("mode", mode, cause.to_string()).with_help_of(&cause),
         };
         Ok(Box::new(equilibria.map_err(refused)?))
     }
@@ -291,8 +291,9 @@ impl Model for Configured<Hybrid, HybridOrbitSettings> {
         }
         self.refuse_large()?;
         let words = self.settings.itinerary.as_str();
-        let unusable =
-            |cause: ItineraryError| SceneError::value("itinerary", words, spelled(&cause));
+        let unusable = |cause: ItineraryError| {
+            SceneError::value("itinerary", words, cause.to_string()).with_help_of(&cause)
+        };
         let itinerary = match words {
             "" => Itinerary::smooth(0, 1),
             words => Itinerary::read(words, &*self.problem).map_err(unusable)?,

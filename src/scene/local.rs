@@ -4,7 +4,7 @@ use super::discretisation::Discretisation;
 use super::expansion::{ExpansionCurve, ExpansionError, expanded};
 use crate::core::bvp::{BoundarySystem, Mesh, Method};
 use crate::core::continuation::{Branch, SpecialPoint};
-use crate::core::failure::Failure;
+use crate::core::failure::{Failure, one_line};
 use crate::core::hybrid::{HybridEquations, guard_scale};
 use crate::core::local_map::{GrazingError, GrazingPoint, LocalMap, LocalOrbit, MapSettings};
 use crate::core::orbit::{HybridOrbit, Itinerary};
@@ -42,7 +42,7 @@ impl Local {
         (branch, special): (&Branch, &SpecialPoint),
     ) -> Result<LocalMap, GrazingError> {
         let (method, intervals) =
-            discretisation.method().map_err(|cause| Failure::Mismatch(cause.to_string()))?;
+            discretisation.method().map_err(|cause| Failure::Mismatch(one_line(&cause)))?;
         let point = grazing_point(system, method, intervals, branch, special)?;
         touches(&**system, &point)?;
         let point = point.located(&**system, &self.parameters[0])?;
@@ -99,7 +99,7 @@ fn grazing_point(
     special: &SpecialPoint,
 ) -> Result<GrazingPoint, GrazingError> {
     let orbit = HybridOrbit::of(system.clone(), Itinerary::smooth(0, 1))
-        .map_err(|cause| Failure::Unsupported(cause.to_string()))?;
+        .map_err(|cause| Failure::Unsupported(one_line(&cause)))?;
     let mut orbits = BoundarySystem::new(orbit, method, vec![Mesh::uniform(intervals)])
         .map_err(Failure::from)?;
     GrazingPoint::at(&mut orbits, &branch.solution(special))

@@ -6,10 +6,12 @@ use super::request::Request;
 use super::resolve::StartPoint;
 use super::statement::Scene;
 use crate::core::continuation::{Branch, Number, Point, Settings, SpecialPoint};
+use crate::core::failure::one_line;
 use crate::core::manifold::{
     ARCLENGTH, Half, Manifold, ManifoldError, ManifoldPoint, ManifoldSettings, Side,
 };
 use crate::core::problem::{Group, position};
+use crate::core::spelling::listed;
 use crate::core::system::Kind;
 use crate::output::{Document, Plot};
 
@@ -106,7 +108,7 @@ fn both(
     let unstable = map.manifold(states, p, Side::Unstable, settings).map_err(failed)?;
     Ok(match map.manifold(states, p, Side::Stable, settings) {
         Err(cause @ ManifoldError::NoInverse { .. }) => {
-            ([unstable, Vec::new()], Some(format!("no stable manifold: {cause}")))
+            ([unstable, Vec::new()], Some(format!("no stable manifold: {}", one_line(&cause))))
         }
         stable => ([unstable, stable.map_err(failed)?], None),
     })
@@ -121,8 +123,10 @@ fn parameters_of(start: &StartPoint) -> Result<Vec<(String, f64)>, SceneError> {
 
 fn labelled(start: &StartPoint) -> Result<&SpecialPoint, SceneError> {
     start.branch.labelled(start.label).ok_or_else(|| {
-        let rule = format!("must be one of the branch `{}`", start.branch.name);
-        SceneError::invalid("the label", start.label.to_string(), rule)
+        let (branch, label) = (&start.branch.name, start.label);
+        SceneError::invalid(format!(
+            "the branch `{branch}` has no special point with the label {label}"
+        ))
     })
 }
 
@@ -136,8 +140,10 @@ fn states_of(start: &StartPoint, states: &[String]) -> Result<Vec<f64>, SceneErr
         && groups.clone().all(|group| group.length == iterates * group.count())
         && z.len() == iterates * states.len();
     if !same {
-        let rule = format!("the map has the states {}", states.join(", "));
-        return Err(SceneError::invalid("the point's list of unknowns", names.join(", "), rule));
+        let (point, map) = (listed(&names), listed(states));
+        return Err(SceneError::invalid(format!(
+            "the point to start from has the unknowns {point}, but the map has the states {map}"
+        )));
     }
     let state = |k: usize, i: usize| z[i * iterates + k];
     Ok((0..iterates).flat_map(|k| (0..states.len()).map(move |i| state(k, i))).collect())

@@ -98,8 +98,10 @@ pub(super) trait Model: Adjustable {
 
     /// Returns the map whose saddles have manifolds.
     fn plane(&self) -> Result<&dyn PlaneMap, SceneError> {
-        let rule = "manifolds are computed only for saddles of maps: state the problem as a `Map`";
-        Err(SceneError::invalid("the problem", self.kind(), rule))
+        let kind = self.kind();
+        let message =
+            format!("manifolds are computed only for saddles of maps, and this problem is {kind}");
+        Err(SceneError::invalid(message).with_help("state the problem as a `Map`"))
     }
 
     /// Returns the error for a capability that this kind of problem lacks.
@@ -402,10 +404,12 @@ impl Problem {
             return Ok(());
         }
         if let Some(line) = self.text().and_then(|text| text.line_of_definition(name)) {
-            let rule = "only parameters can be set and varied: change it there, or move it to `parameters` (sizes of \
-                        arrays must be definitions)";
-            let found = format!("a definition ({line})");
-            return Err(SceneError::invalid(format!("`{name}`"), found, rule));
+            let message = format!(
+                "`{name}` is a definition ({line}), but only parameters can be set and varied"
+            );
+            return Err(SceneError::invalid(message).with_help(format!(
+                "change the definition, or move `{name}` to `parameters` (sizes of arrays must be definitions)"
+            )));
         }
         Err(UnknownName::new("parameter", name, known).into())
     }

@@ -29,8 +29,9 @@ impl Profile {
     pub(super) fn load(&mut self, scene: SceneText) -> Result<(), SceneError> {
         let Some(file) = self.file.take() else { return Ok(()) };
         if !(self.columns.is_empty() && self.rows.is_empty()) {
-            let rule = "a table is either in a file or in the scene: leave one of the two out";
-            return Err(SceneError::value(FILE, &file, rule));
+            let reason = "the scene contains a table, too";
+            return Err(SceneError::value(FILE, &file, reason)
+                .with_help("give the table either in the file or in the scene"));
         }
         let (path, bytes) = file_of(scene, FILE, &file)?;
         *self = table(&String::from_utf8_lossy(&bytes))
@@ -41,25 +42,28 @@ impl Profile {
     /// Checks for at least two rows, a finite number in each column of each row, and increasing
     /// times.
     pub(super) fn check(&self, place: &str) -> Result<(), SceneError> {
-        let wrong = |found: String, rule| Err(SceneError::invalid(place, found, rule));
+        let wrong = |message: String| Err(SceneError::invalid(format!("{place}: {message}")));
         if self.columns.len() < 2 || self.rows.len() < 2 {
-            let found =
-                format!("a table of {} columns, {} rows", self.columns.len(), self.rows.len());
-            return wrong(
-                found,
-                "must have a column of times, one of a state, and at least two rows",
-            );
+            let (columns, rows) = (self.columns.len(), self.rows.len());
+            return wrong(format!(
+                "the profile has {columns} columns and {rows} rows, but needs a column of times, a column of a state, \
+                 and two rows"
+            ));
         }
         for (k, row) in self.rows.iter().enumerate() {
             if row.len() != self.columns.len() || row.iter().any(|x| !x.is_finite()) {
-                let found = format!("row {}, {row:?}", k + 1);
-                return wrong(found, "must contain a finite number for each column");
+                return wrong(format!(
+                    "row {} of the profile is {row:?}, but must have a finite number for each column",
+                    k + 1
+                ));
             }
         }
         match self.rows.windows(2).find(|pair| pair[0][0] >= pair[1][0]) {
             Some(pair) => {
-                let found = format!("time {} before {}", pair[0][0], pair[1][0]);
-                wrong(found, "times must increase from row to row")
+                let [before, after] = [pair[0][0], pair[1][0]];
+                wrong(format!(
+                    "the time {before} of the profile is followed by {after}, but times must increase"
+                ))
             }
             None => Ok(()),
         }

@@ -100,22 +100,24 @@ impl Scene {
     /// [`SceneError`] if no parameter is varied, or the motion does not converge to an attractor.
     pub fn of_model(problem: Problem, title: &str, request: &Request) -> Result<Scene, SceneError> {
         let Some(first) = request.along.first() else {
-            let rule = "a branch needs one: name it with its range, as in `--along rho=0..30`";
-            return Err(SceneError::invalid("the parameter to vary", "missing", rule));
+            return Err(SceneError::invalid("no parameter to vary is given")
+                .with_help("name a parameter and its range, as in `--along rho=0..30`"));
         };
         if let (Some(second), None) = (request.along.get(1), request.hold) {
-            let rule = "a branch has one parameter: leave the second one out, or name the kind of special point whose curve is traced, as in `--hold HB`";
-            return Err(SceneError::invalid(
-                "`--along`",
-                format!("given twice, the second time for `{}`", second.name),
-                rule,
+            let message = format!(
+                "`--along` is given twice, the second time for `{}`, but a branch varies one parameter",
+                second.name
+            );
+            return Err(SceneError::invalid(message).with_help(
+                "omit the second `--along`, or name the kind of special point whose curve is traced, as in \
+                 `--hold HB`",
             ));
         }
         if let (Some(kind), 1) = (request.hold, request.along.len()) {
-            let rule = format!(
-                "a curve of special points (`--hold {kind}`) has two parameters: give another `--along`"
+            let message = format!(
+                "`--along` is given once, but a curve of special points (`--hold {kind}`) varies two parameters"
             );
-            return Err(SceneError::invalid("`--along`", "given once", rule));
+            return Err(SceneError::invalid(message).with_help("give a second `--along`"));
         }
         let mut scene = Scene::of_problem(problem, title, request);
         // A parameter without a value starts at the start of its range, and one outside its range
@@ -338,8 +340,9 @@ impl Scene {
             false => Start::Guess(request.state.clone()),
         };
         if let Some(time) = request.settle.filter(|time| !(0.0..=LONGEST).contains(time)) {
-            let rule = format!("must be between 0 and {LONGEST}");
-            return Err(SceneError::invalid("the time to settle", time.to_string(), rule));
+            let message =
+                format!("the time to settle is {time}, but must be between 0 and {LONGEST}");
+            return Err(SceneError::invalid(message));
         }
         let Ok(motion) = self.problem.model().motion() else {
             let moves = self.problem.model().kind() == "a map";

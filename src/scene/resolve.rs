@@ -311,9 +311,11 @@ fn going_on(
         going = orbits;
     }
     if let Some(range) = going.run.along.iter().find(|range| point.changed.contains(&range.name)) {
-        let (place, found) = (format!("`{}`", range.name), "changed where a branch starts");
-        let rule = "varies along the branch: the start point gives its value; leave `--set` out";
-        return Err(SceneError::invalid(place, found, rule));
+        return Err(SceneError::invalid(format!(
+            "`{}` varies along the branch, and the start point gives the first value",
+            range.name
+        ))
+        .with_help(format!("omit `--set {}=…`", range.name)));
     }
     let changed = point.changed.iter().filter_map(|name| Some((name.clone(), scene.value(name)?)));
     going.changed = changed.collect();

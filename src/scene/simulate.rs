@@ -170,8 +170,10 @@ pub(super) fn rested(
         Err(CycleSearchError::Equilibrium { mode, states, .. }) => Ok((mode, states)),
         Err(cause) => Err(SceneError::of_run(run, cause)),
         Ok(_) => {
-            let rule = "the motion converges to a cycle, not to an equilibrium: set `solution: orbit`, or start elsewhere";
-            Err(SceneError::invalid(format!("run `{run}`, start"), "Simulated", rule))
+            let message =
+                format!("run `{run}`: the motion converges to a cycle, not to an equilibrium");
+            Err(SceneError::invalid(message)
+                .with_help("set `solution: orbit`, or start the motion elsewhere"))
         }
     }
 }

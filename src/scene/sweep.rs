@@ -9,6 +9,7 @@ use super::trace::map_of;
 use crate::core::attractor::{
     AttractorSearch, Layout, PeriodMap, ReturnMap, StroboscopicError, StroboscopicMap,
 };
+use crate::core::failure::one_line;
 use crate::core::hybrid::{HybridEquations, HybridSettings, Mode};
 use crate::core::local_map::{Iterated, LocalMap};
 use crate::core::ode;
@@ -97,7 +98,7 @@ impl ResolvedSweep {
         };
         let names = self.problem.parameter_names();
         let iterated = Iterated::of(map.clone(), &names, measures);
-        Ok(Box::new(iterated.map_err(|cause| StroboscopicError::Map(cause.to_string()))?))
+        Ok(Box::new(iterated.map_err(|cause| StroboscopicError::Map(one_line(&cause)))?))
     }
 }
 

@@ -9,6 +9,7 @@ use super::kinds::{Boundary, Hybrid};
 use super::problem::{Configured, Model, Problem, Stated, names_of};
 use super::source::{Files, SceneText, file_of};
 use crate::core::bvp::{BoundaryProblem, IntoEquations};
+use crate::core::spelling::shown;
 use crate::language::{self, KINDS, Source, Statement, fields_of, misread, options, xpp};
 use crate::misread::reason;
 use ron::error::SpannedError;
@@ -40,18 +41,22 @@ pub(super) fn stated(
     let stated = match all.iter().find(|field| field.name == FILE) {
         Some(field) => {
             if let Some(other) = all.iter().find(|field| fields.contains(&field.name.as_str())) {
-                let place = format!("`{}` beside `model`", other.name);
-                let rule = "`model` refers to a file with the complete equations: move this field to the file";
-                return Err(SceneError::invalid(place, "given", rule));
+                let message = format!(
+                    "`{}` is given beside `model`, which names a file with the complete equations",
+                    other.name
+                );
+                let help = format!("move `{}` to that file", other.name);
+                return Err(SceneError::invalid(message).with_help(help));
             }
             of_file(scene, &file_name(&scene.text[field.value.clone()])?, given)?
         }
         None => Stated::new(statement, &source, given)?,
     };
     if kind != stated.model.name() {
-        let rule = format!("its file contains `{}`", stated.model.name());
-        let found = kind.to_string();
-        return Err(SceneError::invalid("the kind of the problem", found, rule));
+        let contained = stated.model.name();
+        let message =
+            format!("the problem is `{}`, but its file contains `{contained}`", shown(kind));
+        return Err(SceneError::invalid(message).with_help(format!("write `{contained}`")));
     }
     let not_settings = all.iter().filter(|field| !known.contains(&field.name));
     let parts = not_settings.map(|field| field.part.start - at..field.part.end - at);
@@ -94,8 +99,9 @@ fn of_text(path: &Path, text: &str, given: &[String]) -> Result<Stated, SceneErr
         // Scenes may come from untrusted sources, so error messages quote nothing from files of
         // other kinds.
         let kinds: Vec<&str> = KINDS.iter().map(|(kind, _)| *kind).collect();
-        let rule = format!("must begin with {}", kinds.join(", or with "));
-        return Err(SceneError::invalid(path.display().to_string(), "no file of equations", rule));
+        let message = format!("{} is not a file of equations", path.display());
+        let help = format!("such a file begins with {}", kinds.join(", or with "));
+        return Err(SceneError::invalid(message).with_help(help));
     }
     if !is_ode(path) {
         return Ok(Stated { file, ..Stated::new(Statement::of(&source)?, &source, given)? });

@@ -155,9 +155,10 @@ fn started(
     let initial = match (begun.problem.sampled(p, profile)?, profile) {
         (Some(profiles), _) => profiles,
         (None, Some(_)) => {
-            let rule = "only boundary-value problems can start at a profile";
-            let place = format!("run `{}`, start", run.name);
-            return Err(SceneError::invalid(place, "a profile", rule));
+            return Err(SceneError::invalid(format!(
+                "run `{}` starts at a profile, but only boundary-value problems have profiles",
+                run.name
+            )));
         }
         (None, None) => with_values(groups, &begun.initial(), vec![0.0; names.dimension()]),
     };

@@ -8,11 +8,7 @@ impl Scene {
     /// Rejects control characters, and names of sweeps that are invalid as names of archive
     /// entries.
     pub(super) fn check_words(&self) -> Result<(), SceneError> {
-        self.words().map_err(|Invalid { place, found, rule }| SceneError::Invalid {
-            place,
-            found,
-            rule,
-        })
+        self.words().map_err(|invalid| SceneError::invalid(invalid.to_string()))
     }
 
     fn words(&self) -> Result<(), Invalid> {

@@ -1,11 +1,11 @@
 //! Promise: numbers, axes, lines and labels of figures are what a reader expects.
 
 use proptest::prelude::*;
+use tangency::core::spelling::suggest;
 use tangency::output::{
     COLUMN, Document, Figure, FigureError, Mark, PAGE, Series, Style, Symbol, Wall, diagram, draw,
     example_branch, pdf, png, significant,
 };
-use tangency::spelling::suggest;
 
 #[test]
 fn numbers_have_their_shortest_form() {

@@ -30,18 +30,21 @@ use std::ops::ControlFlow;
 const AT_EVENT: f64 = 1e-3;
 
 /// Reasons why a simulation found no periodic motion.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum CycleSearchError {
     /// The motion ends.
     #[error(transparent)]
+    #[diagnostic(transparent)]
     Motion(#[from] HybridError),
     /// The motion does not repeat.
     #[error(
-        "the motion did not repeat in {returns} returns, compared over up to {max_period}: the smallest distance \
-         was {distance:.1e}, above the tolerance {tolerance:.1e}; simulate longer (`transient`, `returns`, \
-         `longest`), or elsewhere if the motion is not periodic"
+        "the motion did not repeat in {returns} returns, compared over up to {max_period}: the smallest \
+         distance was {distance:.1e}, above the tolerance {tolerance:.1e}"
     )]
+    #[diagnostic(help(
+        "simulate longer (`transient`, `returns`, `longest`), or elsewhere if the motion is not periodic"
+    ))]
     Unsettled {
         /// The number of returns.
         returns: usize,
@@ -54,10 +57,10 @@ pub enum CycleSearchError {
     },
     /// The motion decays to a state of rest.
     #[error(
-        "the motion comes to rest at t = {time:.6}: the diameter of its last return is {last:.1e}, in units of the \
-         scales, after {largest:.1e} before; simulating longer does not help: start elsewhere, or trace the \
-         equilibrium"
+        "the motion comes to rest at t = {time:.6}: the diameter of its last return is {last:.1e}, in units of \
+         the scales, after {largest:.1e} before; simulating longer does not help"
     )]
+    #[diagnostic(help("start elsewhere, or trace the equilibrium"))]
     Rest {
         /// The time of the last return.
         time: f64,
@@ -67,10 +70,10 @@ pub enum CycleSearchError {
         largest: f64,
     },
     /// The motion comes to rest at an equilibrium.
-    #[error(
-        "the motion comes to rest at t = {time:.6}, {place}: simulating longer does not help; start elsewhere, or \
-         follow the equilibrium from there (`solution: equilibrium` in a scene)"
-    )]
+    #[error("the motion comes to rest at t = {time:.6}, {place}: simulating longer does not help")]
+    #[diagnostic(help(
+        "start elsewhere, or follow the equilibrium from there (`solution: equilibrium` in a scene)"
+    ))]
     Equilibrium {
         /// The time at the end of the simulation.
         time: f64,
@@ -83,9 +86,9 @@ pub enum CycleSearchError {
     },
     /// A motion without forcing returns neither to an event nor to a section across it.
     #[error(
-        "the motion did not return to an event or to a section within a time of {0}: it is slow, or escapes; raise \
-         `longest`, or simulate elsewhere"
+        "the motion did not return to an event or to a section within a time of {0}: it is slow, or escapes"
     )]
+    #[diagnostic(help("raise `longest`, or simulate elsewhere"))]
     NoReturn(f64),
 }
 

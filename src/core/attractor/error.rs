@@ -4,30 +4,32 @@ use crate::core::hybrid::HybridError;
 use crate::core::problem::UnknownName;
 
 /// Reasons why a motion cannot be sampled stroboscopically.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum StroboscopicError {
     /// The hybrid motion ends.
     #[error(transparent)]
+    #[diagnostic(transparent)]
     Hybrid(#[from] HybridError),
     /// The system has no forcing.
-    #[error(
-        "the system has no forcing, so its motion cannot be sampled once a period: define a forcing \
-         (`HybridSystem::forcing`, `period`), or sample at an event (`--at EVENT`, `at` in a scene's sweep, \
-         `ReturnMap`)"
-    )]
+    #[error("the system has no forcing, so its motion cannot be sampled once a period")]
+    #[diagnostic(help(
+        "define a forcing (`HybridSystem::forcing`, `period`), or sample at an event (`--at EVENT`, `at` in a \
+         scene's sweep, `ReturnMap`)"
+    ))]
     NoPeriod,
     /// Sampling at an event was requested, but the system has a forcing.
-    #[error(
-        "the system has a forcing, and its motion is sampled once a period: remove the sampling at the event `{0}`"
-    )]
+    #[error("the system has a forcing, and its motion is sampled once a period")]
+    #[diagnostic(help("remove the sampling at the event `{0}`"))]
     Forced(String),
     /// A motion without forcing has not returned to the event at which it is sampled.
     #[error(
         "the event `{event}`, at which the motion is sampled, does not occur within a time of {within} ({units} \
-         time scales), although the motion is not at rest: sample at another event, wait longer \
-         (`ReturnMap::waiting`), or set the time scale (`scales`)"
+         time scales), although the motion is not at rest"
     )]
+    #[diagnostic(help(
+        "sample at another event, wait longer (`ReturnMap::waiting`), or set the time scale (`scales`)"
+    ))]
     Late {
         /// The event.
         event: String,
@@ -37,14 +39,15 @@ pub enum StroboscopicError {
         units: f64,
     },
     /// The system has no measure or event of this name, or a scalar of a measure does not exist.
-    #[error("{0}")]
+    #[error(transparent)]
+    #[diagnostic(transparent)]
     NoMeasure(#[from] UnknownName),
     /// No crisis was found.
     #[error(
         "no crisis found in {steps} steps from {from} to {to}: the motion must not settle on a cycle at one of \
-         them, and must settle on a cycle, or end, at the last one; move the ends, or take more steps or a longer \
-         transient"
+         them, and must settle on a cycle, or end, at the last one"
     )]
+    #[diagnostic(help("move the ends, or take more steps or a longer transient"))]
     NoCrisis {
         /// The first value of the parameter.
         from: f64,
@@ -55,6 +58,7 @@ pub enum StroboscopicError {
     },
     /// A setting of the search for a crisis is invalid.
     #[error(transparent)]
+    #[diagnostic(transparent)]
     CrisisSearch(#[from] CrisisSearchError),
     /// A map has left its range of validity.
     #[error("{0}")]
@@ -65,7 +69,7 @@ pub enum StroboscopicError {
 pub(super) const MOST_STEPS: usize = 1_000_000;
 
 /// An invalid setting of a search for a crisis.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum CrisisSearchError {
     /// The system has no such parameter.
@@ -80,7 +84,7 @@ pub enum CrisisSearchError {
         parameters: usize,
     },
     /// An end of the interval is not finite.
-    #[error("the search for a crisis goes from {from} to {to}: both ends must be finite")]
+    #[error("the search for a crisis goes from {from} to {to}, but both ends must be finite")]
     Interval {
         /// The first value of the parameter.
         from: f64,

@@ -47,7 +47,7 @@ pub struct Collocation {
 }
 
 /// The error for a number of Gauss points outside its range.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, miette::Diagnostic, thiserror::Error)]
 #[error("collocation at {0} Gauss points an interval: the number must be between 2 and 7")]
 pub struct PointsError(pub usize);
 

@@ -4,7 +4,7 @@ use super::terms::Shape;
 use crate::core::failure::Failure;
 
 /// The sizes of a boundary-value problem do not fit together.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum BoundaryError {
     /// The number of meshes differs from the number of segments, or there are no segments.
@@ -25,9 +25,9 @@ pub enum BoundaryError {
     NoIntervals(usize),
     /// There are more integral and phase conditions than unknowns.
     #[error(
-        "{closing} integral and phase conditions, but only {unknowns} states and extras as unknowns: drop \
-         conditions or add extras"
+        "{closing} integral and phase conditions, but only {unknowns} states and extras as unknowns"
     )]
+    #[diagnostic(help("drop conditions or add extras"))]
     Conditions {
         /// The number of states of all segments and extras.
         unknowns: usize,
@@ -64,9 +64,9 @@ pub enum BoundaryError {
     },
     /// The largest allowed mesh is too coarse for a tolerance.
     #[error(
-        "an error of {tolerance:.1e} needs {needed:.0} intervals on segment {segment}, but at most {most} are \
-         allowed: raise the tolerance or the number of points per interval"
+        "an error of {tolerance:.1e} needs {needed:.0} intervals on segment {segment}, but at most {most} are allowed"
     )]
+    #[diagnostic(help("raise the tolerance or the number of points per interval"))]
     TooFine {
         /// The segment.
         segment: usize,
@@ -79,5 +79,6 @@ pub enum BoundaryError {
     },
     /// A solution could not be transferred to another mesh.
     #[error(transparent)]
+    #[diagnostic(transparent)]
     Evaluation(#[from] Failure),
 }

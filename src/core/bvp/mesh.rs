@@ -20,7 +20,7 @@ pub struct Mesh {
 }
 
 /// The error for breakpoints that do not form a mesh.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum MeshError {
     /// The mesh has no intervals.

@@ -6,7 +6,7 @@ use super::interval::{Block, Interval, MonitoredFunctions};
 use super::shooting;
 use super::shooting::Shooting;
 use crate::core::cancel::CancelToken;
-use crate::core::failure::Failure;
+use crate::core::failure::{Failure, one_line};
 use crate::core::ode::Flow;
 use crate::core::scalar::Scalar;
 use std::fmt;
@@ -54,7 +54,7 @@ impl FromStr for Method {
             ("shooting", _) => Ok(Shooting::default().into()),
             (_, Some(degree)) => Collocation::new(degree)
                 .map(Method::from)
-                .map_err(|cause| Failure::Mismatch(cause.to_string())),
+                .map_err(|cause| Failure::Mismatch(one_line(&cause))),
             _ => Err(Failure::Mismatch(format!(
                 "unknown method `{text}` of a saved solution (known: shooting, collocation(2))"
             ))),

@@ -2,22 +2,23 @@
 
 use super::newton::NewtonError;
 use super::settings::SettingError;
+use crate::core::failure::one_line;
 use crate::core::problem::UnknownName;
 
 /// Reasons why a trace could not start.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum TraceError {
     /// A name that does not exist in the problem.
-    #[error("{0}")]
+    #[error(transparent)]
+    #[diagnostic(transparent)]
     UnknownName(#[from] UnknownName),
     /// A parameter released twice.
     #[error("the parameter `{0}` is released twice")]
     Twice(String),
     /// A start outside a range or bound.
-    #[error(
-        "the start {name} = {value} is not in its range {low} to {high}: start within it, or widen it"
-    )]
+    #[error("the start {name} = {value} is not in its range {low} to {high}")]
+    #[diagnostic(help("start within the range, or widen the range"))]
     OutOfRange {
         /// The parameter or monitor.
         name: String,
@@ -68,9 +69,9 @@ pub enum TraceError {
     NotHeld(crate::core::system::Kind),
     /// An event whose test function is a defining system with auxiliary unknowns.
     #[error(
-        "the defining system of the event `{0}` has auxiliary unknowns and cannot be a test function: give one with \
-         `Event::with_test`"
+        "the defining system of the event `{0}` has auxiliary unknowns and cannot be a test function"
     )]
+    #[diagnostic(help("give a test function with `Event::with_test`"))]
     NoTest(String),
     /// An event for a parameter or monitor whose position is out of range.
     #[error("the event `{event}` is for {what} {position}, but there are {count} (counted from 0)")]
@@ -85,9 +86,8 @@ pub enum TraceError {
         count: usize,
     },
     /// A monitor without a gradient, which cannot be held.
-    #[error(
-        "the monitor `{0}` has no gradient and cannot be held: attach it with `smooth_monitor`"
-    )]
+    #[error("the monitor `{0}` has no gradient and cannot be held")]
+    #[diagnostic(help("attach the monitor with `smooth_monitor`"))]
     NoGradient(String),
     /// A state of the wrong length.
     #[error(
@@ -119,10 +119,11 @@ pub enum TraceError {
     },
     /// A special point that has not converged, at which a branch starts only on explicit request.
     #[error(
-        "the {kind} with label {label} of branch `{branch}` has not converged (it lies between {} and {}): lower \
-         `max_step`, refine the discretisation, or explicitly allow a start there",
-        bracket[0], bracket[1]
+        "the {kind} with label {label} of branch `{branch}` has not converged (it lies between {} and {})", bracket[0], bracket[1]
     )]
+    #[diagnostic(help(
+        "lower `max_step`, refine the discretisation, or explicitly allow a start there"
+    ))]
     NotConverged {
         /// The branch.
         branch: String,
@@ -142,7 +143,8 @@ pub enum TraceError {
         reason: String,
     },
     /// Two unknowns, parameters or monitors with the same name.
-    #[error("two {what} of the problem are called `{name}`: give them different names")]
+    #[error("two {what} of the problem are called `{name}`")]
+    #[diagnostic(help("choose different names"))]
     SameName {
         /// `unknowns`, `parameters` or `monitors`.
         what: &'static str,
@@ -151,12 +153,14 @@ pub enum TraceError {
     },
     /// A setting out of its range.
     #[error(transparent)]
+    #[diagnostic(transparent)]
     Setting(#[from] SettingError),
     /// Several of the errors above.
     #[error("{}", several(.0))]
     Several(Vec<TraceError>),
     /// Newton's method failed at the start.
     #[error("could not compute the starting point of the branch `{branch}` at {place}: {cause}")]
+    #[diagnostic(forward(cause))]
     Start {
         /// The branch.
         branch: String,
@@ -169,6 +173,7 @@ pub enum TraceError {
 }
 
 fn several(errors: &[TraceError]) -> String {
-    let lines: Vec<String> = errors.iter().map(|error| format!("\n- {error}")).collect();
+    let line = |error: &TraceError| format!("\n- {}", one_line(error));
+    let lines: Vec<String> = errors.iter().map(line).collect();
     format!("the branch has {} errors:{}", errors.len(), lines.concat())
 }

@@ -13,7 +13,7 @@ use super::quantities::Quantities;
 use super::refiner::Refiner;
 use super::settings::Settings;
 use crate::core::cancel::CancelToken;
-use crate::core::failure::Failure;
+use crate::core::failure::{Failure, one_line};
 use crate::core::linalg::norm;
 use crate::core::numerics::error_of_last;
 use crate::core::system::{
@@ -48,19 +48,19 @@ struct Found {
 }
 
 /// Reasons why the homoclinic orbit was not found.
-#[derive(Debug, thiserror::Error)]
+#[derive(Debug, miette::Diagnostic, thiserror::Error)]
 pub(super) enum NotFound {
     /// No initial guess was available.
     #[error(transparent)]
+    #[diagnostic(transparent)]
     Guess(#[from] Failure),
     /// Newton's method failed.
     #[error(transparent)]
+    #[diagnostic(transparent)]
     Newton(#[from] NewtonError),
     /// Newton's method converges on the first mesh only.
-    #[error(
-        "Newton's method converges on one mesh only, so the error is unknown: take more `intervals` (on a finer \
-         mesh: {0})"
-    )]
+    #[error("Newton's method converges on one mesh only, so the error is unknown")]
+    #[diagnostic(help("take more `intervals` (on a finer mesh: {0})"))]
     Unrefined(String),
     /// Newton's method converged to another orbit.
     #[error("Newton's method converges to {found:.6}, away from the end of the branch at {end:.6}")]
@@ -150,7 +150,7 @@ fn settle(
         match on_mesh(corrector, cycle, (&mut *system, z)) {
             Ok(next) => coarser.push(std::mem::replace(&mut found, next).meaning),
             Err(cause) => {
-                unrefined = cause.to_string();
+                unrefined = one_line(&cause);
                 break;
             }
         }

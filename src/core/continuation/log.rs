@@ -1,6 +1,8 @@
 //! The log of a trace: labels, warnings, and items in the order in which they were found.
 
 use super::branch::{Branch, Point, SpecialPoint, Traced};
+use crate::core::failure::one_line;
+use miette::Diagnostic;
 use std::collections::VecDeque;
 
 /// Assigns labels, and stores items until the iterator returns them.
@@ -42,15 +44,11 @@ impl Log {
     }
 
     /// Warns that an event between two values of the continued parameter was not located.
-    pub fn not_located(
-        &mut self,
-        event: &str,
-        [low, high]: [f64; 2],
-        cause: &dyn std::error::Error,
-    ) {
+    pub fn not_located(&mut self, event: &str, [low, high]: [f64; 2], cause: &dyn Diagnostic) {
         let continued = &self.branch.released[0];
         self.branch.warnings.push(format!(
-            "the event `{event}` between {continued} = {low:.6} and {high:.6} was not located: {cause}"
+            "the event `{event}` between {continued} = {low:.6} and {high:.6} was not located: {}",
+            one_line(cause)
         ));
     }
 
@@ -69,8 +67,9 @@ impl Log {
     }
 
     /// Warns that the homoclinic orbit at the end of the branch was not located.
-    pub fn homoclinic_not_located(&mut self, cause: &dyn std::error::Error) {
-        let warning = format!("the homoclinic orbit at the end was not located: {cause}");
+    pub fn homoclinic_not_located(&mut self, cause: &dyn Diagnostic) {
+        let warning =
+            format!("the homoclinic orbit at the end was not located: {}", one_line(cause));
         self.branch.warnings.push(warning);
     }
 

@@ -12,7 +12,7 @@ use super::settings::Settings;
 use crate::core::bifurcation::{
     At, Critical, Needs, Stability, catalogue, deciding, without_critical, without_event,
 };
-use crate::core::failure::Failure;
+use crate::core::failure::{Failure, one_line};
 use crate::core::linalg::{Spectrum, SpectrumRequest};
 use crate::core::problem::{Dynamics, PlaneField};
 use crate::core::system::{Across, Kind, System};
@@ -249,7 +249,7 @@ pub(super) fn special_point(
         slopes: point.slopes,
         profiles,
         fields,
-        without_phase_response: without_phase_response.map(|cause| cause.to_string()),
+        without_phase_response: without_phase_response.map(|cause| one_line(&cause)),
         mesh: system.representation().mesh,
         ..SpecialPoint::new(kind, event)
     }

@@ -12,7 +12,7 @@ use super::settings::Settings;
 use crate::core::bifurcation::catalogue;
 use crate::core::bifurcation::catalogue::CATALOGUE;
 use crate::core::bifurcation::{Hopf, Needs};
-use crate::core::failure::Failure;
+use crate::core::failure::{Failure, one_line};
 use crate::core::problem::{Dynamics, Names, position};
 use crate::core::system::{
     Discretised, Effort, Emanating, HOMOCLINIC_RADIUS, Kind, Site, Solution, Start, SystemRef,
@@ -180,7 +180,7 @@ fn from_takens(
         let Some(longest) = ways.max_by(|a, b| part(a).total_cmp(&part(b))) else { continue };
         let found = system.homoclinic(&cycle, HOMOCLINIC_RADIUS).and_then(|mut emanating| {
             let near = is_near(&mut emanating, p, longest, settings);
-            near.map(|()| emanating).map_err(|cause| Failure::Mismatch(cause.to_string()))
+            near.map(|()| emanating).map_err(|cause| Failure::Mismatch(one_line(&cause)))
         });
         match found {
             Ok(emanating) => return Ok((emanating, cycle.parameters)),

@@ -6,7 +6,7 @@ use crate::core::system::Kind;
 use serde::{Deserialize, Serialize};
 
 /// A setting outside its allowed range.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, miette::Diagnostic, thiserror::Error)]
 #[error("the setting `{name}` is {value}, but must be {range}")]
 pub struct SettingError {
     /// The name of the setting.

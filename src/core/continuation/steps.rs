@@ -24,6 +24,7 @@ use super::slopes::Slopes;
 use super::step_control::{Step, StepControl};
 use super::stretches::{between_changes, divides};
 use super::unexplained::{LEAST_UNEXPLAINED, ends_on_special_point};
+use crate::core::failure::one_line;
 use crate::core::system::{Kind, Solution};
 use std::sync::Arc;
 
@@ -434,10 +435,11 @@ impl Steps<'_> {
         let target = self.settings.target_mesh_error;
         let words = match error > target {
             true => format!(
-                "{cause}. The mesh causes an error of {error:.1e}, more than `target_mesh_error`, {target:.1e}: take more \
-                 `intervals`"
+                "{}. The mesh causes an error of {error:.1e}, more than `target_mesh_error`, {target:.1e}: take more \
+                 `intervals`",
+                one_line(&cause)
             ),
-            false => cause.to_string(),
+            false => one_line(&cause),
         };
         End::StepTooSmall { step, cause: words, failure: Some(Box::new(cause)) }
     }

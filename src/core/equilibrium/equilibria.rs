@@ -3,7 +3,7 @@
 use super::boundary::{neighbours, no_neighbour, stays_at_boundary, subkind};
 use super::error::EquilibriumError;
 use super::rest::RestInMode;
-use crate::core::failure::Failure;
+use crate::core::failure::{Failure, one_line};
 use crate::core::hybrid::time_scale;
 use crate::core::linalg::{Border, Factors, Form, Spectrum, SpectrumRequest};
 use crate::core::orbit::IntoHybrid;
@@ -101,7 +101,7 @@ impl HybridEquilibria {
     /// Returns the equilibria of another mode of the same system.
     fn of(&self, mode: usize) -> Result<Self, Failure> {
         Self::new(self.rest.system.clone(), mode)
-            .map_err(|error| Failure::Mismatch(error.to_string()))
+            .map_err(|error| Failure::Mismatch(one_line(&error)))
     }
 
     fn parts<'a>(&self, x: &'a [f64]) -> (&'a [f64], &'a [f64]) {
@@ -207,7 +207,8 @@ impl System for HybridEquilibria {
             *self = other.map_err(|error| {
                 let words = &solution.itinerary;
                 Failure::Mismatch(format!(
-                    "the start has the itinerary `{words}`, which is not a mode: {error}"
+                    "the start has the itinerary `{words}`, which is not a mode: {}",
+                    one_line(&error)
                 ))
             })?;
         }

@@ -3,14 +3,16 @@
 use crate::core::problem::UnknownName;
 
 /// Reasons why the equilibria of a hybrid system cannot be stated.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum EquilibriumError {
     /// The system depends on time.
-    #[error("a system that is forced in time has no equilibria: follow its orbits")]
+    #[error("a system that is forced in time has no equilibria")]
+    #[diagnostic(help("follow the periodic orbits of the system"))]
     Forced,
     /// No mode has the given name.
-    #[error("{0}")]
+    #[error(transparent)]
+    #[diagnostic(transparent)]
     Unknown(#[from] UnknownName),
     /// No mode has the given number.
     #[error("mode {number} does not exist: the system has {count} modes, counted from 0")]
@@ -21,6 +23,7 @@ pub enum EquilibriumError {
         count: usize,
     },
     /// The mode has no states.
-    #[error("mode `{0}` has no states, so it has no equilibria: use a mode with states")]
+    #[error("mode `{0}` has no states, so it has no equilibria")]
+    #[diagnostic(help("use a mode with states"))]
     NoStates(String),
 }

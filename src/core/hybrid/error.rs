@@ -4,11 +4,12 @@ use crate::core::failure::FlowError;
 use crate::core::ode::SettingsError;
 
 /// The reason why a hybrid motion ends early.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum HybridError {
     /// A setting of the flow is invalid.
     #[error(transparent)]
+    #[diagnostic(transparent)]
     Settings(#[from] SettingsError),
     /// The duration of a guard's change is not positive.
     #[error(
@@ -54,8 +55,9 @@ pub enum HybridError {
     /// A guard is negative at the start of its mode.
     #[error(
         "at t = {time:.9e}, {after}mode {mode} begins with the guard {guard} = {value:.3e}, but lasts only \
-         while its guards are positive: start elsewhere, or choose another next mode"
+         while its guards are positive"
     )]
+    #[diagnostic(help("start elsewhere, or choose another next mode"))]
     Outside {
         /// The time.
         time: f64,
@@ -71,8 +73,9 @@ pub enum HybridError {
     /// An event between modes with different states has no reset.
     #[error(
         "at t = {time:.9e} the event {guard} leads from mode {mode} with {before} states to mode {next} with \
-         {after} states, but has no reset: define one (`HybridSystem::reset`)"
+         {after} states, but has no reset"
     )]
+    #[diagnostic(help("define a reset (`HybridSystem::reset`)"))]
     NoReset {
         /// The time.
         time: f64,
@@ -98,9 +101,9 @@ pub enum HybridError {
     /// Events accumulate, and the guard names no mode for the motion after the accumulation.
     #[error(
         "events of guard {guard} accumulate at t = {time:.9e}: in mode {mode} {events} events occurred at \
-         intervals that shrink by {ratio:.4}, the last one of {interval:.1e}; name the mode that follows the \
-         accumulation (`Guard::accumulating_to`)"
+         intervals that shrink by {ratio:.4}, the last one of {interval:.1e}"
     )]
+    #[diagnostic(help("name the mode that follows the accumulation (`Guard::accumulating_to`)"))]
     Accumulation {
         /// The time of the accumulation.
         time: f64,
@@ -135,10 +138,13 @@ pub enum HybridError {
     },
     /// Events become ever more frequent.
     #[error(
-        "at t = {time:.9e} events become ever more frequent: the intervals between the last {events} shrink to {interval:.1e}; \
-         the last event belongs to guard {guard} in mode {mode}. The motion reaches a state only after infinitely many events: \
-         add a mode for this state (`next`), or separate the events by a hysteresis"
+        "at t = {time:.9e} events become ever more frequent: the intervals between the last {events} shrink to \
+         {interval:.1e}; the last event belongs to guard {guard} in mode {mode}. The motion reaches a state \
+         only after infinitely many events"
     )]
+    #[diagnostic(help(
+        "add a mode for this state (`next`), or separate the events by a hysteresis"
+    ))]
     Crowded {
         /// The time.
         time: f64,

@@ -6,21 +6,25 @@ use crate::core::problem::UnknownName;
 use crate::core::scalar::JetError;
 
 /// Reasons why a local map cannot be computed, or used.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum GrazingError {
     /// The orbit, its linearisation or its multipliers cannot be computed, or no branch emanates
     /// there.
     #[error(transparent)]
+    #[diagnostic(transparent)]
     Failure(#[from] Failure),
     /// The order or the number of variables is too high.
     #[error(transparent)]
+    #[diagnostic(transparent)]
     Jet(#[from] JetError),
     /// A setting of the flow is invalid.
     #[error(transparent)]
+    #[diagnostic(transparent)]
     Settings(#[from] SettingsError),
     /// A parameter or measure of this name does not exist.
-    #[error("{0}")]
+    #[error(transparent)]
+    #[diagnostic(transparent)]
     Unknown(#[from] UnknownName),
     /// A grazing point that does not belong to the system.
     #[error("the grazing point does not belong to the system: {0}")]
@@ -42,9 +46,8 @@ pub enum GrazingError {
     #[error("the order of a local map must be at least 1, not {0}")]
     Order(usize),
     /// The order of the map is too low for the dynamics at the grazing.
-    #[error(
-        "a local map of order 1 cannot classify a grazing whose discontinuity map has no root: take order 2 or more"
-    )]
+    #[error("a local map of order 1 cannot classify a grazing whose discontinuity map has no root")]
+    #[diagnostic(help("take order 2 or more"))]
     NoRoot,
     /// The touched mode has too few states for coordinates on a section.
     #[error(
@@ -63,8 +66,9 @@ pub enum GrazingError {
     /// The orbit does not touch at the point.
     #[error(
         "the orbit does not touch guard `{guard}` at t = {time:.9e}: the guard is {value:.1e} and its rate \
-         {rate:.1e}, but both must vanish; locate the grazing (G) first"
+         {rate:.1e}, but both must vanish"
     )]
+    #[diagnostic(help("locate the grazing (G) first"))]
     NoTouch {
         /// The guard.
         guard: String,
@@ -98,9 +102,11 @@ pub enum GrazingError {
     },
     /// An event does not occur at the expected place.
     #[error(
-        "the motion in mode `{mode}` does not reach {surface} near t = {time:.9e}: the last Newton step is \
-         {step:.1e}; give more accurate durations of the legs, or locate the grazing (G) first"
+        "the motion in mode `{mode}` does not reach {surface} near t = {time:.9e}: the last Newton step is {step:.1e}"
     )]
+    #[diagnostic(help(
+        "give more accurate durations of the legs, or locate the grazing (G) first"
+    ))]
     NotReached {
         /// The mode.
         mode: String,
@@ -114,10 +120,10 @@ pub enum GrazingError {
     /// Motion that returns to the touched surface without delay does so for the touching orbit
     /// only.
     #[error(
-        "the motion from a touch of guard `{touched}` ends immediately at guard `{back}`, but near the touch the \
-         two surfaces are {left:.1e} apart: there is no local map in powers of the root of the penetration; use the \
-         same function for both guards"
+        "the motion from a touch of guard `{touched}` ends immediately at guard `{back}`, but near the touch \
+         the two surfaces are {left:.1e} apart: there is no local map in powers of the root of the penetration"
     )]
+    #[diagnostic(help("use the same function for both guards"))]
     Apart {
         /// The guard that is touched.
         touched: String,
@@ -129,8 +135,11 @@ pub enum GrazingError {
     /// The orbit does not return to the touch.
     #[error(
         "the orbit does not return to the touch: after one turn the error of coordinate `{coordinate}` is \
-         {missed:.3e}; give the durations of its legs, and locate the grazing (G) first"
+         {missed:.3e}"
     )]
+    #[diagnostic(help(
+        "give the durations of the legs of the orbit, and locate the grazing (G) first"
+    ))]
     NoReturn {
         /// The coordinate with the largest deviation.
         coordinate: String,
@@ -140,8 +149,9 @@ pub enum GrazingError {
     /// Newton's method for the grazing orbit does not converge.
     #[error(
         "no grazing orbit near the point for parameter `{parameter}`: after {iterations} iterations the orbit \
-         misses its start by {residual:.1e}; start closer, or use another parameter"
+         misses its start by {residual:.1e}"
     )]
+    #[diagnostic(help("start closer to the grazing orbit, or release another parameter"))]
     NotLocated {
         /// The released parameter.
         parameter: String,
@@ -153,9 +163,9 @@ pub enum GrazingError {
     /// The point is too far from grazing.
     #[error(
         "the local map of order {order} is used too far from grazing: its last order changes the image by \
-         {estimate:.1e} (allowed: {tolerance:.1e}) at a penetration of {penetration:.1e}; take a higher order or \
-         move closer"
+         {estimate:.1e} (allowed: {tolerance:.1e}) at a penetration of {penetration:.1e}"
     )]
+    #[diagnostic(help("take a higher order or move closer"))]
     TooFar {
         /// The order of the map.
         order: usize,

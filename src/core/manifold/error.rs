@@ -4,7 +4,7 @@ use super::planar::Vector;
 use crate::core::cancel::Cancelled;
 
 /// Reasons why the manifolds of a saddle cannot be computed.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum ManifoldError {
     /// The map does not have two states.
@@ -34,7 +34,8 @@ pub enum ManifoldError {
         rule: &'static str,
     },
     /// Newton's method finds no cycle.
-    #[error("Newton's method finds no cycle of {iterates} iterates near ({}, {}): start closer to the cycle", near[0], near[1])]
+    #[error("Newton's method finds no cycle of {iterates} iterates near ({}, {})", near[0], near[1])]
+    #[diagnostic(help("start closer to the cycle"))]
     NoCycle {
         /// The number of iterates.
         iterates: usize,
@@ -42,10 +43,8 @@ pub enum ManifoldError {
         near: Vector,
     },
     /// The cycle is shorter than requested.
-    #[error(
-        "Newton's method converges to a cycle of {found} iterates instead of {wanted}: set `iterates` to {found}, \
-         or start closer to the longer cycle"
-    )]
+    #[error("Newton's method converges to a cycle of {found} iterates instead of {wanted}")]
+    #[diagnostic(help("set `iterates` to {found}, or start closer to the longer cycle"))]
     Shorter {
         /// The number of iterates after which the states repeat.
         found: usize,
@@ -53,7 +52,8 @@ pub enum ManifoldError {
         wanted: usize,
     },
     /// The saddle is outside the bounds.
-    #[error("`{name}` = {value} at the saddle is outside its bounds: widen them")]
+    #[error("`{name}` = {value} at the saddle is outside its bounds")]
+    #[diagnostic(help("widen the bounds"))]
     OutOfBounds {
         /// The state.
         name: String,
@@ -61,10 +61,8 @@ pub enum ManifoldError {
         value: f64,
     },
     /// The multipliers are complex.
-    #[error(
-        "the cycle is a focus, not a saddle: its multipliers are {re:.6} ± {im:.6}i; only saddles have these \
-         manifolds"
-    )]
+    #[error("the cycle is a focus, not a saddle: its multipliers are {re:.6} ± {im:.6}i")]
+    #[diagnostic(help("start at a saddle: other cycles have no such manifolds"))]
     Focus {
         /// The real part of the multipliers.
         re: f64,
@@ -73,19 +71,19 @@ pub enum ManifoldError {
     },
     /// Both multipliers are on the same side of the unit circle.
     #[error(
-        "the cycle is {}stable node, not a saddle: its multipliers are {:.6} and {:.6}; only saddles have these \
-         manifolds",
-        if multipliers[0].abs() > 1.0 { "an un" } else { "a " }, multipliers[0], multipliers[1]
+        "the cycle is {}stable node, not a saddle: its multipliers are {:.6} and {:.6}", if multipliers[0].abs() > 1.0 { "an un" } else { "a " }, multipliers[0], multipliers[1]
     )]
+    #[diagnostic(help("start at a saddle: other cycles have no such manifolds"))]
     Node {
         /// The multipliers, the larger one first.
         multipliers: Vector,
     },
     /// A multiplier is too close to the unit circle.
     #[error(
-        "the multiplier {multiplier:.9} is too close to the unit circle: points would need thousands of iterates to \
-         leave the saddle; change a parameter until |ln |multiplier|| exceeds {least:e}"
+        "the multiplier {multiplier:.9} is too close to the unit circle: points would need thousands of \
+         iterates to leave the saddle"
     )]
+    #[diagnostic(help("change a parameter until |ln |multiplier|| exceeds {least:e}"))]
     Weak {
         /// The multiplier.
         multiplier: f64,
@@ -94,9 +92,10 @@ pub enum ManifoldError {
     },
     /// The map has no inverse at the saddle.
     #[error(
-        "the multiplier {multiplier:.1e} vanishes: the map folds at the saddle, so the stable manifold cannot be \
-         computed from preimages; compute the unstable manifold only"
+        "the multiplier {multiplier:.1e} vanishes: the map folds at the saddle, so the stable manifold cannot \
+         be computed from preimages"
     )]
+    #[diagnostic(help("compute the unstable manifold only"))]
     NoInverse {
         /// The multiplier.
         multiplier: f64,
@@ -114,5 +113,6 @@ pub enum ManifoldError {
     },
     /// The computation was cancelled.
     #[error(transparent)]
+    #[diagnostic(transparent)]
     Cancelled(#[from] Cancelled),
 }

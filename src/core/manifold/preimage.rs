@@ -3,7 +3,7 @@
 use super::planar::{Matrix, PlanarMap, Vector, determinant, is_finite, minus, norm, solved};
 
 /// Reasons why a manifold cannot be continued.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, miette::Diagnostic, thiserror::Error)]
 pub(super) enum Lost {
     /// An image or its derivative is not finite.
     #[error("the map or its derivative is not finite at ({:.6}, {:.6})", at[0], at[1])]

@@ -1,7 +1,7 @@
 //! Errors in the settings of a flow.
 
 /// An invalid setting of a flow.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Copy, Debug, PartialEq, miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum SettingsError {
     /// A tolerance is negative, NaN, or too small for arithmetic with 16 digits.
@@ -19,6 +19,7 @@ pub enum SettingsError {
     #[error("a step is a fraction of the flow's duration: {0} is not between 0 and 1")]
     Step(f64),
     /// The settings allow no step.
-    #[error("a flow needs at least one step: allow more than 0")]
+    #[error("a flow needs at least one step")]
+    #[diagnostic(help("allow at least one step"))]
     Steps,
 }

@@ -51,17 +51,20 @@ pub struct Itinerary {
 const ALL: &str = "+";
 
 /// Reasons why an itinerary is invalid.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, Eq, miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum ItineraryError {
     /// The itinerary has no legs.
-    #[error("the itinerary `{0}` has no legs: write each as `mode:event`")]
+    #[error("the itinerary `{0}` has no legs")]
+    #[diagnostic(help("write each leg as `mode:event`"))]
     Empty(String),
     /// The number of forcing periods is 0.
-    #[error("the itinerary `{0}` has 0 forcing periods: give at least 1")]
+    #[error("the itinerary `{0}` has 0 forcing periods")]
+    #[diagnostic(help("give at least one forcing period"))]
     Periods(String),
     /// A mode or event of this name does not exist.
-    #[error("{0}")]
+    #[error(transparent)]
+    #[diagnostic(transparent)]
     Unknown(#[from] UnknownName),
     /// The number of a mode or guard is out of range.
     #[error(

@@ -6,7 +6,7 @@ use super::itinerary::{Itinerary, Leg};
 use super::known_orbit::VANISHES;
 use super::legs::OrbitLegs;
 use crate::core::bvp::{BoundarySystem, Guess, Method};
-use crate::core::failure::Failure;
+use crate::core::failure::{Failure, one_line};
 use crate::core::hybrid::{Cycle, CycleLeg, Moment};
 use crate::core::problem::gradient;
 
@@ -36,7 +36,7 @@ impl HybridOrbit {
         let trajectories = cycle_legs.iter().map(|leg| leg.start.clone().into()).collect();
         let durations = cycle_legs.iter().map(|leg| leg.duration);
         let problem = HybridOrbit::of(system, itinerary)
-            .map_err(|cause| Failure::Unsupported(cause.to_string()))?;
+            .map_err(|cause| Failure::Unsupported(one_line(&cause)))?;
         check_guards(problem.legs(), cycle, p)?;
         let whole = cycle.duration();
         for (leg, CycleLeg { duration, .. }) in cycle_legs.iter().enumerate() {

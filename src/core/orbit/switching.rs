@@ -16,7 +16,7 @@ use super::vanished_legs::without;
 use crate::core::bvp::{
     Ends, ErasedProblem, Guess, IntoEquations, Itineraries, Monitor, Trajectory,
 };
-use crate::core::failure::Failure;
+use crate::core::failure::{Failure, one_line};
 use crate::core::hybrid::{GuardOf, Moment, time_scale};
 use crate::core::system::{Jump, Limit};
 
@@ -52,7 +52,7 @@ impl Itineraries<ErasedProblem> for OrbitItineraries {
 
     fn with_words(&self, words: &str) -> Result<ErasedProblem, Failure> {
         let itinerary = Itinerary::read(words, self.legs.system())
-            .map_err(|cause| Failure::Mismatch(cause.to_string()))?;
+            .map_err(|cause| Failure::Mismatch(one_line(&cause)))?;
         Ok(self.legs.like(itinerary).into_equations())
     }
 

@@ -1,6 +1,9 @@
 //! Names of unknowns, parameters and monitors, and the error for unknown names.
 
+use crate::core::spelling::{listed, shown, suggest};
+use miette::Diagnostic;
 use std::collections::HashSet;
+use std::fmt;
 use std::ops::Range;
 
 /// A group of unknowns with the same meaning and unit: a scalar, an array, or all values of a field.
@@ -231,18 +234,18 @@ impl Names {
     }
 }
 
-/// The error for a name that does not exist, with the existing names.
+/// The error for a name that does not exist; the help suggests the nearest of the existing names.
 ///
 /// ```
+/// use tangency::Diagnostic;
 /// use tangency::core::problem::UnknownName;
 /// let error = UnknownName::new("column", "laod", ["load", "max"]);
-/// assert_eq!(
-///     error.to_string(),
-///     "unknown column `laod`. Known: load, max"
-/// );
+/// assert_eq!(error.to_string(), "unknown column `laod`");
+/// let help = error.help().map(|help| help.to_string());
+/// assert_eq!(help.as_deref(), Some("did you mean `load`? Known: load, max"));
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("unknown {what} `{name}`. Known: {}", available.join(", "))]
+#[error("unknown {what} `{}`", shown(name))]
 pub struct UnknownName {
     /// The kind of object: `column`, `scene`, `branch`.
     pub what: String,
@@ -250,6 +253,18 @@ pub struct UnknownName {
     pub name: String,
     /// The names that exist.
     pub available: Vec<String>,
+}
+
+impl Diagnostic for UnknownName {
+    fn help<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
+        let UnknownName { name, available, .. } = self;
+        let known = if available.is_empty() { "none".into() } else { listed(available) };
+        let help = match suggest(name, available.iter().map(String::as_str)) {
+            Some(meant) => format!("did you mean `{}`? Known: {known}", shown(meant)),
+            None => format!("known: {known}"),
+        };
+        Some(Box::new(help))
+    }
 }
 
 impl UnknownName {

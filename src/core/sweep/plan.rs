@@ -112,17 +112,15 @@ pub struct Plan {
 }
 
 /// Reasons why a plan is invalid.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum PlanError {
     /// An axis, the starts or the strands are empty.
     #[error("a sweep needs at least one value on every axis, one start and one strand; {0} is 0")]
     Nothing(&'static str),
     /// The number of runs is too large.
-    #[error(
-        "{counts} are more than {MOST_RUNS} runs, the maximum of one sweep: take fewer values on an axis, or \
-         several sweeps"
-    )]
+    #[error("{counts} are more than {MOST_RUNS} runs, the maximum of one sweep")]
+    #[diagnostic(help("take fewer values on an axis, or several sweeps"))]
     TooMany {
         /// The counts whose product is too large.
         counts: String,
@@ -146,7 +144,8 @@ pub enum PlanError {
     )]
     Followed(usize),
     /// An end of an interval is not finite.
-    #[error("an axis from {low} to {high} has no values: both ends must be finite")]
+    #[error("an axis from {low} to {high} has no values")]
+    #[diagnostic(help("choose finite ends"))]
     Interval {
         /// The lower end.
         low: f64,
@@ -167,9 +166,11 @@ pub enum PlanError {
     },
     /// A setting of the search for a crisis is invalid.
     #[error(transparent)]
+    #[diagnostic(transparent)]
     CrisisSearch(#[from] CrisisSearchError),
     /// The part does not exist.
-    #[error("part {number} of {of} does not exist: parts are counted from 1")]
+    #[error("part {number} of {of} does not exist")]
+    #[diagnostic(help("count parts from 1"))]
     Part {
         /// The number of the part.
         number: usize,

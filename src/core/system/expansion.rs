@@ -1,7 +1,7 @@
 //! Taylor coefficients of equations, from jets or from multilinear derivatives.
 
 use super::System;
-use crate::core::failure::{DIFFERENTIABLE, Failure, finite};
+use crate::core::failure::{DIFFERENTIABLE, Failure, finite, one_line};
 use crate::core::problem::ROOM;
 use crate::core::scalar::jet::jet_of;
 use crate::core::scalar::{Jet, Space};
@@ -23,7 +23,7 @@ impl<'a> Expansion<'a> {
         space: &'static Space,
         terms: &'a [Vec<f64>],
     ) -> Result<Self, Failure> {
-        jet_of::<ROOM>(space, |_| 0.0).map_err(|cause| Failure::Unsupported(cause.to_string()))?;
+        jet_of::<ROOM>(space, |_| 0.0).map_err(|cause| Failure::Unsupported(one_line(&cause)))?;
         Ok(Expansion { space, x, terms })
     }
 

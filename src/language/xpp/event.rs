@@ -72,13 +72,10 @@ impl Event {
                     return Err(name.unsupported(source, "the end of a motion (`arret`)", reason));
                 }
                 (Some(_), _) => {
-                    let reason =
-                        "only states can be set; make it a state, as in `b'=0` with `init b=1`";
-                    return Err(name.unsupported(
-                        source,
-                        "a reset of a name that is not a state",
-                        reason,
-                    ));
+                    let construct = "a reset of a name that is not a state";
+                    return Err(name
+                        .unsupported(source, construct, "only states can be set")
+                        .with_help("make the name a state, as in `b'=0` with `init b=1`"));
                 }
                 _ => {
                     return Err(names

@@ -146,17 +146,23 @@ impl<'a> Reader<'a, '_> {
         let word = self.part(&(place.start..place.start + "sum".len()));
         let end = |tree: &Tree| {
             let value = self.value(tree).filter(|end| end.abs() < 1e9);
-            let reason = "it must be a number here; declare the names in it with `number`";
             value.map(|value| value.trunc() as i64).ok_or_else(|| {
-                word.unsupported(source, "an end of a sum that can be varied", reason)
+                word.unsupported(
+                    source,
+                    "an end of a sum that can be varied",
+                    "the end must be a number",
+                )
+                .with_help("declare the names in the end of the sum with `number`")
             })
         };
         let [low, high] = [end(&ends[0])?, end(&ends[1])?];
         let has = |found: fn(&Step) -> bool| body.iter().any(|node| found(&node.step));
         let inner = has(|step| matches!(step, Step::Sum(..)));
         if inner && has(|step| matches!(step, Step::Name(name) if name == "i'")) {
-            let reason = "XPPAUT has one index for both; write one of them out";
-            return Err(word.unsupported(source, "a sum within a sum over the same index", reason));
+            let reason = "XPPAUT has one index for both sums";
+            return Err(word
+                .unsupported(source, "a sum within a sum over the same index", reason)
+                .with_help("write the terms of one sum"));
         }
         let shifts =
             |step: &Step| matches!(step, Step::Call(name, _) if name.eq_ignore_ascii_case("shift"));

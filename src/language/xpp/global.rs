@@ -22,8 +22,10 @@ impl Global {
             Ok(1.0) => false,
             Ok(-1.0) => true,
             Ok(0.0) => {
-                let reason = "computed motion does not meet a condition exactly; use 1 or -1";
-                return Err(sign.unsupported(source, "the sign 0 of `global`", reason));
+                let reason = "computed motion does not meet a condition exactly";
+                return Err(sign
+                    .unsupported(source, "the sign 0 of `global`", reason)
+                    .with_help("use 1 or -1"));
             }
             _ => return Err(wrong()),
         };

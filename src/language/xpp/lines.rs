@@ -79,8 +79,11 @@ pub(super) fn for_each(source: &Source, visit: Visit) -> Result<(), ModelError> 
 fn refuse_range(source: &Source, line: Slice) -> Result<(), ModelError> {
     match range_of(source, line)? {
         Some(range) if !is_plain(line.text) => {
-            let reason = "the block already gives the index; write `[j]`";
-            Err(range.brackets.unsupported(source, "a range within a block", reason))
+            let reason = "the block already gives the index";
+            Err(range
+                .brackets
+                .unsupported(source, "a range within a block", reason)
+                .with_help("write `[j]`"))
         }
         _ => Ok(()),
     }
@@ -165,8 +168,10 @@ fn range_of<'a>(source: &Source, line: Slice<'a>) -> Result<Option<Range<'a>>, M
             return Err(inner.expected(source, "two whole numbers, as in `[1..9]`"));
         };
         if found.is_some() {
-            let reason = "XPPAUT writes out one per line; write two lines, or `[j]` for the second";
-            return Err(whole.unsupported(source, "a second range in a line", reason));
+            let reason = "XPPAUT writes out one range per line";
+            return Err(whole
+                .unsupported(source, "a second range in a line", reason)
+                .with_help("write two lines, or `[j]` instead of the second range"));
         }
         found = Some(Range { brackets: whole, first: first.into(), last: last.into() });
     }
@@ -176,12 +181,10 @@ fn range_of<'a>(source: &Source, line: Slice<'a>) -> Result<Option<Range<'a>>, M
 /// Returns a line that does not belong to an array.
 fn alone(source: &Source, line: Slice) -> Result<Text, ModelError> {
     if let Some(at) = line.text.find("](0)") {
-        let reason = "XPPAUT ignores it; write the element's name, as in `u3(0)=1`";
-        return Err(line.part(at..at + 4).unsupported(
-            source,
-            "an initial value in brackets",
-            reason,
-        ));
+        let place = line.part(at..at + 4);
+        return Err(place
+            .unsupported(source, "an initial value in brackets", "XPPAUT ignores such a value")
+            .with_help("write the name of the element, as in `u3(0)=1`"));
     }
     subscripted(source, line, None)
 }

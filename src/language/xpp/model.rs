@@ -19,7 +19,7 @@ pub(super) fn understood(source: &Source, parts: Parts) -> Result<Ode, ModelErro
     let mut names = Names::of(source, &parts)?;
     if parts.states.is_empty() {
         let (what, needed) =
-            ("the file".into(), "there must be at least one equation, as in `x'=-x`".into());
+            ("the file has no equation".into(), "write an equation, as in `x'=-x`".into());
         return Err(source.fault_of(&Phrase::default(), Fault::Missing { what, needed }));
     }
     let formulas = formulas_of(&names, &parts)?;
@@ -75,12 +75,11 @@ fn statement(
 ) -> Result<(Statement, Vec<String>), ModelError> {
     if parts.is_map {
         if let Some(global) = parts.globals.first() {
-            let reason = "events of maps have no counterpart; write the map with `if`";
-            return Err(global.condition.all().unsupported(
-                names.source,
-                "`global` of a map",
-                reason,
-            ));
+            let reason = "events of maps have no counterpart";
+            let place = global.condition.all();
+            return Err(place
+                .unsupported(names.source, "`global` of a map", reason)
+                .with_help("write the map with `if`"));
         }
         return Ok((Statement::Map(Map { states, ..Map::from(common) }), Vec::new()));
     }
@@ -130,8 +129,11 @@ fn check_constants(names: &Names, parts: &Parts, formulas: &Formulas) -> Result<
         if let Some(known) = formulas.all_names(tree).iter().find(|known| varies(known)) {
             let construct =
                 format!("`!{}` that depends on `{}`", named.name.all().text, names.written(*known));
-            let reason = "XPPAUT computes it once, at the start; omit the `!` if it should vary";
-            return Err(named.name.all().unsupported(names.source, construct, reason));
+            let reason = "XPPAUT computes such a quantity once, at the start";
+            let place = named.name.all();
+            return Err(place
+                .unsupported(names.source, construct, reason)
+                .with_help("omit the `!` if the quantity should vary"));
         }
     }
     Ok(())
@@ -145,8 +147,11 @@ fn check_order(names: &Names, parts: &Parts, formulas: &Formulas) -> Result<(), 
         if let Some(known) = formulas.by_functions(tree).iter().find(|known| later(known)) {
             let construct =
                 format!("`{}` in a quantity that is computed before it", names.written(*known));
-            let reason = "XPPAUT would use its value from the previous step; move it up";
-            return Err(named.name.all().unsupported(names.source, construct, reason));
+            let reason = "XPPAUT would use the value from the previous step";
+            let place = named.name.all();
+            return Err(place
+                .unsupported(names.source, construct, reason)
+                .with_help("move the line of that quantity up"));
         }
     }
     Ok(())

@@ -62,8 +62,10 @@ impl Parts {
         }
         let line = line.trim();
         if line.text.starts_with("#include") {
-            let reason = "copy its contents into this file";
-            return Err(line.part(0..8).unsupported(source, "`#include`", reason));
+            return Err(line
+                .part(0..8)
+                .unsupported(source, "`#include`", "all equations must be in one file")
+                .with_help("copy the contents of the other file into this file"));
         }
         if line.text.is_empty() || line.text.starts_with(['#', '"']) {
             return go_on;
@@ -74,8 +76,10 @@ impl Parts {
             return match line.text.as_bytes()[0] {
                 b'd' | b'D' => Ok(ControlFlow::Break(())),
                 b'0'..=b'9' => {
-                    let reason = "`xppaut -convert` converts such files";
-                    Err(line.unsupported(source, "the old form of files", reason))
+                    let reason = "its lines begin with numbers";
+                    Err(line
+                        .unsupported(source, "the old form of files", reason)
+                        .with_help("convert the file with `xppaut -convert`"))
                 }
                 _ => Err(line.expected(source, "a statement, as in `x'=-x`")),
             };

@@ -18,7 +18,7 @@ pub(super) enum Backend<'a> {
 const PIECE: usize = 4;
 
 /// The error of a failed drawing operation.
-#[derive(Debug, thiserror::Error)]
+#[derive(Debug, miette::Diagnostic, thiserror::Error)]
 #[error("{0}")]
 pub(super) struct Failed(String);
 

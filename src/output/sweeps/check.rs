@@ -2,7 +2,7 @@
 //! scene.
 
 use super::table::{Row, SweepTable, Sweeps};
-use crate::spelling::listed;
+use crate::core::spelling::listed;
 use std::collections::BTreeMap;
 
 /// The first columns of every table.
@@ -10,7 +10,7 @@ const RUN_COLUMNS: [&str; 2] = ["run", "start"];
 const POINT_COLUMNS: [&str; 4] = ["run", "period", "event", "time"];
 
 /// The difference between the tables of a file and the expected ones.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, Eq, miette::Diagnostic, thiserror::Error)]
 #[error("{what} of {place} differ: `{found}` in the file, `{expected}` in its scene")]
 pub struct TableDifference {
     /// The place: a sweep, or the file.

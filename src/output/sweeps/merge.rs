@@ -4,15 +4,17 @@ use super::check::TableDifference;
 use super::table::Sweeps;
 
 /// The error of parts that do not form a complete sweep.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, Eq, miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum MergeError {
     /// There are no parts.
-    #[error("there is no part to merge: name the files of all parts")]
+    #[error("there is no part to merge")]
+    #[diagnostic(help("name the files of all parts"))]
     Nothing,
     /// The parts are of different scenes.
     #[error(
-        "part {number} belongs to another scene than the first: all parts must be made by one scene with the same settings"
+        "part {number} belongs to another scene than the first: all parts must be made by one scene with the \
+         same settings"
     )]
     Different {
         /// The number of the part, from 1.
@@ -29,7 +31,8 @@ pub enum MergeError {
     },
     /// The parts have different results for a run.
     #[error(
-        "part {number} and an earlier part have different results for run {run} of the sweep `{sweep}`: one of them is from another version of the program"
+        "part {number} and an earlier part have different results for run {run} of the sweep `{sweep}`: one of \
+         them is from another version of the program"
     )]
     Contradiction {
         /// The number of the part, from 1.
@@ -41,8 +44,9 @@ pub enum MergeError {
     },
     /// Runs are missing in all parts.
     #[error(
-        "{missing} of {total} runs of the sweep `{sweep}` are missing in all parts, starting with run {first}: complete all parts"
+        "{missing} of {total} runs of the sweep `{sweep}` are missing in all parts, starting with run {first}"
     )]
+    #[diagnostic(help("run all parts to the end"))]
     Missing {
         /// The name of the sweep.
         sweep: String,

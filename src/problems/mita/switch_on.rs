@@ -7,18 +7,16 @@ use crate::core::orbit::{HybridOrbit, Itinerary, ItineraryError};
 use crate::core::system::Kind;
 
 /// The reason why the type of a switch-on is not determined.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum SwitchOnError {
     /// The branch has no grazing.
-    #[error(
-        "branch `{0}` has no grazing (G): trace the motion without impacts until it touches the front stopper"
-    )]
+    #[error("branch `{0}` has no grazing (G)")]
+    #[diagnostic(help("trace the motion without impacts until it touches the front stopper"))]
     NoGrazing(String),
     /// The branch does not follow motion without impacts.
-    #[error(
-        "branch `{branch}` has the itinerary `{itinerary}`: trace the motion without impacts, `stick`"
-    )]
+    #[error("branch `{branch}` has the itinerary `{itinerary}`")]
+    #[diagnostic(help("trace the motion without impacts, `stick`"))]
     Impacts {
         /// The name of the branch.
         branch: String,
@@ -27,9 +25,11 @@ pub enum SwitchOnError {
     },
     /// The itinerary is invalid.
     #[error(transparent)]
+    #[diagnostic(transparent)]
     Itinerary(#[from] ItineraryError),
     /// The local map at the grazing cannot be computed, or does not determine the type.
     #[error(transparent)]
+    #[diagnostic(transparent)]
     Grazing(#[from] GrazingError),
 }
 

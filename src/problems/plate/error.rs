@@ -1,47 +1,45 @@
 //! The errors in the description of a plate.
 
 /// The error of a plate that cannot be set up, with a remedy.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum PlateError {
     /// Letters that do not name four edges.
     #[error(
-        "supports \"{letters}\": write four letters out of S (simply supported), C (clamped) and \
-         F (free), for the edges x = 0, y = 0, x = 1, y = 1, such as \"SCSF\""
+        "supports \"{letters}\" are not four letters out of S (simply supported), C (clamped) and F (free)"
     )]
+    #[diagnostic(help(
+        "write a letter for each of the edges x = 0, y = 0, x = 1, y = 1, such as \"SCSF\""
+    ))]
     Supports {
         /// The letters as given.
         letters: String,
     },
     /// The supports do not hold the plate.
-    #[error(
-        "supports {supports} leave the plate free to move as a rigid body: hold it by one clamped \
-         edge or two supported ones"
-    )]
+    #[error("supports {supports} leave the plate free to move as a rigid body")]
+    #[diagnostic(help("hold the plate by one clamped edge or two supported edges"))]
     Unsupported {
         /// The supports.
         supports: String,
     },
     /// The sine model does not have these supports.
-    #[error(
-        "the model `sine` requires four supported edges (SSSS), not {supports}; use `model=ritz`"
-    )]
+    #[error("the model `sine` requires four supported edges (SSSS), not {supports}")]
+    #[diagnostic(help("use `model=ritz`"))]
     SineSupports {
         /// The supports.
         supports: String,
     },
     /// The stress function cannot describe these edges: its shear traction vanishes on straight
     /// edges.
-    #[error(
-        "the sine model has no in-plane edges \"{in_plane}\": choose slide or straight, or a polynomial \
-         model (model=ritz)"
-    )]
+    #[error("the sine model has no in-plane edges \"{in_plane}\"")]
+    #[diagnostic(help("choose `slide` or `straight`, or a polynomial model (`model=ritz`)"))]
     SineInPlane {
         /// The name of the supports in the plane.
         in_plane: &'static str,
     },
     /// The number of functions or modes is out of range.
-    #[error("{count} {what}: choose between {least} and {most}, or another model of the plate")]
+    #[error("{count} {what} are outside the range {least} to {most}")]
+    #[diagnostic(help("choose a number in the range, or another model of the plate"))]
     Count {
         /// The counted quantity.
         what: &'static str,
@@ -53,7 +51,8 @@ pub enum PlateError {
         most: usize,
     },
     /// The quadrature has too few points to distinguish the functions.
-    #[error("{points} quadrature points do not resolve the functions: use {needed} or more")]
+    #[error("{points} quadrature points do not resolve the functions")]
+    #[diagnostic(help("use {needed} quadrature points or more"))]
     TooFewPoints {
         /// The number of points.
         points: usize,
@@ -61,7 +60,7 @@ pub enum PlateError {
         needed: usize,
     },
     /// The accuracy of modes is out of the range that double precision allows.
-    #[error("mode_accuracy is {accuracy:e}: choose between 1e-12 and 0.1")]
+    #[error("mode_accuracy is {accuracy:e}, but must be between 1e-12 and 0.1")]
     AccuracyRange {
         /// The given accuracy.
         accuracy: f64,
@@ -86,10 +85,12 @@ pub enum PlateError {
         accurate: usize,
     },
     /// Stresses were requested for a plate without stretching, or with too many in-plane functions.
-    #[error("the plate has no in-plane stresses: set theory to von_karman, with fewer functions")]
+    #[error("the plate has no in-plane stresses")]
+    #[diagnostic(help("set `theory` to `von_karman`, with fewer functions"))]
     NoMembrane,
     /// The value of a parameter is outside the domain of the equations.
     #[error(transparent)]
+    #[diagnostic(transparent)]
     Domain(#[from] crate::core::failure::Failure),
 }
 

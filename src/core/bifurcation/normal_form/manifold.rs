@@ -30,7 +30,7 @@ use super::forms::{Forms, inner};
 use super::polynomials::{
     Changes, Coefficients, ONE, Variable, ZERO, derivation, linear, logarithm, substitution,
 };
-use crate::core::failure::Failure;
+use crate::core::failure::{Failure, one_line};
 use crate::core::linalg::Form;
 use crate::core::problem::Dynamics;
 use crate::core::scalar::Space;
@@ -212,7 +212,7 @@ pub(super) fn motion(
     let mut critical = Critical::new(eigenvalues, orbit);
     let count = critical.variables.len();
     let of_order = |order: usize| {
-        Space::of(count, order).map_err(|cause| Failure::Unsupported(cause.to_string()))
+        Space::of(count, order).map_err(|cause| Failure::Unsupported(one_line(&cause)))
     };
     let space = of_order(order)?;
     let (mut rates, mut manifold) = critical.linear(space, forms.n);

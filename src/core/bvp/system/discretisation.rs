@@ -9,7 +9,7 @@ use crate::core::bvp::mesh::Mesh;
 use crate::core::bvp::method::Method;
 use crate::core::bvp::terms::Ends;
 use crate::core::bvp::trajectory::Trajectory;
-use crate::core::failure::{Failure, not_finite};
+use crate::core::failure::{Failure, not_finite, one_line};
 use crate::core::ode::{Flow, Settings};
 use std::convert::Infallible;
 use std::sync::Arc;
@@ -139,7 +139,7 @@ impl DiscretisedProblem {
         match self.filled_by(Flow::default(), known, extras, p) {
             Err(Failure::Flow(cause)) if cause.is_stiff() => {
                 let flow = Flow::new(Settings::implicit());
-                let flow = flow.map_err(|cause| Failure::Unsupported(cause.to_string()))?;
+                let flow = flow.map_err(|cause| Failure::Unsupported(one_line(&cause)))?;
                 self.filled_by(flow, known, extras, p)
             }
             outcome => outcome,

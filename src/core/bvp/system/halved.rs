@@ -4,7 +4,7 @@ use super::discretisation::DiscretisedProblem;
 use super::solutions::Solutions;
 use crate::core::bvp::itineraries::Itineraries;
 use crate::core::bvp::mesh::Mesh;
-use crate::core::failure::Failure;
+use crate::core::failure::{Failure, one_line};
 use crate::core::linalg::largest;
 use crate::core::system::Solution;
 
@@ -138,7 +138,7 @@ fn first_period(whole: &DiscretisedProblem, mesh: &Mesh, x: &[f64]) -> Result<Ha
     let scale = if several { 1.0 } else { 2.0 };
     let before = mesh.points().iter().copied().filter(|tau| *tau < 0.5 * end);
     let points = before.chain([0.5 * end]).map(|tau| scale * tau).collect();
-    let mesh = Mesh::new(points).map_err(|cause| Failure::Mismatch(cause.to_string()))?;
+    let mesh = Mesh::new(points).map_err(|cause| Failure::Mismatch(one_line(&cause)))?;
     let problem = fewer.filter(|_| !several).unwrap_or_else(|| whole.problem.clone());
     let half = DiscretisedProblem::new(problem, whole.method.clone(), vec![mesh])?;
     let values = layout.dimension - layout.extras;

@@ -29,7 +29,7 @@ use super::work::Work;
 use crate::core::bvp::interval::{Block, Interval, MonitoredFunctions, Span};
 use crate::core::bvp::method::Method;
 use crate::core::bvp::shooting::Shooting;
-use crate::core::failure::Failure;
+use crate::core::failure::{Failure, one_line};
 use crate::core::linalg::{Border, Factors, Form, dot, refill};
 use crate::core::ode::Settings;
 use crate::core::problem::{FieldIn, Profile};
@@ -286,8 +286,8 @@ impl Flows {
         if flowed.as_ref().is_err_and(is_stiff) && self.shooting.settings.scheme.is_explicit() {
             let cancel = self.shooting.settings.cancel.clone();
             let settings = Settings { cancel, ..Settings::implicit() };
-            self.shooting = Shooting::with(settings)
-                .map_err(|cause| Failure::Unsupported(cause.to_string()))?;
+            self.shooting =
+                Shooting::with(settings).map_err(|cause| Failure::Unsupported(one_line(&cause)))?;
             flowed = self.follow(at, count, n);
         }
         match flowed {

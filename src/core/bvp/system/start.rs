@@ -10,7 +10,7 @@ use crate::core::bvp::error::BoundaryError;
 use crate::core::bvp::itineraries::Itineraries;
 use crate::core::bvp::mesh::Mesh;
 use crate::core::bvp::method::Method;
-use crate::core::failure::Failure;
+use crate::core::failure::{Failure, one_line};
 use crate::core::system::{Kind, Site, Solution, Start};
 
 fn mismatch(reason: impl Into<String>) -> Failure {
@@ -21,7 +21,7 @@ impl From<BoundaryError> for Failure {
     fn from(error: BoundaryError) -> Self {
         match error {
             BoundaryError::Evaluation(cause) => cause,
-            _ => mismatch(error.to_string()),
+            _ => mismatch(one_line(&error)),
         }
     }
 }
@@ -223,6 +223,6 @@ pub(super) fn meshes_of(points: &[f64]) -> Result<Vec<Mesh>, Failure> {
             _ => meshes.push(vec![point]),
         }
     }
-    let mesh = |points| Mesh::new(points).map_err(|error| mismatch(error.to_string()));
+    let mesh = |points| Mesh::new(points).map_err(|error| mismatch(one_line(&error)));
     meshes.into_iter().map(mesh).collect()
 }

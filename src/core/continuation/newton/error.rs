@@ -3,14 +3,15 @@
 use crate::core::failure::Failure;
 
 /// Reasons why Newton's method failed.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum NewtonError {
     /// The corrections do not shrink, even with damping.
     #[error(
-        "Newton stagnated after {iterations} iterations at a scaled correction of {correction:.1e} \
-         (damping {damping:.1e}): start nearer to a solution, or at a fold continue by arclength"
+        "Newton stagnated after {iterations} iterations at a scaled correction of {correction:.1e} (damping \
+         {damping:.1e})"
     )]
+    #[diagnostic(help("start nearer to a solution, or at a fold continue by arclength"))]
     Stagnation {
         /// The number of factorisations.
         iterations: usize,
@@ -21,6 +22,7 @@ pub enum NewtonError {
     },
     /// The equations or their matrix cannot be evaluated, or the matrix is singular.
     #[error("{}", evaluation(*iteration, cause))]
+    #[diagnostic(forward(cause))]
     Evaluation {
         /// The iteration; 0 at the start.
         iteration: usize,
@@ -30,9 +32,10 @@ pub enum NewtonError {
     },
     /// The maximal number of iterations was reached.
     #[error(
-        "Newton did not converge in {iterations} iterations: scaled correction {correction:.1e}, \
-         contraction {contraction:.2}; raise `max_iterations` or loosen `tolerance`"
+        "Newton did not converge in {iterations} iterations: scaled correction {correction:.1e}, contraction \
+         {contraction:.2}"
     )]
+    #[diagnostic(help("raise `max_iterations` or loosen `tolerance`"))]
     IterationLimit {
         /// The number of factorisations.
         iterations: usize,
@@ -43,9 +46,9 @@ pub enum NewtonError {
     },
     /// The tangent turned too far in one step.
     #[error(
-        "the tangent turned by {angle:.2} in one step, by more than {largest:.2}: the curve is sharper than \
-         the step; lower `min_step`"
+        "the tangent turned by {angle:.2} in one step, by more than {largest:.2}: the curve is sharper than the step"
     )]
+    #[diagnostic(help("lower `min_step`"))]
     Turned {
         /// The angle in radians.
         angle: f64,
@@ -54,9 +57,9 @@ pub enum NewtonError {
     },
     /// The curve between the ends of the step is too far from a cubic.
     #[error(
-        "the curve leaves the cubic between the ends of the step by {error:.1e} where `curve_error` is {largest:.1e}: \
-         lower `min_step` or raise `curve_error`"
+        "the curve leaves the cubic between the ends of the step by {error:.1e} where `curve_error` is {largest:.1e}"
     )]
+    #[diagnostic(help("lower `min_step` or raise `curve_error`"))]
     Bent {
         /// The estimated distance in scaled arclength.
         error: f64,
@@ -66,16 +69,17 @@ pub enum NewtonError {
     /// The step crossed to a neighbouring branch, at this distance in scaled arclength, where the
     /// curve turns away from that branch.
     #[error(
-        "the step jumps to another branch, at a distance of {0:.1e} where the branches are close: lower `min_step`, \
-         or the parameter that separates them"
+        "the step jumps to another branch, at a distance of {0:.1e} where the branches are close"
     )]
+    #[diagnostic(help("lower `min_step`, or the parameter that separates the branches"))]
     BranchJump(f64),
     /// The corrected point is far from the predicted one, relative to the step: it may belong to
     /// another branch.
     #[error(
-        "the corrected point is {distance:.1e} from the predicted one after a step of {length:.1e}: another branch \
-         is near, or the curve is sharper than the step; lower `min_step`"
+        "the corrected point is {distance:.1e} from the predicted one after a step of {length:.1e}: another \
+         branch is near, or the curve is sharper than the step"
     )]
+    #[diagnostic(help("lower `min_step`"))]
     Far {
         /// The distance in scaled arclength.
         distance: f64,
@@ -85,16 +89,18 @@ pub enum NewtonError {
     /// No point of the curve was found halfway along a step of this length: the step may have
     /// skipped a bend to another branch.
     #[error(
-        "no point of the curve was found halfway along a step of {0:.1e}: another branch is near, or the curve is \
-         sharper than the step; lower `min_step`"
+        "no point of the curve was found halfway along a step of {0:.1e}: another branch is near, or the curve \
+         is sharper than the step"
     )]
+    #[diagnostic(help("lower `min_step`"))]
     NoMiddle(f64),
     /// A cycle shrank to an equilibrium, which solves the equations with any period, in one step of
     /// this length.
     #[error(
         "the cycle shrinks to an equilibrium in a step of {0:.1e}: nearby cycles are too sensitive to be \
-         distinguished from it; take more `intervals`, or collocation"
+         distinguished from it"
     )]
+    #[diagnostic(help("take more `intervals`, or collocation"))]
     Shrunk(f64),
     /// A step of this length from a branch point returned to the parent branch.
     #[error(
@@ -107,8 +113,8 @@ pub enum NewtonError {
 fn evaluation(iteration: usize, cause: &Failure) -> String {
     match cause {
         Failure::Singular { .. } => format!(
-            "{cause} in iteration {iteration}: the point is singular in the released parameters (a fold or branch \
-             point?)"
+            "{cause} in iteration {iteration}: the point is singular in the released parameters (possibly a fold or \
+             branch point)"
         ),
         Failure::Unsupported(_) | Failure::Mismatch(_) | Failure::NoBranch { .. } => {
             cause.to_string()

@@ -11,14 +11,15 @@ pub(crate) const MOST_ORDER: usize = 8;
 const MOST_COEFFICIENTS: usize = 1024;
 
 /// The reason why a jet cannot be made.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum JetError {
     /// The order is too high, or the jet has too many coefficients.
     #[error(
         "a jet of order {order} in {variables} variables has {coefficients} coefficients, but at most {most}, \
-         up to order {MOST_ORDER}, are supported: use a lower order or fewer variables"
+         up to order {MOST_ORDER}, are supported"
     )]
+    #[diagnostic(help("use a lower order or fewer variables"))]
     TooLarge {
         /// The number of variables.
         variables: usize,

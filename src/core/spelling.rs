@@ -4,25 +4,17 @@
 //! *Commun. ACM* 7:171, 1964).
 //!
 //! ```
-//! use tangency::core::problem::UnknownName;
-//! use tangency::spelling::{sentence, suggest};
+//! use tangency::core::spelling::suggest;
 //! assert_eq!(suggest("laod", ["load", "gap"]), Some("load"));
 //! assert_eq!(suggest("voltage", ["load", "gap"]), None);
-//! let unknown = UnknownName::new("parameter", "laod", ["load", "gap"]);
-//! let message = sentence(&unknown);
-//! assert_eq!(message, "unknown parameter `laod`; did you mean `load`? Known: load, gap");
 //! ```
-
-use crate::core::continuation::TraceError;
-use crate::core::problem::UnknownName;
-use std::error::Error;
 
 /// Returns the candidate nearest to a mistyped name: the one with the fewest insertions, deletions,
 /// replacements and swaps of neighbours (ignoring case), if their number is at most a third of the
 /// name's length. One edit is always allowed.
 ///
 /// ```
-/// use tangency::spelling::suggest;
+/// use tangency::core::spelling::suggest;
 /// assert_eq!(suggest("frequency_ration", ["frequency", "frequency_ratio"]), Some("frequency_ratio"));
 /// assert_eq!(suggest("voltage", ["load", "max"]), None);
 /// assert_eq!(suggest("Λ", ["λ"]), Some("λ"));
@@ -37,41 +29,6 @@ pub fn suggest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) ->
         .filter(|(distance, _)| *distance <= allowed && *distance < name.chars().count())
         .min_by_key(|(distance, _)| *distance)
         .map(|(_, candidate)| candidate)
-}
-
-/// Describes an unknown name: the name, the name that was probably meant, and all known names.
-///
-/// ```
-/// use tangency::core::problem::UnknownName;
-/// let unknown = UnknownName::new("parameter", "laod", ["load", "gap"]);
-/// let words = tangency::spelling::sentence(&unknown);
-/// assert!(words.starts_with("unknown parameter `laod`; did you mean `load`?"), "{words}");
-/// ```
-pub fn sentence(unknown: &UnknownName) -> String {
-    let UnknownName { what, name, available } = unknown;
-    let meant = match suggest(name, available.iter().map(String::as_str)) {
-        Some(meant) => format!("; did you mean `{}`?", shown(meant)),
-        None => ".".into(),
-    };
-    let known = if available.is_empty() { "none".into() } else { listed(available) };
-    format!("unknown {what} `{}`{meant} Known: {known}", shown(name))
-}
-
-/// Returns the message of an error, with suggestions if the cause is an unknown name.
-pub(crate) fn spelled(error: &(dyn Error + 'static)) -> String {
-    let (mut message, mut cause) = (error.to_string(), Some(error));
-    while let Some(error) = cause {
-        if let Some(unknown) = error.downcast_ref::<UnknownName>() {
-            message = message.replace(&unknown.to_string(), &sentence(unknown));
-        }
-        if let Some(TraceError::Several(errors)) = error.downcast_ref() {
-            for error in errors {
-                message = message.replace(&error.to_string(), &spelled(error));
-            }
-        }
-        cause = error.source();
-    }
-    message
 }
 
 /// The maximum number of letters of a name in a message.
