@@ -1,6 +1,7 @@
 //! Syntax errors in texts: their place in the text, and for RON the reason.
 
-use crate::core::spelling::{shown, suggest};
+use crate::core::problem::UnknownName;
+use crate::core::spelling::shown;
 use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
 use ron::Error as RonError;
 use ron::error::{Position, SpannedError};
@@ -98,8 +99,8 @@ pub(crate) fn reason(code: &RonError) -> String {
              removed".into()
         }
         UnclosedBlockComment => "the comment is not closed: `*/` is missing".into(),
-        NoSuchStructField { expected, found, outer } => unknown("field", found, expected, outer),
-        NoSuchEnumVariant { expected, found, outer } => unknown("name", found, expected, outer),
+        NoSuchStructField { found, outer, .. } => unknown("field", found, outer),
+        NoSuchEnumVariant { found, outer, .. } => unknown("name", found, outer),
         MissingStructField { field, outer } => format!("the field `{field}`{} is missing", of(outer)),
         DuplicateStructField { field, outer } => {
             format!("the field `{field}`{} is given twice", of(outer))
@@ -119,19 +120,20 @@ fn of(outer: &Option<String>) -> String {
     outer.as_ref().map_or(String::new(), |outer| format!(" of `{outer}`"))
 }
 
-/// Returns the message for an unknown name, with the kind of the name and the valid names.
-pub(crate) fn unknown(
-    what: &str,
-    found: &str,
-    expected: &[&str],
-    outer: &Option<String>,
-) -> String {
-    let meant = suggest(found, expected.iter().copied());
-    let meant = meant.map_or(String::new(), |meant| format!("; did you mean `{meant}`?"));
-    let found = shown(found);
-    match expected {
-        [] => format!("unknown {what} `{found}`{}: no name is valid here", of(outer)),
-        _ => format!("unknown {what} `{found}`{}{meant} Known: {}", of(outer), expected.join(", "))
-            .replace("` Known", "`. Known"),
+/// Returns the remedy for a RON error, which lists the valid names for an unknown one.
+pub(crate) fn remedy(code: &RonError) -> Option<String> {
+    match code {
+        RonError::NoSuchStructField { expected, found, .. }
+        | RonError::NoSuchEnumVariant { expected, found, .. }
+            if !expected.is_empty() =>
+        {
+            Some(UnknownName::new("name", found.as_str(), expected.iter().copied()).remedy())
+        }
+        _ => None,
     }
+}
+
+/// Returns the message for an unknown name, with the kind of the name.
+pub(crate) fn unknown(what: &str, found: &str, outer: &Option<String>) -> String {
+    format!("unknown {what} `{}`{}", shown(found), of(outer))
 }

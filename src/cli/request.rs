@@ -4,7 +4,7 @@ use super::scene_at::setting;
 use super::signals;
 use crate::core::system::Kind;
 use crate::language::number;
-use crate::misread::reason;
+use crate::misread::{reason, remedy};
 use crate::scene::{Following, Range, Request, SearchBox};
 use clap::Args;
 
@@ -149,7 +149,9 @@ fn switch(text: &str) -> Result<Switch, String> {
 
 pub fn kind(text: &str) -> Result<Kind, String> {
     ron::from_str(&text.to_uppercase()).map_err(|error| match error.code {
-        ron::Error::NoSuchEnumVariant { .. } => reason(&error.code),
+        ron::Error::NoSuchEnumVariant { .. } => [Some(reason(&error.code)), remedy(&error.code)]
+            .map(Option::unwrap_or_default)
+            .join("; "),
         _ => "expected a kind of special point, such as HB".into(),
     })
 }

@@ -175,9 +175,11 @@ fn check_fields(
 ) -> Result<(), ModelError> {
     for Field { name, part, .. } in fields_of(source, brackets)? {
         if !known.contains(&&*name) {
-            let reason = unknown("field", &name, known, &Some(kind.into()));
+            let reason = unknown("field", &name, &Some(kind.into()));
             let part = part.start..part.start + name.len();
-            return Err(source.fault_at(part, Fault::Form { reason }));
+            let error = source.fault_at(part, Fault::Form { reason });
+            let unknown = UnknownName::new("field", name, known.iter().copied());
+            return Err(error.with_help_of(&unknown));
         }
     }
     Ok(())

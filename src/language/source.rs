@@ -1,7 +1,7 @@
 //! Texts that state equations, and errors that quote the place in the text.
 
 use crate::core::problem::UnknownName;
-use crate::misread::{Place, part_of, reason};
+use crate::misread::{Place, part_of, reason, remedy};
 use miette::Diagnostic;
 use ron::error::SpannedError;
 use serde::de::{Deserialize, Deserializer, Visitor};
@@ -116,7 +116,11 @@ impl Source {
 pub(crate) fn misread(source: &Source, begin: usize, error: SpannedError) -> ModelError {
     let part = part_of(&source.text[begin..], &error);
     let fault = Fault::Form { reason: reason(&error.code) };
-    source.fault_at(begin + part.start..begin + part.end, fault)
+    let misread = source.fault_at(begin + part.start..begin + part.end, fault);
+    match remedy(&error.code) {
+        Some(remedy) => misread.with_help(remedy),
+        None => misread,
+    }
 }
 
 /// Returns a text without the byte-order mark that some editors write first.
@@ -256,6 +260,11 @@ impl ModelError {
     fn new(file: &str, place: Place, fault: Fault) -> Self {
         let help = fault.help().map(|help| help.to_string());
         ModelError { file: file.into(), place: Box::new(place), fault, help }
+    }
+
+    /// Adds the remedy for an unknown name.
+    pub(crate) fn with_help_of(self, unknown: &UnknownName) -> Self {
+        self.with_help(unknown.remedy())
     }
 
     /// Adds a remedy.

@@ -253,7 +253,7 @@ impl Document {
     /// assert_eq!((branch.name.as_str(), fold.event.as_str()), ("plate", "fold"));
     /// assert_eq!(
     ///     document.special_point(Some("plate"), 9).unwrap_err().to_string(),
-    ///     "no special point has the label 9; known: plate/1, plate/2, plate/3, plate/4"
+    ///     "no special point has the label 9"
     /// );
     /// # Ok::<(), tangency::output::UnknownPoint>(())
     /// ```

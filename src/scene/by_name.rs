@@ -7,7 +7,7 @@
 use super::error::SceneError;
 use super::notation::{options, written};
 use crate::language::Parts;
-use crate::misread::reason;
+use crate::misread::{reason, remedy};
 use ron::Error as RonError;
 use ron::value::RawValue;
 use serde::Serialize;
@@ -124,14 +124,18 @@ pub(super) fn assign<S: Serialize + DeserializeOwned>(
 ) -> Result<bool, SceneError> {
     let mut fields = fields(settings);
     let refused = |code: RonError| {
-        let reason = match code {
+        let (reason, help) = match code {
             // A complete value that was not read to its end is a number with decimals.
             RonError::ExpectedStructLikeEnd | RonError::ExpectedComma => {
-                "expected a whole number".into()
+                ("expected a whole number".into(), None)
             }
-            code => reason(&code),
+            code => (reason(&code), remedy(&code)),
         };
-        SceneError::value(name, value, reason)
+        let refused = SceneError::value(name, value, reason);
+        match help {
+            Some(help) => refused.with_help(help),
+            None => refused,
+        }
     };
     if !replace(&mut fields, name, value).map_err(refused)? {
         return Ok(false);

@@ -256,9 +256,11 @@ impl Catalogue {
 
 /// Returns the error for a text that is not a scene.
 fn no_scene(text: &str, error: SpannedError) -> SceneError {
-    let mut error = misread(&Source::new("", text), 0, error);
-    if let (Fault::Form { reason }, false) = (&mut error.fault, text.contains("Scene(")) {
-        *reason += "; a scene begins with `Scene(title: …, problem: …`";
+    let error = misread(&Source::new("", text), 0, error);
+    match (&error.fault, text.contains("Scene(")) {
+        (Fault::Form { .. }, false) => {
+            error.with_help("begin a scene with `Scene(title: …, problem: …`").into()
+        }
+        _ => error.into(),
     }
-    error.into()
 }

@@ -8,7 +8,7 @@ use tangency::core::cancel::CancelToken;
 use tangency::core::continuation::{
     Branch, Continuation, End, Event, NewtonError, Observer, Point, Settings, TraceError,
 };
-use tangency::core::failure::{Failure, OutOfDomain};
+use tangency::core::failure::{Failure, OutOfDomain, one_line};
 use tangency::core::problem::{Dynamics, Names, ZeroProblem};
 use tangency::core::scalar::Scalar;
 use tangency::core::system::{Dense, Kind, System};
@@ -476,13 +476,16 @@ fn what_is_asked_for_wrongly_is_refused_with_the_remedy() {
     let mut system = Dense::new(CuspSlice);
     let mut message = |change: &dyn Fn(Continuation<'_>) -> Result<Branch, TraceError>| {
         let continuation = Continuation::new(&mut system as &mut dyn System);
-        change(continuation).unwrap_err().to_string()
+        one_line(&change(continuation).unwrap_err())
     };
     for (found, expected) in [
-        (message(&|c| c.along("nu", -1.0..=1.0).trace()), "unknown parameter `nu`. Known: mu"),
+        (
+            message(&|c| c.along("nu", -1.0..=1.0).trace()),
+            "unknown parameter `nu`; did you mean `mu`? Known: mu",
+        ),
         (
             message(&|c| c.along("mu", -1.0..=1.0).mark("sqare", 1.0).trace()),
-            "unknown parameter or monitor `sqare`. Known: mu, square",
+            "unknown parameter or monitor `sqare`; did you mean `square`? Known: mu, square",
         ),
         (
             message(&|c| c.along("mu", -1.0..=1.0).mark("square", f64::NAN).trace()),
@@ -490,7 +493,7 @@ fn what_is_asked_for_wrongly_is_refused_with_the_remedy() {
         ),
         (
             message(&|c| c.along("mu", -1.0..=1.0).scale("y", 1.0).trace()),
-            "unknown group of unknowns or released parameter `y`. Known: x, mu",
+            "unknown group of unknowns or released parameter `y`; known: x, mu",
         ),
         (
             message(&|c| c.along("mu", -1.0..=1.0).scale("x", 0.0).trace()),
@@ -502,11 +505,11 @@ fn what_is_asked_for_wrongly_is_refused_with_the_remedy() {
         ),
         (
             message(&|c| c.at("mu", 3.0).along("mu", -1.0..=1.0).trace()),
-            "the start mu = 3 is not in its range -1 to 1: start within it, or widen it",
+            "the start mu = 3 is not in its range -1 to 1; start within the range, or widen the range",
         ),
         (
             message(&|c| c.at("mu", f64::NAN).along("mu", -1.0..=1.0).trace()),
-            "the start mu = NaN is not in its range -1 to 1: start within it, or widen it",
+            "the start mu = NaN is not in its range -1 to 1; start within the range, or widen the range",
         ),
         (
             message(&|c| c.trace()),

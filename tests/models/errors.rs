@@ -1,5 +1,7 @@
 //! What is wrong with equations: each mistake has its text and its place.
 
+use tangency::Diagnostic;
+use tangency::core::failure::one_line;
 use tangency::language::{Fault, Model, ModelError, Source};
 use tangency::scene::{Scene, execute};
 
@@ -27,7 +29,8 @@ fn at(marked: &str) -> ModelError {
 
 fn says(marked: &str, words: &str) {
     let error = at(marked);
-    assert!(error.to_string().contains(words), "{error}\n\nlacks: {words}");
+    let said = one_line(&error);
+    assert!(said.contains(words), "{said}\n\nlacks: {words}");
 }
 
 #[test]
@@ -62,7 +65,7 @@ fn formulas() {
 fn names() {
     says(
         "Equations(states: [(\"x\", \"1\"), (\"»x«\", \"2\")])",
-        "`x` is already a state; each name may be given only once",
+        "`x` is already a state, and each name may be given only once",
     );
     says(
         "Equations(states: [(\"x\", \"a\")], parameters: [(\"a\", 1)], definitions: [(\"»a«\", \"2\")])",
@@ -115,14 +118,13 @@ fn statements() {
     assert_eq!(error.place.line, Some(1));
     let error = refused("Equation(states: [(\"x\", \"1\")])");
     assert!(
-        error
-            .to_string()
+        one_line(&error)
             .contains("unknown kind of equations `Equation`; did you mean `Equations`?"),
         "{error}"
     );
     let error = refused("Equations()");
     assert!(matches!(error.fault, Fault::Missing { .. }), "{error}");
-    assert_eq!(error.to_string(), "model.ron: the equations: there must be at least one state");
+    assert_eq!(error.to_string(), "model.ron: the equations are missing");
     assert!(
         refused("Map(states: [(\"x\", \"x + t\")])")
             .to_string()
@@ -130,7 +132,7 @@ fn statements() {
     );
     says(
         "Boundary(states: [(\"u\", \"v\"), (\"v\", \"-u\")], conditions: [\"»u(0)«\"])",
-        "1 conditions and integrals: there must be 2, as many as states (2) and unknowns (0)",
+        "give 2, as many as states (2) and unknowns (0)",
     );
     says("Boundary(states: [(\"u\", \"1\")], conditions: [\"»t«\"])", "conditions have no time");
     says(
@@ -208,7 +210,7 @@ fn modes_and_guards() {
     );
     says(
         &of("(name: \"»hit«\", modes: [\"up\"], function: \"x\", next: \"down\")"),
-        "the reset of `hit` leaves `w` undefined: `down` has this state, but `up` before it does not",
+        "the reset of `hit` leaves `w` undefined, a state of mode `down` but not of `up` before the event",
     );
     says(
         &of("(name: \"hit\", modes: [\"up\"], function: \"»w«\", next: \"up\")"),
@@ -239,11 +241,11 @@ fn modes_and_guards() {
 fn scenes_show_the_line() {
     let text = "Scene(\n    title: \"t\",\n    problem: Equations(states: [(\"x\", \"rho - x^2\")], solution: equilibrium),\n    parameters: [(\"rh\", 1)],
     runs: [Run(name: \"r\", along: [(name: \"rh\", low: 0)])],\n)";
-    let error = Scene::parse(text).unwrap_err().to_string();
-    assert!(
-        error.starts_with("line 3, column 40: unknown name `rho`; did you mean `rh`?"),
-        "{error}"
-    );
+    let error = Scene::parse(text).unwrap_err();
+    let help = error.help().expect("a help").to_string();
+    assert!(help.starts_with("did you mean `rh`?"), "{help}");
+    let error = error.to_string();
+    assert!(error.starts_with("line 3, column 40: unknown name `rho`"), "{error}");
     assert!(error.ends_with("\n  |                                        ^^^"), "{error}");
     assert!(
         error.contains(
@@ -252,9 +254,10 @@ fn scenes_show_the_line() {
         "{error}"
     );
     let wrong = text.replace("solution", "solutoin").replace("rho", "rh");
-    let error = Scene::parse(&wrong).unwrap_err().to_string();
+    let error = one_line(&Scene::parse(&wrong).unwrap_err());
     assert!(
-        error.contains("unknown field `solutoin` of `Equations`; did you mean `solution`?"),
+        error.contains("unknown field `solutoin` of `Equations`")
+            && error.contains("; did you mean `solution`?"),
         "{error}"
     );
     let unused = text.replace("rho", "2").replace("(\"rh\", 1)", "(\"rh\", 1), (\"q\", 2)");
@@ -280,7 +283,10 @@ fn a_start_where_a_formula_is_not_finite() {
     // Time without a period: motion can be simulated, but not continued.
     let text = "Scene(title: \"t\", problem: Equations(states: [(\"x\", \"a*t - x\")]), parameters: [(\"a\", 1)],
         runs: [Run(name: \"r\", along: [(name: \"a\", low: 0.5, high: 2)])])";
-    let error = Scene::parse(text).unwrap_err().to_string();
+    let error = Scene::parse(text).unwrap_err();
+    let help = error.help().expect("a help").to_string();
+    assert!(help.starts_with("did you mean `rh`?"), "{help}");
+    let error = error.to_string();
     assert!(error.contains("state the period of the forcing"), "{error}");
 }
 
@@ -438,7 +444,10 @@ Scene(title: \"t\",
     parameters: [(\"a\", 1)],
     runs: [Run(name: \"r\", along: [(name: \"a\", low: 0, high: 2)])],
 )";
-    let error = Scene::parse(text).unwrap_err().to_string();
+    let error = Scene::parse(text).unwrap_err();
+    let help = error.help().expect("a help").to_string();
+    assert!(help.starts_with("did you mean `rh`?"), "{help}");
+    let error = error.to_string();
     assert!(error.starts_with("line 5, column 35: expected a number, a name or `(`"), "{error}");
     let scene = Scene::parse(&text.replace(" // 2\"", "\"")).unwrap();
     let settings = scene.problem.settings();

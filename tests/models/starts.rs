@@ -3,6 +3,7 @@
 use super::traced;
 use crate::common::close;
 use tangency::core::continuation::End;
+use tangency::core::failure::one_line;
 use tangency::core::system::Kind;
 use tangency::scene::{Catalogue, Files, Problem, Range, Request, Scene, SceneError, execute};
 
@@ -101,8 +102,8 @@ fn tables_that_are_no_profiles_are_refused() {
         ("0 0 1\n1 0 1", "the first line must contain the names of the columns"),
         ("t u\n0 0\n1 one", "`one` in line 3 is not a number"),
         ("t u\n0 0\n1", "line 3 has 1 numbers for 2 columns"),
-        ("t u\n0 0", "a table of 2 columns, 1 rows"),
-        ("t u\n0 0\n1 inf", "must contain a finite number for each column"),
+        ("t u\n0 0", "the profile has 2 columns and 1 rows"),
+        ("t u\n0 0\n1 inf", "must have a finite number for each column"),
         ("t u\n0 0\n0 1", "times must increase from row to row"),
         ("t w\n0 0\n1 1", "unknown state `w`"),
     ];
@@ -112,7 +113,7 @@ fn tables_that_are_no_profiles_are_refused() {
     let map = "Map(states: [(\"u\", \"lambda*u/2\")])";
     let scene = with_table("map", map, "t u\n0 0\n1 1").unwrap();
     let error = execute(&scene, None, &mut ()).error.unwrap().to_string();
-    assert!(error.contains("only boundary-value problems can start at a profile"), "{error}");
+    assert!(error.contains("only boundary-value problems have profiles"), "{error}");
     let archive = "Scene(title: \"t\", problem: Map(states: [(\"u\", \"a*u\")]), parameters: [(\"a\", 1)],
         runs: [(name: \"r\", start: Profile(file: \"/etc/passwd\"), along: [(name: \"a\", low: 1, high: 2)])])";
     let error = Catalogue::built_in().parse_alone(archive).unwrap_err().to_string();
@@ -195,8 +196,8 @@ fn starts_outside_of_a_range() {
     };
     let error = execute(&Scene::parse(&scene(1.0)).unwrap(), None, &mut ()).error.unwrap();
     assert_eq!(
-        error.to_string(),
-        "run `r`: the start p = 0 is not in its range 1 to 4: start within it, or widen it"
+        one_line(&error),
+        "run `r`: the start p = 0 is not in its range 1 to 4; start within the range, or widen the range"
     );
 }
 

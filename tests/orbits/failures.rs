@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 use tangency::core::attractor::CycleSearch;
 use tangency::core::bvp::{BoundaryError, Collocation, Shooting};
 use tangency::core::continuation::{Branch, Continuation, End, Settings, TraceError};
-use tangency::core::failure::OutOfDomain;
+use tangency::core::failure::{OutOfDomain, one_line};
 use tangency::core::ode::Scheme;
 use tangency::core::orbit::{Smooth, from_cycle, periodic_orbits};
 use tangency::core::system::{Kind, System};
@@ -208,7 +208,7 @@ fn bad_input_is_refused() {
     let outcome = Continuation::new(&mut system).from(&[0.0; 3]).along("alpha", 0.0..=1.0).trace();
     assert!(matches!(outcome, Err(TraceError::StateLength { found: 3, .. })));
     let outcome = Continuation::new(&mut system).along("alhpa", 0.0..=1.0).trace();
-    assert!(outcome.unwrap_err().to_string().contains("`alhpa`. Known: alpha"));
+    assert!(one_line(&outcome.unwrap_err()).contains("`alhpa`; did you mean `alpha`?"));
 
     // A start on another problem's orbit, on an equilibrium that is no Hopf point, at a Hopf point
     // of a forced one.

@@ -7,6 +7,7 @@ use std::f64::consts::TAU;
 use tangency::core::attractor::CycleSearch;
 use tangency::core::bvp::{Guess, Shooting};
 use tangency::core::continuation::Continuation;
+use tangency::core::failure::one_line;
 use tangency::core::hybrid::{HybridFlow, HybridSettings, HybridState};
 use tangency::core::orbit::{HybridOrbit, Itinerary, ItineraryError};
 use tangency::core::system::Kind;
@@ -33,10 +34,10 @@ fn itineraries_are_read() {
     assert!(matches!(refused(""), ItineraryError::Empty(_)));
     assert!(matches!(refused("0* stick"), ItineraryError::Periods(_)));
     assert!(matches!(refused("stick forward:rest"), ItineraryError::Endless(_)));
-    let unknown = refused("flight:front").to_string();
-    assert!(unknown.contains("unknown mode `flight`. Known: stick, forward"), "{unknown}");
-    let unknown = refused("stick:rest").to_string();
-    assert!(unknown.contains("mode `stick` `rest`. Known: front, back"), "{unknown}");
+    let unknown = one_line(&refused("flight:front"));
+    assert!(unknown.contains("unknown mode `flight`; known: stick, forward"), "{unknown}");
+    let unknown = one_line(&refused("stick:rest"));
+    assert!(unknown.contains("mode `stick` `rest`; known: front, back"), "{unknown}");
 }
 
 hybrid_system! {

@@ -69,7 +69,7 @@ fn threads_are_no_more_than_the_work_there_is() {
 fn values_are_refused_with_what_may_be_written() {
     let folder = folder();
     let with = |setting: &str| refused(folder.path(), &["trace", "a.ron", "--set", setting]);
-    assert!(with("method=3").contains("Known: collocation, shooting"));
+    assert!(with("method=3").contains("known: collocation, shooting"));
     assert!(with("segments=f").contains("cannot be `f`: expected a whole number"));
     assert!(with("max_step=fast").contains("expected a number"));
     for value in ["7.5", "7, scheme: Radau5", "7)", "("] {

@@ -4,6 +4,7 @@
 use crate::program::scenarios::any_text;
 use proptest::prelude::*;
 use tangency::core::continuation::{Branch, End};
+use tangency::core::failure::one_line;
 use tangency::core::system::Kind;
 use tangency::output::{
     Columns, Document, FileError, FormatError, PointTable, Selection, UnknownPoint, example_branch,
@@ -272,8 +273,8 @@ fn special_points_are_found_by_label_and_ambiguity_is_named() {
     assert_eq!(document.special_point(Some("second"), 3).unwrap().1.kind, Kind::LP);
     let error = document.special_point(None, 3).unwrap_err();
     assert!(matches!(error, UnknownPoint::Ambiguous { .. }));
-    assert!(error.to_string().ends_with("name one of plate/3, second/3"), "{error}");
-    let error = document.special_point(Some("secnod"), 3).unwrap_err().to_string();
+    assert!(one_line(&error).ends_with("name one of plate/3, second/3"), "{error}");
+    let error = one_line(&document.special_point(Some("secnod"), 3).unwrap_err());
     assert!(error.contains("did you mean `second`?"), "{error}");
     assert_eq!(document.setting("scene"), Some("plate"));
 }

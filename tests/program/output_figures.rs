@@ -2,6 +2,7 @@
 //! should.
 
 use tangency::core::continuation::{End, Point};
+use tangency::core::failure::one_line;
 use tangency::core::system::Kind;
 use tangency::output::{
     Document, Figure, FigureError, Format, PAGE, Render, Results, Screen, Series, Style, Symbol,
@@ -128,7 +129,7 @@ fn the_plot_of_the_document_names_columns_and_units() {
 fn unknown_columns_are_answered_with_those_that_exist() {
     let error = diagram(&[("a", &document())], Some("laod"), &[]).unwrap_err();
     assert_eq!(
-        error.to_string(),
+        one_line(&error),
         "branch `plate`: unknown column `laod`; did you mean `load`? \
          Known: load, aspect_ratio, deflection"
     );

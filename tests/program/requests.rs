@@ -294,7 +294,7 @@ fn branches_begin_at_all_solutions() {
         &["must be given together"],
     );
     let empty = ["trace", "fork.ron", "--along", "a=0.15..1", "--start", "all", "--box", "x=7..8"];
-    refused(at, &empty, &["the box is without any solution", "larger box"]);
+    refused(at, &empty, &["the box contains no solution", "larger box"]);
 }
 
 /// Where motion rests, the columns are its states; where it goes on, their extremes, and a bound or
@@ -451,7 +451,7 @@ fn mistakes_are_named() {
     };
     write("stranger.ron", &scene("secret"));
     let said = failure(&tangency(at, &["trace", "stranger.ron"]), 1).to_string();
-    assert!(said.contains("is no file of equations") && !said.contains("root"), "{said}");
+    assert!(said.contains("is not a file of equations") && !said.contains("root"), "{said}");
     write("plain.ron", "Equations(states: [(\"x\", \"a - x\")], parameters: [(\"a\", 1)])");
     refused(at, &["sweep", "plain.ron"], &["has no sweeps"]);
     let text = "Scene(title: \"t\", problem: Equations(states: [(\"x\", \"a - x\")], solution: equilibrium), parameters: [(\"a\", \"1/2\")],

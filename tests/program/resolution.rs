@@ -92,9 +92,7 @@ fn parameters_have_other_names_than_settings() {
         );
         let refused = Scene::parse(&text).unwrap_err().to_string();
         assert!(
-            refused.contains(&format!(
-                "the name of the parameter `{name}` is also the name of a setting"
-            )),
+            refused.contains(&format!("a parameter and a setting have the same name, `{name}`")),
             "{refused}"
         );
     }

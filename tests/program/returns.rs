@@ -4,6 +4,7 @@
 use crate::common::close;
 use tangency::core::attractor::{AttractorSearch, ReturnMap, StroboscopicError, StroboscopicMap};
 use tangency::core::continuation::Branch;
+use tangency::core::failure::one_line;
 use tangency::core::hybrid::{HybridSettings, HybridState, Member};
 use tangency::core::sweep::Part;
 use tangency::core::system::Kind;
@@ -113,7 +114,7 @@ fn samples_that_cannot_be_are_refused() {
         )"#
         )
     };
-    let refused = |sweep: &str| Scene::parse(&text("top - x", sweep)).unwrap_err().to_string();
+    let refused = |sweep: &str| one_line(&Scene::parse(&text("top - x", sweep)).unwrap_err());
     assert!(refused("").contains("`--at EVENT`, `at` in a scene's sweep"));
     assert!(refused(r#"at: "flask","#).contains("did you mean `flash`"));
     let scene = Scene::parse(&text("top - x", r#"at: "flash","#)).unwrap();

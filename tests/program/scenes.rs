@@ -3,6 +3,7 @@
 use crate::program::scenarios::{any_text, built_in, column, refusal, traced, with};
 use proptest::prelude::*;
 use tangency::core::continuation::{Branch, End, SpecialPoint};
+use tangency::core::failure::one_line;
 use tangency::core::system::Kind;
 use tangency::output::{Document, PAGE, draw, figures};
 use tangency::scene::{BUILT_IN, Scene, SceneError, StartPoint, execute};
@@ -101,7 +102,7 @@ fn misspelt_names_are_answered_with_a_suggestion() {
     ] {
         let error = built_in("plate-clamped").set(misspelt, "1").unwrap_err();
         assert!(matches!(error, SceneError::UnknownName(_)), "{error:?}");
-        let text = error.to_string();
+        let text = one_line(&error);
         assert!(text.contains(&format!("did you mean `{meant}`")), "{text}");
         assert!(text.contains(&format!("`{misspelt}`")), "{text}");
     }
@@ -236,7 +237,7 @@ fn foreign_texts_and_wrong_types_are_refused_with_their_place() {
     for foreign in ["", "hello", "{\"title\": 3}", "(modes: 3)", "[1, 2]", "Figure(x: 1)"] {
         let said = refusal(foreign);
         assert!(said.starts_with("line 1, column "), "{foreign}: {said}");
-        assert!(said.contains("a scene begins with"), "{said}");
+        assert!(said.contains("begin a scene with"), "{said}");
     }
     for (from, to, said) in [
         ("\"t\"", "3", "line 2, column 10: expected a text in quotes"),

@@ -5,6 +5,7 @@
 use crate::common::close;
 use crate::program::scenarios::{built_in, column, refusal, traced, with};
 use tangency::core::continuation::Branch;
+use tangency::core::failure::one_line;
 use tangency::core::sweep::Part;
 use tangency::core::system::Kind;
 use tangency::output::{Document, FigureError, SweepTable, figures};
@@ -267,9 +268,9 @@ fn bad_runs_of_maps_are_refused() {
         (
             "run: \"flow\", kind: G, parameters: [\"frequency\"]",
             along,
-            "a parameter of the map: frequency",
+            "`voltage` is not a parameter of the map, which has frequency",
         ),
-        ("run: \"flow\", kind: G, parameters: []", along, "the parameters of the map"),
+        ("run: \"flow\", kind: G, parameters: []", along, "names no parameters of the map"),
         (at, &format!("start: From(run: \"flow\", kind: G), {along}"), "the same local map"),
         (at, &format!("start: Simulated(), {along}"), "a simulation"),
     ] {
@@ -282,7 +283,7 @@ fn bad_runs_of_maps_are_refused() {
     let nowhere = scene("run: \"flow\", kind: EP, parameters: [\"voltage\"]", along);
     let outcome = execute(&Scene::parse(&nowhere).unwrap(), None, &mut ());
     let Some(error @ SceneError::Run { .. }) = outcome.error else { panic!("{:?}", outcome.error) };
-    assert!(error.to_string().contains("locate the grazing (G) first"), "{error}");
+    assert!(one_line(&error).contains("locate the grazing (G) first"), "{error}");
     let high = Scene::parse(&scene(at, along)).unwrap().set("order", "8").unwrap_err();
     assert!(high.to_string().contains("between 1 and 7"), "{high}");
 }

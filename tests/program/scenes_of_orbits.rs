@@ -3,6 +3,7 @@
 
 use crate::common::close;
 use crate::program::scenarios::{built_in, column, refusal, traced, with};
+use tangency::core::failure::one_line;
 use tangency::core::system::Kind;
 use tangency::output::Document;
 use tangency::scene::{BUILT_IN, Scene, SceneError, StartPoint, execute};
@@ -182,7 +183,7 @@ fn discretisations_are_set_by_name() {
         assert!(error.to_string().contains(&format!("`{name}`")), "{error}");
         assert!(changed == scene, "{name} = {value} was taken");
     }
-    let misspelt = built_in("bratu").set("metod", "shooting").unwrap_err().to_string();
+    let misspelt = one_line(&built_in("bratu").set("metod", "shooting").unwrap_err());
     assert!(misspelt.contains("did you mean `method`"), "{misspelt}");
     // Bratu's problem knows no equilibria, and none of its names is that of a field's solution.
     assert!(built_in("bratu").set("solution", "orbit").is_err());
@@ -205,7 +206,7 @@ fn discretisations_that_cannot_be_are_refused_with_a_reason() {
         refusal(&text.replace("Isothermal()", "Isothermal(method: collocation(intervals: 0))"));
     assert!(said.contains("`intervals`") && said.contains("between 1 and 4096"), "{said}");
     let scene = Scene::parse(&text.replace("\"y2\", 21.0", "\"y4\", 21.0")).unwrap();
-    let said = execute(&scene, None, &mut ()).error.unwrap().to_string();
+    let said = one_line(&execute(&scene, None, &mut ()).error.unwrap());
     assert!(said.contains("`y4`") && said.contains("did you mean `y1`"), "{said}");
     let scene = Scene::parse(&text.replace("kind: HB", "kind: LP")).unwrap();
     let said = execute(&scene, None, &mut ()).error.unwrap().to_string();

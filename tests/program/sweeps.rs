@@ -10,6 +10,7 @@ use std::num::NonZeroUsize;
 use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
 use std::time::Duration;
+use tangency::core::failure::one_line;
 use tangency::core::problem::Measure;
 use tangency::core::scalar::Scalar;
 use tangency::core::sweep::{Order, Part};
@@ -250,7 +251,7 @@ fn bad_input_is_explained() {
     std::fs::write(folder.path().join("measured.ron"), measured).unwrap();
     fails(
         &["sweep", "measured.ron"],
-        "unknown measure `displacment_range`; did you mean `displacement_range`?",
+        "unknown measure `displacment_range`\nhelp: did you mean `displacement_range`?",
     );
     assert!(tangency(folder.path(), &["sweep", "chaos.ron"]).status.success());
     fails(&["sweep", "chaos.ron", "--set", "frequency=0.49"], "are from another scene");
@@ -343,7 +344,7 @@ fn crises_are_found_by_sweeps() {
     let drawn = figures(&[], std::slice::from_ref(&sweeps), None, &[]).unwrap();
     assert!(drawn[0].series.iter().any(|series| series.points.len() == 2));
     let unknown = text.replace("(name: \"voltage\", from", "(name: \"voltages\", from");
-    assert!(Scene::parse(&unknown).unwrap_err().to_string().contains("did you mean `voltage`"));
+    assert!(one_line(&Scene::parse(&unknown).unwrap_err()).contains("did you mean `voltage`"));
 }
 
 #[test]
@@ -440,7 +441,7 @@ fn monitors_of_several_modes_are_columns_of_branches_and_sweeps() {
     let catalogue = |measured| Catalogue::empty().hybrid("Halves", Halves { measured });
     let refused = catalogue("distance_from_midle").parse(scene).unwrap_err();
     assert!(matches!(refused, SceneError::UnknownName(_)));
-    assert!(refused.to_string().contains("did you mean `distance_from_middle`?"), "{refused}");
+    assert!(one_line(&refused).contains("did you mean `distance_from_middle`?"), "{refused}");
     let scene = catalogue("distance_from_middle").parse(scene).unwrap();
     let exact = |frequency: f64| {
         let amplitude = (1.0 - frequency * frequency).hypot(0.2 * frequency).recip();

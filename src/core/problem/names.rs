@@ -257,13 +257,7 @@ pub struct UnknownName {
 
 impl Diagnostic for UnknownName {
     fn help<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
-        let UnknownName { name, available, .. } = self;
-        let known = if available.is_empty() { "none".into() } else { listed(available) };
-        let help = match suggest(name, available.iter().map(String::as_str)) {
-            Some(meant) => format!("did you mean `{}`? Known: {known}", shown(meant)),
-            None => format!("known: {known}"),
-        };
-        Some(Box::new(help))
+        Some(Box::new(self.remedy()))
     }
 }
 
@@ -276,6 +270,16 @@ impl UnknownName {
     ) -> Self {
         let available = available.into_iter().map(Into::into).collect();
         UnknownName { what: what.into(), name: name.into(), available }
+    }
+
+    /// Returns the probably intended name, and all known names.
+    pub fn remedy(&self) -> String {
+        let UnknownName { name, available, .. } = self;
+        let known = if available.is_empty() { "none".into() } else { listed(available) };
+        match suggest(name, available.iter().map(String::as_str)) {
+            Some(meant) => format!("did you mean `{}`? Known: {known}", shown(meant)),
+            None => format!("known: {known}"),
+        }
     }
 }
 

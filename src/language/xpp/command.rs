@@ -10,30 +10,66 @@ pub(super) const NUMBER: &str = "a number: XPPAUT does not accept formulas here;
                       a constant that depends on others is written `!b=2*a`";
 const VOLTERRA: &str = "integral equations have no counterpart";
 
-/// Commands without a counterpart: their first letters, a description, and the reason.
-pub(super) const REFUSED: [(&str, &str, &str); 18] = [
-    ("MKSOL", "a pHtools command (`mksol`)", "it states chemical equilibria, not equations"),
-    ("ADDTOSOL", "a pHtools command", "it states chemical equilibria, not equations"),
-    ("TRACKSOL", "a pHtools command", "it states chemical equilibria, not equations"),
-    ("PHSOL", "a pHtools command", "it states chemical equilibria, not equations"),
-    ("STRENGTH", "a pHtools command", "it states chemical equilibria, not equations"),
-    ("BUFFCAP", "a pHtools command", "it states chemical equilibria, not equations"),
-    ("SPECIES", "a pHtools command", "it states chemical equilibria, not equations"),
-    ("MA", "a Markov process (`markov`)", "random motion is not supported"),
-    ("W", "noise (`wiener`)", "random motion is not supported"),
-    ("V", "an integral equation (`volterra`)", VOLTERRA),
+/// Commands without a counterpart: their first letters, a description, the reason, and the remedy.
+pub(super) const REFUSED: [(&str, &str, &str, Option<&str>); 18] = [
+    ("MKSOL", "a pHtools command (`mksol`)", "it states chemical equilibria, not equations", None),
+    ("ADDTOSOL", "a pHtools command", "it states chemical equilibria, not equations", None),
+    ("TRACKSOL", "a pHtools command", "it states chemical equilibria, not equations", None),
+    ("PHSOL", "a pHtools command", "it states chemical equilibria, not equations", None),
+    ("STRENGTH", "a pHtools command", "it states chemical equilibria, not equations", None),
+    ("BUFFCAP", "a pHtools command", "it states chemical equilibria, not equations", None),
+    ("SPECIES", "a pHtools command", "it states chemical equilibria, not equations", None),
+    ("MA", "a Markov process (`markov`)", "random motion is not supported", None),
+    ("W", "noise (`wiener`)", "random motion is not supported", None),
+    ("V", "an integral equation (`volterra`)", VOLTERRA, None),
     (
         "SO",
         "an algebraic variable (`solve`)",
         "only differential equations and maps have a counterpart",
+        None,
     ),
-    ("SP", "a network (`special`)", "write the sum, as in `sum(0,9)of(w*shift(u0,i'))`"),
-    ("EX", "a library of compiled functions (`export`)", "the equations would not be in this file"),
-    ("TA", "a table (`table`)", "write the function as a formula"),
-    ("GR", "a group (`group`)", "state the equations of each part"),
-    ("B", "a boundary condition (`bdry`)", "state a `Boundary` problem in RON"),
-    ("OP", "a file of options (`options`)", "write them here, as in `@ total=50`"),
-    ("OD", "the old form of files", "`xppaut -convert` converts it"),
+    (
+        "SP",
+        "a network (`special`)",
+        "networks have no counterpart",
+        Some("write the sum, as in `sum(0,9)of(w*shift(u0,i'))`"),
+    ),
+    (
+        "EX",
+        "a library of compiled functions (`export`)",
+        "the equations would not be in this file",
+        None,
+    ),
+    (
+        "TA",
+        "a table (`table`)",
+        "tables have no counterpart",
+        Some("write the function as a formula"),
+    ),
+    (
+        "GR",
+        "a group (`group`)",
+        "groups have no counterpart",
+        Some("state the equations of each part"),
+    ),
+    (
+        "B",
+        "a boundary condition (`bdry`)",
+        ".ode files have no boundary values here",
+        Some("state a `Boundary` problem in RON"),
+    ),
+    (
+        "OP",
+        "a file of options (`options`)",
+        "options of other files are not read",
+        Some("write the options here, as in `@ total=50`"),
+    ),
+    (
+        "OD",
+        "the old form of files",
+        "its lines begin with numbers",
+        Some("convert the file with `xppaut -convert`"),
+    ),
 ];
 
 /// Rejects calls without a counterpart, before any other error in a line.

@@ -185,8 +185,12 @@ impl Parts {
     ) -> Result<ControlFlow<()>, ModelError> {
         let upper = word.text.to_ascii_uppercase();
         let refused = REFUSED.iter().find(|(start, ..)| upper.starts_with(start));
-        if let Some((_, construct, reason)) = refused {
-            return Err(word.unsupported(source, *construct, *reason));
+        if let Some((_, construct, reason, help)) = refused {
+            let error = word.unsupported(source, *construct, *reason);
+            return Err(match help {
+                Some(help) => error.with_help(*help),
+                None => error,
+            });
         }
         let begins = |start: &str| upper.starts_with(start);
         if begins("D") {
