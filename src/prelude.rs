@@ -15,7 +15,7 @@
 pub use crate::core::bvp::{
     BoundaryProblem, BoundarySystem, Collocation, Ends, Mesh, Monitor, Shooting,
 };
-pub use crate::core::continuation::{Branch, Continuation, SpecialPoint};
+pub use crate::core::continuation::{Branch, Continuation, Settings, SpecialPoint, TraceError};
 pub use crate::core::equilibrium::HybridEquilibria;
 pub use crate::core::failure::OutOfDomain;
 pub use crate::core::hybrid::{Guard, HybridSystem, Mode, Passage};

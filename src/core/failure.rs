@@ -32,6 +32,19 @@ pub fn one_line(error: &dyn Diagnostic) -> String {
     error.help().map_or(error.to_string(), |help| format!("{error}; {help}"))
 }
 
+/// Implements `Debug` as the message with its help, which is what a program prints whose `main`
+/// returns the error.
+macro_rules! debug_is_message {
+    ($($error:ty),* $(,)?) => {$(
+        impl std::fmt::Debug for $error {
+            fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+                f.write_str(&$crate::core::failure::one_line(self))
+            }
+        }
+    )*};
+}
+pub(crate) use debug_is_message;
+
 /// A value outside the domain of the equations.
 #[derive(Clone, Debug, PartialEq, miette::Diagnostic, thiserror::Error)]
 #[error("{quantity} = {value:.6e} is outside the domain of the equations")]

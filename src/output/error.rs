@@ -2,13 +2,16 @@
 
 use super::tag::FORMAT;
 use super::words::{Invalid, quoted};
+use crate::core::failure::debug_is_message;
 use crate::core::problem::UnknownName;
 use crate::core::system::Kind;
 use crate::misread::Place;
 use std::path::{Path, PathBuf};
 
+debug_is_message!(FileError, FigureError);
+
 /// The error of a file that cannot be read, parsed or written.
-#[derive(Debug, miette::Diagnostic, thiserror::Error)]
+#[derive(miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum FileError {
     /// The file cannot be read.
@@ -235,7 +238,7 @@ pub enum UnknownPoint {
 }
 
 /// The error of a figure that cannot be drawn.
-#[derive(Clone, Debug, PartialEq, miette::Diagnostic, thiserror::Error)]
+#[derive(Clone, PartialEq, miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum FigureError {
     /// A branch lacks a column.

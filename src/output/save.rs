@@ -13,7 +13,10 @@ use super::panels::{figures, of_histories};
 use super::profiles::{Shown, named};
 use super::sweeps::{Sweeps, csv as of_sweeps};
 use super::table::table;
+use crate::core::failure::debug_is_message;
 use std::path::{Path, PathBuf};
+
+debug_is_message!(SaveError);
 
 /// A result that can be rendered in several formats.
 pub trait Render {
@@ -74,7 +77,7 @@ pub enum RenderError {
 }
 
 /// The error of results that could not be saved.
-#[derive(Debug, miette::Diagnostic, thiserror::Error)]
+#[derive(miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum SaveError {
     /// A file cannot be written.

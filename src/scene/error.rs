@@ -3,6 +3,7 @@
 use super::expansion::ExpansionError;
 use crate::core::attractor::{CycleSearchError, StroboscopicError};
 use crate::core::continuation::TraceError;
+use crate::core::failure::debug_is_message;
 use crate::core::hybrid::HybridError;
 use crate::core::local_map::GrazingError;
 use crate::core::manifold::ManifoldError;
@@ -13,6 +14,8 @@ use crate::language::ModelError;
 use crate::output::{Chosen, FigureError, TableDifference};
 use miette::Diagnostic;
 use std::sync::Arc;
+
+debug_is_message!(SceneError);
 
 /// The error of a problem that cannot be built from its settings.
 #[derive(Clone, Debug, miette::Diagnostic, thiserror::Error)]
@@ -40,7 +43,7 @@ impl From<ModelError> for SceneError {
 }
 
 /// The error of a scene, or of a request to it.
-#[derive(Clone, Debug, PartialEq, miette::Diagnostic, thiserror::Error)]
+#[derive(Clone, PartialEq, miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum SceneError {
     /// A parameter or state is given both in `--over` and in `--from`, or twice in one of them.

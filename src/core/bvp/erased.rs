@@ -102,6 +102,11 @@ pub trait Equations:
     /// The names of the parameters.
     fn parameters(&self) -> Vec<String>;
 
+    /// The default values of all parameters, in order; empty without default values.
+    fn defaults(&self) -> Vec<f64> {
+        Vec::new()
+    }
+
     /// The shape of solutions: whether they are periodic, and how one period leads to the next.
     fn shape(&self) -> Shape;
 

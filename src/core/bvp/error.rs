@@ -2,9 +2,12 @@
 
 use super::terms::Shape;
 use crate::core::failure::Failure;
+use crate::core::failure::debug_is_message;
+
+debug_is_message!(BoundaryError);
 
 /// The sizes of a boundary-value problem do not fit together.
-#[derive(Clone, Debug, PartialEq, miette::Diagnostic, thiserror::Error)]
+#[derive(Clone, PartialEq, miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum BoundaryError {
     /// The number of meshes differs from the number of segments, or there are no segments.

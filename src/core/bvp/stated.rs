@@ -85,6 +85,7 @@ impl<P: BoundaryProblem + 'static> Equations for Stated<P> {
     forward! { |self| self.0;
         fn segments() -> Vec<Vec<String>>;
         fn parameters() -> Vec<String>;
+        fn defaults() -> Vec<f64>;
         fn shape() -> Shape;
         fn extras() -> Vec<String>;
         fn integrals() -> usize;

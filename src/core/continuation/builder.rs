@@ -53,13 +53,17 @@ pub struct Continuation<'a> {
 }
 
 impl<'a> Continuation<'a> {
-    /// Creates a curve of zeros of this system, starting at `z = 0` and `p = 0` by default.
+    /// Creates a curve of zeros of this system, starting at `z = 0` and at the default values of the
+    /// parameters (`p = 0` without default values), unless [`from`](Self::from) and [`at`](Self::at)
+    /// state others.
     ///
     /// If tracing would change the system (its mesh, period or itinerary), a copy is used, and the
     /// caller's system is unchanged.
     pub fn new(system: &'a mut dyn System) -> Self {
         let system = SystemRef::Borrowed(system).duplicated();
-        let x = vec![0.0; system.names().length()];
+        let names = system.names();
+        let mut x = vec![0.0; names.length()];
+        x[names.dimension()..].iter_mut().zip(&names.defaults).for_each(|(p, own)| *p = *own);
         Continuation {
             system,
             name: "branch".into(),

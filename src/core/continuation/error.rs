@@ -2,11 +2,14 @@
 
 use super::newton::NewtonError;
 use super::settings::SettingError;
+use crate::core::failure::debug_is_message;
 use crate::core::failure::one_line;
 use crate::core::problem::UnknownName;
 
+debug_is_message!(TraceError);
+
 /// Reasons why a trace could not start.
-#[derive(Clone, Debug, PartialEq, miette::Diagnostic, thiserror::Error)]
+#[derive(Clone, PartialEq, miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum TraceError {
     /// A name that does not exist in the problem.

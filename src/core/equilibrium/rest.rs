@@ -166,6 +166,10 @@ impl ZeroEquations for RestInMode {
         self.names.clone()
     }
 
+    fn defaults(&self) -> Vec<f64> {
+        self.system.defaults()
+    }
+
     fn domain(&self, z: &[f64], p: &[f64]) -> Result<(), OutOfDomain> {
         self.system.domain_of(self.mode, z, p)
     }

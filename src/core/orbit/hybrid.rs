@@ -192,6 +192,10 @@ impl Equations for HybridOrbit {
         self.legs().parameters.clone()
     }
 
+    fn defaults(&self) -> Vec<f64> {
+        self.legs().system.defaults()
+    }
+
     fn extras(&self) -> Vec<String> {
         let layout = &self.legs().layout;
         if layout.smooth {

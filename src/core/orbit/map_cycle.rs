@@ -137,6 +137,7 @@ impl<M: DiscreteMap> MapCycle<M> {
         });
         let group = |state: &Group| state.clone().on_mesh(iterates);
         let names = Names::new(own.unknowns.iter().map(group), own.parameters.clone())
+            .with_defaults(map.defaults())
             .with_monitors(monitors);
         let order = (0..iterates * n).map(|e| e % n * iterates + e / n).collect();
         MapCycle {

@@ -160,6 +160,10 @@ impl<F: VectorField> ZeroProblem for Equilibria<F> {
         names
     }
 
+    fn defaults(&self) -> Vec<f64> {
+        self.0.defaults()
+    }
+
     fn residual<T: Scalar>(&self, z: &[T], p: &[T], r: &mut [T]) {
         self.0.field(T::zero(), z, p, r);
     }

@@ -144,7 +144,8 @@ impl From<(&str, usize)> for Group {
     }
 }
 
-/// The names of a zero problem's unknowns, parameters and monitors.
+/// The names of a zero problem's unknowns, parameters and monitors, and default values of the
+/// parameters.
 ///
 /// ```
 /// use tangency::core::problem::Names;
@@ -153,7 +154,7 @@ impl From<(&str, usize)> for Group {
 /// let field = Names::new([("u", 99)], ["lambda"]).with_monitors(["max"]);
 /// assert_eq!(field.dimension(), 99);
 /// ```
-#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Names {
     /// Groups of unknowns, in the order of `z`.
@@ -162,6 +163,9 @@ pub struct Names {
     pub parameters: Vec<String>,
     /// Monitors: named scalars of the solution.
     pub monitors: Vec<String>,
+    /// The default values of all parameters, in order; empty without default values.
+    #[serde(default)]
+    pub defaults: Vec<f64>,
 }
 
 impl Names {
@@ -174,7 +178,14 @@ impl Names {
             unknowns: unknowns.into_iter().map(Into::into).collect(),
             parameters: parameters.into_iter().map(Into::into).collect(),
             monitors: Vec::new(),
+            defaults: Vec::new(),
         }
+    }
+
+    /// Sets the default values of all parameters.
+    pub(crate) fn with_defaults(mut self, defaults: Vec<f64>) -> Self {
+        self.defaults = defaults;
+        self
     }
 
     /// Adds the names of monitors.

@@ -61,6 +61,7 @@ erased! {
     /// [`ZeroProblem`], which documents the methods.
     pub trait ZeroEquations: InScalars of ZeroProblem {
         fn names() -> Names;
+        fn defaults() -> Vec<f64>;
         fn domain(z: &[f64], p: &[f64]) -> Result<(), OutOfDomain>;
         fn dynamics() -> Dynamics;
         fn scales(p: &[f64]) -> Vec<f64>;

@@ -70,7 +70,7 @@ impl ZeroSystem {
         traced: Option<Arc<dyn TracedEquations>>,
         matrices: Matrices,
     ) -> Self {
-        let names = problem.names();
+        let names = problem.names().with_defaults(problem.defaults());
         let monitors = names.monitors.len();
         ZeroSystem {
             traced,

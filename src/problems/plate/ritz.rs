@@ -79,7 +79,8 @@ impl Ritz {
     pub fn new(settings: RitzSettings) -> Result<Ritz, PlateError> {
         let model = Discretisation::new(settings)?;
         let n = model.unknowns();
-        let names = monitors::names(settings.units, n);
+        let names =
+            monitors::names(settings.units, n).with_defaults(settings.units.defaults().to_vec());
         let length = names.length();
         let mut centre = vec![0.0; n];
         let mut search = Search::new(&model);

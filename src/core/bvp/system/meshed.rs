@@ -233,5 +233,7 @@ fn names_of(problem: &dyn Equations, method: &Method, layout: &UnknownLayout) ->
     unknowns.extend(problem.extras().into_iter().map(|name| Group::new(name, 1)));
     let monitors = problem.monitors().into_iter().map(|(name, _)| name);
     let mesh_error = method.error_constant().map(|_| MESH_ERROR.to_string());
-    Names::new(unknowns, problem.parameters()).with_monitors(monitors.chain(mesh_error))
+    Names::new(unknowns, problem.parameters())
+        .with_monitors(monitors.chain(mesh_error))
+        .with_defaults(problem.defaults())
 }
