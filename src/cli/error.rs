@@ -1,6 +1,7 @@
 //! The errors of commands.
 
 use crate::core::problem::UnknownName;
+use crate::core::system::Kind;
 use crate::output::{FigureError, FileError, MergeError, RenderError, SaveError, UnknownPoint};
 use crate::scene::SceneError;
 use miette::Diagnostic;
@@ -47,6 +48,10 @@ pub enum CommandError {
         #[source]
         cause: UnknownPoint,
     },
+    /// The special point to start from is of another kind than `--switch` names.
+    #[error("{}: the point {label} is of the kind {kind}, at which --switch does not switch branches", file.display())]
+    #[diagnostic(help("omit --switch, or start at a point of the kinds that --switch names"))]
+    OtherKind { file: PathBuf, label: usize, kind: Kind },
     /// The scene has sweeps but no branches.
     #[error("`{scene}` has no branches to trace")]
     #[diagnostic(help("run the sweeps of the scene with `tangency sweep {scene}`"))]

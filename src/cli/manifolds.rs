@@ -1,6 +1,7 @@
 //! `tangency manifolds MODEL`: computes the stable and unstable manifolds of a saddle of a map.
 
 use super::error::CommandError;
+use super::request::RequestArgs;
 use super::request::{range, value};
 use super::results::Results;
 use super::scene_at::{OutFolder, SceneAt};
@@ -72,7 +73,8 @@ impl Manifolds {
         let at_fault = |cause| self.scene.at_fault(cause);
         let changed = request.set.iter().map(|(name, _)| name.as_str());
         scene.check_effects(changed, Purpose::Runs).map_err(at_fault)?;
-        let start = point.map(|point| point.point(from.limit, &self.scene.settings, None));
+        let start = point
+            .map(|point| point.point(from.limit, &self.scene.settings, &RequestArgs::default()));
         let &Manifolds { length, resolution, max_points, .. } = self;
         let settings =
             ManifoldSettings { length, resolution, max_points, ..ManifoldSettings::default() };

@@ -12,7 +12,6 @@ use super::warning::warn;
 use super::watch::{Telling, Watch};
 use crate::core::continuation::Branch;
 use crate::core::ode::{Work, work};
-use crate::core::system::Kind;
 use crate::output::{Document, Format, SizeLimit, Summary};
 use crate::scene::{Purpose, Request, Scene, StartPoint};
 use clap::Args;
@@ -92,11 +91,8 @@ impl Trace {
     /// Ctrl-C.
     pub fn run(&self, from: Sources, out: &mut impl Write) -> Result<(), CommandError> {
         let Wanted { scene: at, request, .. } = &self.wanted;
-        let apart =
-            [("--switch", request.switch.is_some()), ("--settle", request.settle.is_some())];
-        let given = apart.into_iter().find(|(_, given)| *given);
-        if let (Some(_), Some((option, _))) = (self.wanted.start_point(), given) {
-            return Err(CommandError::NotTogether(option));
+        if self.wanted.start_point().is_some() && request.settle.is_some() {
+            return Err(CommandError::NotTogether("--settle"));
         }
         if !self.grid.grid.is_empty() {
             return self.run_grid(from, out);
@@ -104,7 +100,7 @@ impl Trace {
         let (name, scene) = self.wanted.read(from)?;
         at.check_runs(&scene)?;
         let start = self.wanted.start_point();
-        let point = |start: &Start| start.point(from.limit, &at.settings, request.hold);
+        let point = |start: &Start| start.point(from.limit, &at.settings, request);
         let start = start.map(point).transpose()?;
         let reference = self.check.as_ref().map(|path| Document::load_within(from.limit, path));
         let reference = reference.transpose()?;
@@ -121,7 +117,8 @@ impl Trace {
         let mut nowhere = std::io::sink();
         let told: &mut dyn Write = if self.telling.quiet { &mut nowhere } else { &mut *out };
         let mut watch = Watch::new(&mut *told, self.telling);
-        let mut outcome = match &request.following(self.wanted.begins_everywhere()) {
+        let following = request.following(self.wanted.begins_everywhere());
+        let mut outcome = match &following.filter(|_| start.is_none()) {
             Some(following) => resolution.explore(following, &mut watch).1,
             None => resolution.trace(&mut watch),
         };
@@ -315,14 +312,20 @@ impl Start {
         &self,
         limit: SizeLimit,
         set: &[(String, String)],
-        hold: Option<Kind>,
+        request: &RequestArgs,
     ) -> Result<StartPoint, CommandError> {
         let document = Document::load_within(limit, &self.file)?;
         let (branch, special) = document
             .special_point(self.branch.as_deref(), self.label)
             .map_err(|cause| CommandError::Start { file: self.file.clone(), cause })?;
         let changed = set.iter().map(|(name, _)| name.clone()).collect();
-        Ok(StartPoint { changed, hold, ..StartPoint::of(&document, branch.clone(), special.label) })
+        let switch = request.switch.is_some();
+        if switch && !request.following(false).is_some_and(|it| it.kinds.contains(&special.kind)) {
+            let (label, kind) = (self.label, special.kind);
+            return Err(CommandError::OtherKind { file: self.file.clone(), label, kind });
+        }
+        let point = StartPoint::of(&document, branch.clone(), special.label);
+        Ok(StartPoint { changed, hold: request.hold, switch, ..point })
     }
 }
 

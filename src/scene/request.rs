@@ -1,6 +1,6 @@
 //! Requests to a model without a scene, or to a scene beyond its statement.
 
-use super::discretisation::Solution;
+use super::discretisation::{SOLUTION, Solution};
 use super::error::SceneError;
 use super::problem::Problem;
 use super::simulate::{Simulated, moved, stated};
@@ -357,7 +357,8 @@ impl Scene {
         };
         let smooth = motion.guards().is_empty() && motion.forcing() == Forcing::None;
         if request.restarts {
-            if free && smooth {
+            let states = request.set.iter().any(|(name, _)| name == SOLUTION);
+            if free && smooth && !states {
                 self.problem.follow(Solution::Equilibrium);
             }
             return Ok(guess());

@@ -29,12 +29,16 @@ pub struct StartPoint {
     pub beside: Vec<Branch>,
     /// The kind of special point whose curve starts there; `None` if the scene decides.
     pub hold: Option<Kind>,
+    /// Whether to follow a branch that emanates from the point: cycles at a Hopf point, doubled
+    /// orbits at a period doubling, the other branch at a branch point.
+    pub switch: bool,
 }
 
 impl StartPoint {
     /// Creates a start point with unchanged parameters.
     pub fn new(branch: Branch, label: usize) -> Self {
-        StartPoint { branch, label, changed: Vec::new(), beside: Vec::new(), hold: None }
+        let (changed, beside) = (Vec::new(), Vec::new());
+        StartPoint { branch, label, changed, beside, hold: None, switch: false }
     }
 
     /// Creates a start point with the other branches of its document.
@@ -42,6 +46,11 @@ impl StartPoint {
         let others = document.branches.iter().filter(|other| other.name != branch.name);
         let beside = others.cloned().collect();
         StartPoint { beside, ..StartPoint::new(branch, label) }
+    }
+
+    /// Returns the kind of the special point.
+    pub(super) fn kind(&self) -> Option<Kind> {
+        self.branch.labelled(self.label).map(|special| special.kind)
     }
 
     /// Returns whether the branch starts at the point, and leaves a known branch there.
@@ -305,8 +314,8 @@ fn going_on(
     let orbits = on_orbits(&going);
     let of_orbits =
         || has_unknowns(&orbits, &point.branch) || point.branch.condition == Some(Kind::HOM);
-    let kind = point.branch.labelled(point.label).map(|special| special.kind);
-    let of_cycles = leads_to_cycles(kind, &going.run);
+    let kind = point.kind();
+    let of_cycles = leads_to_cycles(kind, &going.run) || point.switch && kind == Some(Kind::HB);
     if of_cycles || !has_unknowns(&going, &point.branch) && of_orbits() {
         going = orbits;
     }
@@ -361,7 +370,7 @@ fn continuing<'a>(runs: &'a [Resolved], point: &StartPoint) -> Option<&'a Resolv
         let held = run.hold.or(run.hold_level.as_ref().map(|_| Kind::UZ));
         held == branch.condition && run.local.is_none() && has_unknowns(resolved, branch)
     };
-    let kind = branch.labelled(point.label).map(|special| special.kind);
+    let kind = point.kind();
     let leaving = branch.condition.zip(kind).map(|(held, kind)| catalogue::leaving(held, kind));
     let follows = |resolved: &&Resolved| {
         let leaves = |held: &Kind| leaving.is_some_and(|leaving| leaving.contains(held));

@@ -211,7 +211,10 @@ fn begun<R>(
     let done = again.map_or(done, |point| &point.beside);
     curve = match (&resolved.from, &run.start) {
         (Some(point), _) if again.is_none() => {
-            begin_from(curve.restart(&point.branch, point.label), resolved)
+            let curve = begin_from(curve.restart(&point.branch, point.label), resolved);
+            // Cycles at a Hopf point are solutions of another system.
+            let switches = point.switch && point.kind() != Some(Kind::HB);
+            if switches { curve.switch_to(0) } else { curve }
         }
         (_, Start::Rest | Start::Guess(_) | Start::Profile(_) | Start::Simulated(_)) => curve,
         (_, Start::From { run: from, kind, nth, switch, which, unconverged }) => {

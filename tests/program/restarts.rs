@@ -143,4 +143,15 @@ fn a_bound_holds_for_the_branches_that_have_the_column() {
     // Neither a simulation nor switching has an effect where a saved point is the start.
     let start = ["trace", "fhn.ode", "--along", "I=0..1.2", "--start", "out/fhn.ron:branch/2"];
     refused(at, &[&start[..], &["--settle", "10"]].concat(), &["cannot be combined with --settle"]);
+    // Cycles from a saved Hopf point are the cycles that emanate from the branch.
+    refused(at, &[&start[..], &["--switch", "PD"]].concat(), &["is of the kind HB"]);
+    for way in [["--switch", "HB"], ["--switch", "all"], ["--set", "solution=orbit"]] {
+        let bounded = ["--bound", "period=..30", "--out", "again"];
+        let output = tangency(at, &[&start[..], &way, &bounded].concat());
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let document = Document::load(at.join("again/fhn.ron")).unwrap();
+        let again = document.branches[0].special.last().unwrap();
+        assert_eq!(document.branches.len(), 1);
+        assert!((again.parameters[0] - end.parameters[0]).abs() < 1e-8 * end.parameters[0].abs());
+    }
 }
