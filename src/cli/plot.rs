@@ -102,7 +102,7 @@ impl Plot {
         if !self.points.is_empty() && documents.is_empty() {
             return Err(CommandError::NoPoints);
         }
-        let names: Vec<String> = files.iter().map(|file| stem(file)).collect();
+        let names = names(&files, format);
         let named: Vec<(&str, &Document)> =
             names.iter().map(String::as_str).zip(&documents).collect();
         let y: Vec<&str> = self.y.iter().map(String::as_str).collect();
@@ -152,9 +152,10 @@ impl Plot {
         let others = others.chain(self.log.iter().map(|column| format!("-log-{column}")));
         let written = |end: Option<f64>| end.map_or(String::new(), |end| end.to_string());
         let ranges = [("x", self.x_range), ("y", self.y_range)].into_iter();
-        let ranges = ranges.filter_map(|(axis, ends)| Some((axis, ends?.0))).map(
-            |(axis, [low, high])| format!("-{axis}-range={}..{}", written(low), written(high)),
-        );
+        let ranges =
+            ranges.filter_map(|(axis, ends)| Some((axis, ends?.0))).map(|(axis, [low, high])| {
+                format!("-{axis}-range={}..{}", written(low), written(high))
+            });
         let title = self.title.iter().map(|_| "-title".to_string());
         let panel = self.panel.iter().map(|panel| format!("-panel={panel}"));
         let width = self.width.iter().map(|width| format!("-width={width}"));
@@ -197,6 +198,20 @@ impl Plot {
             Some((option, _)) => Err(CommandError::Table(option)),
             None => Ok(()),
         }
+    }
+}
+
+/// Returns the names of documents: of their files in pictures, if these differ, and else their paths.
+fn names(files: &[&PathBuf], format: Format) -> Vec<String> {
+    let stems: Vec<String> = files.iter().map(|file| stem(file)).collect();
+    let repeated = (1..stems.len()).any(|k| stems[..k].contains(&stems[k]));
+    let paths = |path: fn(&Path) -> PathBuf| -> Vec<String> {
+        files.iter().map(|file| path(file).display().to_string()).collect()
+    };
+    match format {
+        Format::Csv | Format::Npz if files.len() > 1 => paths(Path::to_path_buf),
+        _ if repeated => paths(|file| file.with_extension("")),
+        _ => stems,
     }
 }
 

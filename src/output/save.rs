@@ -179,9 +179,7 @@ impl Results<'_> {
         let plots = self.documents.iter().map(|(_, document)| &document.plot);
         let plot = plots.chain(self.sweeps.iter().map(|sweeps| &sweeps.plot)).next();
         let enlarged = plot.map_or(0, |plot| plot.enlargements.len());
-        let label = |figure: &Figure, axis: usize| {
-            [&figure.x_label, &figure.y_label][axis].clone()
-        };
+        let label = |figure: &Figure, axis: usize| [&figure.x_label, &figure.y_label][axis].clone();
         for axis in (0..2).filter(|axis| self.ends[*axis] != [None; 2]) {
             let first = figures.first().map(|first| label(first, axis));
             for (k, figure) in figures.iter_mut().enumerate() {

@@ -66,8 +66,7 @@ pub(super) fn distinguish(figures: &mut [Figure]) {
         }
         let is_free = |symbol: &Symbol| taken.iter().all(|(_, other)| other != symbol);
         let usual = mark.symbol;
-        mark.symbol =
-            std::iter::once(usual).chain(others(usual)).find(is_free).unwrap_or(usual);
+        mark.symbol = std::iter::once(usual).chain(others(usual)).find(is_free).unwrap_or(usual);
         taken.push((mark.meaning.clone(), mark.symbol));
     }
 }

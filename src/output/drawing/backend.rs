@@ -14,7 +14,6 @@ pub(super) enum Backend<'a> {
     Pixels(BitMapBackend<'a>),
 }
 
-
 /// The error of a failed drawing operation.
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]

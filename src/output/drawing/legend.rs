@@ -136,9 +136,7 @@ fn meanings(figures: &[Figure]) -> Vec<Entry<'_>> {
     for mark in figures.iter().flat_map(|figure| &figure.marks) {
         match mark.symbol {
             // User's points are labelled with their own event, or not at all.
-            Symbol::TriangleDown => {
-                add(Sample::Mark(mark), format!("UZ\u{2002}{}", mark.meaning))
-            }
+            Symbol::TriangleDown => add(Sample::Mark(mark), format!("UZ\u{2002}{}", mark.meaning)),
             Symbol::Doubtful => add(Sample::Mark(mark), format!("?\u{2002}{}", mark.meaning)),
             Symbol::Number => add(Sample::None, format!("numbers: {}", mark.meaning)),
             _ => add(Sample::Mark(mark), format!("{}\u{2002}{}", mark.label, mark.meaning)),

@@ -127,9 +127,8 @@ pub(super) fn mark(canvas: &Canvas, symbol: Symbol, at: [f64; 2]) -> Painted {
         let corners: Vec<_> = (0..corners).map(corner).collect();
         canvas.polygon(&corners, fill, outline)
     };
-    let filled = |corners, radius, first, fill| {
-        outlined(corners, [radius, radius], first, [fill, WHITE])
-    };
+    let filled =
+        |corners, radius, first, fill| outlined(corners, [radius, radius], first, [fill, WHITE]);
     let open = |corners, radius, first, outline| {
         outlined(corners, [radius, radius], first, [WHITE, outline])
     };

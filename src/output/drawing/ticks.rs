@@ -32,11 +32,7 @@ impl Ticks {
     /// Returns about `count` ticks for positive data between two values: at powers of ten; at 1, 2
     /// and 5 times powers of ten if the range contains fewer than three powers; and as on linear
     /// axes within a third of a decade.
-    fn decades(
-        data: [f64; 2],
-        ends: [Option<f64>; 2],
-        count: f64,
-    ) -> Result<Self, FigureError> {
+    fn decades(data: [f64; 2], ends: [Option<f64>; 2], count: f64) -> Result<Self, FigureError> {
         let [low, high] = widened(data.map(f64::log10), ends.map(|end| end.map(f64::log10)));
         let range = [low, high].map(|end| 10f64.powf(end));
         if !(range[0] > 0.0 && range[1].is_finite()) {
@@ -85,11 +81,7 @@ impl Ticks {
     }
 
     /// Returns about `count` ticks for data between two values.
-    fn new(
-        [low, high]: [f64; 2],
-        ends: [Option<f64>; 2],
-        count: f64,
-    ) -> Result<Self, FigureError> {
+    fn new([low, high]: [f64; 2], ends: [Option<f64>; 2], count: f64) -> Result<Self, FigureError> {
         let range = widened([low, high], ends);
         let width = range[1] - range[0];
         if !width.is_finite() {
