@@ -19,6 +19,7 @@
 //! # Ok::<(), tangency::scene::SceneError>(())
 //! ```
 
+mod asked;
 mod compare;
 mod error;
 mod find;

@@ -1,6 +1,7 @@
 //! `tangency plot FILE…`: draws the diagram of documents, or writes their branches as a table.
 
 use super::error::CommandError;
+use super::request::end;
 use super::results::Results;
 use crate::output::{
     self, Document, Format, Render, RenderError, SizeLimit, Sweeps, write_atomically,
@@ -33,6 +34,14 @@ pub struct Plot {
     /// max_v, or period [default: the first document's choice]
     #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
     y: Vec<String>,
+    /// The part of the horizontal axis to show, in the numbers of the column; either end may be
+    /// omitted. It applies to panel a, or to the panel of --panel, and to further panels with the
+    /// same axis
+    #[arg(long, value_name = "LOW..HIGH", value_parser = ends, allow_hyphen_values = true)]
+    x_range: Option<Ends>,
+    /// The part of the vertical axis to show, as for --x-range
+    #[arg(long, value_name = "LOW..HIGH", value_parser = ends, allow_hyphen_values = true)]
+    y_range: Option<Ends>,
     /// The columns with logarithmic axes, such as period
     #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
     log: Vec<String>,
@@ -46,6 +55,9 @@ pub struct Plot {
     /// The width of the picture in millimetres, such as 84 for a journal's column [default: 170]
     #[arg(long, value_name = "MM")]
     width: Option<f64>,
+    /// The title of the picture [default: the first document's title]
+    #[arg(long, value_name = "TEXT")]
+    title: Option<String>,
     /// The letter of the only panel to draw [default: all panels]
     #[arg(long, value_name = "LETTER")]
     panel: Option<String>,
@@ -58,6 +70,10 @@ pub struct Plot {
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
 }
+
+/// The ends of an axis, of which either may be missing.
+#[derive(Clone, Copy, Debug)]
+struct Ends([Option<f64>; 2]);
 
 /// The maximum number of letters that columns and points add to the name of a picture.
 const LONGEST: usize = 60;
@@ -86,7 +102,7 @@ impl Plot {
         if !self.points.is_empty() && documents.is_empty() {
             return Err(CommandError::NoPoints);
         }
-        let names: Vec<String> = files.iter().map(|file| stem(file)).collect();
+        let names = names(&files, format);
         let named: Vec<(&str, &Document)> =
             names.iter().map(String::as_str).zip(&documents).collect();
         let y: Vec<&str> = self.y.iter().map(String::as_str).collect();
@@ -98,6 +114,8 @@ impl Plot {
             points: &self.points,
             width: self.width,
             panel: self.panel.as_deref(),
+            title: self.title.as_deref(),
+            ends: [self.x_range, self.y_range].map(|ends| ends.map_or([None; 2], |it| it.0)),
         };
         self.check(format, &sweeps)?;
         let content = results.render(format).map_err(|cause| match cause {
@@ -132,10 +150,17 @@ impl Plot {
         let x = self.x.iter().map(|column| format!("-x={column}"));
         let others = self.y.iter().chain(&self.points).map(|column| format!("-{column}"));
         let others = others.chain(self.log.iter().map(|column| format!("-log-{column}")));
+        let written = |end: Option<f64>| end.map_or(String::new(), |end| end.to_string());
+        let ranges = [("x", self.x_range), ("y", self.y_range)].into_iter();
+        let ranges =
+            ranges.filter_map(|(axis, ends)| Some((axis, ends?.0))).map(|(axis, [low, high])| {
+                format!("-{axis}-range={}..{}", written(low), written(high))
+            });
+        let title = self.title.iter().map(|_| "-title".to_string());
         let panel = self.panel.iter().map(|panel| format!("-panel={panel}"));
         let width = self.width.iter().map(|width| format!("-width={width}"));
         let regions = self.regions.then(|| "-regions".to_string());
-        let others = others.chain(panel).chain(width).chain(regions);
+        let others = others.chain(ranges).chain(title).chain(panel).chain(width).chain(regions);
         let plain = |letter: char| letter.is_alphanumeric() || "_-.=".contains(letter);
         let chosen = x.chain(others).collect::<String>().replace(|letter| !plain(letter), "_");
         let chosen: String = chosen.chars().take(LONGEST).collect();
@@ -163,13 +188,46 @@ impl Plot {
             ("--panel", self.panel.is_some()),
             ("--x", self.x.is_some()),
             ("--y", !self.y.is_empty()),
+            ("--x-range", self.x_range.is_some()),
+            ("--y-range", self.y_range.is_some()),
             ("--log", !self.log.is_empty()),
+            ("--title", self.title.is_some()),
             ("--regions", self.regions),
         ];
         match chosen.into_iter().find(|(_, given)| *given) {
             Some((option, _)) => Err(CommandError::Table(option)),
             None => Ok(()),
         }
+    }
+}
+
+/// Returns the names of documents: of their files in pictures, if these differ, and else their paths.
+fn names(files: &[&PathBuf], format: Format) -> Vec<String> {
+    let stems: Vec<String> = files.iter().map(|file| stem(file)).collect();
+    let repeated = (1..stems.len()).any(|k| stems[..k].contains(&stems[k]));
+    let paths = |path: fn(&Path) -> PathBuf| -> Vec<String> {
+        files.iter().map(|file| path(file).display().to_string()).collect()
+    };
+    match format {
+        Format::Csv | Format::Npz if files.len() > 1 => paths(Path::to_path_buf),
+        _ if repeated => paths(|file| file.with_extension("")),
+        _ => stems,
+    }
+}
+
+/// Parses the range `LOW..HIGH` of an axis; either end may be omitted.
+fn ends(text: &str) -> Result<Ends, String> {
+    match text.split_once("..").map(|(low, high)| (low.trim(), high.trim())) {
+        Some((low, high)) if !(low.is_empty() && high.is_empty()) => {
+            let ends = [end(low)?, end(high)?];
+            match ends {
+                [Some(low), Some(high)] if low >= high => {
+                    Err(format!("the lower end {low} must be below the upper end {high}"))
+                }
+                _ => Ok(Ends(ends)),
+            }
+        }
+        _ => Err(format!("`{text}` is not of the form LOW..HIGH, for example 0..30")),
     }
 }
 

@@ -110,8 +110,12 @@ pub(super) fn range(text: &str) -> Result<Range, String> {
     let Some((name, (low, high))) = parts.filter(|(name, _)| !name.is_empty()) else {
         return Err(format!("`{text}` is not of the form NAME=LOW..HIGH, for example rho=0..30"));
     };
-    let end = |end: &str| if end.trim().is_empty() { Ok(None) } else { value(end).map(Some) };
     Ok(Range { name: name.into(), low: end(low)?, high: end(high)? })
+}
+
+/// Parses an end of a range; `None` if it is omitted.
+pub(super) fn end(text: &str) -> Result<Option<f64>, String> {
+    if text.trim().is_empty() { Ok(None) } else { value(text).map(Some) }
 }
 
 /// Parses the mark `NAME=VALUE`.

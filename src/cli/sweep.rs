@@ -55,7 +55,7 @@ pub struct Sweep {
     #[arg(long, value_name = "K/N", value_parser = share)]
     part: Option<Part>,
     /// The number of threads [default: the number of cores]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = threads)]
     threads: Option<NonZeroUsize>,
     /// The interval between checkpoints in seconds, from 0 to 1e6
     #[arg(long, value_name = "SECONDS", default_value = "5", value_parser = seconds)]
@@ -235,6 +235,12 @@ impl Kept<'_> {
     }
 }
 
+/// Parses a number of threads.
+fn threads(text: &str) -> Result<NonZeroUsize, String> {
+    let count = text.trim().parse().ok();
+    count.ok_or_else(|| "the number of threads must be a whole number, 1 or more".into())
+}
+
 /// Reports an uneven division of strands into parts, and suggests an even one.
 fn divided(scene: &Scene, part: Part, out: &mut impl Write) -> Result<(), CommandError> {
     let division = scene.division(part.of);
@@ -245,7 +251,8 @@ fn divided(scene: &Scene, part: Part, out: &mut impl Write) -> Result<(), Comman
     let even = division.even();
     writeln!(
         out,
-        "{strands} strands cannot be divided evenly into {parts} parts: the largest has {largest} of {runs} runs instead of {even}"
+        "{strands} strand{} cannot be divided evenly into {parts} parts: the largest has {largest} of {runs} runs instead of {even}",
+        if strands == 1 { "" } else { "s" }
     )?;
     if let Some((strands, largest)) = scene.better_strands(part.of) {
         writeln!(

@@ -35,7 +35,7 @@ pub struct Table {
     #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
     columns: Vec<String>,
     /// Add the derivatives of each special point's location with respect to all other parameters,
-    /// such as dvoltage/dgap
+    /// such as dvoltage/dgap; if --columns names some of them, only these
     #[arg(long)]
     sensitivity: bool,
     /// Print comma-separated values, with all columns unless --columns is given

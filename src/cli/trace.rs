@@ -1,5 +1,6 @@
 //! `tangency trace SCENE`: traces a scene, and saves and draws its branches.
 
+use super::asked;
 use super::compare::check;
 use super::error::CommandError;
 use super::grid::{Design, GridArgs, Traced};
@@ -188,11 +189,12 @@ impl Trace {
             Stated::Model(problem) => problem.equations(),
             Stated::Scene(scene) => scene.to_ron(),
         };
-        let asked = format!("{:?} {start:?} {within:?} {request:?}", at.settings);
+        let asked = asked::options(&at.settings, start.as_ref(), within, request).into_iter();
+        let asked: String = asked.map(|option| format!("// {option}\n")).collect();
         let traced = Traced {
             designs,
             folder: self.folder.out.join(&name),
-            made_of: format!("tangency {}\n{asked}\n{statement}\n", env!("CARGO_PKG_VERSION")),
+            made_of: format!("// tangency {}\n{asked}{statement}\n", env!("CARGO_PKG_VERSION")),
             inputs: &self.inputs(first.scene()),
             warnings: first.warnings(),
             limit: from.limit,

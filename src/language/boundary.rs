@@ -5,7 +5,7 @@ use super::basis::{Basis, Kind, names_of, states_of, values_of};
 use super::duration::Duration;
 use super::scope::Meaning;
 use super::source::{Fault, ModelError, Phrase, Source};
-use super::statement::Boundary;
+use super::statement::{Boundary, Common};
 use super::syntax::Declared;
 use super::tape::Tape;
 use crate::core::bvp::{BoundaryProblem, Ends, Monitor, Watched};
@@ -59,8 +59,25 @@ pub(super) fn understood(
     basis.finish(common, &[&scope], length, false)?;
     // Time is the position on the interval.
     basis.aperiodic = false;
+    name_position(&mut basis, common);
     let integrals = statement.integrals.len();
     Ok(Conditions { basis, unknowns, rates, conditions, integrands, integrals })
+}
+
+/// Names the position on the interval, which need not be a time, by its name in the equations, `t`,
+/// unless the statement gives it a label.
+fn name_position(basis: &mut Basis, common: Common) {
+    let monitors = basis.monitor_names();
+    let mut others = basis.states.iter().chain(&basis.parameters).chain(&monitors);
+    let labelled = common.labels.iter().any(|(name, _)| name.text == "t");
+    if labelled || others.any(|name| name == "time") {
+        return;
+    }
+    match basis.labels.iter_mut().find(|(column, _)| column == "time") {
+        // Only the unit is stated.
+        Some((_, label)) => *label = label.replacen("time", "t", 1),
+        None => basis.labels.push(("time".into(), "t".into())),
+    }
 }
 
 impl Kind for Conditions {

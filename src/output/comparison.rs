@@ -18,6 +18,15 @@ pub enum Difference {
         /// Whether the new document has it.
         new: bool,
     },
+    /// A parameter that is constant along a branch, with another value.
+    Parameter {
+        /// The name of the branch.
+        branch: String,
+        /// The parameter.
+        name: String,
+        /// The old and the new value.
+        values: [f64; 2],
+    },
     /// A special point that only one document has.
     Point {
         /// The branch of the special point.
@@ -68,6 +77,10 @@ impl fmt::Display for Difference {
             Difference::Branch { branch, new } => {
                 write!(f, "the branch `{branch}` is {}", which(new))
             }
+            Difference::Parameter { branch, name, values } => {
+                let [from, to] = values.map(|value| significant(value, 12));
+                write!(f, "{branch}: the parameter {name} was {from} and is {to}")
+            }
             Difference::Point { branch, kind, at, new } => {
                 write!(f, "{branch}: {kind} at {} is {}", place(at), which(new))
             }
@@ -107,7 +120,8 @@ const FAR: f64 = 0.2;
 /// Returns the differences of a new document from an old one: branches are matched by name, special
 /// points of a branch by kind and place. The continuation parameter may differ by the sum of both
 /// stated errors, every other column by 10⁻⁶ of its largest value along the branches. For a point
-/// that has not converged only the brackets are compared. Regular points, and the number of points
+/// that has not converged only the brackets are compared. A constant parameter that differs is
+/// reported first, once for each branch. Regular points, and the number of points
 /// of a branch, are ignored.
 ///
 /// ```
@@ -140,7 +154,9 @@ pub fn compare(old: &Document, new: &Document) -> Vec<Difference> {
 
 /// Returns the differences of two branches.
 fn of_branches(old: &Branch, new: &Branch) -> Vec<Difference> {
-    let both = Both { old, new };
+    let constant = constants(old, new);
+    let names: Vec<&str> = constant.iter().map(|(name, _)| name.as_str()).collect();
+    let both = Both { old, new, constant: &names };
     let (mut gone, mut came): (Vec<_>, Vec<_>) = (counted(old).collect(), counted(new).collect());
     let mut pairs = Vec::new();
     // The nearest pairs are matched first, so that a missing point does not shift the others.
@@ -154,11 +170,29 @@ fn of_branches(old: &Branch, new: &Branch) -> Vec<Difference> {
         pairs.push((gone.remove(i), came.remove(j)));
     }
     pairs.sort_by_key(|(point, _)| point.label);
-    let mut found: Vec<Difference> =
-        pairs.iter().flat_map(|(a, b)| both.differences(a, b)).collect();
+    let parameter = |(name, values): &(String, [f64; 2])| {
+        let (branch, name, values) = (old.name.clone(), name.clone(), *values);
+        Difference::Parameter { branch, name, values }
+    };
+    let mut found: Vec<Difference> = constant.iter().map(parameter).collect();
+    found.extend(pairs.iter().flat_map(|(a, b)| both.differences(a, b)));
     found.extend(gone.into_iter().map(|point| alone(old, point, false)));
     found.extend(came.into_iter().map(|point| alone(new, point, true)));
     found
+}
+
+/// Returns the parameters that are constant along both branches and differ, with their values.
+fn constants(old: &Branch, new: &Branch) -> Vec<(String, [f64; 2])> {
+    let value = |branch: &Branch, name: &str| {
+        let column = branch.parameters.iter().position(|known| known == name)?;
+        branch.points.first()?.parameters.get(column).copied()
+    };
+    let varies = |name: &&String| [old, new].iter().any(|it| it.released.contains(name));
+    let fixed = old.parameters.iter().filter(|name| !varies(name));
+    let values =
+        fixed.filter_map(|name| Some((name.clone(), [value(old, name)?, value(new, name)?])));
+    let differ = |[a, b]: &[f64; 2]| (a - b).abs() > COLUMNS * a.abs().max(b.abs());
+    values.filter(|(_, values)| differ(values)).collect()
 }
 
 /// Returns the special points to compare.
@@ -183,6 +217,8 @@ fn place(branch: &Branch, point: &SpecialPoint) -> (String, f64) {
 struct Both<'a> {
     old: &'a Branch,
     new: &'a Branch,
+    /// The parameters that are constant along both and differ, which are reported once.
+    constant: &'a [&'a str],
 }
 
 impl Both<'_> {
@@ -196,8 +232,8 @@ impl Both<'_> {
     where
         Self: 'b,
     {
-        let Both { old, new } = self;
-        old.columns().filter_map(move |name| {
+        let Both { old, new, constant } = self;
+        old.columns().filter(move |name| !constant.contains(name)).filter_map(move |name| {
             let (k, l) = (old.column(name)?, new.column(name)?);
             let values = [point.value(k)?, there.value(l)?];
             let along = |branch: &Branch, column: usize| {

@@ -5,7 +5,10 @@ use super::cubic::{Knot, between};
 use super::document::{Document, Plot};
 use super::error::FigureError;
 use super::figure::{Beside, Figure, Mark, Origin, Series, Style, Symbol};
+use super::number::significant;
 use super::regions::{Region, regions};
+use super::symbols::{distinguish, symbol};
+use super::units::with_prefix;
 use crate::core::continuation::{Branch, End, Point, SpecialPoint};
 use crate::core::problem::UnknownName;
 use crate::core::system::Kind;
@@ -80,6 +83,7 @@ pub fn diagram(
     if points.any(|point| !point.admissible) {
         figure.styles.push((Style::Thin, "virtual, beyond a grazing".into()));
     }
+    distinguish(std::slice::from_mut(&mut figure));
     Ok(figure)
 }
 
@@ -91,7 +95,8 @@ pub(super) fn spine(documents: &[(&str, &Document)]) -> Figure {
         let released = branch.released.first().and_then(|name| branch.column(name));
         let columns = [released.unwrap_or_default(); 2];
         let scales = &[Scale::PLAIN; 2];
-        let curve = Curve { name, branch, place: *place, columns, scales, shift: [0.0; 2] };
+        let (place, plot, shift) = (*place, &documents[place[0]].1.plot, [0.0; 2]);
+        let curve = Curve { name, branch, place, plot, columns, scales, shift };
         curve.add_to(&mut figure, false);
     }
     figure
@@ -198,14 +203,18 @@ impl Named<'_> {
         let Named { name, branch, place } = self;
         let scales = [Scale::of(document, axes[0])?, Scale::of(document, axes[1])?];
         let shift = axes.map(|column| document.plot.shift(&branch.name, column));
-        let name = match shift.iter().find(|shift| **shift != 0.0) {
-            Some(shift) => &format!("{name} (shifted by {shift})"),
+        let name = match axes.iter().zip(shift).find(|(_, shift)| *shift != 0.0) {
+            Some((column, shift)) => {
+                let sign = if shift > 0.0 { '+' } else { '−' };
+                &format!("{name} ({column} {sign} {})", significant(shift.abs(), 6))
+            }
             None => name,
         };
         let [x, y] = axes.map(|column| branch.columns_showing(column));
         for columns in x.first().into_iter().flat_map(|x| y.iter().map(|y| [*x, *y])) {
             let place = *place;
-            let curve = Curve { name, branch, place, columns, scales: &scales, shift };
+            let plot = &document.plot;
+            let curve = Curve { name, branch, place, plot, columns, scales: &scales, shift };
             curve.add_to(figure, true);
             if document.plot.regions && scales.iter().all(Scale::is_plain) {
                 curve.add_regions(figure);
@@ -317,6 +326,7 @@ struct Curve<'a> {
     branch: &'a Branch,
     /// The positions of the document, and of the branch in the document.
     place: [usize; 2],
+    plot: &'a Plot,
     /// The columns of the two axes, their scales, and the shifts added to the shown values.
     columns: [usize; 2],
     scales: &'a [Scale<'a>; 2],
@@ -386,6 +396,7 @@ impl Curve<'_> {
 
     /// Adds the marks of the special points.
     fn add_marks(&self, figure: &mut Figure) {
+        let Curve { plot, .. } = *self;
         let [document, branch] = self.place;
         let marked = self.branch.special.iter().filter(|special| !self.is_bound(special));
         figure.marks.extend(marked.filter_map(|special| {
@@ -397,7 +408,10 @@ impl Curve<'_> {
                 (false, Kind::MX) | (true, _) if special.kind != Kind::UZ => {
                     Mark { at, label: kind, meaning, symbol, origin }
                 }
-                (true, _) => Mark { at, label: special.event.clone(), meaning, symbol, origin },
+                (true, _) => {
+                    let label = event(plot, special);
+                    Mark { at, label, meaning, symbol, origin }
+                }
                 (false, _) => {
                     let (label, symbol) = (format!("{kind}?"), Symbol::Doubtful);
                     Mark { at, label, meaning: "not converged".into(), symbol, origin }
@@ -435,6 +449,17 @@ impl Curve<'_> {
         };
         Some([on(0)?, on(1)?])
     }
+}
+
+/// Returns the event of a user's point, with the prefix of the unit on the axis of its column: `gap =
+/// 2 µm`.
+pub(super) fn event(plot: &Plot, special: &SpecialPoint) -> String {
+    let parts = special.event.split_once(" = ");
+    let shown = parts.and_then(|(column, value)| {
+        let value = with_prefix(value.parse().ok()?, plot.label(column))?;
+        Some(format!("{column} = {value}"))
+    });
+    shown.unwrap_or_else(|| special.event.clone())
 }
 
 /// The pieces of a curve, each of one style.
@@ -492,28 +517,5 @@ pub(super) fn style(unstable: Option<usize>) -> Style {
     match unstable {
         Some(1..) => Style::Dashed,
         Some(0) | None => Style::Solid,
-    }
-}
-
-fn symbol(kind: Kind) -> Symbol {
-    match kind {
-        Kind::LP => Symbol::Disc,
-        Kind::EP | Kind::RG => Symbol::Ring,
-        Kind::BP => Symbol::Square,
-        Kind::HB => Symbol::Diamond,
-        // A coefficient vanishes.
-        Kind::CP | Kind::GH | Kind::GPD | Kind::CH | Kind::GD | Kind::GF => Symbol::Star,
-        Kind::HOM | Kind::OFS | Kind::OFU => Symbol::Star,
-        // Another eigenvalue is critical.
-        Kind::BT | Kind::ZH | Kind::HH | Kind::GL | Kind::GP => Symbol::Triangle,
-        Kind::R1 | Kind::R2 | Kind::R3 | Kind::R4 => Symbol::Triangle,
-        Kind::LPPD | Kind::LPNS | Kind::PDNS | Kind::NSNS => Symbol::Triangle,
-        Kind::NSS | Kind::DRS | Kind::DRU => Symbol::Triangle,
-        Kind::PD => Symbol::Pentagon,
-        Kind::TR => Symbol::Hexagon,
-        Kind::G => Symbol::TriangleLeft,
-        Kind::UZ => Symbol::TriangleDown,
-        // MX, ND, and all kinds without their own symbol.
-        _ => Symbol::Cross,
     }
 }

@@ -44,6 +44,9 @@ pub struct Figure {
     /// Whether each of the two axes is logarithmic. All coordinates on such an axis must be
     /// positive.
     pub logarithmic: [bool; 2],
+    /// The lower and the upper end of each of the two axes; by default the ends of the data, with a
+    /// margin.
+    pub ends: [[Option<f64>; 2]; 2],
 }
 
 /// A curve, or a piece of a curve.
@@ -183,6 +186,26 @@ pub enum Symbol {
     TriangleLeft,
     /// A black diagonal cross.
     Cross,
+    /// A black upright cross.
+    Plus,
+    /// A dark red star of four points.
+    FourStar,
+    /// An olive star of six points.
+    SixStar,
+    /// A white star of five points with a yellow outline.
+    OpenStar,
+    /// A white triangle with a green outline.
+    OpenTriangle,
+    /// A light blue triangle that points to the right.
+    TriangleRight,
+    /// A white diamond with a blue outline.
+    OpenDiamond,
+    /// A white square with a black outline.
+    OpenSquare,
+    /// A white pentagon with a violet outline.
+    OpenPentagon,
+    /// A white hexagon with a brown outline.
+    OpenHexagon,
     /// A gray ring, for a point that may not exist: it does not count for the extent of a figure.
     Doubtful,
     /// Only the label, a number.

@@ -41,9 +41,11 @@ mod regions;
 mod save;
 mod summary;
 mod sweeps;
+mod symbols;
 mod table;
 mod tag;
 mod tile;
+mod units;
 mod words;
 
 pub use chosen::Chosen;

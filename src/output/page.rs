@@ -10,6 +10,7 @@ use super::error::FigureError;
 use super::figure::{Beside, Figure, Origin, Series, Style};
 use super::regions::MEANING;
 use super::summary::Summary;
+use super::symbols::distinguish;
 use crate::core::continuation::{Branch, Number, Sensitivity, SpecialPoint};
 use crate::core::problem::{Profile, distinct};
 use serde::Serialize;
@@ -31,7 +32,10 @@ pub(super) fn page(
     for figure in figures {
         figure.extent()?;
     }
-    let spine = spine(documents);
+    // The branches in other columns have the symbols of the panels.
+    let mut all: Vec<Figure> = figures.iter().cloned().chain([spine(documents)]).collect();
+    distinguish(&mut all);
+    let (spine, figures) = (all.pop().unwrap_or_default(), all);
     let data = Data {
         title: figures.first().map_or("", |figure| &figure.title),
         colours: hexadecimal(),
@@ -214,6 +218,8 @@ struct Panel<'a> {
     /// The axis of each wall, and its coordinate there.
     walls: Vec<(usize, f64)>,
     logarithmic: [bool; 2],
+    /// The chosen ends of both axes.
+    ends: [[Option<f64>; 2]; 2],
 }
 
 impl<'a> Panel<'a> {
@@ -245,6 +251,7 @@ impl<'a> Panel<'a> {
             heights: &figure.y_names,
             walls: figure.walls.iter().map(|wall| (wall.axis, wall.at)).collect(),
             logarithmic: figure.logarithmic,
+            ends: figure.ends,
         }
     }
 }

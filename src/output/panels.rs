@@ -8,7 +8,9 @@ use super::fields::fields;
 use super::figure::{Figure, Series, Style};
 use super::profiles::{TIME, profiles};
 use super::sweeps::{Sweeps, basins, scatter};
+use super::symbols::distinguish;
 use super::tile::Tile;
+use super::units::parts;
 use crate::core::continuation::Branch;
 use crate::core::problem::UnknownName;
 use std::collections::BTreeSet;
@@ -97,6 +99,7 @@ pub fn figures(
     {
         first.title.clone_from(&document.title);
     }
+    distinguish(&mut figures);
     Ok(figures)
 }
 
@@ -229,7 +232,7 @@ fn together(
         Err(FigureError::Empty { .. } | FigureError::UnknownColumn { .. })
             if !(scattered.is_empty() && tiles.is_empty()) =>
         {
-            Figure::new(title, plot.label(x), plot.label(y))
+            Figure::new(title, swept_label(plot, x), swept_label(plot, y))
         }
         Err(FigureError::Empty { .. }) => {
             let known = table.run_columns.iter().chain(&table.point_columns).map(String::as_str);
@@ -259,6 +262,19 @@ fn together(
     keep_positive(&mut figure);
     clip(&mut figure, [x, y].map(|column| plot.range(column)));
     Ok(figure)
+}
+
+/// Returns the label of a column of sweeps. A state at an event has the label of the state:
+/// `velocity at impact (m/s)` for `impact.v`.
+fn swept_label(plot: &Plot, column: &str) -> String {
+    let label = plot.label(column);
+    match column.split_once('.').filter(|_| label == column) {
+        Some((event, state)) if plot.label(state) != state => match parts(plot.label(state)) {
+            Some((words, unit)) => format!("{words} at {event} ({unit})"),
+            None => format!("{} at {event}", plot.label(state)),
+        },
+        _ => label.to_owned(),
+    }
 }
 
 /// Returns the special points of a document's branches against a setting in which the branches

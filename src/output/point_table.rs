@@ -42,7 +42,8 @@ pub struct Selection<'a> {
     pub kinds: &'a [Kind],
     /// The columns.
     pub columns: Columns<'a>,
-    /// Whether to append the columns of all sensitivities, such as `dload/dgap`.
+    /// Whether to append the columns of all sensitivities, such as `dload/dgap`, unless the columns
+    /// name some of them.
     pub sensitivities: bool,
 }
 
@@ -190,7 +191,9 @@ impl PointTable {
                 wanted.into_iter().map(Column::any).collect()
             }
         };
-        for column in further {
+        // Named sensitivities are a choice among all.
+        let chosen = columns.iter().any(|column| derivatives.contains(&column.name));
+        for column in further.filter(|_| !chosen) {
             if columns.iter().all(|known| known.title != column.title) {
                 columns.push(column);
             }

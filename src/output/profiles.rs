@@ -1,10 +1,11 @@
 //! Figures of the profiles of special points: mode shapes, time histories, phase portraits.
 
-use super::diagram::{PERIOD, has_free_period, stability, style};
+use super::diagram::{PERIOD, event, has_free_period, stability, style};
 use super::document::{Document, Plot};
 use super::error::{FigureError, UnknownPoint};
 use super::figure::{Figure, Series, Style, Wall};
 use super::number::significant;
+use super::units::with_prefix;
 use crate::core::continuation::{Branch, SpecialPoint};
 use crate::core::problem::{Profile, UnknownName, distinct};
 use crate::core::system::Kind;
@@ -180,6 +181,7 @@ pub(super) fn profiles(documents: &[(&str, &Document)]) -> Result<Vec<Figure>, F
             figures[index].1.series.extend(shown.series(profile));
         }
     }
+    keep_colours(&shown, &mut figures);
     if plot.profiles.is_empty() && plot.points.is_empty() && shown.iter().all(Shown::is_orbit) {
         // A phase portrait, the history of the first state, and its phase response.
         let mut seen = Vec::new();
@@ -210,6 +212,22 @@ pub(super) fn profiles(documents: &[(&str, &Document)]) -> Result<Vec<Figure>, F
         }
     }
     chosen(figures, &plot.profiles)
+}
+
+/// Adds an empty series for every point that a figure lacks, so that a point has the same colour in
+/// all figures.
+fn keep_colours(shown: &[Shown], figures: &mut [(&Profile, Figure)]) {
+    for (_, figure) in figures {
+        let mut drawn = std::mem::take(&mut figure.series);
+        for Shown { name, .. } in shown {
+            let own: Vec<Series> = drawn.extract_if(.., |series| series.name == *name).collect();
+            match own.is_empty() {
+                true => figure.series.push(Series::new(name, Style::Solid, [])),
+                false => figure.series.extend(own),
+            }
+        }
+        figure.series.extend(drawn);
+    }
 }
 
 /// Returns the label of the vertical axis of a profile.
@@ -289,12 +307,13 @@ fn chosen(
 fn usual<'a>(documents: &[(&str, &'a Document)]) -> Vec<Shown<'a>> {
     let mut shown: Vec<Shown> = Vec::new();
     for (document, content) in documents {
+        let plot = &content.plot;
         for branch in content.branches.iter().filter(|branch| branch.condition.is_none()) {
             let points = interesting(branch).into_iter();
             let points = points.filter(|point| point.converged && has_curves(point));
             shown.extend(points.map(|point| {
                 let place = place(documents, document, branch);
-                Shown { name: name(&place, branch, point), place, branch, point }
+                Shown { name: name(plot, &place, branch, point), place, branch, point }
             }));
         }
     }
@@ -378,15 +397,15 @@ pub(super) fn named<'a>(
     let mut shown = Vec::new();
     if names.iter().any(|name| name == ALL) {
         let points = documents.iter().flat_map(|(document, all)| {
-            all.branches.iter().flat_map(|branch| {
+            all.branches.iter().flat_map(move |branch| {
                 let place = place(documents, document, branch);
-                branch.special.iter().map(move |point| (place.clone(), branch, point))
+                branch.special.iter().map(move |point| (&all.plot, place.clone(), branch, point))
             })
         });
         return Ok(points
-            .filter(|(_, _, point)| has_curves(point))
-            .map(|(place, branch, point)| Shown {
-                name: name(&place, branch, point),
+            .filter(|(_, _, _, point)| has_curves(point))
+            .map(|(plot, place, branch, point)| Shown {
+                name: name(plot, &place, branch, point),
                 place,
                 branch,
                 point,
@@ -405,7 +424,7 @@ pub(super) fn named<'a>(
             match named.1.special_point(branch.map(str::trim), label) {
                 Ok((branch, point)) => {
                     let place = place(documents, named.0, branch);
-                    let name = name(&place, branch, point);
+                    let name = name(&named.1.plot, &place, branch, point);
                     if shown.iter().all(|known: &Shown| known.name != name) {
                         shown.push(Shown { name, place, branch, point });
                     }
@@ -430,15 +449,18 @@ fn place(documents: &[(&str, &Document)], document: &str, branch: &Branch) -> St
 
 /// Returns the name of a point's curve: branch, label, kind (or the user's event), and the
 /// continuation parameter.
-fn name(place: &str, branch: &Branch, point: &SpecialPoint) -> String {
+fn name(plot: &Plot, place: &str, branch: &Branch, point: &SpecialPoint) -> String {
     let kind = match point.kind {
-        Kind::UZ => point.event.clone(),
+        Kind::UZ => event(plot, point),
         kind => kind.to_string(),
     };
-    let released = branch.released.first();
+    // A user's point of the parameter has its value already.
+    let says = |name: &&String| kind.strip_prefix(&***name).is_some_and(|it| it.starts_with(" = "));
+    let released = branch.released.first().filter(|name| !says(name));
     let value = released.and_then(|name| {
         let value = point.value(branch.column(name)?)?;
-        Some(format!(", {name} = {}", significant(value, 6)))
+        let shown = with_prefix(significant(value, 6).parse().ok()?, plot.label(name));
+        Some(format!(", {name} = {}", shown.unwrap_or_else(|| significant(value, 6))))
     });
     format!("{place}/{} {kind}{}", point.label, value.unwrap_or_default())
 }

@@ -1,5 +1,6 @@
 //! Rendering of results into files of all formats, and saving them together.
 
+use super::axis::clip;
 use super::document::Document;
 use super::drawing::{PAGE, draw, letter, pdf, png};
 use super::error::{FigureError, FileError, FormatError};
@@ -57,6 +58,11 @@ pub struct Results<'a> {
     pub width: Option<f64>,
     /// The letter of the only panel to draw; all by default.
     pub panel: Option<&'a str>,
+    /// The title of pictures; the first document's by default.
+    pub title: Option<&'a str>,
+    /// The lower and upper ends of the horizontal and the vertical axis of the first panel, and of
+    /// further panels with the same axis; by default all data are shown.
+    pub ends: [[Option<f64>; 2]; 2],
 }
 
 /// The error of results that cannot be rendered.
@@ -167,7 +173,38 @@ impl Results<'_> {
             };
             figures = vec![figures.swap_remove(index)];
         }
+        self.set_ends(&mut figures);
+        if let (Some(title), Some(first)) = (self.title, figures.first_mut()) {
+            first.title = title.into();
+        }
         Ok(figures)
+    }
+
+    /// Cuts panels off at the chosen ends of their axes: the first panel, and further ones with the
+    /// same axis, except for enlargements.
+    fn set_ends(&self, figures: &mut [Figure]) {
+        let plots = self.documents.iter().map(|(_, document)| &document.plot);
+        let plot = plots.chain(self.sweeps.iter().map(|sweeps| &sweeps.plot)).next();
+        let enlarged = plot.map_or(0, |plot| plot.enlargements.len());
+        let label = |figure: &Figure, axis: usize| [&figure.x_label, &figure.y_label][axis].clone();
+        for axis in (0..2).filter(|axis| self.ends[*axis] != [None; 2]) {
+            let first = figures.first().map(|first| label(first, axis));
+            for (k, figure) in figures.iter_mut().enumerate() {
+                if (1..=enlarged).contains(&k) || Some(label(figure, axis)) != first {
+                    continue;
+                }
+                let mut ranges = [[f64::NEG_INFINITY, f64::INFINITY]; 2];
+                let [low, high] = self.ends[axis];
+                ranges[axis] = [low.unwrap_or(ranges[axis][0]), high.unwrap_or(ranges[axis][1])];
+                let mut cut = figure.clone();
+                clip(&mut cut, ranges);
+                // A further panel without data in the range is left as it is.
+                if k == 0 || cut.extent().is_ok() {
+                    cut.ends[axis] = self.ends[axis];
+                    *figure = cut;
+                }
+            }
+        }
     }
 
     /// Returns the special points whose profiles are written.

@@ -61,7 +61,9 @@ impl fmt::Display for Summary<'_> {
         if let Some(stable) = self.stability() {
             write!(f, "; {stable}")?;
         }
-        let mut unasked = ends.iter().filter(|end| !end.is_expected());
+        // The number of points is stated above.
+        let told = |end: &End| end.is_expected() || matches!(end, End::PointLimit { .. });
+        let mut unasked = ends.iter().filter(|end| !told(end));
         unasked.try_for_each(|end| write!(f, "; {end}"))
     }
 }

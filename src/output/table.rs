@@ -7,8 +7,7 @@ use crate::core::problem::distinct;
 
 /// Writes all points of the branches of some documents as comma-separated values: `branch`,
 /// `point`, counted from 0, every parameter and monitor by name, `unstable`, and `admissible`. With
-/// several documents, each branch name is preceded by the name of its document. Numbers have 15
-/// significant digits; a cell is empty if a branch lacks the column, and `unstable` is `?` if
+/// several documents, the first column, `file`, has their names. Numbers have 15 significant digits; a cell is empty if a branch lacks the column, and `unstable` is `?` if
 /// multipliers are not determined.
 ///
 /// ```
@@ -19,21 +18,19 @@ use crate::core::problem::distinct;
 /// assert_eq!(lines[0], "branch,point,load,aspect_ratio,deflection,unstable,admissible");
 /// assert_eq!(lines[1], "plate,0,0,1.2,0,0,true");
 /// ```
-pub fn table<'a>(documents: &[(&str, &'a Document)]) -> String {
-    let name = |document: &str, branch: &Branch| match documents.len() {
-        1 => branch.name.clone(),
-        _ => format!("{document}: {}", branch.name),
+pub fn table<'a>(documents: &[(&'a str, &'a Document)]) -> String {
+    let branches = |(file, document): &(&'a str, &'a Document)| {
+        let file = *file;
+        document.branches.iter().map(move |branch| (file, branch))
     };
-    let branches = |(stem, document): &(&str, &'a Document)| {
-        document.branches.iter().map(|branch| (name(stem, branch), branch)).collect::<Vec<_>>()
-    };
-    let all: Vec<(String, &Branch)> = documents.iter().flat_map(branches).collect();
+    let all: Vec<(&str, &Branch)> = documents.iter().flat_map(branches).collect();
     let columns =
         |of: fn(&Branch) -> &Vec<String>| distinct(all.iter().flat_map(|(_, branch)| of(branch)));
     let (parameters, monitors) = (columns(|b| &b.parameters), columns(|b| &b.monitors));
     let last = ["unstable", "admissible"];
-    let mut table = Csv::new(&["branch", "point"], &parameters, &monitors, &last);
-    for (name, branch) in &all {
+    let first = &["file", "branch", "point"][usize::from(documents.len() < 2)..];
+    let mut table = Csv::new(first, &parameters, &monitors, &last);
+    for (file, branch) in &all {
         for (index, point) in branch.points.iter().enumerate() {
             let unstable = count(point.unstable, &point.undetermined);
             let cells = cells(&parameters, &branch.parameters, &point.parameters).chain(cells(
@@ -41,8 +38,9 @@ pub fn table<'a>(documents: &[(&str, &'a Document)]) -> String {
                 &branch.monitors,
                 &point.monitors,
             ));
-            let first = [quoted(name), index.to_string()].into_iter();
-            table.row(first.chain(cells).chain([unstable, point.admissible.to_string()]));
+            let file = (first.len() > 2).then(|| quoted(file)).into_iter();
+            let place = file.chain([quoted(&branch.name), index.to_string()]);
+            table.row(place.chain(cells).chain([unstable, point.admissible.to_string()]));
         }
     }
     table.0

@@ -32,6 +32,9 @@ const END: usize = 120;
 /// The maximum number of lines in a message.
 #[cfg(feature = "cli")]
 const LINES: usize = 20;
+/// The length of the longest word that is not cut.
+#[cfg(feature = "cli")]
+const WORD: usize = 40;
 /// The largest number of digits of a number that is written in full.
 #[cfg(feature = "cli")]
 const DIGITS: usize = 25;
@@ -78,7 +81,13 @@ fn shortened(line: &str) -> String {
         return line.into();
     }
     let text = |part: &[char]| part.iter().collect::<String>();
-    format!("{} … {}", text(&letters[..LINE - END]), text(&letters[letters.len() - END..]))
+    // Words are not cut, unless they are long.
+    let blank = |mut letters: std::slice::Iter<char>| letters.position(|letter| *letter == ' ');
+    let [mut first, mut last] = [LINE - END, letters.len() - END];
+    let before: Vec<char> = letters[first - WORD..first].iter().rev().copied().collect();
+    first -= blank(before.iter()).map_or(0, |at| at + 1);
+    last += blank(letters[last..last + WORD].iter()).map_or(0, |at| at + 1);
+    format!("{} … {}", text(&letters[..first]), text(&letters[last..]))
 }
 
 /// Rejects a name or title that would move the cursor of a terminal, or make a picture ill-formed.

@@ -15,6 +15,19 @@ use crate::core::problem::{Names, UnknownName, distinct};
 use crate::output::{Document, FigureError, Plot, SweepTable, check_columns};
 
 impl Scene {
+    /// Returns the plot of the scene, with the labels of the model's equations for columns that the
+    /// scene does not label.
+    pub(super) fn labelled_plot(&self) -> Plot {
+        let mut plot = self.plot.clone();
+        let labels = self.problem.text().map_or(&[][..], |model| model.labels());
+        for label in labels {
+            if plot.labels.iter().all(|(column, _)| *column != label.0) {
+                plot.labels.push(label.clone());
+            }
+        }
+        plot
+    }
+
     /// Rejects a plot with columns that neither branches nor sweeps will have, before any
     /// computation.
     ///

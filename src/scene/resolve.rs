@@ -278,18 +278,11 @@ impl Resolution {
         branches: Vec<Branch>,
     ) -> Document {
         let mut document = Document::new(self.scene.title.clone(), branches);
-        document.plot = self.scene.plot.clone();
+        document.plot = self.scene.labelled_plot();
         if self.start.is_some() {
             // The scene's plot may show other branches, which are not traced.
             document.plot = document.plot.restricted(&document.branches);
             drop_empty_parts(&mut document);
-        }
-        // Labels of the scene take precedence over labels of the model.
-        let labels = self.scene.problem.text().map_or(&[][..], |model| model.labels());
-        for label in labels {
-            if document.plot.labels.iter().all(|(column, _)| *column != label.0) {
-                document.plot.labels.push(label.clone());
-            }
         }
         document.settings = self.scene.record();
         // The start point has its own parameter values.

@@ -137,7 +137,7 @@ pub fn sweep(
         name: name.into(),
         title: scene.title.clone(),
         scene: scene.in_words(),
-        plot: scene.plot.clone(),
+        plot: scene.labelled_plot(),
         sweeps: prepared.iter().map(Prepared::table).collect(),
     };
     let mut all = match known {

@@ -109,17 +109,35 @@ fn of_text(path: &Path, text: &str, given: &[String]) -> Result<Stated, SceneErr
     let read = xpp::read(&source)?;
     let mut stated = Stated::new(read.statement.clone(), &source, given)?;
     stated.file = file;
-    stated.notes = read.ignored.iter().map(|what| format!("{what} has no effect")).collect();
-    stated.notes.extend(read.of_simulations().iter().map(|what| {
-        format!(
-            "{what} has no effect: branches begin at the attractor of a simulation (`--settle`)"
-        )
-    }));
+    let without = [&read.ignored[..], &read.of_simulations()].concat();
+    if !without.is_empty() {
+        let instead: String =
+            substitutes(&without).into_iter().map(|instead| format!("; {instead}")).collect();
+        stated.notes.push(format!("without effect: {}{instead}", without.join(", ")));
+    }
     let renamed = read.renamed.iter().map(|(old, new)| format!("`{old}` is called `{new}` here"));
     stated.notes.extend(renamed);
     stated.notes.extend(read.tried.iter().cloned());
     stated.options = read.options;
     Ok(stated)
+}
+
+/// Returns what to use in place of options of XPPAUT without effect.
+fn substitutes(options: &[String]) -> Vec<&'static str> {
+    let begins = |option: &String, names: &[&str]| {
+        let name = option.split_once("option `").map(|(_, option)| option.to_lowercase());
+        name.is_some_and(|option| names.iter().any(|name| option.starts_with(name)))
+    };
+    let known = [
+        (&["dt", "meth", "tol", "atol"][..], "steps and method follow `flow_tolerance`"),
+        (&["t0", "total", "trans"], "simulations have `--time` and `--transient`"),
+        (&["xlo", "xhi", "ylo", "yhi"], "pictures have `plot --x-range` and `--y-range`"),
+        (&["ds"], "branches have `initial_step`, `min_step` and `max_step`"),
+        (&["nmx"], "branches have `max_points`"),
+        (&["parmin", "parmax"], "branches have `--along NAME=LOW..HIGH`"),
+    ];
+    let used = known.into_iter().filter(|(names, _)| options.iter().any(|it| begins(it, names)));
+    used.map(|(_, instead)| instead).collect()
 }
 
 /// Returns whether a file is an XPPAUT model, by its name.

@@ -427,7 +427,11 @@ fn every_setting_has_its_range() {
     let wrong = [
         (
             Settings { initial_step: 0.0, ..d() },
-            "the setting `initial_step` is 0, but must be more than 0",
+            "the setting `initial_step` is 0, but must be at least `min_step`",
+        ),
+        (
+            Settings { initial_step: 0.01, min_step: 0.02, ..d() },
+            "the setting `initial_step` is 0.01, but must be at least `min_step`",
         ),
         (
             Settings { min_step: f64::NAN, ..d() },

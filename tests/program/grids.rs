@@ -70,6 +70,9 @@ fn a_grid_of_another_scene_is_refused() {
     let folder = folder();
     let at = folder.path();
     succeeds(at, &GRID);
+    let made_of = std::fs::read_to_string(at.join("out/fold/scene.txt")).unwrap();
+    assert!(made_of.starts_with("// tangency "), "{made_of}");
+    assert!(!made_of.contains("RequestArgs"), "{made_of}");
     let changed = [&GRID[..], &["--set", "max_step=0.05"]].concat();
     refused(at, &changed, &["out/fold contains designs of another scene", "scene.txt"]);
     for (more, said) in [

@@ -1,7 +1,7 @@
 //! Sizes that no machine has, and tables that no scene writes, are refused before anything is
 //! allocated.
 
-use crate::program::command::{failure, signal, tangency};
+use crate::program::command::{failure, signal, succeeds, tangency};
 use std::path::Path;
 use std::process::Command;
 use tangency::output::{Sweeps, merge};
@@ -290,4 +290,36 @@ fn settings_without_effect_are_refused() {
     }
     let both = ["show", "bratu", "--set", "segments=10", "--set", "method=shooting"];
     assert!(tangency(folder.path(), &both).status.success());
+}
+
+/// Messages are short, and lists are cut between names.
+#[test]
+fn messages_are_short_and_whole() {
+    let folder = folder();
+    let at = folder.path();
+    let unknown = refused(at, &["trace", "nosuchscene"]);
+    let (_, list) = unknown.split_once("Known: ").unwrap();
+    let (list, _) = list.split_once("(58 in all)").unwrap_or((list, ""));
+    let known = succeeds(at, &["scenes"]);
+    for name in list.split([',', ' ']).filter(|name| !name.is_empty() && *name != "…") {
+        assert!(known.lines().any(|line| line.split_whitespace().next() == Some(name)), "{name}");
+    }
+    let threads = tangency(at, &["sweep", "a.ron", "--threads", "0"]);
+    assert!(failure(&threads, 2).contains("a whole number, 1 or more"));
+    let grows = "Equations(states: [(\"x\", \"x^2\")], initial: [(\"x\", 1)])";
+    std::fs::write(at.join("grows.ron"), grows).unwrap();
+    let message = refused(at, &["simulate", "grows.ron", "--time", "2"]);
+    assert!(message.contains("the solution grows without bound: at t = 1.0"), "{message}");
+    assert!(!message.contains("in mode"), "{message}");
+    // This solution is singular where x vanishes, but bounded.
+    let stops = "Equations(states: [(\"x\", \"-1/x\")], initial: [(\"x\", 1)])";
+    std::fs::write(at.join("stops.ron"), stops).unwrap();
+    let message = refused(at, &["simulate", "stops.ron", "--time", "2"]);
+    assert!(!message.contains("without bound"), "{message}");
+    let decay = "Equations(states: [(\"x\", \"a - x\")], parameters: [(\"a\", 0)])";
+    std::fs::write(at.join("decay.ron"), decay).unwrap();
+    let trace = ["trace", "decay.ron", "--set", "solution=equilibrium", "--along", "a=0..9"];
+    let said = succeeds(at, &[&trace[..], &["--set", "max_points=5"]].concat());
+    let line = said.lines().find(|line| line.starts_with("branch: ")).unwrap();
+    assert_eq!(line.matches("max_points").count(), 1, "{line}");
 }

@@ -14,6 +14,7 @@ mod output_document;
 mod output_figures;
 mod output_svg;
 mod personas;
+mod pictures;
 mod reference;
 mod regions;
 mod requests;

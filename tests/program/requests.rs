@@ -557,6 +557,43 @@ fn differences_are_those_that_there_are() {
     assert!(steeper.iter().any(|it| it.contains("x was 0.6 and is 0.594")), "{steeper:?}");
 }
 
+/// A constant parameter that differs is the first difference, and no point is missing for it alone.
+#[test]
+fn parameters_that_differ_come_first() {
+    let old = Document::new("plate", vec![tangency::output::example_branch()]);
+    let mut new = old.clone();
+    let branch = &mut new.branches[0];
+    branch.points.iter_mut().for_each(|point| point.parameters[1] = 3.0);
+    branch.special.iter_mut().for_each(|point| point.parameters[1] = 3.0);
+    let found: Vec<String> = compare(&old, &new).iter().map(ToString::to_string).collect();
+    assert_eq!(found, ["plate: the parameter aspect_ratio was 1.2 and is 3"]);
+}
+
+/// A table of several results has a column of their files, and only the named sensitivities.
+#[test]
+fn tables_have_files_and_chosen_sensitivities() {
+    let folder = folder();
+    let at = folder.path();
+    let text = "Equations(states: [(\"x\", \"a - b*x^2\"), (\"y\", \"-c*y\")],
+        parameters: [(\"a\", 1), (\"b\", 2), (\"c\", 1)], initial: [(\"x\", 0.7)])";
+    std::fs::write(at.join("m.ron"), text).unwrap();
+    for out in ["one", "two"] {
+        let trace = ["trace", "m.ron", "--set", "solution=equilibrium", "--along", "a=-1..1"];
+        succeeds(at, &[&trace[..], &["--out", out]].concat());
+    }
+    succeeds(at, &["plot", "one/m.ron", "two/m.ron", "--out", "both.csv"]);
+    let table = std::fs::read_to_string(at.join("both.csv")).unwrap();
+    assert!(table.starts_with("file,branch,point,a,"), "{table}");
+    let files: std::collections::BTreeSet<&str> =
+        table.lines().skip(1).filter_map(|line| line.split(',').next()).collect();
+    assert_eq!(files.into_iter().collect::<Vec<_>>(), ["one/m.ron", "two/m.ron"]);
+    let fold = ["table", "one/m.ron", "--kind", "LP", "--sensitivity", "--csv", "--columns"];
+    let of = |columns: &str| succeeds(at, &[&fold[..], &[columns]].concat());
+    // The fold at a = 0 does not depend on b and c.
+    assert_eq!(of("kind,da/dc"), "kind,da/dc\nLP,0\n");
+    assert!(of("kind").starts_with("kind,da/db,da/dc\n"));
+}
+
 /// Parameters may have the names of columns: the table tells them apart.
 #[test]
 fn columns_of_a_table_have_different_names() {

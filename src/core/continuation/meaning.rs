@@ -19,6 +19,10 @@ const CAUTION: f64 = 4.0;
 /// rounding: with a larger one, the branch point does not persist.
 const BREAKS_UP: f64 = 1e-7;
 
+/// (R) The size of a sensitivity that counts as rounding of zero, in units of the rounding errors of
+/// its terms, or of the released parameter if the other parameter changes by its own size.
+const NOISE: f64 = 16.0;
+
 /// The numbers, case and sensitivities of a special point.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Meaning {
@@ -180,6 +184,7 @@ fn sensitivities(equations: &mut Extended, unknowns: &[f64]) -> Result<Vec<Sensi
     let gradients = gradients(equations)?;
     let names = equations.names().parameters.clone();
     let (mut all, varying) = (Vec::new(), equations.released.clone());
+    let values = equations.at().x[n..].to_vec();
     for (p, name) in names.into_iter().enumerate().filter(|(p, _)| !varying.contains(p)) {
         let at = equations.at();
         // Twice the unit direction, because a discretisation caches the column of a unit direction.
@@ -197,7 +202,14 @@ fn sensitivities(equations: &mut Extended, unknowns: &[f64]) -> Result<Vec<Sensi
             let terms: f64 = weights.iter().zip(&room).map(|(w, g)| (w * g).abs()).sum();
             along(weights).abs() > BREAKS_UP * terms
         });
-        let slopes: Vec<f64> = released.iter().map(along).collect();
+        let slope = |(weights, of): (&Vec<f64>, &usize)| {
+            let (slope, rounding) = (along(weights), NOISE * f64::EPSILON);
+            let terms: f64 = weights.iter().zip(&room).map(|(w, g)| (w * g).abs()).sum();
+            let change = (slope * values[p]).abs();
+            let unseen = change > 0.0 && change <= rounding * values[*of].abs();
+            if slope.abs() <= rounding * terms || unseen { 0.0 } else { slope }
+        };
+        let slopes: Vec<f64> = released.iter().zip(&varying).map(slope).collect();
         if !breaks_up && slopes.iter().all(|slope| slope.is_finite()) {
             all.push(Sensitivity { by: name, slopes });
         }

@@ -135,8 +135,8 @@ impl Settings {
         let [iterations, points] = [self.max_iterations, self.max_points].map(|count| count as f64);
         let least = f64::MIN_POSITIVE;
         let rules = [
-            ("initial_step", self.initial_step, least..=f64::MAX, "more than 0"),
             ("min_step", self.min_step, least..=f64::MAX, "more than 0"),
+            ("initial_step", self.initial_step, self.min_step..=f64::MAX, "at least `min_step`"),
             ("max_step", self.max_step, self.min_step..=f64::MAX, "at least `min_step`"),
             ("max_points", points, 1.0..=f64::MAX, "at least 1"),
             ("curve_error", self.curve_error, least..=f64::MAX, "more than 0"),

@@ -98,6 +98,19 @@ pub enum HybridError {
         /// The reason.
         source: FlowError,
     },
+    /// The solution of a field without modes and events grows without bound.
+    #[error(
+        "the solution grows without bound: at t = {time:.9e}, {state} = {value:.3e}; simulate a shorter time, or \
+         start elsewhere"
+    )]
+    Unbounded {
+        /// The time at which no further step succeeds.
+        time: f64,
+        /// The largest state.
+        state: String,
+        /// Its value after the last step.
+        value: f64,
+    },
     /// Events accumulate, and the guard names no mode for the motion after the accumulation.
     #[error(
         "events of guard {guard} accumulate at t = {time:.9e}: in mode {mode} {events} events occurred at \

@@ -21,6 +21,10 @@ use std::ops::ControlFlow;
 /// show how fast the system changes.
 const PART_OF_PERIOD: f64 = 0.125;
 
+/// (H) The growth of a state, relative to its size at the start (at least 1), beyond which the failure
+/// of a step shows that the solution is unbounded.
+const GROWN: f64 = 1e6;
+
 /// Tolerances and limits of a hybrid motion.
 ///
 /// ```
@@ -384,10 +388,30 @@ where
             // The step continued beyond the event.
             (Some(landing), Err(_)) => Ok(Some(landing)),
             (None, Err(source)) => {
+                let unbounded = self.unbounded(mode, &state.x, &source);
                 state.x.copy_from_slice(&self.event.before);
-                Err(HybridError::Flow { mode: self.modes[mode].name.clone(), source })
+                let mode = || self.modes[mode].name.clone();
+                Err(unbounded.unwrap_or_else(|| HybridError::Flow { mode: mode(), source }))
             }
         }
+    }
+
+    /// Returns the error of a flow that fails where the solution has become large, for a system
+    /// without further modes and without events. The state after the last step is given.
+    fn unbounded(&self, mode: usize, x: &[T], cause: &FlowError) -> Option<HybridError> {
+        let (FlowError::StepTooSmall { time, .. } | FlowError::NotFinite { time, .. }) = cause
+        else {
+            return None;
+        };
+        if self.modes.len() > 1 || !self.guards.is_empty() {
+            return None;
+        }
+        let size = |x: &T| x.real().abs();
+        let (k, last) = x.iter().enumerate().max_by(|a, b| size(a.1).total_cmp(&size(b.1)))?;
+        let first = self.event.before.iter().map(size).fold(1.0, f64::max);
+        let (state, value) = (self.modes[mode].states[k].clone(), last.real());
+        let grows = value.is_finite() && value.abs() > GROWN * first;
+        grows.then(|| HybridError::Unbounded { time: *time, state, value })
     }
 
     /// Prepares the guards of a state's mode for event location.

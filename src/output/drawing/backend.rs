@@ -14,9 +14,6 @@ pub(super) enum Backend<'a> {
     Pixels(BitMapBackend<'a>),
 }
 
-/// The segments of a piece of a line of pixels, after the last segment of the previous piece.
-const PIECE: usize = 4;
-
 /// The error of a failed drawing operation.
 #[derive(Debug, miette::Diagnostic, thiserror::Error)]
 #[error("{0}")]
@@ -91,17 +88,14 @@ impl DrawingBackend for Backend<'_> {
         match self {
             Backend::Lines(backend) => backend.draw_path(path, style).map_err(failed),
             Backend::Page(page) => page.draw_path(path, style).map_err(failed),
-            // A thick line that crosses itself would have holes there.
+            // A thick line that crosses or repeats itself, as the outline of a triangle does, would
+            // have holes there: each piece is a segment, joined to the one before it.
             Backend::Pixels(backend) => {
                 let path: Vec<BackendCoord> = path.into_iter().collect();
-                let starts = (0..path.len().saturating_sub(1)).step_by(PIECE);
-                let pieces = starts.map(|start| {
-                    let end = (start + PIECE + 1).min(path.len());
-                    path[start.saturating_sub(1)..end].iter().copied()
-                });
-                pieces
-                    .map(|piece| backend.draw_path(piece, style))
-                    .try_for_each(|it| it.map_err(failed))
+                let mut pieces = (1..path.len()).map(|end| &path[end.saturating_sub(2)..=end]);
+                pieces.try_for_each(|piece| {
+                    backend.draw_path(piece.iter().copied(), style).map_err(failed)
+                })
             }
         }
     }

@@ -7,6 +7,8 @@ pub(super) type Rectangle = [f64; 4];
 const ADVANCE: f64 = 13.0;
 /// The distance below which marks of the same kind share a label.
 const CROWDED: f64 = 16.0;
+/// The same distance for labels that may be left out.
+const LONELY: f64 = 60.0;
 /// The number of points of a curve at which its name is tried.
 const TRIED: usize = 40;
 /// The distance of a name from its curve, and the distance within which other curves are confusing.
@@ -22,6 +24,17 @@ const LENGTH: f64 = 0.05;
 const ASIDE: f64 = 2.5;
 const ACROSS: f64 = 4.0;
 const SHORTEST: usize = 9;
+
+/// The label of a mark.
+pub(super) struct Wanted<'a> {
+    /// The place of the mark.
+    pub at: [f64; 2],
+    pub label: &'a str,
+    /// The size of the label.
+    pub size: [f64; 2],
+    /// Whether the label is left out rather than drawn on a curve.
+    pub spare: bool,
+}
 
 /// The free space for labels in a panel.
 pub(super) struct Room {
@@ -40,36 +53,39 @@ impl Room {
     }
 
     /// Places the labels of marks, in order; `None` if all places are taken by labels or marks, or
-    /// if the same label is nearby.
-    ///
-    /// `marks` are points with their labels and the sizes of the labels, `curves` points on all
-    /// curves, about three units apart.
+    /// if the same label is nearby. `curves` are points on all curves, about three units apart.
     pub fn place_labels(
         &mut self,
-        marks: &[([f64; 2], &str, [f64; 2])],
+        marks: &[Wanted],
         curves: Vec<[f64; 2]>,
     ) -> Vec<Option<[f64; 2]>> {
         self.curves = curves;
-        self.taken.extend(marks.iter().map(|(at, _, _)| around(*at, [11.0, 11.0])));
-        let mut centres: Vec<Option<[f64; 2]>> = Vec::new();
-        for (index, (at, label, size)) in marks.iter().enumerate() {
+        self.taken.extend(marks.iter().map(|wanted| around(wanted.at, [11.0, 11.0])));
+        let mut centres: Vec<Option<[f64; 2]>> = vec![None; marks.len()];
+        // Labels that may be left out are placed last.
+        let mut order: Vec<usize> = (0..marks.len()).collect();
+        order.sort_by_key(|index| marks[*index].spare);
+        for index in order {
+            let Wanted { at, label, size, spare } = &marks[index];
+            let crowded = if *spare { LONELY } else { CROWDED };
             // A cluster of marks of the same kind would repeat the same label.
-            let repeated = marks[..index].iter().zip(&centres).any(|((other, text, _), centre)| {
-                let distance = (other[0] - at[0]).hypot(other[1] - at[1]);
-                text == label && Option::is_some(centre) && distance < CROWDED
+            let repeated = marks.iter().zip(&centres).any(|(other, centre)| {
+                let distance = (other.at[0] - at[0]).hypot(other.at[1] - at[1]);
+                other.label == *label && Option::is_some(centre) && distance < crowded
             });
             let best = directions().filter_map(|(preference, direction)| {
                 let reach = [ADVANCE + size[0] / 2.0 - 5.0, ADVANCE + size[1] / 2.0 - 5.0];
                 let centre = [at[0] + direction[0] * reach[0], at[1] + direction[1] * reach[1]];
                 let wide = around(centre, [size[0] + 4.0, size[1] + 2.0]);
                 let on_curves = count(&self.curves, wide) as f64;
-                self.is_free(around(centre, *size)).then_some((preference + on_curves, centre))
+                let is_free = self.is_free(around(centre, *size)) && !(*spare && on_curves > 0.0);
+                is_free.then_some((preference + on_curves, centre))
             });
             let best =
                 best.min_by(|a, b| a.0.total_cmp(&b.0)).filter(|_| !repeated && !label.is_empty());
             let centre = best.map(|(_, centre)| centre);
             self.taken.extend(centre.map(|centre| around(centre, *size)));
-            centres.push(centre);
+            centres[index] = centre;
         }
         centres
     }

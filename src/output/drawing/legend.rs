@@ -133,10 +133,10 @@ fn meanings(figures: &[Figure]) -> Vec<Entry<'_>> {
             add(Sample::Curve(*style, INK), text.clone());
         }
     }
-    // User points are labelled with their own event.
-    let marks = figures.iter().flat_map(|figure| &figure.marks);
-    for mark in marks.filter(|mark| mark.symbol != Symbol::TriangleDown) {
+    for mark in figures.iter().flat_map(|figure| &figure.marks) {
         match mark.symbol {
+            // User's points are labelled with their own event, or not at all.
+            Symbol::TriangleDown => add(Sample::Mark(mark), format!("UZ\u{2002}{}", mark.meaning)),
             Symbol::Doubtful => add(Sample::Mark(mark), format!("?\u{2002}{}", mark.meaning)),
             Symbol::Number => add(Sample::None, format!("numbers: {}", mark.meaning)),
             _ => add(Sample::Mark(mark), format!("{}\u{2002}{}", mark.label, mark.meaning)),

@@ -2,10 +2,11 @@
 
 use super::canvas::{Anchor, Canvas, FAINT, INK, LIGHT, Painted, TEXT, text_width};
 use super::coincident::{Hidden, Line, hidden};
-use super::labels::{Room, sampled};
+use super::labels::{Room, Wanted, sampled};
 use super::pen::{colour, curve, darker, mark, pale, tint};
 use super::smooth::{CORNER, SLIGHT, smooth};
 use super::ticks::Ticks;
+use crate::core::system::Kind;
 use crate::output::error::FigureError;
 use crate::output::figure::{Beside, Figure, Mark, Series, Style, Wall};
 
@@ -78,21 +79,23 @@ impl<'a> Panel<'a> {
         let above = if titled { ABOVE_WITH_TITLE } else { ABOVE };
         let data_height = height - above - BELOW;
         let y = match figure.y_names.is_empty() {
-            true => Ticks::of(y, data_height / BETWEEN_TICKS[1], figure.logarithmic[1])?,
-            false => Ticks::named(y, &figure.y_names),
+            true => {
+                let count = data_height / BETWEEN_TICKS[1];
+                Ticks::of(y, figure.ends[1], count, figure.logarithmic[1])?
+            }
+            false => Ticks::named(y, figure.ends[1], &figure.y_names),
         };
         let widest = |ticks: &Ticks| {
             ticks.ticks.iter().map(|(_, label)| text_width(label, TEXT)).fold(0.0, f64::max)
         };
         let data_left = left + 42.0 + widest(&y);
         let right = left + width - RIGHT;
-        let logarithmic = figure.logarithmic[0];
-        let count = (right - data_left) / BETWEEN_TICKS[0];
-        let mut x_ticks = Ticks::of(x, count, logarithmic)?;
+        let across = |count: f64| Ticks::of(x, figure.ends[0], count, figure.logarithmic[0]);
+        let mut x_ticks = across((right - data_left) / BETWEEN_TICKS[0])?;
         // Labels that would touch each other are thinned out.
         let room = |ticks: &Ticks| (right - data_left) / (widest(ticks) + 16.0);
         if x_ticks.ticks.len() as f64 > room(&x_ticks) {
-            x_ticks = Ticks::of(x, room(&x_ticks).max(1.0) * 0.7, logarithmic)?;
+            x_ticks = across(room(&x_ticks).max(1.0) * 0.7)?;
         }
         let frame = [data_left, top + above, right, top + height - BELOW];
         let mut panel = Panel {
@@ -130,8 +133,13 @@ impl<'a> Panel<'a> {
         let curves = series.flat_map(|series| self.sampled(series)).collect();
         let marks: Vec<&Mark> = figure.marks.iter().filter(|mark| self.sees(&mark.at)).collect();
         let size = |mark: &Mark| [text_width(&mark.label, TEXT), TEXT];
-        let wanted: Vec<_> =
-            marks.iter().map(|it| (self.pixel(it.at), &*it.label, size(it))).collect();
+        // The legend explains the marks of regular points, which may be many.
+        let spare = |mark: &Mark| mark.label == Kind::RG.letters();
+        let wanted = |it: &&'a Mark| {
+            let (at, size, spare) = (self.pixel(it.at), size(it), spare(it));
+            Wanted { at, label: &it.label, size, spare }
+        };
+        let wanted: Vec<Wanted> = marks.iter().map(wanted).collect();
         let places = self.room.place_labels(&wanted, curves);
         self.marks = marks.into_iter().zip(places).collect();
     }

@@ -102,36 +102,65 @@ pub(super) fn curve(
     }
 }
 
+/// The colours of symbols.
+const RED: RGBColor = RGBColor(213, 60, 0);
+const BLUE: RGBColor = RGBColor(0, 72, 140);
+const YELLOW: RGBColor = RGBColor(200, 140, 0);
+const GREEN: RGBColor = RGBColor(0, 120, 85);
+const VIOLET: RGBColor = RGBColor(120, 40, 140);
+const BROWN: RGBColor = RGBColor(120, 75, 40);
+const ORANGE: RGBColor = RGBColor(230, 110, 0);
+const DARK_RED: RGBColor = RGBColor(160, 0, 60);
+const OLIVE: RGBColor = RGBColor(110, 110, 0);
+const LIGHT_BLUE: RGBColor = RGBColor(40, 150, 210);
+const GRAY: RGBColor = RGBColor(140, 140, 140);
+
 /// Draws a symbol at a point in pixels.
 pub(super) fn mark(canvas: &Canvas, symbol: Symbol, at: [f64; 2]) -> Painted {
-    let red = RGBColor(213, 60, 0);
-    let polygon = |corners: usize, radii: [f64; 2], first: f64, fill| {
+    // A polygon or a star, given by its radii, with a fill and an outline.
+    let outlined = |corners: usize, radii: [f64; 2], first: f64, [fill, outline]: [RGBColor; 2]| {
         let corner = |i: usize| {
             let angle = first + std::f64::consts::TAU * i as f64 / corners as f64;
             let radius = radii[i % 2];
             [at[0] + radius * angle.sin(), at[1] - radius * angle.cos()]
         };
         let corners: Vec<_> = (0..corners).map(corner).collect();
-        canvas.polygon(&corners, fill, if fill == WHITE { INK } else { WHITE })
+        canvas.polygon(&corners, fill, outline)
+    };
+    let filled =
+        |corners, radius, first, fill| outlined(corners, [radius, radius], first, [fill, WHITE]);
+    let open = |corners, radius, first, outline| {
+        outlined(corners, [radius, radius], first, [WHITE, outline])
+    };
+    let arms = |arms: [[f64; 2]; 2]| {
+        arms.iter().try_for_each(|[dx, dy]| {
+            canvas.line(&[[at[0] - dx, at[1] - dy], [at[0] + dx, at[1] + dy]], INK, 2.2)
+        })
     };
     let quarter = std::f64::consts::FRAC_PI_4;
     match symbol {
-        Symbol::Disc => canvas.disc(at, 4.8, red, WHITE),
+        Symbol::Disc => canvas.disc(at, 4.8, RED, WHITE),
         Symbol::Ring => canvas.disc(at, 3.6, WHITE, INK),
-        Symbol::Square => polygon(4, [6.2, 6.2], quarter, INK),
-        Symbol::Diamond => polygon(4, [6.6, 6.6], 0.0, RGBColor(0, 72, 140)),
-        Symbol::Star => polygon(10, [8.0, 3.4], 0.0, RGBColor(200, 140, 0)),
-        Symbol::Triangle => polygon(3, [6.8, 6.8], 0.0, RGBColor(0, 120, 85)),
-        Symbol::TriangleDown => polygon(3, [6.0, 6.0], 4.0 * quarter, WHITE),
-        Symbol::Pentagon => polygon(5, [6.2, 6.2], 0.0, RGBColor(120, 40, 140)),
-        Symbol::Hexagon => polygon(6, [6.2, 6.2], 0.0, RGBColor(120, 75, 40)),
-        Symbol::TriangleLeft => polygon(3, [6.8, 6.8], -2.0 * quarter, RGBColor(230, 110, 0)),
-        Symbol::Cross => {
-            let arm = |dy: f64| [[at[0] - 4.5, at[1] - dy], [at[0] + 4.5, at[1] + dy]];
-            canvas.line(&arm(4.5), INK, 2.2)?;
-            canvas.line(&arm(-4.5), INK, 2.2)
-        }
-        Symbol::Doubtful => canvas.disc(at, 4.2, WHITE, RGBColor(140, 140, 140)),
+        Symbol::Square => filled(4, 6.2, quarter, INK),
+        Symbol::Diamond => filled(4, 6.6, 0.0, BLUE),
+        Symbol::Star => outlined(10, [8.0, 3.4], 0.0, [YELLOW, WHITE]),
+        Symbol::Triangle => filled(3, 6.8, 0.0, GREEN),
+        Symbol::TriangleDown => open(3, 6.0, 4.0 * quarter, INK),
+        Symbol::Pentagon => filled(5, 6.2, 0.0, VIOLET),
+        Symbol::Hexagon => filled(6, 6.2, 0.0, BROWN),
+        Symbol::TriangleLeft => filled(3, 6.8, -2.0 * quarter, ORANGE),
+        Symbol::Cross => arms([[4.5, 4.5], [4.5, -4.5]]),
+        Symbol::Plus => arms([[5.6, 0.0], [0.0, 5.6]]),
+        Symbol::FourStar => outlined(8, [8.0, 3.0], 0.0, [DARK_RED, WHITE]),
+        Symbol::SixStar => outlined(12, [7.6, 4.0], 0.0, [OLIVE, WHITE]),
+        Symbol::OpenStar => outlined(10, [8.0, 3.4], 0.0, [WHITE, YELLOW]),
+        Symbol::OpenTriangle => open(3, 6.4, 0.0, GREEN),
+        Symbol::TriangleRight => filled(3, 6.8, 2.0 * quarter, LIGHT_BLUE),
+        Symbol::OpenDiamond => open(4, 6.2, 0.0, BLUE),
+        Symbol::OpenSquare => open(4, 5.8, quarter, INK),
+        Symbol::OpenPentagon => open(5, 5.8, 0.0, VIOLET),
+        Symbol::OpenHexagon => open(6, 5.8, 0.0, BROWN),
+        Symbol::Doubtful => canvas.disc(at, 4.2, WHITE, GRAY),
         Symbol::Number => Ok(()),
     }
 }

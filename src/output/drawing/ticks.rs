@@ -2,6 +2,7 @@
 
 use crate::output::error::FigureError;
 use crate::output::number::significant;
+use crate::output::units;
 
 /// An axis: its range, its ticks and their labels.
 #[derive(Debug, PartialEq)]
@@ -15,31 +16,30 @@ pub(super) struct Ticks {
     logarithmic: bool,
 }
 
-/// Units that take prefixes, and the prefixes by exponent. Lengths and times have no prefixes for
-/// large values.
-const UNITS: [&str; 12] = ["m", "s", "V", "A", "N", "Pa", "Hz", "J", "W", "F", "C", "g"];
-const PREFIXES: [(i32, &str); 8] =
-    [(-12, "p"), (-9, "n"), (-6, "µ"), (-3, "m"), (3, "k"), (6, "M"), (9, "G"), (12, "T")];
-const ONLY_SMALLER: [&str; 2] = ["m", "s"];
-
 impl Ticks {
-    /// Returns the ticks of a linear or a logarithmic axis.
-    pub(super) fn of(data: [f64; 2], count: f64, logarithmic: bool) -> Result<Self, FigureError> {
-        if logarithmic { Ticks::decades(data, count) } else { Ticks::new(data, count) }
+    /// Returns the ticks of a linear or a logarithmic axis with some data, and perhaps with chosen
+    /// ends.
+    pub(super) fn of(
+        [low, high]: [f64; 2],
+        ends: [Option<f64>; 2],
+        count: f64,
+        logarithmic: bool,
+    ) -> Result<Self, FigureError> {
+        let data = [ends[0].unwrap_or(low), ends[1].unwrap_or(high)];
+        if logarithmic { Ticks::decades(data, ends, count) } else { Ticks::new(data, ends, count) }
     }
 
     /// Returns about `count` ticks for positive data between two values: at powers of ten; at 1, 2
     /// and 5 times powers of ten if the range contains fewer than three powers; and as on linear
     /// axes within a third of a decade.
-    fn decades(data: [f64; 2], count: f64) -> Result<Self, FigureError> {
-        let [low, high] = data.map(f64::log10);
-        let [low, high] = widened(low, high);
+    fn decades(data: [f64; 2], ends: [Option<f64>; 2], count: f64) -> Result<Self, FigureError> {
+        let [low, high] = widened(data.map(f64::log10), ends.map(|end| end.map(f64::log10)));
         let range = [low, high].map(|end| 10f64.powf(end));
         if !(range[0] > 0.0 && range[1].is_finite()) {
             return Err(FigureError::TooWide { low: data[0], high: data[1] });
         }
         if high - low < 1.0 / 3.0 {
-            let Ticks { ticks, exponent, .. } = Ticks::new(data, count)?;
+            let Ticks { ticks, exponent, .. } = Ticks::new(data, ends, count)?;
             return Ok(Ticks { range, ticks, exponent, logarithmic: true });
         }
         let powers = (low.ceil() as i32)..=(high.floor() as i32);
@@ -81,18 +81,15 @@ impl Ticks {
     }
 
     /// Returns about `count` ticks for data between two values.
-    pub(super) fn new([low, high]: [f64; 2], count: f64) -> Result<Self, FigureError> {
-        let range = widened(low, high);
+    fn new([low, high]: [f64; 2], ends: [Option<f64>; 2], count: f64) -> Result<Self, FigureError> {
+        let range = widened([low, high], ends);
         let width = range[1] - range[0];
         if !width.is_finite() {
             return Err(FigureError::TooWide { low, high });
         }
         let (step, step_exponent) = round_step(width / count);
         let largest = range[0].abs().max(range[1].abs());
-        let exponent = match largest {
-            ..1e-2 | 1e5.. => 3 * (largest.log10() / 3.0).floor() as i32,
-            _ => 0,
-        };
+        let exponent = units::exponent(largest);
         let decimals = usize::try_from(exponent - step_exponent).unwrap_or(0);
         let scale = 10f64.powi(-exponent);
         let first = (range[0] / step).ceil();
@@ -109,31 +106,26 @@ impl Ticks {
     /// brackets replaces the factor, `gap (µm)` for `gap (m)` and `×10⁻⁶`. Several columns on one
     /// axis keep the common factor.
     pub(super) fn label(&self, label: &str) -> (String, String) {
-        let parts = label.strip_suffix(')').and_then(|label| label.rsplit_once('('));
-        let parts = parts.filter(|(words, _)| words.ends_with(' ') && !words.contains(['(', ',']));
-        let prefix = PREFIXES.iter().find(|(exponent, _)| *exponent == self.exponent);
-        let takes = |unit: &str| {
-            UNITS.contains(&unit) && (self.exponent < 0 || !ONLY_SMALLER.contains(&unit))
-        };
-        match (parts, prefix) {
-            (Some((words, unit)), Some((_, prefix))) if takes(unit) => {
-                (format!("{words}({prefix}{unit})"), String::new())
-            }
-            _ => (label.to_owned(), power_of_ten(self.exponent)),
+        let own = units::parts(label)
+            .and_then(|(words, unit)| Some((words, units::prefixed(unit, self.exponent)?)));
+        match own {
+            Some((words, unit)) => (format!("{words} ({unit})"), String::new()),
+            None => (label.to_owned(), power_of_ten(self.exponent)),
         }
     }
 
     /// Returns ticks with names at 0, 1, 2, …, for data between two values.
-    pub(super) fn named([low, high]: [f64; 2], names: &[String]) -> Self {
+    pub(super) fn named(data: [f64; 2], ends: [Option<f64>; 2], names: &[String]) -> Self {
         let ticks = names.iter().enumerate().map(|(k, name)| (k as f64, name.clone()));
-        let range = widened(low, high);
+        let data = [ends[0].unwrap_or(data[0]), ends[1].unwrap_or(data[1])];
+        let range = widened(data, ends);
         Ticks { range, ticks: ticks.collect(), exponent: 0, logarithmic: false }
     }
 }
 
-/// Returns the range of the data with a margin of 4 %. Ranges of a single value are widened, and so
-/// are ranges of values too small for a representable power of ten.
-fn widened(low: f64, high: f64) -> [f64; 2] {
+/// Returns the range of the data with a margin of 4 %, except at chosen ends. Ranges of a single value
+/// are widened, and so are ranges of values too small for a representable power of ten.
+fn widened([low, high]: [f64; 2], ends: [Option<f64>; 2]) -> [f64; 2] {
     let largest = low.abs().max(high.abs());
     let width = high - low;
     let margin = match width <= 1e-12 * largest {
@@ -141,7 +133,7 @@ fn widened(low: f64, high: f64) -> [f64; 2] {
         true => 0.05 * largest,
         false => 0.04 * width,
     };
-    [low - margin, high + margin]
+    [ends[0].unwrap_or(low - margin), ends[1].unwrap_or(high + margin)]
 }
 
 /// Returns the round step next to a width: 1, 2 or 5 times a power of ten, and the exponent.

@@ -13,6 +13,11 @@
     Diamond: ["diamond", "#00488c"], Star: ["star", "#c88c00"], Triangle: ["triangle-up", "#007855"],
     TriangleDown: ["triangle-down-open", "#222"], Pentagon: ["pentagon", "#78288c"],
     Hexagon: ["hexagon", "#784b28"], TriangleLeft: ["triangle-left", "#e66e00"], Cross: ["x", "#222"],
+    Plus: ["cross", "#222"], FourStar: ["star-diamond", "#a0003c"], SixStar: ["hexagram", "#6e6e00"],
+    OpenStar: ["star-open", "#c88c00"], OpenTriangle: ["triangle-up-open", "#007855"],
+    TriangleRight: ["triangle-right", "#2896d2"], OpenDiamond: ["diamond-open", "#00488c"],
+    OpenSquare: ["square-open", "#222"], OpenPentagon: ["pentagon-open", "#78288c"],
+    OpenHexagon: ["hexagon-open", "#784b28"],
     Doubtful: ["circle-open", "#8c8c8c"], Number: ["circle", "#222"],
   };
   const SPOTS = { Specks: 3, Blots: 7 };
@@ -200,6 +205,10 @@
     const logarithmic = own ? figure.logarithmic : [x, y].map(name => data.logarithmic.includes(name));
     ["xaxis", "yaxis"].forEach((name, k) => { if (logarithmic[k]) layout[name].type = "log"; });
     if (own) {
+      const shownEnd = k => end => (end === null || !logarithmic[k] ? end : Math.log10(end));
+      ["xaxis", "yaxis"].forEach((name, k) => {
+        if (figure.ends[k].some(end => end !== null)) layout[name].range = figure.ends[k].map(shownEnd(k));
+      });
       const wall = ([k, place]) => (k === 0
         ? { type: "line", x0: place, x1: place, y0: 0, y1: 1, yref: "paper", line: { color: "#555", width: 2 } }
         : { type: "line", y0: place, y1: place, x0: 0, x1: 1, xref: "paper", line: { color: "#555", width: 2 } });
