@@ -159,6 +159,11 @@ pub trait Equations:
         None
     }
 
+    /// The time that has passed at a place of a segment's mesh, both in units of the segment's duration.
+    fn passed(&self, _segment: usize, place: f64, _q: &[f64]) -> f64 {
+        place
+    }
+
     /// The longest time step, of a flow along a segment, in which all watched functions change
     /// little.
     fn longest_step(&self, _segment: usize) -> f64 {

@@ -50,6 +50,7 @@ impl<P: BoundaryProblem, T: Scalar> Residual<T> for Stated<P> {
             start,
             numbers: q.len(),
             attraction: None,
+            pace: None,
         }
     }
 

@@ -1,6 +1,7 @@
 //! The log of a trace: labels, warnings, and items in the order in which they were found.
 
 use super::branch::{Branch, Point, SpecialPoint, Traced};
+use super::progress::Crawl;
 use crate::core::failure::one_line;
 use miette::Diagnostic;
 use std::collections::VecDeque;
@@ -78,6 +79,16 @@ impl Log {
         self.branch.warnings.push(format!(
             "at the end deviations grow by {growth:.1e} over a segment, which makes the steps short: take more \
              segments (`segments=8`), or collocation"
+        ));
+    }
+
+    /// Warns that a branch crawls before a value of the continued parameter.
+    pub fn crawls(&mut self, Crawl { points, change }: &Crawl, value: f64) {
+        let (continued, percent) = (&self.branch.released[0], 100.0 * change);
+        self.branch.warnings.push(format!(
+            "the branch crawls before {continued} = {value:.6}: over {points} points each parameter, and the norm and \
+             the sum of each group of unknowns, change by at most {percent:.2} % of their scales, as where a steep \
+             front moves along a mesh; `method: shooting()` may take longer steps"
         ));
     }
 

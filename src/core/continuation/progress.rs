@@ -33,6 +33,11 @@ const LITTLE: f64 = 1e-6;
 /// allowed step: the maximal number of points would then cover a hundredth of one step.
 const CREEPING: f64 = 1e-5;
 
+/// (H) A branch crawls if over [`MANY`] points each quantity changes by less than this fraction of its
+/// scale, and by less than this fraction of the arclength: the unknowns turn, as where a front moves along
+/// a mesh, but nothing that a diagram shows changes.
+const CRAWLING: f64 = 0.01;
+
 /// (H) Path lengths are compared while no group's scale grows by more than this factor.
 const SAME_SCALE: f64 = 2.0;
 
@@ -83,6 +88,14 @@ pub(super) struct Progress {
     /// The parameters at the point where a group of unknowns was halfway from `moved` to infinity.
     halfway: Option<Vec<f64>>,
     watch: Option<Watch>,
+    /// Whether the branch was found to crawl.
+    crawls: bool,
+}
+
+/// A branch that crawls: the number of points, and the largest change of a quantity, in units of its scale.
+pub(super) struct Crawl {
+    pub points: usize,
+    pub change: f64,
 }
 
 /// A reference point, and the progress of the branch since then.
@@ -114,6 +127,13 @@ impl Watch {
         self.last = view;
     }
 
+    /// The largest distance of a quantity from the reference point, if the branch crawls.
+    fn crawl(&self) -> Option<Crawl> {
+        let change = self.ways.iter().map(|[_, farthest]| *farthest).fold(0.0, f64::max);
+        let crawls = change < CRAWLING * self.way.min(1.0);
+        crawls.then_some(Crawl { points: self.points, change })
+    }
+
     /// The largest ratio of a quantity's distance to its path length.
     fn ahead(&self) -> f64 {
         let advanced = self.ways.iter().filter(|[_, farthest]| *farthest > LITTLE);
@@ -122,15 +142,22 @@ impl Watch {
 }
 
 impl Progress {
-    /// Returns the end of the branch, if reached, at a point accepted after a step of this length.
+    /// Returns the end of the branch, if reached, at a point accepted after a step of this length, and
+    /// otherwise whether the branch crawls, once.
     pub fn end(
         &mut self,
         corrector: &Corrector,
         place: &CurvePoint,
         (length, max_step): (f64, f64),
-    ) -> Option<End> {
-        self.infinite(corrector, View::of(corrector, &place.unknowns))
-            .or_else(|| self.nowhere(View::of(corrector, &place.unknowns), length, max_step))
+    ) -> (Option<End>, Option<Crawl>) {
+        let end = self.infinite(corrector, View::of(corrector, &place.unknowns));
+        if end.is_some() {
+            return (end, None);
+        }
+        let (end, crawl) = self.nowhere(View::of(corrector, &place.unknowns), length, max_step);
+        let crawl = crawl.filter(|_| end.is_none() && !self.crawls);
+        self.crawls |= crawl.is_some();
+        (end, crawl)
     }
 
     /// Returns the end of a branch that goes to infinity.
@@ -161,23 +188,29 @@ impl Progress {
         Some(End::Infinite { name, from: moved.norms[group], to: view.norms[group] })
     }
 
-    /// Returns the end of a branch that does not advance over many points.
-    fn nowhere(&mut self, view: View, length: f64, max_step: f64) -> Option<End> {
+    /// Returns the end of a branch that does not advance over many points, and whether it crawls.
+    fn nowhere(
+        &mut self,
+        view: View,
+        length: f64,
+        max_step: f64,
+    ) -> (Option<End>, Option<Crawl>) {
         let same = |watch: &&mut Watch| {
             let mut scales = watch.since.scales.iter().zip(&view.scales);
             scales.all(|(before, now)| *now <= SAME_SCALE * before)
         };
         let Some(watch) = self.watch.as_mut().filter(same) else {
             self.watch = Some(Watch::new(view));
-            return None;
+            return (None, None);
         };
         watch.advance(view, length);
         if watch.points < MANY {
-            return None;
+            return (None, None);
         }
-        let (points, way, ahead) = (watch.points, watch.way, watch.ahead());
+        let (points, way, ahead, crawl) =
+            (watch.points, watch.way, watch.ahead(), watch.crawl());
         self.watch = None;
         let stuck = ahead < NOWHERE || way < CREEPING * max_step * points as f64;
-        stuck.then_some(End::NoProgress { points, way, ahead })
+        (stuck.then_some(End::NoProgress { points, way, ahead }), crawl)
     }
 }

@@ -501,7 +501,12 @@ impl Steps<'_> {
             half.drop_noise();
         }
         let lengths = (step.length, self.settings.max_step);
-        let end = end.or_else(|| half.progress.end(corrector, &step.place, lengths));
+        let end = end.or_else(|| {
+            let (end, crawl) = half.progress.end(corrector, &step.place, lengths);
+            let value = step.place.unknowns[corrector.equations.parameters_at()];
+            crawl.iter().for_each(|crawl| self.log.crawls(crawl, value));
+            end
+        });
         let ends = [&half.start, &step.place].map(|place| corrector.slope(&place.tangent));
         let slopes = half.slopes_at(corrector, &step.place);
         half.position = slopes.position;

@@ -37,6 +37,7 @@ pub trait FieldNumber: Scalar {
             start,
             numbers: usize::MAX,
             attraction: None,
+            pace: None,
         }
     }
 }

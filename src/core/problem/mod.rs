@@ -46,7 +46,7 @@ pub use measure::{Integral, Measure};
 pub(crate) use names::distinct;
 pub use names::{Group, Names, UnknownName, position};
 pub(crate) use potential::PotentialGradient;
-pub(crate) use scalar_field::{Domains, FieldIn, FieldRef, Fields, WideFields};
+pub(crate) use scalar_field::{Domains, FieldIn, FieldRef, Fields, Pace, WideFields};
 pub(in crate::core) use scalar_field::{WIDTH, Wide};
 pub use watch::{Observable, State, Watch, WatchIn, Watchable};
 pub(in crate::core) use watch::{Opposite, change_by, gradient};

@@ -116,6 +116,48 @@ pub trait WideFields<T>: Fields<T> + Fields<Wide<T>> {}
 
 impl<T, F: Fields<T> + Fields<Wide<T>>> WideFields<T> for F {}
 
+/// A change of time for motions of a duration `T`: the time that has passed is `T θ(s)` at the changed time
+/// `T s`, with `θ(s) = φ s/((1 − φ)(1 − s) + φ s)`. The share `φ` of the duration has passed at `s = 1/2`.
+#[derive(Clone, Copy, Debug)]
+pub struct Pace<T> {
+    /// The duration `T`.
+    pub duration: T,
+    /// The share `φ`, between 0 and 1.
+    pub share: T,
+}
+
+impl<T: Scalar> Pace<T> {
+    /// Returns `θ(s)`.
+    pub(in crate::core) fn passed(self, s: T) -> T {
+        self.share * s / self.divisor(s)
+    }
+
+    /// Returns the `s` at which `θ(s)` is a given part of the duration.
+    pub(in crate::core) fn place(self, passed: T) -> T {
+        Pace { share: T::one() - self.share, ..self }.passed(passed)
+    }
+
+    /// Returns `θ'(s)` at the changed time `T s`.
+    pub(in crate::core) fn rate(self, t: T) -> T {
+        let divisor = self.divisor(t / self.duration);
+        self.share * (T::one() - self.share) / (divisor * divisor)
+    }
+
+    fn divisor(self, s: T) -> T {
+        (T::one() - self.share) * (T::one() - s) + self.share * s
+    }
+
+    fn map<S>(self, convert: impl Fn(T) -> S) -> Pace<S> {
+        Pace { duration: convert(self.duration), share: convert(self.share) }
+    }
+}
+
+/// Multiplies an autonomous field by the rate of a change of time.
+fn at_pace<T: Scalar>(pace: Pace<T>, t: T, f: &mut [T]) {
+    let rate = pace.rate(t);
+    f.iter_mut().for_each(|f| *f *= rate);
+}
+
 /// One field of a collection, with the time at which its own time is zero.
 #[derive(Clone, Copy)]
 pub struct FieldRef<'a, T: Scalar> {
@@ -134,14 +176,16 @@ pub struct FieldRef<'a, T: Scalar> {
     /// The rate of attraction to the field's invariant surface; `None` for the field alone, which
     /// preserves the distance from the surface.
     pub attraction: Option<T>,
+    /// The change of time in which an autonomous field is stated.
+    pub pace: Option<Pace<T>>,
 }
 
 impl<'a, T: Scalar> FieldRef<'a, T> {
     /// Creates a reference to a field that exists in all scalar types.
     pub(in crate::core) fn of<F: WideFields<T> + WideFields<f64>>(field: &'a F) -> Self {
         let start = T::zero();
-        let (wide, attraction) = (Some(field as _), None);
-        FieldRef { fields: field, wide, real: field, index: 0, start, numbers: 0, attraction }
+        let (wide, attraction, pace) = (Some(field as _), None, None);
+        FieldRef { fields: field, wide, real: field, index: 0, start, numbers: 0, attraction, pace }
     }
 
     /// The parameters on which the field depends.
@@ -160,7 +204,8 @@ impl<T: Scalar> FieldIn<T> for FieldRef<'_, T> {
     fn real(&self) -> FieldRef<'_, f64> {
         let FieldRef { real, index, numbers, .. } = *self;
         let (start, attraction) = (self.start.real(), self.attraction.map(|rate| rate.real()));
-        FieldRef { fields: real, wide: Some(real), real, index, start, numbers, attraction }
+        let pace = self.pace.map(|pace| pace.map(|value| value.real()));
+        FieldRef { fields: real, wide: Some(real), real, index, start, numbers, attraction, pace }
     }
 
     #[inline(always)]
@@ -169,6 +214,9 @@ impl<T: Scalar> FieldIn<T> for FieldRef<'_, T> {
         self.fields.field_of(self.index, t, x, p, f);
         if let Some(rate) = self.attraction {
             attract(self.fields, (self.index, rate), (t, x, p), f);
+        }
+        if let Some(pace) = self.pace {
+            at_pace(pace, t, f);
         }
     }
 
@@ -180,6 +228,9 @@ impl<T: Scalar> FieldIn<T> for FieldRef<'_, T> {
                 wide.field_of(self.index, t, x, p, f);
                 if let Some(rate) = self.attraction {
                     attract(wide, (self.index, Wide::of(rate)), (t, x, p), f);
+                }
+                if let Some(pace) = self.pace {
+                    at_pace(pace.map(Wide::of), t, f);
                 }
             }
             // NaN makes the implicit step fail.

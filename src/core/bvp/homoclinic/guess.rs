@@ -7,7 +7,7 @@ use crate::core::bvp::erased::{ErasedProblem, Number};
 use crate::core::bvp::itineraries::Guess;
 use crate::core::bvp::trajectory::Trajectory;
 use crate::core::failure::Failure;
-use crate::core::problem::FieldIn;
+use crate::core::problem::{FieldIn, Pace};
 use crate::core::system::HOMOCLINIC_RADIUS;
 use nalgebra::{DMatrix, DVector};
 use std::sync::Arc;
@@ -105,11 +105,35 @@ pub(in crate::core::bvp) fn from_cycle(
     let trail = trail.into_iter().map(|(time, x)| (arrives + time, x));
     let all: Vec<Place> = lead.into_iter().rev().chain(middle).chain(trail).collect();
     let (begins, start) = &all[0];
+    let (_, end) = &all[all.len() - 1];
+    let pace = paced(&all, (&field, q), &saddle.sizes);
     let mut orbit = Trajectory::from(start.clone());
-    all.iter().for_each(|(time, x)| orbit.push(time - begins, x));
-    let (ends, end) = &all[all.len() - 1];
+    all.iter().for_each(|(time, x)| {
+        orbit.push(pace.duration * pace.place((time - begins) / pace.duration), x);
+    });
     let radii = radii(&saddle, [start, end]);
-    Ok(guess(cycles, saddle, radii, orbit, ends - begins))
+    Ok(guess(cycles, saddle, radii, orbit, pace))
+}
+
+/// The change of time with the centre of the squared speed of an orbit in the middle.
+fn paced(orbit: &[Place], (field, q): (&impl FieldIn<f64>, &[f64]), sizes: &[f64]) -> Pace<f64> {
+    let [begins, ends] = [0, orbit.len() - 1].map(|k| orbit[k].0);
+    let duration = ends - begins;
+    let parts: Vec<[f64; 2]> = orbit
+        .windows(2)
+        .map(|pair| {
+            let squares = [0, 1].map(|k| squared_speed(field, &pair[k].1, q, sizes));
+            let middle = 0.5 * (pair[0].0 + pair[1].0) - begins;
+            [middle / duration, (pair[1].0 - pair[0].0) * 0.5 * (squares[0] + squares[1])]
+        })
+        .collect();
+    let (mut low, mut high) = (0.0, 1.0);
+    for _ in 0..HALVINGS {
+        let pace = Pace { duration, share: 0.5 * (low + high) };
+        let off = parts.iter().map(|[passed, weight]| weight * (pace.place(*passed) - 0.5));
+        *(if off.sum::<f64>() > 0.0 { &mut low } else { &mut high }) = pace.share;
+    }
+    Pace { duration, share: 0.5 * (low + high) }
 }
 
 /// The part of a cycle between two places, with times counted from the first one.
@@ -156,10 +180,10 @@ fn guess(
     saddle: Saddle,
     radii: [f64; 2],
     orbit: Trajectory,
-    time: f64,
+    Pace { duration, share }: Pace<f64>,
 ) -> Guess<ErasedProblem> {
     let coordinates = saddle.outgoing.coordinates() + saddle.incoming.coordinates();
-    let extras = [&[time, 0.0], &saddle.place[..], &vec![0.0; coordinates]].concat();
+    let extras = [&[duration, share, 0.0], &saddle.place[..], &vec![0.0; coordinates]].concat();
     let parameters = cycles.parameters().len();
     let problem: ErasedProblem = Arc::new(HomoclinicOrbit { cycles, parameters, saddle, radii });
     Guess { problem, trajectories: vec![orbit], extras, beside: None }
@@ -190,11 +214,12 @@ pub(in crate::core::bvp) fn from_saved(
     let saddle = Saddle::near(&field, place, &q, sizes)?;
     let orbit = Trajectory::from(nodes[0].clone());
     let radii = radii(&saddle, [&nodes[0], &nodes[nodes.len() - 1]]);
-    let mut guess = guess(cycles, saddle, radii, orbit, extras[0]);
+    let pace = Pace { duration: extras[0], share: extras[1] };
+    let mut guess = guess(cycles, saddle, radii, orbit, pace);
     if guess.extras.len() != extras.len() {
         return Err(foreign());
     }
-    guess.extras[1] = extras[1];
+    guess.extras[2] = extras[2];
     Ok(guess)
 }
 
@@ -232,13 +257,15 @@ fn extents<'x>(places: impl Iterator<Item = &'x [f64]> + Clone, scales: Vec<f64>
 
 /// The index of the place at which motion is slowest.
 fn slowest(field: &impl FieldIn<f64>, places: &[Place], q: &[f64], sizes: &[f64]) -> usize {
-    let speed = |x: &[f64]| {
-        let mut slope = vec![0.0; x.len()];
-        field.slope(0.0, x, q, &mut slope);
-        slope.iter().zip(sizes).map(|(f, size)| (f / size).powi(2)).sum::<f64>()
-    };
-    let speeds = places.iter().map(|it| speed(&it.1)).enumerate();
+    let speeds = places.iter().map(|it| squared_speed(field, &it.1, q, sizes)).enumerate();
     speeds.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |it| it.0)
+}
+
+/// The squared speed at a place, in units of the extents.
+fn squared_speed(field: &impl FieldIn<f64>, x: &[f64], q: &[f64], sizes: &[f64]) -> f64 {
+    let mut slope = vec![0.0; x.len()];
+    field.slope(0.0, x, q, &mut slope);
+    slope.iter().zip(sizes).map(|(f, size)| (f / size).powi(2)).sum()
 }
 
 /// The places at which a cycle leaves and re-enters the ball of a given radius about the equilibrium;

@@ -11,7 +11,7 @@ use super::erased::{
     EndFunctions, Equations, ErasedProblem, Number, Residual, WatchNumber, Watches,
 };
 use super::terms::{Ends, Monitor, Shape, Watched};
-use crate::core::problem::FieldRef;
+use crate::core::problem::{FieldIn, FieldRef, Pace};
 use crate::core::scalar::{Chunk, Scalar};
 use crate::core::system::{HOMOCLINIC_GAP, HOMOCLINIC_RATES, HOMOCLINIC_TESTS};
 use leading::Side;
@@ -33,8 +33,8 @@ enum Recorded {
     Share(Side),
 }
 
-/// The number of extras before the coordinates of the equilibrium: the time and the gap.
-const BEFORE_PLACE: usize = 2;
+/// The number of extras before the coordinates of the equilibrium: the time, its share, and the gap.
+const BEFORE_PLACE: usize = 3;
 
 /// The orbits that leave an equilibrium `x₀` along its unstable manifold and return near the equilibrium,
 ///
@@ -55,9 +55,19 @@ const BEFORE_PLACE: usize = 2;
 /// ```
 ///
 /// Deviations are in units of the extents of the orbit, and `R_u` and `R_s` give their components along
-/// the eigenvectors. The unknowns are the states, `T`, `g`, `x₀`, and both `Z`. The parameter at which
-/// `g = 0` has errors of order `ε₀^(2 + |λ_s|/λ_u)` and `ε₁^(2 + λ_u/|λ_s|)`, with the leading
-/// eigenvalues.
+/// the eigenvectors. The parameter at which `g = 0` has errors of order `ε₀^(2 + |λ_s|/λ_u)` and
+/// `ε₁^(2 + λ_u/|λ_s|)`, with the leading eigenvalues.
+///
+/// The motion is often fast compared with `T`, and the times near the equilibrium before and after the
+/// excursion change along a curve. On a mesh in units of `T` the excursion would move by more than the
+/// width of its fronts. A change of time [`Pace`] keeps it in place: the share `φ` of `T` has passed in the
+/// middle of the mesh, which is the centre of the squared speed,
+///
+/// ```text
+///     ∫ (s − ½) |x'|² dt = 0,    t = T θ(s),    0 ≤ s ≤ 1
+/// ```
+///
+/// The unknowns are the states, `T`, `φ`, `g`, `x₀`, and both `Z`.
 pub(in crate::core) struct HomoclinicOrbit {
     /// The problem of the cycles near the orbit.
     cycles: ErasedProblem,
@@ -71,6 +81,7 @@ pub(in crate::core) struct HomoclinicOrbit {
 struct Parts<'q, T> {
     /// The numbers of cycles: the parameters and the time.
     of_cycles: &'q [T],
+    pace: Pace<T>,
     gap: T,
     place: &'q [T],
     /// The matrices `Z` of both subspaces.
@@ -81,9 +92,10 @@ struct Parts<'q, T> {
 impl HomoclinicOrbit {
     fn parts<'q, T: Copy>(&self, q: &'q [T]) -> Parts<'q, T> {
         let (of_cycles, rest) = q.split_at(self.parameters + 1);
-        let (place, subspaces) = rest[1..].split_at(self.saddle.dimension());
+        let pace = Pace { duration: of_cycles[self.parameters], share: rest[0] };
+        let (place, subspaces) = rest[2..].split_at(self.saddle.dimension());
         let (outgoing, incoming) = subspaces.split_at(self.saddle.outgoing.coordinates());
-        Parts { of_cycles, gap: rest[0], place, outgoing, incoming }
+        Parts { of_cycles, pace, gap: rest[1], place, outgoing, incoming }
     }
 
     /// The recorded numbers, by name; their positions are the indices of the
@@ -116,7 +128,7 @@ impl HomoclinicOrbit {
     }
 
     fn conditions<T: Number>(&self, ends: Ends<T>, q: &[T], b: &mut [T]) {
-        let Parts { of_cycles, gap, place, outgoing, incoming } = self.parts(q);
+        let Parts { of_cycles, gap, place, outgoing, incoming, .. } = self.parts(q);
         let (n, saddle) = (place.len(), &self.saddle);
         let field = T::residual(&*self.cycles).on_segment(0, of_cycles);
         let (f, matrix) = jacobian(&field, place, of_cycles, saddle);
@@ -140,9 +152,9 @@ impl HomoclinicOrbit {
 
 impl<T: Number> Residual<T> for HomoclinicOrbit {
     fn on_segment<'a>(&'a self, segment: usize, q: &'a [T]) -> FieldRef<'a, T> {
-        let numbers = self.parameters + 1;
-        let field = T::residual(&*self.cycles).on_segment(segment, &q[..numbers]);
-        FieldRef { numbers: field.numbers.min(numbers), ..field }
+        let Parts { of_cycles, pace, .. } = self.parts(q);
+        let field = T::residual(&*self.cycles).on_segment(segment, of_cycles);
+        FieldRef { numbers: field.numbers.min(of_cycles.len()), pace: Some(pace), ..field }
     }
 
     fn duration_in(&self, _segment: usize, q: &[T]) -> T {
@@ -151,6 +163,17 @@ impl<T: Number> Residual<T> for HomoclinicOrbit {
 
     fn boundary_in(&self, ends: Ends<T>, q: &[T], b: &mut [T]) {
         self.conditions(ends, q, b);
+    }
+
+    /// The distance of the place from the middle of the mesh, weighted by the squared speed.
+    fn integrand_in(&self, segment: usize, t: T, x: &[T], q: &[T], g: &mut [T]) {
+        let Parts { of_cycles, pace, .. } = self.parts(q);
+        let Saddle { sizes, rate, .. } = &self.saddle;
+        let mut f = vec![T::zero(); x.len()];
+        T::residual(&*self.cycles).on_segment(segment, of_cycles).slope(t, x, of_cycles, &mut f);
+        let parts = f.iter().zip(sizes).map(|(f, size)| *f / (size * rate));
+        let square = parts.fold(T::zero(), |sum, part| sum + part * part);
+        g[0] = (t / pace.duration - 0.5) * square * pace.rate(t) * *rate;
     }
 }
 
@@ -226,11 +249,16 @@ impl Equations for HomoclinicOrbit {
         let place = states.iter().map(|state| format!("{state} at rest"));
         let count = self.saddle.outgoing.coordinates() + self.saddle.incoming.coordinates();
         let subspaces = (1..=count).map(|k| format!("subspace {k}"));
-        ["excursion time".into(), "homoclinic gap".into()]
+        ["excursion time", "share of time", "homoclinic gap"]
+            .map(String::from)
             .into_iter()
             .chain(place)
             .chain(subspaces)
             .collect()
+    }
+
+    fn integrals(&self) -> usize {
+        1
     }
 
     /// The time from one end to the other, the recorded numbers, and the extremes of cycles.
@@ -251,7 +279,7 @@ impl Equations for HomoclinicOrbit {
 
     fn extra_scales(&self, _p: &[f64]) -> Vec<f64> {
         let Saddle { sizes, rate, .. } = &self.saddle;
-        [&[rate.recip(), 1.0], &sizes[..]].concat()
+        [&[rate.recip(), 1.0, 1.0], &sizes[..]].concat()
     }
 
     fn function_scale(&self, segment: usize, function: usize, q: &[f64]) -> f64 {
@@ -263,6 +291,10 @@ impl Equations for HomoclinicOrbit {
     fn size_near(&self, _segment: usize, x: &[f64], q: &[f64]) -> Option<f64> {
         let deviation = self.deviation(x, self.parts(q).place);
         Some(deviation.iter().map(|y| y * y).sum::<f64>().sqrt())
+    }
+
+    fn passed(&self, _segment: usize, place: f64, q: &[f64]) -> f64 {
+        self.parts(q).pace.passed(place)
     }
 
     fn longest_step(&self, segment: usize) -> f64 {

@@ -81,7 +81,8 @@ fn history(
     let mut history = Vec::with_capacity(s.intervals * each + 1);
     for interval in 0..s.intervals {
         let at = equations.interval((segment, interval), &work.nodes, &work.numbers);
-        let time = |place: f64| begin + duration * at.span.at(place);
+        let passed = |place: f64| equations.problem.passed(segment, at.span.at(place), q);
+        let time = |place: f64| begin + duration * passed(place);
         // A trajectory that does not exist, as at the failed end of a branch, is not drawn.
         let mut visit = |place: f64, x: &[f64]| {
             if x.iter().all(|x| x.is_finite()) {
