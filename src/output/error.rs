@@ -63,6 +63,7 @@ pub enum FileError {
     },
     /// The file was read, but is not a document.
     #[error("{}: {source}", path.display())]
+    #[diagnostic(forward(source))]
     Format {
         /// The path of the file.
         path: PathBuf,

@@ -92,6 +92,7 @@ pub enum HybridError {
     },
     /// The flow of a mode ends early.
     #[error("in mode {mode} the motion ends: {source}")]
+    #[diagnostic(forward(source))]
     Flow {
         /// The mode.
         mode: String,

@@ -94,6 +94,7 @@ pub enum GrazingError {
     },
     /// A flow ends.
     #[error("in mode `{mode}`: {source}")]
+    #[diagnostic(forward(source))]
     Flow {
         /// The mode.
         mode: String,

@@ -16,7 +16,7 @@ pub(super) fn parameters(units: Units, p: &[f64]) -> Result<Parameters<f64>, Out
             return Err(OutOfDomain::new(*name, *value, "every parameter must be finite"));
         }
         if positive && *value <= 0.0 {
-            return Err(OutOfDomain::new(*name, *value, "it must be positive"));
+            return Err(OutOfDomain::new(*name, *value, "choose a positive value"));
         }
     }
     let plate = units.parameters(p);
@@ -35,7 +35,7 @@ pub(super) fn parameters(units: Units, p: &[f64]) -> Result<Parameters<f64>, Out
 pub(super) fn not_negative(name: &str, ratio: f64) -> Result<(), OutOfDomain> {
     match ratio >= 0.0 && ratio.is_finite() {
         true => Ok(()),
-        false => Err(OutOfDomain::new(name, ratio, "it must be 0 or more, and finite")),
+        false => Err(OutOfDomain::new(name, ratio, "choose a finite value that is not negative")),
     }
 }
 
