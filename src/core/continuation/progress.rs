@@ -189,12 +189,7 @@ impl Progress {
     }
 
     /// Returns the end of a branch that does not advance over many points, and whether it crawls.
-    fn nowhere(
-        &mut self,
-        view: View,
-        length: f64,
-        max_step: f64,
-    ) -> (Option<End>, Option<Crawl>) {
+    fn nowhere(&mut self, view: View, length: f64, max_step: f64) -> (Option<End>, Option<Crawl>) {
         let same = |watch: &&mut Watch| {
             let mut scales = watch.since.scales.iter().zip(&view.scales);
             scales.all(|(before, now)| *now <= SAME_SCALE * before)
@@ -207,8 +202,7 @@ impl Progress {
         if watch.points < MANY {
             return (None, None);
         }
-        let (points, way, ahead, crawl) =
-            (watch.points, watch.way, watch.ahead(), watch.crawl());
+        let (points, way, ahead, crawl) = (watch.points, watch.way, watch.ahead(), watch.crawl());
         self.watch = None;
         let stuck = ahead < NOWHERE || way < CREEPING * max_step * points as f64;
         (stuck.then_some(End::NoProgress { points, way, ahead }), crawl)
