@@ -552,3 +552,43 @@ fn continuations_can_be_sent_to_threads() {
     sent::<Box<dyn System>>();
     sent::<Branch>();
 }
+
+/// `u_j = cos(20000 p + 2πj/3)`: the norm and the sum of `u` are constant.
+struct Turning;
+
+impl ZeroProblem for Turning {
+    fn names(&self) -> Names {
+        Names::new([("u", 3)], ["p"])
+    }
+    fn residual<T: Scalar>(&self, u: &[T], p: &[T], r: &mut [T]) {
+        for (j, (r, u)) in r.iter_mut().zip(u).enumerate() {
+            *r = *u - (p[0] * 2e4 + j as f64 * std::f64::consts::TAU / 3.0).cos();
+        }
+    }
+    fn dynamics(&self) -> Dynamics {
+        Dynamics::None
+    }
+}
+
+/// Where only the direction of the unknowns changes, a warning says so; a tiny largest step is no crawl.
+#[test]
+fn a_branch_that_crawls_says_so() {
+    let warnings = |max_step: f64| {
+        let mut system = Dense::new(Turning);
+        let settings = Settings { max_points: 400, max_step, ..Settings::default() };
+        let branch = Continuation::new(&mut system)
+            .settings(settings)
+            .from(&[1.0, -0.5, -0.5])
+            .along("p", 0.0..=1.0)
+            .trace()
+            .unwrap();
+        assert_eq!(branch.ends[1], End::PointLimit { points: 400 });
+        branch.warnings.iter().filter(|it| it.contains("the branch crawls")).count()
+    };
+    assert_eq!(warnings(0.2), 1);
+    let mut plate = Dense::new(ParallelPlate);
+    let settings =
+        Settings { max_points: 400, max_step: 1e-6, initial_step: 1e-6, ..Settings::default() };
+    let slow = Continuation::new(&mut plate).settings(settings).along("load", 0.0..=1.0).trace();
+    assert!(slow.unwrap().warnings.is_empty());
+}

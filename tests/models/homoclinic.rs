@@ -189,6 +189,45 @@ fn settings_agree_on_lorenz() {
     assert!((by_sigma - slope).abs() < 1e-6 * slope.abs(), "{by_sigma} {slope}");
 }
 
+/// AUTO's demo `ab`: the orbit has a front that is 10⁴ times shorter than the whole time.
+const REACTOR: &str = r#"states: [("x", "-x + D*(1 - x)*exp(y)"), ("y", "-y + 14*D*(1 - x)*exp(y) - beta*y")],
+    initial: [("x", 0), ("y", 0)]"#;
+
+/// The references are bisections on the unstable manifold by a Runge–Kutta method of order 8 with the
+/// tolerance 1e-13.
+#[test]
+fn orbits_with_steep_fronts_take_few_points() {
+    let curve = r#"(name: "homoclinic", hold: HOM, start: From(run: "cycles", kind: HOM), along: [
+        (name: "D", low: 0.05, high: 0.25), (name: "beta", low: 1.9, high: 2.2)],
+        marks: [("beta", 1.95), ("beta", 2.1)])"#;
+    let along = r#"(name: "D", low: 0, high: 0.25)"#;
+    let document = traced(scene(REACTOR, r#"("D", 0), ("beta", 2)"#, along, curve), "");
+    ending(&document, 0.1055070700399, 1e-10);
+    let curve = branch(&document, "homoclinic");
+    assert!(curve.points.len() < 100, "{} points", curve.points.len());
+    assert!(curve.warnings.is_empty(), "{:?}", curve.warnings);
+    let references = [
+        (1.9, 0.1006502601102),
+        (1.95, 0.1030641169307),
+        (2.1, 0.1104816106201),
+        (2.2, 0.1155787200086),
+    ];
+    for (beta, expected) in references {
+        let at = curve.special.iter().find(|it| (it.parameters[1] - beta).abs() < 1e-9);
+        near(curve, at.unwrap_or_else(|| panic!("{beta}: {:?}", curve.ends)), expected, 1e-9);
+    }
+}
+
+/// On fine meshes and by short steps, the last cycles come very near to the saddle.
+#[test]
+fn orbits_with_steep_fronts_are_located_on_all_meshes() {
+    let along = r#"(name: "D", low: 0, high: 0.25)"#;
+    for settings in ["intervals=60 degree=5", "max_step=0.05", "intervals=100"] {
+        let scene = scene(REACTOR, r#"("D", 0), ("beta", 2)"#, along, "");
+        ending(&traced(scene, settings), 0.1055070700399, 1e-10);
+    }
+}
+
 fn ending_of(document: &Document) -> f64 {
     branch(document, "cycles").of_kind(Kind::HOM).next().unwrap().parameters[1]
 }
