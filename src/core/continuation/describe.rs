@@ -12,7 +12,7 @@ use super::located::Located;
 use super::meaning::spreads;
 use super::recorder::{Recorded, special_point};
 use super::slopes::Slopes;
-use crate::core::bifurcation::{Critical, Quantity, Stability, without_critical};
+use crate::core::bifurcation::{Critical, Quantity, unstable_besides};
 use crate::core::failure::Failure;
 use crate::core::linalg::{Spectrum, dot};
 use crate::core::system::{Kind, System};
@@ -133,10 +133,7 @@ fn own_count(
     [before, after]: [Option<usize>; 2],
 ) -> Option<usize> {
     before.or(after)?;
-    let dynamics = system.dynamics();
-    let distance = |l: &(f64, f64)| critical.distance(dynamics, l);
-    let others = without_critical(spectrum, critical.count(), distance);
-    Some(Stability::of(dynamics, &others).unstable)
+    Some(unstable_besides(critical, system.dynamics(), spectrum))
 }
 
 /// Returns the number of unstable eigenvalues at a point that has not converged: the smaller number of
