@@ -226,7 +226,10 @@ impl Screen {
         notes.extend(numbers.map(|number| {
             let Number { name, value, error } = number;
             if !number.is_certain() {
-                return format!("{name} uncertain, at most {}", significant(value.abs() + error, 1));
+                return format!(
+                    "{name} uncertain, at most {}",
+                    significant(value.abs() + error, 1)
+                );
             }
             match certain_digits(*value, *error) {
                 0 => format!("{name} = {} ± {}", significant(*value, 2), significant(*error, 1)),

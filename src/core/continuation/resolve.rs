@@ -385,7 +385,10 @@ fn bifurcations(
     let Settings { detect, stability, .. } = &curve.settings;
     let wanted = |event: &Event| {
         let asked = detect.is_empty() || detect.contains(&event.kind);
-        event.terminal || asked && possible(event.kind) && (*stability || event.test.needs() != Needs::Eigenvalues)
+        event.terminal
+            || asked
+                && possible(event.kind)
+                && (*stability || event.test.needs() != Needs::Eigenvalues)
     };
     let sightings = CATALOGUE.iter().flat_map(|row| row.seen.iter().map(move |it| (row, it)));
     let here = sightings.filter(|(_, it)| it.held == held && it.of.are(dynamics));

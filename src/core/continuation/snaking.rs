@@ -55,7 +55,8 @@ impl Snaking {
         let Turn { period: from, .. } = *self.turns.iter().rev().nth(TURNS - 1)?;
         let last = &self.turns[self.turns.len() - TURNS..];
         let all = || last.iter().map(|turn| turn.parameter);
-        let [low, high] = [all().fold(f64::INFINITY, f64::min), all().fold(-f64::INFINITY, f64::max)];
+        let [low, high] =
+            [all().fold(f64::INFINITY, f64::min), all().fold(-f64::INFINITY, f64::max)];
         let reach = SAME * (high - low);
         let repeats = all().all(|value| value - low <= reach || high - value <= reach);
         repeats.then_some(End::Snaking { turns: TURNS, values: [low, high], from, to: period })
