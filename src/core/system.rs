@@ -483,6 +483,9 @@ pub struct Traits {
     pub amplitude: Option<f64>,
     /// The period of a cycle, if the period is free and not prescribed by a forcing.
     pub free_period: Option<f64>,
+    /// The number of nontrivial Floquet multipliers of a smooth orbit, whose product is positive:
+    /// the flow of a vector field preserves orientation. `None` for other solutions.
+    pub smooth_multipliers: Option<usize>,
     /// The smallest, over the segments, of the largest state on a segment, in units of the states'
     /// scales: tolerances are relative to these scales. Segments without motion do not count;
     /// infinite if no segment counts.
@@ -496,6 +499,7 @@ impl Default for Traits {
             growth: 1.0,
             amplitude: None,
             free_period: None,
+            smooth_multipliers: None,
             least_size: f64::INFINITY,
         }
     }

@@ -66,6 +66,7 @@ fn special(label: usize, kind: Kind, event: &str, after: usize, u: f64) -> Speci
         tangent: vec![1.0, 1.0],
         slopes: None,
         mesh: Vec::new(),
+        mesh_shift: Vec::new(),
         profiles: Vec::new(),
         fields: Vec::new(),
         without_phase_response: None,

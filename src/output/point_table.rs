@@ -392,9 +392,10 @@ impl Found<'_> {
             values.get(position).copied()
         };
         let mut numbers = point.numbers.iter().filter(|_| source != Source::Parameters);
-        let number = numbers.find(|number| number.name == name).map(|number| number.value);
-        number
-            .or_else(|| of(monitors, &point.monitors, Source::Parameters))
+        if let Some(number) = numbers.find(|number| number.name == name) {
+            return Some(number.value).filter(|_| number.is_certain());
+        }
+        of(monitors, &point.monitors, Source::Parameters)
             .or_else(|| of(parameters, &point.parameters, Source::Monitors))
     }
 

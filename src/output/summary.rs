@@ -160,6 +160,7 @@ fn reason(end: &End) -> String {
         End::Interrupted => "interrupted".into(),
         End::Homoclinic { .. } => "homoclinic orbit".into(),
         End::LongPeriod { .. } => "long period".into(),
+        End::Snaking { .. } => "snaking".into(),
         End::WeakSaddle { .. } => "no saddle".into(),
         End::Infinite { name, .. } => format!("infinite {name}"),
         End::PointLimit { .. } => "max_points".into(),

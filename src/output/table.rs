@@ -223,6 +223,12 @@ impl Screen {
         let numbers = point.numbers.iter().filter(|number| !number.is_detail());
         notes.extend(numbers.map(|number| {
             let Number { name, value, error } = number;
+            if !number.is_certain() {
+                return format!(
+                    "{name} uncertain, at most {}",
+                    significant(value.abs() + error, 1)
+                );
+            }
             match certain_digits(*value, *error) {
                 0 => format!("{name} = {} ± {}", significant(*value, 2), significant(*error, 1)),
                 digits => format!("{name} = {}", significant(*value, digits.min(12))),

@@ -280,6 +280,7 @@ fn branch(
         tangent: vec![0.0; released.len()],
         slopes: None,
         mesh: Vec::new(),
+        mesh_shift: Vec::new(),
         profiles: profiles(curves),
         fields: Vec::new(),
         without_phase_response: None,

@@ -1,5 +1,6 @@
 //! Equations that are given as text.
 
+mod cycle_findings;
 mod errors;
 mod fuzz;
 mod homoclinic;

@@ -272,7 +272,7 @@ fn values_without_a_meaning_are_refused() {
         let output = tangency(folder.path(), &["trace", scene, "--set", value]);
         let message = String::from_utf8(output.stderr).unwrap();
         assert_eq!(output.status.code(), Some(1), "{message}");
-        assert!(message.contains(said) && message.contains("choose a value that is not negative"), "{message}");
+        assert!(message.contains(said) && message.contains("that is not negative"), "{message}");
     }
 }
 

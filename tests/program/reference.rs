@@ -244,6 +244,7 @@ fn ends() -> Vec<End> {
         End::Homoclinic { period: 9.0, distance: 1e-3 },
         End::WeakSaddle { name: text(), largest: 1.0, rate: 1e-4 },
         End::LongPeriod { period: 9.0, shortest: 1.0 },
+        End::Snaking { turns: 12, values: [1.0, 2.0], from: 1.0, to: 9.0 },
         End::Infinite { name: text(), from: 1.0, to: 9.0 },
         End::ConvergesTo { point: vec![1.0] },
         End::NoProgress { points: 9, way: 1.0, ahead: 1e-4 },

@@ -55,7 +55,9 @@ pub(crate) use normal_form::{
 pub(in crate::core) use sides::Sides;
 pub(crate) use stability::Critical;
 pub use stability::Stability;
-pub(in crate::core) use stability::{deciding, nearest_to_critical, neutral, without_critical};
+pub(in crate::core) use stability::{
+    deciding, nearest_to_critical, neutral, unstable_besides, without_critical,
+};
 pub(crate) use test_function::ConditionValue;
 pub use test_function::{Bracketed, Needs, Passage, PointValues, Reading, TestFunction};
 

@@ -167,6 +167,9 @@ fn divide(row: &mut [f64], units: &[f64], (n, parameter): (usize, Option<usize>)
     }
 }
 
+/// (H) If terms cancel to this fraction, borders are nearly orthogonal to the null vectors.
+const CANCELLED: f64 = 1e4;
+
 impl NullVectors {
     /// Creates the null vectors of a form of `F_z`, with or without the column of a parameter.
     pub(super) fn new(form: Form, parameter: Option<usize>) -> Self {
@@ -296,6 +299,18 @@ impl NullVectors {
         direction[..n].copy_from_slice(&both[length..][..n]);
         direction[p] = both[length + n];
         Ok(())
+    }
+
+    /// Whether the borders are near the null vectors: `C ζ = 1` and `wᵀ B = 1` are sums without
+    /// cancellation.
+    pub(super) fn is_well_bordered(&self) -> bool {
+        let of_p = self.rows.len() - self.borders.len();
+        let mut sums = self.rows.iter().skip(of_p).zip(self.right.iter().skip(of_p));
+        let mut left = self.borders.iter().zip(&self.left);
+        let size = |(a, b): (&Vec<f64>, &Vec<f64>)| -> f64 {
+            a.iter().zip(b).map(|(a, b)| (a * b).abs()).sum()
+        };
+        sums.all(|pair| size(pair) <= CANCELLED) && left.all(|pair| size(pair) <= CANCELLED)
     }
 
     /// The number of real numbers in each component.

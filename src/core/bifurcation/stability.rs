@@ -172,6 +172,17 @@ pub(in crate::core) fn without_critical(
     (0..spectrum.len()).filter(|k| !critical.contains(k)).map(|k| spectrum[k]).collect()
 }
 
+/// Returns the number of unstable eigenvalues besides the critical ones.
+pub(in crate::core) fn unstable_besides(
+    critical: Critical,
+    dynamics: Dynamics,
+    spectrum: &[(f64, f64)],
+) -> usize {
+    let distance = |l: &(f64, f64)| critical.distance(dynamics, l);
+    let others = without_critical(spectrum, critical.count(), distance);
+    Stability::of(dynamics, &others).unstable
+}
+
 /// (H) The side of an eigenvalue is certain if its distance from the axis is larger than the error
 /// by this factor. The error is the distance of the critical eigenvalues, which are exactly on the
 /// axis.

@@ -95,6 +95,11 @@ impl Bounds {
         (0..self.bounds.len()).find(leaves)
     }
 
+    /// Whether a column has a bound.
+    pub fn limit(&self, column: &str, events: &[Event]) -> bool {
+        events[..self.bounds.len()].iter().any(|event| event.name == column)
+    }
+
     /// Whether the event at this position is a bound.
     pub fn holds(&self, event: usize) -> bool {
         event < self.bounds.len()

@@ -115,6 +115,10 @@ pub struct SpecialPoint {
     /// The mesh of the unknowns; empty if there is no mesh.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub mesh: Vec<f64>,
+    /// For each released parameter, the difference between the value for which `state` solves the
+    /// equations on this mesh and the refined value in `parameters`; empty if zero.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub mesh_shift: Vec<f64>,
     /// Curves of the solution that the problem provides.
     pub profiles: Vec<Profile>,
     /// The arrays with two indices among the unknowns, thinned out.
@@ -147,6 +151,17 @@ impl Number {
     /// ```
     pub fn is_detail(&self) -> bool {
         DETAILS.contains(&self.name.as_str())
+    }
+
+    /// Whether the value is larger than its error. Tables leave the other values empty.
+    ///
+    /// ```
+    /// use tangency::core::continuation::Number;
+    /// let number = |value, error| Number { name: "fold_b".into(), value, error };
+    /// assert!(number(2.0, 1.0).is_certain() && !number(6.7e10, 3e11).is_certain());
+    /// ```
+    pub fn is_certain(&self) -> bool {
+        self.error < self.value.abs() || self.error == 0.0
     }
 }
 
@@ -235,6 +250,11 @@ impl Branch {
             let places = slopes.iter_mut().zip(&self.parameters).filter(|it| it.1 == name);
             places.for_each(|it| *it.0 = *slope);
         }
+        let mut shift = vec![0.0; special.parameters.len()];
+        for (value, name) in special.mesh_shift.iter().zip(&self.released) {
+            let places = shift.iter_mut().zip(&self.parameters).filter(|it| it.1 == name);
+            places.for_each(|it| *it.0 = *value);
+        }
         Solution {
             kind: special.kind,
             condition: self.condition,
@@ -244,6 +264,7 @@ impl Branch {
             state: special.state.clone(),
             parameters: special.parameters.clone(),
             tangent: known.then(|| (special.tangent[..n].to_vec(), slopes)),
+            mesh_shift: Some(shift).filter(|_| !special.mesh_shift.is_empty()),
             multiplicity: special.multiplicity,
             frequency: frequency.map(|number| number.value),
             error: special.error,
@@ -350,6 +371,7 @@ impl SpecialPoint {
             tangent: Vec::new(),
             slopes: None,
             mesh: Vec::new(),
+            mesh_shift: Vec::new(),
             profiles: Vec::new(),
             fields: Vec::new(),
             without_phase_response: None,

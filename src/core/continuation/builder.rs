@@ -201,8 +201,9 @@ impl<'a> Continuation<'a> {
             let monitors = branch.monitors.iter().cloned().zip(special.monitors.iter().copied());
             self.end = monitors.collect();
         }
+        let mesh_shift = solution.mesh_shift.map(|shift| own(&shift));
         let parameters = self.x[names.dimension()..].to_vec();
-        self.from(&Solution { parameters, tangent, ..solution })
+        self.from(&Solution { parameters, tangent, mesh_shift, ..solution })
     }
 
     /// Releases a parameter within a range, such as `0.0..=1.0` or `0.0..`; the continued parameter

@@ -334,6 +334,7 @@ impl<'a> Corrector<'a> {
             state,
             parameters,
             tangent: Some((direction, slopes)),
+            mesh_shift: None,
             multiplicity: 0,
             frequency: None,
             error,

@@ -12,9 +12,10 @@ use super::located::Located;
 use super::meaning::spreads;
 use super::recorder::{Recorded, special_point};
 use super::slopes::Slopes;
-use crate::core::bifurcation::{Critical, Quantity, Stability, without_critical};
+use crate::core::bifurcation::{Critical, Quantity, unstable_besides};
 use crate::core::failure::Failure;
 use crate::core::linalg::{Spectrum, dot};
+use crate::core::problem::Dynamics;
 use crate::core::system::{Kind, System};
 
 /// Records the special point of an event in an interval.
@@ -62,8 +63,41 @@ pub(super) fn describe(
     let subkind = subkind(&event, corrector.equations.system(), &x).or(case);
     let special = SpecialPoint { subkind, error, bracket, converged, slopes, ..special };
     let special = SpecialPoint { numbers, sensitivities, ..special };
-    let special = with_error(curve, &event, special, &unknowns, &interval.from.point);
+    let mut special = with_error(curve, &event, special, &unknowns, &interval.from.point);
+    if curve.recorder.solutions {
+        let dynamics = curve.corrector.equations.system().dynamics();
+        doubt_multipliers(&mut special, event.critical, dynamics, sides);
+    }
     Ok(Located { event: Some(index), along, unknowns, special })
+}
+
+/// (H) The largest error of a critical multiplier with which the others are reliable.
+const INACCURATE: f64 = 1e-2;
+
+/// Removes the multipliers of a converged special point of orbits if none of them is near the
+/// critical value: rounding or the mesh hides that multiplier, and others may be wrong as well. The
+/// count is taken from both sides.
+fn doubt_multipliers(
+    special: &mut SpecialPoint,
+    critical: Critical,
+    dynamics: Dynamics,
+    sides: [Option<usize>; 2],
+) {
+    let all = &special.eigenvalues;
+    let complete = !all.is_empty() && all.len() < SpecialPoint::EIGENVALUES;
+    if dynamics != Dynamics::Periodic || !special.converged || !complete || critical.count() != 1 {
+        return;
+    }
+    let distances = all.iter().map(|multiplier| critical.distance(dynamics, multiplier));
+    let nearest = distances.fold(f64::INFINITY, f64::min);
+    if nearest > INACCURATE {
+        special.eigenvalues.clear();
+        special.unstable = common_count(critical, sides);
+        special.undetermined = Some(format!(
+            "no computed multiplier is near the critical one: the nearest one differs by {nearest:.1e}; use a finer \
+             mesh"
+        ));
+    }
 }
 
 /// Adds the error of the discretisation to a special point, and refines the point on a finer mesh
@@ -133,10 +167,7 @@ fn own_count(
     [before, after]: [Option<usize>; 2],
 ) -> Option<usize> {
     before.or(after)?;
-    let dynamics = system.dynamics();
-    let distance = |l: &(f64, f64)| critical.distance(dynamics, l);
-    let others = without_critical(spectrum, critical.count(), distance);
-    Some(Stability::of(dynamics, &others).unstable)
+    Some(unstable_besides(critical, system.dynamics(), spectrum))
 }
 
 /// Returns the number of unstable eigenvalues at a point that has not converged: the smaller number of

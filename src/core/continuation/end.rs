@@ -118,6 +118,23 @@ pub enum End {
         /// The shortest period on this half of the branch.
         shortest: f64,
     },
+    /// A branch of cycles turns again and again at the same two values of the parameter, while the
+    /// period grows.
+    #[error(
+        "the branch snakes: its last {turns} turns lie near {:.6} and {:.6} while the period grows from {from:.6} to \
+         {to:.6}, as near a homoclinic orbit to another cycle; bound the period to follow it farther",
+        values[0], values[1]
+    )]
+    Snaking {
+        /// The number of turns at the same two values.
+        turns: usize,
+        /// The smaller and the larger value of the parameter.
+        values: [f64; 2],
+        /// The period at the first of these turns.
+        from: f64,
+        /// The period at the end.
+        to: f64,
+    },
     /// A group of unknowns grows without bound, while the parameters are constant.
     #[error(
         "the branch goes to infinity: {name} grows from {from:.3e} to {to:.3e} while the parameters are constant; \
@@ -191,6 +208,7 @@ impl End {
             | End::Interrupted => true,
             End::Homoclinic { .. }
             | End::LongPeriod { .. }
+            | End::Snaking { .. }
             | End::WeakSaddle { .. }
             | End::Infinite { .. }
             | End::PointLimit { .. }

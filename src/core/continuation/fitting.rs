@@ -159,7 +159,9 @@ fn turn_determinant(curve: &Curve, place: &mut CurvePoint) {
 fn take(curve: &Curve, half: &mut Half, mut place: CurvePoint) {
     let last = &half.last;
     for (test, before) in place.tests.iter_mut().zip(&last.tests) {
-        *test = test.or(*before);
+        // A curve that starts on a level leaves the level; rounding does not bring it back.
+        let starts = half.points.is_empty() && *before == Some(0.0);
+        *test = if starts { *before } else { test.or(*before) };
     }
     place.stability = place.stability.or(last.stability);
     place.point.solution.clone_from(&last.point.solution);

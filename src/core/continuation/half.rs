@@ -10,6 +10,7 @@ use super::end::End;
 use super::predictor::Predictor;
 use super::progress::Progress;
 use super::slopes::Slopes;
+use super::snaking::Snaking;
 use super::step_control::Step;
 use super::stretches::Stretches;
 use crate::core::bifurcation::VERTICAL;
@@ -39,6 +40,7 @@ pub(super) struct Half {
     pub closing: Option<Reference>,
     pub early_end: EarlyEnd,
     pub progress: Progress,
+    pub snaking: Snaking,
     /// Whether the last point was corrected again after its interpolation to a new mesh.
     pub settled: bool,
     /// The number of points up to which a sufficiently fine mesh keeps its intervals.
@@ -65,6 +67,7 @@ impl Half {
             closing: None,
             early_end: EarlyEnd::default(),
             progress: Progress::default(),
+            snaking: Snaking::default(),
             settled: false,
             keeps_mesh: 0,
             turned: false,

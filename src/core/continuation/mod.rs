@@ -30,9 +30,9 @@
 //!   discretisations), `double_crossing`; `separation` (the events of a step) with `unexplained`
 //!   (changes of stability without an event) and `cluster` (several eigenvalues that pass).
 //! - **Without a branch**: `root_search` (all solutions at given parameters).
-//! - **Branches**: `steps` (the iterator), `half`, `bounds`, `closing`, `early_end`, `jump_end` and `progress`
-//!   (where they end), `log` (labels), `stretches` (the solutions on both sides of a curve), `branch`,
-//!   `slopes` and `stretch` (data).
+//! - **Branches**: `steps` (the iterator), `half`, `bounds`, `closing`, `early_end`, `snaking`, `jump_end`
+//!   and `progress` (where they end), `log` (labels), `stretches` (the solutions on both sides of a
+//!   curve), `branch`, `slopes` and `stretch` (data).
 
 mod admissible;
 mod arnoldi;
@@ -86,6 +86,7 @@ mod separation;
 mod settings;
 mod singular_start;
 mod slopes;
+mod snaking;
 mod start;
 mod step_control;
 mod steps;

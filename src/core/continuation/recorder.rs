@@ -138,6 +138,13 @@ impl Recorder {
         }
     }
 
+    /// Returns the leading eigenvalues at a point, if they are determined.
+    pub fn spectrum_at(&self, equations: &mut Extended, unknowns: &[f64]) -> Option<Spectrum> {
+        equations.assemble(unknowns).ok()?;
+        let At { system, x, .. } = equations.at();
+        self.spectrum_of(system, x, SpecialPoint::EIGENVALUES).ok()?.0
+    }
+
     /// Returns the monitors of a system at the last assembled point, followed by user-defined ones.
     pub fn monitors(
         &self,

@@ -7,7 +7,8 @@ use super::event::{Event, MakeCondition};
 use super::extended::Extended;
 use super::meaning::Meaning;
 use super::recorder::Recorder;
-use crate::core::bifurcation::{DefiningSystem, Hopf, Quantity};
+use crate::core::bifurcation::{DefiningSystem, Hopf, Quantity, deciding, unstable_besides};
+use crate::core::linalg::Spectrum;
 use crate::core::numerics::error_of_last;
 use crate::core::problem::Dynamics;
 use crate::core::system::{Kind, Refinement, System};
@@ -63,6 +64,8 @@ impl Refiner {
         let at = corrector.equations.at();
         let mut refinement = at.system.discretised().and_then(|system| system.refined(at.x));
         let (mut found, mut coarser) = (None, vec![Meaning::taken_from(special)]);
+        let wanted = !special.eigenvalues.is_empty() && special.undetermined.is_none();
+        let mut finest: Option<Spectrum> = None;
         for rung in 1.. {
             let Some(Refinement { mut system, x }) = refinement else { break };
             let converged = self.converge(corrector, recorder, (&mut *system, &x), event);
@@ -80,12 +83,21 @@ impl Refiner {
                 meaning.differentiate(&mut equations, event, &unknowns);
             }
             coarser.push(meaning);
+            if wanted {
+                finest = recorder.spectrum_at(&mut equations, &unknowns).or(finest);
+            }
             found = Some((point, errors[0]));
             refinement = next;
         }
         let Some((Point { parameters, monitors, .. }, error)) = found else { return false };
+        let shift = |p: &usize| special.parameters[*p] - parameters[*p];
+        special.mesh_shift = released.iter().map(shift).collect();
         (special.parameters, special.monitors) = (parameters, monitors);
         special.error += error;
+        if let Some(finest) = finest {
+            let dynamics = corrector.equations.system().dynamics();
+            take_spectrum(special, event, dynamics, &finest);
+        }
         let mut meaning = coarser.pop().unwrap_or_default();
         if meaning.sensitivities.is_empty() {
             let known = coarser.iter().rev().find(|it| !it.sensitivities.is_empty());
@@ -149,6 +161,21 @@ impl Refiner {
         monitors.resize(count, level);
         let point = Point::new(x[n..].to_vec(), monitors, None);
         Some(Finer { equations, unknowns, point, x })
+    }
+}
+
+/// Replaces the multipliers of a special point, and their count, by values on a finer
+/// discretisation. At a fold two multipliers are 1 and have one vector, so that an error of the mesh
+/// changes them by its square root.
+fn take_spectrum(
+    special: &mut SpecialPoint,
+    event: &Event,
+    dynamics: Dynamics,
+    spectrum: &Spectrum,
+) {
+    special.eigenvalues = deciding(spectrum, SpecialPoint::EIGENVALUES);
+    if special.unstable.is_some() && !event.mirror {
+        special.unstable = Some(unstable_besides(event.critical, dynamics, spectrum));
     }
 }
 

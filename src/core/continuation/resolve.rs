@@ -53,13 +53,14 @@ pub(super) fn resolve(curve: &mut Continuation) -> Result<(Resolved, Start), Tra
     // The curve may consist of solutions of another system.
     Quantities::new(curve.system.names(), &curve.attached).check()?;
     let released = released(curve)?;
+    let multipliers = curve.system.traits(&curve.x).smooth_multipliers;
     let limits = limits(curve).map_err(not_started)?;
     check_held(&curve.held, curve.system.dynamics())?;
     let quantities = Quantities::new(curve.system.names(), &curve.attached);
     let dynamics = curve.system.dynamics();
     let of = (&curve.held[..], curve.origin.as_ref());
     let held = held(of, &quantities, (released[0], dynamics), &limits.vanishing)?;
-    let (events, bounds) = gather(curve, &quantities, limits, released[0])?;
+    let (events, bounds) = gather(curve, &quantities, limits, (released[0], multipliers))?;
     let own = held.iter().map(|make| make().unknowns()).sum();
     events.iter().try_for_each(|event| quantities.check_event(event, own))?;
     let settled = curve.settings.refine.iter().map(|name| quantities.column(name));
@@ -119,7 +120,21 @@ fn take_over(curve: &mut Continuation) -> Result<Start, Failure> {
     }
     let crosses = switched || kind == Kind::BP && of_solutions && curve.held.is_empty();
     let site = if at_point && crosses { Site::BranchPoint } else { start.site };
-    Ok(Start { site, ..start })
+    let start = Start { site, ..start };
+    to_mesh(curve, &start);
+    Ok(start)
+}
+
+/// Sets the parameters at a branch point to the values of its own mesh, on which its state solves
+/// the equations: near a branch point that is missed by the error of the mesh, the other branch
+/// would be lost. A start on another mesh has no such values.
+fn to_mesh(curve: &mut Continuation, start: &Start) {
+    let Some(origin) = &mut curve.origin else { return };
+    if start.site != Site::BranchPoint || start.direction.is_none() {
+        origin.mesh_shift = None;
+    }
+    let shift = origin.mesh_shift.iter().flatten();
+    curve.x[start.z.len()..].iter_mut().zip(shift).for_each(|(p, shift)| *p += shift);
 }
 
 /// Returns the start of a curve of homoclinic orbits: a saved orbit, an orbit near a cycle, or an
@@ -318,7 +333,7 @@ fn gather(
     curve: &Continuation,
     quantities: &Quantities,
     limits: Limits,
-    parameter: usize,
+    of: (usize, Option<usize>),
 ) -> Result<(Vec<Event>, Vec<Bound>), TraceError> {
     let (mut events, mut bounds) = (Vec::new(), Vec::new());
     let at_limits: Vec<Event> = limits.others.iter().map(|m| quantities.limit(*m)).collect();
@@ -350,7 +365,7 @@ fn gather(
     if limits.ordered {
         events.push(Event { terminal: !curve.beyond, ..Event::of_itinerary() });
     }
-    events.extend(bifurcations(curve, parameter));
+    events.extend(bifurcations(curve, of));
     if curve.held.iter().any(|(kind, _)| *kind == Kind::HOM) {
         events.extend(quantities.on_homoclinic_curves());
     }
@@ -360,13 +375,20 @@ fn gather(
 
 /// Returns the bifurcations of the solutions or special points of a curve, with terminal events
 /// first, because others may be their mirror images.
-fn bifurcations(curve: &Continuation, parameter: usize) -> Vec<Event> {
+fn bifurcations(
+    curve: &Continuation,
+    (parameter, multipliers): (usize, Option<usize>),
+) -> Vec<Event> {
+    let possible = |kind: Kind| multipliers.is_none_or(|all| catalogue::is_possible(kind, all));
     let dynamics = curve.system.dynamics();
     let held: Vec<Kind> = curve.held.iter().map(|(kind, _)| *kind).collect();
     let Settings { detect, stability, .. } = &curve.settings;
     let wanted = |event: &Event| {
         let asked = detect.is_empty() || detect.contains(&event.kind);
-        event.terminal || asked && (*stability || event.test.needs() != Needs::Eigenvalues)
+        event.terminal
+            || asked
+                && possible(event.kind)
+                && (*stability || event.test.needs() != Needs::Eigenvalues)
     };
     let sightings = CATALOGUE.iter().flat_map(|row| row.seen.iter().map(move |it| (row, it)));
     let here = sightings.filter(|(_, it)| it.held == held && it.of.are(dynamics));

@@ -126,6 +126,9 @@ pub(super) fn begin<'a>(
         },
     };
     let mut place = arrive_first(&mut curve, unknowns, tangent, from_branch_point)?;
+    if let Some(shift) = origin.as_ref().and_then(|origin| origin.mesh_shift.as_ref()) {
+        place.point.parameters.iter_mut().zip(shift).for_each(|(p, shift)| *p -= shift);
+    }
     // Where a branch of cycles emanates, both directions give the same cycles.
     let one_sided = to_one_side || start.one_sided;
     let slopes = settle(&mut curve, &mut place, start, (from_branch_point, one_sided))?;

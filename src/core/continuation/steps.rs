@@ -21,6 +21,7 @@ use super::predictor::Predictor;
 use super::separation::Parts;
 use super::settings::Settings;
 use super::slopes::Slopes;
+use super::snaking::PERIOD;
 use super::step_control::{Step, StepControl};
 use super::stretches::{between_changes, divides};
 use super::unexplained::{LEAST_UNEXPLAINED, ends_on_special_point};
@@ -491,7 +492,9 @@ impl Steps<'_> {
             self.record_end(half, at);
             return Some(end);
         }
-        let corrector = &mut self.curve.corrector;
+        let Curve { corrector, detector, recorder, .. } = &mut self.curve;
+        // A bound of the period is a wish to follow the branch up to there.
+        let snakes = recorder.solutions && !self.bounds.limit(PERIOD, &detector.events);
         let was_small = half.early_end.small;
         let end = half.early_end.reached(corrector, &self.settings, &step.place, &half.last);
         if half.early_end.small && !was_small {
@@ -506,6 +509,10 @@ impl Steps<'_> {
             let value = step.place.unknowns[corrector.equations.parameters_at()];
             crawl.iter().for_each(|crawl| self.log.crawls(crawl, value));
             end
+        });
+        let end = end.or_else(|| match snakes {
+            true => half.snaking.reached(corrector, step.since(&half.last)),
+            false => None,
         });
         let ends = [&half.start, &step.place].map(|place| corrector.slope(&place.tangent));
         let slopes = half.slopes_at(corrector, &step.place);

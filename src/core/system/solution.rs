@@ -23,6 +23,9 @@ pub struct Solution {
     /// The direction of the solution's branch, if known: by the unknowns (as long as `state`) and by the
     /// parameters (as long as `parameters`).
     pub tangent: Option<(Vec<f64>, Vec<f64>)>,
+    /// The difference between the parameters for which `state` solves the equations on its mesh and
+    /// `parameters`, which are refined on finer meshes (as long as `parameters`); `None` if zero.
+    pub mesh_shift: Option<Vec<f64>>,
     /// The number of critical eigenvalues, or pairs, at a special point; 0 if unknown.
     pub multiplicity: usize,
     /// The frequency of a Hopf point, if known.

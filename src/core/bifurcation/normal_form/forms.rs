@@ -44,6 +44,10 @@ impl<'f, 'a> Forms<'f, 'a> {
     /// Computes the null vectors of a real form of the linearisation.
     pub fn real(&mut self, form: Form) -> Result<Critical<Vec<f64>>, Failure> {
         let At { system, x, null, .. } = &mut *self.at;
+        // The borders may come from another special point, whose null vectors are orthogonal.
+        if !null.of(&mut **system, x, form, None).is_ok_and(|it| it.is_well_bordered()) {
+            null.start(&mut **system, x, form, None)?;
+        }
         let null = null.of(&mut **system, x, form, None)?;
         let (right, left) = (null.right[0].clone(), null.left[0].clone());
         null.factors.growth_derivative(&right[..self.n], &mut self.room);

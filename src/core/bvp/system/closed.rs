@@ -4,10 +4,12 @@ use super::discretisation::DiscretisedProblem;
 use super::solutions::Solutions;
 use super::start::discretisation_of;
 use super::work::Work;
+use crate::core::bvp::erased::Number;
 use crate::core::bvp::mesh::Mesh;
 use crate::core::failure::Failure;
 use crate::core::linalg::largest;
 use crate::core::numerics::node_weights;
+use crate::core::problem::FieldIn;
 use crate::core::system::Solution;
 
 /// The number of phases tried before the best one is refined (H).
@@ -27,8 +29,11 @@ impl Solutions {
         if !(layout.phase && layout.closes()) || self.phase.reference.len() != x.len() {
             return None;
         }
-        let (weights, reference) = (time_weights(&self.equations), &self.phase.reference);
         let s = &layout.segments[0];
+        if s.nodes == 2 {
+            return Some(self.amplitude_of_motion(x));
+        }
+        let (weights, reference) = (time_weights(&self.equations), &self.phase.reference);
         let of_state = |state: usize| {
             let values = s.values + state * s.nodes..s.values + (state + 1) * s.nodes;
             let (x, r) = (
@@ -48,16 +53,26 @@ impl Solutions {
         for (size, _, products) in states.into_iter().filter(|state| state.0 > STILL * largest) {
             sums.iter_mut().zip(products).for_each(|(sum, part)| *sum += part / (size * size));
         }
-        let [product, whole, own] = sums;
-        if whole == 0.0 {
-            return Some(0.0);
-        }
-        // Beyond an equilibrium the oscillation has the opposite sign, which the correlation detects.
-        // The amplitude is the oscillation's own size, since the product also vanishes when the phase
-        // turns.
-        let amplitude = (own / whole).sqrt();
-        let opposite = product < -ALIKE * (own * whole).sqrt();
-        Some(if opposite { -amplitude } else { amplitude })
+        Some(signed(sums))
+    }
+
+    /// The amplitude of a cycle in single shooting, from its motion at the start: both nodes have
+    /// the same state. The phase condition keeps the start on a line through the equilibrium.
+    fn amplitude_of_motion(&self, x: &[f64]) -> f64 {
+        let [own, reference] = [x, &self.phase.reference].map(|x| self.first_motion(x));
+        let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum();
+        signed([product(&own, &reference), product(&reference, &reference), product(&own, &own)])
+    }
+
+    /// The motion at the start of the first segment.
+    fn first_motion(&self, x: &[f64]) -> Vec<f64> {
+        let (layout, s) = (&self.equations.layout, &self.equations.layout.segments[0]);
+        let start: Vec<f64> = (0..s.states).map(|i| x[s.values + i * s.nodes]).collect();
+        let q: Vec<f64> = (0..layout.numbers()).map(|k| x[layout.number(k)]).collect();
+        let mut motion = vec![0.0; s.states];
+        let field = f64::residual(&*self.equations.problem).on_segment(0, &q);
+        field.slope(0.0, &start, &q, &mut motion);
+        motion
     }
 
     /// The period; `None` if a forcing prescribes it.
@@ -98,6 +113,19 @@ impl Solutions {
         }
         Ok(images)
     }
+}
+
+/// The amplitude of an oscillation relative to another one, from their inner product, the square of
+/// the other one and the square of its own. Beyond an equilibrium the oscillation has the opposite
+/// sign, which the correlation detects. The amplitude is the oscillation's own size, since the product
+/// also vanishes when the phase turns.
+fn signed([product, whole, own]: [f64; 3]) -> f64 {
+    if whole == 0.0 {
+        return 0.0;
+    }
+    let amplitude = (own / whole).sqrt();
+    let opposite = product < -ALIKE * (own * whole).sqrt();
+    if opposite { -amplitude } else { amplitude }
 }
 
 /// A saved solution on its own meshes.

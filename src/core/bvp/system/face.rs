@@ -151,6 +151,7 @@ impl System for BoundarySystem {
             growth: assembly.growth(&solutions.equations),
             amplitude: solutions.amplitude(x),
             free_period: solutions.free_period(x),
+            smooth_multipliers: solutions.equations.layout.smooth_multipliers(),
             least_size: least_size(solutions, x),
         }
     }

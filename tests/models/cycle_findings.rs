@@ -1,0 +1,152 @@
+//! Promise: branches of cycles end where they repeat themselves, and their special points are
+//! consistent with theory.
+
+use super::traced;
+use crate::common::{close, first};
+use tangency::core::continuation::{Branch, End};
+use tangency::prelude::*;
+
+/// The cycles from the second Hopf point of the model of J. L. Hindmarsh and R. M. Rose, with
+/// settings of the run.
+fn bursting(settings: &str) -> Branch {
+    let text = format!(
+        r#"Scene(title: "bursting", problem: Equations(
+        states: [("x", "y - x^3 + 3*x^2 - z + I"), ("y", "1 - 5*x^2 - y"), ("z", "0.005*(4*(x + 1.6) - z)")],
+        initial: [("x", 0)], solution: equilibrium), parameters: [("I", 5.4)],
+        runs: [(name: "rest", along: [(name: "I", low: 5.3, high: 5.4)]),
+            (name: "cycles", start: From(run: "rest", kind: HB, switch: true),
+                along: [(name: "I", low: 5.3, high: 5.4)], {settings})])"#
+    );
+    traced(&text).remove(1)
+}
+
+/// Each revolution about another cycle adds two folds at the same values. The end has the values of
+/// the last folds that are located on their own equations.
+#[test]
+fn a_snaking_branch_of_cycles_ends() {
+    let branch = bursting("");
+    let [_, End::Snaking { values, from, to, .. }] = &branch.ends else {
+        panic!("{:?}", branch.ends)
+    };
+    assert!(from < to && branch.points.len() < 500, "{from} to {to}, {}", branch.points.len());
+    let folds: Vec<f64> = branch.of_kind(Kind::LP).map(|fold| fold.parameters[0]).collect();
+    let width = values[1] - values[0];
+    for value in &folds[folds.len() - 4..] {
+        let near = values.iter().any(|own| (own - value).abs() < 0.03 * width);
+        assert!(near, "{folds:?}, {values:?}");
+    }
+}
+
+/// A bound of the period is reached instead.
+#[test]
+fn a_bound_of_the_period_follows_a_snaking_branch() {
+    let branch = bursting(r#"bounds: [(name: "period", low: 0, high: 250)]"#);
+    assert!(matches!(&branch.ends[1], End::MonitorBound { name, .. } if name == "period"));
+}
+
+/// At a fold of cycles a multiplier is 1; on the default mesh its error was 0.1.
+#[test]
+fn folds_of_bursts_have_the_multiplier_one() {
+    for fold in bursting("").of_kind(Kind::LP).filter(|fold| fold.converged) {
+        let distances = fold.eigenvalues.iter().map(|(re, im)| (re - 1.0).hypot(*im));
+        let nearest = distances.fold(f64::INFINITY, f64::min);
+        assert!(nearest < 1e-2 || fold.undetermined.is_some(), "{:?}", fold.eigenvalues);
+    }
+}
+
+/// A window of O. E. Rössler's equations: on the default mesh the second doubled branch did not
+/// begin. The values agree with a mesh error of 1e-6.
+#[test]
+fn doubled_orbits_of_doubled_orbits_begin_on_the_default_mesh() {
+    let run = |name: &str, from: &str| {
+        format!(
+            r#"(name: "{name}", start: From(run: "{from}", kind: PD, switch: true), along: [(name: "c", low: 5, high: 6)])"#
+        )
+    };
+    let [second, third] = [run("second", "first"), run("third", "second")];
+    let text = format!(
+        r#"Scene(title: "window", problem: Equations(
+        states: [("x", "-y - z"), ("y", "x + a*y"), ("z", "b + z*(x - c)")], initial: [("x", 1)],
+        solution: orbit), parameters: [("a", 0.2), ("b", 0.2), ("c", 5.3)],
+        runs: [(name: "first", start: Simulated(transient: 2000), along: [(name: "c", low: 5, high: 6)]),
+            {second}, {third}])"#
+    );
+    let branches = traced(&text);
+    for (branch, doubling) in branches.iter().zip([5.379_419_82, 5.471_228_17, 5.491_719_52]) {
+        let found = branch.of_kind(Kind::PD).next().expect("a period doubling");
+        close(found.parameters[0], doubling, 1e-7);
+    }
+    // The start has the refined value of the doubling, too.
+    let start = branches[2].of_kind(Kind::EP).next().expect("a start");
+    close(start.parameters[0], 5.471_228_17, 1e-7);
+}
+
+vector_field! {
+    /// The model of R. FitzHugh and J. Nagumo.
+    struct Neuron [v, w; i, epsilon] {
+        d/dt v = v - v * v * v / 3.0 - w + i;
+        d/dt w = (v + 0.7 - w * 0.8) * epsilon;
+    }
+}
+
+/// The multipliers of planar flows are positive: a fold of cycles has no multiplier −1.
+#[test]
+fn planar_cycles_have_no_fold_flip_points() {
+    let mut rest = Dense::new(Equilibria(Neuron));
+    let rest = Continuation::new(&mut rest).from(&[-1.2, -0.6]).at("epsilon", 0.15);
+    let rest = rest.along("i", 0.0..=1.0).trace().unwrap();
+    let mut orbits = periodic_orbits(Neuron, 20, Collocation::new(4).unwrap()).unwrap();
+    let hopf = first(&rest, Kind::HB).label;
+    let cycles = Continuation::new(&mut orbits).restart(&rest, hopf).along("i", 0.0..=1.0);
+    let cycles = cycles.trace().unwrap();
+    let fold = first(&cycles, Kind::LP).label;
+    let folds = Continuation::new(&mut orbits).restart(&cycles, fold).hold(Kind::LP);
+    let folds = folds.along("i", 0.0..=2.0).along("epsilon", 0.01..=2.0).trace().unwrap();
+    let kinds: Vec<Kind> = folds.special.iter().map(|special| special.kind).collect();
+    assert!(kinds.contains(&Kind::GH), "{kinds:?}");
+    assert!(!kinds.contains(&Kind::LPPD), "{kinds:?}");
+}
+
+/// The cycles of a mass on a belt that always slips shrink to the Hopf point at V = vm, by single
+/// shooting.
+#[test]
+fn cycles_of_single_shooting_end_at_a_hopf_point() {
+    let text = r#"Scene(title: "brake", problem: FilippovEquations(surface: "V - v",
+        above: [("x", "v"), ("v", "-x + mu")], below: [("x", "v"), ("v", "-x - mu")],
+        definitions: [("w", "abs(V - v)/0.5"), ("mu", "0.4 - 0.15*(3*w - w^3)/2")],
+        initial: [("x", 0.3), ("v", 0)], solution: orbit), parameters: [("V", 0.2)],
+        runs: [(name: "stick", start: Simulated(transient: 100), along: [(name: "V", low: 0.05, high: 0.7)]),
+            (name: "slip", start: From(run: "stick", kind: G, switch: true), along: [(name: "V", low: 0.05, high: 0.7)])])"#;
+    let slip = &traced(text)[1];
+    let hopf = slip.of_kind(Kind::HB).next().expect("a Hopf point");
+    close(hopf.parameters[0], 0.5, 1e-6);
+    assert!(slip.ends.iter().any(|end| matches!(end, End::Event { .. })), "{:?}", slip.ends);
+}
+
+/// The start lies on a bound; on a coarse mesh the first adaptation moved it across the bound.
+#[test]
+fn a_coarse_start_on_a_bound_goes_on() {
+    let text = r#"Scene(title: "valve", problem: Equations(states: [("x", "y"), ("y", "mu*(1 - x^2)*y - x")],
+        initial: [("x", 1)], solution: orbit, method: collocation(intervals: 5)), parameters: [("mu", 1)],
+        settings: (target_mesh_error: 1),
+        runs: [(name: "cycles", start: Simulated(transient: 50), along: [(name: "mu", low: 1, high: 100)])])"#;
+    let branch = &traced(text)[0];
+    assert!(branch.points.len() > 5, "{:?}", branch.ends);
+}
+
+/// The normal forms of all branch points of a row of points, whose null vectors are orthogonal to
+/// each other: with `q = sin kπx` on `n` inner points, `⟨q, q⟩ = 1`, the cubic coefficient is
+/// `−λ Σ q⁴ = −3λ/(2(n + 1))`.
+#[test]
+fn each_branch_point_of_a_row_has_its_normal_form() {
+    let text = r#"Scene(title: "row", problem: Residual(
+        unknowns: [("u[i=1..19]", "(u[i-1] - 2*u[i] + u[i+1])*400 + lambda*(u[i] - u[i]^3)")],
+        definitions: [("u[0]", 0), ("u[20]", 0)], dynamics: flow), parameters: [("lambda", 0)],
+        runs: [(name: "rest", along: [(name: "lambda", low: 0, high: 100)])])"#;
+    let points: Vec<_> = traced(text)[0].of_kind(Kind::BP).cloned().collect();
+    assert_eq!(points.len(), 3);
+    for point in points {
+        let c = point.number("pitchfork_c").expect("a coefficient");
+        close(c.value, -1.5 * point.parameters[0] / 20.0, 1e-9 * point.parameters[0]);
+    }
+}
