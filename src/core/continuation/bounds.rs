@@ -95,8 +95,8 @@ impl Bounds {
         (0..self.bounds.len()).find(leaves)
     }
 
-    /// Whether a column has a bound.
-    pub fn limit(&self, column: &str, events: &[Event]) -> bool {
+    /// Whether there are bounds on a column.
+    pub fn are_on(&self, column: &str, events: &[Event]) -> bool {
         events[..self.bounds.len()].iter().any(|event| event.name == column)
     }
 
