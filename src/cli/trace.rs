@@ -87,6 +87,20 @@ pub enum Begin {
     Everywhere,
 }
 
+impl Begin {
+    /// Returns the argument as written.
+    fn written(&self) -> String {
+        match self {
+            Begin::In(states) => states.iter().map(asked::equal).collect::<Vec<_>>().join(","),
+            Begin::At(Start { file, branch, label }) => {
+                let branch = branch.iter().map(|branch| format!("{branch}/")).collect::<String>();
+                format!("{}:{branch}{label}", file.display())
+            }
+            Begin::Everywhere => "all".into(),
+        }
+    }
+}
+
 impl Trace {
     /// Traces the scene. Finished parts of branches are saved and drawn also after an error or
     /// Ctrl-C.
@@ -189,7 +203,9 @@ impl Trace {
             Stated::Model(problem) => problem.equations(),
             Stated::Scene(scene) => scene.to_ron(),
         };
-        let asked = asked::options(&at.settings, start.as_ref(), within, request).into_iter();
+        let asked =
+            asked::options(&at.settings, start.as_ref().map(Begin::written), within, request)
+                .into_iter();
         let asked: String = asked.map(|option| format!("// {option}\n")).collect();
         let traced = Traced {
             designs,

@@ -388,30 +388,15 @@ where
             // The step continued beyond the event.
             (Some(landing), Err(_)) => Ok(Some(landing)),
             (None, Err(source)) => {
-                let unbounded = self.unbounded(mode, &state.x, &source);
+                let alone = self.modes.len() == 1 && self.guards.is_empty();
+                let known = self.modes.first().filter(|_| alone);
+                let unbounded =
+                    known.and_then(|mode| unbounded(mode, [&self.event.before, &state.x], &source));
                 state.x.copy_from_slice(&self.event.before);
                 let mode = || self.modes[mode].name.clone();
                 Err(unbounded.unwrap_or_else(|| HybridError::Flow { mode: mode(), source }))
             }
         }
-    }
-
-    /// Returns the error of a flow that fails where the solution has become large, for a system
-    /// without further modes and without events. The state after the last step is given.
-    fn unbounded(&self, mode: usize, x: &[T], cause: &FlowError) -> Option<HybridError> {
-        let (FlowError::StepTooSmall { time, .. } | FlowError::NotFinite { time, .. }) = cause
-        else {
-            return None;
-        };
-        if self.modes.len() > 1 || !self.guards.is_empty() {
-            return None;
-        }
-        let size = |x: &T| x.real().abs();
-        let (k, last) = x.iter().enumerate().max_by(|a, b| size(a.1).total_cmp(&size(b.1)))?;
-        let first = self.event.before.iter().map(size).fold(1.0, f64::max);
-        let (state, value) = (self.modes[mode].states[k].clone(), last.real());
-        let grows = value.is_finite() && value.abs() > GROWN * first;
-        grows.then(|| HybridError::Unbounded { time: *time, state, value })
     }
 
     /// Prepares the guards of a state's mode for event location.
@@ -446,4 +431,19 @@ pub(super) fn sum(a: Statistics, b: Statistics) -> Statistics {
         accepted: a.accepted + b.accepted,
         rejected: a.rejected + b.rejected,
     }
+}
+
+/// Returns the error of a flow that fails where the solution has become large, for the only mode of a
+/// system without events. The states at the start and after the last step are given.
+fn unbounded<T: Scalar>(mode: &Mode, ends: [&[T]; 2], cause: &FlowError) -> Option<HybridError> {
+    let (FlowError::StepTooSmall { time, .. } | FlowError::NotFinite { time, .. }) = cause else {
+        return None;
+    };
+    let size = |x: &T| x.real().abs();
+    let first = ends[0].iter().map(size).fold(1.0, f64::max);
+    let largest = ends[1].iter().enumerate().max_by(|a, b| size(a.1).total_cmp(&size(b.1)));
+    let (k, last) = largest?;
+    let (time, state, value) = (*time, mode.states.get(k)?.clone(), last.real());
+    let grows = value.is_finite() && value.abs() > GROWN * first;
+    grows.then_some(HybridError::Unbounded { time, state, value })
 }
