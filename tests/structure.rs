@@ -27,7 +27,7 @@ const LAYERS: [&str; 18] = [
 ];
 
 /// The folders and files of `src`: each imports only from itself and from those before it.
-const FOLDERS: [&str; 10] = [
+const FOLDERS: [&str; 11] = [
     "core",
     "spelling",
     "misread",
@@ -37,6 +37,7 @@ const FOLDERS: [&str; 10] = [
     "scene",
     "robustness",
     "work_precision",
+    "live",
     "cli",
 ];
 
