@@ -107,10 +107,11 @@ const finish = (own, done) => {
   $("#command").textContent = done.command;
   const points = done.branches.reduce((sum, branch) => sum + branch.special.length, 0);
   const count = (n, word, many) => `${n} ${n === 1 ? word : many}`;
-  const stopped = done.stopped ? "stopped; " : "";
+  const stopped = done.stopped ? "stopped before its end: " : "";
   say(done.drawing.trouble ?? `${stopped}${count(done.branches.length, "branch", "branches")}, ${count(points, "special point", "special points")}, ${Math.round(done.millis)} ms`);
   if (described) asked.show(described, done.drawing.columns);
   document.body.dataset.first = String(Math.round(own.first ?? performance.now() - own.input));
+  document.body.dataset.millis = String(Math.round(done.millis));
   document.body.dataset.latency = String(Math.round(performance.now() - own.input));
   if (selected) refresh();
   if (!own.live && $("#settings").open) showSettings();

@@ -59,9 +59,9 @@ fn row(name: impl Into<String>, value: f64) -> [String; 2] {
 
 fn title(branch: &Branch, special: &SpecialPoint) -> String {
     let SpecialPoint { kind, label, converged, subkind, .. } = special;
-    let meaning = subkind.as_deref().unwrap_or(kind.meaning());
+    let subkind = subkind.iter().map(|subkind| format!(", {subkind}")).collect::<String>();
     let doubt = if *converged { "" } else { " (not converged)" };
-    format!("{}: {kind} {label}, {meaning}{doubt}", branch.name)
+    format!("{}: {kind} {label}, {}{subkind}{doubt}", branch.name, kind.meaning())
 }
 
 /// Returns the columns of a branch, the varied parameters first.

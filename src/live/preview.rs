@@ -1,7 +1,8 @@
 //! The picture of branches while they are traced.
 
 use super::pages::Message;
-use crate::core::continuation::{Branch, Observer, Point, SpecialPoint};
+use crate::core::cancel::CancelToken;
+use crate::core::continuation::{Branch, Observer, Point};
 use crate::output::{Document, Panel, Plot, diagram};
 use crate::scene::SceneObserver;
 use serde_json::json;
@@ -12,7 +13,12 @@ use std::time::{Duration, Instant};
 const FIRST: Duration = Duration::from_millis(25);
 const NEXT: Duration = Duration::from_millis(60);
 
-/// An observer that sends pictures of unfinished branches.
+/// The maximum number of points of which pictures are sent while they are traced.
+const SHOWN: usize = 20_000;
+/// The number of points after which a trace is stopped, so that its result fits into memory.
+const MOST: usize = 500_000;
+
+/// An observer that sends pictures of unfinished branches, and stops traces that are too long.
 pub(super) struct Preview<'a> {
     document: Document,
     /// The chosen columns.
@@ -22,16 +28,22 @@ pub(super) struct Preview<'a> {
     /// Whether the second half of the last branch is being traced.
     backward: bool,
     next: Instant,
+    points: usize,
+    cancel: &'a CancelToken,
 }
 
 impl<'a> Preview<'a> {
-    /// Creates an observer for a plot.
-    pub fn new(plot: Plot, axes: [Option<&'a str>; 2], out: &'a Sender<Message>) -> Self {
+    /// Creates an observer for a plot; the token stops the trace.
+    pub fn new(
+        plot: Plot,
+        axes: [Option<&'a str>; 2],
+        (out, cancel): (&'a Sender<Message>, &'a CancelToken),
+    ) -> Self {
         let mut document = Document::new("", Vec::new());
         // Deviations and enlargements need special points, which come later.
         document.plot = Plot { deviations: Vec::new(), ranges: Vec::new(), ..plot };
         let next = Instant::now() + FIRST;
-        Preview { document, axes, out, shown: true, backward: false, next }
+        Preview { document, axes, out, shown: true, backward: false, next, points: 0, cancel }
     }
 
     fn send(&mut self) {
@@ -58,6 +70,13 @@ impl Observer for Preview<'_> {
     }
 
     fn point(&mut self, point: &Point) {
+        self.points += 1;
+        if self.points > MOST {
+            self.cancel.cancel();
+        }
+        if self.points > SHOWN {
+            return;
+        }
         let Some(branch) = self.document.branches.last_mut().filter(|_| self.shown) else { return };
         // A branch is traced from its start to one end, and then from its start to the other end.
         let position = |point: &Point| point.slopes.as_ref().map(|slopes| slopes.position.abs());
@@ -69,8 +88,6 @@ impl Observer for Preview<'_> {
         }
         self.send();
     }
-
-    fn special(&mut self, _branch: &Branch, _special: &SpecialPoint) {}
 }
 
 impl SceneObserver for Preview<'_> {

@@ -65,12 +65,10 @@ impl Shop {
 
     /// Returns the setup with which a page begins: the opened one, or a fold.
     pub(super) fn beginning(&self) -> Setup {
-        let range = |name: &str, low, high| Range { name: name.into(), low, high };
         let simple = || Setup {
             name: "fold".into(),
             text: SIMPLE.into(),
-            along: vec![range("load", Some(0.0), Some(0.3))],
-            bounds: vec![range("u", None, Some(0.95))],
+            along: vec![Range { name: "load".into(), low: Some(0.0), high: Some(0.3) }],
             ..Setup::default()
         };
         self.opened.as_ref().map_or_else(simple, |opened| opened.setup.clone())

@@ -46,10 +46,12 @@ pub(super) fn trace(
     }
     let traced = scene.and_then(|scene| {
         let resolution = scene.resolve(None)?;
-        Ok(branches(setup, &resolution, out))
+        Ok(branches(setup, &resolution, (out, cancel)))
     });
     let (scene, document, failed) = traced.inspect_err(fail).ok()?;
     if cancel.is_cancelled() && document.branches.is_empty() {
+        let trouble = Trouble::plain("the trace was stopped before its first branch");
+        let _ = out.send(Message::of(&json!({ "failed": trouble })));
         return None;
     }
     let axes = [setup.x.clone(), setup.y.clone()];
@@ -78,9 +80,13 @@ fn unknown(name: &str) -> String {
 type Traced = (Scene, Document, Vec<(String, SceneError)>);
 
 /// Traces the branches.
-fn branches(setup: &Setup, resolution: &Resolution, out: &Sender<Message>) -> Traced {
+fn branches(
+    setup: &Setup,
+    resolution: &Resolution,
+    at: (&Sender<Message>, &CancelToken),
+) -> Traced {
     let axes = [setup.x.as_deref(), setup.y.as_deref()];
-    let mut preview = Preview::new(resolution.scene().plot.clone(), axes, out);
+    let mut preview = Preview::new(resolution.scene().plot.clone(), axes, at);
     if setup.depth > 0 {
         let all = Following::all(setup.depth.min(DEPTH));
         let kinds = if setup.kinds.is_empty() { all.kinds } else { setup.kinds.clone() };

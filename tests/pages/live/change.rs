@@ -90,7 +90,7 @@ fn a_wrong_value_is_shown_at_its_field() {
 fn the_keyboard_alone_changes_a_parameter_and_opens_a_point() {
     let program = Program::start(&[]);
     let Some(mut session) = Session::open(&program) else { return };
-    let mut press = |session: &mut Session, key: &str, code: u32| {
+    let press = |session: &mut Session, key: &str, code: u32| {
         for event in ["rawKeyDown", "keyUp"] {
             let parameters =
                 json!({ "type": event, "key": key, "code": key, "windowsVirtualKeyCode": code });

@@ -4,11 +4,15 @@ use super::session::PLATE;
 use super::{Program, Session};
 use tangency::scene::{Scene, execute};
 
+/// The field with the end of the load.
+const END: &str = "[aria-label='load, upper end of its range']";
+
 #[test]
 fn changes_are_undone_kept_in_links_and_saved() {
     let program = Program::start(&[]);
     let Some(mut session) = Session::open(&program) else { return };
     session.type_equations(PLATE);
+    session.fill(END, "1");
     session.fill("#parameter-k", "2");
     session.fill("#parameter-k", "3");
     let fold = |session: &mut Session| session.at_points("branch", "LP", "load")[0] * 27.0 / 4.0;
@@ -44,6 +48,7 @@ fn two_pages_have_their_own_results() {
     let Some(mut two) = Session::open(&program) else { return };
     for session in [&mut one, &mut two] {
         session.type_equations(PLATE);
+        session.fill(END, "1");
     }
     one.fill("#parameter-k", "2");
     two.fill("#parameter-k", "5");

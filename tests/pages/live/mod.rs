@@ -4,6 +4,7 @@ mod change;
 mod follow;
 mod hostile;
 mod keep;
+mod latency;
 mod program;
 mod session;
 
