@@ -14,7 +14,7 @@ const FIRST: Duration = Duration::from_millis(25);
 const NEXT: Duration = Duration::from_millis(60);
 
 /// The maximum number of points of which pictures are sent while they are traced.
-const SHOWN: usize = 20_000;
+const SHOWN: usize = 4_000;
 /// The number of points after which a trace is stopped, so that its result fits into memory.
 const MOST: usize = 500_000;
 

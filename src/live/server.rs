@@ -127,7 +127,6 @@ impl Gate {
     }
 
     /// Returns the requested file of the page, or `None` for a call.
-    #[expect(clippy::type_complexity, reason = "a type and a content")]
     fn file_or_call(
         &self,
         incoming: &Incoming,

@@ -28,7 +28,7 @@ fn median(mut values: Vec<f64>) -> f64 {
 /// points, to the complete diagram, and of the trace, in milliseconds.
 fn change(session: &mut Session, change: usize) -> [f64; 3] {
     let turn = session.text("document.body.dataset.turn");
-    let by = (1 + change as i64) * if change % 2 == 0 { 1 } else { -1 };
+    let by = (1 + change as i64) * if change.is_multiple_of(2) { 1 } else { -1 };
     session.value(&format!(
         "(() => {{
             const rows = [...document.querySelectorAll('.parameter:not(.varied)')];
