@@ -8,7 +8,7 @@ use crate::live::{Opened, Server, Setup, Shop};
 use crate::scene::Request;
 use clap::Args;
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 /// The examples shown in the help of `live`.
@@ -41,12 +41,13 @@ impl Live {
     /// Serves the page until the program is ended.
     pub fn run(&self, from: Sources, out: &mut impl Write) -> Result<(), CommandError> {
         let opened = self.scene.as_ref().map(|scene| self.opened(scene, from)).transpose()?;
-        let shop = Shop { catalogue: from.catalogue.clone(), opened, limit: from.limit };
-        if let Some(Opened { place, setup, .. }) = &shop.opened {
+        let folder = self.scene.as_ref().and_then(|scene| folder(scene, from));
+        let shop = Shop { catalogue: from.catalogue.clone(), folder, limit: from.limit };
+        if let Some(Opened { place, setup }) = &opened {
             let at = |cause| CommandError::Scene { place: place.clone(), cause: Box::new(cause) };
             setup.check_names(&shop).map_err(at)?;
         }
-        let server = Server::new(shop, self.port).map_err(CommandError::Server)?;
+        let server = Server::new(shop, opened, self.port).map_err(CommandError::Server)?;
         let address = server.address();
         writeln!(out, "{address}\nThe page works until this program ends (Ctrl-C).")?;
         out.flush()?;
@@ -79,10 +80,14 @@ impl Live {
             kinds,
             ..Setup::default()
         };
-        let is_built_in = from.catalogue.scenes().iter().any(|known| known.name == scene);
-        let folder = Path::new(scene).parent().filter(|_| !is_built_in).map(Path::to_path_buf);
-        Ok(Opened { place: scene.into(), folder, setup })
+        Ok(Opened { place: scene.into(), setup })
     }
+}
+
+/// Returns the folder of a scene's file; `None` for a built-in scene.
+fn folder(scene: &str, from: Sources) -> Option<PathBuf> {
+    let is_built_in = from.catalogue.scenes().iter().any(|known| known.name == scene);
+    Path::new(scene).parent().filter(|_| !is_built_in).map(Path::to_path_buf)
 }
 
 /// Opens an address in the browser, if the system can.

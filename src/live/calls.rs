@@ -3,6 +3,7 @@
 use super::describe::settings;
 use super::details::details;
 use super::http::{self, Refusal};
+use super::opened::{Opened, beginning, example};
 use super::pages::{Kept, Message, Pages, Slots};
 use super::setup::Setup;
 use super::shop::Shop;
@@ -57,6 +58,7 @@ enum Call {
 /// What all connections share.
 pub(super) struct Desk {
     pub shop: Shop,
+    pub opened: Option<Opened>,
     pub pages: Pages,
     pub slots: Slots,
 }
@@ -69,7 +71,7 @@ impl Desk {
         };
         let answered = match call {
             Call::Open {} => self.open(stream),
-            Call::Example { name } => match self.shop.example(&name) {
+            Call::Example { name } => match example(&self.shop, &name) {
                 Some(setup) => json_of(stream, &json!({ "setup": setup })),
                 None => json_of(stream, &trouble("there is no such example")),
             },
@@ -104,7 +106,7 @@ impl Desk {
     fn open(&self, stream: &mut TcpStream) -> std::io::Result<()> {
         let opened = json!({
             "version": env!("CARGO_PKG_VERSION"),
-            "setup": self.shop.beginning(),
+            "setup": beginning(self.opened.as_ref()),
             "examples": self.shop.examples(),
         });
         json_of(stream, &opened)
@@ -144,7 +146,7 @@ impl Desk {
         let (desk, token, id) = (Arc::clone(self), cancel.clone(), page.to_string());
         let work = move || {
             let Some(_slot) = desk.slots.take(&token) else { return };
-            if let Some(kept) = trace(&setup, &desk.shop, &token, &out) {
+            if let Some(kept) = trace(&setup, (&desk.shop, desk.opened.as_ref()), &token, &out) {
                 desk.pages.keep(&id, turn, kept);
             }
         };

@@ -1,13 +1,14 @@
 //! The command that is equivalent to a setup.
 
+use super::opened::Opened;
 use super::setup::Setup;
 use super::shop::Shop;
 use crate::scene::Range;
 
 /// Returns the `tangency trace` command with the same result: of the opened scene or an example with
 /// its request, or else of the scene as the page saves it.
-pub(super) fn command(setup: &Setup, shop: &Shop) -> String {
-    let opened = shop.opened.as_ref().filter(|opened| opened.setup.text == setup.text);
+pub(super) fn command(setup: &Setup, shop: &Shop, opened: Option<&Opened>) -> String {
+    let opened = opened.filter(|opened| opened.setup.text == setup.text);
     let opened = opened.map(|opened| opened.place.clone());
     let example = || {
         let scenes = shop.catalogue.scenes().iter();

@@ -12,6 +12,7 @@ mod details;
 mod doors;
 mod help;
 mod http;
+mod opened;
 mod pages;
 mod preview;
 mod server;
@@ -20,6 +21,7 @@ mod shop;
 mod trouble;
 mod work;
 
+pub use opened::Opened;
 pub use server::Server;
 pub use setup::Setup;
-pub use shop::{Opened, Shop};
+pub use shop::Shop;

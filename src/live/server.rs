@@ -3,6 +3,7 @@
 use super::calls::Desk;
 use super::doors::Doors;
 use super::http::{self, Incoming, Refusal};
+use super::opened::Opened;
 use super::pages::{Pages, Slots};
 use super::shop::Shop;
 use std::io;
@@ -37,27 +38,28 @@ pub struct Server {
 }
 
 impl Server {
-    /// Creates a server on a port, or on a free one for port 0. Connections are accepted from now
+    /// Creates a server on a port, or on a free one for port 0, whose pages begin with the opened
+    /// scene. Connections are accepted from now
     /// on, and answered by [`serve`](Self::serve).
     ///
     /// ```
     /// use tangency::live::{Server, Shop};
     /// use tangency::{Catalogue, output::SizeLimit};
-    /// let shop = Shop { catalogue: Catalogue::built_in(), opened: None, limit: SizeLimit::default() };
-    /// let server = Server::new(shop, 0)?;
+    /// let shop = Shop { catalogue: Catalogue::built_in(), folder: None, limit: SizeLimit::default() };
+    /// let server = Server::new(shop, None, 0)?;
     /// assert!(server.address().starts_with("http://127.0.0.1:"));
     /// # Ok::<(), std::io::Error>(())
     /// ```
     ///
     /// # Errors
     /// The error of the operating system if the port is in use, or if there are no random numbers.
-    pub fn new(shop: Shop, port: u16) -> io::Result<Self> {
+    pub fn new(shop: Shop, opened: Option<Opened>, port: u16) -> io::Result<Self> {
         let mut random = [0; 16];
         getrandom::fill(&mut random).map_err(io::Error::other)?;
         let token = random.iter().map(|byte| format!("{byte:02x}")).collect();
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port))?;
         let at = listener.local_addr()?;
-        let desk = Arc::new(Desk { shop, pages: Pages::default(), slots: Slots::new() });
+        let desk = Arc::new(Desk { shop, opened, pages: Pages::default(), slots: Slots::new() });
         Ok(Server { listener, at, token, desk })
     }
 

@@ -2,6 +2,7 @@
 
 use super::command::command;
 use super::describe::describe;
+use super::opened::Opened;
 use super::pages::{Kept, Message};
 use super::preview::Preview;
 use super::setup::Setup;
@@ -29,7 +30,7 @@ const DEPTH: usize = 20;
 /// Traces a setup and sends messages to its page; returns the result to keep.
 pub(super) fn trace(
     setup: &Setup,
-    shop: &Shop,
+    (shop, opened): (&Shop, Option<&Opened>),
     cancel: &CancelToken,
     out: &Sender<Message>,
 ) -> Option<Kept> {
@@ -61,7 +62,7 @@ pub(super) fn trace(
     let done = Done {
         millis: begin.elapsed().as_secs_f64() * 1e3,
         stopped,
-        command: command(setup, shop),
+        command: command(setup, shop, opened),
         failed: failed.iter().map(|(run, cause)| Trouble::of_run(run, cause)).collect(),
         warnings: left_out.iter().map(|name| unknown(name)).chain(kept.scene.warnings()).collect(),
         drawing: Drawing::of(&kept),

@@ -76,4 +76,6 @@ pub use table::{Screen, separated, table};
 pub use tag::FORMAT;
 pub use tile::{Hue, Tile, spacing};
 pub use words::Invalid;
-pub(crate) use words::{entry, printable, text};
+#[cfg(feature = "cli")]
+pub(crate) use words::printable;
+pub(crate) use words::{entry, text};
