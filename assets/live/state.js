@@ -79,12 +79,12 @@ export class State {
   value(name) { return this.setup.set.find(([key]) => key === name)?.[1]; }
   setValue(name, value, live = false) {
     const others = this.setup.set.filter(([key]) => key !== name);
-    this.edit({ set: value === null ? others : [...others, [name, value]] }, `set ${name}`, live);
+    this.edit({ set: value === null ? others : [...others, [name, value]] }, live ? `set ${name}` : null, live);
   }
 
   range(name) { return this.setup.along.find(range => range.name === name); }
   setRange(range) {
     const others = this.setup.along.filter(it => it.name !== range.name);
-    this.edit({ along: [range, ...others] }, `range ${range.name}`);
+    this.edit({ along: [range, ...others] });
   }
 }

@@ -13,12 +13,12 @@ pub struct Opened {
     pub setup: Setup,
 }
 
-/// Returns the setup with which a page begins: the opened one, or a fold.
+/// Returns the setup with which a page begins: the opened one, or a hysteresis.
 pub(super) fn beginning(opened: Option<&Opened>) -> Setup {
     let simple = || Setup {
-        name: "fold".into(),
+        name: "hysteresis".into(),
         text: SIMPLE.into(),
-        along: vec![Range { name: "load".into(), low: Some(0.0), high: Some(0.3) }],
+        along: vec![Range { name: "a".into(), low: Some(-1.0), high: Some(1.0) }],
         ..Setup::default()
     };
     opened.map_or_else(simple, |opened| opened.setup.clone())
@@ -31,8 +31,8 @@ pub(super) fn example(shop: &Shop, name: &str) -> Option<Setup> {
 }
 
 /// The model of pages without an opened scene.
-const SIMPLE: &str = "# Parallel-plate actuator: pull-in at u = 1/3, load = 4/27.
-u' = load/(1 - u)^2 - k*u
-par load=0, k=1
-init u=0
+const SIMPLE: &str = "# Hysteresis between two folds, at a = ±2 (b/3)^1.5. Drag b.
+x' = a + b*x - x^3
+par a=-1, b=1
+init x=-1.3
 ";

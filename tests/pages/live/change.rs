@@ -1,6 +1,6 @@
 //! Changes of parameters, settings and equations.
 
-use super::session::PLATE;
+use super::session::FOLD;
 use super::{Program, Session};
 use serde_json::json;
 
@@ -28,15 +28,15 @@ fn drag(session: &mut Session, name: &str, by: f64) {
 fn the_fold_follows_a_slider_to_its_exact_value() {
     let program = Program::start(&[]);
     let Some(mut session) = Session::open(&program) else { return };
-    session.type_equations(PLATE);
+    session.type_equations(FOLD);
     let [before] = session.at_points("branch", "LP", "load")[..] else { panic!("one fold") };
-    assert!((before - 4.0 / 27.0).abs() < 1e-9, "{before}");
+    assert!((before - 1.0 / 4.0).abs() < 1e-9, "{before}");
     session.picture("fold");
     drag(&mut session, "k", 60.0);
     let k: f64 = session.text("document.getElementById('parameter-k').value").parse().unwrap();
     assert!(k > 1.1, "the slider has moved to {k}");
     let [after] = session.at_points("branch", "LP", "load")[..] else { panic!("one fold") };
-    assert!((after - 4.0 * k / 27.0).abs() < 1e-9, "{after} at k = {k}");
+    assert!((after - k / 4.0).abs() < 1e-9, "{after} at k = {k}");
     // The mark in the picture has moved, too.
     assert_eq!(session.value("document.querySelectorAll('#panels svg [data-label=\"LP\"], #panels svg [data-label^=\"LP\"]').length"), 1);
 }
@@ -97,7 +97,7 @@ fn the_keyboard_alone_changes_a_parameter_and_opens_a_point() {
             session.browser.call("Input.dispatchKeyEvent", parameters);
         }
     };
-    let is_at = "document.activeElement.getAttribute('aria-label') === 'k, slider'";
+    let is_at = "document.activeElement.getAttribute('aria-label') === 'b, slider'";
     let steps = (0..60).take_while(|_| {
         press(&mut session, "Tab", 9);
         session.value(is_at) != json!(true)
@@ -105,7 +105,7 @@ fn the_keyboard_alone_changes_a_parameter_and_opens_a_point() {
     assert!(steps.count() < 60, "the slider is not reached");
     press(&mut session, "ArrowRight", 39);
     session.settle();
-    let k: f64 = session.text("document.getElementById('parameter-k').value").parse().unwrap();
+    let k: f64 = session.text("document.getElementById('parameter-b').value").parse().unwrap();
     assert!(k > 1.0);
     let is_row = "document.activeElement.closest('#points tbody tr') !== null";
     let steps = (0..60).take_while(|_| {

@@ -1,6 +1,6 @@
 //! What continues from special points.
 
-use super::session::PLATE;
+use super::session::FOLD;
 use super::{Program, Session};
 
 #[test]
@@ -26,20 +26,20 @@ fn a_click_on_a_label_shows_the_profile() {
 fn a_fold_is_followed_in_two_parameters() {
     let program = Program::start(&[]);
     let Some(mut session) = Session::open(&program) else { return };
-    session.type_equations(PLATE);
+    session.type_equations(FOLD);
     session.choose("branch", "LP");
     session.press("Follow: curve of folds in two parameters");
-    // All folds are at load = 4k/27.
+    // All folds are at load = k/4.
     let ends = session.at_points("branch-LP-curve", "EP", "load");
     let ks = session.at_points("branch-LP-curve", "EP", "k");
     assert!(ends.len() == 2 && ks.contains(&2.0), "{ends:?} {ks:?}");
     for (load, k) in ends.iter().zip(&ks) {
-        assert!((load - 4.0 * k / 27.0).abs() < 1e-8, "{load} at {k}");
+        assert!((load - k / 4.0).abs() < 1e-8, "{load} at {k}");
     }
     assert_eq!(session.value("document.querySelectorAll('#panels .panel').length"), 2);
     session.picture("two-parameters");
     // The curve is a run of the saved scene.
-    let scene = session.download("scene", "fold.ron");
+    let scene = session.download("scene", "hysteresis.ron");
     assert!(scene.contains("hold: Some(LP)") || scene.contains("hold: LP"), "{scene}");
     session.click("document.querySelector('#notes li button')");
     session.value("new Promise(done => setTimeout(() => done(0), 50))");

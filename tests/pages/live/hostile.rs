@@ -2,7 +2,7 @@
 //! the next one.
 
 use super::Program;
-use super::session::PLATE;
+use super::session::FOLD;
 use serde_json::json;
 use std::io::Write;
 use std::net::TcpStream;
@@ -15,7 +15,7 @@ fn status(response: &str) -> &str {
     response.split(' ').nth(1).unwrap_or_default()
 }
 
-/// A call that traces the plate, with the number of the trace.
+/// A call that traces the fold, with the number of the trace.
 fn trace(text: &str, turn: u32, k: f64) -> Vec<u8> {
     let setup = json!({ "name": "t", "text": text, "set": [["k", k.to_string()]] });
     json!({ "trace": { "page": "p", "turn": turn, "setup": setup } }).to_string().into_bytes()
@@ -119,8 +119,8 @@ fn a_thousand_connections_do_not_keep_the_page_out() {
         .collect();
     assert!(connections.len() > 500);
     works(&program);
-    let response = program.call(&trace(PLATE, 1, 2.0));
-    assert!(response.contains("\"done\"") && response.contains("0.2962962963"), "{response}");
+    let response = program.call(&trace(FOLD, 1, 2.0));
+    assert!(response.contains("\"done\"") && response.contains("\"load = 0.5\""), "{response}");
 }
 
 #[test]
@@ -138,10 +138,10 @@ fn a_trace_without_end_gives_way_to_the_next_one() {
         );
         program.connect().write_all(&[head.as_bytes(), &body].concat()).unwrap();
     }
-    let response = program.call(&trace(PLATE, 3, 2.0));
-    assert!(response.contains("0.2962962963"), "{response}");
+    let response = program.call(&trace(FOLD, 3, 2.0));
+    assert!(response.contains("\"load = 0.5\""), "{response}");
     // An old change does not replace a later one.
-    assert!(program.call(&trace(PLATE, 2, 5.0)).contains("superseded"));
+    assert!(program.call(&trace(FOLD, 2, 5.0)).contains("superseded"));
 }
 
 /// Requests with changed bytes, and the memory after many changes.
@@ -156,7 +156,7 @@ fn fuzzed_messages_are_answered_and_memory_is_stable() {
         state
     };
     for turn in 0..FUZZED {
-        let mut body = trace(PLATE, turn as u32 + 1, 1.0);
+        let mut body = trace(FOLD, turn as u32 + 1, 1.0);
         for _ in 0..=random() % 4 {
             let at = (random() as usize) % body.len();
             match random() % 3 {
@@ -171,7 +171,7 @@ fn fuzzed_messages_are_answered_and_memory_is_stable() {
     let mut before = 0;
     for turn in 0..CHANGES {
         let k = 1.0 + f64::from(turn % 100) / 100.0;
-        let response = program.call(&trace(PLATE, 1_000_000 + turn, k));
+        let response = program.call(&trace(FOLD, 1_000_000 + turn, k));
         assert!(response.contains("\"done\""), "{response}");
         if turn == CHANGES / 2 {
             before = program.memory();

@@ -1,6 +1,6 @@
 //! The time from a change to the complete new diagram.
 
-use super::session::PLATE;
+use super::session::FOLD;
 use super::{Program, Session};
 
 const LORENZ: &str = "Equations(
@@ -61,7 +61,7 @@ fn latency() {
         println!("{name:<20}{first:>14.0}{complete:>14.0}{trace:>14.0}");
     };
     for (name, text) in
-        [("plate, typed", PLATE), ("Lorenz, typed", LORENZ), ("impacts, typed", IMPACTS)]
+        [("fold, typed", FOLD), ("Lorenz, typed", LORENZ), ("impacts, typed", IMPACTS)]
     {
         session.type_equations(text);
         measure(&mut session, name);

@@ -12,8 +12,8 @@ pub struct Session {
     pub folder: TempDir,
 }
 
-/// The fold of the parallel-plate actuator `k u = load/(1 − u)²` is at `u = 1/3`, `load = 4k/27`.
-pub const PLATE: &str = "u' = load/(1 - u)^2 - k*u\npar load=0, k=1\ninit u=0\n";
+/// The fold of `load = k u (1 − u)` is at `u = 1/2`, `load = k/4`.
+pub const FOLD: &str = "u' = load - k*u*(1 - u)\npar load=0, k=1\ninit u=0\n";
 
 impl Session {
     /// Opens the page of a program; `None` without a browser.
