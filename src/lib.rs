@@ -114,6 +114,7 @@
 //! | [`language`] | equations as text, and XPPAUT's files |
 //! | [`output`] | [`Document`](output::Document)s in RON, tables, figures |
 //! | [`scene`] | [`Scene`](scene::Scene)s: RON files that state runs and sweeps |
+//! | [`live`] | a server of a page on which diagrams follow changes of a scene |
 //! | [`cli`] | the command line: [`cli::run`] is a whole program for any catalogue of problems |
 //!
 //! `core` does not depend on any device, nor `output` on any problem; `scene` joins them, and `cli` adds
@@ -125,6 +126,8 @@ pub mod cli;
 pub mod core;
 #[cfg(feature = "scene")]
 pub mod language;
+#[cfg(feature = "live")]
+pub mod live;
 #[cfg(feature = "scene")]
 mod misread;
 #[cfg(feature = "scene")]

@@ -27,7 +27,7 @@ const LAYERS: [&str; 18] = [
 ];
 
 /// The folders and files of `src`: each imports only from itself and from those before it.
-const FOLDERS: [&str; 9] = [
+const FOLDERS: [&str; 10] = [
     "core",
     "misread",
     "problems",
@@ -36,6 +36,7 @@ const FOLDERS: [&str; 9] = [
     "scene",
     "robustness",
     "work_precision",
+    "live",
     "cli",
 ];
 

@@ -167,6 +167,10 @@ pub enum CommandError {
     /// The command was interrupted by Ctrl-C, SIGTERM or SIGHUP.
     #[error("interrupted; results computed so far are saved")]
     Interrupted,
+    /// The server of `tangency live` cannot start.
+    #[cfg(feature = "live")]
+    #[error("the server cannot start: {0}; without --port a free port is chosen")]
+    Server(#[source] std::io::Error),
     /// The standard output cannot be written to.
     #[error("cannot write to the standard output: {0}; the files listed above are complete")]
     #[diagnostic(help("redirect the output to a file instead"))]

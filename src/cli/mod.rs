@@ -26,6 +26,8 @@ mod find;
 mod grid;
 mod import;
 mod list;
+#[cfg(feature = "live")]
+mod live;
 mod manifolds;
 mod plot;
 mod request;
@@ -74,6 +76,8 @@ enum Command {
     Sweep(sweep::Sweep),
     Merge(sweep::Merge),
     Table(table::Table),
+    #[cfg(feature = "live")]
+    Live(live::Live),
     Compare(compare::Compare),
     Scenes(list::Scenes),
     Show(trace::Show),
@@ -134,6 +138,8 @@ pub fn run(catalogue: Catalogue) -> ExitCode {
         Command::Sweep(sweep) => sweep.run(from, &mut out),
         Command::Merge(merge) => merge.run(from, &mut out),
         Command::Table(table) => table.run(limit, &mut out),
+        #[cfg(feature = "live")]
+        Command::Live(live) => live.run(from, &mut out),
         Command::Compare(compare) => compare.run(limit, &mut out),
         Command::Scenes(scenes) => scenes.run(&catalogue, &mut out),
         Command::Show(show) => show.run(from, &mut out),

@@ -130,7 +130,7 @@ impl SceneAt {
     }
 
     /// Returns the name and the text of a built-in scene or of a file.
-    fn text(&self, from: Sources) -> Result<(String, String), CommandError> {
+    pub(super) fn text(&self, from: Sources) -> Result<(String, String), CommandError> {
         let Sources { catalogue, limit } = from;
         if let Some(scene) = catalogue.scenes().iter().find(|scene| scene.name == self.scene) {
             return Ok((scene.name.clone(), scene.text.clone()));

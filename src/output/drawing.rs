@@ -22,7 +22,8 @@ use super::figure::Figure;
 use canvas::Canvas;
 use layout::Layout;
 pub(super) use panel::letter;
-pub(super) use pen::{hexadecimal, shade};
+pub(crate) use pen::hexadecimal;
+pub(super) use pen::shade;
 
 /// The width of a journal's column, in millimetres.
 pub const COLUMN: f64 = 84.0;

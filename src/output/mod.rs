@@ -52,6 +52,8 @@ pub use chosen::Chosen;
 pub use comparison::{Difference, compare};
 pub use diagram::diagram;
 pub use document::{Against, Deviation, Document, Enlargement, Plot};
+#[cfg(feature = "live")]
+pub(crate) use drawing::hexadecimal;
 pub use drawing::{COLUMN, PAGE, draw, pdf, png};
 pub use error::{FigureError, FileError, FormatError, UnknownPoint};
 pub use example::example_branch;
@@ -63,6 +65,8 @@ pub use files::{SizeLimit, write_atomically, write_together};
 pub use format::Format;
 pub use histories::histories;
 pub use number::significant;
+#[cfg(feature = "live")]
+pub(crate) use page::Panel;
 pub use panels::figures;
 pub(crate) use panels::{check_columns, drop_empty_parts};
 pub use point_table::{Columns, PointTable, Selection, csv};
@@ -74,4 +78,6 @@ pub use table::{Screen, separated, table};
 pub use tag::FORMAT;
 pub use tile::{Hue, Tile, spacing};
 pub use words::Invalid;
-pub(crate) use words::{entry, printable, text};
+#[cfg(feature = "cli")]
+pub(crate) use words::printable;
+pub(crate) use words::{entry, text};

@@ -203,8 +203,9 @@ impl<'a> PageProfile<'a> {
     }
 }
 
+/// A figure as the page draws it.
 #[derive(Serialize)]
-struct Panel<'a> {
+pub(crate) struct Panel<'a> {
     title: &'a str,
     labels: [&'a str; 2],
     /// The names of the curves, in the order of their colours.
@@ -223,7 +224,7 @@ struct Panel<'a> {
 }
 
 impl<'a> Panel<'a> {
-    fn new(figure: &'a Figure) -> Self {
+    pub(crate) fn new(figure: &'a Figure) -> Self {
         let symbol = |symbol| format!("{symbol:?}");
         let marks = figure.marks.iter().map(|mark| PageMark {
             at: mark.at,

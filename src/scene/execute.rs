@@ -6,7 +6,7 @@ use super::fidelity::traced_to;
 use super::observer::SceneObserver;
 use super::resolve::{Resolution, StartPoint};
 use super::statement::Scene;
-use super::trace::{Outcome, traced};
+use super::trace::{Outcome, traced, traced_each};
 use crate::output::Document;
 
 impl Outcome {
@@ -23,6 +23,37 @@ impl Resolution {
             Some(accuracy) => traced_to(accuracy, self, observer).0,
             None => traced(self, observer),
         }
+    }
+
+    /// Traces the runs, and continues with the next run after one that fails. Returns the outcome
+    /// with all other branches, and the errors with the names of their runs. A scene that requests
+    /// an accuracy stops at the first error.
+    ///
+    /// ```
+    /// use tangency::scene::Scene;
+    /// let scene = Scene::parse("Scene(
+    ///     title: \"A fold\",
+    ///     problem: Equations(states: [(\"x\", \"a - x^2\")], initial: [(\"x\", 1)], solution: equilibrium),
+    ///     parameters: [(\"a\", 1)],
+    ///     runs: [
+    ///         (name: \"rest\", along: [(name: \"a\", low: -1, high: 1)]),
+    ///         (name: \"other\", start: From(run: \"rest\", kind: BP, switch: true), along: [(name: \"a\", high: 1)]),
+    ///         (name: \"again\", along: [(name: \"a\", low: 0.5, high: 2)]),
+    ///     ],
+    /// )")?;
+    /// let (outcome, failed) = scene.resolve(None)?.trace_each(&mut ());
+    /// assert_eq!(outcome.document.branches.len(), 2);
+    /// assert_eq!(failed[0].0, "other");
+    /// # Ok::<(), tangency::scene::SceneError>(())
+    /// ```
+    pub fn trace_each(
+        &self,
+        observer: &mut dyn SceneObserver,
+    ) -> (Outcome, Vec<(String, SceneError)>) {
+        let Some(accuracy) = self.scene().accuracy else { return traced_each(self, observer) };
+        let outcome = traced_to(accuracy, self, observer).0;
+        let failed = outcome.error.iter().map(|cause| (String::new(), cause.clone())).collect();
+        (outcome, failed)
     }
 }
 

@@ -386,7 +386,7 @@ fn begins_at(point: &SpecialPoint, held: Kind, doubled: bool) -> bool {
 }
 
 /// Returns the setting by which a run traces orbits, unless the scene or the run sets it.
-fn orbits_of(resolution: &Resolution, run: &Run) -> Option<(String, String)> {
+pub(super) fn orbits_of(resolution: &Resolution, run: &Run) -> Option<(String, String)> {
     let seen = resolution.further(run).ok()?.problem.solution();
     let orbits = seen.filter(|solution| *solution == Solution::Orbit)?;
     let differs = resolution.scene().problem.solution().is_some_and(|value| value != orbits);
@@ -437,7 +437,12 @@ fn leaving(
 }
 
 /// Returns the runs that continue from the special points of a branch.
-fn following(resolution: &Resolution, run: &Run, branch: &Branch, kinds: &[Kind]) -> Vec<Run> {
+pub(super) fn following(
+    resolution: &Resolution,
+    run: &Run,
+    branch: &Branch,
+    kinds: &[Kind],
+) -> Vec<Run> {
     if let Some(held) = branch.condition {
         return leaving(resolution, run, (branch, held), kinds);
     }

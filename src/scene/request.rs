@@ -151,6 +151,16 @@ impl Scene {
         Ok(scene)
     }
 
+    /// Returns the scene with further runs, such as those of [`FollowUp`](super::FollowUp)s.
+    ///
+    /// # Errors
+    /// [`SceneError`] for runs with duplicate or unknown names.
+    pub fn with_runs(mut self, runs: impl IntoIterator<Item = Run>) -> Result<Scene, SceneError> {
+        self.runs.extend(runs);
+        self.check()?;
+        Ok(self)
+    }
+
     /// Builds a scene of a problem without runs and sweeps, with the cancellation token of a
     /// request.
     pub fn of_problem(problem: Problem, title: &str, request: &Request) -> Scene {

@@ -287,14 +287,33 @@ impl Scene {
         Err(UnknownName::new("parameter or setting", name, known).into())
     }
 
-    /// Returns the names of all settings.
-    pub(super) fn setting_names(&self) -> Vec<String> {
+    /// Returns the names of all settings, also of those of other methods.
+    pub fn setting_names(&self) -> Vec<String> {
         let names = |settings: Vec<(String, String)>| settings.into_iter().map(|(name, _)| name);
         let mut known = self.problem.model().setting_names();
         known.extend(names(settings(&self.settings)));
         known.extend(self.sweeps.iter().take(1).flat_map(settings_of).map(String::from));
         known.extend(names(settings(&OfScene { accuracy: self.accuracy })));
         known
+    }
+
+    /// Returns the settings of the problem and of the continuation by name, with their values.
+    ///
+    /// ```
+    /// use tangency::scene::{BUILT_IN, Scene};
+    /// let mut scene = Scene::parse(BUILT_IN.iter().find(|it| it.name == "bratu").expect("a scene").text)?;
+    /// scene.set("max_step", "0.1")?;
+    /// assert!(scene.settings_by_name().contains(&("max_step".into(), "0.1".into())));
+    /// # Ok::<(), tangency::scene::SceneError>(())
+    /// ```
+    pub fn settings_by_name(&self) -> Vec<(String, String)> {
+        [self.problem.settings(), settings(&self.settings)].concat()
+    }
+
+    /// Returns the run that sets a parameter or setting, so that [`set`](Self::set) refuses it.
+    pub fn run_that_sets(&self, name: &str) -> Option<&str> {
+        let sets = |run: &&Run| run.set.iter().any(|(key, _)| key == name);
+        self.runs.iter().find(sets).map(|run| run.name.as_str())
     }
 
     /// Returns every parameter and setting by name, to save with the branches.

@@ -164,6 +164,22 @@ pub struct Range {
 }
 
 impl Range {
+    /// Returns the usual range of a parameter with a given value: from zero to twice the value, or
+    /// from −1 to 1.
+    ///
+    /// ```
+    /// use tangency::scene::Range;
+    /// let ends = |value| Range::usual("a", value).interval().into_inner();
+    /// assert_eq!((ends(3.0), ends(-1.0), ends(0.0)), ((0.0, 6.0), (-2.0, 0.0), (-1.0, 1.0)));
+    /// ```
+    pub fn usual(name: impl Into<String>, value: f64) -> Self {
+        let [low, high] = match 2.0 * value {
+            0.0 => [-1.0, 1.0],
+            twice => [twice.min(0.0), twice.max(0.0)],
+        };
+        Range { name: name.into(), low: Some(low), high: Some(high) }
+    }
+
     /// Returns the range as numbers; open ends are infinite.
     pub fn interval(&self) -> std::ops::RangeInclusive<f64> {
         self.low.unwrap_or(f64::NEG_INFINITY)..=self.high.unwrap_or(f64::INFINITY)

@@ -40,6 +40,27 @@ pub(super) fn traced(resolution: &Resolution, observer: &mut dyn SceneObserver) 
     tracing.outcome(resolution)
 }
 
+/// Traces runs, one after another, and leaves out those that fail. Returns the first error as the
+/// outcome's, and all errors with the names of their runs.
+pub(super) fn traced_each(
+    resolution: &Resolution,
+    observer: &mut dyn SceneObserver,
+) -> (Outcome, Vec<(String, SceneError)>) {
+    let mut tracing = Tracing::default();
+    let mut failed = Vec::new();
+    for resolved in &resolution.runs {
+        observer.run(resolved.name(), resolved.run.shown);
+        if let Err(cause) = tracing.run(resolved, observer) {
+            failed.push((resolved.name().to_string(), cause));
+        }
+        if resolved.settings.cancel.is_cancelled() {
+            break;
+        }
+    }
+    tracing.error = failed.first().map(|(_, cause)| cause.clone());
+    (tracing.outcome(resolution), failed)
+}
+
 /// The traced runs, with their branches.
 #[derive(Default)]
 pub(super) struct Tracing {

@@ -80,7 +80,7 @@ impl Browser {
     }
 
     /// The result of a method of the protocol.
-    fn call(&mut self, method: &str, parameters: Value) -> Value {
+    pub fn call(&mut self, method: &str, parameters: Value) -> Value {
         self.last += 1;
         let mut message = json!({ "id": self.last, "method": method, "params": parameters });
         if let (Some(session), false) = (&self.session, method.starts_with("Browser.")) {
@@ -101,7 +101,12 @@ impl Browser {
 
     /// Opens a file.
     pub fn open(&mut self, file: &Path) {
-        self.call("Page.navigate", json!({ "url": format!("file://{}", file.display()) }));
+        self.go(&format!("file://{}", file.display()));
+    }
+
+    /// Opens an address.
+    pub fn go(&mut self, url: &str) {
+        self.call("Page.navigate", json!({ "url": url }));
     }
 
     /// Gives the window a size in pixels.

@@ -3,6 +3,8 @@
 //! Where `chromium` is not installed nothing can be tested, and each test says that.
 
 mod browser;
+#[cfg(all(feature = "cli", feature = "live"))]
+mod live;
 
 use browser::Browser;
 use serde_json::{Value, json};

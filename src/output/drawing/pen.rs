@@ -26,7 +26,7 @@ pub(super) fn colour(index: usize) -> RGBColor {
 }
 
 /// Returns the colours of curves in HTML notation.
-pub(in crate::output) fn hexadecimal() -> Vec<String> {
+pub(crate) fn hexadecimal() -> Vec<String> {
     COLOURS.iter().map(|RGBColor(r, g, b)| format!("#{r:02x}{g:02x}{b:02x}")).collect()
 }
 

@@ -10,7 +10,9 @@ mod write;
 #[cfg(feature = "cli")]
 pub(crate) use lock::Lock;
 pub use read::SizeLimit;
-pub(crate) use read::{read, read_text, text_of};
+#[cfg(feature = "cli")]
+pub(crate) use read::text_of;
+pub(crate) use read::{read, read_text};
 #[cfg(feature = "cli")]
 pub(crate) use target::{kind, target};
 pub use write::{write_atomically, write_together};

@@ -1,0 +1,230 @@
+//! The calls of a page: what it sends, and the responses.
+
+use super::describe::settings;
+use super::details::details;
+use super::http::{self, Refusal};
+use super::opened::{Opened, beginning, example};
+use super::pages::{Kept, Message, Pages, Slots};
+use super::setup::Setup;
+use super::shop::Shop;
+use super::trouble::Trouble;
+use super::work::{Drawing, trace};
+use crate::core::cancel::CancelToken;
+use crate::output::{Format, Render, Results};
+use serde::Deserialize;
+use serde_json::{Value, json};
+use std::io::Write;
+use std::net::TcpStream;
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::time::{Duration, Instant};
+
+/// The time after which a trace is stopped.
+const LONGEST: Duration = Duration::from_secs(120);
+/// The interval at which the connection of a silent trace is checked.
+const SILENCE: Duration = Duration::from_millis(200);
+/// The stack of a trace, in bytes; deeply nested formulas need more than the usual one.
+const STACK: usize = 32 << 20;
+/// The maximum length of the name of a page.
+const ID: usize = 64;
+
+const JSON: &str = "application/json";
+const LINES: &str = "application/x-ndjson";
+
+/// A call of a page.
+#[derive(Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+enum Call {
+    /// The setup with which a page begins, and the examples.
+    Open {},
+    /// The setup of an example.
+    Example { name: String },
+    /// Traces a setup; the response is a stream of messages.
+    Trace { page: String, turn: u64, setup: Box<Setup> },
+    /// Stops the trace.
+    Stop { page: String },
+    /// The settings that have an effect.
+    Settings { setup: Box<Setup> },
+    /// The last result in other axes.
+    Axes { page: String, x: Option<String>, y: Option<String> },
+    /// A point of the last result.
+    Point { page: String, branch: usize, point: i64 },
+    /// The last result as a file.
+    File { page: String, format: String },
+    /// Whether the server is there.
+    Alive {},
+}
+
+/// What all connections share.
+pub(super) struct Desk {
+    pub shop: Shop,
+    pub opened: Option<Opened>,
+    pub pages: Pages,
+    pub slots: Slots,
+}
+
+impl Desk {
+    /// Answers a call.
+    pub fn answer(self: &Arc<Self>, stream: &mut TcpStream, body: &[u8]) {
+        let Ok(call) = serde_json::from_slice::<Call>(body) else {
+            return http::refuse(stream, Refusal::Message);
+        };
+        let answered = match call {
+            Call::Open {} => self.open(stream),
+            Call::Example { name } => match example(&self.shop, &name) {
+                Some(setup) => json_of(stream, &json!({ "setup": setup })),
+                None => json_of(stream, &trouble("there is no such example")),
+            },
+            Call::Trace { page, .. } if page.len() > ID => {
+                return http::refuse(stream, Refusal::Message);
+            }
+            Call::Trace { page, turn, setup } => self.trace(stream, &page, turn, *setup),
+            Call::Stop { page } => {
+                self.pages.cancel(&page);
+                json_of(stream, &json!({}))
+            }
+            Call::Settings { setup } => self.settings(stream, &setup),
+            Call::Axes { page, x, y } => {
+                let kept = self.pages.turn_axes(&page, [x, y]);
+                json_of_kept(stream, kept, |kept| json!({ "drawing": Drawing::of(kept) }))
+            }
+            Call::Point { page, branch, point } => {
+                json_of_kept(stream, self.pages.kept(&page), |kept| {
+                    match details(kept, branch, point) {
+                        Some(details) => json!({ "details": details }),
+                        None => trouble("the point is not on the present branches"),
+                    }
+                })
+            }
+            Call::File { page, format } => self.file(stream, &page, &format),
+            Call::Alive {} => json_of(stream, &json!({})),
+        };
+        // A page that has gone needs no answer.
+        let _ = answered;
+    }
+
+    fn open(&self, stream: &mut TcpStream) -> std::io::Result<()> {
+        let opened = json!({
+            "version": env!("CARGO_PKG_VERSION"),
+            "setup": beginning(self.opened.as_ref()),
+            "examples": self.shop.examples(),
+        });
+        json_of(stream, &opened)
+    }
+
+    fn settings(&self, stream: &mut TcpStream, setup: &Setup) -> std::io::Result<()> {
+        match settings(setup, &self.shop) {
+            Ok(settings) => json_of(stream, &json!({ "settings": settings })),
+            Err(cause) => json_of(stream, &json!({ "trouble": Trouble::from(&cause) })),
+        }
+    }
+
+    /// Answers with the last result as a file.
+    fn file(&self, stream: &mut TcpStream, page: &str, format: &str) -> std::io::Result<()> {
+        let Some(kept) = self.pages.kept(page) else {
+            return json_of(stream, &trouble(NO_RESULT));
+        };
+        match rendered(&kept, format) {
+            Ok((content_type, content)) => http::respond(stream, content_type, &content),
+            Err(message) => json_of(stream, &trouble(message)),
+        }
+    }
+
+    /// Traces a setup on a thread of its own, and passes its messages on.
+    fn trace(
+        self: &Arc<Self>,
+        stream: &mut TcpStream,
+        page: &str,
+        turn: u64,
+        setup: Setup,
+    ) -> std::io::Result<()> {
+        let Some(cancel) = self.pages.begin(page, turn) else {
+            return json_of(stream, &json!({ "superseded": true }));
+        };
+        http::begin(stream, LINES)?;
+        let (out, messages) = channel();
+        let (desk, token, id) = (Arc::clone(self), cancel.clone(), page.to_string());
+        let work = move || {
+            let Some(_slot) = desk.slots.take(&token) else { return };
+            if let Some(kept) = trace(&setup, (&desk.shop, desk.opened.as_ref()), &token, &out) {
+                desk.pages.keep(&id, turn, kept);
+            }
+        };
+        let thread = std::thread::Builder::new().stack_size(STACK).spawn(work)?;
+        let passed = pass(stream, &messages, &cancel);
+        if passed.is_err() {
+            cancel.cancel();
+            return passed;
+        }
+        // The result is kept before the page can ask for it.
+        let end = match thread.join() {
+            Ok(()) => json!({ "end": true }),
+            Err(_) => {
+                json!({ "failed": Trouble::plain("the trace failed unexpectedly"), "end": true })
+            }
+        };
+        stream.write_all(Message::of(&end).line())
+    }
+}
+
+/// Passes messages on until the trace ends. Cancels the trace if it takes too long.
+fn pass(
+    stream: &mut TcpStream,
+    messages: &Receiver<Message>,
+    cancel: &CancelToken,
+) -> std::io::Result<()> {
+    let begin = Instant::now();
+    loop {
+        match messages.recv_timeout(SILENCE) {
+            Ok(message) => stream.write_all(message.line())?,
+            // Blank lines show whether the page is still there.
+            Err(RecvTimeoutError::Timeout) => stream.write_all(b"\n")?,
+            Err(RecvTimeoutError::Disconnected) => return Ok(()),
+        }
+        if begin.elapsed() > LONGEST {
+            cancel.cancel();
+        }
+    }
+}
+
+fn trouble(message: impl Into<String>) -> Value {
+    json!({ "trouble": Trouble::plain(message) })
+}
+
+fn json_of(stream: &mut TcpStream, value: &Value) -> std::io::Result<()> {
+    http::respond(stream, JSON, value.to_string().as_bytes())
+}
+
+/// Answers from the last result of a page.
+fn json_of_kept(
+    stream: &mut TcpStream,
+    kept: Option<Arc<Kept>>,
+    value: impl FnOnce(&Kept) -> Value,
+) -> std::io::Result<()> {
+    json_of(stream, &kept.map_or_else(|| trouble(NO_RESULT), |kept| value(&kept)))
+}
+
+/// The error of a page without a result.
+const NO_RESULT: &str = "there is no result: trace the scene again";
+
+/// Returns a result as a file, with the type of its content.
+fn rendered(kept: &Kept, format: &str) -> Result<(&'static str, Vec<u8>), String> {
+    if format == "scene" {
+        return Ok(("text/plain; charset=utf-8", (kept.scene.to_ron() + "\n").into_bytes()));
+    }
+    let (format, content_type) = match format {
+        "svg" => (Format::Svg, "image/svg+xml"),
+        "pdf" => (Format::Pdf, "application/pdf"),
+        "html" => (Format::Html, "application/octet-stream"),
+        "csv" => (Format::Csv, "text/csv; charset=utf-8"),
+        "json" => (Format::Json, "application/octet-stream"),
+        "ron" => (Format::Ron, "text/plain; charset=utf-8"),
+        _ => return Err("there is no such format".into()),
+    };
+    let documents = [(kept.name.as_str(), &*kept.document)];
+    let is_picture = matches!(format, Format::Svg | Format::Pdf | Format::Html);
+    let [x, y] = [0, 1].map(|axis| kept.axes[axis].as_deref().filter(|_| is_picture));
+    let results = Results { documents: &documents, x, y: y.as_slice(), ..Results::default() };
+    let content = results.render(format).map_err(|cause| cause.to_string())?;
+    Ok((content_type, content))
+}

@@ -1,0 +1,85 @@
+//! The description of a scene for the page: its parameters, settings and ranges.
+
+use super::help::meaning;
+use super::setup::Setup;
+use super::shop::Shop;
+use crate::scene::{Purpose, Range, Scene, SceneError};
+use serde::Serialize;
+
+/// The parameters and ranges of a scene.
+#[derive(Serialize)]
+pub(super) struct Description {
+    title: String,
+    /// Whether the text is a scene, which states its own runs.
+    is_scene: bool,
+    parameters: Vec<Parameter>,
+    /// The varied parameters of all runs, with their ranges.
+    along: Vec<Range>,
+    /// The names of states, for starts.
+    states: Vec<String>,
+}
+
+/// A parameter with its initial value.
+#[derive(Serialize)]
+struct Parameter {
+    name: String,
+    value: Option<f64>,
+    /// The usual range of the parameter.
+    low: f64,
+    high: f64,
+    /// The run that sets the parameter, which can then not be changed.
+    set_by: Option<String>,
+}
+
+/// A setting with its value and meaning.
+#[derive(Serialize)]
+pub(super) struct Setting {
+    name: String,
+    value: String,
+    meaning: &'static str,
+    set_by: Option<String>,
+}
+
+/// Describes the scene of a setup; `traced` is the complete scene, if it could be built.
+pub(super) fn describe(setup: &Setup, values: &Scene, traced: Option<&Scene>) -> Description {
+    let parameters = values.problem.parameters().into_iter().map(|(name, _)| {
+        let value = traced.and_then(|scene| scene.value(&name)).or_else(|| values.value(&name));
+        let usual = Range::usual(&*name, value.unwrap_or_default());
+        let (low, high) = usual.interval().into_inner();
+        let set_by = values.run_that_sets(&name).map(String::from);
+        Parameter { name, value, low, high, set_by }
+    });
+    let runs = traced.map_or(&[][..], |scene| &scene.runs);
+    // The ranges of followed curves belong to their runs.
+    let own = runs.iter().filter(|run| setup.runs.iter().all(|it| it.name != run.name));
+    let mut along: Vec<Range> = Vec::new();
+    for range in own.flat_map(|run| &run.along) {
+        if along.iter().all(|known| known.name != range.name) {
+            along.push(range.clone());
+        }
+    }
+    Description {
+        title: traced.unwrap_or(values).title.clone(),
+        is_scene: !values.runs.is_empty(),
+        parameters: parameters.collect(),
+        along,
+        states: values.problem.text().map_or(Vec::new(), |model| model.states()),
+    }
+}
+
+/// Returns the settings that have an effect on the runs of a setup.
+pub(super) fn settings(setup: &Setup, shop: &Shop) -> Result<Vec<Setting>, SceneError> {
+    let (setup, _) = setup.suited(shop)?;
+    let scene = setup.scene(shop, &Default::default())?;
+    let changed = |name: &str| setup.set.iter().any(|(key, _)| key == name);
+    let has_effect =
+        |name: &str| changed(name) || scene.check_effects([name], Purpose::Exploration).is_ok();
+    let all = scene.settings_by_name().into_iter().filter(|(name, _)| has_effect(name));
+    let setting = all.map(|(name, value)| Setting {
+        meaning: meaning(&name),
+        set_by: scene.run_that_sets(&name).map(String::from),
+        name,
+        value,
+    });
+    Ok(setting.collect())
+}

@@ -1,0 +1,112 @@
+//! The values and profiles of one point of a branch, and what can continue there.
+
+use super::pages::Kept;
+use crate::core::continuation::{Branch, Point, SpecialPoint};
+use crate::core::problem::Profile;
+use crate::output::significant;
+use crate::scene::FollowUp;
+use serde::Serialize;
+
+/// The significant digits of values, and of errors.
+const DIGITS: usize = 12;
+const ERROR_DIGITS: usize = 2;
+
+/// A point of a branch.
+#[derive(Serialize)]
+pub(super) struct Details<'a> {
+    title: String,
+    /// Names and values.
+    rows: Vec<[String; 2]>,
+    profiles: Vec<Shown<'a>>,
+    follow_ups: Vec<FollowUp>,
+}
+
+/// A profile.
+#[derive(Serialize)]
+struct Shown<'a> {
+    name: &'a str,
+    along: &'a str,
+    points: &'a [[f64; 2]],
+}
+
+impl<'a> From<&'a Profile> for Shown<'a> {
+    fn from(profile: &'a Profile) -> Self {
+        Shown { name: &profile.name, along: &profile.along, points: &profile.points }
+    }
+}
+
+/// Returns the details of a point, by the positions of its branch and on it, or by its negative
+/// label; `None` for a point that does not exist.
+pub(super) fn details(kept: &Kept, branch: usize, point: i64) -> Option<Details<'_>> {
+    let branch = kept.document.branches.get(branch)?;
+    if point >= 0 {
+        let point = usize::try_from(point).ok()?;
+        return Some(of_point(branch, point, branch.points.get(point)?));
+    }
+    let special = branch.labelled(usize::try_from(point.checked_neg()?).ok()?)?;
+    let follow_ups = kept.scene.resolve(None).map(|it| it.follow_ups(branch, special.label));
+    Some(Details {
+        title: title(branch, special),
+        rows: rows(branch, special),
+        profiles: special.profiles.iter().map(Shown::from).collect(),
+        follow_ups: follow_ups.unwrap_or_default(),
+    })
+}
+
+fn row(name: impl Into<String>, value: f64) -> [String; 2] {
+    [name.into(), significant(value, DIGITS)]
+}
+
+fn title(branch: &Branch, special: &SpecialPoint) -> String {
+    let SpecialPoint { kind, label, converged, subkind, .. } = special;
+    let subkind = subkind.iter().map(|subkind| format!(", {subkind}")).collect::<String>();
+    let doubt = if *converged { "" } else { " (not converged)" };
+    format!("{}: {kind} {label}, {}{subkind}{doubt}", branch.name, kind.meaning())
+}
+
+/// Returns the columns of a branch, the varied parameters first.
+fn columns(branch: &Branch, value: impl Fn(usize) -> Option<f64>) -> Vec<[String; 2]> {
+    let mut names: Vec<(usize, &str)> = branch.columns().enumerate().collect();
+    names.sort_by_key(|(_, name)| !branch.released.iter().any(|it| it == name));
+    names.into_iter().filter_map(|(column, name)| Some(row(name, value(column)?))).collect()
+}
+
+fn of_point<'a>(branch: &Branch, index: usize, point: &Point) -> Details<'a> {
+    let mut rows = columns(branch, |column| point.value(column));
+    if let Some(unstable) = point.unstable {
+        rows.push(["unstable directions".into(), unstable.to_string()]);
+    }
+    if !point.admissible {
+        rows.push(["virtual".into(), "beyond a grazing".into()]);
+    }
+    let title = format!("{}, point {index}", branch.name);
+    Details { title, rows, profiles: Vec::new(), follow_ups: Vec::new() }
+}
+
+/// Returns the values, numbers, eigenvalues and sensitivities of a special point.
+fn rows(branch: &Branch, special: &SpecialPoint) -> Vec<[String; 2]> {
+    let mut rows = columns(branch, |column| special.value(column));
+    if let (Some(first), false) = (rows.first_mut(), branch.released.is_empty()) {
+        first[1] += &format!(" ± {}", significant(special.error, ERROR_DIGITS));
+    }
+    if let Some(unstable) = special.unstable {
+        rows.push(["unstable directions".into(), unstable.to_string()]);
+    }
+    rows.extend(special.numbers.iter().map(|number| row(&number.name, number.value)));
+    for (k, (real, imaginary)) in special.eigenvalues.iter().enumerate() {
+        let sign = if *imaginary < 0.0 { '−' } else { '+' };
+        let imaginary = match imaginary.abs() {
+            0.0 => String::new(),
+            size => format!(" {sign} {} i", significant(size, DIGITS)),
+        };
+        let value = significant(*real, DIGITS) + &imaginary;
+        rows.push([format!("eigenvalue or multiplier {}", k + 1), value]);
+    }
+    for sensitivity in &special.sensitivities {
+        let slopes = branch.released.iter().zip(&sensitivity.slopes);
+        rows.extend(
+            slopes.map(|(name, slope)| row(format!("d{name}/d{}", sensitivity.by), *slope)),
+        );
+    }
+    rows
+}

@@ -1,0 +1,27 @@
+//! A server of a page on which diagrams follow changes of a scene, as in `tangency live`.
+//!
+//! The server listens on the loopback interface only, and its address contains a random token. The
+//! page has no knowledge of problems: the server describes parameters, settings, columns and
+//! follow-ups as JSON ([`Setup`] is the state of a page), and traces each change with the functions
+//! of [`scene`](crate::scene).
+
+mod calls;
+mod command;
+mod describe;
+mod details;
+mod doors;
+mod help;
+mod http;
+mod opened;
+mod pages;
+mod preview;
+mod server;
+mod setup;
+mod shop;
+mod trouble;
+mod work;
+
+pub use opened::Opened;
+pub use server::Server;
+pub use setup::Setup;
+pub use shop::Shop;

@@ -1,0 +1,38 @@
+//! The setups with which pages begin.
+
+use super::setup::Setup;
+use super::shop::Shop;
+use crate::scene::Range;
+
+/// The scene or model with which pages begin.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Opened {
+    /// The name on the command line: of a built-in scene, or a path.
+    pub place: String,
+    /// The text and the request.
+    pub setup: Setup,
+}
+
+/// Returns the setup with which a page begins: the opened one, or a hysteresis.
+pub(super) fn beginning(opened: Option<&Opened>) -> Setup {
+    let simple = || Setup {
+        name: "hysteresis".into(),
+        text: SIMPLE.into(),
+        along: vec![Range { name: "a".into(), low: Some(-1.0), high: Some(1.0) }],
+        ..Setup::default()
+    };
+    opened.map_or_else(simple, |opened| opened.setup.clone())
+}
+
+/// Returns the setup of an example.
+pub(super) fn example(shop: &Shop, name: &str) -> Option<Setup> {
+    let scene = shop.catalogue.scenes().iter().find(|scene| scene.name == name)?;
+    Some(Setup { name: scene.name.clone(), text: scene.text.clone(), ..Setup::default() })
+}
+
+/// The model of pages without an opened scene.
+const SIMPLE: &str = "# Hysteresis between two folds, at a = ±2 (b/3)^1.5. Drag b.
+x' = a + b*x - x^3
+par a=-1, b=1
+init x=-1.3
+";

@@ -1,0 +1,97 @@
+//! The picture of branches while they are traced.
+
+use super::pages::Message;
+use crate::core::cancel::CancelToken;
+use crate::core::continuation::{Branch, Observer, Point};
+use crate::output::{Document, Panel, Plot, diagram};
+use crate::scene::SceneObserver;
+use serde_json::json;
+use std::sync::mpsc::Sender;
+use std::time::{Duration, Instant};
+
+/// The time before the first picture of unfinished branches, and between two of them.
+const FIRST: Duration = Duration::from_millis(25);
+const NEXT: Duration = Duration::from_millis(60);
+
+/// The maximum number of points of which pictures are sent while they are traced.
+const SHOWN: usize = 4_000;
+/// The number of points after which a trace is stopped, so that its result fits into memory.
+const MOST: usize = 500_000;
+
+/// An observer that sends pictures of unfinished branches, and stops traces that are too long.
+pub(super) struct Preview<'a> {
+    document: Document,
+    /// The chosen columns.
+    axes: [Option<&'a str>; 2],
+    out: &'a Sender<Message>,
+    shown: bool,
+    /// Whether the second half of the last branch is being traced.
+    backward: bool,
+    next: Instant,
+    points: usize,
+    cancel: &'a CancelToken,
+}
+
+impl<'a> Preview<'a> {
+    /// Creates an observer for a plot; the token stops the trace.
+    pub fn new(
+        plot: Plot,
+        axes: [Option<&'a str>; 2],
+        (out, cancel): (&'a Sender<Message>, &'a CancelToken),
+    ) -> Self {
+        let mut document = Document::new("", Vec::new());
+        // Deviations and enlargements need special points, which come later.
+        document.plot = Plot { deviations: Vec::new(), ranges: Vec::new(), ..plot };
+        let next = Instant::now() + FIRST;
+        Preview { document, axes, out, shown: true, backward: false, next, points: 0, cancel }
+    }
+
+    fn send(&mut self) {
+        if Instant::now() < self.next {
+            return;
+        }
+        let [x, y] = self.axes;
+        let figure = diagram(&[("", &self.document)], x, y.as_slice());
+        if let Ok(figure) = figure.and_then(|figure| figure.extent().map(|_| figure)) {
+            let panel = Panel::new(&figure);
+            let _ = self.out.send(Message::of(&json!({ "partial": panel })));
+        }
+        self.next = Instant::now() + NEXT;
+    }
+}
+
+impl Observer for Preview<'_> {
+    fn begin(&mut self, branch: &Branch) {
+        self.backward = false;
+        if self.shown {
+            let branch = Branch { points: Vec::new(), special: Vec::new(), ..branch.clone() };
+            self.document.branches.push(branch);
+        }
+    }
+
+    fn point(&mut self, point: &Point) {
+        self.points += 1;
+        if self.points > MOST {
+            self.cancel.cancel();
+        }
+        if self.points > SHOWN {
+            return;
+        }
+        let Some(branch) = self.document.branches.last_mut().filter(|_| self.shown) else { return };
+        // A branch is traced from its start to one end, and then from its start to the other end.
+        let position = |point: &Point| point.slopes.as_ref().map(|slopes| slopes.position.abs());
+        let last = if self.backward { branch.points.first() } else { branch.points.last() };
+        self.backward |= last.and_then(position).is_some_and(|last| position(point) < Some(last));
+        match self.backward {
+            true => branch.points.insert(0, point.clone()),
+            false => branch.points.push(point.clone()),
+        }
+        self.send();
+    }
+}
+
+impl SceneObserver for Preview<'_> {
+    fn run(&mut self, _run: &str, shown: bool) {
+        self.shown = shown;
+    }
+}

@@ -1,0 +1,173 @@
+//! The server: connections, addresses and the files of the page.
+
+use super::calls::Desk;
+use super::doors::Doors;
+use super::http::{self, Incoming, Refusal};
+use super::opened::Opened;
+use super::pages::{Pages, Slots};
+use super::shop::Shop;
+use std::io;
+use std::net::{Ipv4Addr, SocketAddr, TcpListener, TcpStream};
+use std::sync::Arc;
+use std::time::Duration;
+
+/// The pause after a connection that could not be accepted, for example for lack of descriptors.
+const PAUSE: Duration = Duration::from_millis(50);
+
+/// The files of the page: names, types and contents.
+const FILES: [(&str, &str, &str); 9] = [
+    ("", "text/html; charset=utf-8", include_str!("../../assets/live/page.html")),
+    ("page.css", "text/css; charset=utf-8", include_str!("../../assets/live/page.css")),
+    ("page.js", SCRIPT, include_str!("../../assets/live/page.js")),
+    ("server.js", SCRIPT, include_str!("../../assets/live/server.js")),
+    ("state.js", SCRIPT, include_str!("../../assets/live/state.js")),
+    ("controls.js", SCRIPT, include_str!("../../assets/live/controls.js")),
+    ("request.js", SCRIPT, include_str!("../../assets/live/request.js")),
+    ("figure.js", SCRIPT, include_str!("../../assets/live/figure.js")),
+    ("results.js", SCRIPT, include_str!("../../assets/live/results.js")),
+];
+
+const SCRIPT: &str = "text/javascript; charset=utf-8";
+
+/// A server on the loopback interface, whose address contains a random token.
+pub struct Server {
+    listener: TcpListener,
+    at: SocketAddr,
+    token: String,
+    desk: Arc<Desk>,
+}
+
+impl Server {
+    /// Creates a server on a port, or on a free one for port 0, whose pages begin with the opened
+    /// scene. Connections are accepted from now
+    /// on, and answered by [`serve`](Self::serve).
+    ///
+    /// ```
+    /// use tangency::live::{Server, Shop};
+    /// use tangency::{Catalogue, output::SizeLimit};
+    /// let shop = Shop { catalogue: Catalogue::built_in(), folder: None, limit: SizeLimit::default() };
+    /// let server = Server::new(shop, None, 0)?;
+    /// assert!(server.address().starts_with("http://127.0.0.1:"));
+    /// # Ok::<(), std::io::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// The error of the operating system if the port is in use, or if there are no random numbers.
+    pub fn new(shop: Shop, opened: Option<Opened>, port: u16) -> io::Result<Self> {
+        let mut random = [0; 16];
+        getrandom::fill(&mut random).map_err(io::Error::other)?;
+        let token = random.iter().map(|byte| format!("{byte:02x}")).collect();
+        let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port))?;
+        let at = listener.local_addr()?;
+        let desk = Arc::new(Desk { shop, opened, pages: Pages::default(), slots: Slots::new() });
+        Ok(Server { listener, at, token, desk })
+    }
+
+    /// Returns the address of the page.
+    pub fn address(&self) -> String {
+        format!("http://{}/{}/", self.at, self.token)
+    }
+
+    /// Answers requests until the program ends.
+    pub fn serve(self) -> ! {
+        let doors = Doors::default();
+        let Server { listener, at, token, desk } = self;
+        let gate = Arc::new(Gate { port: at.port(), token, desk });
+        loop {
+            let Ok((mut stream, _)) = listener.accept() else {
+                std::thread::sleep(PAUSE);
+                continue;
+            };
+            let Some(guest) = doors.admit(&stream) else {
+                http::refuse(&mut stream, Refusal::Busy);
+                continue;
+            };
+            let gate = Arc::clone(&gate);
+            let answer = move || {
+                match http::read(&mut stream) {
+                    Ok(incoming) => {
+                        guest.has_asked();
+                        gate.answer(&mut stream, &incoming);
+                    }
+                    Err(Refusal::Closed) => {}
+                    Err(refusal) => http::refuse(&mut stream, refusal),
+                }
+                drop(guest);
+            };
+            // Without a thread, the connection closes.
+            if std::thread::Builder::new().spawn(answer).is_err() {
+                std::thread::sleep(PAUSE);
+            }
+        }
+    }
+}
+
+/// Admits requests of the page only.
+struct Gate {
+    port: u16,
+    token: String,
+    desk: Arc<Desk>,
+}
+
+impl Gate {
+    fn answer(&self, stream: &mut TcpStream, incoming: &Incoming) {
+        let sent = match self.file_or_call(incoming) {
+            Ok(Some((content_type, content))) => {
+                http::respond(stream, content_type, content.as_bytes())
+            }
+            Ok(None) => {
+                self.desk.answer(stream, &incoming.body);
+                Ok(())
+            }
+            Err(refusal) => {
+                http::refuse(stream, refusal);
+                Ok(())
+            }
+        };
+        // A page that has gone needs no answer.
+        let _ = sent;
+    }
+
+    /// Returns the requested file of the page, or `None` for a call.
+    fn file_or_call(
+        &self,
+        incoming: &Incoming,
+    ) -> Result<Option<(&'static str, &'static str)>, Refusal> {
+        let hosts = ["127.0.0.1", "localhost"].map(|host| format!("{host}:{}", self.port));
+        // A page of another server may use a name that leads to this one.
+        if !incoming.host.as_ref().is_some_and(|host| hosts.contains(host)) {
+            return Err(Refusal::Foreign);
+        }
+        let own = |origin: &String| hosts.iter().any(|host| *origin == format!("http://{host}"));
+        if !incoming.origin.as_ref().is_none_or(own) {
+            return Err(Refusal::Foreign);
+        }
+        let path = incoming.path.strip_prefix('/').unwrap_or_default();
+        let (token, name) = path.split_once('/').ok_or(Refusal::Unknown)?;
+        if !is_equal(token, &self.token) {
+            return Err(Refusal::Unknown);
+        }
+        match (incoming.method.as_str(), name) {
+            ("GET", name) => {
+                let file = FILES.iter().find(|(known, ..)| *known == name);
+                let (_, content_type, content) = file.ok_or(Refusal::Unknown)?;
+                Ok(Some((content_type, content)))
+            }
+            ("POST", "call") => {
+                let is_json = incoming.content_type.as_deref() == Some("application/json");
+                match is_json && incoming.origin.is_some() {
+                    true => Ok(None),
+                    false => Err(Refusal::Foreign),
+                }
+            }
+            ("POST", _) => Err(Refusal::Unknown),
+            _ => Err(Refusal::Method),
+        }
+    }
+}
+
+/// Compares a token in a time that does not depend on the number of equal letters.
+fn is_equal(given: &str, token: &str) -> bool {
+    let differ = given.bytes().zip(token.bytes()).fold(0, |differ, (a, b)| differ | (a ^ b));
+    given.len() == token.len() && differ == 0
+}

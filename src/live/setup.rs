@@ -1,0 +1,168 @@
+//! The state of a page: a text, and the request applied to it.
+
+use super::shop::Shop;
+use crate::core::cancel::CancelToken;
+use crate::core::problem::UnknownName;
+use crate::core::system::Kind;
+use crate::scene::{Problem, Range, Request, Run, Scene, SceneError};
+use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
+
+/// The text of a scene or a model with a request, such as the options of `tangency trace`. Equal
+/// setups have equal results.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Setup {
+    /// The name of results.
+    pub name: String,
+    /// The text of a scene, of equations in RON, or of an XPPAUT model.
+    pub text: String,
+    /// Changed values, by the names of parameters and settings.
+    pub set: Vec<(String, String)>,
+    /// The varied parameters with their ranges. For a model without any, its first parameter varies.
+    pub along: Vec<Range>,
+    /// Bounds of parameters and monitors.
+    pub bounds: Vec<Range>,
+    /// Values of parameters and monitors at which branches are marked.
+    pub marks: Vec<(String, f64)>,
+    /// The initial states of the first run.
+    pub state: Vec<(String, f64)>,
+    /// The duration of the simulation before the first run.
+    pub settle: Option<f64>,
+    /// The kind of special point whose curve is traced in two varied parameters.
+    pub hold: Option<Kind>,
+    /// Further runs, which continue from special points.
+    pub runs: Vec<Run>,
+    /// The number of generations of emanating branches to trace.
+    pub depth: usize,
+    /// The kinds of special points from which these branches emanate; empty for all.
+    pub kinds: Vec<Kind>,
+    /// The column on the horizontal axis of the diagram, if chosen.
+    pub x: Option<String>,
+    /// The column on the vertical axis of the diagram, if chosen.
+    pub y: Option<String>,
+}
+
+/// The content of a text.
+#[expect(clippy::large_enum_variant, reason = "there is one")]
+pub(super) enum Stated {
+    Model(Problem),
+    Scene(Scene),
+}
+
+impl Setup {
+    /// Returns the name of results: letters and digits for file names.
+    pub(super) fn file_name(&self) -> String {
+        let plain = |letter: char| match letter.is_alphanumeric() || "-_.".contains(letter) {
+            true => letter,
+            false => '-',
+        };
+        let name: String = self.name.chars().take(80).map(plain).collect();
+        let name = name.trim_matches(['-', '.']);
+        if name.is_empty() { "scene".into() } else { name.into() }
+    }
+
+    /// Parses the text. A text without the form of RON is an XPPAUT model.
+    pub(super) fn stated(&self, shop: &Shop) -> Result<Stated, SceneError> {
+        let beginning = self.text.trim_start();
+        let is_model = Problem::is_file_of_equations(&PathBuf::new(), &self.text);
+        let is_scene = self.text.contains("Scene(") || beginning.starts_with('(');
+        if is_model || !is_scene {
+            let ending = if is_model { "ron" } else { "ode" };
+            let path = PathBuf::from(format!("{}.{ending}", self.file_name()));
+            return Problem::from_text(&path, &self.text, &[]).map(Stated::Model);
+        }
+        shop.parse(&self.text).map(Stated::Scene)
+    }
+
+    /// Returns the request that cancels with the token.
+    fn request(&self, cancel: &CancelToken) -> Request {
+        Request {
+            set: self.set.clone(),
+            along: self.along.clone(),
+            bounds: self.bounds.clone(),
+            marks: self.marks.clone(),
+            state: self.state.clone(),
+            settle: self.settle,
+            hold: self.hold,
+            cancel: cancel.clone(),
+            ..Request::default()
+        }
+    }
+
+    /// Returns the scene with the changed values, without runs for a model.
+    pub(super) fn values(&self, shop: &Shop) -> Result<Scene, SceneError> {
+        let mut scene = self.plain(shop)?;
+        scene.set_all(&self.set)?;
+        Ok(scene)
+    }
+
+    /// Returns the scene as written, without runs for a model.
+    fn plain(&self, shop: &Shop) -> Result<Scene, SceneError> {
+        Ok(match self.stated(shop)? {
+            Stated::Model(problem) => Scene::of_problem(problem, &self.name, &Request::default()),
+            Stated::Scene(scene) => scene,
+        })
+    }
+
+    /// Returns the setup without the values, ranges and runs of parameters that the text does not
+    /// have, and the names of these parameters: the text may have changed after they were set.
+    pub(super) fn suited(&self, shop: &Shop) -> Result<(Setup, Vec<String>), SceneError> {
+        let scene = self.plain(shop)?;
+        let parameters: Vec<String> =
+            scene.problem.parameters().into_iter().map(|(name, _)| name).collect();
+        let known = [scene.setting_names(), parameters.clone()].concat();
+        let mut left_out = Vec::new();
+        let mut keeps = |name: &String, known: &[String]| {
+            let keeps = known.contains(name);
+            if !keeps && !left_out.contains(name) {
+                left_out.push(name.clone());
+            }
+            keeps
+        };
+        let mut suited = self.clone();
+        suited.set.retain(|(name, _)| keeps(name, &known));
+        suited.along.retain(|range| keeps(&range.name, &parameters));
+        suited.runs.retain(|run| run.along.iter().all(|range| keeps(&range.name, &parameters)));
+        Ok((suited, left_out))
+    }
+
+    /// Checks that the text has all parameters and settings of the request; a text with errors is
+    /// not checked.
+    ///
+    /// # Errors
+    /// [`SceneError::UnknownName`] with a suggestion.
+    pub fn check_names(&self, shop: &Shop) -> Result<(), SceneError> {
+        let Ok((_, left_out)) = self.suited(shop) else { return Ok(()) };
+        let Some(unknown) = left_out.first() else { return Ok(()) };
+        let scene = self.plain(shop)?;
+        let known = [scene.problem.names(), scene.setting_names()].concat();
+        Err(UnknownName::new("parameter or setting", unknown, known).into())
+    }
+
+    /// Returns the scene to trace.
+    pub(super) fn scene(&self, shop: &Shop, cancel: &CancelToken) -> Result<Scene, SceneError> {
+        let mut request = self.request(cancel);
+        let scene = match self.stated(shop)? {
+            Stated::Scene(scene) => scene.requested(&request)?,
+            Stated::Model(problem) => {
+                if request.along.is_empty() {
+                    request.along.extend(first_range(&problem, &self.set));
+                }
+                Scene::of_model(problem, &self.name, &request)?
+            }
+        };
+        match self.runs.is_empty() {
+            true => Ok(scene),
+            false => scene.with_runs(self.runs.iter().cloned()),
+        }
+    }
+}
+
+/// Returns the usual range of the first parameter of a model.
+fn first_range(problem: &Problem, set: &[(String, String)]) -> Option<Range> {
+    let (name, value) = problem.parameters().into_iter().next()?;
+    let own = set.iter().rev().find(|(key, _)| *key == name);
+    let own = own.and_then(|(_, value)| value.parse().ok());
+    Some(Range::usual(name, own.or(value).unwrap_or_default()))
+}

@@ -1,0 +1,221 @@
+//! A trace for a page: the description of the scene, pictures on the way, and the result.
+
+use super::command::command;
+use super::describe::describe;
+use super::opened::Opened;
+use super::pages::{Kept, Message};
+use super::preview::Preview;
+use super::setup::Setup;
+use super::shop::Shop;
+use super::trouble::Trouble;
+use crate::core::cancel::CancelToken;
+use crate::core::continuation::{Branch, SpecialPoint};
+use crate::output::{
+    Document, Figure, FigureError, Panel, Summary, diagram, figures, hexadecimal, significant,
+};
+use crate::scene::{Following, Resolution, Scene, SceneError};
+use serde::Serialize;
+use serde_json::json;
+use std::sync::Arc;
+use std::sync::mpsc::Sender;
+use std::time::Instant;
+
+/// The significant digits of numbers in tables.
+const DIGITS: usize = 10;
+/// The significant digits of errors.
+const ERROR_DIGITS: usize = 2;
+/// The maximum number of generations of emanating branches.
+const DEPTH: usize = 20;
+
+/// Traces a setup and sends messages to its page; returns the result to keep.
+pub(super) fn trace(
+    setup: &Setup,
+    (shop, opened): (&Shop, Option<&Opened>),
+    cancel: &CancelToken,
+    out: &Sender<Message>,
+) -> Option<Kept> {
+    let begin = Instant::now();
+    let fail = |cause: &SceneError| {
+        let _ = out.send(Message::of(&json!({ "failed": Trouble::from(cause) })));
+    };
+    let (setup, left_out) = &setup.suited(shop).inspect_err(fail).ok()?;
+    let values = setup.values(shop);
+    let scene = values.as_ref().map_err(SceneError::clone).and_then(|_| setup.scene(shop, cancel));
+    if let Ok(values) = &values {
+        let description = describe(setup, values, scene.as_ref().ok());
+        let _ = out.send(Message::of(&json!({ "described": description })));
+    }
+    let traced = scene.and_then(|scene| {
+        let resolution = scene.resolve(None)?;
+        Ok(branches(setup, &resolution, (out, cancel)))
+    });
+    let (scene, document, failed) = traced.inspect_err(fail).ok()?;
+    if cancel.is_cancelled() && document.branches.is_empty() {
+        let trouble = Trouble::plain("the trace was stopped before its first branch");
+        let _ = out.send(Message::of(&json!({ "failed": trouble })));
+        return None;
+    }
+    let axes = [setup.x.clone(), setup.y.clone()];
+    let (scene, document) = (Arc::new(scene), Arc::new(document));
+    let kept = Kept { name: setup.file_name(), scene, document, axes };
+    let stopped = cancel.is_cancelled();
+    let done = Done {
+        millis: begin.elapsed().as_secs_f64() * 1e3,
+        stopped,
+        command: command(setup, shop, opened),
+        failed: failed.iter().map(|(run, cause)| Trouble::of_run(run, cause)).collect(),
+        warnings: left_out.iter().map(|name| unknown(name)).chain(kept.scene.warnings()).collect(),
+        drawing: Drawing::of(&kept),
+        branches: kept.document.branches.iter().map(BranchRow::new).collect(),
+    };
+    let _ = out.send(Message::of(&json!({ "done": done })));
+    Some(kept)
+}
+
+/// Returns the warning of a changed value that the text does not have.
+fn unknown(name: &str) -> String {
+    format!("the changed value or range of `{name}` is left out: the text has no such parameter")
+}
+
+/// A scene with all runs, its results, and the errors of runs.
+type Traced = (Scene, Document, Vec<(String, SceneError)>);
+
+/// Traces the branches.
+fn branches(
+    setup: &Setup,
+    resolution: &Resolution,
+    at: (&Sender<Message>, &CancelToken),
+) -> Traced {
+    let axes = [setup.x.as_deref(), setup.y.as_deref()];
+    let mut preview = Preview::new(resolution.scene().plot.clone(), axes, at);
+    if setup.depth > 0 {
+        let all = Following::all(setup.depth.min(DEPTH));
+        let kinds = if setup.kinds.is_empty() { all.kinds } else { setup.kinds.clone() };
+        let following = Following { kinds, ..all };
+        let (scene, outcome) = resolution.explore(&following, &mut preview);
+        let failed = outcome.error.into_iter().map(|cause| (String::new(), cause));
+        return (scene, outcome.document, failed.collect());
+    }
+    let (outcome, failed) = resolution.trace_each(&mut preview);
+    (resolution.scene().clone(), outcome.document, failed)
+}
+
+/// The result of a trace.
+#[derive(Serialize)]
+struct Done<'a> {
+    /// The time that the trace took, in milliseconds.
+    millis: f64,
+    /// Whether the trace was stopped before its end.
+    stopped: bool,
+    /// The equivalent command.
+    command: String,
+    failed: Vec<Trouble>,
+    warnings: Vec<String>,
+    drawing: Drawing,
+    branches: Vec<BranchRow<'a>>,
+}
+
+/// The diagrams of a result.
+#[derive(Serialize)]
+pub(super) struct Drawing {
+    colours: Vec<String>,
+    /// The columns that axes can show.
+    columns: Vec<String>,
+    panels: Vec<serde_json::Value>,
+    /// The reason why the diagram cannot be drawn, if so.
+    trouble: Option<String>,
+}
+
+impl Drawing {
+    /// Draws a result in its axes.
+    pub fn of(kept: &Kept) -> Self {
+        let (panels, trouble) = match diagrams(kept) {
+            Ok(figures) => (figures, None),
+            Err(cause) => (Vec::new(), Some(cause.to_string())),
+        };
+        let panels = panels.iter().map(|figure| json!(Panel::new(figure)));
+        let mut columns: Vec<String> = Vec::new();
+        for name in kept.document.branches.iter().flat_map(Branch::columns) {
+            // Largest and smallest values are drawn together, by the name of their state.
+            let state = name.strip_prefix("max_").or_else(|| name.strip_prefix("min_"));
+            for name in state.into_iter().chain([name]) {
+                if !columns.iter().any(|known| known == name) {
+                    columns.push(name.into());
+                }
+            }
+        }
+        Drawing { colours: hexadecimal(), columns, panels: panels.collect(), trouble }
+    }
+}
+
+/// Returns the diagrams, without the figures of profiles.
+fn diagrams(kept: &Kept) -> Result<Vec<Figure>, FigureError> {
+    let documents = [("", &*kept.document)];
+    let [x, y] = [kept.axes[0].as_deref(), kept.axes[1].as_deref()];
+    let chosen = (x.is_some() || y.is_some()).then(|| diagram(&documents, x, y.as_slice()));
+    let mut all = figures(&documents, &[], None, &[])?;
+    all.retain(|figure| figure.series.iter().any(|series| !series.origins.is_empty()));
+    if let (Some(chosen), Some(first)) = (chosen.transpose()?, all.first_mut()) {
+        *first = chosen;
+    }
+    all.iter().try_for_each(|figure| figure.extent().map(|_| ()))?;
+    Ok(all)
+}
+
+/// A branch with its special points, as in tables.
+#[derive(Serialize)]
+struct BranchRow<'a> {
+    name: &'a str,
+    summary: String,
+    warnings: &'a [String],
+    special: Vec<PointRow<'a>>,
+}
+
+impl<'a> BranchRow<'a> {
+    fn new(branch: &'a Branch) -> Self {
+        BranchRow {
+            name: &branch.name,
+            summary: Summary(branch).to_string(),
+            warnings: &branch.warnings,
+            special: branch.special.iter().map(|point| PointRow::new(branch, point)).collect(),
+        }
+    }
+}
+
+/// A special point in a table.
+#[derive(Serialize)]
+struct PointRow<'a> {
+    label: usize,
+    kind: &'a str,
+    meaning: &'a str,
+    event: &'a str,
+    converged: bool,
+    /// The values of the varied parameters.
+    at: Vec<String>,
+    error: String,
+    unstable: Option<usize>,
+    numbers: Vec<String>,
+}
+
+impl<'a> PointRow<'a> {
+    fn new(branch: &Branch, point: &'a SpecialPoint) -> Self {
+        let value = |name: &String| {
+            let value = branch.column(name).and_then(|column| point.value(column))?;
+            Some(format!("{name} = {}", significant(value, DIGITS)))
+        };
+        let numbers = point.numbers.iter().filter(|number| !number.is_detail());
+        PointRow {
+            label: point.label,
+            kind: point.kind.letters(),
+            meaning: point.kind.meaning(),
+            event: &point.event,
+            converged: point.converged,
+            at: branch.released.iter().filter_map(value).collect(),
+            error: significant(point.error, ERROR_DIGITS),
+            unstable: point.unstable,
+            numbers: numbers
+                .map(|number| format!("{} = {}", number.name, significant(number.value, 6)))
+                .collect(),
+        }
+    }
+}

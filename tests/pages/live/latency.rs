@@ -1,0 +1,74 @@
+//! The time from a change to the complete new diagram.
+
+use super::session::FOLD;
+use super::{Program, Session};
+
+const LORENZ: &str = "Equations(
+    states: [(\"x\", \"sigma*(y - x)\"), (\"y\", \"x*(rho - z) - y\"), (\"z\", \"x*y - beta*z\")],
+    parameters: [(\"rho\", 0), (\"sigma\", 10), (\"beta\", \"8/3\")],
+    initial: [(\"x\", 1)],
+)";
+const IMPACTS: &str = "HybridEquations(
+    modes: [(name: \"free\", states: [(\"x\", \"v\"), (\"v\", \"(force*cos(2*pi*f*t) - c*v - k*x)/m\")])],
+    guards: [(name: \"impact\", modes: [\"free\"], function: \"gap - x\", reset: [(\"v\", \"-e*v\")])],
+    parameters: [(\"f\", 30), (\"force\", 1.5), (\"m\", 0.2), (\"c\", 2), (\"k\", 2000), (\"gap\", 2e-3), (\"e\", 0.8)],
+    period: \"1/f\",
+    scales: [(\"x\", 1e-3), (\"v\", 0.1)],
+)";
+
+/// The number of changes of each scene.
+const CHANGES: usize = 15;
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values[values.len() / 2]
+}
+
+/// Moves the first slider of a parameter that is not varied, and returns the times to the first
+/// points, to the complete diagram, and of the trace, in milliseconds.
+fn change(session: &mut Session, change: usize) -> [f64; 3] {
+    let turn = session.text("document.body.dataset.turn");
+    let by = (1 + change as i64) * if change.is_multiple_of(2) { 1 } else { -1 };
+    session.value(&format!(
+        "(() => {{
+            const rows = [...document.querySelectorAll('.parameter:not(.varied)')];
+            const slider = rows.map(row => row.querySelector('input[type=range]')).find(it => !it.disabled);
+            slider.dataset.base ??= slider.value;
+            slider.value = Number(slider.dataset.base) + {by};
+            slider.dispatchEvent(new Event('input'));
+        }})()"
+    ));
+    session.browser.wait(&format!(
+        "document.body.dataset.busy === 'false' && document.body.dataset.turn !== '{turn}'"
+    ));
+    let times = ["first", "latency", "millis"];
+    times.map(|name| {
+        session.text(&format!("document.body.dataset.{name}")).parse().unwrap_or(f64::NAN)
+    })
+}
+
+/// Prints a table of medians.
+#[test]
+#[ignore = "measures times, on a machine that does nothing else"]
+fn latency() {
+    let program = Program::start(&[]);
+    let Some(mut session) = Session::open(&program) else { return };
+    println!("{:<20}{:>14}{:>14}{:>14}", "ms", "first points", "complete", "trace");
+    let measure = |session: &mut Session, name: &str| {
+        let times: Vec<[f64; 3]> = (0..CHANGES).map(|k| change(session, k)).collect();
+        let [first, complete, trace] =
+            [0, 1, 2].map(|k| median(times.iter().map(|times| times[k]).collect()));
+        println!("{name:<20}{first:>14.0}{complete:>14.0}{trace:>14.0}");
+    };
+    for (name, text) in
+        [("fold, typed", FOLD), ("Lorenz, typed", LORENZ), ("impacts, typed", IMPACTS)]
+    {
+        session.type_equations(text);
+        measure(&mut session, name);
+    }
+    for name in ["mita-type-1", "lure", "plate-clamped"] {
+        let program = Program::start(&[name]);
+        let Some(mut session) = Session::open(&program) else { return };
+        measure(&mut session, name);
+    }
+}
