@@ -105,10 +105,10 @@ const COLUMNS: f64 = 1e-6;
 const FAR: f64 = 0.2;
 
 /// Returns the differences of a new document from an old one: branches are matched by name, special
-/// points of a branch by kind and place. The continuation parameter may differ by the sum of both
-/// stated errors, every other column by 10⁻⁶ of its largest value along the branches. For a point
-/// that has not converged only the brackets are compared. Regular points, and the number of points
-/// of a branch, are ignored.
+/// points of a branch by kind and place. The continuation parameter may differ by the sum of the
+/// two stated errors, every other column by 10⁻⁶ of its largest value along the branches. For a
+/// point that has not converged only the brackets are compared. Regular points, and the number of
+/// points of a branch, are ignored.
 ///
 /// ```
 /// use tangency::output::{Document, compare, example_branch};
@@ -186,7 +186,7 @@ struct Both<'a> {
 }
 
 impl Both<'_> {
-    /// Returns the columns of both branches, with the values at two points and the largest value
+    /// Returns the columns of the two branches, with the values at two points and the largest value
     /// along the branches.
     fn columns<'b>(
         self,

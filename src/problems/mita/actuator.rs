@@ -378,10 +378,10 @@ impl HybridSystem for Actuator {
             ("dynamic_friction", parameters.dynamic_friction()),
         ];
         if let Some((name, value)) = ratios.into_iter().find(|(_, value)| *value < 0.0) {
-            return Err(OutOfDomain::new(name, value, "it must be 0 or more"));
+            return Err(OutOfDomain::new(name, value, "the parameter must not be negative"));
         }
         if frame_mass <= 0.0 {
-            return Err(OutOfDomain::new("frame_mass", frame_mass, "a mass must be more than 0"));
+            return Err(OutOfDomain::new("frame_mass", frame_mass, "a mass must be positive"));
         }
         VectorField::domain(&Block, &x[..1], &parameters.block().map(|p| *p))
     }

@@ -16,7 +16,7 @@ pub(super) fn parameters(units: Units, p: &[f64]) -> Result<Parameters<f64>, Out
             return Err(OutOfDomain::new(*name, *value, "every parameter must be finite"));
         }
         if positive && *value <= 0.0 {
-            return Err(OutOfDomain::new(*name, *value, "it must be positive"));
+            return Err(OutOfDomain::new(*name, *value, "the parameter must be positive"));
         }
     }
     let plate = units.parameters(p);
@@ -35,7 +35,7 @@ pub(super) fn parameters(units: Units, p: &[f64]) -> Result<Parameters<f64>, Out
 pub(super) fn not_negative(name: &str, ratio: f64) -> Result<(), OutOfDomain> {
     match ratio >= 0.0 && ratio.is_finite() {
         true => Ok(()),
-        false => Err(OutOfDomain::new(name, ratio, "it must be 0 or more, and finite")),
+        false => Err(OutOfDomain::new(name, ratio, "the ratio must be finite and not negative")),
     }
 }
 
@@ -45,7 +45,7 @@ pub(super) fn clear(largest: f64, limit: f64) -> Result<(), OutOfDomain> {
         return Ok(());
     }
     let remedy = format!(
-        "the deflection must stay clear of the electrode, below {limit} of the gap; end the branch before"
+        "the deflection must stay below {limit} of the gap, clear of the electrode; end the branch earlier"
     );
     Err(OutOfDomain::new("max_deflection", largest, remedy))
 }

@@ -24,7 +24,7 @@ enum Recorded {
     Gap,
     /// The real part of the leading eigenvalue of a side.
     Rate(Side),
-    /// The saddle quantity: the sum of both real parts.
+    /// The saddle quantity: the sum of the two real parts.
     Quantity,
     /// The squared difference of the two leading eigenvalues of a side.
     Discriminant(Side),
@@ -33,7 +33,7 @@ enum Recorded {
     Share(Side),
 }
 
-/// The number of extras before the coordinates of the equilibrium: the time and the gap.
+/// The number of extra unknowns before the coordinates of the equilibrium: the time and the gap.
 const BEFORE_PLACE: usize = 2;
 
 /// The orbits that leave an equilibrium `x₀` along its unstable manifold and return near the equilibrium,
@@ -54,10 +54,10 @@ const BEFORE_PLACE: usize = 2;
 ///     L = Cᵀ + Z Bᵀ,    N = B − C Z,    L f_x(x₀, p) N = 0
 /// ```
 ///
-/// Deviations are in units of the extents of the orbit, and `R_u` and `R_s` give their components along
-/// the eigenvectors. The unknowns are the states, `T`, `g`, `x₀`, and both `Z`. The parameter at which
-/// `g = 0` has errors of order `ε₀^(2 + |λ_s|/λ_u)` and `ε₁^(2 + λ_u/|λ_s|)`, with the leading
-/// eigenvalues.
+/// Deviations are in units of the extents of the orbit, and `R_u` and `R_s` give their components
+/// along the eigenvectors. The unknowns are the states, `T`, `g`, `x₀`, and the two matrices `Z`.
+/// The parameter at which `g = 0` has errors of order `ε₀^(2 + |λ_s|/λ_u)` and `ε₁^(2 +
+/// λ_u/|λ_s|)`, with the leading eigenvalues.
 pub(in crate::core) struct HomoclinicOrbit {
     /// The problem of the cycles near the orbit.
     cycles: ErasedProblem,
@@ -73,7 +73,7 @@ struct Parts<'q, T> {
     of_cycles: &'q [T],
     gap: T,
     place: &'q [T],
-    /// The matrices `Z` of both subspaces.
+    /// The matrices `Z` of the two subspaces.
     outgoing: &'q [T],
     incoming: &'q [T],
 }
