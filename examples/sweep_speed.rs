@@ -1,5 +1,5 @@
 //! How many periods of a motion with impacts are simulated in a second: Mita's actuator at ω = 0.5,
-//! on P(1,1) (V = 0.52) and in chaos (V = 0.65), many motions abreast and one after the other, with
+//! on P(1,1) (V = 0.52) and in chaos (V = 0.65), many motions abreast and one after another, with
 //! the error of the state after one period; and what a second thread gives to a sweep.
 //!
 //! ```sh
@@ -76,7 +76,7 @@ fn abreast(
     Ok(members)
 }
 
-/// The same one after the other.
+/// The same one after another.
 fn alone(
     members: &[Member<f64>],
     most: usize,

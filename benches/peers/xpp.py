@@ -72,7 +72,7 @@ class Model:
         return "\n".join([self.text, *values, "done\n"])
 
     def copy(self, states, options, initial):
-        """The text for xppaut, with the columns of further digits behind all others."""
+        """The text for xppaut, with the columns of further digits after all others."""
         own = re.findall(r"^\s*au\w*\s+[^\[=\n]*(\[[^\]=\n]*\])?[^=\n]*=(.*)$", self.text, re.I | re.M)
         formulas = [("", name) for name in states] + own  # with the range of indices of an array
         digits = [f"aux q{k}d{n}_{indices}=({formula.strip()})-flr(({formula.strip()})*{scale})/{scale}"

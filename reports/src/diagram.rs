@@ -273,7 +273,7 @@ impl WorkPrecision {
         let of_one = |panel: &Measured| panel.clock == Clock::Processor;
         let threads = match self.panels.iter().all(of_one) {
             true => "one thread",
-            false => "one thread where none are counted",
+            false => "one thread unless a thread count is given",
         };
         for panel in &self.panels {
             // Writing into a string cannot fail.
@@ -290,7 +290,7 @@ impl Report for WorkPrecision {
         &self.name
     }
 
-    /// Returns a panel for each problem: error against time.
+    /// Returns a panel of error against time for each problem.
     fn figures(&self) -> Vec<Figure> {
         self.panels.iter().map(Measured::figure).collect()
     }

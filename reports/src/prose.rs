@@ -16,6 +16,8 @@ pub enum Source {
     Help,
     /// Messages: attributes `#[error("…")]` and other string literals of several words.
     Message,
+    /// Titles and labels of reports: string literals of `reports/`.
+    Report,
     /// Documentation comments.
     Doc,
     /// Comments in code.
@@ -33,6 +35,7 @@ impl fmt::Display for Source {
             Source::Document => "document",
             Source::Help => "help",
             Source::Message => "message",
+            Source::Report => "report",
             Source::Doc => "doc comment",
             Source::Comment => "comment",
         })
@@ -142,11 +145,25 @@ impl<'a> Joiner<'a> {
     /// Ends the paragraph.
     fn end(&mut self, all: &mut Vec<Paragraph>) {
         let text = std::mem::take(&mut self.text);
-        if text.contains(' ') {
+        if text.contains(' ') && !is_link(&text) {
             let (source, file, line) = (self.source, self.file.to_path_buf(), self.line);
             all.push(Paragraph { source, file, line, text });
         }
     }
+}
+
+/// Whether a text consists of links only, such as an entry of a table of contents.
+fn is_link(text: &str) -> bool {
+    let (mut rest, mut outside) = (text, String::new());
+    while let Some((before, link)) = rest.split_once('[') {
+        let Some((_, target)) = link.split_once("](") else { return false };
+        let Some((_, after)) = target.split_once(')') else { return false };
+        outside.push_str(before);
+        rest = after;
+    }
+    rest.len() < text.len()
+        && !outside.contains(char::is_alphanumeric)
+        && !rest.contains(char::is_alphanumeric)
 }
 
 fn markdown(file: &Path, text: &str, all: &mut Vec<Paragraph>) {
@@ -187,6 +204,7 @@ fn rust(file: &Path, text: &str, all: &mut Vec<Paragraph>) {
 
 /// String literals of at least six words: shorter ones are mostly parts of messages.
 fn messages(file: &Path, text: &str, all: &mut Vec<Paragraph>) {
+    let source = if file.starts_with("reports") { Source::Report } else { Source::Message };
     let mut rest = text;
     let mut line = 1;
     while let Some(at) = rest.find(['"', '/', '\'']) {
@@ -194,6 +212,9 @@ fn messages(file: &Path, text: &str, all: &mut Vec<Paragraph>) {
         let found = &rest[at..];
         let length = if found.starts_with("//") {
             found.find('\n').unwrap_or(found.len())
+        } else if let Some(length) = raw(&rest[..at], found) {
+            // Raw strings are scenes, equations and patterns.
+            length
         } else if found.starts_with('"') {
             let length = literal(found);
             let words = unescaped(&found[1..length.max(2) - 1]);
@@ -201,7 +222,7 @@ fn messages(file: &Path, text: &str, all: &mut Vec<Paragraph>) {
             let count =
                 words.split(' ').filter(|word| word.chars().any(char::is_alphabetic)).count();
             if is_prose && count >= 6 {
-                let (source, file) = (Source::Message, file.to_path_buf());
+                let file = file.to_path_buf();
                 all.push(Paragraph { source, file, line, text: words });
             }
             length
@@ -213,6 +234,18 @@ fn messages(file: &Path, text: &str, all: &mut Vec<Paragraph>) {
         line += found[..length].matches('\n').count();
         rest = &found[length..];
     }
+}
+
+/// The length of a raw string that begins at a quote, from that quote; `None` if the text before the
+/// quote does not end in `r`, `r#`, ….
+fn raw(before: &str, found: &str) -> Option<usize> {
+    let prefix = before.trim_end_matches('#');
+    let name = prefix.strip_suffix('r')?;
+    if !found.starts_with('"') || name.ends_with(|c: char| c.is_alphanumeric() || c == '_') {
+        return None;
+    }
+    let end = format!("\"{}", "#".repeat(before.len() - prefix.len()));
+    found[1..].find(&end).map(|at| 1 + at + end.len())
 }
 
 /// The length of a string literal, its quotes included.
@@ -250,13 +283,15 @@ impl Paragraph {
         let mut sentences = Vec::new();
         let mut start = 0;
         for (at, _) in self.text.match_indices(['.', '?', '!']) {
-            let (before, behind) = (&self.text[start..at], &self.text[at + 1..]);
+            let (before, after) = (&self.text[start..at], &self.text[at + 1..]);
             let last = before.rsplit([' ', '(']).next().unwrap_or_default();
             // Abbreviations are short, or begin with a capital letter: `eq.`, `Int.`
             let letters = last.chars().filter(|c| c.is_alphabetic()).count();
             let least = if last.starts_with(char::is_uppercase) { 4 } else { 3 };
-            let word = letters >= least || last.ends_with(['`', ')', '*']);
-            let next = behind.strip_prefix(' ').and_then(|next| next.chars().next());
+            let word = letters >= least
+                || last.ends_with(['`', ')', '*'])
+                || last.ends_with(|c: char| c.is_ascii_digit());
+            let next = after.strip_prefix(' ').and_then(|next| next.chars().next());
             if word && next.is_some_and(|c| c.is_uppercase() || "`[*".contains(c)) {
                 sentences.push(self.text[start..=at].trim());
                 start = at + 1;

@@ -76,11 +76,11 @@ fn no_method_of_the_library_is_silently_wrong() {
 #[test]
 fn naive_methods_are_silently_wrong() {
     for (name, panel, method) in [
-        ("newton", 0, "Newton's formula, load held"),
-        ("steps", 0, "Steps of one length, without control"),
+        ("newton", 0, "Newton's formula at a fixed load"),
+        ("steps", 0, "Steps of fixed length, without step control"),
         ("events", 0, "ends of steps"),
         ("events", 0, "8192 parts"),
-        ("chatter", 3, "Steps of one length"),
+        ("chatter", 3, "Steps of fixed length"),
         ("polynomials", 0, "powers, 7 digits"),
         ("polynomials", 0, "powers, 16 digits"),
         ("quadrature", 0, "Gauss points"),
@@ -102,9 +102,9 @@ fn newton_stagnates_beyond_the_fold_and_hands_over_to_arclength() {
     }
     ends(newton, 2, [0.75, 0.05], "a point of the branch");
     // Behind the electrode there is a third root, which is no deflection.
-    ends(newton, 0, [0.91, 1.25], "a deflection behind the electrode");
+    ends(newton, 0, [0.91, 1.25], "a deflection beyond the electrode");
     ends(newton, 1, [0.91, 1.25], "left the domain");
-    ends(newton, 3, [0.91, 1.25], "both deflections, by arclength from rest");
+    ends(newton, 3, [0.91, 1.25], "continuation from rest finds both solutions");
     // Beyond the fold there is no deflection at all.
     ends(newton, 1, [1.05, 0.35], "stagnation");
     ends(newton, 3, [1.05, 0.35], "the fold comes before this load");
@@ -128,7 +128,7 @@ fn steps_do_not_leave_their_branch() {
     let (near, far): (Vec<_>, Vec<_>) = adapted.cells.iter().partition(|cell| cell.x < -3.5);
     let found = |cell: &Cell| steps.outcomes[cell.outcome].name.as_str();
     assert!(far.iter().all(|cell| found(cell) == "followed"));
-    let crossed = near.iter().filter(|cell| found(cell) == "taken for a branch point").count();
+    let crossed = near.iter().filter(|cell| found(cell) == "reported as a branch point").count();
     let followed = near.iter().filter(|cell| found(cell) == "followed").count();
     assert_eq!((crossed + followed, crossed > followed), (near.len(), true), "{crossed}");
     let messages = only(steps, 1).cells.iter().filter_map(|cell| cell.message.as_deref());
@@ -159,7 +159,7 @@ fn crossings_are_found_up_to_the_touch() {
     ends_in_row(events, 0, "largest value", -6.0, "the height beyond the level");
     ends_in_row(events, 0, "largest value", -14.0, "no crossing, to the tolerance of the flow");
     ends_in_row(events, 1, "clear of the stop", -2.0, "the grazing");
-    ends_in_row(events, 1, "through the stop", -2.0, "refused: it passes through the stop");
+    ends_in_row(events, 1, "through the stop", -2.0, "refused: the orbit passes through the stop");
 }
 
 #[test]
@@ -198,7 +198,7 @@ fn plates_end_before_their_load_is_no_longer_integrated() {
     for tried in &quadrature.panels[1].methods {
         for cell in &tried.cells {
             let ended =
-                quadrature.outcomes[cell.outcome].name == "the branch ends clear of the electrode";
+                quadrature.outcomes[cell.outcome].name == "the branch ends before the electrode";
             // The model ends at 0.96 of the gap.
             assert_eq!(ended, cell.x < 0.04_f64.log10(), "{}, {cell:?}", tried.name);
         }
@@ -212,7 +212,7 @@ fn stiff_fields_are_refused_and_go_to_the_implicit_method() {
         ends(stiffness, panel, [6.0, -6.0], "refused as stiff");
         ends(stiffness, panel, [2.0, -6.0], "done, by more evaluations than Rodas5P");
     }
-    ends(stiffness, 3, [6.0, -6.0], "done by Rodas5P after order 8 has refused");
+    ends(stiffness, 3, [6.0, -6.0], "done by Rodas5P after order 8 failed");
     let implicit = only(stiffness, 2);
     assert_eq!(stiffness.count(implicit, "done"), implicit.cells.len());
 }

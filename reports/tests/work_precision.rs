@@ -51,9 +51,9 @@ fn plates_need_polynomials_for_digits_and_no_work_repairs_linear_theory() {
     assert!(linear.iter().all(|error| (error - linear[2]).abs() < 0.02 && *error > 0.6));
     // Few functions in the plane bound what any number across can do.
     let orders = panel("plate-orders", 0);
-    let bound = errors(orders, "3 in the plane");
+    let bound = errors(orders, "in-plane order 3");
     assert!(bound[3..].iter().all(|error| *error > 1e-5), "{bound:?}");
-    assert!(error(orders, "11 in the plane", "8 and 11") < 1e-7);
+    assert!(error(orders, "in-plane order 11", "8 and 11") < 1e-7);
 }
 
 #[test]
@@ -129,8 +129,8 @@ fn a_fold_by_differences_needs_a_lucky_step_and_dual_numbers_none() {
 fn derivatives_by_many_parameters_are_those_by_few() {
     let parameters = panel("scaling", 2);
     let [together, one_by_one, differences] = [
-        "dual numbers, all parameters at once",
-        "dual numbers, one by one",
+        "dual numbers, all parameters in one pass",
+        "dual numbers, one parameter per pass",
         "one-sided differences, step 1e-7",
     ]
     .map(|line| errors(parameters, line));
@@ -271,7 +271,7 @@ fn defaults() -> Vec<(&'static str, usize, String, String)> {
     let flow_tolerance = format!("{:.0e}", scene.sweeps[0].flow_tolerance);
     let mut defaults = vec![
         ("plate-models", 0, "full model".into(), orders.clone()),
-        ("plate-orders", 0, format!("{} in the plane", in_plane[0]), orders),
+        ("plate-orders", 0, format!("in-plane order {}", in_plane[0]), orders),
         // Orbits and histories, and sweeps.
         ("flow", 0, scheme.into(), tolerance.clone()),
         ("flow", 1, scheme.into(), flow_tolerance),

@@ -69,7 +69,7 @@ pub enum CommandError {
     #[error(
         "`--start all` and `--box` must be given together: branches start at all solutions in the box"
     )]
-    #[diagnostic(help("give both, as in `--start all --box x=-3..3,y=0..5`"))]
+    #[diagnostic(help("give both options, as in `--start all --box x=-3..3,y=0..5`"))]
     Everywhere,
     /// `--start all` is given to `tangency manifolds`.
     #[error("manifolds belong to one saddle")]
@@ -89,9 +89,7 @@ pub enum CommandError {
     #[diagnostic(help("omit --width, or draw a picture (.svg, .png, .pdf)"))]
     PageWidth,
     /// `--points` is combined with `--x` or `--y`.
-    #[error(
-        "--points selects the profiles beside the default diagram and cannot be combined with --x or --y"
-    )]
+    #[error("--points adds profiles to the default diagram and cannot be combined with --x or --y")]
     PointsInColumns,
     /// A separator is given for an output that is not comma-separated.
     #[error("--separator applies to comma-separated values")]
@@ -104,7 +102,8 @@ pub enum CommandError {
          unstable directions"
     )]
     #[diagnostic(help(
-        "trace such a curve with --hold and stability=true; repeat the trace of a document of another version"
+        "trace such a curve with --hold and stability=true; if another version wrote the document, \
+         repeat the trace"
     ))]
     NoRegions,
     /// Several columns are given for the vertical axis of a sweep.

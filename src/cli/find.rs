@@ -17,8 +17,8 @@ const EXAMPLES: &str = "Examples:
 
 /// Find the equilibria, fixed points or zeros in a box, with their eigenvalues
 ///
-/// Newton's method starts at many points of the box, and known solutions are removed from the
-/// equations by deflation. The search is not guaranteed to find all solutions.
+/// Newton's method starts at many points of the box. Deflation removes known solutions from the
+/// equations. The search may miss solutions.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Find {
@@ -51,7 +51,8 @@ impl Find {
         let found = roots.len();
         writeln!(
             out,
-            "{found} in the box, {outside} outside; {lost} of {starts} starts found no further solution"
+            "{found} in the box, {outside} outside the box; {lost} of {starts} starting points led to no \
+             further solution"
         )?;
         if signals::interrupted() { Err(CommandError::Interrupted) } else { Ok(()) }
     }

@@ -23,11 +23,11 @@ use std::sync::mpsc::{Sender, channel};
 #[derive(Debug, Args)]
 pub struct GridArgs {
     /// Trace the scene for equally spaced values of a setting, on all cores; repeat the option for
-    /// all combinations of several settings. Finished designs are kept, and the same command
-    /// resumes
+    /// all combinations of several settings. Results of finished combinations are kept; repeat the
+    /// command to resume an interrupted grid
     #[arg(long, value_name = "NAME=LOW..HIGH:COUNT", value_parser = axis)]
     pub grid: Vec<Grid>,
-    /// Compute part K of N of the grid only; the last part writes the table
+    /// Compute only part K of N of the grid; the last part writes the table of all parts
     #[arg(long, value_name = "K/N", value_parser = super::sweep::share, requires = "grid")]
     part: Option<Part>,
 }

@@ -26,8 +26,9 @@ const EXAMPLES: &str = "Examples:
 /// Draw the stable and unstable manifolds of a saddle of a map with two states
 ///
 /// The saddle is a fixed point, or a cycle of `iterates` iterates. Each half of a manifold is
-/// computed outward from the saddle. The command prints the reason for its end and the largest
-/// distance (`deviation`) between the images of its points and the curve.
+/// computed outward from the saddle. For each half, the command prints the reason why the half
+/// ends, and the largest distance (`deviation`) between the curve and the images of the points on
+/// the curve.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Manifolds {
@@ -39,17 +40,17 @@ pub struct Manifolds {
     /// initial state of the model]
     #[arg(long, value_name = "NAME=VALUE,… or FILE:LABEL or FILE:BRANCH/LABEL", value_parser = start)]
     start: Option<Begin>,
-    /// The maximum arclength of each half, in units of the states' scales
+    /// The maximum arclength of each half of a manifold, in units of the states' scales
     #[arg(long, value_name = "LENGTH", default_value = "20", value_parser = value)]
     length: f64,
-    /// The maximum distance between the curve and the chord between two points, in units of the
+    /// The maximum distance between the curve and the chords between its points, in units of the
     /// states' scales
     #[arg(long, value_name = "DISTANCE", default_value = "1e-4", value_parser = value)]
     resolution: f64,
-    /// The maximum number of points of each half
+    /// The maximum number of points of each half of a manifold
     #[arg(long, value_name = "COUNT", default_value_t = 20_000)]
     max_points: usize,
-    /// End a half where a state leaves a range
+    /// End each half of a manifold where a state leaves a range
     #[arg(long, value_name = "NAME=LOW..HIGH", value_parser = range)]
     bound: Vec<Range>,
 }

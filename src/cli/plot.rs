@@ -45,11 +45,11 @@ pub struct Plot {
     /// The columns with logarithmic axes, such as period
     #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
     log: Vec<String>,
-    /// Write the numbers of unstable directions on both sides of curves in two parameters
+    /// Write the numbers of unstable directions on the two sides of curves in two parameters
     #[arg(long)]
     regions: bool,
     /// The special points whose profiles are drawn, or written as .csv or .npz, such as 2,5 or
-    /// orbits/2, or all [default: a few that differ]
+    /// orbits/2, or all [default: a few points with different profiles]
     #[arg(long, value_name = "LABEL or BRANCH/LABEL or all", value_delimiter = ',')]
     points: Vec<String>,
     /// The width of the picture in millimetres, such as 84 for a journal's column [default: 170]
@@ -66,7 +66,7 @@ pub struct Plot {
     separator: Option<char>,
     /// The output file: .svg, .png, .pdf, .html for an interactive page, .csv for all points of
     /// branches or sweeps, .json for a document, or, with --points, .csv or .npz for profiles
-    /// [default: an .svg file beside the first document, named after the columns]
+    /// [default: an .svg file in the folder of the first document, named after the columns]
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
 }
@@ -144,8 +144,8 @@ impl Plot {
         Ok(())
     }
 
-    /// Returns the default path of the picture beside a document: `lure.svg`, as written by
-    /// `trace`, or `lure-x=alpha-min_x.svg` with other columns or points.
+    /// Returns the default path of the picture, in the folder of a document: `lure.svg`, as written
+    /// by `trace`, or `lure-x=alpha-min_x.svg` with other columns or points.
     fn beside(&self, file: &Path) -> PathBuf {
         let x = self.x.iter().map(|column| format!("-x={column}"));
         let others = self.y.iter().chain(&self.points).map(|column| format!("-{column}"));

@@ -12,7 +12,7 @@ use clap::Args;
 #[derive(Debug, Default, Args)]
 pub struct RequestArgs {
     /// The continuation parameter and its range; repeat with a second parameter for curves of
-    /// special points. For a scene: a new range for one of its parameters
+    /// special points. For a scene, the option gives a new range for a parameter of the scene
     #[arg(long, value_name = "NAME=LOW..HIGH", value_parser = range)]
     pub along: Vec<Range>,
     /// End branches where a parameter or a column leaves a range
@@ -22,8 +22,8 @@ pub struct RequestArgs {
     /// and saved
     #[arg(long, value_name = "NAME=VALUE", value_parser = mark)]
     pub mark: Vec<(String, f64)>,
-    /// Start from the motion after this time of simulation (in periods of the forcing, if there is
-    /// one)
+    /// Simulate for this time first, then start from the resulting motion (in forcing periods, if
+    /// there is a forcing)
     #[arg(long, value_name = "TIME", value_parser = value)]
     pub settle: Option<f64>,
     /// Trace the curve of a kind of special point, in the two parameters of --along
@@ -31,7 +31,8 @@ pub struct RequestArgs {
     pub hold: Option<Kind>,
     /// Trace the branches that emanate from special points: other branches at branch points, orbits
     /// at Hopf points, doubled orbits at period doublings, and impacting or sliding orbits at
-    /// grazings. Give `all`, or some kinds of points (LP: only where several folds coincide)
+    /// grazings. Give `all`, or a list of kinds; `LP` switches branches only where several folds
+    /// coincide
     #[arg(long, value_name = "all or BP,HB,…", value_parser = switch)]
     pub switch: Option<Switch>,
     /// The number of generations of emanating branches to trace
@@ -43,7 +44,7 @@ pub struct RequestArgs {
 /// The kinds of special points at which branches are switched.
 #[derive(Clone, Debug)]
 pub enum Switch {
-    /// All kinds that can occur in the request.
+    /// All kinds of special points that can occur in the request.
     All,
     /// The given kinds.
     Kinds(Vec<Kind>),

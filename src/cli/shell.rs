@@ -15,7 +15,7 @@ pub struct Completions {
     shell: Shell,
 }
 
-/// Print the manual page of each command, one after the other, in roff
+/// Print the manual page of each command, one after another, in roff
 ///
 /// For example `tangency man > tangency.1; man ./tangency.1`.
 #[derive(Debug, Args)]

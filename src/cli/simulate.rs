@@ -28,7 +28,8 @@ pub struct Simulate {
     scene: SceneAt,
     #[command(flatten)]
     folder: OutFolder,
-    /// Start in these states, by name; the others start at the model's initial values, or at 0
+    /// Start in these states, by name; all other states start at the model's initial values, or at
+    /// 0
     #[arg(long, value_name = "NAME=VALUE,…", value_parser = states)]
     from: Option<States>,
     /// The duration of the history, in periods of the forcing if there is one

@@ -30,7 +30,7 @@ const EXAMPLES: &str = "Examples:
 
 /// Find the attractors of a model over ranges of parameters and initial states, on all cores
 ///
-/// Finished runs are saved at intervals, and the same command resumes an interrupted sweep.
+/// Finished runs are saved at intervals; repeat the command to resume an interrupted sweep.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Sweep {
@@ -45,13 +45,13 @@ pub struct Sweep {
     /// Sweep the values of one parameter upward and downward
     #[arg(long, requires = "over")]
     both: bool,
-    /// Start in these states, by name; the others start at 0
+    /// Start in these states, by name; all other states start at 0
     #[arg(long, value_name = "NAME=VALUE,…", value_parser = states, requires = "over")]
     from: Option<States>,
-    /// The event at which motion without forcing is sampled, just after the event
+    /// The event just after which motion without forcing is sampled
     #[arg(long, value_name = "EVENT", requires = "over")]
     at: Option<String>,
-    /// Compute part K of N only; `tangency merge` joins the parts
+    /// Compute only part K of N of the sweep; `tangency merge` joins the parts
     #[arg(long, value_name = "K/N", value_parser = share)]
     part: Option<Part>,
     /// The number of threads [default: the number of cores]
@@ -92,7 +92,7 @@ const LONGEST: f64 = 1e6;
 fn seconds(text: &str) -> Result<Duration, String> {
     let number = text.trim().parse().ok().filter(|seconds| (0.0..=LONGEST).contains(seconds));
     number.map(Duration::from_secs_f64).ok_or_else(|| {
-        format!("the number of seconds must be from 0 to {LONGEST:e}, for example 5")
+        format!("the number of seconds must be between 0 and {LONGEST:e}, for example 5")
     })
 }
 
@@ -257,7 +257,8 @@ fn divided(scene: &Scene, part: Part, out: &mut impl Write) -> Result<(), Comman
     if let Some((strands, largest)) = scene.better_strands(part.of) {
         writeln!(
             out,
-            "`--set strands={strands}`, given for all parts, reduces the largest to {largest}; each strand begins at the initial state, so results may differ"
+            "`--set strands={strands}`, given for all parts, reduces the largest part to {largest} runs; \
+             each strand begins at the initial state, so results may differ"
         )?;
     }
     Ok(())
@@ -271,7 +272,7 @@ fn report(sweeps: &Sweeps, out: &mut impl Write) -> Result<(), CommandError> {
         match rows.iter().find_map(|(run, row)| Some((run, row.failure.as_ref()?))) {
             Some((run, why)) => {
                 let why = printable(why);
-                writeln!(out, "; {failed} failed, the first, run {run}: {why}")?;
+                writeln!(out, "; {failed} failed; the first failure is run {run}: {why}")?;
             }
             None => writeln!(out)?,
         }
@@ -306,7 +307,7 @@ impl SweepWatch for Keeper<'_> {
         let &SweepForecast { runs, periods, threads, time } = work;
         let threads = if threads == 1 { "1 thread".into() } else { format!("{threads} threads") };
         let what = format!("{runs} runs of up to {periods} periods, on {threads},");
-        let remedy = "Ctrl-C keeps the finished runs, and the same command resumes";
+        let remedy = "Ctrl-C keeps the finished runs; repeat the command to resume the sweep";
         announce(&self.bar, &self.sweep, &what, time, remedy);
     }
 

@@ -38,11 +38,11 @@ pub struct Trace {
     wanted: Wanted,
     #[command(flatten)]
     folder: OutFolder,
-    /// Compare the result with an earlier one, as `tangency compare` does
+    /// Compare the result with an earlier document, as `tangency compare` does
     #[arg(long, value_name = "FILE")]
     check: Option<PathBuf>,
-    /// Write the numbers of unstable directions on both sides of curves in two parameters into the
-    /// picture
+    /// Write the numbers of unstable directions on the two sides of curves in two parameters into
+    /// the picture
     #[arg(long)]
     regions: bool,
     /// Exit with code 3 if a special point has not converged, or a branch ends unexpectedly

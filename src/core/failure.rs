@@ -107,7 +107,7 @@ pub enum FlowError {
     },
     /// The flow took more steps than allowed.
     #[error(
-        "at t = {time:.9e} the flow reached its limit of {steps} steps, the last one of {step:.1e}"
+        "at t = {time:.9e} the flow reached the limit of {steps} steps; the last step was {step:.1e}"
     )]
     #[diagnostic(help(
         "allow more steps, loosen the tolerance, split the interval, or use the implicit method Rodas5P if the \
@@ -123,8 +123,8 @@ pub enum FlowError {
     },
     /// Stability, not accuracy, limits the steps of an explicit method.
     #[error(
-        "at t = {time:.9e} the field is stiff: a step of {step:.1e} times its fastest rate is {product:.1}, the \
-         limit of stability"
+        "at t = {time:.9e} the field is stiff: a step of {step:.1e} times the fastest rate of the field \
+         is {product:.1}, the limit of stability"
     )]
     #[diagnostic(help("use the implicit method Rodas5P"))]
     Stiff {
@@ -164,7 +164,9 @@ pub enum Failure {
         remedy: String,
     },
     /// A matrix is singular to 16 digits.
-    #[error("the matrix is singular: pivot {pivot:.1e} where the largest is {largest:.1e}")]
+    #[error(
+        "the matrix is singular: one pivot is {pivot:.1e}, and the largest pivot is {largest:.1e}"
+    )]
     #[diagnostic(help("{}", of_singular(*pivot)))]
     Singular {
         /// The smallest pivot.
@@ -185,7 +187,7 @@ pub enum Failure {
     #[error(
         "deviations and rounding errors grow by {0:.1e} over a segment, which leaves too few digits"
     )]
-    #[diagnostic(help("use more segments, or collocation"))]
+    #[diagnostic(help("use more segments, or the collocation method"))]
     Growth(f64),
     /// A segment of a trial solution lasts longer than the limit.
     #[error(
@@ -207,8 +209,8 @@ pub enum Failure {
     Eigenvalues(&'static str),
     /// No complex pair of eigenvalues or Floquet multipliers can become critical.
     #[error(
-        "no complex pair of eigenvalues is near the imaginary axis (or of multipliers near the unit circle): \
-         the point is not a Hopf or torus point, but possibly a neutral saddle"
+        "there is no complex pair of eigenvalues near the imaginary axis, or of multipliers near the \
+         unit circle: the point is not a Hopf or torus point, but possibly a neutral saddle"
     )]
     NoComplexPair,
     /// The equations do not determine the requested result at this point; the text gives the reason.
@@ -219,7 +221,8 @@ pub enum Failure {
     Unsupported(String),
     /// The index of a branch is too large.
     #[error(
-        "other branch {which} does not exist: {count} other branches begin or cross here, counted from 0"
+        "there is no other branch with index {which}: {count} other branches begin or cross here, \
+         numbered from 0"
     )]
     NoBranch {
         /// The requested index.
@@ -302,10 +305,10 @@ pub(crate) fn finite_gradient(
     released: &[usize],
 ) -> Result<(), Failure> {
     let (by_unknowns, by_parameters) = gradient.split_at(dimension);
-    finite(by_unknowns, |i| format!("a derivative by unknown {i}"), DIFFERENTIABLE)?;
+    finite(by_unknowns, |i| format!("a derivative with respect to unknown {i}"), DIFFERENTIABLE)?;
     let wrong = released.iter().find(|p| !by_parameters[**p].is_finite());
     wrong.map_or(Ok(()), |&p| {
-        let quantity = format!("a derivative by parameter {p}");
+        let quantity = format!("a derivative with respect to parameter {p}");
         Err(Failure::not_finite(quantity, by_parameters[p], DIFFERENTIABLE))
     })
 }

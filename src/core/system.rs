@@ -64,7 +64,7 @@ pub struct Refinement {
 /// A function of `x` whose gradient a [`System`] computes.
 #[derive(Clone, Copy, Debug)]
 pub enum Functional<'a> {
-    /// `wᵀ F_x[v]`, given `w` (one weight for each equation) and `v` (as long as `x`).
+    /// `wᵀ F_x[v]`, given `w` (one weight for each equation) and `v` (of the same length as `x`).
     First(&'a [f64], &'a [f64]),
     /// `wᵀ F_xx[v, v]`, given `w` and `v`.
     Second(&'a [f64], &'a [f64]),
@@ -84,7 +84,7 @@ pub trait System: Send {
     /// Computes `F(x)` and writes it into `r`.
     ///
     /// # Errors
-    /// [`Failure`] where the equations have no meaning at `x` or a component is not finite.
+    /// [`Failure`] where the equations are undefined at `x` or a component is not finite.
     fn residual(&mut self, x: &[f64], r: &mut [f64]) -> Result<(), Failure>;
 
     /// Evaluates `F_z` at `x` and keeps it for [`factor`](System::factor) and
@@ -105,7 +105,7 @@ pub trait System: Send {
     fn factor(&mut self, form: Form, border: Border, into: &mut Factors) -> Result<(), Failure>;
 
     /// Computes the derivative `F_x[d]`, `F_xx[d, e]` or `F_xxx[d, e, f]` at `x` along one to three
-    /// directions (each as long as `x`) and writes it into `out`.
+    /// directions (each of the same length as `x`) and writes it into `out`.
     ///
     /// # Errors
     /// [`Failure`] outside the domain, where the derivative is not finite, or for another number of
@@ -117,9 +117,9 @@ pub trait System: Send {
         out: &mut [f64],
     ) -> Result<(), Failure>;
 
-    /// Computes the gradient of a functional by `x` and writes it into `out` (as long as `x`): the
-    /// components of all unknowns, and the components of the parameters listed in `released`. The
-    /// components of other parameters are unspecified.
+    /// Computes the gradient of a functional with respect to `x` and writes it into `out` (of the
+    /// same length as `x`): the components of all unknowns, and the components of the parameters
+    /// listed in `released`. The components of other parameters are unspecified.
     ///
     /// # Errors
     /// [`Failure`] as for [`derivative`](System::derivative) and [`monitors`](System::monitors), or
@@ -132,7 +132,7 @@ pub trait System: Send {
         out: &mut [f64],
     ) -> Result<(), Failure>;
 
-    /// Returns the derivative of a monitor at `x` along a direction, which is as long as `x`.
+    /// Returns the derivative of a monitor at `x` along a direction, which has the length of `x`.
     ///
     /// # Errors
     /// [`Failure`] as for [`gradient`](System::gradient).
@@ -167,13 +167,13 @@ pub trait System: Send {
     /// for each element of `values`.
     ///
     /// # Errors
-    /// [`Failure`] if one of these monitors has no meaning at `x`.
+    /// [`Failure`] if one of these monitors is undefined at `x`.
     fn monitors(&mut self, x: &[f64], first: usize, values: &mut [f64]) -> Result<(), Failure>;
 
     /// Returns the Taylor coefficients of `F(z + W(ξ), p)`, by the monomials of a space, for a
-    /// polynomial `W` with the coefficients `terms` (each as long as `z`). The constant term of `W`
-    /// is zero. The default follows from [`derivative`](System::derivative), so the order is at
-    /// most 3.
+    /// polynomial `W` with the coefficients `terms` (each of the same length as `z`). The constant
+    /// term of `W` is zero. The default follows from [`derivative`](System::derivative), so the
+    /// order is at most 3.
     ///
     /// # Errors
     /// [`Failure::Unsupported`] for a higher order, and as for [`derivative`](System::derivative).
@@ -186,11 +186,11 @@ pub trait System: Send {
         expansion::by_derivatives(self, x, space, terms)
     }
 
-    /// Returns the size of a deviation `d` (as long as `x`), the period of the solution, and the
-    /// derivative of the period along `d`. The default is for equilibria.
+    /// Returns the size of a deviation `d` (of the same length as `x`), the period of the solution,
+    /// and the derivative of the period along `d`. The default is for equilibria.
     ///
     /// # Errors
-    /// [`Failure`] where the solution has no meaning.
+    /// [`Failure`] if the equations are undefined at the solution.
     fn deviation(&mut self, _x: &[f64], d: &[f64]) -> Result<Deviation, Failure> {
         let square = d[..self.names().dimension()].iter().map(|d| d * d).sum();
         Ok(Deviation { square, ..Deviation::default() })
@@ -237,7 +237,8 @@ pub trait System: Send {
         let n = self.names().dimension();
         if solution.state.len() != n {
             return Err(Failure::Mismatch(format!(
-                "the start has {} unknowns, the problem {n}: was it made with other settings?",
+                "the start has {} unknowns, but the problem has {n}: was the start computed with other \
+                 settings?",
                 solution.state.len()
             )));
         }
@@ -290,8 +291,8 @@ pub trait Discretised {
     }
 
     /// Updates a phase condition and a mesh along the branch: called at its start, and at each
-    /// accepted point. `x` and the `directions` (each as long as `z` or longer) are carried over to
-    /// a new mesh with the same number of intervals.
+    /// accepted point. `x` and the `directions` (each of the length of `z` or longer) are carried
+    /// over to a new mesh with the same number of intervals.
     fn on_accepted(&mut self, _x: &mut [f64], _directions: &mut [&mut [f64]]) {}
 
     /// Returns the phase response of a cycle, as profiles over time.
@@ -300,7 +301,9 @@ pub trait Discretised {
     /// [`Failure`] for solutions without a phase, and where the equations do not determine the
     /// response.
     fn phase_response(&mut self, _x: &[f64]) -> Result<Vec<Profile>, Failure> {
-        Err(Failure::Unsupported("only cycles have a phase, and these solutions are none".into()))
+        Err(Failure::Unsupported(
+            "only cycles have a phase, and these solutions are not cycles".into(),
+        ))
     }
 
     /// Returns the approach of a cycle with a free period to an equilibrium; `None` for other
@@ -318,7 +321,9 @@ pub trait Discretised {
     /// # Errors
     /// [`Failure`] if no homoclinic orbit is near.
     fn homoclinic(&self, _solution: &Solution, _radius: f64) -> Result<Emanating, Failure> {
-        Err(Failure::Unsupported("homoclinic orbits start from a cycle near one".into()))
+        Err(Failure::Unsupported(
+            "homoclinic orbits start from a cycle near a homoclinic orbit".into(),
+        ))
     }
 
     /// Returns a long cycle near the homoclinic orbit with which a curve of homoclinic orbits
@@ -353,8 +358,8 @@ pub trait Discretised {
 
     /// Adapts the number of mesh intervals to a solution: more intervals where the estimated mesh
     /// error exceeds `target`, and fewer, but not below the initial number, where far fewer would
-    /// suffice. Returns whether the mesh changed: then `x` and the `directions` (each as long as
-    /// `z` or longer) are carried over to the new unknowns, and `x` must be corrected.
+    /// suffice. Returns whether the mesh changed: then `x` and the `directions` (each of the length
+    /// of `z` or longer) are carried over to the new unknowns, and `x` must be corrected.
     fn fit(&mut self, _x: &mut Vec<f64>, _directions: &mut [&mut Vec<f64>], _target: f64) -> bool {
         false
     }
@@ -520,8 +525,8 @@ pub trait OrbitEvents {
     /// where a limit vanishes, since the order is undecided at a limit.
     ///
     /// # Errors
-    /// [`Failure::Mismatch`] with the event that has another outcome, [`Failure::OutOfDomain`]
-    /// where the solution has no meaning.
+    /// [`Failure::Mismatch`] names the event whose outcome differs from the assumed order of
+    /// events; [`Failure::OutOfDomain`] if the equations are undefined at the solution.
     fn check(&self, x: &[f64]) -> Result<(), Failure>;
 
     /// Returns the first jump of a reset between one solution and another; `None` if no reset
@@ -552,7 +557,8 @@ pub trait OrbitEvents {
 /// A discontinuity of a reset between one solution and another.
 #[derive(Clone, Debug, PartialEq, miette::Diagnostic, thiserror::Error)]
 #[error(
-    "the reset of the event `{event}` jumps: behind the event {state} changes from {:.6e} to {:.6e} at once", states[0], states[1]
+    "the reset of the event `{event}` jumps: after the event, {state} changes from {:.6e} to \
+     {:.6e}", states[0], states[1]
 )]
 pub struct Jump {
     /// The position of the jump between the two solutions, from 0 to 1.

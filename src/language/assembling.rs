@@ -467,7 +467,8 @@ pub(super) fn elements(scope: &Scope, phrase: &Phrase) -> Result<Elements, Model
                 let high = integer(&high, "the last index")?;
                 if low > high {
                     let what = format!("the range {low}..{high} of `{index}`");
-                    let reason = "it is empty: the first index must not be above the last".into();
+                    let reason =
+                        "the range is empty: the first index must not be above the last".into();
                     return Err(scope.source.fault_of(phrase, Fault::Misplaced { what, reason }));
                 }
                 let known = |(known, _): &(Option<Arc<str>>, _)| known.as_deref() == Some(&*index);
@@ -501,7 +502,7 @@ fn integer_in(
         Some(number) if number.fract() == 0.0 && number.abs() <= LARGEST => Ok(number as i64),
         Some(number) if number.fract() == 0.0 => {
             let what = format!("{what}, {number}");
-            let reason = format!("it must be from -{LARGEST} to {LARGEST}");
+            let reason = format!("the index must be between -{LARGEST} and {LARGEST}");
             Err(scope.source.fault(phrase, part, Fault::Misplaced { what, reason }))
         }
         number => {

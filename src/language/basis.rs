@@ -90,7 +90,7 @@ pub(super) fn constant(scope: &Scope, phrase: &Phrase) -> Result<f64, ModelError
     let value = Assembling::new(scope).read(phrase)?;
     value.as_number().filter(|value| value.is_finite()).ok_or_else(|| {
         let (what, reason) =
-            (format!("`{}`", phrase.text), "a finite number must stand here".into());
+            (format!("`{}`", phrase.text), "a finite number is required here".into());
         scope.source.fault_of(phrase, Fault::Misplaced { what, reason })
     })
 }
@@ -419,14 +419,15 @@ fn labels_of(
         for (k, (name, words)) in list.iter().enumerate() {
             if words.text.trim().is_empty() || words.text.contains(char::is_control) {
                 let what = format!("the label or unit of `{}`", name.text);
-                let reason = "it must be a word, without control characters".into();
+                let reason = "a label or unit must be a word without control characters".into();
                 return Err(basis.source.fault_of(words, Fault::Misplaced { what, reason }));
             }
             let all: Vec<&str> = known().chain(["t"]).collect();
             crate::core::problem::position("state, parameter or monitor", &name.text, all)
                 .map_err(|unknown| basis.source.fault_of(name, Fault::Unknown(unknown)))?;
             if list[..k].iter().any(|(other, _)| other.text == name.text) {
-                let (what, reason) = (format!("`{}`", name.text), "it is given twice".into());
+                let (what, reason) =
+                    (format!("`{}`", name.text), "the label or unit is given twice".into());
                 return Err(basis.source.fault_of(name, Fault::Misplaced { what, reason }));
             }
             if names.iter().all(|other| other.text != name.text) {
@@ -499,8 +500,12 @@ fn scales_of(
         }
         let size = constant(&Scope::new(source.clone()), value)?;
         if size <= 0.0 || scales.iter().filter(|(known, _)| known.text == name.text).count() > 1 {
-            let (what, reason) =
-                (format!("the scale of `{}`", name.text), "it must be a number above 0".into());
+            let (what, reason) = (
+                format!("the scale of `{}`", name.text),
+                "a scale must be a number above 0, given \
+                          once"
+                    .into(),
+            );
             return Err(source.fault_of(value, Fault::Misplaced { what, reason }));
         }
         for state in own {

@@ -101,7 +101,7 @@ fn check_count(source: &Source, statement: &Boundary, states: usize) -> Result<(
     }
     let what = format!("{given} conditions and integrals are given");
     let needed = format!(
-        "give {}, as many as states ({states}) and unknowns ({unknowns})",
+        "give {}: one for each state ({states}) and one for each unknown ({unknowns})",
         states + unknowns
     );
     let phrase = statement.conditions.first().cloned().unwrap_or_default();

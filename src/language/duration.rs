@@ -37,7 +37,7 @@ impl Duration {
         let mut assembling = Assembling::new(scope);
         let value = assembling.read(phrase)?;
         if assembling.depends(&[value], |input| !input.is_parameter()) {
-            let reason = "it may depend on parameters only, not on states or time".to_string();
+            let reason = "the formula may contain parameters, but not states or time".to_string();
             let fault = Fault::Misplaced { what: what.into(), reason };
             return Err(scope.source.fault_of(phrase, fault));
         }

@@ -133,7 +133,8 @@ pub(super) fn add(
     if own.per_period != guard.per_period {
         let (what, reason) = (
             format!("the times of `{}`", guard.name),
-            "guards of one name must have equally many times in a period, or all of them functions"
+            "guards of the same name must all have functions, or must all have the same number of times \
+             in a period"
                 .into(),
         );
         return Err(source.fault_of(&stated.name, Fault::Misplaced { what, reason }));
@@ -227,7 +228,7 @@ fn when(source: &Source, guard: &statement::Guard, scope: &Scope) -> Result<When
         }
         (Some(_), Some(at)) => {
             let what = format!("`at` of `{name}`");
-            let reason = "the guard has a `function`, too".into();
+            let reason = "the guard also has a `function`".into();
             Err(source.fault_of(at, Fault::Misplaced { what, reason }).with_help(
                 "state either `function`, whose zeros are events, or `at`, the times of events",
             ))
@@ -241,7 +242,8 @@ fn duration(source: &Source, phrase: &Phrase) -> Result<f64, ModelError> {
     if time > 0.0 {
         return Ok(time);
     }
-    let (what, reason) = ("the time in which a guard changes".into(), "it must be above 0".into());
+    let (what, reason) =
+        ("the time in which a guard changes".into(), "the time must be above 0".into());
     Err(source.fault_of(phrase, Fault::Misplaced { what, reason }))
 }
 

@@ -129,7 +129,7 @@ fn refuse_later_starts(
                 );
                 return Err(source
                     .fault_of(name, Fault::Misplaced { what, reason })
-                    .with_help(format!("omit this value, or state mode `{}` first", mode.name)));
+                    .with_help(format!("omit this value, or list mode `{}` first", mode.name)));
             }
         }
     }

@@ -290,7 +290,7 @@ impl Planned {
 struct Sum {
     product: Value,
     other: Value,
-    /// The signs of both terms.
+    /// The signs of the two terms.
     signs: [f64; 2],
 }
 

@@ -29,7 +29,7 @@ pub(super) fn modes_of(
         }
         ([first, ..], [_, ..]) => {
             let (what, reason) = (
-                "`modes` beside `product`".into(),
+                "`modes` together with `product`".into(),
                 "the modes are the combinations of the alternatives in `product`".into(),
             );
             Err(source.fault_of(&first.name, Fault::Misplaced { what, reason }))
@@ -63,7 +63,10 @@ fn combinations(
     let count = parts.iter().try_fold(1_usize, |count, part| count.checked_mul(part.len()));
     if count.is_none_or(|count| count == 0 || count > MOST) {
         let what = "the combinations in `product`".into();
-        let reason = format!("there must be from 1 to {MOST}: each part needs an alternative");
+        let reason = format!(
+            "the number of combinations must be between 1 and {MOST}: each part needs \
+                              an alternative"
+        );
         return Err(source.fault_of(&Phrase::default(), Fault::Misplaced { what, reason }));
     }
     let with = |modes: Vec<Mode>, part: &Vec<Mode>| -> Vec<Mode> {
@@ -107,8 +110,8 @@ pub(super) fn named(
     }
 }
 
-/// Returns the mode that a name denotes as the next mode of another one: the alternatives of the
-/// name replace the alternatives of the same parts.
+/// Returns the mode that follows `mode`: each alternative in `name` replaces the alternative of the
+/// same part of `mode`; the other parts stay the same.
 ///
 /// # Errors
 /// [`ModelError`] for an unknown name.

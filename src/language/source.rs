@@ -353,7 +353,7 @@ pub enum Fault {
         reason: String,
     },
     /// A quantity that exceeds a limit.
-    #[error("{what}: more than {limit}")]
+    #[error("too many {what}: the limit is {limit}")]
     TooLarge {
         /// The quantity that is too large.
         what: &'static str,

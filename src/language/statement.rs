@@ -128,8 +128,8 @@ statements! {
         below: Formulas,
         /// The function that vanishes on the surface, positive above and negative below.
         surface: Option<Phrase>,
-        /// States with their rates on the surface; by default the convex combination of both fields
-        /// that is tangent to the surface.
+        /// States with their rates on the surface; by default the convex combination of the two
+        /// fields that is tangent to the surface.
         sliding: Formulas,
         /// Functions that are positive while sliding is held against leaving to a side, `above` or
         /// `below`; by default, the speed at which the field of that side approaches the surface.

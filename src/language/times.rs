@@ -38,7 +38,8 @@ impl Times {
             times.push(assembling.indexed(&formula, &vec![(NUMBER.into(), n)])?);
         }
         if assembling.depends(&times, |input| !input.is_parameter()) {
-            let reason = "it may depend on `n` and on parameters, not on states or time".into();
+            let reason =
+                "the formula may contain `n` and parameters, but not states or time".into();
             let fault = Fault::Misplaced { what: "the time of an event".into(), reason };
             return Err(scope.source.fault_of(phrase, fault));
         }

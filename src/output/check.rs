@@ -111,7 +111,7 @@ fn special(place: &str, branch: &Branch, dimension: usize, point: &SpecialPoint)
         all_finite(&place, &[number.value, number.error])?;
     }
     for Sensitivity { by, slopes } in &point.sensitivities {
-        let place = format!("{place}, the sensitivity by `{by}`");
+        let place = format!("{place}, the sensitivity with respect to `{by}`");
         require(branch.parameters.contains(by), &place, by, || "must be a parameter".into())?;
         length(&place, slopes.len(), branch.released.len(), "the released parameters")?;
         all_finite(&place, slopes)?;

@@ -222,7 +222,7 @@ struct Both<'a> {
 }
 
 impl Both<'_> {
-    /// Returns the columns of both branches, with the values at two points and the largest value
+    /// Returns the columns of the two branches, with the values at two points and the largest value
     /// along the branches.
     fn columns<'b>(
         self,

@@ -2,8 +2,8 @@
 
 use crate::core::continuation::{Point, Slopes, SpecialPoint};
 
-/// The largest turn of a cubic between two of its vertices, in radians, with both columns scaled by
-/// the lengths of their ranges.
+/// The largest turn of a cubic between two of its vertices, in radians, with the two columns scaled
+/// by the lengths of their ranges.
 const TURN: f64 = 0.1;
 
 /// The maximum number of parts of a cubic.
@@ -37,7 +37,7 @@ fn slopes(slopes: Option<&Slopes>, columns: [usize; 2]) -> Option<([f64; 2], f64
     Some(([of(columns[0])?, of(columns[1])?], slopes.position))
 }
 
-/// Returns the vertices between two successive points of a branch, excluding both points. The
+/// Returns the vertices between two successive points of a branch, excluding the two points. The
 /// result is empty if slopes are unknown, or if a column is not smooth between the points, for
 /// example if a maximum jumps to another peak. `ranges` are the lengths of the columns' ranges.
 pub(super) fn between(from: &Knot, to: &Knot, ranges: [f64; 2]) -> Vec<[f64; 2]> {

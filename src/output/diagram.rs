@@ -383,7 +383,7 @@ impl Curve<'_> {
         pieces.series.into_iter().filter(|piece| !piece.points.is_empty()).collect()
     }
 
-    /// Returns the lengths of the ranges of both columns.
+    /// Returns the lengths of the ranges of the two columns.
     fn ranges(&self) -> [f64; 2] {
         self.columns.map(|column| {
             let values = self.branch.points.iter().filter_map(|point| point.value(column));
@@ -420,7 +420,7 @@ impl Curve<'_> {
         }));
     }
 
-    /// Adds the numbers of unstable directions on both sides.
+    /// Adds the numbers of unstable directions on the two sides.
     fn add_regions(&self, figure: &mut Figure) {
         let beside = |Region { points: [first, last], sides }: Region| {
             let points = self.branch.points.get(first..=last).unwrap_or_default().iter();

@@ -69,7 +69,7 @@ pub struct Plot {
     /// are named. Points where the column is zero or negative are not shown.
     pub logarithmic: Vec<String>,
     /// Whether curves of bifurcations in two parameters are labelled with the numbers of unstable
-    /// directions on both sides.
+    /// directions on the two sides.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub regions: bool,
     /// Parts of the diagram that are enlarged in separate panels, in the numbers of its axes.

@@ -33,8 +33,8 @@ pub const PAGE: f64 = 170.0;
 /// Draws figures as the panels of one picture, of a width in millimetres: as many side by side as
 /// are at least 70 mm wide. The first panel is wider if the rows would not be full. Text has 7.5
 /// points for every width. Several panels have letters, and the title of the first one, if no other
-/// has any, is above all. Up to four curves have their names beside them; a legend below all panels
-/// explains everything else.
+/// has any, is above all. The names of up to four curves are next to the curves; a legend below all
+/// panels explains everything else.
 ///
 /// # Errors
 /// [`FigureError`] if a coordinate is not finite, there is nothing to draw, or the width is not

@@ -104,7 +104,7 @@ pub enum FileError {
         "another run{} is writing {}", process.map_or(String::new(), |id| format!(", process {id},")), path.display()
     )]
     #[diagnostic(help(
-        "wait until the other run ends, end the run, or choose another folder with --out"
+        "wait until the other run ends, end the other run, or choose another folder with --out"
     ))]
     Locked {
         /// The path of the result, without extensions.
@@ -203,7 +203,7 @@ pub enum FormatError {
         limit: u64,
     },
     /// The document or the archive cannot be serialized.
-    #[error("it cannot be written: {0}")]
+    #[error("the file cannot be written: {0}")]
     Unwritable(String),
 }
 
@@ -329,7 +329,8 @@ pub enum FigureError {
         title: String,
     },
     /// The width of a picture is out of range.
-    #[error("a picture must be from {} to {} mm wide, not {width} mm", range.start(), range.end())]
+    #[error("the width of a picture must be between {} and {} mm, but is {width} \
+             mm", range.start(), range.end())]
     Width {
         /// The width, in millimetres.
         width: f64,

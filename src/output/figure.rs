@@ -31,11 +31,11 @@ pub struct Figure {
     pub series: Vec<Series>,
     /// The marks.
     pub marks: Vec<Mark>,
-    /// Texts on both sides of curves.
+    /// Texts on the two sides of curves.
     pub beside: Vec<Beside>,
     /// The meanings of line styles, if any: `(Dashed, "unstable")`.
     pub styles: Vec<(Style, String)>,
-    /// Coloured rectangles behind all curves.
+    /// Coloured rectangles drawn before all curves, as a background.
     pub tiles: Vec<Tile>,
     /// Labels at 0, 1, 2, … on the vertical axis instead of numbers; empty for numbers.
     pub y_names: Vec<String>,
@@ -58,12 +58,12 @@ pub struct Series {
     pub style: Style,
     /// The points `[x, y]` in the units of the axes.
     pub points: Vec<[f64; 2]>,
-    /// The data behind each point; empty for curves without data. A vertex between two points of a
+    /// The data of each point; empty for curves without data. A vertex between two points of a
     /// branch has the data of the first one.
     pub origins: Vec<Origin>,
 }
 
-/// Texts on both sides of a part of a curve, such as numbers of regions.
+/// Texts on the two sides of a part of a curve, such as numbers of regions.
 ///
 /// ```
 /// use tangency::output::{Beside, COLUMN, Figure, Series, Style, draw};
@@ -86,7 +86,7 @@ pub struct Beside {
     pub sides: [String; 2],
 }
 
-/// The data behind a drawn point.
+/// The data of a drawn point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Origin {
@@ -130,7 +130,7 @@ pub enum Style {
     DottedLine,
     /// The smallest visible spot at every point.
     Specks,
-    /// A larger, paler spot at every point, behind the specks of other curves.
+    /// A larger, paler spot at every point, drawn before the specks of other curves.
     Blots,
 }
 
@@ -150,7 +150,7 @@ pub struct Wall {
 pub struct Mark {
     /// The position, in the units of the axes.
     pub at: [f64; 2],
-    /// The text beside the mark.
+    /// The text next to the mark.
     pub label: String,
     /// The name for the legend.
     pub meaning: String,
@@ -290,7 +290,7 @@ impl Series {
         Series { name, style, points, origins: Vec::new() }
     }
 
-    /// Creates a named curve through points, each with the data behind it.
+    /// Creates a named curve through points, each with its data.
     pub(super) fn with_origins(
         name: impl Into<String>,
         style: Style,

@@ -52,7 +52,7 @@ impl Element for f64 {
 /// The error of a file that is not a column of the required numbers.
 #[derive(Debug, miette::Diagnostic, thiserror::Error)]
 pub(super) enum ColumnError {
-    #[error("it is not an array in NumPy's format")]
+    #[error("the entry is not an array in NumPy's format")]
     Format,
     #[error("the header of the array has no `{0}` that can be read")]
     Header(&'static str),

@@ -1,6 +1,6 @@
 //! Results as an interactive page: one HTML file that needs no network.
 //!
-//! The page is drawn by Plotly 4.1.1 (`assets/plotly-gl3d.min.js`, licence beside the file) from
+//! The page is drawn by Plotly 4.1.1 (`assets/plotly-gl3d.min.js`, licence in the same folder) from
 //! the figures of the pictures and the values of the documents, which the file contains as JSON.
 
 use super::diagram::spine;

@@ -1,4 +1,5 @@
-//! Labels of regions: the numbers of unstable directions on both sides of curves in two parameters.
+//! Labels of regions: the numbers of unstable directions on the two sides of curves in two
+//! parameters.
 
 use crate::core::continuation::{Branch, Stretch};
 

@@ -96,7 +96,7 @@ impl Scene {
         let place = |what: &str| format!("sweep `{}`, {what}", sweep.name);
         if !FLOW_TOLERANCES.contains(&sweep.flow_tolerance) {
             let (place, found) = (place("flow_tolerance"), sweep.flow_tolerance);
-            let message = format!("{place} is {found}, but must be from 1e-15 to 1e-3");
+            let message = format!("{place} is {found}, but must be between 1e-15 and 1e-3");
             return Err(SceneError::invalid(message));
         }
         let tolerance = sweep.search.tolerance;
@@ -272,7 +272,7 @@ fn check_simulated(
     }
     let times = [("transient", simulated.transient), ("duration", simulated.duration)];
     if let Some((what, time)) = times.into_iter().find(|(_, time)| !TIMES.contains(time)) {
-        let message = format!("{} is {time}, but must be from 0 to 1e15", place(what));
+        let message = format!("{} is {time}, but must be between 0 and 1e15", place(what));
         return Err(SceneError::invalid(message));
     }
     let after = simulated.after.as_ref().map(|after| named(earlier, after)).transpose();

@@ -154,7 +154,7 @@ pub enum SceneError {
     ))]
     OtherScene,
     /// The known results have other tables.
-    #[error("the earlier runs are in other tables: {0}")]
+    #[error("the earlier runs are in tables of another form: {0}")]
     #[diagnostic(help(
         "remove the file of the earlier runs, start with --afresh, or choose another folder"
     ))]

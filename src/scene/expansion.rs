@@ -42,8 +42,8 @@ pub struct Expansion {
 pub enum ExpansionError {
     /// No curve of special points emanates from the grazing.
     #[error(
-        "no curve of folds or period doublings of orbits with one impact emanates from this grazing: the test \
-         function is {0:.1e} and should vanish"
+        "no curve of folds or period doublings of orbits with one impact emanates from this grazing: the \
+         test function is {0:.1e}, but must vanish"
     )]
     #[diagnostic(help("locate the degenerate point on the curve of grazings first"))]
     NotDegenerate(f64),
@@ -65,7 +65,7 @@ pub enum ExpansionError {
 }
 
 /// The curve of a series, `Δp₁ − Σ c_k Δp₂ᵏ = 0` with its depth, as a zero problem in `p₂`: to
-/// trace and draw beside the exact curve.
+/// trace and draw together with the exact curve.
 ///
 /// ```
 /// use tangency::core::continuation::Continuation;

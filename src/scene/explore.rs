@@ -94,9 +94,11 @@ impl Resolution {
         observer: &mut dyn SceneObserver,
     ) -> (Scene, Outcome) {
         if self.start().is_some() {
-            let cause =
-                SceneError::invalid("all runs of a scene are explored, and a start point is given")
-                    .with_help("explore the scene without a start point");
+            let cause = SceneError::invalid(
+                "the exploration of all runs of a scene cannot be combined with a \
+                                     start point",
+            )
+            .with_help("explore the scene without a start point");
             return (self.scene().clone(), Outcome::failed(self.scene(), cause));
         }
         let Some(accuracy) = self.scene().accuracy else {
@@ -241,7 +243,7 @@ impl<'a> Exploration<'a> {
         for mut run in runs {
             if self.tracing.runs.len() + self.coming.len() >= RUNS {
                 let Start::From { run: from, .. } = &run.start else { continue };
-                let why = format!("`{}` is left out: at most {RUNS} runs are traced", run.name);
+                let why = format!("`{}` is not traced: at most {RUNS} runs are traced", run.name);
                 self.warn(from, [why]);
                 continue;
             }
@@ -271,7 +273,7 @@ impl<'a> Exploration<'a> {
         // branches may not be determined.
         if kind == Kind::G || several || run.hold.is_some() {
             let why = format!(
-                "`{}`, from the {kind} {label}, is left out: {}",
+                "`{}`, from the {kind} {label}, is not traced: {}",
                 run.name,
                 one_line(&cause)
             );
@@ -292,8 +294,8 @@ impl<'a> Exploration<'a> {
             return;
         };
         let why = format!(
-            "one of the branches that emanate from a Hopf point of multiplicity {}: terms of third order determine the \
-             other branches, which are left out",
+            "one of the branches that emanate from a Hopf point of multiplicity {}: terms of third order \
+             determine the other branches, which are not traced",
             point.multiplicity
         );
         self.warn(&run.name, [why]);
@@ -322,7 +324,7 @@ fn is_of_doubled(run: &Run, (branch, point): (&Branch, &SpecialPoint)) -> bool {
     run.hold.is_some_and(|held| catalogue::is_of_doubled(on, held, which))
 }
 
-/// Returns the failure of the system or its equations behind an error of a run.
+/// Returns the failure of the system or its equations that caused an error of a run.
 fn failure(cause: &SceneError) -> Option<&Failure> {
     let mut error: Option<&dyn Error> = Some(cause);
     while let Some(cause) = error {

@@ -334,7 +334,12 @@ fn largest(found: &[&Outcome]) -> Estimate {
         return unlike(one_line(cause));
     }
     let all = largest_of(found, Counted::Special).or_else(|| largest_of(found, Counted::Ends));
-    all.unwrap_or_else(|| unlike("no special point to measure it at: state one in `marks`"))
+    all.unwrap_or_else(|| {
+        unlike(
+            "there is no special point at which to measure the accuracy: add a \
+                                  value to `marks`",
+        )
+    })
 }
 
 /// Returns the largest error of the counted points; `None` if there are no such points.

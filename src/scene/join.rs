@@ -40,8 +40,10 @@ pub(super) fn join(branch: &Branch, special: &mut SpecialPoint, done: &[&Branch]
         met.find(|(other, there)| is_one_grazing((branch, special), (other, there)))
     {
         special.kind = Kind::EP;
-        special.event =
-            format!("it meets `{}` where both graze, at its point {}", other.name, there.label);
+        special.event = format!(
+            "the branch meets `{}` at point {}, where both branches graze",
+            other.name, there.label
+        );
     }
 }
 

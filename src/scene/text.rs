@@ -42,7 +42,8 @@ pub(super) fn stated(
         Some(field) => {
             if let Some(other) = all.iter().find(|field| fields.contains(&field.name.as_str())) {
                 let message = format!(
-                    "`{}` is given beside `model`, which names a file with the complete equations",
+                    "`{}` cannot be given together with `model`, which names a file with the complete \
+                     equations",
                     other.name
                 );
                 let help = format!("move `{}` to that file", other.name);

@@ -1,11 +1,12 @@
 //! Promise: the README and every page of the book say what the program does. Links lead somewhere, the book is built without
-//! a warning, and commands give the output shown behind them.
+//! a warning, and commands give the output shown after the commands.
 //!
 //! `cargo test --release --test book` checks all pages; arguments after `--` choose pages by parts of their names. A page's
 //! commands run in order, in a folder of its own, with the program on `PATH`:
 //!
 //! * a block whose first line is a comment with a file's name (`// lorenz.ron`, `# plot.py`) is written to that file;
-//! * a block `sh` is run, and a block `text` behind it is compared with what was printed: words exactly, numbers to 1e-6;
+//! * a block `sh` is run, and a following block `text` is compared with what was printed: words
+//!   exactly, numbers to 1e-6;
 //! * commands of a clone (`cargo`, `python3 benches/…`) are left to `.ci/run`, scripts (`#!`) to those who run them, and a block
 //!   `console` shows a session that depends on the machine.
 

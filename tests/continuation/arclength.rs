@@ -255,7 +255,7 @@ fn max_points_is_kept() {
     assert_eq!(branch.points.len(), 7);
 }
 
-/// `x = √(1 − p)` written so that it has no meaning beyond p = 1: the branch up to there is kept.
+/// `x = √(1 − p)` written so that it is undefined beyond p = 1: the branch up to there is kept.
 #[test]
 fn a_failed_branch_is_kept() {
     zero_problem! {
@@ -525,7 +525,7 @@ fn what_is_asked_for_wrongly_is_refused_with_the_remedy() {
         ),
         (
             message(&|c| c.from(&[1.0, 2.0]).along("mu", -1.0..=1.0).trace()),
-            "the start has 2 unknowns, but the problem has 1: was it made with other settings?",
+            "the start has 2 unknowns, but the problem has 1: was the start computed with other settings?",
         ),
         (
             message(&|c| c.hold(Kind::EP).along("mu", -1.0..=1.0).along("mu", -1.0..=1.0).trace()),

@@ -38,7 +38,7 @@ fn chunks_are_the_vector_duals_of_num_dual() {
 
 #[test]
 fn nested_chunks_have_mixed_derivatives() {
-    // ∂/∂y of the derivatives by x and y, from dual numbers by y inside.
+    // ∂/∂y of the derivatives with respect to x and y, from dual numbers by y inside.
     let (x, y) = (0.7, 1.9);
     let inner = [Dual64::from(x), Dual64::from(y).derivative()];
     let nested = functions(

@@ -11,7 +11,7 @@ use tangency::core::system::{Dense, Kind};
 use tangency::problems::classic::{Hyperbola, Lure, ParallelPlate};
 use tangency::zero_problem;
 
-/// Both sorts of monitors are columns behind the problem's own, and end a branch at a bound: with a
+/// Both sorts of monitors are columns after the problem's own, and end a branch at a bound: with a
 /// gradient to rounding, without one to the accuracy of bracketing.
 #[test]
 fn attached_monitors_are_columns_and_bounds() {

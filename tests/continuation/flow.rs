@@ -211,8 +211,8 @@ fn mita_costs_what_is_claimed() {
 
 type Four = DualSVec64<4>;
 
-/// Mita's block with derivatives by both states and both parameters, over a period that depends on
-/// one.
+/// Mita's block with derivatives with respect to both states and both parameters, over a period
+/// that depends on one.
 fn with_derivatives(flow: &mut Flow<Four>) -> ([Four; 2], Statistics) {
     let mut x = [Four::from(0.1).derivative(0), Four::from(0.2).derivative(1)];
     let p = [Four::from(0.2).derivative(2), Four::from(0.45).derivative(3), Four::from(0.04)];
@@ -357,8 +357,8 @@ fn robertson_is_integrated_to_the_end() {
     assert!(statistics.accepted < 1500, "{statistics:?}");
 }
 
-/// `x' = λ(x − a cos t) − a sin t`: the flow is `a cos t` for every λ, and so is its derivative by
-/// `a`.
+/// `x' = λ(x − a cos t) − a sin t`: the flow is `a cos t` for every λ, and so is its derivative
+/// with respect to `a`.
 #[test]
 fn stiff_flows_have_derivatives_too() {
     vector_field! {

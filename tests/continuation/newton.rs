@@ -121,7 +121,7 @@ fn singular() {
     let error = solve(Equation::Square, 0.0, -1.0, TOLERANCES).unwrap_err();
     let NewtonError::Evaluation { iteration: 1, cause } = &error else { panic!("{error}") };
     assert!(matches!(cause, Failure::Singular { pivot: 0.0, .. }), "{cause:?}");
-    assert!(error.to_string().contains("the matrix is singular: pivot 0.0e0"), "{error}");
+    assert!(error.to_string().contains("the matrix is singular: one pivot is 0.0e0"), "{error}");
 }
 
 #[test]
@@ -135,7 +135,7 @@ fn iteration_limit() {
     assert!(error.to_string().contains("raise `max_iterations`"), "{error}");
 }
 
-/// √x = −1 pulls x below zero, where the equation has no meaning.
+/// √x = −1 pulls x below zero, where the equations are undefined.
 #[test]
 fn domain_left() {
     let error = solve(Equation::Root, 1.0, -1.0, TOLERANCES).unwrap_err();

@@ -14,7 +14,7 @@ const NS: Kind = Kind::new("NS", "neutral saddle");
 /// The defining system: the trace of `F_z` vanishes. In the plane that is `λ₁ + λ₂ = 0`.
 struct Trace;
 
-/// The unit directions of the unknowns, each as long as `x`.
+/// The unit directions of the unknowns, each of the same length as `x`.
 fn units(at: &At) -> Vec<Vec<f64>> {
     let unit = |i: usize| (0..at.x.len()).map(|k| if k == i { 1.0 } else { 0.0 }).collect();
     (0..at.system.names().dimension()).map(unit).collect()

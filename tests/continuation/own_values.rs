@@ -91,7 +91,7 @@ fn gradients_of_functions_take_eight_components_at_once() {
     let branch = run.event(squares).trace().unwrap();
     let found = branch.of_kind(Kind::UZ).next().unwrap();
     close(found.parameters[0], 0.125, 1e-13);
-    // One gradient by single components takes 65 calls.
+    // One gradient from single components takes 65 calls.
     let calls = calls.load(Relaxed);
     assert!(calls < 9 * 6 + 2 * branch.points.len() + 20, "{calls} calls");
 }

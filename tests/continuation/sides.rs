@@ -1,4 +1,4 @@
-//! Promise: the numbers of unstable directions on both sides of a curve in two parameters are the ones of
+//! Promise: the numbers of unstable directions on the two sides of a curve in two parameters are the ones of
 //! the solutions that are found there, whatever the order of the parameters, their signs and units.
 
 use std::ops::RangeInclusive;

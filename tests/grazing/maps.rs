@@ -26,7 +26,8 @@ fn mita(point: &GrazingPoint, order: usize) -> LocalMap {
     LocalMap::of(&Actuator, point, &["voltage", "frequency"], settings(order)).unwrap()
 }
 
-/// What vanishes at a codimension-two point, with its derivatives by phase, voltage and frequency.
+/// What vanishes at a codimension-two point, with its derivatives with respect to phase, voltage
+/// and frequency.
 type Condition = fn(&LocalMap) -> (f64, [f64; 3]);
 
 /// The derivatives, by phase, voltage and frequency, of a first derivative of the smooth map by a

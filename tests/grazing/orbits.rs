@@ -40,7 +40,7 @@ fn exact(form: &ClosedForm, u: f64) -> [f64; 3] {
 
 /// Fixed points and the sum of their multipliers, order by order: halving the impact's speed
 /// divides the error of the points by `2^{n+1}`, and that of the multipliers, which are derivatives
-/// by `y` over `y`, by `2^{n−1}`.
+/// with respect to `y` over `y`, by `2^{n−1}`.
 #[test]
 fn fixed_points_have_the_order_of_the_map() {
     let form = ClosedForm::usual(1.2);

@@ -99,9 +99,9 @@ fn impacts_with_slip() {
     Case { system, point, map, place: &place, parameters: &[0, 1] }.orders_hold(0.02);
 }
 
-/// The orbit with one impact in a period that touches the front stopper a second time, at
-/// V = 0.733767719564: once around leads through an impact and a slip. The touch comes from the branch
-/// that ends there.
+/// The orbit with one impact in a period that touches the front stopper a second time, at V =
+/// 0.733767719564: once around leads through an impact and a slip. The grazing point comes from the
+/// branch that ends there.
 #[test]
 fn through_another_impact() {
     let start = actuator(0.2271775831, 0.5, 5.985512558).located(&Actuator, "voltage").unwrap();
@@ -159,8 +159,8 @@ impl Touching for Follower {
     }
 }
 
-/// Where the motion of a system on which it settles comes nearest to a guard, as a touch that is to
-/// be located.
+/// Where the motion of a system on which it settles comes nearest to a guard, as a grazing point
+/// that is to be located.
 fn settled<S: HybridSystem>(
     system: &S,
     start: &[f64],

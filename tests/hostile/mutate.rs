@@ -59,7 +59,7 @@ fn fields(text: &str, tokens: &[(Token, Range<usize>)]) -> Vec<Range<usize>> {
     begins.map(|(k, _)| tokens[k].1.start..field_end(text, &tokens[k..])).collect()
 }
 
-/// Where a field ends: behind its comma, or before the bracket that closes what it is in.
+/// Where a field ends: after its comma, or before the bracket that closes what it is in.
 fn field_end(text: &str, tokens: &[(Token, Range<usize>)]) -> usize {
     let mut depth = 0;
     for (token, range) in tokens {

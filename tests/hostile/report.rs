@@ -128,7 +128,7 @@ pub fn escaped(text: &str) -> String {
     text.chars().map(one).collect()
 }
 
-/// How a message begins, behind its place, without numbers and without what stands in quotes.
+/// How a message begins, after its place, without numbers and without what stands in quotes.
 fn form(message: &str) -> String {
     let line = message.lines().find(|line| line.starts_with("error: ")).unwrap_or(message);
     let end = line.find("Known: ").unwrap_or(line.len());

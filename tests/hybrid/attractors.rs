@@ -254,7 +254,7 @@ fn swept(
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(6))]
 
-    /// However a sweep is stopped, resumed and split, its runs are the same to the last bit.
+    /// However a sweep is stopped, resumed and split, its runs are bit-identical.
     #[test]
     fn sweeps_do_not_depend_on_how_they_are_done(
         order in prop::sample::select(vec![Order::Anew, Order::Up, Order::Down]),
@@ -291,7 +291,7 @@ fn plans_without_meaning_are_refused() {
     assert!(matches!(refused(&grid), PlanError::Interval { .. }));
 }
 
-/// A parameter, a state, or a setting of the search for a crisis that has no meaning is an error,
+/// A parameter, a state, or a setting of the search for a crisis that is invalid is an error,
 /// where the plan is checked and where it is executed.
 #[test]
 fn plans_for_another_system_are_refused() {

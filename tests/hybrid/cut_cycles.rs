@@ -1,4 +1,4 @@
-//! Promise: a smooth cycle that is cut by events, with other coordinates behind each of them, keeps
+//! Promise: a smooth cycle that is cut by events, with other coordinates after each of them, keeps
 //! its multipliers and the coefficients of its normal forms, by both methods, forced or not.
 
 use crate::common::close;

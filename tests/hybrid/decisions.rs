@@ -296,7 +296,7 @@ fn both_stops_are_hit_where_both_are_touched() {
     assert_eq!(legs, ["free:left", "free:right"]);
 }
 
-/// A stop that gives way is pressed for a time that is zero at the touch; no force jumps.
+/// A stop that gives way is pressed for a time that is zero at grazing; no force jumps.
 #[test]
 fn soft_stops_are_pressed_where_they_are_touched() {
     let modes = r#"(name: "pressed", states: [("x", "v"), ("v", "A*cos(0.8*t) - 0.1*v - x - 10*(x - 1)")])"#;

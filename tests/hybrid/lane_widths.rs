@@ -1,4 +1,4 @@
-//! Motions in lanes of all widths that the processor has are the same to the last bit, and those of
+//! Motions in lanes of all widths that the processor has are bit-identical, and those of
 //! the widest registers are chosen where nothing was said to the compiler.
 
 use num_dual::{Dual64, DualNum};
@@ -47,7 +47,7 @@ fn members() -> Vec<Member<f64>> {
     (0..99).map(member).collect()
 }
 
-/// The same with derivatives by the voltage.
+/// The same with derivatives with respect to the voltage.
 fn seeded() -> Vec<Member<Dual64>> {
     let seed = |Member { state, p }: Member<f64>| {
         let HybridState { mode, time, x } = state;

@@ -223,6 +223,6 @@ fn multipliers_make_the_dense_matrix_singular() {
             lu.factor(&dense(&mut orbits, &x, mu * part), Border::NONE).unwrap();
             lu.determinant_sign()
         });
-        assert_eq!(below, -above, "the determinant changes its sign at {mu}");
+        assert_eq!(below, -above, "the determinant changes sign at {mu}");
     }
 }

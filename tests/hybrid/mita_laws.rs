@@ -236,7 +236,7 @@ fn chatter_has_as_many_impacts_as_its_table_says() {
 }
 
 /// Beyond V ≈ 0.872 impacts accumulate in every period: the block rests on the stopper and leaves
-/// it where the force changes its sign.
+/// it where the force changes sign.
 #[test]
 fn beyond_the_ladder_the_block_sticks_to_the_stopper() {
     for voltage in [0.874, 0.88, 0.9] {

@@ -15,7 +15,7 @@ use tangency::core::ode::{Scheme, Settings};
 use tangency::core::system::{Kind, System};
 use tangency::problems::classic::ImpactOscillator;
 
-/// The size of the velocity behind the impact along the critical direction `q`, `∫⟨q, q⟩ dt = 1`.
+/// The size of the velocity after the impact along the critical direction `q`, `∫⟨q, q⟩ dt = 1`.
 fn velocity_of_critical(system: &mut dyn System, point: &SpecialPoint) -> f64 {
     let form = Form::Antiperiodic;
     let x = [&point.state[..], &point.parameters].concat();
@@ -33,7 +33,7 @@ fn velocity_of_critical(system: &mut dyn System, point: &SpecialPoint) -> f64 {
     right[0][place].abs() / square.sqrt()
 }
 
-/// The speeds behind the impacts of motion from an orbit, disturbed, once it has settled.
+/// The speeds after the impacts of motion from an orbit, disturbed, once it has settled.
 fn speeds(
     system: &dyn HybridEquations,
     (branch, point): (&Branch, &SpecialPoint),

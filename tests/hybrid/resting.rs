@@ -1,6 +1,6 @@
-//! Promise: a motion that comes to rest on a surface, and is released, is never behind it, however
-//! often it is sampled; rest is periodic and stable, and the state that a support carries does not
-//! count against it.
+//! Promise: a motion that comes to rest on a surface, and is released, is never beyond the surface,
+//! however often it is sampled; rest is periodic and stable, and the state that a support carries
+//! does not count against it.
 
 use crate::common::close;
 use crate::hybrid::systems::bouncing_ball::{self, BouncingBall};
@@ -175,7 +175,7 @@ fn branches_begin_at_orbits_with_an_accumulation() {
     }
 }
 
-/// The same by the height over the ground: just behind its release the ball is on the table to
+/// The same by the height over the ground: just after its release the ball is on the table to
 /// rounding, with its rate and that of the rate, and does not graze it. The times of the last
 /// impacts are known to fewer digits.
 #[test]
@@ -247,7 +247,7 @@ fn cycles_that_are_sampled_at_an_impact_are_found_in_their_least_period() {
         let [t, v] = bouncing_ball::orbit(1, gamma, e);
         let mut flow = HybridFlow::new(&BouncingBall, HybridSettings::default()).unwrap();
         for aside in [0.0, 1e-12, -1e-12, 1e-9, -1e-9] {
-            // Just behind the impact, with the velocity over the ground.
+            // Just after the impact, with the velocity over the ground.
             let x = vec![gamma * t.sin(), v + aside];
             let start = HybridState { mode: BouncingBall::FLIGHT, time: t, x };
             let search = CycleSearch { transient: 0.0, ..CycleSearch::default() };

@@ -26,7 +26,7 @@ fn a_relay_adds_slides_and_takes_them_away() {
     assert_eq!((slides(&plain), slides(&added)), (2, 4));
     ends(&added, "grazing-sliding", ("omega", 16.073687913232));
     assert_eq!(settling(&system, &added), [20, 0, 0, 0]);
-    // The free legs between slides come to be touches, and the slides behind them vanish.
+    // The free legs between slides become grazings, and the slides after them vanish.
     let grazing = at(&added, "omega", 16.073687913232).label;
     let beyond = switched(&mut orbits, (&added, grazing), "omega", range, [16.1, 16.9]);
     assert_eq!(slides(&beyond), 2);

@@ -121,7 +121,8 @@ fn to_grazing(system: &mut BoundarySystem, z: &[f64]) -> Result<(Branch, usize),
 }
 
 /// Multipliers from 3e5 to 2e27, with one wall and with two that are touched at a time, one of them
-/// where the orbit begins and ends. The touch at `t = π` is a node of 20 intervals, and none of 31.
+/// where the orbit begins and ends. The contact at `t = π` is a node of 20 intervals, and none of
+/// 31.
 #[test]
 fn impacting_branches_begin_where_unstable_orbits_graze() {
     let collocation = || Method::from(Collocation::new(7).unwrap());

@@ -102,11 +102,11 @@ fn names() {
     );
     says(
         "Equations(states: [(\"x\", \"1\")], period: \"»2*x«\")",
-        "the period: it may depend on parameters only",
+        "the period: the formula may contain parameters, but not states or time",
     );
     says(
         "Equations(states: [(\"x\", \"1\")], parameters: [(\"a\", \"»1/0«\")])",
-        "a finite number must stand here",
+        "a finite number is required here",
     );
     says("Equations(states: [(\"x\", \"1\")], scales: [(\"»y«\", 2)])", "unknown state `y`");
 }
@@ -132,7 +132,7 @@ fn statements() {
     );
     says(
         "Boundary(states: [(\"u\", \"v\"), (\"v\", \"-u\")], conditions: [\"»u(0)«\"])",
-        "give 2, as many as states (2) and unknowns (0)",
+        "give 2: one for each state (2) and one for each unknown (0)",
     );
     says("Boundary(states: [(\"u\", \"1\")], conditions: [\"»t«\"])", "conditions have no time");
     says(
@@ -180,7 +180,7 @@ fn sizes_of_arrays() {
     );
     says(
         "Residual(unknowns: [(\"»u[i=3..1]«\", \"u[i]\")])",
-        "the range 3..1 of `i`: it is empty: the first index must not be above the last",
+        "the range 3..1 of `i`: the range is empty: the first index must not be above the last",
     );
     says(
         "Equations(states: [(\"x\", \"1\")], definitions: [(\"n\", 0), (\"»d[i=1..n]«\", \"i\")])",
@@ -304,7 +304,7 @@ fn nothing_is_silently_left_out() {
     says("Equations(states: [(\"x\", \"0 < x < »1«\")])", "`&` between two comparisons");
     says(
         "Equations(states: [(\"x\", \"1\")], scales: [(\"x\", \"»-1«\")])",
-        "it must be a number above 0",
+        "a scale must be a number above 0",
     );
     says(
         "Equations(states: [(\"x\", \"1\")], functions: [(\"»sum«\", [\"u\"], \"u\")])",
@@ -356,7 +356,7 @@ fn periods_and_lengths_are_positive() {
     );
     says(
         "Boundary(states: [(\"u\", \"1\")], conditions: [\"u(0)\"], length: \"»u«\")",
-        "the length: it may depend on parameters only",
+        "the length: the formula may contain parameters, but not states or time",
     );
     let scene = |parameters: &str, run: &str| {
         let text = format!(

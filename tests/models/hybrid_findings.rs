@@ -140,7 +140,7 @@ fn guards_that_vanish_together_all_along_a_branch_are_no_grazing() {
     assert_eq!(kinds, [Kind::EP; 2]);
     all_close(branch, "period", |_| (1.3_f64 / 0.3).ln(), 1e-10);
     let warned = |text: &String| {
-        text.contains("`distance` is zero, up to the error of points, at successive points")
+        text.contains("`distance` is zero, up to the error of the points, at successive points")
     };
     assert!(branch.warnings.iter().any(warned), "{:?}", branch.warnings);
 }

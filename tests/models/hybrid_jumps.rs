@@ -65,7 +65,7 @@ fn guards_that_jump_through_zero_are_refused_by_name() {
     }
 }
 
-/// Cell `a` discharges `b`, which is charged up to `J/I` then, as long as `J/I + eps ≥ 1`.
+/// Cell `a` discharges `b`, which is charged up to `J/I` then, if `J/I + eps ≥ 1`.
 #[test]
 fn a_branch_ends_where_a_reset_jumps() {
     for (method, max_step) in [("shooting", "0.1"), ("shooting", "0.02"), ("collocation", "0.1")] {

@@ -42,7 +42,7 @@ fn tracking_by_a_relay_is_a_cycle_until_the_relay_saturates() {
         let end = branch.of_kind(Kind::G).next().expect("a relay that saturates");
         assert_eq!(end.subkind.as_deref(), Some("adding-sliding"));
         close(end.parameters[2], 5.0 / (10.0 * 13.0_f64.sqrt()), 1e-11);
-        // The relay shapes `i` without delay, and `u` forgets its past at the rate 1.
+        // The relay shapes `i` immediately, and `u` forgets its past at the rate 1.
         assert_eq!(end.unstable, Some(0));
         let [along, across] = [end.eigenvalues[0], end.eigenvalues[1]];
         close(along.0, (-PI).exp(), 1e-9);

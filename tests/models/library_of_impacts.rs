@@ -97,7 +97,7 @@ fn each_itinerary_that_is_born_at_a_touch_of_two_guards_is_switched_to() {
     );
     let error = scene(3).error.expect("no such branch").to_string();
     assert!(
-        error.contains("other branch 3 does not exist: 3 other branches begin or cross"),
+        error.contains("there is no other branch with index 3: 3 other branches begin or cross"),
         "{error}"
     );
 }
@@ -251,7 +251,7 @@ fn from(run: &str, kind: Kind) -> Start {
     Start::From { run: run.into(), kind, nth: 0, switch: false, which: 0, unconverged: false }
 }
 
-/// `I = 1/(1 − e^{−T}) ∓ A/√(1 + ω²)`, and the touch at `1 − A/√(1 + ω²)`. The firing family
+/// `I = 1/(1 − e^{−T}) ∓ A/√(1 + ω²)`, and the grazing at `1 − A/√(1 + ω²)`. The firing family
 /// returns to its start one period later.
 #[test]
 fn integrate_and_fire() {
@@ -419,7 +419,7 @@ fn two_walls() {
     close(halves[0], halves[1], 1e-10);
 }
 
-/// The amplitude is 1 at the touch, at every frequency. The branch that begins there ends there, if
+/// The amplitude is 1 at grazing, at every frequency. The branch that begins there ends there, if
 /// it comes from elsewhere.
 #[test]
 fn soft_stop() {

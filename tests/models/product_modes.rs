@@ -144,7 +144,7 @@ fn combinations_that_have_no_meaning_are_refused() {
     let twice = with("(name: \"free\"", "(name: \"stick\"");
     assert!(twice.contains("`stick` is already an alternative"), "{twice}");
     let beside = with("product: [", "modes: [(name: \"m\")], product: [");
-    assert!(beside.contains("`modes` beside `product`"), "{beside}");
+    assert!(beside.contains("`modes` together with `product`"), "{beside}");
     let none = with("product: [", "product: [[],");
     assert!(none.contains("from 1 to 256"), "{none}");
     // In one guard a combination stands once.

@@ -124,7 +124,7 @@ fn an_event_that_comes_with_a_tick_which_did_not_count_is_a_border_collision() {
     assert_eq!(collision.subkind.as_deref(), Some("border collision"));
     close(collision.parameters[0], 2.0 / (1.0 - (-2.0_f64).exp()), 1e-10);
     let refused = outcome.error.expect("no orbit is near on the other side").to_string();
-    assert!(refused.contains("motion continues in another state after it"), "{refused}");
+    assert!(refused.contains("after which motion continues in another state"), "{refused}");
 }
 
 /// A sweep samples just when doses come: the dose belongs to the period that ends.
@@ -156,8 +156,8 @@ fn times_that_do_not_repeat_with_the_period_are_refused() {
     };
     let period = ", period: \"tau\"";
     assert!(of("n", "").contains("state the period"), "{}", of("n", ""));
-    assert!(of("n*S", period).contains("not on states or time"), "{}", of("n*S", period));
-    assert!(of("n*t", period).contains("not on states or time"), "{}", of("n*t", period));
+    assert!(of("n*S", period).contains("not states or time"), "{}", of("n*S", period));
+    assert!(of("n*t", period).contains("not states or time"), "{}", of("n*t", period));
     assert!(of("n^2*tau", period).contains("it must grow by the period"));
     // Equal for the default, `tau = 0.7`, only.
     assert!(of("0.7*n", period).contains("it must grow by the period"));

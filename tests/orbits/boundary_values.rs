@@ -206,7 +206,7 @@ fn sizes_are_checked() {
         let meshes = vec![uniform.clone(); problem.segments];
         BoundarySystem::new(problem, collocation(), meshes).err().unwrap().to_string()
     };
-    let many = "2 integral and phase conditions, but only 1 states and extras";
+    let many = "there are 2 integral and phase conditions, but only 1 unknowns (states and extra unknowns)";
     assert!(refused(wrong(true, 1, 1, 0)).contains(many));
     assert!(
         refused(wrong(true, 0, 2, 0))

@@ -69,7 +69,7 @@ impl DiscreteMap for Locked {
 }
 
 impl Locked {
-    /// The states of the cycle with this `ρ`, one after the other.
+    /// The states of the cycle with this `ρ`, one after another.
     pub fn cycle(&self, square: f64) -> Vec<f64> {
         let angle = |k: i32| TAU * f64::from(k) / f64::from(self.0);
         let radius = square.sqrt();

@@ -377,7 +377,7 @@ fn what_is_no_saddle_is_refused() {
     assert_eq!(out, ManifoldError::OutOfBounds { name: "x".into(), value: 0.0 });
     let negative = ManifoldSettings { length: -1.0, ..settings };
     let negative = both(Linear, &[0.0, 0.0], &[2.0, 0.5], &negative).unwrap_err().to_string();
-    assert_eq!(negative, "`length` is -1: it must be finite and above 0");
+    assert_eq!(negative, "`length` is -1: the value must be finite and above 0");
 }
 
 /// `Bent` in units of its own for both states.

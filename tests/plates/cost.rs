@@ -19,7 +19,8 @@ fn trace(orders: Option<Orders>, settings: &Settings) -> (usize, Counts) {
     (branch.points.len(), counts)
 }
 
-/// Special points, finer plates for their errors, and derivatives by all parameters are included.
+/// Special points, finer plates for their errors, and derivatives with respect to all parameters
+/// are included.
 #[test]
 fn a_point_costs_few_evaluations_however_many_unknowns_there_are() {
     // So short steps that points count, and not the special ones.

@@ -158,7 +158,7 @@ fn branches_end_with_a_reason_where_the_load_is_no_longer_integrated() {
         let End::StepTooSmall { cause, .. } = &branch.ends[1] else {
             panic!("{supports}: {:?}", branch.ends)
         };
-        for said in ["max_deflection = 9.6", "clear of the electrode", "end the branch before"] {
+        for said in ["max_deflection = 9.6", "clear of the electrode", "end the branch earlier"] {
             assert!(cause.contains(said), "{supports}: {cause}");
         }
         let last = branch.special.last().unwrap();

@@ -127,7 +127,7 @@ fn arrays_that_are_no_columns_are_refused() {
         (&|c| with_shape(c, "(7,)"), "the header states 7 numbers of 8 bytes, but 48 bytes follow"),
         (&|c| with_shape(c, "()"), "a column has one axis, but this array has none"),
         (&|c| with_shape(c, "(x,)"), "the header of the array has no `shape` that can be read"),
-        (&|c| c[1..].to_vec(), "it is not an array in NumPy's format"),
+        (&|c| c[1..].to_vec(), "the entry is not an array in NumPy's format"),
     ];
     for (change, said) in cases {
         let changed = |name: &str, content: Vec<u8>| match name.ends_with("runs/amplitude.npy") {
@@ -178,7 +178,7 @@ fn damaged_archives_are_refused() {
     );
     let text = |about: &str| about.replace("tangency-sweeps/", "tangency-swepps/");
     forged(at, "out/up.npz", "format.npz", &text);
-    refused(at, &["plot", "format.npz"], &["its format is `tangency-swepps/2`"]);
+    refused(at, &["plot", "format.npz"], &["the format of the file is `tangency-swepps/2`"]);
     assert!(Sweeps::load(at.join("out/up.npz")).unwrap().sweeps[0].is_complete());
 }
 

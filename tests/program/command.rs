@@ -9,7 +9,7 @@ pub fn tangency(folder: &Path, arguments: &[&str]) -> Output {
     command.current_dir(folder).args(arguments).output().unwrap()
 }
 
-/// The message of a failure, behind warnings, after checking its form and exit code.
+/// The message of a failure, after warnings, after checking its form and exit code.
 #[track_caller]
 pub fn failure(output: &Output, code: i32) -> &str {
     let mut message = std::str::from_utf8(&output.stderr).unwrap();

@@ -7,7 +7,7 @@ use tangency::core::system::Kind;
 use tangency::output::Chosen;
 use tangency::scene::{Scene, SceneError, execute};
 
-/// It ends behind its fold by the number of points: the ends are held to no accuracy.
+/// It ends beyond its fold by the number of points: the ends are held to no accuracy.
 const PLATE: &str = r#"Scene(
     title: "Plate through pull-in",
     problem: Plate(),

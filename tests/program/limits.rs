@@ -34,9 +34,11 @@ fn counts_have_limits() {
     }
     assert!(with("count=0").contains("a count is 0"));
     assert!(
-        with("recorded_periods=0").contains("`recorded_periods` = 0 must be from 1 to 1000000")
+        with("recorded_periods=0").contains("`recorded_periods` = 0 must be between 1 and 1000000")
     );
-    assert!(with("transient=1000000000000").contains("`transient` = 1000000000000 must be from 0"));
+    assert!(
+        with("transient=1000000000000").contains("`transient` = 1000000000000 must be between 0")
+    );
     assert!(with("flow_tolerance=1e300").contains("must be between 1e-14 and 1e-3"));
     assert!(with("flow_tolerance=nan").contains("flow_tolerance"));
 }

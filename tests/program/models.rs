@@ -114,9 +114,9 @@ fn axes_have_the_words_and_units_of_the_model() {
             model.replace("(\"r\", \"V\")", "(\"s\", \"V\")"),
             "unknown state, parameter or monitor `s`",
         ),
-        (model.replace("(\"r\", \"V\")", "(\"x\", \"V\")"), "it is given twice"),
-        (model.replace("\"V\"", "\"\""), "it must be a word"),
-        (model.replace("\"V\"", "\"V\\n\""), "it must be a word"),
+        (model.replace("(\"r\", \"V\")", "(\"x\", \"V\")"), "the label or unit is given twice"),
+        (model.replace("\"V\"", "\"\""), "a label or unit must be a word"),
+        (model.replace("\"V\"", "\"V\\n\""), "a label or unit must be a word"),
     ] {
         std::fs::write(path.join("m.ron"), wrong).unwrap();
         let message = fails(path, &["trace", "m.ron", "--along", "r=-1..1"]);

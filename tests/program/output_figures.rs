@@ -215,7 +215,7 @@ fn profiles_of_orbits_are_those_of_special_points_and_of_the_end() {
     assert_eq!(styles, [Style::Solid, Style::Solid, Style::Dashed]);
 }
 
-/// Resets are dotted, and a history whose phase is free begins behind one.
+/// Resets are dotted, and a history whose phase is free begins after one.
 #[test]
 fn resets_are_dotted() {
     let mut document = orbits();

@@ -441,7 +441,7 @@ fn mistakes_are_named() {
     refused(
         at,
         &["trace", "big.ron", "--along", "a=0.15..1"],
-        &["the last index, 1000000001", "must be from -1000000000 to 1000000000"],
+        &["the last index, 1000000001", "must be between -1000000000 and 1000000000"],
     );
     write("secret", "root:x:0");
     let scene = |model: &str| {

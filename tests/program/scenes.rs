@@ -175,7 +175,7 @@ fn values_out_of_range_are_refused_by_the_plate() {
     assert!(text.contains("four supported edges") && text.contains("model=ritz"), "{text}");
 }
 
-/// What a run of a scene varies by itself is not overridden behind its back.
+/// A parameter that a run of a scene varies is not overridden silently.
 #[test]
 fn what_the_scene_varies_is_not_set() {
     let error = built_in("plate-pull-in-gap").set("in_plane", "slide").unwrap_err();

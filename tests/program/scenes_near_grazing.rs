@@ -208,8 +208,9 @@ fn branches_of_maps_are_restarted() {
     close(before, again, 1e-9);
 }
 
-/// A sweep of the map beside one of the motion: before grazing and behind the doubling both settle
-/// on the same cycle, with the same exponent; a parameter that is none of the map's is refused.
+/// A sweep of the map together with one of the motion: before grazing and beyond the doubling both
+/// settle on the same cycle, with the same exponent; a parameter that is none of the map's is
+/// refused.
 #[test]
 fn maps_are_swept() {
     let few =

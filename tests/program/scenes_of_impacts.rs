@@ -194,7 +194,7 @@ fn starts_on_bounds_state_their_error() {
     }
 }
 
-/// Where an impact vanishes with the leg behind it the branch ends for one reason, whatever the
+/// Where an impact vanishes with the leg after it the branch ends for one reason, whatever the
 /// steps.
 #[test]
 fn ends_have_one_name() {

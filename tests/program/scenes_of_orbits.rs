@@ -9,7 +9,7 @@ use tangency::output::Document;
 use tangency::scene::{BUILT_IN, Scene, SceneError, StartPoint, execute};
 
 /// The nonimpacting branch of Mita's actuator has its published fold and grazings, by both methods,
-/// and goes on behind them.
+/// and goes on beyond them.
 #[test]
 fn mita_has_its_fold_and_grazings_by_both_methods() {
     for method in ["collocation", "shooting"] {
@@ -134,7 +134,7 @@ fn bratu_has_its_fold() {
 /// Settings of the discretisation are set by name, recorded, and refused out of their ranges.
 #[test]
 fn discretisations_are_set_by_name() {
-    // The method may be named behind its settings.
+    // The method may be named after its settings.
     let shooting = [
         ("segments", "3"),
         ("scheme", "DormandPrince5"),

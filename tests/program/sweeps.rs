@@ -177,7 +177,9 @@ fn parts_are_even_or_say_why_not() {
         "{said}"
     );
     assert!(
-        said.contains("`--set strands=4`, given for all parts, reduces the largest to 2;"),
+        said.contains(
+            "`--set strands=4`, given for all parts, reduces the largest part to 2 runs;"
+        ),
         "{said}"
     );
     assert_eq!(parts("chains", 8, &[]), [4, 4, 4, 4, 0, 0, 0, 0]);

@@ -362,14 +362,14 @@ impl<'a> Pair<'a> {
             if !same && !a.is_empty() && !b.is_empty() {
                 into.unstable += 1;
                 into.wrong.push(format!(
-                    "{}: unstable {b:?}, was {a:?}, behind special point {gap}",
+                    "{}: unstable {b:?}, was {a:?}, after special point {gap}",
                     self.a.name
                 ));
             }
         }
     }
 
-    /// The counts on ordinary points before, between and behind those special points that have
+    /// The counts on ordinary points before, between and after those special points that have
     /// partners.
     fn counts(
         &self,

@@ -120,7 +120,7 @@ fn stepped(restitution: f64, part: f64) -> Found {
     match y - height(restitution, end) {
         _ if y < -step => Found::silent("below the ground"),
         error if error.abs() > 2.0 * step => Found::silent("at another height"),
-        _ => Found::right("the height to two steps' fall"),
+        _ => Found::right("the height, to the fall in two steps"),
     }
 }
 
@@ -128,7 +128,7 @@ fn stepped(restitution: f64, part: f64) -> Found {
 pub(super) fn draw() -> RobustnessMap {
     let (losses, ends) = (from_to(-2.0, 0.0, 17), from_to(0.275, 1.325, 15));
     let panel = |name: &str, naive, method: &dyn Fn(f64, f64) -> Found| {
-        let labels = ["log₁₀ of 1 − restitution", "end of the motion over the time to rest"];
+        let labels = ["log₁₀ of 1 − restitution", "end of the motion / time to rest"];
         let method = |x: f64, y| method(1.0 - 10_f64.powf(x), y);
         Panel::of((name, naive), labels, [&losses, &ends], method)
     };
@@ -144,7 +144,7 @@ pub(super) fn draw() -> RobustnessMap {
             panel("All impacts are computed", false, &|e, end| {
                 followed(false, one_by_one.clone(), e, end)
             }),
-            panel("Steps of one length", true, &stepped),
+            panel("Steps of fixed length", true, &stepped),
         ],
     )
 }

@@ -141,7 +141,7 @@ fn grazing_force() -> f64 {
     (1.0 - frequency * frequency).hypot(damping * frequency)
 }
 
-/// Locates the touching on the branch of orbits.
+/// Locates the grazing on the branch of orbits.
 fn touching(part: f64) -> Found {
     let amplitude = grazing_force() * (1.0 - part);
     let scene = Scene::parse(ORBITS).and_then(|mut scene| {
@@ -153,7 +153,7 @@ fn touching(part: f64) -> Found {
         Err(cause) => return Found::reported("no scene", cause),
     };
     if let Some(cause) = outcome.error {
-        return Found::reported("refused: it passes through the stop", cause);
+        return Found::reported("refused: the orbit passes through the stop", cause);
     }
     let Some(branch) = outcome.document.branches.first() else { return Found::silent("no branch") };
     let near = |value: f64| (value / grazing_force() - 1.0).abs() < ERROR;
@@ -179,8 +179,11 @@ fn touching(part: f64) -> Found {
 /// Computes two panels.
 pub(super) fn draw() -> RobustnessMap {
     let heights = from_to(-14.0, -1.0, 40);
-    let mut panel =
-        Panel::new("Two crossings about a touch", "log₁₀ of the height beyond the level", "search");
+    let mut panel = Panel::new(
+        "Two crossings near a grazing",
+        "log₁₀ of the height beyond the level",
+        "search",
+    );
     panel = panel.row(("ends of steps", true), &heights, |x| signs(10_f64.powf(x), None));
     for parts in [16, 128, 1024, 8192] {
         let name = format!("{parts} parts");
@@ -193,8 +196,8 @@ pub(super) fn draw() -> RobustnessMap {
     );
     let distances = from_to(-14.0, -1.0, 27);
     let from = Panel::new(
-        "The touch itself, on a branch of orbits",
-        "log₁₀ of the start's distance from it",
+        "Location of the grazing on a branch of orbits",
+        "log₁₀ of the distance of the start from the grazing",
         "start",
     )
     .row(("clear of the stop", false), &distances, |x| touching(10_f64.powf(x)))

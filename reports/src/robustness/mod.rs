@@ -20,14 +20,14 @@ use crate::{Entry, RobustnessMap};
 
 /// All robustness maps.
 pub const MAPS: &[Entry<fn() -> RobustnessMap>] = entries![
-    "newton": "Newton's iteration about a fold: guess against load", newton::draw;
-    "steps": "steps along a bend beside another branch: length against radius", steps::draw;
-    "shooting": "shooting over segments and collocation against the size of multipliers", shooting::draw;
-    "events": "searches for crossings against the distance from a touch, and the touch itself", events::draw;
-    "chatter": "infinitely many impacts in a finite time: restitution against the end of the motion", chatter::draw;
-    "polynomials": "polynomials of plates by powers and by recurrence: digits against order", polynomials::draw;
+    "newton": "Newton's method near a fold, for each load and initial guess", newton::draw;
+    "steps": "steps along a bend near another branch, for each radius of the bend and step length", steps::draw;
+    "shooting": "shooting over segments and collocation, for each size of the multipliers", shooting::draw;
+    "events": "searches for crossings at each distance from a grazing, and the location of the grazing", events::draw;
+    "chatter": "infinitely many impacts in a finite time, for each coefficient of restitution and each end of the motion", chatter::draw;
+    "polynomials": "polynomials of plates by powers and by recurrence: correct digits for each order", polynomials::draw;
     "quadrature": "Gauss points for the load of a plate near contact, and error estimates of the model there", quadrature::draw;
-    "stiffness": "explicit methods and the implicit one: tolerance against rate", stiffness::draw;
+    "stiffness": "explicit methods and the implicit method on stiff fields, for each rate and tolerance", stiffness::draw;
 ];
 
 /// Computes a robustness map.

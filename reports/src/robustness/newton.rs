@@ -35,7 +35,7 @@ fn judged(u: f64, load: f64) -> Found {
     let solved = r.re.abs() < 1e-9 * load.max(u.abs());
     match u {
         _ if !solved => Found::silent("no solution"),
-        1.0.. => Found::silent("a deflection behind the electrode"),
+        1.0.. => Found::silent("a deflection beyond the electrode"),
         _ if u <= 1.0 / 3.0 => Found::right("the stable deflection"),
         _ => Found::right("the unstable deflection"),
     }
@@ -68,7 +68,7 @@ fn failed(cause: &NewtonError) -> Found {
     Found::reported(name, cause)
 }
 
-/// Runs the core's iteration with the load held.
+/// Runs Tangency's Newton iteration at a fixed load.
 fn damped(share: f64, guess: f64) -> Found {
     let (load, mut system) = (share * PULL_IN, Dense::new(ParallelPlate));
     let mut equations = Extended::new(&mut system, &[guess, load], vec![]);
@@ -79,8 +79,8 @@ fn damped(share: f64, guess: f64) -> Found {
     }
 }
 
-/// Runs the core's iteration with the load free, on the line normal to the curve of constant
-/// residual through the guess.
+/// Runs Tangency's Newton iteration with the load as an unknown, on the line normal to the curve of
+/// constant residual through the guess.
 fn extended(share: f64, guess: f64) -> Found {
     let (load, mut system) = (share * PULL_IN, Dense::new(ParallelPlate));
     let start = [guess, load];
@@ -102,7 +102,7 @@ fn extended(share: f64, guess: f64) -> Found {
     }
 }
 
-/// Returns the result of arclength continuation from rest for a load: both deflections, or an
+/// Returns the result of arclength continuation from rest for a load: the two deflections, or an
 /// earlier fold.
 fn from_rest(share: f64) -> Found {
     let (load, mut system) = (share * PULL_IN, Dense::new(ParallelPlate));
@@ -114,7 +114,7 @@ fn from_rest(share: f64) -> Found {
     let right = |point: &SpecialPoint| judged(point.state[0], load).class != Class::Silent;
     let marks = branch.of_kind(Kind::UZ).filter(|point| right(point)).count();
     match (marks, branch.of_kind(Kind::LP).next()) {
-        (1.., _) => Found::handed_over("both deflections, by arclength from rest"),
+        (1.., _) => Found::handed_over("continuation from rest finds both solutions"),
         (0, Some(fold)) if fold.parameters[0] < load => {
             let why = format!("the branch from rest folds at load = {:.9}", fold.parameters[0]);
             Found::reported("the fold comes before this load", why)
@@ -127,17 +127,22 @@ fn from_rest(share: f64) -> Found {
 pub(super) fn draw() -> RobustnessMap {
     let (loads, guesses) = (from_to(0.51, 1.31, 41), from_to(-0.95, 1.55, 26));
     let panel = |title: &str, naive, method: fn(f64, f64) -> Found| {
-        let labels = ["load over load at the fold", "guess of the deflection"];
+        let labels = ["load / load at the fold", "initial guess of the deflection"];
         Panel::of((title, naive), labels, [&loads, &guesses], method)
     };
     map(
         "newton",
         vec![
-            panel("Newton's formula, load held", true, plain),
-            panel("The core's iteration, load held", false, damped),
-            panel("The core's iteration, load free (arclength)", false, extended),
+            panel("Newton's formula at a fixed load", true, plain),
+            panel("Tangency's Newton iteration at a fixed load", false, damped),
             panel(
-                "The core's iteration, load held, then arclength from rest",
+                "Tangency's Newton iteration with the load as an unknown \
+                   (pseudo-arclength)",
+                false,
+                extended,
+            ),
+            panel(
+                "Tangency's Newton iteration at a fixed load, then continuation from rest",
                 false,
                 |share, guess| {
                     let found = damped(share, guess);

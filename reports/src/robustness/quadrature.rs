@@ -84,12 +84,12 @@ fn compared(branch: &Traced, finer: &Traced, gap: f64) -> Found {
                     "fewer digits, by its own estimate",
                     format!("the error is estimated as {error:.1e}"),
                 ),
-                false => Found::silent("worse than its estimate"),
+                false => Found::silent("the error exceeds its estimate"),
             }
         }
         _ => match &branch.ends[1] {
             end @ End::StepTooSmall { .. } => {
-                Found::reported("the branch ends clear of the electrode", end)
+                Found::reported("the branch ends before the electrode", end)
             }
             _ => Found::silent("no such point"),
         },
@@ -105,7 +105,7 @@ pub(super) fn draw() -> RobustnessMap {
         let k = gaps.iter().position(|known| *known == gap).unwrap_or(0);
         (load(1.0 - 10_f64.powf(gap), points as usize) / exact[k] - 1.0).abs()
     };
-    let x = "log₁₀ of the least gap left, 1 − w";
+    let x = "log₁₀ of the smallest remaining gap, 1 − w";
     let rule = |gap, points| judged(error(gap, points));
     let rules = Panel::new("Gauss points for a load", x, "points in each direction");
     let rules = rules.over(("Gauss points", true), [&gaps, &points], rule);
@@ -113,7 +113,7 @@ pub(super) fn draw() -> RobustnessMap {
     let marks: Vec<f64> = gaps.iter().map(|gap| 10_f64.powf(*gap)).collect();
     let finer = traced([6, 8], 1e-5, &marks);
     let mut plates =
-        Panel::new("Branches of a clamped plate", x, "functions across and in the plane");
+        Panel::new("Branches of a clamped plate", x, "transverse and in-plane functions");
     for [across, within] in [[2, 3], [3, 4]] {
         let coarse = traced([across, within], 1e-3, &marks);
         let name = format!("{across} and {within}");

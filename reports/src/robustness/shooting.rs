@@ -76,7 +76,7 @@ fn compared(branch: &Branch) -> Found {
     if !point.converged {
         return Found::reported(
             "the mark has not converged",
-            "the point is marked so in every format",
+            "every file format marks the point as not converged",
         );
     }
     let error = (point.parameters[0] - MARKED).abs();

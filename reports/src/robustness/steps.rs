@@ -90,7 +90,7 @@ fn judged(epsilon: f64, traced: Result<Branch, TraceError>) -> Found {
                 // The core is documented to treat closer branches as crossing.
                 (found, Some(point)) if found.class == Class::Silent && epsilon < CROSSING => {
                     let why = format!("{}, {}", point.kind, point.event);
-                    Found::reported("taken for a branch point", why)
+                    Found::reported("reported as a branch point", why)
                 }
                 (found, _) => found,
             }
@@ -115,9 +115,9 @@ pub(super) fn draw() -> RobustnessMap {
     map(
         "steps",
         vec![
-            panel("Steps of one length, without control", true, uncontrolled),
-            panel("The core's steps of one length", false, fixed),
-            panel("The core's adapted steps", false, adapted),
+            panel("Steps of fixed length, without step control", true, uncontrolled),
+            panel("Tangency's steps of fixed length", false, fixed),
+            panel("Tangency's adaptive steps", false, adapted),
         ],
     )
 }

@@ -23,7 +23,7 @@ fn flowed(scheme: Scheme, rate: f64, tolerance: f64) -> Result<(f64, usize), Flo
 fn tried(scheme: Scheme, rate: f64, tolerance: f64) -> Found {
     match flowed(scheme, rate, tolerance) {
         Ok((error, _)) if error > TOLERANCES * tolerance => {
-            Found::silent("less accurate than asked")
+            Found::silent("less accurate than the tolerance")
         }
         Ok(_) if scheme == Scheme::Rodas5P => Found::right("done"),
         Ok((_, evaluations)) => match flowed(Scheme::Rodas5P, rate, tolerance) {
@@ -52,7 +52,7 @@ fn handed_over(rate: f64, tolerance: f64) -> Found {
         Err(FlowError::Stiff { .. } | FlowError::TooManySteps { .. }) => {
             match flowed(Scheme::Rodas5P, rate, tolerance) {
                 Ok((error, _)) if error <= TOLERANCES * tolerance => {
-                    Found::handed_over("done by Rodas5P after order 8 has refused")
+                    Found::handed_over("done by Rodas5P after order 8 failed")
                 }
                 _ => tried(Scheme::Rodas5P, rate, tolerance),
             }

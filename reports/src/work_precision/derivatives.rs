@@ -1,5 +1,5 @@
-//! Forward dual numbers against finite differences: the derivative of a period with an impact, its
-//! multipliers, and a fold.
+//! Forward dual numbers compared with finite differences: the derivative of a period with an
+//! impact, its multipliers, and a fold.
 
 use super::differences::{By, IMPACTING};
 use super::fold;
@@ -7,7 +7,7 @@ use super::period::Period;
 use super::plan::{Answer, Method, Plan};
 use nalgebra::Matrix2;
 
-/// Returns the moduli of both multipliers, the larger one first.
+/// Returns the moduli of the two multipliers, the larger one first.
 fn multipliers(matrix: &Matrix2<f64>) -> Vec<f64> {
     let mut sizes: Vec<f64> = matrix.complex_eigenvalues().iter().map(|mu| mu.norm()).collect();
     sizes.sort_by(|a, b| b.total_cmp(a));

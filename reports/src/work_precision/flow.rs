@@ -106,10 +106,13 @@ fn duals() -> Plan {
             Method::new(line, format!("{tolerance:.0e}"), stuck::<T>(settings))
         })
     }
-    Plan::of("What derivatives cost: the stick on dual numbers", exact(stuck::<f64>))
-        .with(methods::<f64>("f64"))
-        .with(methods::<Dual64>("first derivatives"))
-        .with(methods::<HyperDual64>("second derivatives"))
+    Plan::of(
+        "Cost of derivatives: the stick phase integrated with dual numbers",
+        exact(stuck::<f64>),
+    )
+    .with(methods::<f64>("f64"))
+    .with(methods::<Dual64>("first derivatives"))
+    .with(methods::<HyperDual64>("second derivatives"))
 }
 
 /// Plans four panels.

@@ -73,10 +73,10 @@ fn fold(by: By, tolerance: f64) -> Result<[f64; 3], String> {
         }
         before = size;
     }
-    Err("Newton's method does not come to an end".into())
+    Err("Newton's method does not converge".into())
 }
 
-/// Plans the voltage of the fold, and the state.
+/// Plans two diagrams: the voltage at the fold, and the state there.
 pub(super) fn plans() -> [Plan; 2] {
     let plan = |title: &str, part: Range<usize>| {
         let of = part.clone();
@@ -92,6 +92,6 @@ pub(super) fn plans() -> [Plan; 2] {
             .with(By::all(2..=7).into_iter().map(method))
             .recommending("dual numbers", "")
     };
-    let voltage = plan("Voltage of a fold", 2..3).with([orbit::fold_on_a_branch()]);
+    let voltage = plan("Voltage at a fold", 2..3).with([orbit::fold_on_a_branch()]);
     [voltage, plan("State at a fold", 0..2)]
 }

@@ -1,4 +1,5 @@
-//! Dense and sparse matrices, by the number of unknowns: Bratu's problem on a line and in a square.
+//! Dense and sparse matrices for each number of unknowns: Bratu's problem on a line and in a
+//! square.
 
 use super::plan::{Answer, Method, Plan};
 use crate::Drawn;

@@ -1,4 +1,5 @@
-//! Local maps near grazing against the flow: folds near the degenerate point, by order of the map.
+//! Local maps near grazing compared with the flow: folds near the degenerate point, by order of the
+//! map.
 
 use super::plan::{Answer, Method, Plan};
 use super::scenes::{Sought, found, scene};
@@ -43,7 +44,7 @@ const FOLDS: [Sought; 2] = [
     Sought { branch: "P(1,1) by the local map", kind: Kind::LP, column: "voltage" },
 ];
 
-/// Compares both folds at a distance in frequency from the degenerate point.
+/// Compares the two folds at a distance in frequency from the degenerate point.
 fn apart(order: usize, distance: f64) -> Method {
     let (order, frequency) = (order.to_string(), (DEGENERATE + distance).to_string());
     let settings = [("order", &*order), ("frequency", &*frequency)];

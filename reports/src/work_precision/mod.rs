@@ -32,16 +32,16 @@ pub type Diagram = Entry<fn() -> Vec<Plan>>;
 /// All work-precision diagrams.
 pub const DIAGRAMS: &[Diagram] = entries![
     "plate-models": "pull-in load of a plate by models of few modes, sines and polynomials", plates::models;
-    "plate-orders": "pull-in load of a plate by orders of deflection and in-plane displacement", plates::orders;
-    "flow": "integrators on the stick, an impacting period and a stiff field; derivatives", flow::plans;
+    "plate-orders": "pull-in load of a plate against the expansion orders of the deflection and the in-plane displacement", plates::orders;
+    "flow": "integrators on three problems (stick phase, impacting period, stiff field), and the cost of derivatives", flow::plans;
     "orbit": "a fold, a period doubling and a grazing by shooting and by collocation", orbit::plans;
     "derivatives": "dual numbers and finite differences: derivatives of an orbit, multipliers, and a fold", derivatives::plans;
     "events": "a grazing by bisection, by the secant method, on a mesh, and by its defining system", events::plans;
-    "local-map": "the local map near a grazing against the flow, by its order", local_map::plans;
-    "models": "equations as text beside the same compiled: orbits by collocation and shooting, a sweep", models::plans;
-    "scaling": "time against unknowns, intervals and segments, parameters, and threads", scaling::plans;
-    "large": "dense and sparse matrices by the number of unknowns", large::plans;
-    "curve": "the curve through the points of a branch: its error against their number", curve::plans;
+    "local-map": "the local map near a grazing compared with the flow, for each order of the map", local_map::plans;
+    "models": "equations given as text compared with compiled equations: orbits by collocation and shooting, and a sweep", models::plans;
+    "scaling": "time against the numbers of unknowns, of intervals and segments, of parameters, and of threads", scaling::plans;
+    "large": "dense and sparse matrices for each number of unknowns", large::plans;
+    "curve": "the error of the curve through the points of a branch, against the number of points", curve::plans;
 ];
 
 /// Measures a work-precision diagram.

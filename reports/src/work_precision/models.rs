@@ -1,4 +1,4 @@
-//! Equations given as text against the same equations compiled: the cost of tapes of formulas.
+//! Equations given as text compared with compiled equations: the cost of tapes of formulas.
 
 use super::plan::{Answer, Method, Plan};
 use super::scenes::{Counted, Sought, scene, tracing};

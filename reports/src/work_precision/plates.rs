@@ -30,7 +30,7 @@ fn ritz(line: &str, transverse: usize, in_plane: usize) -> Method {
 }
 
 fn reference() -> Method {
-    ritz("the full model with functions across and in the plane", 14, 20)
+    ritz("the full model with transverse and in-plane functions", 14, 20)
 }
 
 /// Plans the models of the plate.
@@ -60,14 +60,14 @@ pub(super) fn models() -> Vec<Plan> {
     vec![plan.recommending("full model", "6 and 8")]
 }
 
-/// Plans the orders across the plate against the orders in its plane.
+/// Plans the transverse and in-plane orders of the plate.
 pub(super) fn orders() -> Vec<Plan> {
     let over = |in_plane| {
-        let line = format!("{in_plane} in the plane");
+        let line = format!("in-plane order {in_plane}");
         [2, 3, 4, 5, 6, 8, 10].map(|transverse| ritz(&line, transverse, in_plane))
     };
     let methods = [2, 3, 4, 6, 8, 11].into_iter().flat_map(over);
-    let plan = Plan::of("Pull-in load by orders across and in the plane", reference());
+    let plan = Plan::of("Pull-in load for each transverse and in-plane order", reference());
     let plan = plan.counting("unknowns").relative().with(methods);
-    vec![plan.recommending("8 in the plane", "6 and 8")]
+    vec![plan.recommending("in-plane order 8", "6 and 8")]
 }

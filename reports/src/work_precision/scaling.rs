@@ -44,7 +44,7 @@ fn unknowns() -> Plan {
         tracing((line, setting), PLATE, &settings, PULL_IN, Counted::Unknowns)
     };
     let methods = [3, 4, 6, 8, 10].map(|order| plate("full model", order));
-    let plan = Plan::of("A clamped plate by orders", plate("the full model", 13));
+    let plan = Plan::of("A clamped plate, for each order", plate("the full model", 13));
     plan.counting("unknowns").relative().drawing(Drawn::TimeAgainstWork).with(methods)
 }
 
@@ -68,7 +68,8 @@ fn pieces() -> Plan {
     let shooting = |segments| orbits("shooting".into(), segments, &[]);
     methods.extend([1, 2, 4, 8, 16, 32].map(shooting));
     let reference = orbits("shooting".into(), 1, &[("flow_tolerance", "1e-14")]);
-    let plan = Plan::of("Orbits by intervals and segments", reference).counting("unknowns");
+    let plan = Plan::of("Orbits, for each number of intervals and segments", reference)
+        .counting("unknowns");
     plan.drawing(Drawn::TimeAgainstWork).with(methods)
 }
 
@@ -134,13 +135,14 @@ fn parameters() -> Plan {
     let exact = Method::new("dual numbers", "at a tolerance of 1e-15", move || {
         Ok(Answer { numbers: duals::<8>(8, at.clone()?, 1e-15)?, work: 0.0 })
     });
-    let mut plan = Plan::of("Derivatives of a period with an impact by parameters", exact)
-        .counting("parameters")
-        .drawing(Drawn::TimeAgainstWork);
+    let mut plan =
+        Plan::of("Derivatives of a period with an impact, for each number of parameters", exact)
+            .counting("parameters")
+            .drawing(Drawn::TimeAgainstWork);
     for (count, together, differences) in sizes {
         plan = plan.with([
-            method("dual numbers, all parameters at once", count, together),
-            method("dual numbers, one by one", count, one_by_one),
+            method("dual numbers, all parameters in one pass", count, together),
+            method("dual numbers, one parameter per pass", count, one_by_one),
             method("one-sided differences, step 1e-7", count, differences),
         ]);
     }
@@ -164,7 +166,8 @@ fn threads() -> Plan {
         })
     };
     let counts = [1, 2, 4].into_iter().filter_map(NonZeroUsize::new);
-    let plan = Plan::of("A sweep by threads", method(NonZeroUsize::MIN)).counting("threads");
+    let plan = Plan::of("A sweep, for each number of threads", method(NonZeroUsize::MIN))
+        .counting("threads");
     plan.by(Clock::Wall).drawing(Drawn::TimeAgainstWork).with(counts.map(method))
 }
 

@@ -43,7 +43,7 @@ pub enum CycleSearchError {
          distance was {distance:.1e}, above the tolerance {tolerance:.1e}"
     )]
     #[diagnostic(help(
-        "simulate longer (`transient`, `returns`, `longest`), or elsewhere if the motion is not periodic"
+        "simulate longer (`transient`, `returns`, `longest`), or start elsewhere if the motion is not periodic"
     ))]
     Unsettled {
         /// The number of returns.
@@ -57,8 +57,9 @@ pub enum CycleSearchError {
     },
     /// The motion decays to a state of rest.
     #[error(
-        "the motion comes to rest at t = {time:.6}: the diameter of its last return is {last:.1e}, in units of \
-         the scales, after {largest:.1e} before; simulating longer does not help"
+        "the motion comes to rest at t = {time:.6}: the diameter of the last return is {last:.1e}, in \
+         units of the scales, and the largest diameter before was {largest:.1e}; simulating longer does \
+         not help"
     )]
     #[diagnostic(help("start elsewhere, or trace the equilibrium"))]
     Rest {
@@ -72,7 +73,7 @@ pub enum CycleSearchError {
     /// The motion comes to rest at an equilibrium.
     #[error("the motion comes to rest at t = {time:.6}, {place}: simulating longer does not help")]
     #[diagnostic(help(
-        "start elsewhere, or follow the equilibrium from there (`solution: equilibrium` in a scene)"
+        "start elsewhere, or follow the equilibrium from the final state (`solution: equilibrium` in a scene)"
     ))]
     Equilibrium {
         /// The time at the end of the simulation.
@@ -86,9 +87,10 @@ pub enum CycleSearchError {
     },
     /// A motion without forcing returns neither to an event nor to a section across it.
     #[error(
-        "the motion did not return to an event or to a section within a time of {0}: it is slow, or escapes"
+        "the motion did not return to an event or to a section within a time of {0}: the motion is slow, \
+         or escapes"
     )]
-    #[diagnostic(help("raise `longest`, or simulate elsewhere"))]
+    #[diagnostic(help("raise `longest`, or start elsewhere"))]
     NoReturn(f64),
 }
 

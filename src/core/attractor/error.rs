@@ -44,10 +44,10 @@ pub enum StroboscopicError {
     NoMeasure(#[from] UnknownName),
     /// No crisis was found.
     #[error(
-        "no crisis found in {steps} steps from {from} to {to}: the motion must not settle on a cycle at one of \
-         them, and must settle on a cycle, or end, at the last one"
+        "no crisis found in {steps} steps from {from} to {to}: the motion must settle on no cycle at one \
+         of these values, and must settle on a cycle, or end, at the last value"
     )]
-    #[diagnostic(help("move the ends, or take more steps or a longer transient"))]
+    #[diagnostic(help("change the ends of the range, or use more steps or a longer transient"))]
     NoCrisis {
         /// The first value of the parameter.
         from: f64,
@@ -92,7 +92,7 @@ pub enum CrisisSearchError {
         to: f64,
     },
     /// The number of steps is out of range.
-    #[error("the search for a crisis has {0} steps: their number must be from 1 to {MOST_STEPS}")]
+    #[error("the search for a crisis has {0} steps: the number must be between 1 and {MOST_STEPS}")]
     Steps(usize),
     /// The tolerance is not a positive number.
     #[error(

@@ -16,7 +16,7 @@
 //! use tangency::core::attractor::{AttractorSearch, PeriodMap};
 //! use tangency::core::hybrid::{HybridSettings, HybridState};
 //! use tangency::problems::classic::ImpactOscillator;
-//! // A forced mass beside a stop settles on a cycle with one impact per forcing period.
+//! // A forced mass near a stop settles on a cycle with one impact per forcing period.
 //! let mut map = PeriodMap::of(&ImpactOscillator, HybridSettings::default(), &[])?;
 //! let start = HybridState { mode: ImpactOscillator::FLIGHT, time: 0.0, x: vec![0.0, 0.0] };
 //! let found = AttractorSearch::default().follow(&mut map, start, &[5.0, 2.2, 0.8, 0.1, 1.0])?;

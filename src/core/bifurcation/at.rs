@@ -9,8 +9,8 @@ pub struct At<'a> {
     pub system: &'a mut dyn System,
     /// The unknowns and all parameters, `x = (z, p)`.
     pub x: &'a [f64],
-    /// Positions of the released parameters among all parameters. Only derivatives by these
-    /// parameters are computed.
+    /// Positions of the released parameters among all parameters. Only derivatives with respect to
+    /// these parameters are computed.
     pub released: &'a [usize],
     /// The auxiliary unknowns of the held defining systems, such as the frequency `ω` along a curve
     /// of Hopf points.

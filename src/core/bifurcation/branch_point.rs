@@ -54,7 +54,7 @@ impl DefiningSystem for BranchPoint {
         let (p, count) = (self.parameter, system.names().parameters.len());
         if p >= count {
             return Err(Failure::Mismatch(format!(
-                "the branch point is in parameter {p}, but the system has {count} (counted from 0)"
+                "the branch point is in parameter {p}, but the system has {count} parameters, numbered from 0"
             )));
         }
         y[0] = 0.0;

@@ -32,7 +32,7 @@ pub(crate) struct Bifurcation {
     pub critical: Critical,
     /// The normal form on branches of solutions.
     pub normal_form: Option<ComputeNormalForm>,
-    /// The solutions on both sides of a curve of such points.
+    /// The solutions on the two sides of a curve of such points.
     pub division: Option<ComputeDivision>,
     pub seen: &'static [Sighting],
 }

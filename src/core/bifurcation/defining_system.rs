@@ -75,8 +75,9 @@ pub trait DefiningSystem: Send {
     fn values(&mut self, at: At, y: &[f64], values: &mut [f64]) -> Result<(), Failure>;
 
     /// Computes the gradients of the left sides at the point where
-    /// [`values`](DefiningSystem::values) was called last: `rows` by `x` (`k + 1` rows as long as
-    /// `x`; only released parameters count), `own` by `y` (`k + 1` rows of `k`).
+    /// [`values`](DefiningSystem::values) was called last: `rows` with respect to `x` (`k + 1` rows
+    /// of the same length as `x`; only released parameters count), `own` with respect to `y` (`k +
+    /// 1` rows of `k`).
     ///
     /// # Errors
     /// As for the values.

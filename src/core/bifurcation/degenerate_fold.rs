@@ -28,8 +28,8 @@ impl Kind {
 
 /// A degenerate point of a curve of folds: a cusp, where `a = wᵀ F_zz[v, v] = 0`, or a
 /// Bogdanov–Takens point, where `c = wᵀ L' v = 0` and the eigenvalue zero is double. `L' = −1` is
-/// the derivative of the linearisation by the exponent of deviations; with `L'` of orbits, `c = 0`
-/// is a resonance 1:1, or 1:2 on curves of period doublings.
+/// the derivative of the linearisation with respect to the exponent of deviations; with `L'` of
+/// orbits, `c = 0` is a resonance 1:1, or 1:2 on curves of period doublings.
 pub struct DegenerateFold {
     kind: Kind,
     form: Form,

@@ -23,7 +23,7 @@ impl Kind {
 }
 
 /// A codimension-two point on a curve of grazings. The grazing orbit belongs to two families, with
-/// and without the event of the touch. The linearisation `F_z` of either family is singular
+/// and without the event at the grazing point. The linearisation `F_z` of either family is singular
 /// somewhere along the curve: for orbits with the event where the grazing is *degenerate*, for
 /// orbits without the event where it is *nonhyperbolic*. The curve consists of orbits of either
 /// family; where the orbits of the other family are singular

@@ -51,7 +51,8 @@ impl DefiningSystem for Level {
         };
         if position >= count {
             return Err(Failure::Mismatch(format!(
-                "the level is for quantity {position}, but there are {count} (counted from 0)"
+                "the level refers to quantity {position}, but there are only {count} quantities, \
+                 numbered from 0"
             )));
         }
         Ok(())

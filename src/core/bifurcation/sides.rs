@@ -1,4 +1,4 @@
-//! The solutions on both sides of a curve of bifurcations in the plane of two parameters.
+//! The solutions on the two sides of a curve of bifurcations in the plane of two parameters.
 
 use super::at::At;
 use super::catalogue::row_of;
@@ -24,8 +24,8 @@ const EIGENVALUES: usize = 4;
 /// for both parameters `λ`, with the null vectors `q`, `p` of the linearisation `L` and `B = F_zz`.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::core) struct Sides {
-    /// A normal of the curve as a covector: the derivatives, by both parameters, of a function that
-    /// increases towards one side.
+    /// A normal of the curve as a covector: the derivatives, with respect to both parameters, of a
+    /// function that increases towards one side.
     pub towards: [f64; 2],
     /// The number of unstable directions of each solution on that side, in increasing order. Cycles
     /// that emanate at a Hopf point, tori and doubled orbits are not included.

@@ -1,4 +1,4 @@
-//! Boundary-value problems behind one object-safe trait.
+//! One object-safe trait for all boundary-value problems.
 //!
 //! Users write a [`BoundaryProblem`](super::problem::BoundaryProblem) generically. Discretisations
 //! use it through [`Equations`], one scalar type at a time, and are therefore compiled once for all
@@ -110,7 +110,7 @@ pub trait Equations:
     /// The shape of solutions: whether they are periodic, and how one period leads to the next.
     fn shape(&self) -> Shape;
 
-    /// The names of the extras, the further unknown numbers.
+    /// The names of the extra unknowns, such as the duration of a segment.
     fn extras(&self) -> Vec<String> {
         Vec::new()
     }
@@ -148,7 +148,7 @@ pub trait Equations:
         1.0
     }
 
-    /// Typical sizes of the extras, used as units of tolerances; empty if all are 1.
+    /// Typical sizes of the extra unknowns, used as units of tolerances; empty if all are 1.
     fn extra_scales(&self, _p: &[f64]) -> Vec<f64> {
         Vec::new()
     }
@@ -171,7 +171,7 @@ pub trait Equations:
     }
 }
 
-/// A boundary-value problem behind its object-safe trait.
+/// A boundary-value problem as a trait object.
 pub type ErasedProblem = Arc<dyn Equations>;
 
 /// A problem that can be discretised: a [`BoundaryProblem`](super::problem::BoundaryProblem), or an

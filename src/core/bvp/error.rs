@@ -28,11 +28,12 @@ pub enum BoundaryError {
     NoIntervals(usize),
     /// There are more integral and phase conditions than unknowns.
     #[error(
-        "{closing} integral and phase conditions, but only {unknowns} states and extras as unknowns"
+        "there are {closing} integral and phase conditions, but only {unknowns} unknowns (states and \
+         extra unknowns)"
     )]
-    #[diagnostic(help("drop conditions or add extras"))]
+    #[diagnostic(help("remove conditions or add extra unknowns"))]
     Conditions {
-        /// The number of states of all segments and extras.
+        /// The number of unknowns: the states of all segments, and the extra unknowns.
         unknowns: usize,
         /// The number of integral conditions and the phase condition.
         closing: usize,
@@ -67,7 +68,8 @@ pub enum BoundaryError {
     },
     /// The largest allowed mesh is too coarse for a tolerance.
     #[error(
-        "an error of {tolerance:.1e} needs {needed:.0} intervals on segment {segment}, but at most {most} are allowed"
+        "an error of {tolerance:.1e} needs {needed:.0} intervals on segment {segment}, but at most \
+         {most} intervals are allowed"
     )]
     #[diagnostic(help("raise the tolerance or the number of points per interval"))]
     TooFine {

@@ -18,11 +18,12 @@ pub trait Itineraries<P> {
     /// Creates the problem with a saved itinerary.
     ///
     /// # Errors
-    /// [`Failure::Mismatch`] if the itinerary has no meaning for this problem.
+    /// [`Failure::Mismatch`] if this problem has no such itinerary.
     fn with_words(&self, words: &str) -> Result<P, Failure>;
 
-    /// Creates the problem of the doubled itinerary: all segments with their extras twice, the extras
-    /// before them once. `None` if a mesh of twice the length represents a solution of two periods.
+    /// Creates the problem of the doubled itinerary: all segments with their extra unknowns twice,
+    /// the extra unknowns before them once. `None` if a mesh of twice the length represents a
+    /// solution of two periods.
     fn doubled(&self) -> Option<P>;
 
     /// Creates the problem of half the itinerary, if the itinerary repeats itself; otherwise `None`.
@@ -36,9 +37,9 @@ pub trait Itineraries<P> {
         None
     }
 
-    /// The extras of the same solution when it begins with a later segment; the time of its start is
-    /// chosen nearest to the extras `near`. `None` if the rotated solution does not solve this
-    /// problem.
+    /// The extra unknowns of the same solution when it begins with a later segment; the time of its
+    /// start is chosen nearest to the extra unknowns `near`. `None` if the rotated solution does
+    /// not solve this problem.
     fn rotated(&self, _segments: usize, _q: &[f64], _near: &[f64]) -> Option<Vec<f64>> {
         None
     }
@@ -100,9 +101,9 @@ pub struct Guess<P> {
     pub problem: P,
     /// The trajectory on each segment.
     pub trajectories: Vec<Trajectory>,
-    /// The extras.
+    /// The extra unknowns.
     pub extras: Vec<f64>,
-    /// Trajectories and extras of a neighbour to first order, which determine the direction of the
-    /// branch if the equations are singular; otherwise `None`.
+    /// Trajectories and extra unknowns of a neighbour to first order, which determine the direction
+    /// of the branch if the equations are singular; otherwise `None`.
     pub beside: Option<(Vec<Trajectory>, Vec<f64>)>,
 }

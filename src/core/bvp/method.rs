@@ -1,4 +1,4 @@
-//! Discretisations of trajectories: collocation and shooting behind one interface.
+//! Discretisations of trajectories: collocation and shooting with one interface.
 
 use super::collocation::{Collocation, CollocationWork};
 use super::erased::Number;
@@ -176,8 +176,8 @@ impl Method {
         }
     }
 
-    /// Computes the residual of an interval with its derivatives by the nodes and by the active
-    /// components of `q`, and the extrema that [`extrema`](Self::extrema) visits.
+    /// Computes the residual of an interval with its derivatives with respect to the nodes and to
+    /// the active components of `q`, and the extrema that [`extrema`](Self::extrema) visits.
     pub(super) fn linearise(
         &mut self,
         interval: Interval<f64>,
@@ -268,8 +268,8 @@ impl Method {
         }
     }
 
-    /// The growth of deviations over an interval, from its derivatives by the nodes of `n` states; 1
-    /// for a method with equations inside intervals.
+    /// The growth of deviations over an interval, from its derivatives with respect to the nodes of
+    /// `n` states; 1 for a method with equations inside intervals.
     pub(super) fn growth(&self, nodes: &[f64], n: usize) -> f64 {
         match self {
             Method::Collocation(_) => 1.0,

@@ -62,7 +62,8 @@ pub trait BoundaryProblem: Send + Sync {
         Vec::new()
     }
 
-    /// Computes the field of a segment at time `t` from its start, into `f` (as long as `x`).
+    /// Computes the field of a segment at time `t` from its start, into `f` (of the same length as
+    /// `x`).
     fn field<T: Scalar>(&self, segment: usize, t: T, x: &[T], q: &[T], f: &mut [T]);
 
     /// Computes the duration `L_s` of a segment; by default 1.

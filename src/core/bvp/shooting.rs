@@ -96,8 +96,8 @@ impl Clone for Shooting {
 /// leaves only one or two digits.
 const LARGEST_GROWTH: f64 = 1e14;
 
-/// The growth of deviations over a segment, from its derivatives by the nodes; only derivatives of
-/// states by themselves count, which have no unit.
+/// The growth of deviations over a segment, from its derivatives with respect to the nodes; only
+/// derivatives of states with respect to themselves count, which have no unit.
 pub(super) fn growth(nodes: &[f64], n: usize) -> f64 {
     let own = nodes.chunks_exact(2 * n).enumerate().map(|(i, row)| row[i].abs());
     own.fold(0.0, f64::max)
@@ -194,8 +194,8 @@ impl Shooting {
         Ok(())
     }
 
-    /// Computes the residual of an interval with its derivatives by the nodes and by the active
-    /// components of `q`, and the extrema that [`extrema`](Self::extrema) visits.
+    /// Computes the residual of an interval with its derivatives with respect to the nodes and to
+    /// the active components of `q`, and the extrema that [`extrema`](Self::extrema) visits.
     pub fn linearise(
         &mut self,
         interval: Interval<f64>,

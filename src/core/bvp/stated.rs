@@ -1,4 +1,4 @@
-//! User-defined boundary-value problems behind the object-safe trait of their equations.
+//! User-defined boundary-value problems as implementations of the object-safe trait of equations.
 
 use super::erased::{EndFunctions, Equations, ErasedProblem, IntoEquations, Residual, Watches};
 use super::itineraries::Itineraries;

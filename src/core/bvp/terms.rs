@@ -111,9 +111,9 @@ pub enum Shape {
     /// `segment_end_in`: the initial states of segments, the functions that vanish at their ends, and
     /// under forcing `cycle − Σ durations`.
     ///
-    /// The extras are the start time (under forcing) and the durations. A segment depends on the
-    /// parameters, its start time and its duration: these are the numbers `q` at which its equations
-    /// are evaluated.
+    /// The extra unknowns are the start time (under forcing) and the durations. A segment depends
+    /// on the parameters, its start time and its duration: these are the numbers `q` at which its
+    /// equations are evaluated.
     Cycle {
         /// Whether the start time is unknown.
         forced: bool,

@@ -108,7 +108,7 @@ fn critical_pairs(curve: &mut Continuation, kind: Kind) -> Result<Start, Failure
     }
     if !(square > 0.0 && square.is_finite()) {
         return Err(Failure::Mismatch(format!(
-            "the curve that starts at the {} leaves the ranges of the parameters immediately: widen them",
+            "the curve that starts at the {} leaves the ranges of the parameters immediately: widen the ranges",
             kind.meaning()
         )));
     }

@@ -67,7 +67,8 @@ impl Bracket {
     /// Returns a point between the ends, on the cubic with their tangents.
     pub fn between(&self, fraction: f64) -> Vec<f64> {
         let length = self.high - self.low;
-        // Tangents are derivatives by scaled arclength, and the bracket is part of a step.
+        // Tangents are derivatives with respect to scaled arclength, and the bracket is part of a
+        // step.
         let [a, b] = &self.ends;
         let knots = [
             Knot { u: 0.0, x: &a.unknowns, tangent: &a.tangent, speed: 1.0 },

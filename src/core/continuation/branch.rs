@@ -34,7 +34,8 @@ pub struct Point {
     /// False for virtual solutions: orbits that cross a surface without its event.
     #[serde(default = "yes", skip_serializing_if = "bool::clone")]
     pub admissible: bool,
-    /// The position along the branch, and the derivatives of the columns by the position, if known.
+    /// The position along the branch, and the derivatives of the columns with respect to the
+    /// position, if known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub slopes: Option<Slopes>,
     /// The solution, from which a branch can start, if [`Settings::keep_solutions`] is set; it is
@@ -88,8 +89,8 @@ pub struct SpecialPoint {
     /// coefficients of normal forms.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub numbers: Vec<Number>,
-    /// The derivatives of the point's released parameters by the other parameters. Empty if the
-    /// point has no defining system.
+    /// The derivatives of the point's released parameters with respect to the other parameters.
+    /// Empty if the point has no defining system.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub sensitivities: Vec<Sensitivity>,
     /// The number of simultaneously critical eigenvalues, or pairs, if greater than one.
@@ -206,8 +207,8 @@ pub struct Branch {
     pub points: Vec<Point>,
     /// The special points, in the order of the branch.
     pub special: Vec<SpecialPoint>,
-    /// The solutions on both sides of a curve in two parameters, between its special points. Empty
-    /// for branches of solutions, and if unknown.
+    /// The solutions on the two sides of a curve in two parameters, between its special points.
+    /// Empty for branches of solutions, and if unknown.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub stretches: Vec<Stretch>,
     /// The reasons why the branch ended, at its first and at its last point.

@@ -393,8 +393,8 @@ impl<'a> Continuation<'a> {
 
     /// Selects the branch to follow, counted from 0. At a branch point where several branches cross
     /// (`multiplicity` above 1), the parent branch is not counted. At a grazing with several
-    /// touched guards, branch 0 has the events of all guards; the next branches have the event of
-    /// one guard each, in the order of the touches, then of each pair, and so on.
+    /// grazed guards, branch 0 has the events of all guards; the next branches have the event of
+    /// one guard each, in the order of the grazing points, then of each pair, and so on.
     pub fn switch_to(mut self, which: usize) -> Self {
         self.switch = Some(which);
         self

@@ -29,7 +29,7 @@ impl Departure {
         Departure { unknowns: start.unknowns.clone(), tangent: start.tangent.clone(), parent }
     }
 
-    /// Rejects a first step that lies on the parent branch, from its components along both
+    /// Rejects a first step that lies on the parent branch, from its components along the two
     /// tangents.
     pub fn check(
         &self,

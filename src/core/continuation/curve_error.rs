@@ -35,7 +35,8 @@ pub(super) fn curve_error(
     norm.of(&across)
 }
 
-/// Creates a knot at a position, with the tangent as the derivative by the arclength in this norm.
+/// Creates a knot at a position, with the tangent as the derivative with respect to the arclength
+/// in this norm.
 fn knot<'a>(norm: &ScaledNorm, u: f64, place: &'a CurvePoint) -> Knot<'a> {
     let CurvePoint { unknowns, tangent, .. } = place;
     Knot { u, x: unknowns, tangent, speed: norm.of(tangent) }

@@ -170,9 +170,9 @@ fn own_count(
     Some(unstable_besides(critical, system.dynamics(), spectrum))
 }
 
-/// Returns the number of unstable eigenvalues at a point that has not converged: the smaller number of
-/// both sides. `None` if the sides differ by more than the critical eigenvalues, as beyond a
-/// singularity.
+/// Returns the number of unstable eigenvalues at a point that has not converged: the smaller of the
+/// numbers on the two sides. `None` if the sides differ by more than the critical eigenvalues, as
+/// beyond a singularity.
 fn common_count(critical: Critical, [before, after]: [Option<usize>; 2]) -> Option<usize> {
     let (before, after) = (before?, after?);
     (before.abs_diff(after) <= critical.count()).then_some(before.min(after))

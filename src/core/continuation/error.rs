@@ -77,7 +77,9 @@ pub enum TraceError {
     #[diagnostic(help("give a test function with `Event::with_test`"))]
     NoTest(String),
     /// An event for a parameter or monitor whose position is out of range.
-    #[error("the event `{event}` is for {what} {position}, but there are {count} (counted from 0)")]
+    #[error(
+        "the event `{event}` refers to {what} {position}, but there are only {count} (numbered from 0)"
+    )]
     Position {
         /// The event.
         event: String,
@@ -94,7 +96,8 @@ pub enum TraceError {
     NoGradient(String),
     /// A state of the wrong length.
     #[error(
-        "the start has {found} unknowns, but the problem has {expected}: was it made with other settings?"
+        "the start has {found} unknowns, but the problem has {expected}: was the start computed with \
+         other settings?"
     )]
     StateLength {
         /// The length of the given state.

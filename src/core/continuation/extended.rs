@@ -17,7 +17,7 @@ use crate::core::system::{Effort, System, SystemRef};
 /// The equation that closes the system: a hyperplane across the curve, or a fixed parameter.
 #[derive(Clone, Copy)]
 pub struct Closing<'a> {
-    /// The covector of the hyperplane, as long as `X`.
+    /// The covector of the hyperplane, of the same length as `X`.
     pub row: &'a [f64],
     /// The base point.
     pub base: &'a [f64],
@@ -258,7 +258,7 @@ impl<'a> Extended<'a> {
         self.system.assemble(&self.x)
     }
 
-    /// Evaluates the left sides of all equations into `out`, which is as long as `X`. Without a
+    /// Evaluates the left sides of all equations into `out`, which has the length of `X`. Without a
     /// closing equation the last entry is not written.
     pub(crate) fn residual(
         &mut self,

@@ -89,7 +89,7 @@ impl DefiningSystem for Equation {
         let (z, p) = self.x.split_at(at.system.names().dimension());
         values[0] = (self.function)(z, p).re - self.level;
         if !values[0].is_finite() {
-            let remedy = "bound the branch to where the function has a value";
+            let remedy = "bound the branch to where the function is defined";
             return Err(Failure::not_finite("a function of the event's", values[0], remedy));
         }
         Ok(())

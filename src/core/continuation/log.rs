@@ -57,9 +57,10 @@ impl Log {
     /// rest.
     pub fn stays_at_limit(&mut self, event: &str) {
         let warning = format!(
-            "`{event}` is zero, up to the error of points, at successive points, which are not reported as special \
-             points: two events are simultaneous along the branch, as in synchrony, and multipliers are for one \
-             order of the events; or motion is about to stop at an equilibrium"
+            "`{event}` is zero, up to the error of the points, at successive points, which are not \
+             reported as special points: either two events are simultaneous along the branch, as in \
+             synchrony, and the multipliers assume one order of the events; or the motion is about to \
+             stop at an equilibrium"
         );
         let warnings = &mut self.branch.warnings;
         if !warnings.contains(&warning) {
@@ -77,8 +78,8 @@ impl Log {
     /// Warns that deviations which grow over a segment may have ended the branch.
     pub fn stopped_by_growth(&mut self, growth: f64) {
         self.branch.warnings.push(format!(
-            "at the end deviations grow by {growth:.1e} over a segment, which makes the steps short: take more \
-             segments (`segments=8`), or collocation"
+            "at the end of the branch, deviations grow by {growth:.1e} over a segment, which makes the \
+             steps short: use more segments (`segments=8`), or collocation"
         ));
     }
 

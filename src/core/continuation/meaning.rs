@@ -15,8 +15,8 @@ use crate::core::system::Effort;
 const SAMPLES: usize = 2;
 const CAUTION: f64 = 4.0;
 
-/// (R) The derivative of an unfolding unknown by a parameter, relative to its terms, that counts as
-/// rounding: with a larger one, the branch point does not persist.
+/// (R) The derivative of an unfolding unknown with respect to a parameter, relative to its terms,
+/// that counts as rounding: with a larger one, the branch point does not persist.
 const BREAKS_UP: f64 = 1e-7;
 
 /// (R) The size of a sensitivity that counts as rounding of zero, in units of the rounding errors of
@@ -240,7 +240,7 @@ fn exactly<T>(equations: &mut Extended, compute: impl FnOnce(&mut Extended) -> T
     outcome
 }
 
-/// Computes the gradients of all defining systems by `x`, including every parameter.
+/// Computes the gradients of all defining systems with respect to `x`, including every parameter.
 fn gradients(equations: &mut Extended) -> Result<Vec<Vec<f64>>, Failure> {
     let Extended { system, x, conditions, auxiliary, null, .. } = equations;
     let all: Vec<usize> = (0..system.names().parameters.len()).collect();
@@ -257,8 +257,8 @@ fn gradients(equations: &mut Extended) -> Result<Vec<Vec<f64>>, Failure> {
     Ok(gradients)
 }
 
-/// Computes the gradients of a defining system by each parameter separately; NaN where it is not
-/// differentiable.
+/// Computes the gradients of a defining system with respect to each parameter separately; NaN where
+/// it is not differentiable.
 fn one_by_one(condition: &mut dyn DefiningSystem, mut at: At, rows: &mut [f64]) {
     let (k, length, n) = (condition.unknowns(), at.x.len(), at.system.names().dimension());
     let (mut alone, mut own) = (vec![0.0; rows.len()], vec![0.0; (k + 1) * k]);

@@ -20,8 +20,7 @@ use crate::core::system::{
 use std::sync::Arc;
 
 /// The error for curves of homoclinic orbits with another start.
-const NO_CYCLE: &str =
-    "homoclinic orbits start from a cycle near one, where a branch of cycles ends";
+const NO_CYCLE: &str = "a branch of homoclinic orbits starts from a cycle near a homoclinic orbit, where a branch of cycles ends";
 
 /// A curve resolved to the names of its system.
 pub(super) struct Resolved {
@@ -204,8 +203,8 @@ fn from_takens(
     }
     Err(first.unwrap_or_else(|| {
         Failure::Mismatch(
-            "the homoclinic orbits near the point are outside the ranges of the parameters: widen them, or lower \
-             `initial_step`"
+            "the homoclinic orbits near the point are outside the ranges of the parameters: widen the \
+             ranges, or lower `initial_step`"
                 .into(),
         )
     }))

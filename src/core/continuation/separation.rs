@@ -101,8 +101,8 @@ impl Parts<'_, '_> {
         found
     }
 
-    /// Returns the events of both parts of an interval that is cut at the distance `along` from its
-    /// first point; `None` if they explain no more than before.
+    /// Returns the events of the two parts of an interval that is cut at the distance `along` from
+    /// its first point; `None` if they explain no more than before.
     fn cut(
         &mut self,
         from: &CurvePoint,
@@ -132,7 +132,8 @@ impl Parts<'_, '_> {
         explained.then_some(all)
     }
 
-    /// Returns both parts of an interval that is cut at the distance `along` from its first point.
+    /// Returns the two parts of an interval that is cut at the distance `along` from its first
+    /// point.
     fn halves(&mut self, from: &CurvePoint, step: &Step, along: f64) -> Option<[Step; 2]> {
         let interval = step.since(from);
         let mut locator = Locator::new(self.curve, interval);

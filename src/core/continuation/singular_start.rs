@@ -48,8 +48,8 @@ pub(super) fn beside<T>(
             let p = corrector.equations.released[0];
             let name = &corrector.equations.names().parameters[p];
             let said = format!(
-                "the start is a special point, where the direction of the branch is not determined; it was moved \
-                 from {name} = {value} to {moved}"
+                "the start is a special point, where the direction of the branch is not determined; the \
+                 start was moved from {name} = {value} to {moved}"
             );
             return Ok((tangent, said));
         }

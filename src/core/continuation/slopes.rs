@@ -34,8 +34,8 @@ pub struct Slopes {
     /// The arclength from the start of the branch in the scales at the start, negative in the
     /// backward direction.
     pub position: f64,
-    /// The derivatives of parameters and monitors by the position; `None` for a column without a
-    /// derivative.
+    /// The derivatives of parameters and monitors with respect to the position; `None` for a column
+    /// without a derivative.
     pub columns: Vec<Option<f64>>,
 }
 

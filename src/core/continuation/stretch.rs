@@ -1,4 +1,5 @@
-//! Stretches of a curve in two parameters between special points, with the solutions on both sides.
+//! Stretches of a curve in two parameters between special points, with the solutions on the two
+//! sides.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,8 +7,8 @@ use serde::{Deserialize, Serialize};
 ///
 /// Left and right refer to the direction from the first point of the branch to the last one, with
 /// the first released parameter to the right and the second one upwards. A solution that meets
-/// others on the curve is represented by its number of unstable directions: `[0, 1]` and `[]`
-/// beside a fold, `[0]` and `[2]` beside a Hopf point.
+/// others on the curve is represented by its number of unstable directions: `[0, 1]` and `[]` next
+/// to a fold, `[0]` and `[2]` next to a Hopf point.
 ///
 /// ```
 /// use tangency::core::continuation::Continuation;

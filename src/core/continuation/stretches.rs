@@ -22,7 +22,7 @@ pub(super) struct Stretches {
     found: Vec<Stretch>,
     /// The number of noncritical unstable directions on the current stretch, if any.
     open: Option<usize>,
-    /// The direction of the last point in the plane of both parameters, in their scales.
+    /// The direction of the last point in the plane of the two parameters, in their scales.
     direction: [f64; 2],
 }
 
@@ -51,8 +51,8 @@ impl Stretches {
         }
     }
 
-    /// Joins the stretches of both halves of a curve with its start at the position `before`, and
-    /// the special points of the whole curve.
+    /// Joins the stretches of the two halves of a curve with its start at the position `before`,
+    /// and the special points of the whole curve.
     pub fn join(self, ahead: Stretches, before: usize, special: &[SpecialPoint]) -> Vec<Stretch> {
         let behind = self.found.into_iter().rev().map(|stretch| {
             let points = stretch.points.map(|k| before - k);
@@ -70,7 +70,7 @@ impl Stretches {
     }
 }
 
-/// Whether the stretches on both sides of the start form one stretch.
+/// Whether the stretches on the two sides of the start form one stretch.
 fn goes_on(last: &Stretch, next: &Stretch, start: usize, special: &[SpecialPoint]) -> bool {
     let [from, to] = [last.points[1], next.points[0]];
     let within = |it: &SpecialPoint| (from..to).contains(&it.after) && divides(it.kind);
@@ -99,7 +99,7 @@ pub(super) fn between_changes(found: &[Located]) -> Option<f64> {
     Some(0.5 * (pair[0] + pair[1]))
 }
 
-/// Projects a tangent onto the plane of both parameters, in their scales.
+/// Projects a tangent onto the plane of the two parameters, in their scales.
 fn in_plane(corrector: &Corrector, tangent: &[f64]) -> [f64; 2] {
     let first = corrector.equations.parameters_at();
     [first, first + 1].map(|k| corrector.norm.scaled(k, tangent[k]))

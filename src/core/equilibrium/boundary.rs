@@ -1,4 +1,4 @@
-//! Boundary equilibria, and the equilibria of the modes behind the guard that an equilibrium
+//! Boundary equilibria, and the equilibria of the modes that follow the guard which an equilibrium
 //! reaches.
 
 use super::rest::RestInMode;
@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 /// An equilibrium reaches a guard of its mode.
 const BOUNDARY: &str = "boundary equilibrium";
-/// The equilibrium behind the guard is admissible on the other side.
+/// The equilibrium of the mode that follows the guard is admissible on the other side.
 const PERSISTENCE: &str = "boundary equilibrium: persistence";
 /// Both equilibria are admissible on the same side, and neither on the other.
 const NONSMOOTH_FOLD: &str = "boundary equilibrium: nonsmooth fold";
@@ -81,7 +81,7 @@ fn rests(rest: &RestInMode, mode: usize, z: &[f64], p: &[f64]) -> bool {
 }
 
 /// Whether an equilibrium is at the boundary of its mode for all parameters: its distance vanishes,
-/// as do the derivatives of the distance by all parameters.
+/// as do the derivatives of the distance with respect to all parameters.
 pub(super) fn stays_at_boundary(system: &mut dyn System, x: &[f64], scale: f64) -> bool {
     let (mut distance, p) = ([0.0], x[system.names().dimension()..].to_vec());
     let known = system.monitors(x, 0, &mut distance).is_ok();
@@ -103,8 +103,8 @@ pub(super) fn no_neighbour(rest: &RestInMode) -> Failure {
 /// Returns the name of a boundary equilibrium, from the sides on which the two equilibria are
 /// admissible.
 ///
-/// The distances of both equilibria vanish together, so their gradients by the parameters are
-/// parallel: the component of the largest magnitude decides.
+/// The distances of the two equilibria vanish together, so their gradients with respect to the
+/// parameters are parallel: the component of the largest magnitude decides.
 pub(super) fn subkind(
     (own, x): (&mut dyn System, &[f64]),
     other: Option<(impl System, Vec<f64>)>,

@@ -23,9 +23,9 @@ use std::sync::Arc;
 ///
 /// The monitors are the smallest guard, `distance`, and the system's measures of motion at rest.
 /// Where `distance` vanishes, a branch ends at a boundary equilibrium (`G`): a *persistence* if the
-/// equilibria of the mode behind the guard are admissible on the other side, a *nonsmooth fold* if
-/// they are on the same side. `switch()` continues on their branch, and `hold(Kind::G)` follows the
-/// point.
+/// equilibria of the mode that follows the guard are admissible on the other side, a *nonsmooth
+/// fold* if they are on the same side. `switch()` continues on their branch, and `hold(Kind::G)`
+/// follows the point.
 ///
 /// ```
 /// use tangency::core::continuation::Continuation;
@@ -207,7 +207,7 @@ impl System for HybridEquilibria {
             *self = other.map_err(|error| {
                 let words = &solution.itinerary;
                 Failure::Mismatch(format!(
-                    "the start has the itinerary `{words}`, which is not a mode: {}",
+                    "the itinerary `{words}` of the start does not name a mode: {}",
                     one_line(&error)
                 ))
             })?;

@@ -2,15 +2,15 @@
 //!
 //! An equilibrium of a mode is a zero of the mode's field at which the mode's guards are positive.
 //! Where a guard also vanishes, the equilibrium is at the *boundary* of its mode, and an
-//! equilibrium of the mode behind the guard may coincide with it, such as an equilibrium of sliding
-//! motion (a pseudo-equilibrium) where a field of a Filippov system vanishes on the surface (M. di
-//! Bernardo et al., *SIAM Review* 50:629, 2008). [`HybridEquilibria`] is the problem for
+//! equilibrium of the mode that follows the guard may coincide with it, such as an equilibrium of
+//! sliding motion (a pseudo-equilibrium) where a field of a Filippov system vanishes on the surface
+//! (M. di Bernardo et al., *SIAM Review* 50:629, 2008). [`HybridEquilibria`] is the problem for
 //! continuation.
 //!
 //! ```
 //! use tangency::prelude::*;
 //! hybrid_system! {
-//!     /// A mass on a spring, `x'' = q − x − 0.5 x'`, beside a stop at 1; it rests at `x = q`.
+//!     /// A mass on a spring, `x'' = q − x − 0.5 x'`, with a stop at 1; it rests at `x = q`.
 //!     struct Mass [q = 0.0] {
 //!         mode flight [x, v] {
 //!             d/dt x = v; d/dt v = q - x - v * 0.5;

@@ -61,7 +61,7 @@ where
 {
     let settings = HybridSettings { accumulation: REST, ..HybridSettings::default() };
     let mut flow = HybridFlow::new(system, settings).ok()?;
-    // During Newton's iteration the state can lie behind the surface.
+    // During Newton's iteration the state can lie beyond the surface.
     let surface = Surface { system, guard, mode: start.mode, t: start.time };
     if flow.guards[guard].ends(start.mode) {
         let change = surface.change(&start.x, p, false);

@@ -1,4 +1,4 @@
-//! Hybrid systems behind one object-safe trait.
+//! One object-safe trait for all hybrid systems.
 //!
 //! Users write a [`HybridSystem`] generically. Simulation, orbits and local maps use it through
 //! [`HybridEquations`], one scalar type at a time, and are therefore compiled once for all systems.

@@ -13,8 +13,8 @@ pub enum HybridError {
     Settings(#[from] SettingsError),
     /// The duration of a guard's change is not positive.
     #[error(
-        "the guard {guard} has a shortest change of duration {time} (`Guard::changing_in`), which must be \
-         above 0"
+        "the shortest time in which the guard {guard} changes is {time} (`Guard::changing_in`), but must \
+         be above 0"
     )]
     ChangesIn {
         /// The guard.

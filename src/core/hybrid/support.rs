@@ -68,7 +68,7 @@ where
         [along.re, along.eps]
     }
 
-    /// The derivatives of the guard and of its rate by the states.
+    /// The derivatives of the guard and of its rate with respect to the states.
     fn slopes(self, x: &[T], p: &[T]) -> [Vec<f64>; 2] {
         let Surface { system, guard, mode, t } = self;
         let [x, p] = [x, p].map(|v| v.iter().map(T::real).collect::<Vec<f64>>());

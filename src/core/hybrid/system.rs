@@ -244,7 +244,7 @@ pub trait HybridSystem: Send + Sync {
         mode
     }
 
-    /// Computes the field of a mode and writes it into `f` (as long as `x`).
+    /// Computes the field of a mode and writes it into `f` (of the same length as `x`).
     fn field<T: Scalar>(&self, mode: usize, t: T, x: &[T], p: &[T], f: &mut [T]);
 
     /// Computes a guard in one of its modes; the guard is positive while the mode lasts.

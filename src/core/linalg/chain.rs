@@ -89,8 +89,8 @@ impl Chain {
 
     /// Factors the chain within its border.
     ///
-    /// `blocks`: for each interval `m·n` rows of `(m + 1)·n` derivatives by the values at its
-    /// nodes; `columns`: `k` entries for each of the `N·m·n` equations; `rows`: `l` rows of
+    /// `blocks`: for each interval `m·n` rows of `(m + 1)·n` derivatives with respect to the values
+    /// at its nodes; `columns`: `k` entries for each of the `N·m·n` equations; `rows`: `l` rows of
     /// `(N·m + 1)·n`.
     ///
     /// # Errors
@@ -273,8 +273,8 @@ impl Chain {
         self.equations = vec![0.0; 3 * n + k];
     }
 
-    /// Computes one scale for each state, the inverse of the largest derivative by it, so that the
-    /// choice of pivots does not depend on the units of the states.
+    /// Computes one scale for each state, the inverse of the largest derivative with respect to
+    /// that state, so that the choice of pivots does not depend on the units of the states.
     fn scale(&mut self, blocks: &[f64]) {
         let (n, each) = (self.states, self.equations_each());
         self.state_scales.fill(0.0);

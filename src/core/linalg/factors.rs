@@ -20,9 +20,9 @@ pub trait Factorisation: Any + Send {
     /// The sign of the determinant, −1 or 1; 1 for complex matrices.
     fn determinant_sign(&self) -> f64;
 
-    /// Computes the derivative of the matrix, without its border, by the exponent `σ`, times `v`. The
-    /// matrix describes deviations that change like `e^{σt}`, or by the factor `e^σ` in a period. The
-    /// default `−v` belongs to `A − σ`.
+    /// Computes the derivative of the matrix, without its border, with respect to the exponent `σ`,
+    /// times `v`. The matrix describes deviations that change like `e^{σt}`, or by the factor `e^σ`
+    /// in a period. The default `−v` belongs to `A − σ`.
     fn growth_derivative(&self, v: &[f64], out: &mut [f64]) {
         out.iter_mut().zip(v).for_each(|(out, v)| *out = -v);
     }

@@ -201,7 +201,7 @@ impl Fronts {
     }
 }
 
-/// The row of the largest entry of a column, and the entry, after rows (each `w` long) are scaled.
+/// Returns the pivot row of column `c` and the scaled magnitude of its entry. Rows have length `w`.
 fn pivot_of(a: &[f64], w: usize, scales: &[f64], c: usize) -> (usize, f64) {
     let mut best = (c, a[c * w + c].abs() * scales[c]);
     for r in c + 1..scales.len() {

@@ -78,7 +78,7 @@ pub(super) struct Chart<'a, const C: usize> {
     unit: Jet<C>,
     /// The time scale.
     pub scale: f64,
-    /// The phase of the touch.
+    /// The phase of the grazing point.
     phase: f64,
     /// The phase of a period of the forcing.
     cycle: f64,
@@ -173,8 +173,8 @@ where
         place
     }
 
-    /// Returns the deviations of a point's coordinates from the coordinates of the touch `periods`
-    /// periods before.
+    /// Returns the deviations of a point's coordinates from the coordinates of the grazing point
+    /// `periods` periods before.
     pub fn deviations_of(&self, place: &Place<Jet<C>>, periods: usize) -> Vec<Jet<C>> {
         let deviation = |coordinate: &Coordinate| match coordinate {
             Coordinate::State(i) => place.x[*i] - self.source.point.x[*i],

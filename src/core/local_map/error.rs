@@ -49,10 +49,11 @@ pub enum GrazingError {
     #[error("a local map of order 1 cannot classify a grazing whose discontinuity map has no root")]
     #[diagnostic(help("take order 2 or more"))]
     NoRoot,
-    /// The touched mode has too few states for coordinates on a section.
+    /// The grazed mode has too few states for coordinates on a section.
     #[error(
-        "at the touch of guard `{guard}`, the guard and its rate do not determine two states of mode `{mode}` \
-         (their gradients are dependent to {pivot:.1e}): a local map needs a guard whose rate varies independently \
+        "at the grazing point of guard `{guard}`, the guard and its rate do not determine two states of \
+         mode `{mode}` (the two gradients are linearly dependent to {pivot:.1e}): a local map needs a \
+         guard whose rate varies independently \
          of its value"
     )]
     NoSection {
@@ -63,7 +64,7 @@ pub enum GrazingError {
         /// The part of the second gradient that is orthogonal to the first.
         pivot: f64,
     },
-    /// The orbit does not touch at the point.
+    /// The orbit does not graze at the point.
     #[error(
         "the orbit does not touch guard `{guard}` at t = {time:.9e}: the guard is {value:.1e} and its rate \
          {rate:.1e}, but both must vanish"
@@ -81,15 +82,15 @@ pub enum GrazingError {
     },
     /// The guard has no quadratic minimum.
     #[error(
-        "guard `{guard}` has no quadratic minimum along the orbit at t = {time:.9e}, where it is touched: its \
-         second derivative by time is {curvature:.3e}, but must be positive"
+        "guard `{guard}` has no quadratic minimum along the orbit at the grazing point, t = {time:.9e}: \
+         the second derivative of the guard with respect to time is {curvature:.3e}, but must be positive"
     )]
     Curvature {
         /// The guard.
         guard: String,
         /// The time.
         time: f64,
-        /// The second derivative of the guard by time.
+        /// The second derivative of the guard with respect to time.
         curvature: f64,
     },
     /// A flow ends.
@@ -118,25 +119,25 @@ pub enum GrazingError {
         /// The last change of the time.
         step: f64,
     },
-    /// Motion that returns to the touched surface without delay does so for the touching orbit
-    /// only.
+    /// Only the grazing orbit returns to the grazed surface immediately.
     #[error(
-        "the motion from a touch of guard `{touched}` ends immediately at guard `{back}`, but near the touch \
+        "the motion from the grazing point of guard `{touched}` ends immediately at guard `{back}`, but \
+         near the grazing point \
          the two surfaces are {left:.1e} apart: there is no local map in powers of the root of the penetration"
     )]
     #[diagnostic(help("use the same function for both guards"))]
     Apart {
-        /// The guard that is touched.
+        /// The guard that the orbit grazes.
         touched: String,
         /// The guard that ends the returning motion.
         back: String,
         /// The distance of the surfaces, as a coefficient in units of the scales.
         left: f64,
     },
-    /// The orbit does not return to the touch.
+    /// The orbit does not return to the grazing point.
     #[error(
-        "the orbit does not return to the touch: after one turn the error of coordinate `{coordinate}` is \
-         {missed:.3e}"
+        "the orbit does not return to its grazing point: after one period coordinate `{coordinate}` is \
+         off by {missed:.3e}"
     )]
     #[diagnostic(help(
         "give the durations of the legs of the orbit, and locate the grazing (G) first"
@@ -149,7 +150,8 @@ pub enum GrazingError {
     },
     /// Newton's method for the grazing orbit does not converge.
     #[error(
-        "no grazing orbit near the point for parameter `{parameter}`: after {iterations} iterations the orbit \
+        "no grazing orbit was found near the point by varying parameter `{parameter}`: after \
+         {iterations} iterations the orbit \
          misses its start by {residual:.1e}"
     )]
     #[diagnostic(help("start closer to the grazing orbit, or release another parameter"))]
@@ -163,10 +165,10 @@ pub enum GrazingError {
     },
     /// The point is too far from grazing.
     #[error(
-        "the local map of order {order} is used too far from grazing: its last order changes the image by \
-         {estimate:.1e} (allowed: {tolerance:.1e}) at a penetration of {penetration:.1e}"
+        "the local map of order {order} is used too far from grazing: terms of the last order change the \
+         image by {estimate:.1e} (allowed: {tolerance:.1e}) at a penetration of {penetration:.1e}"
     )]
-    #[diagnostic(help("take a higher order or move closer"))]
+    #[diagnostic(help("use a higher order, or a point closer to grazing"))]
     TooFar {
         /// The order of the map.
         order: usize,

@@ -23,7 +23,7 @@ impl GrazingPoint {
     /// use tangency::core::local_map::GrazingPoint;
     /// use tangency::core::orbit::Leg;
     /// use tangency::problems::mita::Actuator;
-    /// // From six digits at ω = 0.5; the orbit starts at the touch.
+    /// // From six digits at ω = 0.5; the orbit starts at the grazing point.
     /// let mut p = Actuator::DEFAULTS;
     /// p[0] = 0.227178;
     /// let rough = GrazingPoint {
@@ -65,7 +65,7 @@ impl GrazingPoint {
     }
 
     /// Makes one Newton iteration for `P_smooth(ξ, p) = ξ` and `h(ξ, p) = 0`, and returns the
-    /// residual of both.
+    /// residuals of the two equations.
     fn correct(&mut self, system: &dyn HybridEquations, free: usize) -> Result<f64, GrazingError> {
         let settings = MapSettings { order: 1, ..MapSettings::default() };
         let section = &Section::of(system, self)?;

@@ -10,10 +10,10 @@ use crate::core::problem::position;
 use crate::core::scalar::{Polynomial, Space};
 use std::fmt::{Display, Formatter};
 
-/// The Poincaré map near a grazing orbit: `P = P_smooth ∘ D` on the section where the touched guard
+/// The Poincaré map near a grazing orbit: `P = P_smooth ∘ D` on the section where the grazed guard
 /// has its minimum, in deviations from the grazing orbit.
 ///
-/// The coordinates are all states of the touched mode except one (which the section determines)
+/// The coordinates are all states of the grazed mode except one (which the section determines)
 /// and, under forcing, the phase; the parameters are the requested ones.
 ///
 /// ```

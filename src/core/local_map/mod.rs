@@ -17,10 +17,10 @@
 //! on [jets](crate::core::scalar::Jet), from the equations of the system itself;
 //! `docs/concepts/grazing.md` explains the method.
 //!
-//! A [`GrazingPoint`] is the touch of an orbit; [`LocalMap`] is `P`, which can be iterated,
-//! differentiated and printed, and gives the scenario of the grazing ([`LocalMap::classified`]). A
-//! [`LocalOrbit`] is the problem of its fixed and periodic points, for continuation, and
-//! [`Iterated`] gives the attractors by brute force.
+//! A [`GrazingPoint`] is the point at which an orbit grazes a guard; [`LocalMap`] is `P`, which can
+//! be iterated, differentiated and printed, and gives the scenario of the grazing
+//! ([`LocalMap::classified`]). A [`LocalOrbit`] is the problem of its fixed and periodic points,
+//! for continuation, and [`Iterated`] gives the attractors by brute force.
 
 mod chart;
 mod discrete;

@@ -18,7 +18,7 @@ use crate::core::system::Limit;
 ///
 /// where each point has a further unknown: at an impact `y_k`, which determines the normal
 /// coordinate of the virtual point `ξ_k`, and elsewhere the distance `h` from the surface. In these
-/// unknowns the equations are regular where an impact is a touch, `y_k = 0`, and so is the
+/// unknowns the equations are regular where an impact becomes a grazing, `y_k = 0`, and so is the
 /// linearisation with a multiplier: no entry grows like `1/y`.
 ///
 /// The problem is a boundary-value problem on segments without motion, so that all methods for

@@ -13,7 +13,7 @@ use num_dual::Dual;
 /// 1.
 pub(super) const TOUCHES: f64 = 1e-8;
 
-/// A point of a grazing orbit: the time and state of the touch, the zero-length legs after an event
+/// A grazing point of an orbit: its time and state, the zero-length legs after an event
 /// there, and the legs by which the orbit returns.
 ///
 /// ```
@@ -31,33 +31,33 @@ pub(super) const TOUCHES: f64 = 1e-8;
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct GrazingPoint {
-    /// The touched guard.
+    /// The grazed guard.
     pub guard: usize,
     /// The mode that the event would end.
     pub mode: usize,
-    /// The time of the touch (under forcing).
+    /// The time of grazing (under forcing).
     pub time: f64,
-    /// The state at the touch.
+    /// The state at grazing.
     pub x: Vec<f64>,
     /// All parameters.
     pub p: Vec<f64>,
     /// The zero-length legs between the event of the guard and the resumption of motion in the
     /// mode.
     pub following: Vec<Leg>,
-    /// The legs of the orbit from the touch to the next one, with their durations; the last one
-    /// ends at the touch.
+    /// The legs of the orbit from the grazing point to the next one, with their durations; the last
+    /// one ends at the grazing point.
     pub legs: Vec<(Leg, f64)>,
     /// The number of forcing periods of the orbit.
     pub periods: usize,
 }
 
 impl GrazingPoint {
-    /// Returns the touch as a moment of a system's motion.
+    /// Returns the grazing point as a moment of a system's motion.
     pub(super) fn moment<'a>(&'a self, system: &'a dyn HybridEquations) -> Moment<'a, f64> {
         Moment { system, mode: self.mode, t: self.time, x: &self.x, p: &self.p }
     }
 
-    /// The scale of the touched guard.
+    /// The scale of the grazed guard.
     pub(super) fn guard_scale(&self, system: &dyn HybridEquations) -> f64 {
         guard_scale(system, (self.guard, self.mode), (self.time, &self.x), &self.p)
     }
@@ -89,7 +89,7 @@ impl GrazingPoint {
         let touch = Leg::new(self.mode, Some(self.guard));
         let legs = self.legs.iter().map(|(leg, _)| leg).chain(&self.following);
         for &Leg { mode, exit, accumulates } in legs.chain([&touch]) {
-            fits(!accumulates, &|| "infinitely many events of its orbit accumulate".into())?;
+            fits(!accumulates, &|| "infinitely many events of the orbit accumulate".into())?;
             fits(mode < modes.len(), &|| {
                 format!("mode {mode} does not exist (the system has {})", modes.len())
             })?;
@@ -100,12 +100,12 @@ impl GrazingPoint {
         }
         let (states, parameters) = (modes[self.mode].states.len(), system.parameters().len());
         let (x, p) = (self.x.len(), self.p.len());
-        fits(x == states, &|| format!("it has {x} states, but its mode has {states}"))?;
+        fits(x == states, &|| format!("the point has {x} states, but its mode has {states}"))?;
         fits(p == parameters, &|| {
-            format!("it has {p} parameters, but the system has {parameters}")
+            format!("the point has {p} parameters, but the system has {parameters}")
         })?;
         let first = self.legs.first().map(|(leg, _)| leg.mode);
-        fits(first == Some(self.mode), &|| "its first leg is in another mode".into())
+        fits(first == Some(self.mode), &|| "the first leg of the orbit is in another mode".into())
     }
 }
 

@@ -2,9 +2,9 @@
 //!
 //! To first order the image of a virtual point is `N (D_z z + D_p p) + N_p p`, where `z` consists
 //! of the point's `y` and its other coordinates, `N` is the derivative of `P_smooth`, and `D_z` is
-//! the derivative of the discontinuity map, whose first column `β` is the derivative by `y`. The
-//! virtual point itself is `E z + E_p p`, where the column of `y` in `E` is zero, since the
-//! penetration is `y²`. So the orbit with an impact is
+//! the derivative of the discontinuity map, whose first column `β` is the derivative with respect
+//! to `y`. The virtual point itself is `E z + E_p p`, where the column of `y` in `E` is zero, since
+//! the penetration is `y²`. So the orbit with an impact is
 //!
 //! ```text
 //!     z = −(N D_z − E)⁻¹ (N D_p + N_p − E_p) p,
@@ -15,8 +15,8 @@
 //! `[Nβ]_normal/(2y)` (A. B. Nordmark, *J. Sound Vib.* 145:279, 1991).
 //!
 //! Where `β = 0`, as at a soft stop, the same equations hold with the penetration `y²` in place of
-//! `y`: the first column of `D_z` and `E` is then the derivative by `y²`, and the multipliers of
-//! the orbit with the event are the eigenvalues `μ` of `N D_z v = μ E v`.
+//! `y`: the first column of `D_z` and `E` is then the derivative with respect to `y²`, and the
+//! multipliers of the orbit with the event are the eigenvalues `μ` of `N D_z v = μ E v`.
 
 use super::error::GrazingError;
 use super::map::LocalMap;
@@ -68,9 +68,9 @@ pub struct Classification {
     /// The derivative of the distance `h` of the orbit without impacts by the parameter: the orbit
     /// exists on the side where `h` increases from 0.
     pub distance: f64,
-    /// The derivative of `y` of the orbit with an impact by the parameter: the orbit exists on the
-    /// side where `y` increases from 0. The derivative of `y²` if the discontinuity map has no root
-    /// ([`LocalMap::exponent`]).
+    /// The derivative with respect to the parameter of `y` of the orbit with an impact: the orbit
+    /// exists on the side where `y` increases from 0. The derivative of `y²` if the discontinuity
+    /// map has no root ([`LocalMap::exponent`]).
     pub depth: f64,
     /// The coefficient of the multiplier `growth/y` of the orbit with an impact, to leading order:
     /// towards `+∞` in scenario I, towards `−∞` in II and beyond a fold (III). 0 if the
@@ -78,7 +78,7 @@ pub struct Classification {
     pub growth: f64,
 }
 
-/// The derivative of a polynomial by a variable at zero deviations.
+/// The derivative of a polynomial with respect to a variable at zero deviations.
 fn slope(polynomial: &Polynomial, variable: usize) -> f64 {
     polynomial.coefficients()[1 + variable]
 }

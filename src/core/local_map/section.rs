@@ -9,7 +9,7 @@ use num_dual::Dual64;
 /// A coordinate on the section.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Coordinate {
-    /// A state of the touched mode, by number.
+    /// A state of the grazed mode, by number.
     State(usize),
     /// The phase of the forcing.
     Phase,
@@ -44,7 +44,7 @@ fn largest(numbers: &[f64], except: Option<usize>) -> Option<usize> {
     positions.max_by(|a, b| numbers[*a].abs().total_cmp(&numbers[*b].abs()))
 }
 
-/// Computes the gradient of a surface's function by the states.
+/// Computes the gradient of a surface's function with respect to the states.
 fn gradient(surface: Surface, system: &dyn HybridEquations, point: &GrazingPoint) -> Vec<f64> {
     let p: Vec<Dual64> = point.p.iter().map(|p| Dual64::from(*p)).collect();
     let slope = |i: usize| {

@@ -1,4 +1,4 @@
-//! Grazing points of touching orbits.
+//! Grazing points of periodic orbits.
 
 use super::error::GrazingError;
 use super::point::GrazingPoint;
@@ -41,7 +41,7 @@ fn touching(orbit: &KnownOrbit) -> Result<GrazingPoint, GrazingError> {
     let guess = emanating_at_touch(orbit, 0)?;
     let q = [orbit.p(), &guess.extras].concat();
     let legs = &guess.problem;
-    // The emanating orbit ends at the touch.
+    // The emanating orbit ends at the grazing point.
     let point =
         ending(&KnownOrbit { legs, known: &guess.trajectories, q: &q }, legs.all().len() - 1)?;
     Ok(point.ok_or_else(|| {

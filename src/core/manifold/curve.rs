@@ -31,7 +31,7 @@ pub(super) struct Curve<'a> {
 #[derive(Clone, Debug)]
 pub(super) struct Place {
     pub t: f64,
-    /// The point, and its derivative by `t`.
+    /// The point, and its derivative with respect to `t`.
     pub at: Vector,
     pub slope: Vector,
     /// On a stable manifold: a point near the saddle and its successive preimages, up to the point

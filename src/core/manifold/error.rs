@@ -62,7 +62,9 @@ pub enum ManifoldError {
     },
     /// The multipliers are complex.
     #[error("the cycle is a focus, not a saddle: its multipliers are {re:.6} ± {im:.6}i")]
-    #[diagnostic(help("start at a saddle: other cycles have no such manifolds"))]
+    #[diagnostic(help(
+        "start at a saddle: only saddles have both a stable and an unstable manifold"
+    ))]
     Focus {
         /// The real part of the multipliers.
         re: f64,
@@ -73,7 +75,9 @@ pub enum ManifoldError {
     #[error(
         "the cycle is {}stable node, not a saddle: its multipliers are {:.6} and {:.6}", if multipliers[0].abs() > 1.0 { "an un" } else { "a " }, multipliers[0], multipliers[1]
     )]
-    #[diagnostic(help("start at a saddle: other cycles have no such manifolds"))]
+    #[diagnostic(help(
+        "start at a saddle: only saddles have both a stable and an unstable manifold"
+    ))]
     Node {
         /// The multipliers, the larger one first.
         multipliers: Vector,

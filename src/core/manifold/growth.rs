@@ -33,7 +33,7 @@ pub(super) struct Node {
     pub arclength: f64,
 }
 
-/// A trial step: its middle, its end, and the arclengths of both halves.
+/// A trial step: its middle, its end, and the arclengths of the two halves.
 struct Trial {
     middle: Place,
     end: Place,
@@ -239,8 +239,8 @@ impl<'a> Growth<'a> {
         }
     }
 
-    /// Returns the distance of a step from a limit, negative beyond it, and its derivative by the
-    /// step length.
+    /// Returns the distance of a step from a limit, negative beyond it, and its derivative with
+    /// respect to the step length.
     fn left(&self, limit: Limit, trial: &Trial) -> [f64; 2] {
         let Place { at, slope, .. } = &trial.end;
         match limit {

@@ -60,7 +60,7 @@ impl Local {
         Err(ManifoldError::NoSeries { error: local.error, distance: local.radius })
     }
 
-    /// Evaluates the point, and the derivative by `s`.
+    /// Evaluates the point, and the derivative with respect to `s`.
     pub fn at(&self, s: f64) -> (Vector, Vector) {
         let mut value = [0.0; 2];
         let mut slope = [0.0; 2];

@@ -204,7 +204,7 @@ impl ManifoldSettings {
     /// Rejects invalid settings.
     fn check(&self) -> Result<(), ManifoldError> {
         let positive = [("length", self.length), ("resolution", self.resolution)];
-        let rule = "it must be finite and above 0";
+        let rule = "the value must be finite and above 0";
         for (name, value) in positive {
             if !(value > 0.0 && value.is_finite()) {
                 return Err(ManifoldError::Setting { name, value, rule });
@@ -212,7 +212,11 @@ impl ManifoldSettings {
         }
         if self.max_points < 3 {
             let (name, value) = ("max_points", self.max_points as f64);
-            return Err(ManifoldError::Setting { name, value, rule: "it must be at least 3" });
+            return Err(ManifoldError::Setting {
+                name,
+                value,
+                rule: "the value must be at least 3",
+            });
         }
         Ok(())
     }

@@ -38,7 +38,7 @@ impl EventForecast {
         let same =
             (from * to).exceeds(zero) & (middle * to).exceeds(zero) & (to * to).exceeds(zero);
         let monotone = same & (least * 5.0).exceeds(most);
-        // The slope changes its sign once, at a rate that varies by less than a factor of three.
+        // The slope changes sign once, at a rate that varies by less than a factor of three.
         let rates = [slopes[1] - slopes[0], slopes[2] - slopes[1]];
         let (a, b) = (rates[0].abs(), rates[1].abs());
         let turns = zero.exceeds(slopes[0] * slopes[2])

@@ -39,7 +39,7 @@ pub struct Statistics {
 /// let (mut x, mut flow) = ([1.0, 0.0], Flow::<f64>::new(Settings::default()).unwrap());
 /// let statistics = flow.advance(&field, 0.0, quarter, &mut x, &p).unwrap();
 /// assert!(x[0].abs() < 1e-12 && (x[1] + 1.0).abs() < 1e-12 && statistics.evaluations < 130);
-/// // On dual numbers: the derivative of the final state by the initial x is (0, −1).
+/// // On dual numbers: the derivative of the final state with respect to the initial x is (0, −1).
 /// let mut x = [Dual64::from(1.0).derivative(), Dual64::from(0.0)];
 /// let mut flow = Flow::new(Settings::default()).unwrap();
 /// flow.advance(&field, 0.0.into(), quarter.into(), &mut x, &p.map(Dual64::from)).unwrap();

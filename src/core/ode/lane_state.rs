@@ -45,7 +45,7 @@ pub struct LaneState<T> {
     h: f64,
     /// The state.
     pub(super) x: Vec<T>,
-    /// The derivative of the state by time.
+    /// The derivative of the state with respect to time.
     pub(super) slope: Vec<T>,
     largest_step: f64,
     control: Control,
@@ -72,7 +72,7 @@ impl<T: Scalar> LaneState<T> {
         }
     }
 
-    /// Begins a flow with a first step to try, in a state with its derivative by time.
+    /// Begins a flow with a first step to try, in a state with its derivative with respect to time.
     pub(super) fn begin(
         &mut self,
         [start, length]: [T; 2],

@@ -20,7 +20,7 @@ pub(super) const NODES: [f64; STAGES] = [
     1.0,
 ];
 
-/// The coefficients `d_i` of the derivative by time.
+/// The coefficients `d_i` of the derivative with respect to time.
 pub(super) const TIME: [f64; STAGES] = [
     0.21193756319429014,
     -0.42387512638858027,

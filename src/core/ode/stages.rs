@@ -134,7 +134,7 @@ impl<T: Scalar> Stages<T> {
     }
 }
 
-/// Computes `x + h Σ_j a_j k_j` into `out`, with the `k_j` one after the other.
+/// Computes `x + h Σ_j a_j k_j` into `out`, with the `k_j` one after another.
 #[inline(always)]
 pub(super) fn combine<T: Scalar>(
     x: &[T],

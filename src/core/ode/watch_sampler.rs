@@ -1,8 +1,8 @@
 //! A watched function within one step: its values, slopes and curvatures.
 //!
-//! Slopes and curvatures are derivatives of `h(t(θ), x(θ), p)` by the fraction `θ` of the step. They
-//! are computed from dense output in dual numbers or, if they must be exact, from a shorter step of
-//! the method and the field at its end.
+//! Slopes and curvatures are derivatives of `h(t(θ), x(θ), p)` with respect to the fraction `θ` of
+//! the step. They are computed from dense output in dual numbers or, if they must be exact, from a
+//! shorter step of the method and the field at its end.
 
 use super::step::Step;
 use crate::core::linalg::{largest, refill};
@@ -288,7 +288,7 @@ pub(super) fn keep_clear_of_zero(slopes: &[f64; 3]) -> bool {
     slopes.iter().all(|s| s * slopes[2] > 0.0) && 5.0 * least > most
 }
 
-/// Whether slopes at three places of a step change their sign once, at a rate that varies by less
+/// Whether slopes at three places of a step change sign once, at a rate that varies by less
 /// than a factor of three.
 pub(super) fn crosses_once(slopes: &[f64; 3]) -> bool {
     let rates = [slopes[1] - slopes[0], slopes[2] - slopes[1]];

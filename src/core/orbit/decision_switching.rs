@@ -159,8 +159,9 @@ fn check_continuous(
     let Some(k) = moved else { return Ok(()) };
     let (modes, names) = (&orbit.legs.modes, &orbit.legs.modes[mode].states);
     Err(Failure::Undetermined(format!(
-        "on the other side of the decision, leg {leg} leads through `{}` to `{}` with {} = {:.6e} instead of \
-         {:.6e}: there is no nearby branch; start the branch from a simulated cycle (`orbit::from_cycle`)",
+        "on the other side of the decision, leg {leg} leads through `{}` to `{}` with {} = {:.6e} \
+         instead of {:.6e}: no branch of nearby orbits exists; start the branch from a simulated cycle \
+         (`orbit::from_cycle`)",
         modes[other].name, modes[mode].name, names[k], state[k], known[k]
     )))
 }

@@ -13,7 +13,7 @@ use num_dual::{Dual, Dual64};
 /// H: displacement of a guard's rate or of a decision function to either side of zero, in units of
 /// its scale, used to find the events that follow there.
 pub(super) const NUDGE: f64 = 1e-6;
-/// H: a leg that lasts longer than this beside the event, in units of the time scale, does not
+/// H: a leg that lasts longer than this near the event, in units of the time scale, does not
 /// vanish at the event.
 const AT_ONCE: f64 = 1e-2;
 /// H: a guard, or its rate, counts as zero if it is smaller than this, in units of its scale.
@@ -21,8 +21,8 @@ const ZERO: f64 = 1e-9;
 /// H: a function varies with the states along a guard's surface if at least this fraction of its
 /// gradient is tangent to the surface.
 const ACROSS: f64 = 1e-6;
-/// H: a reset at a touch leaves the state unchanged if it moves the state by less than this, in
-/// units of the scales.
+/// H: a reset at a grazing point leaves the state unchanged if it moves the state by less than
+/// this, in units of the scales.
 pub(super) const UNMOVED: f64 = 1e-6;
 /// H: the maximal number of events of a cascade.
 const MOST_LEGS: usize = 32;
@@ -64,7 +64,8 @@ impl Onset {
         let name = orbits.guards[self.guard].name.clone();
         self.following_until(orbits, |mode, _| mode == until, p).ok_or_else(|| {
             Failure::Undetermined(format!(
-                "after the event `{name}`, motion does not return to mode `{}` without delay: start the branch from \
+                "after the event `{name}`, motion does not return to mode `{}` immediately: start the \
+                 branch from \
                  a simulated cycle (`orbit::from_cycle`)",
                 orbits.modes[until].name
             ))
@@ -123,7 +124,7 @@ fn moved(Moment { system, mode, t, x, p }: Moment<f64>, duration: f64) -> Vec<f6
     step(&f, duration)
 }
 
-/// Returns the first guard of a mode to fall to zero without delay, and its time. Timed events of
+/// Returns the first guard of a mode to fall to zero immediately, and its time. Timed events of
 /// the guards in `come` have already occurred and are excluded.
 fn soonest(orbits: &OrbitLegs, at: Moment<f64>, come: &[usize]) -> Option<(f64, usize)> {
     let unit = time_scale(at.system, at.p);
@@ -164,9 +165,10 @@ pub(super) fn onto(guard: usize, at: Moment<f64>) -> Vec<f64> {
     x.iter().zip(way.iter().zip(&sizes)).map(|(x, (n, size))| x - part * n * size).collect()
 }
 
-/// Returns a time and state beside an event, still on the guard, at which a function is larger by
-/// `change`. The displacement is along the function's gradient by the states, tangent to the guard;
-/// by states and time if the states do not change the function. The event itself if nothing does.
+/// Returns a time and state near an event, still on the guard, at which a function is larger by
+/// `change`. The displacement is along the function's gradient with respect to the states, tangent
+/// to the guard; with respect to states and time if the states do not change the function. Returns
+/// the event itself if neither does.
 pub(super) fn nudged(
     guard: usize,
     at: Moment<f64>,
@@ -213,8 +215,9 @@ pub(in crate::core) fn check_unmoved(
     let moved = moved_state(orbits.system(), mode, [before, after], UNMOVED, p);
     let Some(i) = moved else { return Ok(()) };
     Err(Failure::Undetermined(format!(
-        "at the touch the reset of the event {} changes {} from {:.6e} to {:.6e}: orbits with the event are not \
-         close to orbits without it; start a branch of them from a simulated cycle (`orbit::from_cycle`)",
+        "at the grazing point the reset of the event {} changes {} from {:.6e} to {:.6e}: orbits with \
+         the event are not close to orbits without the event; start a branch of orbits with the event \
+         from a simulated cycle (`orbit::from_cycle`)",
         orbits.guards[guard].name, orbits.modes[mode].states[i], before[i], after[i]
     )))
 }

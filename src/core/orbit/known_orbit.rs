@@ -6,7 +6,7 @@ use crate::core::bvp::{Guess, Trajectory};
 use crate::core::failure::Failure;
 use crate::core::hybrid::{HybridEquations, Moment, time_scale};
 
-/// H: an event with a smaller approach speed, in units of the scales, counts as a touch.
+/// H: an event with a smaller approach speed, in units of the scales, counts as a grazing.
 pub(super) const VANISHES: f64 = 1e-6;
 
 /// H: a shorter leg, in units of the time scale, has zero length. The speed at the end of a leg

@@ -16,8 +16,8 @@ use std::sync::Arc;
 const LOST: f64 = 36.0;
 
 /// The positions of each leg's states and numbers among the states and numbers of an orbit. An
-/// orbit has the numbers `q = (p, e)`. The extras `e` are the start time (under forcing) and the
-/// durations of the legs; without events, the period or, under forcing, nothing.
+/// orbit has the numbers `q = (p, e)`. The extra unknowns `e` are the start time (under forcing)
+/// and the durations of the legs; without events, the period or, under forcing, nothing.
 #[derive(Clone)]
 pub(in crate::core) struct LegLayout {
     parameters: usize,

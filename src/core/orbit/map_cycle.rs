@@ -51,8 +51,8 @@ use std::sync::Arc;
 pub struct MapCycle<M> {
     equations: Iterates<M>,
     names: Names,
-    /// For each iterate, `n` rows of the `2n` derivatives by `x_k` and `x_{k+1}`, evaluated at
-    /// `assembled`.
+    /// For each iterate, `n` rows of the `2n` derivatives with respect to `x_k` and `x_{k+1}`,
+    /// evaluated at `assembled`.
     blocks: Vec<f64>,
     /// The point at which the blocks were last assembled; empty if the assembly failed.
     assembled: Vec<f64>,
@@ -201,8 +201,8 @@ impl<M: DiscreteMap> MapCycle<M> {
         }
         Err(Failure::Mismatch(format!(
             "no cycle of up to {} iterates was found after {transient}: the smallest distance is {nearest:.1e}, \
-             above the tolerance {REPEATS:.1e}; simulate longer (`transient`), or elsewhere if the motion is not \
-             periodic",
+             above the tolerance {REPEATS:.1e}; simulate longer (`transient`), or start elsewhere if the \
+             motion is not periodic",
             Self::LONGEST
         )))
     }
@@ -257,8 +257,8 @@ impl<M: DiscreteMap> Iterates<M> {
         left
     }
 
-    /// Adds the gradient of a derivative of `wᵀ F` along `v` by the unknowns and the released
-    /// parameters. The nonlinear part of `wᵀ F` is `−wᵀ f`.
+    /// Adds the gradient of a derivative of `wᵀ F` along `v` with respect to the unknowns and the
+    /// released parameters. The nonlinear part of `wᵀ F` is `−wᵀ f`.
     fn add_gradient<T: Directional>(
         &self,
         work: &mut Iterate<T>,
@@ -380,7 +380,7 @@ impl<M: DiscreteMap + 'static> System for MapCycle<M> {
         let name = |e: usize| {
             let (row, column) = (e / (2 * n), e % (2 * n));
             format!(
-                "the derivative of component {} of the map by {column} at iterate {}",
+                "the derivative of component {} of the map with respect to {column} at iterate {}",
                 row % n,
                 row / n
             )
@@ -402,7 +402,7 @@ impl<M: DiscreteMap + 'static> System for MapCycle<M> {
             Form::Jacobian => 1.0,
             Form::Antiperiodic => -1.0,
             Form::Oscillation(_) if border.width != 1 => {
-                let reason = "a complex linearisation of cycles supports only borders of width 1";
+                let reason = "the complex linearisation of cycles supports only borders of width 1";
                 return Err(Failure::Unsupported(reason.into()));
             }
             Form::Oscillation(omega) => {
@@ -513,7 +513,8 @@ impl<M: DiscreteMap + 'static> System for MapCycle<M> {
         let (n, length) = (self.equations.states, solution.state.len());
         if length == 0 || !length.is_multiple_of(n) {
             return Err(Failure::Mismatch(format!(
-                "the start has {length} unknowns, the map {n} states: was it made with another problem?"
+                "the start has {length} unknowns, but the map has {n} states: was the start computed \
+                 with another problem?"
             )));
         }
         let (once, at_doubling) = (length / n, solution.kind == Kind::PD);

@@ -1,6 +1,6 @@
 //! The itineraries of hybrid orbits, the grazings at which an itinerary changes, and the choice of
-//! the branches that emanate there: without vanished legs, across a decision, or with the event of
-//! a touch.
+//! the branches that emanate there: without vanished legs, across a decision, or with the event at
+//! a grazing point.
 
 use super::accumulation::{accumulation, check_rebound};
 use super::decision_switching::{decided_otherwise, decisions};
@@ -187,7 +187,7 @@ impl Itineraries<ErasedProblem> for OrbitItineraries {
         if passes {
             return Ok(without(orbit)?.map(Guess::erased));
         }
-        // An event that changes nothing at the touch does not change the linearisation.
+        // An event that changes nothing at the grazing point does not change the linearisation.
         let matters = wanted
             || decided_otherwise(orbit)?.is_none()
                 && emanating_at_touch(orbit, 0)?.beside.is_none();

@@ -1,4 +1,4 @@
-//! Touches of an orbit: points at which a guard vanishes without an event.
+//! Grazing points of an orbit: points at which a guard vanishes without an event.
 
 use super::known_orbit::{KnownOrbit, VANISHES};
 use crate::core::failure::Failure;
@@ -17,8 +17,8 @@ pub(super) struct Touch {
     pub x: Vec<f64>,
 }
 
-/// Returns the touches of an orbit in order, or, if the orbit touches no guard, the point at which
-/// it is closest to one.
+/// Returns the grazing points of an orbit in order, or, if the orbit touches no guard, the point at
+/// which it is closest to one.
 pub(super) fn touches(orbit: &KnownOrbit) -> Result<Vec<Touch>, Failure> {
     let (legs, mut found) = (orbit.legs, Vec::<(Touch, f64)>::new());
     for leg in (0..legs.all().len()).filter(|leg| !legs.all()[*leg].accumulates) {
@@ -31,7 +31,8 @@ pub(super) fn touches(orbit: &KnownOrbit) -> Result<Vec<Touch>, Failure> {
     }
     let nearest = found.iter().map(|(touch, _)| touch.value.abs()).reduce(f64::min);
     let Some(nearest) = nearest else {
-        let reason = "the orbit is not close to any guard: a branch emanates only where a guard is touched (G)";
+        let reason = "the orbit is not close to any guard: a branch emanates only where the orbit grazes \
+                      a guard (G)";
         return Err(Failure::Undetermined(reason.into()));
     };
     found.retain(|(touch, zero)| touch.value.abs() <= zero.max(nearest));

@@ -1,9 +1,9 @@
-//! Switching at a touch: the branches of orbits that have the event of the touched guard.
+//! Switching at a grazing point: the branches of orbits that have the event of the grazed guard.
 //!
 //! An orbit that touches a guard has no event there. Orbits that cross the guard have an event,
-//! which ends a leg, and possibly further legs that have zero length at the touch: an impact with
-//! zero speed, a slip of zero length. With these legs inserted, the grazing orbit is a regular
-//! point of the branch of orbits that have the event.
+//! which ends a leg, and possibly further legs that have zero length at the grazing point: an
+//! impact with zero speed, a slip of zero length. With these legs inserted, the grazing orbit is a
+//! regular point of the branch of orbits that have the event.
 
 use super::event_cascade::{Following, NUDGE, Onset, check_unmoved, nudged, onto};
 use super::itinerary::Leg;
@@ -15,7 +15,7 @@ use crate::core::bvp::{Guess, Trajectory};
 use crate::core::failure::Failure;
 use crate::core::hybrid::{Moment, time_scale};
 
-/// A new event on an orbit, at a touch.
+/// A new event on an orbit, at a grazing point.
 struct Passed {
     leg: usize,
     guard: usize,
@@ -33,20 +33,20 @@ impl Passed {
     }
 }
 
-/// H: the time from the event that gives the direction of a branch to the touch, in units of the
-/// time scale.
+/// H: the time from the event that gives the direction of a branch to the grazing point, in units
+/// of the time scale.
 const SOONER: f64 = 1e-3;
-/// H: ratio of the two times before the touch at which the error is compared; the error must fall
-/// with the square of the time.
+/// H: ratio of the two times before the grazing point at which the error is compared; the error
+/// must fall with the square of the time.
 const NEARER: f64 = 4.0;
-/// H: only the first 8 simultaneous touches are combined into branches (2⁸ subsets); later ones are
-/// crossed by branch 0 only.
+/// H: only the first 8 simultaneous grazing points are combined into branches (2⁸ subsets); later
+/// ones are crossed by branch 0 only.
 const MOST_TOUCHES: usize = 8;
 /// R: rounding of integrated motion: errors of the states, in units of their scales.
 const ROUNDING: f64 = 1e-11;
 
-/// The touches, of `count`, that the branch numbered `which` crosses: branch 0 crosses all, the
-/// next branches cross one each, then two each, and so on.
+/// The grazing points, of `count`, that the branch numbered `which` crosses: branch 0 crosses all,
+/// the next branches cross one each, then two each, and so on.
 fn selection(count: usize, which: usize) -> Result<Vec<bool>, Failure> {
     if which == 0 {
         return Ok(vec![true; count]);
@@ -58,9 +58,9 @@ fn selection(count: usize, which: usize) -> Result<Vec<bool>, Failure> {
     Ok((0..count).map(|touch| touch < MOST_TOUCHES && bits >> touch & 1 == 1).collect())
 }
 
-/// Returns the orbits that emanate at touches: first those that cross all touched guards, then
-/// those that cross some of them, in the order of [`selection`]. They start after the closest
-/// touch.
+/// Returns the orbits that emanate at grazing points: first those that cross all grazed guards,
+/// then those that cross some of them, in the order of [`selection`]. They start after the grazing
+/// point that is closest to its guard.
 pub(in crate::core) fn emanating_at_touch(
     orbit: &KnownOrbit,
     which: usize,
@@ -78,12 +78,12 @@ pub(in crate::core) fn emanating_at_touch(
     Ok(Guess { beside, ..guess })
 }
 
-/// Returns the orbits that cross all touched guards.
+/// Returns the orbits that cross all grazed guards.
 pub(super) fn with_touches(orbit: &KnownOrbit) -> Result<Guess<OrbitLegs>, Failure> {
     Ok(with_passed(orbit, touched(orbit)?.1))
 }
 
-/// Returns the touches of the orbit, and their events.
+/// Returns the grazing points of the orbit, and their events.
 fn touched(orbit: &KnownOrbit) -> Result<(Vec<Touch>, Vec<Passed>), Failure> {
     let touches = touches(orbit)?;
     let passed = touches.iter().map(|touch| passed(orbit, touch)).collect::<Result<_, _>>()?;
@@ -119,7 +119,7 @@ fn with_passed(orbit: &KnownOrbit, passed: Vec<Passed>) -> Guess<OrbitLegs> {
     orbit.with_legs(all, begins)
 }
 
-/// Converts a touch to an event. The cascade is determined at a small approach speed.
+/// Converts a grazing point to an event. The cascade is determined at a small approach speed.
 fn passed(orbit: &KnownOrbit, touch: &Touch) -> Result<Passed, Failure> {
     let Touch { leg, guard, since, value, ref x } = *touch;
     let at = orbit.moment(leg, orbit.begins(leg) + since, x);
@@ -131,11 +131,11 @@ fn passed(orbit: &KnownOrbit, touch: &Touch) -> Result<Passed, Failure> {
     Ok(Passed { leg, guard, since, distance: value.abs(), following })
 }
 
-/// Returns the event shortly before a touch, on the same motion, if motion after the cascade
-/// continues as if no event had occurred: the branch then emanates in this direction, in which the
-/// equations are singular. Examples are a touch of a surface that only stops the motion, and
-/// sliding up to the end of the sliding region. `None` if the event changes the motion, such as an
-/// impact.
+/// Returns the event shortly before a grazing point, on the same motion, if motion after the
+/// cascade continues as if no event had occurred: the branch then emanates in this direction, in
+/// which the equations are singular. Examples are the grazing of a surface that only stops the
+/// motion, and sliding up to the end of the sliding region. `None` if the event changes the motion,
+/// such as an impact.
 fn passed_sooner(orbit: &KnownOrbit, touch: &Touch, passed: &Passed) -> Option<Passed> {
     if passed.following.legs.is_empty() {
         return None;
@@ -146,15 +146,15 @@ fn passed_sooner(orbit: &KnownOrbit, touch: &Touch, passed: &Passed) -> Option<P
     let same = near.following.itinerary().eq(passed.following.itinerary());
     let at = orbit.moment(touch.leg, orbit.begins(touch.leg) + touch.since, &touch.x);
     let miss = apart(at, &onto(touch.guard, at), &touch.x);
-    // A change by the event grows linearly with the time before the touch, the neglected terms
-    // quadratically. The distance from the guard is a further error.
+    // A change by the event grows linearly with the time before the grazing point, the neglected
+    // terms quadratically. The distance from the guard is a further error.
     let second_order =
         less <= error * 2.0 / (NEARER * NEARER) + ROUNDING + (2.0 * miss).min(VANISHES);
     (same && second_order).then_some(near)
 }
 
-/// Returns the event at the time `sooner` before a touch, and the distance between its cascade's
-/// end and the touching motion, in units of the scales.
+/// Returns the event at the time `sooner` before a grazing point, and the distance between its
+/// cascade's end and the grazing motion, in units of the scales.
 fn sooner(orbit: &KnownOrbit, touch: &Touch, sooner: f64) -> Option<(Passed, f64)> {
     let Touch { leg, guard, .. } = *touch;
     let since = Some(touch.since - sooner).filter(|since| *since > 0.0)?;

@@ -20,15 +20,15 @@ pub(super) fn without(orbit: &KnownOrbit) -> Result<Option<Guess<OrbitLegs>>, Fa
     }
 }
 
-/// Returns the orbits without the events that are only touches, after which motion continues
-/// unchanged in the same mode; the legs before and after each touch are joined. `None` if there is
-/// no such event.
+/// Returns the orbits without the events that only graze a guard, after which motion continues
+/// unchanged in the same mode; the legs before and after each grazing point are joined. `None` if
+/// there is no such event.
 fn without_touches(orbit: &KnownOrbit) -> Result<Option<Guess<OrbitLegs>>, Failure> {
     let count = orbit.legs.all().len();
     let behind = (0..count).map(|leg| behind_touch(orbit, leg));
     let behind = behind.collect::<Result<Vec<Option<usize>>, _>>()?;
     let Some(first) = behind.iter().copied().find_map(|next| next) else { return Ok(None) };
-    // Starts at the leg after a touch, and ends at the leg that leads to the touch.
+    // Starts at the leg after a grazing point, and ends at the leg that leads to the grazing point.
     let (mut all, mut follows, mut leg) = (Vec::<Lasting>::new(), false, first);
     loop {
         let own = orbit.lasting(leg);
@@ -54,9 +54,9 @@ fn without_touches(orbit: &KnownOrbit) -> Result<Option<Guess<OrbitLegs>>, Failu
     Ok(Some(orbit.with_legs(all, begins)))
 }
 
-/// (H) The fraction of the period after the touch at which autonomous orbits without events start.
-/// The touch, the motion just before it, and the motion half a period later are then inside the
-/// segment.
+/// (H) The fraction of the period after the grazing point at which autonomous orbits without events
+/// start. The grazing point, the motion just before it, and the motion half a period later are then
+/// inside the segment.
 const BEHIND: f64 = 0.38;
 
 /// Returns orbits without events from a motion of one period that begins with a given leg.
@@ -77,11 +77,11 @@ fn without_events(
     Ok(Guess { problem, trajectories: vec![trajectory], extras, beside: None })
 }
 
-/// Returns the leg after the touch at the end of this leg, without the zero-length legs between;
-/// `None` if the end is not a touch, or leads to another mode.
+/// Returns the leg after the grazing point at the end of this leg, without the zero-length legs
+/// between; `None` if the end is not a grazing point, or leads to another mode.
 ///
 /// # Errors
-/// [`Failure::Undetermined`] if the reset of the touch is discontinuous.
+/// [`Failure::Undetermined`] if the reset at the grazing point is discontinuous.
 fn behind_touch(orbit: &KnownOrbit, leg: usize) -> Result<Option<usize>, Failure> {
     let legs = orbit.legs.all();
     let Leg { mode, exit: Some(guard), accumulates: false } = legs[leg] else {
@@ -133,9 +133,9 @@ fn without_vanished(orbit: &KnownOrbit) -> Result<Option<Guess<OrbitLegs>>, Fail
         return Ok(Some(orbit.with_legs(all, orbit.begins(first))));
     }
     Err(Failure::Undetermined(
-        "an event at a given time is simultaneous with another event, and motion continues in another state after \
-         it: orbits on both sides are not connected; start a branch beyond from a simulated cycle \
-         (`orbit::from_cycle`)"
+        "an event at a given time is simultaneous with another event, after which motion continues in \
+         another state: the orbits on the two sides are not connected; start a branch on the other side \
+         from a simulated cycle (`orbit::from_cycle`)"
             .into(),
     ))
 }

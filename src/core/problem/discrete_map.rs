@@ -21,7 +21,7 @@ pub trait DiscreteMap: Send + Sync {
         Vec::new()
     }
 
-    /// Computes the next state and writes it into `next` (as long as `x`).
+    /// Computes the next state and writes it into `next` (of the same length as `x`).
     fn next<T: Scalar>(&self, x: &[T], p: &[T], next: &mut [T]);
 
     /// Computes a monitor of a state, by its position among the names of monitors.

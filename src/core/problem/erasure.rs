@@ -1,4 +1,4 @@
-//! Generic user-defined models behind object-safe traits.
+//! Generic user-defined models as implementations of object-safe traits.
 //!
 //! A model trait cannot be a trait object, since its methods are generic over scalars. Its *face* in
 //! one scalar, such as `Guards<f64>`, can. An *erased trait* has faces in several scalars as

@@ -64,7 +64,7 @@ pub trait VectorField: Send + Sync {
         Vec::new()
     }
 
-    /// Computes the field `f(t, x, p)` and writes it into `f` (as long as `x`).
+    /// Computes the field `f(t, x, p)` and writes it into `f` (of the same length as `x`).
     fn field<T: Scalar>(&self, t: T, x: &[T], p: &[T], f: &mut [T]);
 
     /// The forcing; by default none.

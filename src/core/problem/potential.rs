@@ -18,10 +18,10 @@ impl PotentialGradient {
         }
     }
 
-    /// Computes `∇(wᵀD)` with respect to the unknowns and the `released` parameters, for a derivative
-    /// `D` of `F = ∂Π/∂z` such as `F_x v`. `along(d, out)` computes the derivative of `D` along `d`.
-    /// Because mixed derivatives of `Π` commute, the derivative along `w` is the gradient by the
-    /// unknowns.
+    /// Computes `∇(wᵀD)` with respect to the unknowns and the `released` parameters, for a
+    /// derivative `D` of `F = ∂Π/∂z` such as `F_x v`. `along(d, out)` computes the derivative of
+    /// `D` along `d`. Because mixed derivatives of `Π` commute, the derivative along `w` is the
+    /// gradient with respect to the unknowns.
     ///
     /// # Errors
     /// The errors of `along`.

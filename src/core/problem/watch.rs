@@ -137,7 +137,8 @@ pub(in crate::core) fn change_by(
     if scale.is_finite() && scale > 0.0 { scale } else { 1.0 }
 }
 
-/// The derivatives of a function of time, states and parameters by the states and by time.
+/// The derivatives of a function of time, states and parameters with respect to the states and to
+/// time.
 pub(in crate::core) fn gradient(
     (t, x): (f64, &[f64]),
     p: &[f64],

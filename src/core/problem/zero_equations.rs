@@ -1,4 +1,4 @@
-//! Zero problems behind one object-safe trait.
+//! One object-safe trait for all zero problems.
 //!
 //! Users write a [`ZeroProblem`] generically. [`Dense`](crate::core::system::Dense) uses it through
 //! [`ZeroEquations`], one scalar type at a time, and is therefore compiled once for all problems.

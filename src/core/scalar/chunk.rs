@@ -146,8 +146,8 @@ fn of_parts<T: Scalar, R>(operation: impl FnOnce() -> R) -> R {
 }
 
 /// Computes `a y + b x`. Real numbers use explicit vector instructions: for numbers in memory, the
-/// compiler otherwise loads the last part together with the real part behind it, and the load waits
-/// until both are stored.
+/// compiler otherwise loads the last part together with the real part that follows, and the load
+/// waits until both are stored.
 #[inline(always)]
 fn weighted<T: Scalar, const W: usize>((a, y): (&[T; W], T), (b, x): (&[T; W], T)) -> [T; W] {
     #[inline(always)]

@@ -6,7 +6,7 @@
 //! state of the preceding run, up or down the parameter; such chains of runs are **strands**, which
 //! are independent of each other.
 //!
-//! The result of a run depends on its strand only: it is the same to the last bit for any number of
+//! The result of a run depends on its strand only: it is bit-identical for any number of
 //! threads, whether or not the sweep was interrupted and resumed, and whether it was executed as a
 //! whole or in [`Part`]s.
 //!

@@ -126,7 +126,7 @@ pub enum PlanError {
         counts: String,
     },
     /// A length is out of range.
-    #[error("`{name}` = {value} must be from {low} to {high}")]
+    #[error("`{name}` = {value} must be between {low} and {high}")]
     Length {
         /// The name of the length.
         name: &'static str,

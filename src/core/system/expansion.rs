@@ -14,7 +14,8 @@ pub(in crate::core) struct Expansion<'a> {
 }
 
 impl<'a> Expansion<'a> {
-    /// Creates an expansion about `x`, for a polynomial `W` with coefficients as long as `z`.
+    /// Creates an expansion about `x`, for a polynomial `W` with coefficients of the same length as
+    /// `z`.
     ///
     /// # Errors
     /// [`Failure::Unsupported`] if the coefficients exceed the capacity of jets.

@@ -20,8 +20,8 @@ pub struct Solution {
     pub state: Vec<f64>,
     /// All parameters, in the order of the system of the new branch.
     pub parameters: Vec<f64>,
-    /// The direction of the solution's branch, if known: by the unknowns (as long as `state`) and by the
-    /// parameters (as long as `parameters`).
+    /// The direction of the solution's branch, if known: a component for each unknown (of the same
+    /// length as `state`), and a component for each parameter (of the same length as `parameters`).
     pub tangent: Option<(Vec<f64>, Vec<f64>)>,
     /// The difference between the parameters for which `state` solves the equations on its mesh and
     /// `parameters`, which are refined on finer meshes (as long as `parameters`); `None` if zero.
@@ -84,7 +84,7 @@ pub struct Start {
     pub direction: Option<Vec<f64>>,
     /// The location of the start relative to the branch.
     pub site: Site,
-    /// Whether the branch is traced to one side only, because both sides are the same.
+    /// Whether the branch is traced to one side only, because the two sides are the same.
     pub one_sided: bool,
     /// The angle of the critical Floquet multipliers, if known.
     pub angle: Option<f64>,

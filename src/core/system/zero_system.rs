@@ -1,4 +1,4 @@
-//! The system of a zero problem behind its object-safe trait, compiled once for all problems.
+//! The system of a zero problem as a trait object, compiled once for all problems.
 
 use super::jacobian::{DenseJacobian, Jacobian, Tabulated};
 use super::sparse_jacobian::SparseJacobian;
@@ -33,7 +33,7 @@ impl Matrices {
     pub const LARGEST_DENSE: usize = 5000;
 }
 
-/// The system of a problem behind its object-safe trait.
+/// The system of a zero problem as a trait object.
 pub(crate) struct ZeroSystem {
     problem: Arc<dyn ZeroEquations>,
     /// The same problem, if its pattern can be determined.
@@ -117,7 +117,8 @@ impl ZeroSystem {
             None if n <= Matrices::LARGEST_DENSE => Jacobian::Dense(DenseJacobian::new(n)),
             None => {
                 return Err(Failure::Unsupported(format!(
-                    "a dense matrix of {n} unknowns does not fit into memory ({} at most): use fewer unknowns, \
+                    "a dense matrix of {n} unknowns does not fit into memory (at most {} unknowns): use \
+                     fewer unknowns, \
                      or equations that depend on few unknowns each",
                     Matrices::LARGEST_DENSE
                 )));
@@ -146,8 +147,8 @@ impl ZeroSystem {
             }
         }
         Err(Failure::Unsupported(format!(
-            "the derivatives of the residual by its {n} unknowns do not match the sparsity pattern of the \
-             equations: use dense matrices"
+            "the derivatives of the residual with respect to its {n} unknowns do not match the sparsity \
+             pattern of the equations: use dense matrices"
         )))
     }
 }
@@ -240,8 +241,8 @@ impl System for ZeroSystem {
         finite(
             r,
             |i| format!("component {i} of the residual"),
-            "the residual must be finite: end the branch before the equations become undefined, and write \
-             every component of the residual (a missing one is NaN)",
+            "the residual must be finite: end the branch before the equations become undefined, and \
+             write every component of the residual (missing components are NaN)",
         )
     }
 
@@ -262,7 +263,7 @@ impl System for ZeroSystem {
         }
         let name = |k: usize| {
             let [i, j] = self.jacobian.place(k, n);
-            format!("derivative of component {i} by unknown {j}")
+            format!("derivative of component {i} with respect to unknown {j}")
         };
         finite(self.jacobian.entries(), name, DIFFERENTIABLE)?;
         self.assembled.extend_from_slice(x);

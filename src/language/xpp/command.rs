@@ -8,48 +8,49 @@ use super::origin::{Named, Slice, Text};
 /// The form of an initial value or a parameter.
 pub(super) const NUMBER: &str = "a number: XPPAUT does not accept formulas here; \
                       a constant that depends on others is written `!b=2*a`";
-const VOLTERRA: &str = "integral equations have no counterpart";
+const CHEMICAL: &str = "pHtools commands state chemical equilibria, not equations";
+const VOLTERRA: &str = "integral equations have no counterpart among models";
 
 /// Commands without a counterpart: their first letters, a description, the reason, and the remedy.
 pub(super) const REFUSED: [(&str, &str, &str, Option<&str>); 18] = [
-    ("MKSOL", "a pHtools command (`mksol`)", "it states chemical equilibria, not equations", None),
-    ("ADDTOSOL", "a pHtools command", "it states chemical equilibria, not equations", None),
-    ("TRACKSOL", "a pHtools command", "it states chemical equilibria, not equations", None),
-    ("PHSOL", "a pHtools command", "it states chemical equilibria, not equations", None),
-    ("STRENGTH", "a pHtools command", "it states chemical equilibria, not equations", None),
-    ("BUFFCAP", "a pHtools command", "it states chemical equilibria, not equations", None),
-    ("SPECIES", "a pHtools command", "it states chemical equilibria, not equations", None),
-    ("MA", "a Markov process (`markov`)", "random motion is not supported", None),
-    ("W", "noise (`wiener`)", "random motion is not supported", None),
+    ("MKSOL", "a pHtools command (`mksol`)", CHEMICAL, None),
+    ("ADDTOSOL", "a pHtools command", CHEMICAL, None),
+    ("TRACKSOL", "a pHtools command", CHEMICAL, None),
+    ("PHSOL", "a pHtools command", CHEMICAL, None),
+    ("STRENGTH", "a pHtools command", CHEMICAL, None),
+    ("BUFFCAP", "a pHtools command", CHEMICAL, None),
+    ("SPECIES", "a pHtools command", CHEMICAL, None),
+    ("MA", "a Markov process (`markov`)", "models are deterministic", None),
+    ("W", "noise (`wiener`)", "models are deterministic", None),
     ("V", "an integral equation (`volterra`)", VOLTERRA, None),
     (
         "SO",
         "an algebraic variable (`solve`)",
-        "only differential equations and maps have a counterpart",
+        "only differential equations and maps have a counterpart among models",
         None,
     ),
     (
         "SP",
         "a network (`special`)",
-        "networks have no counterpart",
+        "networks have no counterpart among models",
         Some("write the sum, as in `sum(0,9)of(w*shift(u0,i'))`"),
     ),
     (
         "EX",
         "a library of compiled functions (`export`)",
-        "the equations would not be in this file",
+        "the file would not contain the equations",
         None,
     ),
     (
         "TA",
         "a table (`table`)",
-        "tables have no counterpart",
+        "tables have no counterpart among models",
         Some("write the function as a formula"),
     ),
     (
         "GR",
         "a group (`group`)",
-        "groups have no counterpart",
+        "groups have no counterpart among models",
         Some("state the equations of each part"),
     ),
     (
@@ -67,7 +68,7 @@ pub(super) const REFUSED: [(&str, &str, &str, Option<&str>); 18] = [
     (
         "OD",
         "the old form of files",
-        "its lines begin with numbers",
+        "lines of the old form begin with numbers",
         Some("convert the file with `xppaut -convert`"),
     ),
 ];

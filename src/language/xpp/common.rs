@@ -53,7 +53,7 @@ pub(super) fn common(
     Ok(Shared { parameters, definitions, functions, monitors, initial })
 }
 
-/// Returns XPPAUT's `mod`, for divisors of both signs.
+/// Returns XPPAUT's `mod`, for positive and negative divisors.
 fn modulo(names: &Names) -> (Phrase, Vec<Phrase>, Phrase) {
     let (name, arguments) = (names.written(Known::Modulo), vec!["a".into(), "b".into()]);
     let negative = "if(a < 0 & mod(-a, -b) > 0)then(b - mod(-a, -b))else(mod(abs(a), -b))";

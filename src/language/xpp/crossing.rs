@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 /// The relative size below which a constant counts as zero.
 const ROUNDING: f64 = 1e-12;
 
-/// The conditions of a file, with one mode for both sides of each.
+/// The conditions of a file, with one mode for the two sides of each condition.
 pub(super) struct Crossings {
     conditions: Vec<Condition>,
     /// The affine rates of states, and the states on which each rate depends.

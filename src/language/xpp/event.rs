@@ -93,13 +93,18 @@ impl Event {
 fn tried_out(source: &Source, place: &Phrase, goes_on: bool) -> String {
     let line = source.line_of(place).unwrap_or_default();
     let result = match goes_on {
-        true => "it does in at least one of them, so each side has its own mode",
-        false => "it does in none of them, so both sides share one mode",
+        true => {
+            "motion continues in at least one of these states, so each side of the condition has its \
+                 own mode"
+        }
+        false => {
+            "motion continues in none of these states, so the two sides of the condition share one mode"
+        }
     };
     format!(
         "{line}: whether motion continues beyond the condition `{}` of `global` after its event does \
-         not follow from the formulas and was tested at {TRIALS} states: {result}. Check this, or \
-         import the model and state its modes",
+         not follow from the formulas and was tested at {TRIALS} states: {result}. Check this result, or \
+         import the model and define its modes",
         place.text
     )
 }

@@ -73,7 +73,7 @@ impl<'a> Reader<'a, '_> {
         match index {
             _ if name != "i'" => {}
             Index::Outside => {
-                let reason = "it has no value there";
+                let reason = "`i'` is defined only inside a sum";
                 return Err(self.text.unsupported(source, "`i'` outside of a sum", reason));
             }
             Index::Free => return Ok(Tree::name(Known::Index)),

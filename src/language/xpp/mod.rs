@@ -94,7 +94,7 @@ impl Ode {
 /// assert_eq!((rates, field.monitor(0, 0.0, &[1.0, 2.0], &[2.0, 0.5])), ([2.0, -5.0], 4.0));
 /// let source = Source::new("late.ode", "# a delay\nx'=-delay(x,2)\n");
 /// assert_eq!(xpp::read(&source).unwrap_err().to_string(), "\
-/// late.ode, line 2, column 5: a delay (`delay`) is not supported: delay equations are not supported
+/// late.ode, line 2, column 5: a delay (`delay`) is not supported: the equations of a model cannot contain delays
 ///   |
 /// 2 | x'=-delay(x,2)
 ///   |     ^^^^^");

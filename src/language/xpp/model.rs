@@ -75,7 +75,7 @@ fn statement(
 ) -> Result<(Statement, Vec<String>), ModelError> {
     if parts.is_map {
         if let Some(global) = parts.globals.first() {
-            let reason = "events of maps have no counterpart";
+            let reason = "events of maps have no counterpart among models";
             let place = global.condition.all();
             return Err(place
                 .unsupported(names.source, "`global` of a map", reason)

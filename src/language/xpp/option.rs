@@ -74,7 +74,7 @@ impl Found {
                 .ok_or_else(|| piece.expected(source, expected()))
         };
         if name.starts_with("DLL") {
-            let reason = "the equations would not be in this file";
+            let reason = "the file would not contain the equations";
             return Err(piece.unsupported(source, "a library of compiled functions", reason));
         }
         if value.is_empty() {

@@ -76,7 +76,7 @@ impl Parts {
             return match line.text.as_bytes()[0] {
                 b'd' | b'D' => Ok(ControlFlow::Break(())),
                 b'0'..=b'9' => {
-                    let reason = "its lines begin with numbers";
+                    let reason = "lines of the old form begin with numbers";
                     Err(line
                         .unsupported(source, "the old form of files", reason)
                         .with_help("convert the file with `xppaut -convert`"))
@@ -110,7 +110,7 @@ impl Parts {
     /// Parses `name = formula`, `!name = formula`, and `0 = formula`.
     fn assignment(&mut self, source: &Source, name: Slice, value: Slice) -> Result<(), ModelError> {
         if name.text == "0" {
-            let reason = "only differential equations and maps have a counterpart";
+            let reason = "only differential equations and maps have a counterpart among models";
             return Err(name.unsupported(source, "an algebraic equation", reason));
         }
         let formula = value.trim().to_text();

@@ -1,4 +1,5 @@
-//! Coincident lines: a line below others is drawn as a pale band beside them.
+//! Coincident lines: a line below others is drawn as a pale band that extends on either side of the
+//! others.
 
 use super::labels::{SAMPLED, sampled};
 use crate::output::figure::Style;

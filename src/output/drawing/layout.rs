@@ -18,7 +18,7 @@ const ASPECT: f64 = 0.72;
 const HIGHEST: f64 = 430.0;
 /// The height of the title row above all panels.
 const TITLE_ROW: f64 = 30.0;
-/// The maximum number of curves with names beside them.
+/// The maximum number of curves whose names are next to the curves.
 const NAMED_AT_CURVES: usize = 4;
 
 /// The layout of panels, title and legend.
@@ -91,12 +91,12 @@ impl<'a> Layout<'a> {
     }
 }
 
-/// The margin beside the legend.
+/// The margin next to the legend.
 const MARGIN: f64 = 16.0;
 
-/// Writes the names of curves beside them if they are few, each in the first panel that shows the
-/// curve and has space for the name. Panels whose curves have the same names, as far as they go,
-/// share colours and entries in the legend. Returns the names that remain for the legend.
+/// Writes the names of curves next to the curves if they are few, each in the first panel that
+/// shows the curve and has space for the name. Panels whose curves have the same names, as far as
+/// they go, share colours and entries in the legend. Returns the names that remain for the legend.
 fn named<'a>(panels: &mut [Panel<'a>]) -> Vec<Naming<'a>> {
     let mut namings: Vec<Naming> = Vec::new();
     for index in 0..panels.len() {

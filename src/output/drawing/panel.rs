@@ -1,4 +1,4 @@
-//! The drawing of one figure: axes, curves and marks, and the names beside its curves.
+//! The drawing of one figure: axes, curves and marks, and the names next to its curves.
 
 use super::canvas::{Anchor, Canvas, FAINT, INK, LIGHT, Painted, TEXT, text_width};
 use super::coincident::{Hidden, Line, hidden};
@@ -43,7 +43,7 @@ pub(super) struct Panel<'a> {
     titled: bool,
     /// The visible marks, with the middles of their labels.
     marks: Vec<(&'a Mark, Option<[f64; 2]>)>,
-    /// The names beside curves, with their middles and the indices of their colours.
+    /// The names next to curves, with their middles and the indices of their colours.
     names: Vec<(String, [f64; 2], usize)>,
     /// Texts on the sides of curves, with their middles.
     beside: Vec<(&'a str, [f64; 2])>,
@@ -150,7 +150,7 @@ impl<'a> Panel<'a> {
         inside(self.x.range, at[0]) && inside(self.y.range, at[1])
     }
 
-    /// Writes the name of a curve beside the curve, if there is space.
+    /// Writes the name of a curve next to the curve, if there is space.
     pub fn name(&mut self, curve: &str, name: &str, colour: usize) -> bool {
         let series = self.figure.series.iter().filter(|series| series.name == curve);
         let lines = series.filter(|it| !(is_spots(it.style) || it.style == Style::Dots));
@@ -240,7 +240,7 @@ impl<'a> Panel<'a> {
                 name: names.iter().position(|name| *name == series.name).unwrap_or(0),
             })
             .collect();
-        // Large spots are drawn behind all lines, small ones in front of them.
+        // Large spots are drawn before all lines, small spots after all lines.
         lines.sort_by_key(|line| match line.style {
             Style::Blots => 0,
             Style::Specks => 2,

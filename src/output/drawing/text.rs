@@ -6,7 +6,7 @@ use plotters_backend::{
 };
 use std::sync::LazyLock;
 
-/// Letters, digits and signs of DejaVu Sans; its licence is beside the file.
+/// Letters, digits and signs of DejaVu Sans; its licence is in the same folder.
 static FONT: LazyLock<Option<FontRef<'static>>> = LazyLock::new(|| {
     FontRef::try_from_slice(include_bytes!("../../../assets/DejaVuSans-subset.ttf")).ok()
 });

@@ -1,9 +1,9 @@
 //! Temporary files: their names, and the detection of files left by killed runs.
 //!
-//! A file `NAME` is written as `.NAME.PROCESS.tmp` beside it, and the writer keeps the temporary
-//! file locked. A lock is released when its process ends for any reason, so that a file whose lock
-//! can be taken has no writer. (A process id alone would not suffice: ids are reused, and
-//! containers that share a folder have separate ids.)
+//! A file `NAME` is written as `.NAME.PROCESS.tmp` in the same folder, and the writer keeps the
+//! temporary file locked. A lock is released when its process ends for any reason, so that a file
+//! whose lock can be taken has no writer. (A process id alone would not suffice: ids are reused,
+//! and containers that share a folder have separate ids.)
 
 use std::ffi::OsStr;
 use std::fs::File;

@@ -39,7 +39,7 @@
   const plain = text => text.replaceAll("&", "&amp;").replaceAll("<", "&lt;");
   const colour = (names, name) => data.colours[Math.max(0, names.indexOf(name)) % data.colours.length];
 
-  // The data behind a place.
+  // The data of a place.
   const branchAt = place => data.documents[place[0]].branches[place[1]];
   const specialAt = place => branchAt(place).special.find(point => point.label === -place[2]);
   const valueAt = (place, column) =>

@@ -100,7 +100,7 @@ impl Sweeps {
         if all.format != SWEEPS {
             let found = all.format;
             return Err(damaged(format!(
-                "its format is `{found}`, but this program reads `{SWEEPS}`"
+                "the format of the file is `{found}`, but this program reads `{SWEEPS}`"
             )));
         }
         check(&all)?;

@@ -87,8 +87,8 @@ pub(in crate::output) fn scatter(sweep: &SweepTable, x: &str, y: &str) -> Vec<Se
 /// The colours of attractors, in the order of their occurrence.
 const HUES: [Hue; 4] = [Hue::Blue, Hue::Yellow, Hue::Green, Hue::Red];
 
-/// Returns the basins of attraction in a grid over both columns: a tile for each run, coloured by
-/// the kind of its attractor; empty if the sweep is over other columns.
+/// Returns the basins of attraction in a grid over the two columns: a tile for each run, coloured
+/// by the kind of its attractor; empty if the sweep is over other columns.
 pub(in crate::output) fn basins(sweep: &SweepTable, x: &str, y: &str) -> Vec<Tile> {
     let grid = x != y && [x, y].iter().all(|name| sweep.axes.iter().any(|axis| axis == name));
     let (true, Some(Source::Run(x)), Some(Source::Run(y))) =

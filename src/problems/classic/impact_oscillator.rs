@@ -7,7 +7,7 @@ use crate::core::scalar::Scalar;
 use std::f64::consts::TAU;
 
 /// The forced linear impact oscillator (S. W. Shaw and P. J. Holmes, *J. Sound Vib.* 90:129, 1983):
-/// a mass on a spring beside a stop, with displacement `x ≤ d` and velocity `v`,
+/// a mass on a spring with a stop, with displacement `x ≤ d` and velocity `v`,
 ///
 /// ```text
 ///     x' = v,    v' = A cos ωt − x − c v;    v⁺ = −e v⁻ at x = d
@@ -121,7 +121,7 @@ impl HybridSystem for ImpactOscillator {
 
     fn domain(&self, _mode: usize, _x: &[f64], p: &[f64]) -> Result<(), OutOfDomain> {
         if p[1] <= 0.0 {
-            return Err(OutOfDomain::new("frequency", p[1], "the frequency must be more than 0"));
+            return Err(OutOfDomain::new("frequency", p[1], "the frequency must be positive"));
         }
         Ok(())
     }

@@ -381,7 +381,7 @@ impl HybridSystem for Actuator {
             return Err(OutOfDomain::new(name, value, "choose a value that is not negative"));
         }
         if frame_mass <= 0.0 {
-            return Err(OutOfDomain::new("frame_mass", frame_mass, "a mass must be more than 0"));
+            return Err(OutOfDomain::new("frame_mass", frame_mass, "a mass must be positive"));
         }
         VectorField::domain(&Block, &x[..1], &parameters.block().map(|p| *p))
     }

@@ -69,7 +69,7 @@ impl VectorField for Block {
             return Err(OutOfDomain::new("displacement", x[0], remedy));
         }
         if p[1] <= 0.0 {
-            return Err(OutOfDomain::new("frequency", p[1], "the frequency must be more than 0"));
+            return Err(OutOfDomain::new("frequency", p[1], "the frequency must be positive"));
         }
         Ok(())
     }

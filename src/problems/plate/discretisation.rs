@@ -286,7 +286,7 @@ impl Membrane {
         [self.rules[0].len(), self.rules[1].len()]
     }
 
-    /// Returns the derivatives by ξ and by ζ of fields built from `tables`.
+    /// Returns the derivatives with respect to ξ and to ζ of fields built from `tables`.
     pub fn slopes<'a>(&self, tables: &'a [Table; 2]) -> [Product<'a>; 2] {
         let points = self.points();
         [

@@ -45,7 +45,7 @@ pub(super) fn clear(largest: f64, limit: f64) -> Result<(), OutOfDomain> {
         return Ok(());
     }
     let remedy = format!(
-        "the deflection must stay clear of the electrode, below {limit} of the gap; end the branch before"
+        "the deflection must stay below {limit} of the gap, clear of the electrode; end the branch earlier"
     );
     Err(OutOfDomain::new("max_deflection", largest, remedy))
 }

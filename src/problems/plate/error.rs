@@ -67,10 +67,10 @@ pub enum PlateError {
     },
     /// The polynomials do not resolve the modes.
     #[error(
-        "{modes} modes cannot meet mode_accuracy {accuracy:.1e}: with {} × {} functions their ω² are \
-         off by {error:.1e}, and {accurate} of them are accurate enough; ask for fewer modes, for more \
-         functions (orders) if you set them, or for a larger mode_accuracy (free edges meeting at a \
-         corner limit it)", functions[0], functions[1]
+        "{modes} modes cannot meet mode_accuracy {accuracy:.1e}: with {} × {} functions the ω² of the \
+         modes are off by {error:.1e}, and {accurate} modes are accurate enough; request fewer modes, \
+         more functions (`orders`) if you set the orders, or a larger mode_accuracy (free edges that \
+         meet at a corner limit the accuracy)", functions[0], functions[1]
     )]
     Accuracy {
         /// The number of modes.

@@ -52,7 +52,7 @@ impl Orders {
     }
 
     /// Returns orders from the fewest functions to many. Up to the default orders, their ratio
-    /// balances the work on both displacements, and each gains about a digit of a pull-in load;
+    /// balances the work on the two displacements, and each gains about a digit of a pull-in load;
     /// then follow [`finer`](Orders::finer) ones, with one between each two.
     pub(super) fn ladder(symmetric: [bool; 2], aspect: f64) -> Vec<Orders> {
         let rung = |n: usize| Orders::of(n, n + n.div_ceil(3), symmetric, aspect);

@@ -17,7 +17,8 @@ use std::mem::take;
 /// The maximum number of unknowns of a rung of the ladder.
 const LARGEST_RUNG: usize = 500;
 
-/// Computes the mixed derivative of `F` along `directions` (each as long as `x`), into `out`.
+/// Computes the mixed derivative of `F` along `directions` (each of the same length as `x`), into
+/// `out`.
 fn differentiate<T: Directional>(
     work: &mut Workspace<T>,
     model: &Discretisation,
@@ -252,7 +253,7 @@ impl System for Ritz {
         domain::finite(out, |i| format!("a derivative of component {i} of the residual"))
     }
 
-    /// Computes the gradient of a derivative by derivatives of one higher order, because `F` is a
+    /// Computes the gradient of a derivative from derivatives of one higher order, because `F` is a
     /// gradient.
     fn gradient(
         &mut self,

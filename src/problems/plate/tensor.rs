@@ -64,7 +64,7 @@ pub fn weights([x, y]: &[Rule; 2]) -> impl Iterator<Item = f64> {
     x.weights.iter().flat_map(|wx| y.weights.iter().map(move |wy| wx * wy))
 }
 
-/// Functions of both variables at the nodes: a table for `ξ` and one for `ζ`.
+/// Functions of the two variables at the nodes: a table for `ξ` and one for `ζ`.
 #[derive(Clone, Copy, Debug)]
 pub struct Product<'a> {
     /// Functions of `ξ` (values or slopes) at the nodes.

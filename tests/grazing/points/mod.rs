@@ -9,8 +9,8 @@ use tangency::core::orbit::{HybridOrbit, Itinerary, Leg};
 use tangency::problems::classic::ImpactOscillator;
 use tangency::problems::mita::Actuator;
 
-/// The touch of the actuator's front stopper at a voltage, a frequency and a phase: after an impact
-/// the frame slips forward until it rests.
+/// The grazing point of the actuator's front stopper at a voltage, a frequency and a phase: after
+/// an impact the frame slips forward until it rests.
 pub fn actuator(voltage: f64, frequency: f64, phase: f64) -> GrazingPoint {
     let front = Actuator::FRONT;
     let mut p = Actuator::DEFAULTS;

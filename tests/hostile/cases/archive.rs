@@ -57,7 +57,7 @@ pub fn make(case: &mut Case, bases: &Bases, dice: &mut Dice) -> std::io::Result<
         _ => {
             case.input("changed.npz", bytes)?;
             case.arguments(&["merge", "changed.npz"]);
-            // The other part, before or behind.
+            // The other part, before or after.
             if which > 0 {
                 case.input("other.npz", bases.archives[3 - which].clone())?;
                 case.arguments.insert(1 + dice.below(2), "other.npz".into());
@@ -87,7 +87,7 @@ fn with_an_entry_changed(archive: &[u8], bases: &Bases, dice: &mut Dice) -> Vec<
         2 => bytes.resize(1 << dice.below(26), 0),
         3 if at > 0 => replace(bytes, dice),
         _ => {
-            // The text stands behind a header of 128 bytes, which states its length.
+            // The text follows a header of 128 bytes, which states the length of the text.
             let text = String::from_utf8_lossy(&bytes[128.min(bytes.len())..]).into_owned();
             let text = by_grammar(&text, &bases.words, dice);
             let header =

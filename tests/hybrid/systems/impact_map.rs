@@ -27,7 +27,7 @@ impl<S: HybridSystem> ImpactMap<S> {
         self.system.period(&self.p)
     }
 
-    /// The image of a point after some impacts.
+    /// The image of a point after a few impacts.
     pub fn image(&self, from: [f64; 2], impacts: usize) -> Vector2<f64> {
         self.impacts(from, impacts)[impacts - 1]
     }

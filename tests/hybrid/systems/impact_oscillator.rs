@@ -59,7 +59,7 @@ impl ClosedForm {
         self.stiffness * displacement.hypot(velocity)
     }
 
-    /// By how much the forced motion, `Re A e^{iωt}/(1 − ω² + icω)`, lags behind the force.
+    /// By how much the forced motion, `Re A e^{iωt}/(1 − ω² + icω)`, lags the force.
     fn lag(&self) -> f64 {
         (self.damping * self.frequency).atan2(1.0 - self.frequency * self.frequency)
     }

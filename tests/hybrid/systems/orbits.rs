@@ -29,8 +29,8 @@ pub struct Start {
 }
 
 /// The orbits of an itinerary by collocation and by shooting. Legs start at given states, where
-/// trajectories begin that the methods' nodes are set on; the extras are the time of the first
-/// leg's start, if the system is forced, and the durations of the legs.
+/// trajectories begin that the methods' nodes are set on; the extra unknowns are the time of the
+/// first leg's start, if the system is forced, and the durations of the legs.
 pub fn by_both(
     hybrid: impl HybridSystem + Copy + 'static,
     itinerary: &str,

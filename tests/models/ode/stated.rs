@@ -151,11 +151,11 @@ fn conditions_that_are_tried_out_are_named() {
     let (count, tried) = modes("x'=v\nv'=-x\nglobal 1 {x^2-.25} {v=-v}\n");
     assert_eq!((count, tried.len()), (1, 1));
     let begin = "line 3: whether motion continues beyond the condition `x^2-.25` of `global` after its \
-                 event does not follow from the formulas and was tested at 24 states: it does in none";
+                 event does not follow from the formulas and was tested at 24 states: motion continues in none";
     assert!(tried[0].starts_with(begin), "{}", tried[0]);
     let (count, tried) = modes("x'=v\nv'=-x\nglobal 1 {x^2-.25} {v=v/2}\n");
     assert_eq!((count, tried.len()), (2, 1));
-    assert!(tried[0].contains("it does in at least one"), "{}", tried[0]);
+    assert!(tried[0].contains("motion continues in at least one"), "{}", tried[0]);
 }
 
 #[test]

@@ -27,7 +27,7 @@ const SCENES: [&str; 14] = [
 const FIELDS: [&str; 6] =
     ["states: [", "reset: [", "initial: [", "above: [", "below: [", "sliding: ["];
 
-/// The position behind the bracket that closes the one at a position. Brackets in strings do not
+/// The position after the bracket that closes the one at a position. Brackets in strings do not
 /// count.
 fn closed(text: &str, open: usize) -> usize {
     let (mut depth, mut quoted) = (0, false);

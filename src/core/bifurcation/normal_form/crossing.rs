@@ -15,7 +15,7 @@ const VANISHES: f64 = 1e-6;
 /// 1`, is zero up to rounding if all of its terms are.
 const ROUNDING: f64 = 1e-9;
 
-/// Computes both terms of `p C(q, q, q)/6 + p B(q, h)/2`, `F_z h = −B(q, q)`.
+/// Computes the two terms of `p C(q, q, q)/6 + p B(q, h)/2`, `F_z h = −B(q, q)`.
 pub(super) fn third(
     forms: &mut Forms,
     Critical { right: q, left: p, .. }: &Critical<Vec<f64>>,

@@ -14,8 +14,8 @@ const VANISHES: f64 = 1e-6;
 /// The division of the plane of two parameters at a point of a curve of bifurcations.
 #[derive(Debug)]
 pub(crate) struct Division {
-    /// A normal of the curve: the gradient of a function of both released parameters that is zero on
-    /// the curve.
+    /// A normal of the curve: the gradient of a function of the two released parameters that is
+    /// zero on the curve.
     pub normal: [f64; 2],
     /// The solutions on the side where that function is positive: for each, the number of unstable
     /// directions minus the number of noncritical unstable directions.
@@ -30,7 +30,7 @@ pub(crate) struct Division {
 /// [`Failure`] where a derivative does not exist, or a matrix is singular.
 pub(crate) type ComputeDivision = fn(&mut At) -> Result<Option<Division>, Failure>;
 
-/// Evaluates a function at the unit directions of both released parameters.
+/// Evaluates a function at the unit directions of the two released parameters.
 fn gradient(
     forms: &mut Forms,
     mut slope: impl FnMut(&mut Forms, Vec<f64>) -> Result<f64, Failure>,
@@ -121,8 +121,8 @@ fn of_pitchforks(normal: [f64; 2], cubic: [f64; 2]) -> Option<Division> {
 }
 
 /// The division by a curve of transcritical points. The discriminant of the quadratic equation for
-/// `ξ` is a quadratic form in both parameters, and the square of a linear function: there are two
-/// solutions on either side.
+/// `ξ` is a quadratic form in the two parameters, and the square of a linear function: there are
+/// two solutions on either side.
 fn of_transcritical_points(discriminant: [[f64; 2]; 2]) -> Option<Division> {
     let [first, second] = discriminant;
     let normal = if first[0].abs() > second[1].abs() { first } else { second };

@@ -189,11 +189,11 @@ fn guess(
     Guess { problem, trajectories: vec![orbit], extras, beside: None }
 }
 
-/// Creates the problem of a homoclinic orbit that was saved with its nodes (one after the other) and its
-/// extras, and converts the extras to the problem's new frames.
+/// Creates the problem of a homoclinic orbit that was saved with its nodes (one after another) and
+/// its extra unknowns, which are converted to the problem's new frames.
 ///
 /// # Errors
-/// [`Failure`] if the extras do not belong to a homoclinic orbit of this field.
+/// [`Failure`] if the extra unknowns do not belong to a homoclinic orbit of this field.
 pub(in crate::core::bvp) fn from_saved(
     cycles: ErasedProblem,
     nodes: &[Vec<f64>],
@@ -204,7 +204,7 @@ pub(in crate::core::bvp) fn from_saved(
     let foreign = || {
         let found = extras.len();
         refused(format!(
-            "the saved orbit has {found} further unknowns: was it saved with another model?"
+            "the saved orbit has {found} extra unknowns: was the orbit saved with another model?"
         ))
     };
     let place = extras.get(BEFORE_PLACE..BEFORE_PLACE + n).ok_or_else(foreign)?;

@@ -24,7 +24,7 @@ enum Recorded {
     Gap,
     /// The real part of the leading eigenvalue of a side.
     Rate(Side),
-    /// The saddle quantity: the sum of both real parts.
+    /// The saddle quantity: the sum of the two real parts.
     Quantity,
     /// The squared difference of the two leading eigenvalues of a side.
     Discriminant(Side),
@@ -84,7 +84,7 @@ struct Parts<'q, T> {
     pace: Pace<T>,
     gap: T,
     place: &'q [T],
-    /// The matrices `Z` of both subspaces.
+    /// The matrices `Z` of the two subspaces.
     outgoing: &'q [T],
     incoming: &'q [T],
 }

@@ -35,7 +35,7 @@ pub(super) struct Saddle {
     pub outgoing: Frame,
     /// The stable subspace, in which orbits approach.
     pub incoming: Frame,
-    /// The eigenvectors of the leading eigenvalues of both sides.
+    /// The eigenvectors of the leading eigenvalues on the two sides of the imaginary axis.
     pub directions: [Vec<f64>; 2],
 }
 

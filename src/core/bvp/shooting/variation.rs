@@ -30,8 +30,8 @@ impl<const N: usize> Variation<N>
 where
     DualChunk<f64, N>: Number,
 {
-    /// Computes the end of the flow and its derivatives by the directions from `first` on: the left
-    /// states, then the active numbers.
+    /// Computes the end of the flow and its derivatives with respect to the directions from `first`
+    /// on: the left states, then the active numbers.
     pub fn linearise(
         &mut self,
         settings: Settings,

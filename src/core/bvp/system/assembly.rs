@@ -21,8 +21,8 @@ pub(super) struct AssembledJacobian {
     /// Derivatives of the interval equations: per interval of a segment, `m·n` rows of `(m + 1)·n`
     /// entries.
     pub blocks: Vec<Vec<f64>>,
-    /// The derivatives by the active numbers: for each segment, one row for each equation of its
-    /// intervals.
+    /// The derivatives with respect to the active numbers: for each segment, one row for each
+    /// equation of its intervals.
     pub numbers: Vec<Vec<f64>>,
     /// The derivatives of the boundary conditions, one row for each condition: by the states at the
     /// starts of all segments, then at the ends, then by the active numbers. The conditions of cycles
@@ -38,7 +38,7 @@ pub(super) struct AssembledJacobian {
     /// The number of points since each active parameter was last used.
     pub idle: Vec<usize>,
     /// Typical sizes of the states at the starts of all segments, of the states at the ends, and of
-    /// the extras; empty if all are 1.
+    /// the extra unknowns; empty if all are 1.
     pub units: Vec<f64>,
     /// Scratch space for the states at the ends.
     pub ends: Vec<f64>,
@@ -57,8 +57,8 @@ pub(super) struct AssembledJacobian {
 pub(super) enum Form {
     /// The Jacobian.
     Jacobian,
-    /// The Jacobian with integral and phase conditions replaced by zero extras: the remainder of a
-    /// periodic orbit's linearisation under other boundary conditions.
+    /// The Jacobian with integral and phase conditions replaced by zero extra unknowns: the
+    /// remainder of a periodic orbit's linearisation under other boundary conditions.
     Twisted,
 }
 
@@ -142,7 +142,7 @@ impl AssembledJacobian {
         self.check(equations, &work.q)
     }
 
-    /// Rearranges the sizes of all states and extras as sizes of the condensed unknowns.
+    /// Rearranges the sizes of all states and extra unknowns as sizes of the condensed unknowns.
     fn arrange_units(&mut self, layout: &UnknownLayout) {
         let Some(last) = self.units.last().copied() else { return };
         let states = match layout.cycle {

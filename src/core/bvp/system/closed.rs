@@ -147,8 +147,8 @@ impl Saved {
         Ok(Saved { equations, work, extras, parameters: p.clone() })
     }
 
-    /// The extras of the solution when it begins with a later segment, at a time close to the extras
-    /// `near`.
+    /// The extra unknowns of the solution when it begins with a later segment, at a time close to
+    /// the extra unknowns `near`.
     fn rotated(&self, segments: usize, near: &[f64]) -> Option<Vec<f64>> {
         let q = [&self.parameters[..], &self.extras].concat();
         self.equations.problem.itineraries()?.rotated(segments, &q, near)
@@ -198,8 +198,8 @@ impl Saved {
         Ok(of.phase.value(layout, &nodes))
     }
 
-    /// The solution on other meshes with other extras, beginning with a later segment or delayed by a
-    /// shift.
+    /// The solution on other meshes with other extra unknowns, beginning with a later segment or
+    /// delayed by a shift.
     fn on(
         &mut self,
         onto: &DiscretisedProblem,

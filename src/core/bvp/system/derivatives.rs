@@ -115,7 +115,7 @@ impl Derivatives {
     }
 
     /// Adds the gradient of the first or second derivative along a direction of a weighted sum of all
-    /// left-hand sides to `out` (as long as `x`).
+    /// left-hand sides to `out` (of the same length as `x`).
     pub fn add_gradient(
         &mut self,
         equations: &DiscretisedProblem,
@@ -130,8 +130,8 @@ impl Derivatives {
     }
 }
 
-/// Adds the gradient of a derivative of a weighted sum of all left-hand sides to `out` (as long as
-/// `x`).
+/// Adds the gradient of a derivative of a weighted sum of all left-hand sides to `out` (of the same
+/// length as `x`).
 fn add_gradient<T: Directional + Number>(
     equations: &DiscretisedProblem,
     weighted: &Weighted,

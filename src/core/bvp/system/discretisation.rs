@@ -179,8 +179,8 @@ impl DiscretisedProblem {
         span(&self.meshes, segment, interval)
     }
 
-    /// Writes typical sizes of the states of all segments, then of the extras, into `scales`; empty
-    /// if all are 1.
+    /// Writes typical sizes of the states of all segments, then of the extra unknowns, into
+    /// `scales`; empty if all are 1.
     pub(super) fn unknown_scales(&self, q: &[f64], scales: &mut Vec<f64>) {
         let UnknownLayout { segments, extras, parameters, states, .. } = &*self.layout;
         scales.clear();

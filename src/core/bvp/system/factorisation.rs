@@ -1,10 +1,10 @@
 //! The Jacobian within a border, condensed.
 //!
-//! Each segment's chain of intervals is condensed to the states at its ends, the extras and the
-//! border; segments of a cycle are then condensed like intervals. A small dense matrix remains:
+//! Each segment's chain of intervals is condensed to the states at its ends, the extra unknowns and
+//! the border; segments of a cycle are then condensed like intervals. A small dense matrix remains:
 //!
 //! ```text
-//!            x(0)   x(1)   extras and border
+//!            x(0)   x(1)   extra unknowns and border
 //!     ⎡  reduced equations of all segments  ⎤     Σ n_s rows
 //!     ⎢  boundary conditions                ⎥
 //!     ⎢  integral and phase conditions      ⎥
@@ -49,7 +49,7 @@ impl Condensation {
         }
     }
 
-    /// Fills the columns of a chain: by the extras, then by the border's unknowns.
+    /// Fills the columns of a chain: by the extra unknowns, then by the border's unknowns.
     fn fill_columns(&mut self, Bordered { layout, assembled, border, .. }: Bordered, s: usize) {
         let segment = &layout.segments[s];
         let (numbers, active) = (&assembled.numbers[s], assembled.active.len());
@@ -75,7 +75,8 @@ impl Condensation {
         }
     }
 
-    /// Removes the extras from a chain's columns, and integral and phase conditions from its rows.
+    /// Removes the extra unknowns from a chain's columns, and integral and phase conditions from
+    /// its rows.
     fn untie_extras(&mut self, layout: &UnknownLayout, columns: usize, rows: usize) {
         for row in self.columns.chunks_exact_mut(columns.max(1)) {
             row[..layout.extras].fill(0.0);
@@ -124,7 +125,8 @@ impl Condensation {
         }
     }
 
-    /// Adds the corner: integral, phase and border rows by the extras and the border's unknowns.
+    /// Adds the corner: integral, phase and border rows by the extra unknowns and the border's
+    /// unknowns.
     fn place_closing(&self, of: Bordered, dense: &mut [f64]) {
         let Bordered { layout, assembled, form, border } = of;
         let (size, extras, active) = (self.side, layout.extras, assembled.active.len());

@@ -8,9 +8,9 @@
 //! ```
 //!
 //! the linearisation is singular exactly if `μ` is a Floquet multiplier. (For the return conditions
-//! `x(0) = x(1)` on a single segment, the extras, here the period, are zero, and there are no
-//! integral and phase conditions.) The chains of intervals are condensed in real arithmetic; only the
-//! small dense matrix that remains is complex for `μ = e^{iω}`.
+//! `x(0) = x(1)` on a single segment, the increments of the extra unknowns, here the period, are
+//! zero, and there are no integral and phase conditions.) The chains of intervals are condensed in
+//! real arithmetic; only the small dense matrix that remains is complex for `μ = e^{iω}`.
 
 use super::assembly::{AssembledJacobian, Bordered, Form};
 use super::factorisation::{Condensation, form_of, singular_by_growth};

@@ -8,7 +8,7 @@ use crate::core::failure::{Failure, one_line};
 use crate::core::linalg::largest;
 use crate::core::system::Solution;
 
-/// The number of phases at which both halves are compared (H).
+/// The number of phases at which the two halves are compared (H).
 const PHASES: usize = 64;
 
 /// A solution repeats itself if its halves differ by less than this, relative to its size (D): both
@@ -110,7 +110,7 @@ pub(super) fn halved(
     }
 }
 
-/// The first half of the segments, with their extras and the extras before them.
+/// The first half of the segments, with their extra unknowns and the extra unknowns before them.
 fn first_segments(whole: &DiscretisedProblem, meshes: &[Mesh], z: &[f64]) -> Result<Half, Failure> {
     let (layout, half) = (&whole.layout, meshes.len() / 2);
     let problem = whole.problem.itineraries().and_then(Itineraries::halved);

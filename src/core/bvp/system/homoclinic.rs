@@ -55,8 +55,8 @@ fn saved(cycles: &DiscretisedProblem, solution: &Solution) -> Result<Emanating, 
     if solution.state.len() < values || on_mesh.layout.segments.len() != 1 {
         let (found, wanted) = (solution.state.len(), values);
         return Err(Failure::Mismatch(format!(
-            "the saved homoclinic orbit has {found} unknowns, but its mesh needs {wanted}: was it saved with \
-             another model?"
+            "the saved homoclinic orbit has {found} unknowns, but its mesh needs {wanted}: was the orbit \
+             saved with another model?"
         )));
     }
     let (states, extras) = solution.state.split_at(values);

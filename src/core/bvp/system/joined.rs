@@ -229,7 +229,7 @@ impl Joined {
         (&left[..states], &inner[..states], [left[self.n - 1], inner[self.n - 1]])
     }
 
-    /// The extras, and the border's unknowns `y`.
+    /// The extra unknowns, and the border's unknowns `y`.
     pub fn unload(&self, layout: &UnknownLayout, y: &[f64], out: &mut [f64]) {
         let forced = usize::from(layout.forced());
         out[..forced].copy_from_slice(&self.nodes[self.n - 1..][..forced]);
@@ -239,7 +239,8 @@ impl Joined {
         out[layout.extras..].copy_from_slice(y);
     }
 
-    /// Loads the extras' part of a right side of the transposed system, and the border's part.
+    /// Loads the parts of a right side of the transposed system that belong to the extra unknowns
+    /// and to the border.
     pub fn load_transposed(&mut self, layout: &UnknownLayout, right: &[f64], border: &mut [f64]) {
         let forced = usize::from(layout.forced());
         let (extras, rest) = right[layout.values()..].split_at(layout.extras);

@@ -28,8 +28,8 @@ pub(super) struct Segment {
 /// The positions of all unknowns and equations.
 ///
 /// The unknowns `z` are, for each segment and state, the values at the segment's nodes, then the
-/// extras. The equations are the interval equations, segment by segment, then boundary conditions,
-/// integral conditions, and the phase condition.
+/// extra unknowns. The equations are the interval equations, segment by segment, then boundary
+/// conditions, integral conditions, and the phase condition.
 #[derive(Clone, Debug, Default)]
 pub(super) struct UnknownLayout {
     /// The number `m` of nodes beyond the first in each interval.
@@ -165,7 +165,7 @@ impl UnknownLayout {
     }
 
     /// The count of a segment's numbers besides the parameters: start time and duration in a cycle,
-    /// otherwise the extras.
+    /// otherwise the extra unknowns.
     pub fn own(&self) -> usize {
         if self.cycle.is_some() { 2 } else { self.extras }
     }
@@ -200,7 +200,8 @@ impl UnknownLayout {
         out.extend((0..p).map(q).chain([(p..duration).map(q).sum(), q(duration)]));
     }
 
-    /// Adds the derivative by one of a segment's numbers to a gradient as long as `x`.
+    /// Adds the derivative with respect to one of a segment's numbers to a gradient of the same
+    /// length as `x`.
     pub fn scatter(&self, segment: usize, number: usize, slope: f64, out: &mut [f64]) {
         let Some((forced, own)) = self.cycle.zip(number.checked_sub(self.parameters)) else {
             out[self.number(number)] += slope;
@@ -258,7 +259,7 @@ impl UnknownLayout {
         }
     }
 
-    /// The number of values at nodes, which precede the extras in `z`.
+    /// The number of values at nodes, which precede the extra unknowns in `z`.
     pub fn values(&self) -> usize {
         self.dimension - self.extras
     }

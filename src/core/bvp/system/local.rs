@@ -24,7 +24,7 @@ impl Dependence<'_> {
         self.unknowns.len() + self.numbers.len()
     }
 
-    /// Adds the slope in a direction to a gradient as long as `x`.
+    /// Adds the slope in a direction to a gradient of the same length as `x`.
     fn scatter(&self, layout: &UnknownLayout, k: usize, slope: f64, out: &mut [f64]) {
         let Some(number) = k.checked_sub(self.unknowns.len()) else {
             out[self.unknowns[k]] += slope;
@@ -60,7 +60,8 @@ impl Numbers {
     }
 }
 
-/// A gradient at `x` by the unknowns and some numbers, accumulated in `out` (as long as `x`).
+/// A gradient at `x` with respect to the unknowns and some numbers, accumulated in `out` (of the
+/// same length as `x`).
 pub(super) struct Gradient<'a> {
     pub x: &'a [f64],
     pub numbers: &'a Numbers,
@@ -88,7 +89,7 @@ impl Gradient<'_> {
 pub(super) struct Arguments<'a> {
     /// The point.
     pub x: &'a [f64],
-    /// The direction, as long as `x`.
+    /// The direction, of the same length as `x`.
     pub v: &'a [f64],
 }
 
@@ -159,8 +160,8 @@ impl<T: Directional + Number> Passes<T> {
         }
     }
 
-    /// Adds the gradient of a function of some unknowns and numbers to `out` (as long as `x`), with
-    /// arguments as in [`load`](Self::load).
+    /// Adds the gradient of a function of some unknowns and numbers to `out` (of the same length as
+    /// `x`), with arguments as in [`load`](Self::load).
     pub fn add_gradient(
         &mut self,
         layout: &UnknownLayout,

@@ -298,8 +298,8 @@ fn rates(
     Ok(watched.map(|watched| problem.watch_in(watched, Dual64::new(t, 1.0), &moving, &q)))
 }
 
-/// Adds the gradient of an extreme value at a fixed place: at an inner extremum the derivative by the
-/// place vanishes, and at an end the place is fixed.
+/// Adds the gradient of an extreme value at a fixed place: at an inner extremum the derivative with
+/// respect to the place vanishes, and at an end the place is fixed.
 fn add_term(
     equations: &DiscretisedProblem,
     (watched, Place { interval, place }): (Watched, Place),

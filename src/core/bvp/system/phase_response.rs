@@ -9,12 +9,13 @@
 //!     F_zᵀ λ = ∇T,    Z = Bᵀ λ at the start of an interval,    Z = −Cᵀ λ at its end,
 //! ```
 //!
-//! where `B` and `C` are the derivatives of the interval's equations by the states at its ends. The
-//! computation is the same for all methods, with or without events: the equations include the conditions
-//! between segments, and `Z⁻ = Sᵀ Z⁺` with the saltation matrix `S` follows. The matrix is regular
-//! exactly if no other Floquet multiplier is 1. The normalisation `Z·f = 1` is not imposed, and is used
-//! to check the result. The adjoint of Gauss collocation is Gauss collocation (J. M. Sanz-Serna, *SIAM
-//! Review* 58 (2016)), so that at the ends of intervals `Z` has the order of the states.
+//! where `B` and `C` are the derivatives of the interval's equations with respect to the states at
+//! its ends. The computation is the same for all methods, with or without events: the equations
+//! include the conditions between segments, and `Z⁻ = Sᵀ Z⁺` with the saltation matrix `S` follows.
+//! The matrix is regular exactly if no other Floquet multiplier is 1. The normalisation `Z·f = 1`
+//! is not imposed, and is used to check the result. The adjoint of Gauss collocation is Gauss
+//! collocation (J. M. Sanz-Serna, *SIAM Review* 58 (2016)), so that at the ends of intervals `Z`
+//! has the order of the states.
 //!
 //! Between the ends of an interval `Z(t) = Φᵀ Z`, with the derivative `Φ` of the flow from `t` to the
 //! interval's end.
@@ -92,7 +93,7 @@ pub fn phase_response(of: &mut BoundarySystem, x: &[f64]) -> Result<Vec<Profile>
 pub(super) fn response_of(cycles: &mut Meshed, x: &[f64]) -> Result<Vec<Profile>, Failure> {
     if cycles.solutions.free_period(x).is_none() {
         let reason = "only a cycle with an unknown period has a phase: forced motions, cycles of maps and \
-            solutions of boundary values do not";
+            solutions of boundary-value problems do not";
         return Err(Failure::Unsupported(reason.into()));
     }
     cycles.assemble(x)?;
@@ -124,7 +125,7 @@ fn require_simple(multipliers: &[(f64, f64)]) -> Result<(), Failure> {
     }
 }
 
-/// The derivatives of the period by the unknowns.
+/// The derivatives of the period with respect to the unknowns.
 fn gradient_of_period(equations: &DiscretisedProblem, x: &[f64]) -> Vec<f64> {
     let layout = &equations.layout;
     let mut gradient = vec![0.0; layout.dimension];
@@ -263,7 +264,8 @@ struct Flows {
     /// The states at the start of a part, and scratch space for those at its end.
     x: Vec<f64>,
     end: Vec<f64>,
-    /// The derivatives of each part's end by its start and its end, one row after the other.
+    /// The derivatives of each part's end with respect to its start and its end, one row after
+    /// another.
     parts: Vec<f64>,
 }
 
@@ -273,7 +275,7 @@ impl Flows {
         Flows { shooting, x: Vec::new(), end: Vec::new(), parts: Vec::new() }
     }
 
-    /// Computes the response at the starts of the parts of an interval, one after the other, from its
+    /// Computes the response at the starts of the parts of an interval, one after another, from its
     /// value at the interval's end; `None` if the flow fails.
     fn response(
         &mut self,

@@ -12,7 +12,8 @@ use nalgebra::DMatrix;
 use num_dual::Dual;
 use std::f64::consts::TAU;
 
-/// Computes the Jacobian of a segment's field by its states, one column after the other.
+/// Computes the Jacobian of a segment's field with respect to the segment's states, one column
+/// after another.
 pub(super) fn jacobian(
     problem: &dyn Equations,
     segment: usize,
@@ -182,7 +183,7 @@ impl<'a> Rest<'a> {
         self.image(a, b).iter().map(mixed).collect()
     }
 
-    /// Computes the derivative of the field by a parameter.
+    /// Computes the derivative of the field with respect to a parameter.
     pub fn by_parameter(&self, parameter: usize) -> Vec<f64> {
         let still = vec![0.0; self.state.len()];
         let along = Direction { states: still.clone(), parameters: vec![(parameter, 1.0)] };

@@ -85,7 +85,7 @@ fn refused(reason: &str) -> Failure {
 }
 
 fn singular() -> Failure {
-    refused("its linearisation has more than one null vector")
+    refused("the linearisation has more than one null vector")
 }
 
 /// Right vectors `q₀, q₁` and left vectors `p₀, p₁` of a double zero eigenvalue.
@@ -248,7 +248,7 @@ fn well_posed(mut matrix: DMatrix<f64>, wanted: &DVector<f64>) -> Option<DVector
 }
 
 fn dependent() -> Failure {
-    refused("the two parameters do not unfold it")
+    refused("the two parameters do not unfold the point")
 }
 
 /// The smallest change of parameters, each in units of its value, that changes `β₁` by 1.

@@ -46,7 +46,8 @@ pub enum NewtonError {
     },
     /// The tangent turned too far in one step.
     #[error(
-        "the tangent turned by {angle:.2} in one step, by more than {largest:.2}: the curve is sharper than the step"
+        "the tangent turned by {angle:.2} in one step, more than the limit of {largest:.2}: the curve \
+         bends too sharply for the step"
     )]
     #[diagnostic(help("lower `min_step`"))]
     Turned {
@@ -57,7 +58,8 @@ pub enum NewtonError {
     },
     /// The curve between the ends of the step is too far from a cubic.
     #[error(
-        "the curve leaves the cubic between the ends of the step by {error:.1e} where `curve_error` is {largest:.1e}"
+        "between the ends of the step, the curve deviates from its cubic interpolant by {error:.1e}, \
+         more than `curve_error`, {largest:.1e}"
     )]
     #[diagnostic(help("lower `min_step` or raise `curve_error`"))]
     Bent {
@@ -76,8 +78,8 @@ pub enum NewtonError {
     /// The corrected point is far from the predicted one, relative to the step: it may belong to
     /// another branch.
     #[error(
-        "the corrected point is {distance:.1e} from the predicted one after a step of {length:.1e}: another \
-         branch is near, or the curve is sharper than the step"
+        "the corrected point is {distance:.1e} from the predicted one after a step of {length:.1e}: \
+         another branch is near, or the curve bends too sharply for the step"
     )]
     #[diagnostic(help("lower `min_step`"))]
     Far {
@@ -89,8 +91,8 @@ pub enum NewtonError {
     /// No point of the curve was found halfway along a step of this length: the step may have
     /// skipped a bend to another branch.
     #[error(
-        "no point of the curve was found halfway along a step of {0:.1e}: another branch is near, or the curve \
-         is sharper than the step"
+        "no point of the curve was found halfway along a step of {0:.1e}: another branch is near, or the \
+         curve bends too sharply for the step"
     )]
     #[diagnostic(help("lower `min_step`"))]
     NoMiddle(f64),
@@ -98,7 +100,7 @@ pub enum NewtonError {
     /// this length.
     #[error(
         "the cycle shrinks to an equilibrium in a step of {0:.1e}: nearby cycles are too sensitive to be \
-         distinguished from it"
+         distinguished from the equilibrium"
     )]
     #[diagnostic(help("take more `intervals`, or collocation"))]
     Shrunk(f64),

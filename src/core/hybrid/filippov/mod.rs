@@ -59,10 +59,10 @@ impl Default for FilippovNames {
     }
 }
 
-/// A Filippov system: a field on each side of a surface `h(t, x, p) = 0`, and sliding on the surface
-/// where both fields point towards it. [`Filippov`] converts it to a hybrid system: the normal
-/// velocities `L_f h = h_t + h_x f` of both fields, computed by automatic differentiation, determine
-/// sliding, crossing and the end of sliding.
+/// A Filippov system: a field on each side of a surface `h(t, x, p) = 0`, and sliding on the
+/// surface where both fields point towards it. [`Filippov`] converts it to a hybrid system: the
+/// normal velocities `L_f h = h_t + h_x f` of the two fields, computed by automatic
+/// differentiation, determine sliding, crossing and the end of sliding.
 ///
 /// ```
 /// use tangency::core::hybrid::HybridSystem;
@@ -112,13 +112,14 @@ pub trait FilippovSystem: Send + Sync {
     /// Its gradient must not vanish there.
     fn surface<T: Scalar>(&self, t: T, x: &[T], p: &[T]) -> T;
 
-    /// Computes the field on a side, also used on the surface, into `f` (as long as `x`).
+    /// Computes the field on a side, also used on the surface, into `f` (of the same length as
+    /// `x`).
     fn field<T: Scalar>(&self, side: Side, t: T, x: &[T], p: &[T], f: &mut [T]);
 
     /// Computes the field of sliding motion and writes it into `f`: by default Filippov's
-    /// [`convex_combination`] of both fields. A different field must keep motion on the surface: its
-    /// normal velocity `h_t + h_x f` must vanish there, which is checked at the start and end of
-    /// sliding.
+    /// [`convex_combination`] of the two fields. A different field must keep motion on the surface:
+    /// its normal velocity `h_t + h_x f` must vanish there, which is checked at the start and end
+    /// of sliding.
     fn sliding<T: Scalar>(&self, t: T, x: &[T], p: &[T], f: &mut [T]) {
         convex_combination(self, t, x, p, f);
     }

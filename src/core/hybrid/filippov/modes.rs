@@ -144,7 +144,7 @@ impl<S: FilippovSystem> HybridSystem for Filippov<S> {
         }
     }
 
-    /// The speed at which the field behind the surface leaves it.
+    /// The speed at which the field on the other side leaves the surface.
     fn decision<T: Scalar>(
         &self,
         _position: usize,
@@ -210,8 +210,8 @@ impl<S: FilippovSystem> HybridSystem for Filippov<S> {
         let scale = guard_scale(self, (SURFACE, Self::ABOVE), (t, x), p) / time_scale(self, p);
         if velocity.abs() > OFF * (terms + scale) {
             let quantity = "the normal velocity of the field of sliding motion on the surface";
-            let remedy = "it must vanish, or sliding motion drifts off the surface: correct `sliding`, or omit \
-                it to use the convex combination of both fields";
+            let remedy = "this velocity must vanish, or sliding motion drifts off the surface: correct \
+                          `sliding`, or omit `sliding` to use the convex combination of the two fields";
             return Err(OutOfDomain::new(quantity, velocity, remedy));
         }
         Ok(())

@@ -55,13 +55,14 @@ pub trait FleetObserver<T: Scalar> {
 }
 
 /// A simulation of many members, motions of one system, each independent of the others: the result for a
-/// member is the same to the last bit for all sets and orders of members.
+/// member is bit-identical for all sets and orders of members.
 ///
-/// Results agree with [`HybridFlow`] up to rounding errors, for `f64` and for `Dual64`. Several members
-/// in the same mode are advanced together, and their guards are checked together for being clear of zero;
-/// a member with a guard that could vanish is examined separately.
+/// Results agree with [`HybridFlow`] up to rounding errors, for `f64` and for `Dual64`. Several
+/// members in the same mode are advanced together, and their guards are checked together for being
+/// clear of zero; a member with a guard that could vanish is examined separately.
 /// [`in_lanes`](super::system::HybridSystem::in_lanes) declares that a system's equations can be
-/// evaluated in lanes. Otherwise, and with an implicit method, members are simulated one after the other.
+/// evaluated in lanes. Otherwise, and with an implicit method, members are simulated one after
+/// another.
 ///
 /// ```
 /// use std::ops::ControlFlow;
@@ -114,7 +115,7 @@ where
     }
 
     /// Creates a simulation in the lanes of other registers than the system's, for comparison. If these
-    /// registers are unavailable, members are simulated one after the other.
+    /// registers are unavailable, members are simulated one after another.
     ///
     /// # Errors
     /// The errors of [`new`](Self::new).
@@ -137,7 +138,7 @@ where
         Ok(Fleet { worker, stepper, forecasts, candidates, slots })
     }
 
-    /// The number of members that step together; 1 if they are simulated one after the other.
+    /// The number of members that step together; 1 if they are simulated one after another.
     pub fn lanes(&self) -> usize {
         self.stepper.as_ref().map_or(1, |stepper| stepper.lanes())
     }

@@ -117,7 +117,7 @@ macro_rules! registers {
 
         /// The width of the vector registers in which batches of motions advance. The default is the
         /// widest one that the processor has at run time. The width affects only the run time;
-        /// results are the same to the last bit.
+        /// results are bit-identical.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
         pub enum LaneWidth {
             $($(#[$doc])* $register,)*
@@ -228,7 +228,7 @@ pub(in crate::core) fn in_registers<T: Registered, X>(evaluate: impl FnOnce() ->
 }
 
 /// Evaluates a closure with AVX2 instructions if the processor has them, for loops over plain numbers
-/// that compilers vectorise. Sums keep their order, so that results are the same to the last bit. All
+/// that compilers vectorise. Sums keep their order, so that results are bit-identical. All
 /// callees are `#[inline(always)]`.
 #[cfg(feature = "scene")]
 #[inline(always)]

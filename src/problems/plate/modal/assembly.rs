@@ -1,4 +1,4 @@
-//! The derivative `∂r/∂q` of both projections, assembled from the tables.
+//! The derivative `∂r/∂q` of the two projections, assembled from the tables.
 //!
 //! The residual on dual numbers carries eight derivatives through every sum. Most of these sums are
 //! linear in `q` or in products of its components, so their derivatives are known tables. Tested

@@ -10,7 +10,7 @@
 //! U_m = 6α₁² Σ s_P A_PQ s_Q,    A_PQ = ⟨N_P : ε_Q⟩,    s_P = q_i² or 2q_i q_j for the pairs P = (i ≤ j)
 //! ```
 //!
-//! and its derivative by `q_i` is `24α₁² Σ_j (A s)_ij q_j`.
+//! and its derivative with respect to `q_i` is `24α₁² Σ_j (A s)_ij q_j`.
 
 use crate::core::scalar::Scalar;
 use crate::problems::plate::tensor::dot;

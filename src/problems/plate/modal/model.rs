@@ -166,8 +166,8 @@ impl Modal {
         for (name, value, of_modes) in fixed {
             if (value - of_modes).abs() > SAME * of_modes.abs() {
                 let remedy = format!(
-                    "the modes belong to {of_modes}; keep this value, build a new modal model, or use \
-                     the full model to vary it"
+                    "the modes were computed for the value {of_modes}; keep this value, build a new \
+                     modal model, or vary the parameter in the full model"
                 );
                 return Err(OutOfDomain::new(name, value, remedy));
             }

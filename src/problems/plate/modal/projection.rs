@@ -20,7 +20,7 @@ use crate::problems::plate::terms::Theory;
 const LOAD_NODES: [(f64, usize); 4] = [(0.5, 16), (0.75, 24), (0.88, 32), (LARGEST_DEFLECTION, 48)];
 const LOAD_NODES_PER_WAVE: f64 = 0.8;
 
-/// The tables common to both projections.
+/// The tables common to the two projections.
 pub(super) struct Linear {
     /// `ω_i²`.
     pub squares: Vec<f64>,

@@ -1,4 +1,4 @@
-//! Modes at the nodes of tensor rules.
+//! Values of the modes at the nodes of tensor-product quadrature rules.
 
 use crate::problems::plate::ritz::Ritz;
 use crate::problems::plate::tensor::{Rule, weights};
