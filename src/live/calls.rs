@@ -10,6 +10,7 @@ use super::shop::Shop;
 use super::trouble::Trouble;
 use super::work::{Drawing, trace};
 use crate::core::cancel::CancelToken;
+use crate::core::failure::one_line;
 use crate::output::{Format, Render, Results};
 use serde::Deserialize;
 use serde_json::{Value, json};
@@ -225,6 +226,6 @@ fn rendered(kept: &Kept, format: &str) -> Result<(&'static str, Vec<u8>), String
     let is_picture = matches!(format, Format::Svg | Format::Pdf | Format::Html);
     let [x, y] = [0, 1].map(|axis| kept.axes[axis].as_deref().filter(|_| is_picture));
     let results = Results { documents: &documents, x, y: y.as_slice(), ..Results::default() };
-    let content = results.render(format).map_err(|cause| cause.to_string())?;
+    let content = results.render(format).map_err(|cause| one_line(&cause))?;
     Ok((content_type, content))
 }

@@ -1,5 +1,7 @@
 //! Errors as the page shows them: at their place in the text, or at a field.
 
+use crate::core::failure::one_line;
+use crate::language::ModelError;
 use crate::scene::SceneError;
 use serde::Serialize;
 
@@ -22,11 +24,11 @@ pub(super) struct Trouble {
 
 impl From<&SceneError> for Trouble {
     fn from(cause: &SceneError) -> Self {
-        let message = cause.to_string();
+        let message = one_line(cause);
         match cause {
             SceneError::Model(error) => match error.place.line {
                 Some(_) => Trouble {
-                    message: error.fault.to_string(),
+                    message: said(error),
                     line: error.place.line,
                     column: error.place.column,
                     width: error.place.width,
@@ -44,6 +46,14 @@ impl From<&SceneError> for Trouble {
             }
             _ => Trouble { message, ..Trouble::default() },
         }
+    }
+}
+
+/// Returns the fault of an error in equations and the remedy; the page shows the place.
+fn said(error: &ModelError) -> String {
+    match &error.help {
+        Some(help) => format!("{}; {help}", error.fault),
+        None => error.fault.to_string(),
     }
 }
 

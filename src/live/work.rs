@@ -10,6 +10,7 @@ use super::shop::Shop;
 use super::trouble::Trouble;
 use crate::core::cancel::CancelToken;
 use crate::core::continuation::{Branch, SpecialPoint};
+use crate::core::failure::one_line;
 use crate::output::{
     Document, Figure, FigureError, Panel, Summary, diagram, figures, hexadecimal, significant,
 };
@@ -131,7 +132,7 @@ impl Drawing {
     pub fn of(kept: &Kept) -> Self {
         let (panels, trouble) = match diagrams(kept) {
             Ok(figures) => (figures, None),
-            Err(cause) => (Vec::new(), Some(cause.to_string())),
+            Err(cause) => (Vec::new(), Some(one_line(&cause))),
         };
         let panels = panels.iter().map(|figure| json!(Panel::new(figure)));
         let mut columns: Vec<String> = Vec::new();
