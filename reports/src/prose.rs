@@ -278,7 +278,8 @@ fn unescaped(literal: &str) -> String {
 }
 
 impl Paragraph {
-    /// The sentences of the paragraph that have at least four words.
+    /// The sentences of the paragraph that have at least four words: of documents, those with a mark at the end (cells of
+    /// tables have none); of messages, those with a verb (others are parts of messages).
     pub fn sentences(&self) -> Vec<&str> {
         let mut sentences = Vec::new();
         let mut start = 0;
@@ -298,9 +299,35 @@ impl Paragraph {
             }
         }
         sentences.push(self.text[start..].trim());
-        sentences.retain(|sentence| sentence.split_whitespace().count() >= 4);
+        let ends =
+            |sentence: &str| sentence.trim_end_matches(['*', ')']).ends_with(['.', ':', '?', '!']);
+        sentences.retain(|sentence| {
+            let whole = match self.source {
+                Source::Document => ends(sentence),
+                Source::Message => is_clause(sentence),
+                _ => true,
+            };
+            whole && sentence.split_whitespace().count() >= 4
+        });
         sentences
     }
+}
+
+/// Verbs of messages, and the imperatives with which their remedies begin.
+const VERBS: [&str; 18] = [
+    "is", "are", "has", "have", "must", "cannot", "does", "do", "did", "was", "needs", "can",
+    "ends", "begins", "starts", "grows", "changes", "contains",
+];
+const IMPERATIVES: [&str; 20] = [
+    "choose", "give", "state", "name", "omit", "start", "use", "take", "lower", "raise", "write",
+    "set", "trace", "check", "repeat", "locate", "simulate", "remove", "draw", "define",
+];
+
+/// Whether a message has a verb.
+fn is_clause(text: &str) -> bool {
+    let mut words = text.split(|c: char| !c.is_alphabetic()).filter(|word| !word.is_empty());
+    words.clone().next().is_some_and(|first| IMPERATIVES.contains(&first))
+        || words.any(|word| VERBS.contains(&word))
 }
 
 /// Draws `count` sentences, in equal parts from documents, help, messages and doc comments, without repetition: the same
