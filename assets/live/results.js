@@ -142,7 +142,7 @@ export class Table {
   }
 }
 
-/** The values and profiles of a point, and what can continue there. */
+/** The values and profiles of a point, and the runs that can continue there. */
 export class Details {
   constructor(element, follow) {
     [this.element, this.follow] = [element, follow];

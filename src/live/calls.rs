@@ -1,4 +1,4 @@
-//! The calls of a page: what it sends, and the responses.
+//! The calls that a page sends, and the responses.
 
 use super::describe::settings;
 use super::details::details;
@@ -56,7 +56,7 @@ enum Call {
     Alive {},
 }
 
-/// What all connections share.
+/// The state that all connections share.
 pub(super) struct Desk {
     pub shop: Shop,
     pub opened: Option<Opened>,
@@ -100,7 +100,7 @@ impl Desk {
             Call::File { page, format } => self.file(stream, &page, &format),
             Call::Alive {} => json_of(stream, &json!({})),
         };
-        // A page that has gone needs no answer.
+        // The page may have been closed.
         let _ = answered;
     }
 

@@ -1,4 +1,4 @@
-//! The values and profiles of one point of a branch, and what can continue there.
+//! The values and profiles of one point of a branch, and the runs that can continue there.
 
 use super::pages::Kept;
 use crate::core::continuation::{Branch, Point, SpecialPoint};

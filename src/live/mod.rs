@@ -4,6 +4,15 @@
 //! page has no knowledge of problems: the server describes parameters, settings, columns and
 //! follow-ups as JSON ([`Setup`] is the state of a page), and traces each change with the functions
 //! of [`scene`](crate::scene).
+//!
+//! ```no_run
+//! use tangency::live::{Server, Shop};
+//! use tangency::{Catalogue, output::SizeLimit};
+//! let shop = Shop { catalogue: Catalogue::built_in(), folder: None, limit: SizeLimit::default() };
+//! let server = Server::new(shop, None, 0).expect("a free port");
+//! println!("{}", server.address());
+//! server.serve()
+//! ```
 
 mod calls;
 mod command;

@@ -124,7 +124,7 @@ impl Gate {
                 Ok(())
             }
         };
-        // A page that has gone needs no answer.
+        // The page may have been closed.
         let _ = sent;
     }
 

@@ -1,4 +1,4 @@
-//! A page of the server in a browser, as a user has it.
+//! A page of the server in a browser, and the actions of a user.
 
 use super::Program;
 use crate::browser::{Browser, patiently};
@@ -132,9 +132,9 @@ impl Session {
     pub fn picture(&mut self, name: &str) {
         let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("live");
         std::fs::create_dir_all(&folder).unwrap();
-        let shot = self.browser.call("Page.captureScreenshot", json!({ "format": "jpeg" }));
+        let shot = self.browser.call("Page.captureScreenshot", json!({ "format": "png" }));
         let data = shot["data"].as_str().unwrap();
-        std::fs::write(folder.join(format!("{name}.jpeg")), decoded(data)).unwrap();
+        std::fs::write(folder.join(format!("{name}.png")), decoded(data)).unwrap();
     }
 }
 
