@@ -39,7 +39,8 @@ pub(super) struct Parts<'s, 'a> {
     pub bounds: &'s Bounds,
     pub backward: bool,
     pub from_branch_point: bool,
-    /// The kinds of the special point at which the step starts.
+    /// The kind of the special point at which the step starts, and the kind of the curve on which
+    /// the point lies.
     pub origin: &'s [Kind],
     /// The number of cuts so far.
     pub cuts: usize,

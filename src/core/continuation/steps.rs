@@ -81,7 +81,8 @@ pub struct Steps<'a> {
     pub(super) from_branch_point: bool,
     /// The error of the special point at the start.
     pub(super) error: f64,
-    /// The kinds of the special point at the start, and of the curve on which it lies.
+    /// The kind of the special point at the start, and the kind of the curve on which the point
+    /// lies.
     pub(super) origin: Vec<Kind>,
     /// The marks at the start.
     pub(super) marked: Vec<SpecialPoint>,

@@ -1,4 +1,4 @@
-//! Zeros of functions of one number.
+//! Zeros of functions of one variable.
 
 /// The limits of an iteration.
 pub(crate) struct Limits {

@@ -78,7 +78,7 @@ pub(super) fn highest(values: impl Iterator<Item = f64>) -> (usize, f64) {
 pub(super) struct Search {
     nodes: [Vec<f64>; 2],
     tables: [Table; 2],
-    /// The functions at one point.
+    /// The values of the functions at one point.
     pub point: [AtPoint; 2],
     coefficients: Vec<f64>,
     half: Vec<f64>,

@@ -9,7 +9,7 @@ use crate::core::problem::Dynamics;
 use crate::core::system::Deviation;
 
 /// The normal form of a fold: `u' = β + a u²` on the center manifold of an equilibrium, `a = ½ ⟨p,
-/// B(q, q)⟩` with `⟨q, q⟩ = ⟨p, q⟩ = 1`. The sign of `a` is for a `q` whose largest component is
+/// B(q, q)⟩` with `⟨q, q⟩ = ⟨p, q⟩ = 1`. The sign of `a` assumes a `q` whose largest component is
 /// positive.
 ///
 /// At a fold of cycles with a free period, `dτ/dt = 1 − ξ + …`, `dξ/dt = β + b ξ²`. At a fold of

@@ -1,4 +1,4 @@
-//! Powers and polar angles of any scalar, from products and functions of one number.
+//! Powers and polar angles of any scalar, from products and functions of one variable.
 
 use crate::core::scalar::Scalar;
 
