@@ -536,8 +536,8 @@ fn what_is_asked_for_wrongly_is_refused_with_the_remedy() {
                 let hopf = tangency::core::bifurcation::Hopf::of_equilibria;
                 c.along("mu", -1.0..=1.0).event(Event::new("Hopf", hopf)).trace()
             }),
-            "the defining system of the event `Hopf` has auxiliary unknowns and cannot be a test function: \
-             give one with `Event::with_test`",
+            "the defining system of the event `Hopf` has auxiliary unknowns and cannot be a test function; \
+             give a test function with `Event::with_test`",
         ),
     ] {
         assert_eq!(found, expected);

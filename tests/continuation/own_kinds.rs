@@ -4,7 +4,7 @@
 use crate::common::{BogdanovTakens, close, first};
 use tangency::core::bifurcation::{At, DefiningSystem, Needs, PointValues, TestFunction};
 use tangency::core::continuation::{Branch, Continuation, Event};
-use tangency::core::failure::Failure;
+use tangency::core::failure::{Failure, one_line};
 use tangency::core::system::{Dense, Functional, Kind};
 use tangency::output::Document;
 
@@ -77,10 +77,7 @@ fn a_neutral_saddle_is_found_by_a_test_function_of_ones_own() {
     close(saddle.parameters[0], -0.09, 1e-13);
     close(saddle.state[0], 0.3, 1e-13);
     let refused = Document::new("own", vec![branch.clone()]).to_ron().unwrap_err();
-    assert!(
-        refused.to_string().contains("files cannot contain points of other kinds"),
-        "{refused}"
-    );
+    assert!(one_line(&refused).contains("files cannot contain points of other kinds"), "{refused}");
 }
 
 /// It is held along a curve as known kinds are: `a = −b²`.

@@ -6,6 +6,7 @@ use tangency::core::bvp::{Collocation, Shooting};
 use tangency::core::continuation::{
     Branch, Continuation, End, Event, Settings, TestPoint, TraceError,
 };
+use tangency::core::failure::one_line;
 use tangency::core::hybrid::{HybridFlow, HybridSettings, HybridState};
 use tangency::core::orbit::{Smooth, from_cycle, periodic_orbits};
 use tangency::core::problem::{Dynamics, Equilibria, Names, VectorField, ZeroProblem};
@@ -132,7 +133,7 @@ fn branch_points_of_several_eigenvalues_are_reported() {
         // Its quadratic terms vanish: no branch is determined by them.
         let label = branch.of_kind(Kind::BP).nth(1).unwrap().label;
         let other = Continuation::new(&mut system).restart(&branch, label).switch();
-        let refused = other.along("lambda", -0.5..=1.0).trace().unwrap_err().to_string();
+        let refused = one_line(&other.along("lambda", -0.5..=1.0).trace().unwrap_err());
         assert!(refused.contains("third-order terms"), "{refused}");
     }
 }
@@ -167,7 +168,7 @@ fn every_branch_through_a_multiple_branch_point_can_be_left_along() {
         close(angle.to_degrees(), expected, 1e-6);
     }
     let none = Continuation::new(&mut system).restart(&branch, point.label).switch_to(3);
-    let refused = none.along("lambda", -1.0..=1.0).trace().unwrap_err().to_string();
+    let refused = one_line(&none.along("lambda", -1.0..=1.0).trace().unwrap_err());
     assert!(refused.contains("there is no other branch with index 3"), "{refused}");
 }
 
@@ -355,7 +356,7 @@ fn all_errors_of_a_statement_are_shown() {
         ),
         "{errors:?}"
     );
-    assert!(errors.iter().all(|each| error.to_string().contains(&each.to_string())), "{error}");
+    assert!(errors.iter().all(|each| one_line(&error).contains(&each.to_string())), "{error}");
 }
 
 /// A mark at the start's own value is a row.
@@ -399,14 +400,14 @@ fn wrong_requests_are_refused_with_the_reason() {
         let curve =
             names.iter().fold(Continuation::new(system), |c, name| c.along(name, 0.0..=1.0));
         let curve = kinds.iter().fold(curve, |curve, kind| curve.hold(*kind));
-        curve.trace().unwrap_err().to_string()
+        one_line(&curve.trace().unwrap_err())
     };
     let cases = [
         (refused(&mut Dense::new(Columns), &[Kind::PD]), "branches of periodic orbits"),
         (refused(&mut Dense::new(Columns), &[Kind::CP]), "hold LP as well"),
         (refused(&mut Dense::new(NoOrbit), &[]), "periodic_orbits"),
         (refused(&mut Dense::new(Unwritten(true)), &[]), "two unknowns"),
-        (refused(&mut Dense::new(Unwritten(false)), &[]), "is every equation written"),
+        (refused(&mut Dense::new(Unwritten(false)), &[]), "every equation is written"),
     ];
     for (message, part) in cases {
         assert!(message.contains(part), "{message}");

@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 use tangency::core::bvp::{BoundarySystem, Mesh, Shooting};
 use tangency::core::continuation::Continuation;
+use tangency::core::failure::one_line;
 use tangency::core::hybrid::{Event, HybridError, HybridFlow, HybridSettings, HybridState};
 use tangency::core::orbit::{HybridOrbit, Itinerary};
 use tangency::core::system::Kind;
@@ -95,6 +96,6 @@ fn slots_are_stated_in_text() {
     let outcome = execute(&Scene::parse(text).unwrap(), None, &mut ());
     assert_eq!(outcome.error, None);
     assert_eq!(outcome.document.branches[0].itinerary, "inside:leave outside:enter");
-    let refused = Scene::parse(&text.replace("\"1e-3\"", "0")).unwrap_err().to_string();
+    let refused = one_line(&Scene::parse(&text.replace("\"1e-3\"", "0")).unwrap_err());
     assert!(refused.contains("the time in which a guard changes"), "{refused}");
 }

@@ -9,6 +9,7 @@ use std::f64::consts::{PI, TAU};
 use tangency::core::attractor::CycleSearch;
 use tangency::core::bvp::Shooting;
 use tangency::core::continuation::{Branch, Continuation, End, Point};
+use tangency::core::failure::one_line;
 use tangency::core::hybrid::{HybridFlow, HybridSettings, HybridState, HybridSystem};
 use tangency::core::local_map::GrazingPoint;
 use tangency::core::ode::Scheme;
@@ -192,7 +193,7 @@ fn no_branch_begins_where_a_reset_jumps() {
         let grazing = grazings.find(|point| point.event.contains(monitor)).unwrap();
         close(grazing.parameters[0], exact, DIGITS);
         let run = Continuation::new(&mut orbits).restart(&branch, grazing.label).switch();
-        let refused = run.along("current", 0.0..=2.0).trace().unwrap_err().to_string();
+        let refused = one_line(&run.along("current", 0.0..=2.0).trace().unwrap_err());
         let no_point = GrazingPoint::at(&mut orbits, &branch.solution(grazing)).unwrap_err();
         for error in [refused, no_point.to_string()] {
             assert!(error.contains("the event spike changes voltage from 1.0"), "{error}");

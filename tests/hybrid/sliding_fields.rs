@@ -3,6 +3,7 @@
 
 use crate::common::close;
 use tangency::core::continuation::End;
+use tangency::core::failure::one_line;
 use tangency::core::hybrid::HybridSystem;
 use tangency::core::hybrid::filippov::{Filippov, FilippovSystem, Side};
 use tangency::core::scalar::Scalar;
@@ -42,7 +43,7 @@ fn a_field_along_the_surface_is_followed() {
 #[test]
 fn a_field_off_the_surface_is_refused() {
     let outcome = belt("sliding: [(\"x\", \"V\"), (\"v\", \"1/8\")],");
-    let error = outcome.error.expect("a refusal").to_string();
+    let error = one_line(&outcome.error.expect("a refusal"));
     let velocity =
         "the normal velocity of the field of sliding motion on the surface = 1.250000e-1";
     assert!(error.contains("in mode sliding") && error.contains(velocity), "{error}");

@@ -5,6 +5,7 @@ use crate::common::close;
 use std::f64::consts::{PI, TAU};
 use tangency::core::bvp::{BoundarySystem, Collocation, Mesh, Method, Shooting};
 use tangency::core::continuation::{Branch, Continuation, End, Settings, TraceError};
+use tangency::core::failure::one_line;
 use tangency::core::hybrid::{Guard, HybridSystem, Mode};
 use tangency::core::local_map::GrazingPoint;
 use tangency::core::orbit::{HybridOrbit, Itinerary};
@@ -190,7 +191,7 @@ fn one_segment_says_where_its_digits_end() {
         free(Inverted { rate, walls: 1, phase }, Shooting::default().into(), Mesh::uniform(1))
     };
     let grown = |error: TraceError, growth: &str| {
-        let error = error.to_string();
+        let error = one_line(&error);
         let cause = format!("deviations and rounding errors grow by {growth}");
         assert!(error.contains(&cause) && error.contains("use more segments"), "{error}");
     };

@@ -29,7 +29,8 @@ fn at(marked: &str) -> ModelError {
 
 fn says(marked: &str, words: &str) {
     let error = at(marked);
-    let said = one_line(&error);
+    let help = error.help.iter().map(|help| format!("; {help}")).collect::<String>();
+    let said = format!("{}{help}", error.fault);
     assert!(said.contains(words), "{said}\n\nlacks: {words}");
 }
 
@@ -114,12 +115,11 @@ fn names() {
 #[test]
 fn statements() {
     let error = refused("Equations(states: [(\"x\", \"1\")], stats: [])");
-    assert!(error.to_string().contains("stats"), "{error}");
+    assert!(one_line(&error).contains("stats"), "{error}");
     assert_eq!(error.place.line, Some(1));
     let error = refused("Equation(states: [(\"x\", \"1\")])");
     assert!(
-        one_line(&error)
-            .contains("unknown kind of equations `Equation`; did you mean `Equations`?"),
+        error.help.as_deref().is_some_and(|help| help.starts_with("did you mean `Equations`?")),
         "{error}"
     );
     let error = refused("Equations()");
@@ -153,15 +153,15 @@ fn statements() {
 fn sizes_of_arrays() {
     says(
         "Equations(states: [(\"»x[i=1..200001]«\", \"-x[i]\")])",
-        "elements of an array: more than 200000",
+        "elements of an array: the limit is 200000",
     );
     says(
         "Equations(states: [(\"x[i=1..200000]\", \"-x[i]\"), (\"»y«\", \"1\")])",
-        "states: more than 200000",
+        "states: the limit is 200000",
     );
     says(
         "Residual(unknowns: [(\"»u[i=1..1000, j=-999999999..999999999]«\", \"u[i,j]\")])",
-        "elements of an array: more than 200000",
+        "elements of an array: the limit is 200000",
     );
     says("Residual(unknowns: [(\"»u[i=1..3, i=1..2]«\", \"u[i,i]\")])", "`i` is already an index");
     says(
@@ -198,7 +198,7 @@ fn modes_and_guards() {
     };
     says(
         &of("(name: \"»hit«\", function: \"x\")"),
-        "the guard `hit` has no mode: name the modes that it ends",
+        "the guard `hit` has no mode; name the modes that the guard ends",
     );
     says(
         &of("(name: \"hit\", modes: [\"»upp«\"], function: \"x\")"),
@@ -244,7 +244,7 @@ fn scenes_show_the_line() {
     let error = Scene::parse(text).unwrap_err();
     let help = error.help().expect("a help").to_string();
     assert!(help.starts_with("did you mean `rh`?"), "{help}");
-    let error = error.to_string();
+    let error = one_line(&error);
     assert!(error.starts_with("line 3, column 40: unknown name `rho`"), "{error}");
     assert!(error.ends_with("\n  |                                        ^^^"), "{error}");
     assert!(
@@ -275,18 +275,16 @@ fn a_start_where_a_formula_is_not_finite() {
         );
         execute(&Scene::parse(&text).unwrap(), None, &mut ())
     };
-    let error = scene("a - 1/x", "").error.expect("a division by zero").to_string();
+    let error = one_line(&scene("a - 1/x", "").error.expect("a division by zero"));
     assert!(error.contains("column 58: a division by zero at the start: 1/0"), "{error}");
     assert!(scene("a - 1/x", ", start: Guess([(\"x\", 1)])").error.is_none());
-    let error = scene("a - ln(x - 1)", "").error.expect("a logarithm").to_string();
+    let error = one_line(&scene("a - ln(x - 1)", "").error.expect("a logarithm"));
     assert!(error.contains("a value that is not a number at the start: ln of -1"), "{error}");
     // Time without a period: motion can be simulated, but not continued.
     let text = "Scene(title: \"t\", problem: Equations(states: [(\"x\", \"a*t - x\")]), parameters: [(\"a\", 1)],
         runs: [Run(name: \"r\", along: [(name: \"a\", low: 0.5, high: 2)])])";
     let error = Scene::parse(text).unwrap_err();
-    let help = error.help().expect("a help").to_string();
-    assert!(help.starts_with("did you mean `rh`?"), "{help}");
-    let error = error.to_string();
+    let error = one_line(&error);
     assert!(error.contains("state the period of the forcing"), "{error}");
 }
 
@@ -316,7 +314,7 @@ fn nothing_is_silently_left_out() {
     );
     says(
         "Equations(states: [(\"x\", \"1\")], functions: [(\"»f«\", [], \"1\")])",
-        "without arguments, make it a definition",
+        "or make the function a definition",
     );
     let of = |guard: &str| {
         format!(
@@ -417,15 +415,15 @@ fn definitions_are_no_parameters() {
     runs: [Run(name: \"r\", along: [(name: \"a\", low: 0, high: 2)])],
 )";
     let mut scene = Scene::parse(text).unwrap();
-    let error = scene.set("n", "4").unwrap_err().to_string();
+    let error = one_line(&scene.set("n", "4").unwrap_err());
     assert!(
         error.starts_with(
-            "`n` is a definition (line 4), but only parameters can be set and varied: change it there, or move it to \
-             `parameters`"
+            "`n` is a definition (line 4), but only parameters can be set and varied; change the definition, or move \
+             `n` to `parameters`"
         ),
         "{error}"
     );
-    let error = Scene::parse(&text.replace("name: \"a\"", "name: \"n\"")).unwrap_err().to_string();
+    let error = one_line(&Scene::parse(&text.replace("name: \"a\"", "name: \"n\"")).unwrap_err());
     assert!(error.starts_with("`n` is a definition (line 4)"), "{error}");
 }
 
@@ -445,9 +443,7 @@ Scene(title: \"t\",
     runs: [Run(name: \"r\", along: [(name: \"a\", low: 0, high: 2)])],
 )";
     let error = Scene::parse(text).unwrap_err();
-    let help = error.help().expect("a help").to_string();
-    assert!(help.starts_with("did you mean `rh`?"), "{help}");
-    let error = error.to_string();
+    let error = one_line(&error);
     assert!(error.starts_with("line 5, column 35: expected a number, a name or `(`"), "{error}");
     let scene = Scene::parse(&text.replace(" // 2\"", "\"")).unwrap();
     let settings = scene.problem.settings();
@@ -477,7 +473,7 @@ fn marks_and_attributes_at_the_beginning() {
     );
     assert!(Scene::parse(&format!("{header}{scene}")).is_ok());
     let error = Scene::parse(&format!("\u{feff}{}", scene.replace("a - x", "a - y"))).unwrap_err();
-    assert!(error.to_string().starts_with("line 1, column 58: unknown name `y`"), "{error}");
+    assert!(one_line(&error).starts_with("line 1, column 58: unknown name `y`"), "{error}");
     let source = Source::new("m.ode", "\u{feff}x'=-x\n");
     assert!(tangency::language::xpp::read(&source).is_ok());
 }

@@ -3,6 +3,7 @@
 use super::library::{executed, scene};
 use crate::common::{close, only};
 use tangency::core::continuation::{Branch, End, Point, SpecialPoint};
+use tangency::core::failure::one_line;
 use tangency::core::system::Kind;
 use tangency::scene::{Scene, execute};
 
@@ -538,7 +539,7 @@ fn a_simulation_that_rests_names_the_equilibrium() {
     )"#;
     let run = r#"Run(name: "r", start: Simulated(transient: 100), along: [(name: "Ic", low: 0.5, high: 1)])"#;
     let text = format!("Scene(title: \"rest\", problem: {sir}, runs: [{run}])");
-    let said = execute(&Scene::parse(&text).unwrap(), None, &mut ()).error.unwrap().to_string();
+    let said = one_line(&execute(&Scene::parse(&text).unwrap(), None, &mut ()).error.unwrap());
     assert!(said.contains("in mode `sliding`, at S = 1.000000, I = 0.800000"), "{said}");
     assert!(said.contains("`solution: equilibrium`"), "{said}");
     // With that setting it is where the branch begins.
@@ -553,6 +554,6 @@ fn a_simulation_that_rests_names_the_equilibrium() {
     let mut prey = scene("harvested-prey");
     prey.runs.truncate(1);
     prey.runs[0].set.push(("solution".into(), "equilibrium".into()));
-    let said = execute(&prey, None, &mut ()).error.unwrap().to_string();
+    let said = one_line(&execute(&prey, None, &mut ()).error.unwrap());
     assert!(said.contains("converges to a cycle"), "{said}");
 }

@@ -4,6 +4,7 @@ use super::hybrid_ends::BOOST;
 use crate::common::close;
 use std::time::Duration;
 use tangency::core::continuation::{Branch, Observer};
+use tangency::core::failure::one_line;
 use tangency::core::system::Kind;
 use tangency::scene::{Outcome, Scene, SceneObserver, execute};
 
@@ -79,7 +80,7 @@ fn impacts_without_rebound_are_refused_by_name() {
     };
     let rebounds = r#"next: "flight", reset: [("velocity", "-restitution*velocity")],
         accumulates_to: "rest""#;
-    let error = run(rebounds).error.expect("no rebound").to_string();
+    let error = one_line(&run(rebounds).error.expect("no rebound"));
     for part in
         ["flight:impact accumulate at the first one", "restitution of 0", "`next: \"rest\"`"]
     {
@@ -185,7 +186,7 @@ fn an_unstable_cycle_is_not_taken_for_the_motion() {
         parameters: [("a", 0.1)], initial: [("z", 1.002)])"#;
     let along = "along: [(name: \"a\", low: 0.05, high: 0.2)]";
     let run = format!("(name: \"neuron\", start: Simulated(transient: 100), {along})");
-    let error = executed(problem, &run, &mut ()).error.expect("unstable").to_string();
+    let error = one_line(&executed(problem, &run, &mut ()).error.expect("unstable"));
     assert!(error.contains("did not repeat"), "{error}");
 }
 

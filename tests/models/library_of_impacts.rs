@@ -6,6 +6,7 @@ use super::library::{executed, finds, scene, values};
 use crate::common::close;
 use std::f64::consts::{PI, TAU};
 use tangency::core::continuation::{Branch, End, SpecialPoint};
+use tangency::core::failure::one_line;
 use tangency::core::system::Kind;
 use tangency::output::Document;
 use tangency::scene::{Scene, Simulated, Start, execute, explore};
@@ -95,7 +96,7 @@ fn each_itinerary_that_is_born_at_a_touch_of_two_guards_is_switched_to() {
     assert!(
         ["flight:first flight:second", "flight:second flight:first"].contains(&&*both.itinerary)
     );
-    let error = scene(3).error.expect("no such branch").to_string();
+    let error = one_line(&scene(3).error.expect("no such branch"));
     assert!(
         error.contains("there is no other branch with index 3: 3 other branches begin or cross"),
         "{error}"

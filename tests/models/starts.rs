@@ -112,11 +112,11 @@ fn tables_that_are_no_profiles_are_refused() {
     }
     let map = "Map(states: [(\"u\", \"lambda*u/2\")])";
     let scene = with_table("map", map, "t u\n0 0\n1 1").unwrap();
-    let error = execute(&scene, None, &mut ()).error.unwrap().to_string();
+    let error = one_line(&execute(&scene, None, &mut ()).error.unwrap());
     assert!(error.contains("only boundary-value problems have profiles"), "{error}");
     let archive = "Scene(title: \"t\", problem: Map(states: [(\"u\", \"a*u\")]), parameters: [(\"a\", 1)],
         runs: [(name: \"r\", start: Profile(file: \"/etc/passwd\"), along: [(name: \"a\", low: 1, high: 2)])])";
-    let error = Catalogue::built_in().parse_alone(archive).unwrap_err().to_string();
+    let error = one_line(&Catalogue::built_in().parse_alone(archive).unwrap_err());
     assert!(error.contains("must not refer to files"), "{error}");
 }
 

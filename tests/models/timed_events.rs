@@ -4,6 +4,7 @@
 use super::{scene, traced};
 use crate::common::close;
 use std::ops::ControlFlow;
+use tangency::core::failure::one_line;
 use tangency::core::hybrid::{Event, HybridFlow, HybridSettings, HybridState, time_left};
 use tangency::core::sweep::Part;
 use tangency::core::system::Kind;
@@ -123,7 +124,7 @@ fn an_event_that_comes_with_a_tick_which_did_not_count_is_a_border_collision() {
     let collision = branch.of_kind(Kind::G).next().expect("a border collision");
     assert_eq!(collision.subkind.as_deref(), Some("border collision"));
     close(collision.parameters[0], 2.0 / (1.0 - (-2.0_f64).exp()), 1e-10);
-    let refused = outcome.error.expect("no orbit is near on the other side").to_string();
+    let refused = one_line(&outcome.error.expect("no orbit is near on the other side"));
     assert!(refused.contains("after which motion continues in another state"), "{refused}");
 }
 

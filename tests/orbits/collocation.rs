@@ -10,6 +10,7 @@ use tangency::core::bvp::{
     MonitoredFunctions, Span, reduced_pencil,
 };
 use tangency::core::continuation::{Continuation, End, Settings};
+use tangency::core::failure::one_line;
 use tangency::core::linalg::{Border, Factors, Form};
 use tangency::core::problem::Observable;
 use tangency::core::scalar::Scalar;
@@ -265,7 +266,7 @@ fn refusals_name_segment_state_and_time() {
     let mut x = system.sampled(&[], |_, tau, x| x[0] = 1.0 - tau);
     x.push(0.6);
     let mut r = vec![0.0; x.len() - 1];
-    let refused = system.residual(&x, &mut r).unwrap_err().to_string();
+    let refused = one_line(&system.residual(&x, &mut r).unwrap_err());
     assert!(refused.contains("the equation of u at t = 2.5"), "{refused}");
     assert!(refused.contains("on segment 0"), "{refused}");
     assert_eq!(system.assemble(&x).unwrap_err().to_string(), refused);

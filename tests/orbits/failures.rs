@@ -79,7 +79,7 @@ fn lost_digits_are_in_the_error() {
             .trace();
         match outcome {
             Err(cause) => {
-                assert!(rate == 6.0 && cause.to_string().contains("more segments"), "{cause}")
+                assert!(rate == 6.0 && one_line(&cause).contains("more segments"), "{cause}")
             }
             Ok(branch) => {
                 for point in branch.of_kind(Kind::UZ) {
@@ -150,7 +150,7 @@ fn stiff_fields() {
     // The explicit pair refuses by name.
     let mut explicit = shot(Stiff, 1);
     let z = explicit.sampled(&[], ellipse(1.0, 0.0));
-    let refused = trace(&mut explicit, &z).unwrap_err().to_string();
+    let refused = one_line(&trace(&mut explicit, &z).unwrap_err());
     assert!(refused.contains("stiff") && refused.contains("implicit"), "{refused}");
     let rodas = Shooting::new(Scheme::Rodas5P, 1e-10).unwrap();
     let (mut collocation, mut implicit) =

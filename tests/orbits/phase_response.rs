@@ -6,6 +6,7 @@ use crate::orbits::cycles::collocation;
 use std::f64::consts::TAU;
 use tangency::core::bvp::{Collocation, Method, Shooting, phase_response};
 use tangency::core::continuation::{Branch, Continuation, Settings, SpecialPoint};
+use tangency::core::failure::one_line;
 use tangency::core::orbit::periodic_orbits;
 use tangency::core::problem::{Equilibria, Profile};
 use tangency::core::system::{Dense, Kind, System};
@@ -131,7 +132,7 @@ fn built_in(name: &str) -> Scene {
 fn the_setting_is_refused_where_there_is_no_phase() {
     for name in ["integrate-and-fire", "plate-clamped"] {
         let error = built_in(name).check_effects(["phase_response"], Purpose::Runs).unwrap_err();
-        assert!(error.to_string().starts_with("`phase_response` has no effect"), "{error}");
+        assert!(one_line(&error).starts_with("`phase_response` has no effect"), "{error}");
     }
     built_in("fitzhugh-nagumo").check_effects(["phase_response"], Purpose::Runs).unwrap();
     // In a scene it is as well for other runs, and a forced orbit says why it has none.

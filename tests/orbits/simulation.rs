@@ -6,6 +6,7 @@ use crate::orbits::cycles::{Saddle, collocation, cycle_of, equilibria, label, pr
 use tangency::core::attractor::{CycleSearch, CycleSearchError};
 use tangency::core::bvp::Shooting;
 use tangency::core::continuation::{Continuation, Settings};
+use tangency::core::failure::one_line;
 use tangency::core::hybrid::HybridError;
 use tangency::core::orbit::{Smooth, from_cycle};
 use tangency::core::system::Kind;
@@ -103,7 +104,7 @@ fn simulations_that_find_nothing_say_why() {
     let golden = 0.5 * (1.0 + 5.0_f64.sqrt());
     match cycle_of(Quasiperiodic, brief, &[1.0, 0.0, 1.0, 0.0], &[golden]) {
         Err(error @ CycleSearchError::Unsettled { returns: 50, distance, .. }) => {
-            assert!(distance > 1e-3 && error.to_string().contains("not repeat in 50 returns"));
+            assert!(distance > 1e-3 && one_line(&error).contains("not repeat in 50 returns"));
         }
         other => panic!("{other:?}"),
     }
@@ -116,7 +117,7 @@ fn simulations_that_find_nothing_say_why() {
     // Pulled in: the block touches the electrode at infinite speed.
     match cycle_of(Block, brief, &[0.0, 0.0], &[1.0, 0.45, 0.04]) {
         Err(error @ CycleSearchError::Motion(HybridError::Flow { .. })) => {
-            assert!(error.to_string().contains("at t = 2.64"), "{error}");
+            assert!(one_line(&error).contains("at t = 2.64"), "{error}");
         }
         other => panic!("{other:?}"),
     }

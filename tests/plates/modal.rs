@@ -7,6 +7,7 @@ use crate::plates::plate_fold::equilibrium;
 use approx::assert_relative_eq;
 use std::f64::consts::PI;
 use tangency::core::continuation::{Branch, Continuation, Settings};
+use tangency::core::failure::one_line;
 use tangency::core::linalg::{Border, Factors, Form};
 use tangency::core::problem::{Names, ZeroProblem};
 use tangency::core::scalar::Scalar;
@@ -454,7 +455,7 @@ fn settings_and_values_out_of_range_are_refused_by_name() {
     assert!(accurate < 4 && error > 1e-6);
     let few = Some(Orders { transverse: [4, 4], in_plane: [8, 8] });
     let error = refused(&|s| (s.modes, s.plate.orders) = (20, few));
-    assert!(error.to_string().contains("20 modes cannot meet"), "{error}");
+    assert!(one_line(&error).contains("20 modes cannot meet"), "{error}");
     assert!(matches!(refused(&|s| s.plate.aspect = -1.0), PlateError::Domain(_)));
     assert!(matches!(refused(&|s| s.nu = 0.5), PlateError::Domain(_)));
 

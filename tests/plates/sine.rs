@@ -6,6 +6,7 @@ use crate::plates::models::{
 };
 use crate::plates::plate_fold::{equilibrium, fold, one_mode_start};
 use std::f64::consts::PI;
+use tangency::core::failure::one_line;
 use tangency::core::numerics::gauss_legendre;
 use tangency::core::problem::{Dynamics, ZeroProblem};
 use tangency::core::system::{Dense, Functional, System};
@@ -481,7 +482,7 @@ fn settings_and_values_out_of_range_are_refused_by_name() {
     for in_plane in [InPlane::Immovable, InPlane::Free] {
         let error = SinePlate::new(SineSettings { in_plane, ..settings(3) }).unwrap_err();
         assert_eq!(error, PlateError::SineInPlane { in_plane: in_plane.name() });
-        assert!(error.to_string().contains(in_plane.name()), "{error}");
+        assert!(one_line(&error).contains(in_plane.name()), "{error}");
     }
 
     let model = SinePlate::new(settings(3)).expect("valid settings");

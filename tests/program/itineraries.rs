@@ -73,7 +73,7 @@ fn an_itinerary_that_does_not_close_is_refused() {
         Guess { problem, ..orbit }.discretised(&[5.0], Shooting::default(), 1).unwrap();
     let branch =
         Continuation::new(&mut system).from(&z).at("amplitude", 5.0).along("amplitude", 4.5..=6.0);
-    let error = branch.trace().unwrap_err().to_string();
+    let error = one_line(&branch.trace().unwrap_err());
     assert!(error.contains("`impact` of mode `flight`"), "{error}");
     assert!(error.contains("leads to `caught`, not to `flight`"), "{error}");
 }
@@ -145,7 +145,7 @@ fn simulations_discover_itineraries() {
     assert!((doubling.parameters[0] - 0.630302006160).abs() < 1e-9);
     let mut equilibria = Scene::parse(text).unwrap();
     equilibria.set("solution", "equilibrium").unwrap();
-    let error = execute(&equilibria, None, &mut ()).error.unwrap().to_string();
+    let error = one_line(&execute(&equilibria, None, &mut ()).error.unwrap());
     assert!(error.contains("converges to a cycle, not to an equilibrium"), "{error}");
     // An itinerary is a setting, too.
     let given = with("mita-type-1", &[("itinerary", "stick")]);

@@ -4,6 +4,7 @@
 use crate::program::command::{failure, signal, succeeds, tangency};
 use std::path::Path;
 use std::process::Command;
+use tangency::core::failure::one_line;
 use tangency::output::{Sweeps, merge};
 use tangency::scene::Scene;
 
@@ -151,7 +152,7 @@ fn rows_must_be_of_the_runs_there_are() {
     ];
     for (what, change) in changes {
         saved(&whole, change, &path);
-        let message = Sweeps::load(&path).unwrap_err().to_string();
+        let message = one_line(&Sweeps::load(&path).unwrap_err());
         assert!(message.contains(what), "{what}: {message}");
     }
 }
@@ -250,7 +251,7 @@ fn pictures_are_checked_before_the_work() {
         let mut scene = scene(name);
         assert_eq!(scene.check_plot(), Ok(()), "{name}");
         scene.plot.panels.push(("velocty".into(), "velocty".into()));
-        let message = scene.check_plot().unwrap_err().to_string();
+        let message = one_line(&scene.check_plot().unwrap_err());
         assert!(message.contains("unknown column `velocty`"), "{name}: {message}");
     }
     let text = SCENE.replace("sweeps:", "plot: (y: Some(\"speed\")), sweeps:");

@@ -117,7 +117,7 @@ fn a_document_cut_short_says_so() {
             matches!(error, FormatError::Truncated { line: at, .. } if at == line),
             "{error:?} is not at line {line}"
         );
-        assert!(error.to_string().contains("is truncated"), "{error}");
+        assert!(one_line(&error).contains("is truncated"), "{error}");
     }
 }
 
@@ -189,7 +189,7 @@ fn what_could_not_be_read_back_is_not_written() {
     document.save(&path).unwrap();
     let before = std::fs::read_to_string(&path).unwrap();
     document.branches[0].special[2].state[0] = f64::NAN;
-    let error = document.save(&path).unwrap_err().to_string();
+    let error = one_line(&document.save(&path).unwrap_err());
     assert!(error.contains("a.ron: branch `plate`, label 3, state, component 0 is NaN"), "{error}");
     assert_eq!(std::fs::read_to_string(&path).unwrap(), before);
 }
@@ -228,7 +228,7 @@ fn names_and_labels_must_be_unique_and_refer_to_something() {
     assert!(error.contains("counted from 1"), "{error}");
     let mut twice = document();
     twice.branches.push(example_branch());
-    let error = twice.to_ron().unwrap_err().to_string();
+    let error = one_line(&twice.to_ron().unwrap_err());
     assert!(error.starts_with("the name of a branch is `plate`"), "{error}");
     let mut twice = document();
     twice.settings = vec![("k".into(), "1".into()), ("k".into(), "2".into())];
@@ -242,12 +242,12 @@ fn files_that_cannot_be_read_or_written_are_named() {
     std::fs::write(folder.path().join("file"), "in the way").unwrap();
     let error = document().save(&blocked).unwrap_err();
     assert!(matches!(error, FileError::Write { .. }), "{error:?}");
-    let error = error.to_string();
+    let error = one_line(&error);
     assert!(
         error.contains(&*blocked.to_string_lossy()) && error.contains("choose a writable folder"),
         "{error}"
     );
-    let error = Document::load(folder.path().join("missing.ron")).unwrap_err().to_string();
+    let error = one_line(&Document::load(folder.path().join("missing.ron")).unwrap_err());
     assert!(error.starts_with("cannot read ") && error.contains("missing.ron"), "{error}");
 }
 

@@ -136,7 +136,7 @@ fn unknown_columns_are_answered_with_those_that_exist() {
     let mut bare = document();
     bare.branches[0].monitors.clear();
     let error = diagram(&[("a", &bare)], None, &[]).unwrap_err();
-    assert!(matches!(error, FigureError::NoMonitor { .. }) && error.to_string().contains("load"));
+    assert!(matches!(error, FigureError::NoMonitor { .. }) && one_line(&error).contains("load"));
 }
 
 #[test]
@@ -273,7 +273,7 @@ fn profiles_and_points_are_chosen_by_name() {
     document.plot.profiles = vec![("x".into(), "z".into())];
     let error = figures(&[("a", &document)], &[], None, &[]).unwrap_err();
     assert!(matches!(error, FigureError::UnknownProfile(_)), "{error:?}");
-    assert!(error.to_string().contains("`z along x`"), "{error}");
+    assert!(one_line(&error).contains("`z along x`"), "{error}");
     document.plot.points = vec!["9".into()];
     let error = figures(&[("a", &document)], &[], None, &[]).unwrap_err();
     assert!(matches!(error, FigureError::UnknownPoint(_)), "{error:?}");

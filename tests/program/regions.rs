@@ -5,6 +5,7 @@ use crate::program::command::tangency;
 use std::path::Path;
 use std::process::Output;
 use tangency::core::continuation::Stretch;
+use tangency::core::failure::one_line;
 use tangency::core::system::Kind;
 use tangency::output::{
     Beside, COLUMN, Document, Figure, Series, Style, diagram, draw, example_branch,
@@ -77,7 +78,7 @@ fn exchanged_axes_exchange_the_sides() {
     let again = Document::parse(&document.to_ron().unwrap()).unwrap();
     assert_eq!(again, document);
     document.branches[0].stretches[0].points[1] = 99;
-    let error = document.to_ron().unwrap_err().to_string();
+    let error = one_line(&document.to_ron().unwrap_err());
     assert!(error.contains("stretch 0: points"), "{error}");
 }
 

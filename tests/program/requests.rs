@@ -5,6 +5,7 @@ use std::fmt::Write;
 use std::io::Read;
 use std::process::Output;
 use tangency::core::continuation::Branch;
+use tangency::core::failure::one_line;
 use tangency::core::system::Kind;
 use tangency::output::{Document, Origin, Sweeps, compare, diagram};
 use tempfile::{TempDir, tempdir};
@@ -353,7 +354,7 @@ fn equilibria_and_orbits_share_the_axis_of_a_state() {
 fn labels_are_stated_once() {
     let text = "Scene(title: \"t\", problem: Equations(states: [(\"x\", \"a - x\")]), parameters: [(\"a\", 1)],
         plot: (labels: [(\"x\", \"one\"), (\"x\", \"two\")]), runs: [(name: \"r\", along: [(name: \"a\", low: 0, high: 1)])])";
-    let error = tangency::scene::Scene::parse(text).unwrap_err().to_string();
+    let error = one_line(&tangency::scene::Scene::parse(text).unwrap_err());
     assert!(error.contains("column of a label `x`"), "{error}");
 }
 

@@ -5,6 +5,7 @@ use crate::common::random::Random;
 use crate::program::scenarios::{built_in, traced, with};
 use std::collections::BTreeMap;
 use tangency::core::continuation::{Branch, SpecialPoint};
+use tangency::core::failure::one_line;
 use tangency::core::system::Kind;
 use tangency::output::Document;
 use tangency::scene::{
@@ -62,7 +63,7 @@ fn a_start_point_has_the_values_of_its_branch() {
     assert!(changed.warnings().is_empty());
     close(fold(&changed.trace(&mut ()).document.branches[0]), -0.25, 1e-12);
     start.changed = vec!["a".into()];
-    let refused = other.resolve(Some(&start)).unwrap_err().to_string();
+    let refused = one_line(&other.resolve(Some(&start)).unwrap_err());
     assert!(refused.contains("varies along the branch"), "{refused}");
 }
 
@@ -78,7 +79,7 @@ fn values_are_checked_together() {
     }
     both.truncate(1);
     let request = Request { set: vec![value("max_step", "1e-9")], ..Request::default() };
-    let refused = built_in("bratu").requested(&request).unwrap_err().to_string();
+    let refused = one_line(&built_in("bratu").requested(&request).unwrap_err());
     assert!(refused.contains("at least `min_step`"), "{refused}");
 }
 
@@ -90,7 +91,7 @@ fn parameters_have_other_names_than_settings() {
             "Scene(title: \"t\", problem: Equations(states: [(\"x\", \"a - x + 0*{name}\")]), parameters: [(\"a\", 1), \
              (\"{name}\", 1)], runs: [(name: \"r\", along: [(name: \"a\", low: 0, high: 1)])])"
         );
-        let refused = Scene::parse(&text).unwrap_err().to_string();
+        let refused = one_line(&Scene::parse(&text).unwrap_err());
         assert!(
             refused.contains(&format!("a parameter and a setting have the same name, `{name}`")),
             "{refused}"
@@ -522,7 +523,7 @@ fn models_of_the_library_have_names() {
 #[test]
 fn settings_belong_to_the_runs_that_have_them() {
     let mut scene = built_in("impact-oscillator");
-    let refused = scene.set("intervals", "30").unwrap_err().to_string();
+    let refused = one_line(&scene.set("intervals", "30").unwrap_err());
     assert!(refused.contains("no effect where `method` is `shooting`"), "{refused}");
     scene.runs[0].set.push(("method".into(), "collocation".into()));
     scene.set("intervals", "30").unwrap();

@@ -184,7 +184,7 @@ fn events_that_come_late_are_waited_for() {
     let slow = || from([5e-5, 0.0]);
     let error = map().advance(&mut slow()).unwrap_err();
     assert!(matches!(error, StroboscopicError::Late { within: 10_000.0, .. }), "{error}");
-    assert!(error.to_string().contains("`ReturnMap::waiting`"), "{error}");
+    assert!(one_line(&error).contains("`ReturnMap::waiting`"), "{error}");
     let mut late = slow();
     map().waiting(30_000.0).advance(&mut late).unwrap();
     assert_eq!(late.state.x, [0.0]);

@@ -134,7 +134,7 @@ fn values_out_of_range_are_refused_when_they_are_set() {
         let scene = built_in("plate-supported");
         let mut changed = scene.clone();
         let error = changed.set(name, value).expect_err(&format!("{name} = {value}"));
-        let text = error.to_string();
+        let text = one_line(&error);
         assert!(text.contains(&format!("`{name}`")) && text.contains(value), "{text}");
         let kept = scene.value("gap_ratio") == changed.value("gap_ratio");
         assert!(kept && scene.problem == changed.problem, "{name} = {value} was taken");
@@ -171,7 +171,7 @@ fn values_out_of_range_are_refused_by_the_plate() {
     }
     let mut clamped = built_in("plate-clamped");
     clamped.set("model", "sine").unwrap();
-    let text = execute(&clamped, None, &mut ()).error.unwrap().to_string();
+    let text = one_line(&execute(&clamped, None, &mut ()).error.unwrap());
     assert!(text.contains("four supported edges") && text.contains("model=ritz"), "{text}");
 }
 
@@ -180,7 +180,7 @@ fn values_out_of_range_are_refused_by_the_plate() {
 fn what_the_scene_varies_is_not_set() {
     let error = built_in("plate-pull-in-gap").set("in_plane", "slide").unwrap_err();
     assert!(matches!(error, SceneError::Varied { .. }), "{error:?}");
-    assert!(error.to_string().contains("copy the scene to a file"), "{error}");
+    assert!(one_line(&error).contains("copy the scene to a file"), "{error}");
 }
 
 const SMALL: &str = "Scene(\n  title: \"t\",\n  problem: Plate(supports: \"SSSS\"),\n  \
@@ -290,13 +290,13 @@ fn restarts_reproduce_the_branch() {
         }
     }
     let start = StartPoint::new(branch.clone(), 99);
-    let said = execute(&scene, Some(&start), &mut ()).error.unwrap().to_string();
+    let said = one_line(&execute(&scene, Some(&start), &mut ()).error.unwrap());
     assert!(said.contains("no label 99"), "{said}");
     // Another discretisation has other unknowns.
     let mut other = scene.clone();
     other.set("orders", "(transverse: (4, 4), in_plane: (6, 6))").unwrap();
     let start = StartPoint::new(branch.clone(), fold.label);
-    let said = execute(&other, Some(&start), &mut ()).error.unwrap().to_string();
+    let said = one_line(&execute(&other, Some(&start), &mut ()).error.unwrap());
     assert!(said.contains("unknowns"), "{said}");
 }
 

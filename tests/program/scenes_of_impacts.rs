@@ -5,6 +5,7 @@ use crate::common::close;
 use crate::program::scenarios::{built_in, column, traced, with};
 use std::f64::consts::PI;
 use tangency::core::continuation::{Branch, End};
+use tangency::core::failure::one_line;
 use tangency::core::local_map::{Classification, Scenario};
 use tangency::core::ode::work;
 use tangency::core::system::Kind;
@@ -75,7 +76,7 @@ fn types_of_switching_follow_from_coefficients() {
         assert_eq!(side > 0.0, depth > 0.0, "{scene}");
         assert_eq!(growth > 0.0, scenario == Scenario::Jump, "{scene}");
         let refused = SwitchOn::of(impacting).unwrap_err();
-        assert!(refused.to_string().contains("`forward:rest stick:front`"), "{refused}");
+        assert!(one_line(&refused).contains("`forward:rest stick:front`"), "{refused}");
     }
 }
 

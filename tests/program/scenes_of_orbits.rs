@@ -174,13 +174,13 @@ fn discretisations_are_set_by_name() {
             SceneError::NoEffect { .. } if of_shooting => {
                 changed.set("method", "shooting").unwrap();
                 let error = changed.set(name, value).expect_err(&format!("{name} = {value}"));
-                assert!(error.to_string().contains(&format!("`{name}`")), "{error}");
+                assert!(one_line(&error).contains(&format!("`{name}`")), "{error}");
                 continue;
             }
             SceneError::Value { .. } | SceneError::Invalid { .. } => {}
             other => panic!("{other:?}"),
         }
-        assert!(error.to_string().contains(&format!("`{name}`")), "{error}");
+        assert!(one_line(&error).contains(&format!("`{name}`")), "{error}");
         assert!(changed == scene, "{name} = {value} was taken");
     }
     let misspelt = one_line(&built_in("bratu").set("metod", "shooting").unwrap_err());
@@ -209,7 +209,7 @@ fn discretisations_that_cannot_be_are_refused_with_a_reason() {
     let said = one_line(&execute(&scene, None, &mut ()).error.unwrap());
     assert!(said.contains("`y4`") && said.contains("did you mean `y1`"), "{said}");
     let scene = Scene::parse(&text.replace("kind: HB", "kind: LP")).unwrap();
-    let said = execute(&scene, None, &mut ()).error.unwrap().to_string();
+    let said = one_line(&execute(&scene, None, &mut ()).error.unwrap());
     assert!(said.contains("starts at LP number 1"), "{said}");
 }
 

@@ -103,7 +103,7 @@ fn constructs_are_refused_by_name_and_place() {
         let place = (error.place.line, error.place.column);
         assert_eq!(place, (Some(*line), *column), "{text}\n{error}");
         let unsupported = matches!(&error.fault, Fault::Unsupported { .. });
-        assert!(error.to_string().contains(words) && (unsupported || words.is_empty()), "{error}");
+        assert!(one_line(&error).contains(words) && (unsupported || words.is_empty()), "{error}");
     }
 }
 
