@@ -34,7 +34,7 @@ pub struct Plot {
     /// max_v, or period [default: the first document's choice]
     #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
     y: Vec<String>,
-    /// The part of the horizontal axis to show, in the numbers of the column; either end may be
+    /// The range of the horizontal axis to show, in the units of its column; either end may be
     /// omitted. It applies to panel a, or to the panel of --panel, and to further panels with the
     /// same axis
     #[arg(long, value_name = "LOW..HIGH", value_parser = ends, allow_hyphen_values = true)]

@@ -41,8 +41,8 @@ pub struct Trace {
     /// Compare the result with an earlier document, as `tangency compare` does
     #[arg(long, value_name = "FILE")]
     check: Option<PathBuf>,
-    /// Write the numbers of unstable directions on the two sides of curves in two parameters into
-    /// the picture
+    /// In the picture, label the two sides of each curve in two parameters with the number of
+    /// unstable directions
     #[arg(long)]
     regions: bool,
     /// Exit with code 3 if a special point has not converged, or a branch ends unexpectedly

@@ -272,8 +272,9 @@ impl<'s> Assembling<'s> {
                 Meaning::State(k) => Ok(Value::State(k as u32)),
                 Meaning::Parameter(k) => Ok(Value::Parameter(k as u32)),
                 Meaning::Time if self.at_ends => {
-                    let reason =
-                        "conditions have no time; the ends are at 0 and at `length`".into();
+                    let reason = "boundary conditions hold at the two ends, 0 and `length`, and \
+                                  cannot contain the time"
+                        .into();
                     Err(self.fault(origin, Fault::Misplaced { what: "`t`".into(), reason }))
                 }
                 Meaning::Time => Ok(Value::Time),
@@ -335,7 +336,8 @@ impl<'s> Assembling<'s> {
         }
     }
 
-    /// Returns the value of a state at an end. States at the end follow those at the beginning.
+    /// Returns the value of a state at an end. In the numbering of states, states at the end of the
+    /// interval come after states at the beginning.
     fn at_end(
         &self,
         name: &str,

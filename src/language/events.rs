@@ -212,7 +212,7 @@ fn when(source: &Source, guard: &statement::Guard, scope: &Scope) -> Result<When
             let unused = [!guard.accumulates_to.0.is_empty(), guard.changes_in.is_some()];
             if unused.contains(&true) {
                 let what = format!("`accumulates_to` or `changes_in` of `{name}`");
-                let reason = "the events of the guard have given times".into();
+                let reason = "the events of this guard occur at prescribed times".into();
                 return Err(source
                     .fault_of(&guard.name, Fault::Misplaced { what, reason })
                     .with_help("omit both fields"));

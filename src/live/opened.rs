@@ -7,7 +7,7 @@ use crate::scene::Range;
 /// The scene or model with which pages begin.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Opened {
-    /// The name on the command line: of a built-in scene, or a path.
+    /// What the command line names: a built-in scene, or the path of a file.
     pub place: String,
     /// The text and the request.
     pub setup: Setup,

@@ -72,7 +72,8 @@ pub struct Plot {
     /// directions on the two sides.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub regions: bool,
-    /// Parts of the diagram that are enlarged in separate panels, in the numbers of its axes.
+    /// Parts of the diagram that are enlarged in separate panels; their ranges are in the units of
+    /// the axes.
     pub enlargements: Vec<Enlargement>,
     /// Plots of special points of all branches against a setting in which the branches differ.
     pub against: Vec<Against>,

@@ -289,7 +289,9 @@ fn check_map<'a>(
     let place = format!("{place}, local");
     if named(earlier, &local.run)?.local.is_some() {
         let message = format!("{place}: `{}` is a run of a local map itself", shown(&local.run));
-        return Err(SceneError::invalid(message).with_help("name a run of the flow with a grazing"));
+        let help = "name a run that traces orbits of the flow and contains a grazing, not a run of \
+                    a local map";
+        return Err(SceneError::invalid(message).with_help(help));
     }
     if local.parameters.is_empty() {
         return Err(SceneError::invalid(format!("{place} names no parameters of the map")));

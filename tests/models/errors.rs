@@ -134,7 +134,7 @@ fn statements() {
         "Boundary(states: [(\"u\", \"v\"), (\"v\", \"-u\")], conditions: [\"»u(0)«\"])",
         "give 2: one for each state (2) and one for each unknown (0)",
     );
-    says("Boundary(states: [(\"u\", \"1\")], conditions: [\"»t«\"])", "conditions have no time");
+    says("Boundary(states: [(\"u\", \"1\")], conditions: [\"»t«\"])", "cannot contain the time");
     says(
         "Boundary(states: [(\"u\", \"1\")], definitions: [(\"d\", \"»u« + 1\")], conditions: [\"d\"])",
         "expected `u(0)` at the beginning or `u(1)` at the end",

@@ -30,7 +30,8 @@ fn ritz(line: &str, transverse: usize, in_plane: usize) -> Method {
 }
 
 fn reference() -> Method {
-    ritz("the full model with transverse and in-plane functions", 14, 20)
+    let line = "the full model with 14 transverse and 20 in-plane functions";
+    plate(line, String::new(), &[("orders", "(transverse: (14, 14), in_plane: (20, 20))")])
 }
 
 /// Plans the models of the plate.

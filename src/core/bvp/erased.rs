@@ -53,7 +53,7 @@ pub trait Residual<T: Scalar> {
     fn integrand_in(&self, _segment: usize, _t: T, _x: &[T], _q: &[T], _g: &mut [T]) {}
 }
 
-/// The scalars along segments in one number type.
+/// Evaluates the watched scalars along segments, for the number type `T`.
 pub trait Watches<T> {
     /// Computes a scalar at time `t` from the start of its segment.
     fn watch_in(&self, watched: Watched, t: T, x: &[T], q: &[T]) -> T;

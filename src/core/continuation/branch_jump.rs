@@ -28,9 +28,11 @@ pub(super) struct Near {
 /// found.
 ///
 /// The defining system of branch points unfolds the problem, `F + β b = 0`. If `β ≠ 0` at its
-/// solution, the branches turn away from each other instead of crossing. For a curve point at a
-/// distance `s` whose linearised equations are solved at a distance `d`, their separation is `2 √(d
-/// s)`, as `u v = d s` at the bend.
+/// solution, the branches turn away from each other instead of crossing. Let `s` be the distance of
+/// the solution from a point of the curve along the tangent of this point, and `d` the size of
+/// Newton's correction of the solution with the equations linearised at this point. Near the
+/// solution the branches are close to the hyperbola `u v = d s`, where `u` and `v` are the
+/// coordinates along its asymptotes, so their separation is `2 √(d s)`.
 pub(super) fn branch_point_near(
     curve: &mut Curve,
     from: &CurvePoint,

@@ -347,9 +347,9 @@ impl<'a> Continuation<'a> {
     /// frequency.
     ///
     /// Curves of torus points also start at resonances 1:1 and 1:2, and curves of folds of doubled
-    /// orbits at a generalised period doubling. At a resonance 1:2 with a negative coefficient
-    /// `r2_a`, the torus points of doubled orbits are selected by
-    /// [`switch_to(1)`](Self::switch_to), or if the resonance lies on a curve of torus points.
+    /// orbits at a generalised period doubling. At a 1:2 resonance with a negative coefficient
+    /// `r2_a`, [`switch_to(1)`](Self::switch_to) selects the torus points of doubled orbits, which
+    /// are also selected, without this call, if the resonance lies on a curve of torus points.
     pub fn hold(mut self, kind: Kind) -> Self {
         self.held.push((kind, None));
         self

@@ -178,7 +178,7 @@ pub enum End {
     #[error("interrupted")]
     Interrupted,
     /// The branch was only traced in the other direction.
-    #[error("the start; this direction was not requested")]
+    #[error("the start of the branch: this direction was not requested")]
     Start,
 }
 

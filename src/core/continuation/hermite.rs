@@ -12,8 +12,8 @@ pub(super) struct Knot<'a> {
     pub speed: f64,
 }
 
-/// (H) The maximal number of knots: a polynomial of degree 5. Higher degrees gain little, and
-/// amplify the errors of corrected points.
+/// (H) The maximum number of knots. Three knots with their slopes give a polynomial of degree 5.
+/// Higher degrees gain little, and amplify the errors of corrected points.
 pub(super) const MOST_KNOTS: usize = 3;
 
 /// Evaluates the polynomial of degree `2k − 1` through `k` knots with their slopes `dX/du`, at `u`.

@@ -15,7 +15,8 @@ use crate::core::system::Kind;
 /// except for mesh errors, and errors near a codimension-two point.
 const OBLIQUE: f64 = 0.05;
 
-/// The stretches of one half of a curve, during the trace.
+/// The stretches (parts between special points) of one half of a curve in two parameters, collected
+/// while the curve is traced.
 #[derive(Default)]
 pub(super) struct Stretches {
     /// The completed stretches, with positions counted from the start of the curve, which is 0.

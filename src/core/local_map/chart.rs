@@ -135,7 +135,8 @@ where
         place
     }
 
-    /// Returns a point as a moment, with the parameters.
+    /// Returns a place as a [`Moment`]: the system, mode, time and state, together with the
+    /// parameters.
     pub fn at<'m>(&'m self, Place { mode, t, x }: &'m Place<Jet<C>>) -> Moment<'m, Jet<C>> {
         Moment { system: self.source.system, mode: *mode, t: *t, x, p: &self.p }
     }

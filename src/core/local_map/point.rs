@@ -105,7 +105,9 @@ impl GrazingPoint {
             format!("the point has {p} parameters, but the system has {parameters}")
         })?;
         let first = self.legs.first().map(|(leg, _)| leg.mode);
-        fits(first == Some(self.mode), &|| "the first leg of the orbit is in another mode".into())
+        fits(first == Some(self.mode), &|| {
+            "the first leg of the orbit is not in the mode of the point".into()
+        })
     }
 }
 

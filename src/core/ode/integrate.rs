@@ -90,8 +90,8 @@ impl<T: Scalar> Flow<T> {
 
     /// Additionally controls steps by this size of numbers, at ten times the tolerances, if all
     /// states are small (compared with the ratio of the absolute to the relative tolerance). Near an
-    /// equilibrium at zero, real parts carry no information about derivatives, but the size of the
-    /// derivatives does.
+    /// equilibrium at `x = 0`, the real parts of dual numbers are almost zero and cannot control the
+    /// error of the derivatives, so the size of the derivatives is used.
     pub(in crate::core) fn measure_at_rest_by(&mut self, size: Size<T>) {
         self.size_at_rest = Some(size);
     }

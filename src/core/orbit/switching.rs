@@ -95,8 +95,8 @@ impl Itineraries<ErasedProblem> for OrbitItineraries {
         Some(start.into_iter().chain(durations).collect())
     }
 
-    /// The limits have the scales of the guards, of the guards' rates, of decisions or of time.
-    /// Guards are evaluated with states at half their scales.
+    /// Returns the limits; each is relative to the scale of the guards, of their rates, of the
+    /// decisions, or of time. Guards are evaluated with states at half their scales.
     fn limits(&self, p: &[f64]) -> Vec<Limit> {
         let (system, time) = (self.legs.system(), time_scale(self.legs.system(), p));
         let of_guards = |mode: usize| {

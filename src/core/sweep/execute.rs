@@ -102,8 +102,8 @@ pub fn execute(
 /// (H) The minimal number of strands whose runs are simulated in parallel lanes: fewer leave too
 /// many lanes empty.
 const LEAST_ABREAST: usize = 4;
-/// (H) The maximal number of strands in a batch, since unfinished runs are lost if a sweep is
-/// interrupted.
+/// (H) The maximum number of strands (chains of dependent runs) in a batch: an interruption loses
+/// the unfinished runs of a batch.
 const MOST_ABREAST: usize = 64;
 
 /// Returns the batch size for a division into as many batches as threads, or several times as many.

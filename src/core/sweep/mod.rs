@@ -1,4 +1,5 @@
-//! Sweeps parameters: computes the attractors of motions over parameters and starts, on all cores.
+//! Parameter sweeps: computes the attractor for each combination of parameter values and initial
+//! states, on all cores.
 //!
 //! A [`Plan`] lists **runs**: one for each start and each point of a grid over parameters, or over
 //! initial states. Each run is followed until its attractor is known

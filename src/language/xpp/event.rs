@@ -94,8 +94,8 @@ fn tried_out(source: &Source, place: &Phrase, goes_on: bool) -> String {
     let line = source.line_of(place).unwrap_or_default();
     let result = match goes_on {
         true => {
-            "motion continues in at least one of these states, so each side of the condition has its \
-                 own mode"
+            "motion continues beyond the condition in at least one of the tested states, so each side of \
+                 the condition has its own mode"
         }
         false => {
             "motion continues in none of these states, so the two sides of the condition share one mode"

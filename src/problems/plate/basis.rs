@@ -141,10 +141,10 @@ impl Basis {
     }
 
     /// Replaces the functions by the modes of a beam with the same ends, which span the same space:
-    /// `⟨F_i F_k⟩` and `⟨F_i" F_k"⟩` are both diagonal. In products of such functions the stiffness
-    /// of a plate is nearly diagonal, and the eigenvalues of the scaled matrix are meaningful for
-    /// the plate. (In the polynomials its condition number is 1e6 with ten functions, and inverse
-    /// iteration yields noise.)
+    /// `⟨F_i F_k⟩` and `⟨F_i" F_k"⟩` are both diagonal. In a basis of products of these functions,
+    /// the stiffness matrix of a plate is nearly diagonal, so the eigenvalues of the scaled matrix
+    /// characterise the plate. (In the basis of polynomials, the condition number of the matrix is
+    /// 1e6 with ten functions, and inverse iteration yields noise.)
     ///
     /// The first function is the lowest mode; all are positive next to `ξ = 1`. If the eigenproblem
     /// has no solution (because values are not finite), the basis is unchanged.

@@ -38,7 +38,7 @@ pub enum PlateError {
         in_plane: &'static str,
     },
     /// The number of functions or modes is out of range.
-    #[error("{count} {what} are outside the range {least} to {most}")]
+    #[error("the number of {what} is {count}, but must be between {least} and {most}")]
     #[diagnostic(help("choose a number in the range, or another model of the plate"))]
     Count {
         /// The counted quantity.

@@ -155,7 +155,7 @@ fn conditions_that_are_tried_out_are_named() {
     assert!(tried[0].starts_with(begin), "{}", tried[0]);
     let (count, tried) = modes("x'=v\nv'=-x\nglobal 1 {x^2-.25} {v=v/2}\n");
     assert_eq!((count, tried.len()), (2, 1));
-    assert!(tried[0].contains("motion continues in at least one"), "{}", tried[0]);
+    assert!(tried[0].contains("in at least one of the tested states"), "{}", tried[0]);
 }
 
 #[test]

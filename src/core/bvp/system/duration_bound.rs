@@ -19,7 +19,8 @@ impl Default for DurationBound {
 }
 
 impl DurationBound {
-    /// The bound after a solution with these numbers of all segments.
+    /// Returns the bound on durations that follows from the last solution; `numbers` holds the
+    /// numbers of all its segments.
     pub fn behind(equations: &DiscretisedProblem, numbers: &[f64]) -> Self {
         let whole = equations.duration(numbers, |_| true).abs();
         if whole > 0.0 { DurationBound(ASTRAY * whole) } else { DurationBound::default() }

@@ -9,7 +9,8 @@ use crate::core::failure::Failure;
 use crate::core::linalg::{Border, CondensedLu, Factors, Form, RotatedLu};
 use std::sync::Arc;
 
-/// Factors a form of the assembled linearisation. The pencil for Floquet multipliers is kept.
+/// Factorises the assembled linearisation in the form given by `form`. The pencil for Floquet
+/// multipliers is kept.
 pub(super) fn factor(
     (equations, assembled): (&DiscretisedProblem, &AssembledJacobian),
     floquet: &mut Floquet,

@@ -99,8 +99,8 @@ pub enum NewtonError {
     /// A cycle shrank to an equilibrium, which solves the equations with any period, in one step of
     /// this length.
     #[error(
-        "the cycle shrinks to an equilibrium in a step of {0:.1e}: nearby cycles are too sensitive to be \
-         distinguished from the equilibrium"
+        "the cycle shrinks to an equilibrium in a step of {0:.1e}: errors of rounding and discretisation \
+         are too large to distinguish nearby cycles from the equilibrium"
     )]
     #[diagnostic(help("take more `intervals`, or collocation"))]
     Shrunk(f64),
