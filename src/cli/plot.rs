@@ -71,7 +71,7 @@ pub struct Plot {
     out: Option<PathBuf>,
 }
 
-/// The ends of an axis, of which either may be missing.
+/// The ends of an axis; either may be missing.
 #[derive(Clone, Copy, Debug)]
 struct Ends([Option<f64>; 2]);
 
