@@ -4,6 +4,7 @@ use super::traced;
 use crate::common::{close, only};
 use std::f64::consts::{PI, TAU};
 use tangency::core::continuation::{Branch, SpecialPoint};
+use tangency::core::failure::one_line;
 use tangency::core::system::Kind;
 use tangency::scene::{Scene, execute};
 
@@ -290,7 +291,7 @@ fn jumping_guards_are_named() {
 /// Why a scene cannot be traced.
 fn refusal(text: &str) -> String {
     let outcome = execute(&Scene::parse(text).unwrap(), None, &mut ());
-    outcome.error.expect("a refusal").to_string()
+    one_line(&outcome.error.expect("a refusal"))
 }
 
 /// A damped oscillator beside a wall rests in the end, however long it is followed.

@@ -22,9 +22,9 @@ fn refusal(problem: &str) -> String {
     let text = format!("Scene(title: \"rest\", problem: {problem}, runs: [{run}])");
     let outcome = match Scene::parse(&text) {
         Ok(scene) => execute(&scene, None, &mut ()),
-        Err(error) => return error.to_string(),
+        Err(error) => return one_line(&error),
     };
-    outcome.error.expect("a refusal").to_string()
+    one_line(&outcome.error.expect("a refusal"))
 }
 
 fn value(branch: &Branch, point: &SpecialPoint, name: &str) -> f64 {

@@ -82,7 +82,7 @@ fn impacts_without_rebound_are_refused_by_name() {
         accumulates_to: "rest""#;
     let error = one_line(&run(rebounds).error.expect("no rebound"));
     for part in
-        ["flight:impact accumulate at the first one", "restitution of 0", "`next: \"rest\"`"]
+        ["flight:impact accumulate at the first event", "restitution of 0", "`next: \"rest\"`"]
     {
         assert!(error.contains(part), "{error}");
     }
@@ -109,7 +109,7 @@ fn a_restitution_that_falls_to_zero_ends_a_branch_by_name() {
         assert!(first < 0.02 && last == 0.5, "{first} {last}");
         let end = branch.ends[0].to_string();
         for part in
-            ["flight:impact accumulate at the first one", "restitution of 0", "`next: \"rest\"`"]
+            ["flight:impact accumulate at the first event", "restitution of 0", "`next: \"rest\"`"]
         {
             assert!(end.contains(part), "{end}");
         }

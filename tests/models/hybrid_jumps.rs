@@ -4,6 +4,7 @@ use super::hybrid_findings::CELLS;
 use super::traced;
 use crate::common::close;
 use tangency::core::continuation::{Branch, End};
+use tangency::core::failure::one_line;
 use tangency::core::system::Kind;
 use tangency::scene::{Scene, execute};
 
@@ -11,7 +12,7 @@ use tangency::scene::{Scene, execute};
 fn refused(problem: &str, runs: &str) -> String {
     let scene = Scene::parse(&format!("Scene(title: \"t\", problem: {problem}, runs: [{runs}])"));
     let outcome = execute(&scene.unwrap(), None, &mut ());
-    outcome.error.expect("an error").to_string()
+    one_line(&outcome.error.expect("an error"))
 }
 
 fn branches(problem: &str, runs: &str) -> Vec<Branch> {

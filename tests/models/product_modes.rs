@@ -2,6 +2,7 @@
 
 use crate::common::close;
 use tangency::core::continuation::Branch;
+use tangency::core::failure::one_line;
 use tangency::scene::{Scene, execute};
 
 fn traced(model: &str) -> Vec<Branch> {
@@ -133,7 +134,7 @@ fn combinations_are_those_that_are_written_out() {
 
 fn refusal(model: &str) -> String {
     let run = "runs: [(name: \"r\", start: Simulated(transient: 1), along: [(name: \"A\", low: 0, high: 1)])]";
-    Scene::parse(&format!("Scene(title: \"t\", problem: {model}, {run})")).unwrap_err().to_string()
+    one_line(&Scene::parse(&format!("Scene(title: \"t\", problem: {model}, {run})")).unwrap_err())
 }
 
 #[test]

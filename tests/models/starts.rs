@@ -95,7 +95,7 @@ fn tables_that_are_no_profiles_are_refused() {
     let of = |table: &str| {
         let scene = with_table("refused", BRATU, table);
         let error = scene.map(|scene| execute(&scene, None, &mut ()).error.unwrap());
-        error.unwrap_or_else(|error| error).to_string()
+        one_line(&error.unwrap_or_else(|error| error))
     };
     let cases = [
         ("", "the file is empty"),

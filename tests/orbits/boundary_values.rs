@@ -11,6 +11,7 @@ use tangency::core::bvp::{
     Shape, reduced_pencil,
 };
 use tangency::core::continuation::{Continuation, Settings};
+use tangency::core::failure::one_line;
 use tangency::core::linalg::{Border, Factors, Form};
 use tangency::core::scalar::Scalar;
 use tangency::core::system::{Functional, Kind, System};
@@ -204,7 +205,7 @@ fn sizes_are_checked() {
     let wrong = |phase, integrals, segments, monitor| Wrong { phase, integrals, segments, monitor };
     let refused = |problem: Wrong| {
         let meshes = vec![uniform.clone(); problem.segments];
-        BoundarySystem::new(problem, collocation(), meshes).err().unwrap().to_string()
+        one_line(&BoundarySystem::new(problem, collocation(), meshes).err().unwrap())
     };
     let many = "there are 2 integral and phase conditions, but only 1 unknowns (states and extra unknowns)";
     assert!(refused(wrong(true, 1, 1, 0)).contains(many));

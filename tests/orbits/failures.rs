@@ -219,7 +219,7 @@ fn bad_input_is_refused() {
             .along("alpha", 0.4..=1.6)
             .settings(Settings { max_points: 3, ..Settings::default() })
             .trace();
-        outcome.map(|_| ()).unwrap_err().to_string()
+        one_line(&outcome.map(|_| ()).unwrap_err())
     };
     let text = restart(&mut collocated(Lure, 10), &rest, Kind::EP);
     assert!(text.contains("is not on the imaginary axis") && text.contains("HB"), "{text}");
@@ -233,7 +233,7 @@ fn bad_input_is_refused() {
         let branch = Branch { parameters: Vec::new(), ..orbits.clone() };
         let outcome =
             Continuation::new(system).restart(&branch, 1).along(parameter, -1.0..=1.0).trace();
-        outcome.map(|_| ()).unwrap_err().to_string()
+        one_line(&outcome.map(|_| ()).unwrap_err())
     };
     let text = start(&mut collocated(VanDerPol, 10), "mu");
     assert!(text.contains("another problem"), "{text}");
@@ -258,7 +258,7 @@ fn bad_input_is_refused() {
         (special.state, special.mesh) = (state.to_vec(), mesh.to_vec());
         let mut system = collocated(Lure, 10);
         let start = Continuation::new(&mut system).restart(&branch, doubling).switch();
-        start.along("alpha", 0.4..=1.6).trace().map(|_| ()).unwrap_err().to_string()
+        one_line(&start.along("alpha", 0.4..=1.6).trace().map(|_| ()).unwrap_err())
     };
     let saved = orbits.labelled(doubling).unwrap();
     for (state, mesh) in [(&[][..], &[][..]), (&[0.5], &[]), (&[0.5], &saved.mesh)] {

@@ -3,6 +3,7 @@
 
 use crate::program::scenarios::built_in;
 use tangency::core::continuation::{Branch, SpecialPoint};
+use tangency::core::failure::one_line;
 use tangency::core::system::Kind;
 use tangency::output::Chosen;
 use tangency::scene::{Scene, SceneError, execute};
@@ -258,7 +259,7 @@ fn accuracies_without_a_meaning_are_refused() {
         let mut changed = scene.clone();
         let error = changed.set("accuracy", value).unwrap_err();
         assert_eq!(&changed, scene);
-        error.to_string()
+        one_line(&error)
     };
     let plate = Scene::parse(PLATE).unwrap();
     for value in ["0", "1", "1e-13", "NaN", "-1e-3"] {

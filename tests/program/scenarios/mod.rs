@@ -3,6 +3,7 @@
 use proptest::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::{Arc, LazyLock, Mutex, OnceLock};
+use tangency::core::failure::one_line;
 use tangency::core::system::Kind;
 use tangency::output::Document;
 use tangency::scene::{BUILT_IN, Scene, execute};
@@ -40,7 +41,7 @@ pub fn traced(scene: &Scene) -> Document {
 
 /// What is said of a text that is no scene.
 pub fn refusal(text: &str) -> String {
-    Scene::parse(text).expect_err("refused").to_string()
+    one_line(&Scene::parse(text).expect_err("refused"))
 }
 
 /// The special points of a kind on a branch: the values of a column, in the order of the branch.
