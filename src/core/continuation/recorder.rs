@@ -65,8 +65,10 @@ impl Recorder {
             [kind] => row(kind).map(|row| row.kind),
             _ => None,
         };
-        // On curves of branch points, no other event is detected.
+        // On curves of branch points, no other event is detected; on curves of planar cycles, no
+        // other multiplier can become critical. The counts of the regions next to the curve are known there, too.
         let counts = dividing == Some(Kind::BP)
+            || dividing.is_some() && settings.detect.is_empty()
             || events.iter().any(|event| event.test.needs() == Needs::Eigenvalues);
         let (solutions, critical) = (held.is_empty(), critical.collect());
         Recorder { attached, solutions, stability, eigenvalues, critical, dividing, counts }
