@@ -2,8 +2,9 @@
 //! consistent with theory.
 
 use super::traced;
-use crate::common::{close, first};
-use tangency::core::continuation::{Branch, End};
+use crate::common::{close, first, values};
+use tangency::core::continuation::{Branch, End, Number};
+use tangency::output::example_branch;
 use tangency::prelude::*;
 
 /// The cycles from the second Hopf point of the model of J. L. Hindmarsh and R. M. Rose, with
@@ -73,12 +74,10 @@ fn doubled_orbits_of_doubled_orbits_begin_on_the_default_mesh() {
     );
     let branches = traced(&text);
     for (branch, doubling) in branches.iter().zip([5.379_419_82, 5.471_228_17, 5.491_719_52]) {
-        let found = branch.of_kind(Kind::PD).next().expect("a period doubling");
-        close(found.parameters[0], doubling, 1e-7);
+        close(values(branch, Kind::PD, "c")[0], doubling, 1e-7);
     }
     // The start has the refined value of the doubling, too.
-    let start = branches[2].of_kind(Kind::EP).next().expect("a start");
-    close(start.parameters[0], 5.471_228_17, 1e-7);
+    close(values(&branches[2], Kind::EP, "c")[0], 5.471_228_17, 1e-7);
 }
 
 vector_field! {
@@ -149,4 +148,18 @@ fn each_branch_point_of_a_row_has_its_normal_form() {
         let c = point.number("pitchfork_c").expect("a coefficient");
         close(c.value, -1.5 * point.parameters[0] / 20.0, 1e-9 * point.parameters[0]);
     }
+}
+
+/// Tables leave a number empty whose error exceeds its value.
+#[test]
+fn numbers_without_a_certain_digit_are_not_in_tables() {
+    let cell = |error: f64| {
+        let mut branch = example_branch();
+        branch.special[2].numbers = vec![Number { name: "fold_b".into(), value: 6.7e10, error }];
+        let table = csv(&[branch]);
+        let rows: Vec<Vec<&str>> = table.lines().map(|line| line.split(',').collect()).collect();
+        let column = rows[0].iter().position(|title| *title == "fold_b").expect("the column");
+        rows[3][column].to_string()
+    };
+    assert_eq!((cell(1e9), cell(3e11)), ("67000000000".into(), String::new()));
 }
