@@ -7,7 +7,6 @@ use super::end::End;
 use super::settings::Settings;
 use crate::core::bifurcation::At;
 use crate::core::system::{Approach, HOMOCLINIC_RATES, Traits};
-use std::collections::VecDeque;
 
 /// (H) A branch ends after this number of consecutive points whose mesh is too coarse; mesh
 /// adaptation may lag behind the solution for a few steps.
@@ -44,14 +43,6 @@ const WEAK: f64 = 1e-3;
 /// reported as the reason.
 const WEAK_AT_FAILURE: f64 = 0.05;
 
-/// (H) A leading eigenvalue this small also ends the branch if the parameters have changed by less
-/// than [`AT_REST`] over this number of points: they have converged, while the eigenvalue approaches
-/// zero only as the square root of the distance.
-const CREEPS: usize = 50;
-
-/// (D) The change of the parameters, in units of their scales, while a branch creeps.
-const AT_REST: f64 = 1e-5;
-
 /// The state of the checks for an early end along a half of a branch.
 #[derive(Default)]
 pub(super) struct EarlyEnd {
@@ -70,8 +61,6 @@ pub(super) struct EarlyEnd {
     /// For each leading eigenvalue of the saddles of homoclinic orbits, the largest and the last
     /// value.
     rates: [[f64; 2]; 2],
-    /// The change of the parameters in each of the last steps.
-    changes: VecDeque<f64>,
     /// Whether the states of a segment have become small.
     pub small: bool,
 }
@@ -105,9 +94,7 @@ impl EarlyEnd {
             return Some(End::MeshTooCoarse { error, limit });
         }
         self.note_rates(&system.names().monitors, &place.point.monitors);
-        let weak =
-            if self.creeps(changed(corrector, place, before)) { WEAK_AT_FAILURE } else { WEAK };
-        if let Some(end) = self.weak_saddle(weak) {
+        if let Some(end) = self.weak_saddle(WEAK) {
             return Some(end);
         }
         // The period of a forcing depends on parameters only.
@@ -130,17 +117,6 @@ impl EarlyEnd {
             return Some(End::LongPeriod { period, shortest });
         }
         Some(End::Homoclinic { period, distance: distance? })
-    }
-
-    /// Whether the parameters have hardly changed over many points, including a step with this
-    /// change.
-    fn creeps(&mut self, change: f64) -> bool {
-        self.changes.push_back(change);
-        if self.changes.len() <= CREEPS {
-            return false;
-        }
-        self.changes.pop_front();
-        self.changes.iter().sum::<f64>() <= AT_REST
     }
 
     /// Records the leading eigenvalues of the equilibrium of a homoclinic orbit.

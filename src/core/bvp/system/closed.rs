@@ -59,20 +59,9 @@ impl Solutions {
     /// The amplitude of a cycle in single shooting, from its motion at the start: both nodes have
     /// the same state. The phase condition keeps the start on a line through the equilibrium.
     fn amplitude_of_motion(&self, x: &[f64]) -> f64 {
-        let [own, reference] = [x, &self.phase.reference].map(|x| self.first_motion(x));
+        let [own, reference] = [x, &self.phase.reference].map(|x| first_motion(&self.equations, x));
         let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum();
         signed([product(&own, &reference), product(&reference, &reference), product(&own, &own)])
-    }
-
-    /// The motion at the start of the first segment.
-    fn first_motion(&self, x: &[f64]) -> Vec<f64> {
-        let (layout, s) = (&self.equations.layout, &self.equations.layout.segments[0]);
-        let start: Vec<f64> = (0..s.states).map(|i| x[s.values + i * s.nodes]).collect();
-        let q: Vec<f64> = (0..layout.numbers()).map(|k| x[layout.number(k)]).collect();
-        let mut motion = vec![0.0; s.states];
-        let field = f64::residual(&*self.equations.problem).on_segment(0, &q);
-        field.slope(0.0, &start, &q, &mut motion);
-        motion
     }
 
     /// The period; `None` if a forcing prescribes it.
@@ -113,6 +102,17 @@ impl Solutions {
         }
         Ok(images)
     }
+}
+
+/// The motion at the start of the first segment.
+fn first_motion(equations: &DiscretisedProblem, x: &[f64]) -> Vec<f64> {
+    let (layout, s) = (&equations.layout, &equations.layout.segments[0]);
+    let start: Vec<f64> = (0..s.states).map(|i| x[s.values + i * s.nodes]).collect();
+    let q: Vec<f64> = (0..layout.numbers()).map(|k| x[layout.number(k)]).collect();
+    let mut motion = vec![0.0; s.states];
+    let field = f64::residual(&*equations.problem).on_segment(0, &q);
+    field.slope(0.0, &start, &q, &mut motion);
+    motion
 }
 
 /// The amplitude of an oscillation relative to another one, from their inner product, the square of
