@@ -338,6 +338,11 @@ impl Start {
             .map_err(|cause| CommandError::Start { file: self.file.clone(), cause })?;
         let changed = set.iter().map(|(name, _)| name.clone()).collect();
         let switch = request.switch.is_some();
+        if switch && request.hold.is_some() {
+            return Err(CommandError::NotTogether(
+                "--switch if --hold is given: trace the curve first",
+            ));
+        }
         if switch && !request.following(false).is_some_and(|it| it.kinds.contains(&special.kind)) {
             let (label, kind) = (self.label, special.kind);
             return Err(CommandError::OtherKind { file: self.file.clone(), label, kind });

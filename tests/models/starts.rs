@@ -104,7 +104,7 @@ fn tables_that_are_no_profiles_are_refused() {
         ("t u\n0 0\n1", "line 3 has 1 numbers for 2 columns"),
         ("t u\n0 0", "the profile has 2 columns and 1 rows"),
         ("t u\n0 0\n1 inf", "must have a finite number for each column"),
-        ("t u\n0 0\n0 1", "times must increase from row to row"),
+        ("t u\n0 0\n0 1", "but times must increase"),
         ("t w\n0 0\n1 1", "unknown state `w`"),
     ];
     for (table, expected) in cases {

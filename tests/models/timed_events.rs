@@ -14,8 +14,8 @@ use tangency::scene::{Scene, execute, sweep};
 /// The only error of a scene, when it is read or when it is traced.
 fn refusal(text: &str) -> String {
     match Scene::parse(text) {
-        Err(error) => error.to_string(),
-        Ok(scene) => execute(&scene, None, &mut ()).error.expect("an error").to_string(),
+        Err(error) => one_line(&error),
+        Ok(scene) => one_line(&execute(&scene, None, &mut ()).error.expect("an error")),
     }
 }
 
@@ -44,7 +44,11 @@ fn doses_at_given_times_peak_as_they_must() {
                  along: [(name: \"k\", low: 0.5, high: 2)])])"
         );
         if doses_in_period == 0 {
-            assert!(refusal(&text).contains("it must grow by the period"), "{}", refusal(&text));
+            assert!(
+                refusal(&text).contains("the time must grow by the period"),
+                "{}",
+                refusal(&text)
+            );
             continue;
         }
         let branch = &traced(&text)[0];
@@ -159,9 +163,9 @@ fn times_that_do_not_repeat_with_the_period_are_refused() {
     assert!(of("n", "").contains("state the period"), "{}", of("n", ""));
     assert!(of("n*S", period).contains("not states or time"), "{}", of("n*S", period));
     assert!(of("n*t", period).contains("not states or time"), "{}", of("n*t", period));
-    assert!(of("n^2*tau", period).contains("it must grow by the period"));
+    assert!(of("n^2*tau", period).contains("the time must grow by the period"));
     // Equal for the default, `tau = 0.7`, only.
-    assert!(of("0.7*n", period).contains("it must grow by the period"));
+    assert!(of("0.7*n", period).contains("the time must grow by the period"));
     let both = doses("n", ", period: \"1\"").replace("at:", "function: \"S\", at:");
     let both = refusal(&format!("Scene(title: \"t\", problem: {both}, {run})"));
     assert!(both.contains("it already has a `function`"), "{both}");

@@ -164,7 +164,10 @@ fn a_tolerance_chooses_the_mesh() {
     let z = system.sampled(&[], |_, tau, x| x[0] = tau);
     let x = solved(&mut system, &z, &[0.05]).unwrap();
     let refused = system.with_error(&x, 1e-14).err().unwrap().to_string();
-    assert!(refused.contains("intervals on segment 0, but at most 4096 are allowed"), "{refused}");
+    assert!(
+        refused.contains("intervals on segment 0, but at most 4096 intervals are allowed"),
+        "{refused}"
+    );
 }
 
 /// Directions and the phase reference are carried over with the solution: a tangent remains one.

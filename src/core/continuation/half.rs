@@ -8,7 +8,8 @@ use super::curve_point::CurvePoint;
 use super::early_end::EarlyEnd;
 use super::end::End;
 use super::predictor::Predictor;
-use super::progress::Progress;
+use super::progress::{Crawl, Progress};
+use super::settings::Settings;
 use super::slopes::Slopes;
 use super::snaking::Snaking;
 use super::step_control::Step;
@@ -85,6 +86,30 @@ impl Half {
         let position = arclength(&corrector.norm, self.last.on_curve(), place.on_curve());
         let columns = corrector.slopes(place.on_curve(), place.point.monitors.len());
         Slopes { position, columns }.placed(self.position, self.growth)
+    }
+
+    /// Returns the end of the half at a successful step without a terminal event, if any, and
+    /// otherwise whether the branch crawls; `snakes` is whether snaking ends the half.
+    pub fn early_end(
+        &mut self,
+        corrector: &mut Corrector,
+        settings: &Settings,
+        step: &Step,
+        snakes: bool,
+    ) -> (Option<End>, Option<Crawl>) {
+        let end = self.early_end.reached(corrector, settings, &step.place, &self.last);
+        if matches!(end, Some(End::Homoclinic { .. })) {
+            self.drop_noise();
+        }
+        let lengths = (step.length, settings.max_step);
+        let (end, crawl) = match end {
+            None => self.progress.end(corrector, &step.place, lengths),
+            end => (end, None),
+        };
+        if !snakes {
+            return (end, crawl);
+        }
+        (end.or_else(|| self.snaking.reached(corrector, step.since(&self.last))), crawl)
     }
 
     /// Accepts a step; the continued parameter has these slopes at the start and at the end of the

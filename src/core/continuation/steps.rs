@@ -493,8 +493,16 @@ impl Steps<'_> {
             self.record_end(half, at);
             return Some(end);
         }
-        let end = self.early_end(half, &step);
-        let corrector = &mut self.curve.corrector;
+        let Curve { corrector, detector, recorder, .. } = &mut self.curve;
+        // A branch is followed up to a bound of the period.
+        let snakes = recorder.solutions && !self.bounds.are_on(PERIOD, &detector.events);
+        let was_small = half.early_end.small;
+        let (end, crawl) = half.early_end(corrector, &self.settings, &step, snakes);
+        let value = step.place.unknowns[corrector.equations.parameters_at()];
+        crawl.iter().for_each(|crawl| self.log.crawls(crawl, value));
+        if half.early_end.small && !was_small {
+            self.log.small_from(value);
+        }
         let ends = [&half.start, &step.place].map(|place| corrector.slope(&place.tangent));
         let slopes = half.slopes_at(corrector, &step.place);
         half.position = slopes.position;
@@ -516,31 +524,6 @@ impl Steps<'_> {
         }
         self.log.point(&half.last.point);
         end
-    }
-
-    /// Returns the end of a branch at a successful step without a terminal event, if any.
-    fn early_end(&mut self, half: &mut Half, step: &Step) -> Option<End> {
-        let Curve { corrector, detector, recorder, .. } = &mut self.curve;
-        let was_small = half.early_end.small;
-        let end = half.early_end.reached(corrector, &self.settings, &step.place, &half.last);
-        if half.early_end.small && !was_small {
-            self.log.small_from(step.place.unknowns[corrector.equations.parameters_at()]);
-        }
-        if matches!(end, Some(End::Homoclinic { .. })) {
-            half.drop_noise();
-        }
-        let lengths = (step.length, self.settings.max_step);
-        let end = end.or_else(|| {
-            let (end, crawl) = half.progress.end(corrector, &step.place, lengths);
-            let value = step.place.unknowns[corrector.equations.parameters_at()];
-            crawl.iter().for_each(|crawl| self.log.crawls(crawl, value));
-            end
-        });
-        // A branch is followed up to a bound of the period.
-        if !recorder.solutions || self.bounds.are_on(PERIOD, &detector.events) {
-            return end;
-        }
-        end.or_else(|| half.snaking.reached(corrector, step.since(&half.last)))
     }
 
     /// Returns the end of the branch in this step, if any, and the last point if it lies within the

@@ -146,12 +146,14 @@ impl System for BoundarySystem {
 
     fn traits(&mut self, x: &[f64]) -> Traits {
         let Meshed { solutions, assembly, .. } = &mut self.0;
+        let layout = &solutions.equations.layout;
+        let multipliers = layout.closes().then(|| layout.states - usize::from(layout.phase));
         Traits {
             mesh_error: solutions.mesh_error(x),
             growth: assembly.growth(&solutions.equations),
             amplitude: solutions.amplitude(x),
             free_period: solutions.free_period(x),
-            smooth_multipliers: solutions.equations.layout.smooth_multipliers(),
+            smooth_multipliers: multipliers,
             least_size: least_size(solutions, x),
         }
     }

@@ -141,11 +141,6 @@ impl UnknownLayout {
         matches!(self.shape, Shape::Periodic { .. })
     }
 
-    /// The number of nontrivial Floquet multipliers of smooth orbits.
-    pub fn smooth_multipliers(&self) -> Option<usize> {
-        self.closes().then(|| self.states - usize::from(self.phase))
-    }
-
     /// Whether solutions are periodic.
     pub fn is_periodic(&self) -> bool {
         !self.returns.is_empty()
