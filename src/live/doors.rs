@@ -1,4 +1,4 @@
-//! The open connections: a limited number, of which those that send no request give way.
+//! The open connections: at the limit of their number, a connection that sent no request is closed.
 
 use std::net::{Shutdown, TcpStream};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};

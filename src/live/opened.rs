@@ -7,7 +7,7 @@ use crate::scene::Range;
 /// The scene or model with which pages begin.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Opened {
-    /// What the command line names: a built-in scene, or the path of a file.
+    /// The name of a built-in scene, or the path of a file, as on the command line.
     pub place: String,
     /// The text and the request.
     pub setup: Setup,

@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 const FIRST: Duration = Duration::from_millis(25);
 const NEXT: Duration = Duration::from_millis(60);
 
-/// The maximum number of points of which pictures are sent while they are traced.
+/// The maximum number of points in the picture of a branch that is still traced.
 const SHOWN: usize = 4_000;
 /// The number of points after which a trace is stopped, so that its result fits into memory.
 const MOST: usize = 500_000;

@@ -77,9 +77,9 @@ impl<'a, T> Interval<'a, T> {
 pub struct Block<'a> {
     /// The residual.
     pub residual: &'a mut [f64],
-    /// Derivatives by the `(m + 1)·n` values at the interval's nodes, one row after the other.
+    /// Derivatives with respect to the `(m + 1)·n` values at the interval's nodes, row by row.
     pub nodes: &'a mut [f64],
-    /// Derivatives by the active components of `q`, one row after the other.
+    /// Derivatives with respect to the active components of `q`, row by row.
     pub numbers: &'a mut [f64],
 }
 

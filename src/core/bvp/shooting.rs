@@ -20,8 +20,8 @@ const SMALLEST_TOLERANCE: f64 = 1e-14;
 /// Shooting: the residual of an interval is `φ(x_left) − x_right`, with the flow `φ` from its start
 /// to its end. Several intervals give multiple shooting, for trajectories along which errors grow.
 ///
-/// Derivatives by the left states and all active numbers come from one flow of dual numbers. It takes
-/// the same steps as the flow of real numbers, so that residual, Jacobian and the extrema of monitors
+/// Derivatives with respect to the left states and all active numbers come from one flow of dual
+/// numbers. It takes the same steps as the flow of real numbers, so that residual, Jacobian and the extrema of monitors
 /// are consistent. During Newton's iteration, the flow uses larger tolerances than its settings, as
 /// far as the iteration allows.
 ///

@@ -24,7 +24,7 @@ pub struct Solution {
     /// length as `state`), and a component for each parameter (of the same length as `parameters`).
     pub tangent: Option<(Vec<f64>, Vec<f64>)>,
     /// The difference between the parameters for which `state` solves the equations on its mesh and
-    /// `parameters`, which are refined on finer meshes (as long as `parameters`); `None` if zero.
+    /// `parameters`, which are refined on finer meshes (of the same length as `parameters`); `None` if zero.
     pub mesh_shift: Option<Vec<f64>>,
     /// The number of critical eigenvalues, or pairs, at a special point; 0 if unknown.
     pub multiplicity: usize,
