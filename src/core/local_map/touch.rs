@@ -60,7 +60,7 @@ impl GrazingPoint {
         let OrbitLegs { layout, itinerary, .. } = orbit.legs();
         let states = |leg: usize| Trajectory::from(starts[layout.states(leg)].to_vec());
         let known: Vec<_> = (0..itinerary.legs.len()).map(states).collect();
-        GrazingPoint::on(orbit.known(&known, q))
+        GrazingPoint::on(orbit.itineraries.known(&known, q))
     }
 
     /// Finds the grazing point from the trajectories on the legs.
@@ -108,6 +108,6 @@ impl GrazingPoint {
             let reason = "the solutions are not orbits of a hybrid system";
             Failure::Unsupported(reason.into())
         })?;
-        GrazingPoint::on(problem.known(&known.trajectories, &known.q))
+        GrazingPoint::on(problem.itineraries.known(&known.trajectories, &known.q))
     }
 }

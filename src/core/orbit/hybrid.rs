@@ -2,13 +2,12 @@
 
 use super::accumulation::accumulation;
 use super::itinerary::{Itinerary, ItineraryError, Leg};
-use super::known_orbit::KnownOrbit;
 use super::legs::OrbitLegs;
 use super::same_surface_legs::{begins_on_exit, mean_rate};
 use super::switching::OrbitItineraries;
 use crate::core::bvp::{
-    Ends, Equations, ErasedProblem, IntoEquations, Itineraries, Monitor, Residual, Shape,
-    Trajectory, Watched, Watches,
+    Ends, Equations, ErasedProblem, IntoEquations, Itineraries, Monitor, Residual, Shape, Watched,
+    Watches,
 };
 use crate::core::hybrid::{
     ChatterNumber, GuardNumber, GuardOf, HybridEquations, HybridSystem, MeasureNumber, Moment,
@@ -37,7 +36,7 @@ use std::sync::{Arc, OnceLock};
 /// unknown period, with a phase condition).
 #[derive(Clone)]
 pub struct HybridOrbit {
-    itineraries: OrbitItineraries,
+    pub(in crate::core) itineraries: OrbitItineraries,
     /// For each leg, whether it ends on the surface on which it begins; determined at the first
     /// use.
     returning: OnceLock<Vec<bool>>,
@@ -96,15 +95,6 @@ impl HybridOrbit {
     /// The legs of the orbits.
     pub(in crate::core) fn legs(&self) -> &OrbitLegs {
         &self.itineraries.legs
-    }
-
-    /// Returns an orbit of this problem with its trajectories.
-    pub(in crate::core) fn known<'a>(
-        &'a self,
-        known: &'a [Trajectory],
-        q: &'a [f64],
-    ) -> KnownOrbit<'a> {
-        self.itineraries.known(known, q)
     }
 
     /// The itinerary of the orbits.

@@ -26,7 +26,7 @@ const SURE: f64 = 1e-4;
 
 /// The itineraries of hybrid orbits: their legs, and the monitors that vanish at a limit.
 #[derive(Clone)]
-pub(super) struct OrbitItineraries {
+pub(in crate::core) struct OrbitItineraries {
     pub legs: OrbitLegs,
     /// The monitors. The watched functions are the guards, followed by the system's monitors.
     pub monitors: Vec<(String, Monitor)>,
@@ -40,7 +40,7 @@ impl From<OrbitLegs> for OrbitItineraries {
 
 impl OrbitItineraries {
     /// Returns an orbit of these legs with its trajectories.
-    pub fn known<'a>(&'a self, known: &'a [Trajectory], q: &'a [f64]) -> KnownOrbit<'a> {
+    pub(in crate::core) fn known<'a>(&'a self, known: &'a [Trajectory], q: &'a [f64]) -> KnownOrbit<'a> {
         KnownOrbit { legs: &self.legs, known, q }
     }
 }
