@@ -253,12 +253,12 @@ pub struct ModelError {
     pub fault: Fault,
     /// The remedy, unless the fault implies the remedy.
     #[help]
-    pub help: Option<String>,
+    pub help: Option<Box<str>>,
 }
 
 impl ModelError {
     fn new(file: &str, place: Place, fault: Fault) -> Self {
-        let help = fault.help().map(|help| help.to_string());
+        let help = fault.help().map(|help| help.to_string().into());
         ModelError { file: file.into(), place: Box::new(place), fault, help }
     }
 
@@ -269,7 +269,7 @@ impl ModelError {
 
     /// Adds a remedy.
     pub(crate) fn with_help(mut self, remedy: impl Into<String>) -> Self {
-        self.help = Some(remedy.into());
+        self.help = Some(remedy.into().into());
         self
     }
 

@@ -40,7 +40,11 @@ impl From<OrbitLegs> for OrbitItineraries {
 
 impl OrbitItineraries {
     /// Returns an orbit of these legs with its trajectories.
-    pub(in crate::core) fn known<'a>(&'a self, known: &'a [Trajectory], q: &'a [f64]) -> KnownOrbit<'a> {
+    pub(in crate::core) fn known<'a>(
+        &'a self,
+        known: &'a [Trajectory],
+        q: &'a [f64],
+    ) -> KnownOrbit<'a> {
         KnownOrbit { legs: &self.legs, known, q }
     }
 }

@@ -16,9 +16,9 @@ use std::f64::consts::PI;
 ///     c = −p (C(q, q, q) + 3 B(q, h)) / (6 N T),    L(0) h = −B(q, q),    α = −p B(q, z_λ) / (N T)
 /// ```
 ///
-/// where `B(q, z_λ)` includes derivatives with respect to the parameter. The doubled orbits `z = z₀
-/// + ξ q + …` have `λ − λ₀ = −(c/α) ξ² + …`. For maps, `T = 1`, and the mean of `⟨q, q⟩` over the
-/// cycle is 1.
+/// where `B(q, z_λ)` includes derivatives with respect to the parameter. The doubled orbits
+/// `z = z₀ + ξ q + …` have `λ − λ₀ = −(c/α) ξ² + …`. For maps, `T = 1`, and the mean of `⟨q, q⟩` over
+/// the cycle is 1.
 pub(in crate::core::bifurcation) fn doubling(at: &mut At) -> Result<NormalForm, Failure> {
     let Doubling { cubic, size, critical, per_time } = reduced(at)?;
     let mut coefficients = vec![("doubling_c", cubic)];
