@@ -244,7 +244,7 @@ fn scenes_show_the_line() {
     let error = Scene::parse(text).unwrap_err();
     let help = error.help().expect("a help").to_string();
     assert!(help.starts_with("did you mean `rh`?"), "{help}");
-    let error = one_line(&error);
+    let error = error.to_string();
     assert!(error.starts_with("line 3, column 40: unknown name `rho`"), "{error}");
     assert!(error.ends_with("\n  |                                        ^^^"), "{error}");
     assert!(

@@ -147,7 +147,7 @@ fn combinations_that_have_no_meaning_are_refused() {
     let beside = with("product: [", "modes: [(name: \"m\")], product: [");
     assert!(beside.contains("`modes` together with `product`"), "{beside}");
     let none = with("product: [", "product: [[],");
-    assert!(none.contains("from 1 to 256"), "{none}");
+    assert!(none.contains("between 1 and 256"), "{none}");
     // In one guard a combination stands once.
     let overlap = with("modes: [\"free\"]", "modes: [\"free\", \"stick.free\"]");
     assert!(overlap.contains("`stick.free` is already a mode of this guard"), "{overlap}");

@@ -168,7 +168,7 @@ fn times_that_do_not_repeat_with_the_period_are_refused() {
     assert!(of("0.7*n", period).contains("the time must grow by the period"));
     let both = doses("n", ", period: \"1\"").replace("at:", "function: \"S\", at:");
     let both = refusal(&format!("Scene(title: \"t\", problem: {both}, {run})"));
-    assert!(both.contains("it already has a `function`"), "{both}");
+    assert!(both.contains("the guard also has a `function`"), "{both}");
     let text = format!("Scene(title: \"t\", problem: {}, {run})", doses("n", ", period: \"1\""));
     let text = text.replace("start: Simulated(transient: 50)", "set: [(\"itinerary\", \"m\")]");
     assert!(

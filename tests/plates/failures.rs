@@ -7,6 +7,7 @@ use crate::plates::models::{
 use std::f64::consts::PI;
 use tangency::core::continuation::{End, NewtonError, TraceError};
 use tangency::core::failure::Failure;
+use tangency::core::failure::one_line;
 use tangency::core::linalg::{Border, Factors, Form};
 use tangency::core::numerics::gauss_legendre;
 use tangency::core::system::{Kind, System};
@@ -62,7 +63,7 @@ fn newton_at_a_fixed_load_fails_at_the_fold_that_arclength_passes() {
             panic!("{failure}")
         };
         assert!(*iterations <= 12 && *damping < 0.01, "{failure}");
-        assert!(failure.to_string().contains("at a fold continue by arclength"), "{failure}");
+        assert!(one_line(&failure).contains("at a fold continue by arclength"), "{failure}");
     }
     let bound = End::MonitorBound { name: "max_deflection".into(), value: 0.9 };
     assert_eq!(branch.ends[1], bound);

@@ -56,7 +56,7 @@ const UNSUPPORTED: &[(&str, usize, usize, &str)] = &[
 
 /// What is wrong: the text, the line and the column, and words of the error.
 const WRONG: &[(&str, usize, usize, &str)] = &[
-    ("# nothing\ndone\n", 0, 0, "at least one equation"),
+    ("# nothing\ndone\n", 0, 0, "the file has no equation"),
     ("x'=-x\ny'=2*zz+1\n", 2, 6, "unknown name `zz`"),
     ("x'=alpha\npar Alpah=1\n", 1, 4, "did you mean `Alpah`"),
     ("x'=f(x,1)\nf(a)=a\n", 1, 4, "`f` takes one argument, not 2"),
