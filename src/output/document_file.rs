@@ -5,7 +5,7 @@ use super::document::Document;
 use super::error::{FileError, FormatError};
 use super::files::{SizeLimit, read_text, write_atomically};
 use super::tag::FORMAT;
-use crate::misread::{Place, part_of, reason};
+use crate::misread::{Place, part_of, reason, remedy};
 use ron::extensions::Extensions;
 use ron::ser::PrettyConfig;
 use std::path::Path;
@@ -89,7 +89,8 @@ impl Document {
 /// Classifies a text that could not be parsed: foreign, of another version, truncated or invalid.
 fn explain(text: &str, error: &ron::error::SpannedError) -> FormatError {
     let (line, column) = (error.span.start.line, error.span.start.col);
-    let reason = reason(&error.code);
+    let known = remedy(&error.code).map_or(String::new(), |known| format!("; {known}"));
+    let reason = reason(&error.code) + &known;
     match tag(text) {
         None => FormatError::Foreign { line, column, reason },
         Some(tag) if tag != FORMAT => FormatError::Version { found: tag.into() },

@@ -174,8 +174,8 @@ pub enum FormatError {
         column: usize,
     },
     /// The document has an invalid form.
-    #[error("line {}, column {}: {reason}", place.line.unwrap_or(1), place.column)]
-    #[diagnostic(help("correct the document, or repeat the trace{place}"))]
+    #[error("line {}, column {}: {reason}{place}", place.line.unwrap_or(1), place.column)]
+    #[diagnostic(help("correct the document, or repeat the trace"))]
     Syntax {
         /// The position, with the text of the line.
         place: Box<Place>,

@@ -168,6 +168,7 @@ pub enum SceneError {
     },
     /// The plot is invalid for every result.
     #[error("the plot: {0}")]
+    #[diagnostic(forward(0))]
     Figure(#[from] FigureError),
     /// The run was cancelled, for example by Ctrl-C.
     #[error("the run `{run}` was interrupted before its first point; earlier runs are saved")]

@@ -310,9 +310,9 @@ fn a_trace_that_cannot_begin_says_why() {
     for (arguments, said) in [
         (vec!["trace", "plate-clampt"], vec!["`plate-clampt`", "did you mean `plate-clamped`?"]),
         (vec!["trace", "nowhere.ron"], vec!["cannot read nowhere.ron"]),
-        (vec!["trace", "foreign.ron"], vec!["foreign.ron", "line 1,", "a scene begins with"]),
+        (vec!["trace", "foreign.ron"], vec!["foreign.ron", "line 1,", "begin a scene with"]),
         (set("gap_ration=2"), vec!["`gap_ration`", "did you mean `gap_ratio`?"]),
-        (set("aspect=-1"), vec!["aspect", "-1", "must be positive"]),
+        (set("aspect=-1"), vec!["aspect", "-1", "positive"]),
         (set("nu=0.7"), vec!["nu", "7", "between −1 and ½"]),
         (set("gap_ratio=NaN"), vec!["`gap_ratio`", "NaN", "finite"]),
         (set("supports=XXXX"), vec!["XXXX", "four letters"]),

@@ -247,7 +247,7 @@ fn an_accuracy_out_of_reach_is_said_and_the_finest_result_kept() {
     let outcome = execute(&scene, None, &mut ());
     let Some(SceneError::Unmet { chosen }) = &outcome.error else { panic!("{:?}", outcome.error) };
     assert!(chosen.estimate > 1e-11 && chosen.settings == [("modes".into(), "20".into())]);
-    let text = outcome.error.as_ref().unwrap().to_string();
+    let text = one_line(outcome.error.as_ref().unwrap());
     assert!(text.contains("modes = 20") && text.contains("request a lower accuracy"), "{text}");
     assert!(outcome.document.branches[0].of_kind(Kind::LP).count() == 1);
 }
@@ -281,7 +281,7 @@ fn accuracies_without_a_meaning_are_refused() {
         r#"Scene(title: "t", problem: Lure(solution: equilibrium), runs: [(name: "r", along: [(name: "alpha", low: 0.5, high: 1.5)])])"#,
         &[],
     );
-    assert!(refused(&equilibria, "1e-4").contains("nothing to choose"));
+    assert!(refused(&equilibria, "1e-4").contains("which has no discretisation"));
     // It is of all runs.
     let by_a_run =
         PLATE.replace("name: \"plate\",", "name: \"plate\", set: [(\"accuracy\", \"1e-3\")],");

@@ -363,7 +363,7 @@ fn orbits_are_written_as_tables_and_arrays() {
     std::fs::copy(at.join("out/up.ron"), at.join("b.ron")).unwrap();
     succeeds(at, &["plot", "out/up.ron", "b.ron", "--points", "1,1", "--out", "two.csv"]);
     let table = String::from_utf8(bytes(at, "two.csv")).unwrap();
-    assert!(table.contains("\"up: P(0,1)\",1,") && table.contains("\"b: P(0,1)\",1,"));
+    assert!(table.contains("up.ron: P(0,1)\",1,") && table.contains("\"b.ron: P(0,1)\",1,"));
     for more in [["--y", "max_velocity", "c.npz"], ["--x", "amplitude", "c.svg"]] {
         let [option, column, out] = more;
         let arguments = ["plot", "out/up.ron", "--points", "1", option, column, "--out", out];
@@ -386,8 +386,10 @@ fn formats_follow_endings() {
     let table = String::from_utf8(bytes(at, "b.csv")).unwrap();
     let points = example_branch().points.len();
     assert_eq!(table.lines().count(), 1 + 2 * points);
-    assert!(table.starts_with("branch,point,load,aspect_ratio,deflection,unstable,admissible\n"));
-    assert!(table.contains("\na: plate,0,"), "{table}");
+    assert!(
+        table.starts_with("file,branch,point,load,aspect_ratio,deflection,unstable,admissible\n")
+    );
+    assert!(table.contains("\na.ron,plate,0,"), "{table}");
     for name in ["b.jpg", "b", "b.svg.gif"] {
         let known = "known: .svg, .png, .pdf, .html, .csv";
         refused(at, &["plot", "a.ron", "--out", name], &[name, known]);
@@ -441,7 +443,7 @@ fn formats_follow_endings() {
     let picture = String::from_utf8(bytes(at, "a-panel=a-width=84.svg")).unwrap();
     assert!(picture.starts_with("<svg width=\"84mm\""));
     refused(at, &["plot", "a.ron", "--panel", "b"], &["no panel `b`, only a"]);
-    refused(at, &["plot", "a.ron", "--width", "3"], &["from 40 to 1000 mm wide"]);
+    refused(at, &["plot", "a.ron", "--width", "3"], &["between 40 and 1000 mm"]);
     refused(
         at,
         &["plot", "a.ron", "--out", "b.csv", "--width", "84"],
@@ -458,7 +460,7 @@ fn checkpoints_have_a_range() {
         let output = tangency(folder.path(), &["sweep", "up.ron", &argument]);
         let message = String::from_utf8(output.stderr).unwrap();
         assert_eq!(output.status.code(), Some(2), "{message}");
-        assert!(message.contains("from 0 to 1e6"), "{message}");
+        assert!(message.contains("between 0 and 1e6"), "{message}");
     }
     succeeds(folder.path(), &["sweep", "up.ron", "--checkpoint", "0"]);
 }

@@ -82,8 +82,8 @@ fn a_grid_of_another_scene_is_refused() {
         (&["--set", "b=2"], "cannot be combined with --set of a setting of the grid"),
         (&["--grid", "r=1..1:2"], "two designs of the grid have the same name `b=1,r=1`"),
         (&["--grid", "c=1..2:2", "--out", "new"], "unknown parameter or setting `c`"),
-        (&["--grid", "b=1..2:2"], "`b` twice"),
-        (&["--grid", "q=1..2:100000"], "100 000 designs"),
+        (&["--grid", "b=1..2:2"], "`b` occurs twice"),
+        (&["--grid", "q=1..2:100000"], "from 1 to 100 000"),
     ] {
         refused(at, &[&GRID[..6], more].concat(), &[said]);
     }

@@ -301,7 +301,7 @@ fn messages_are_short_and_whole() {
     let folder = folder();
     let at = folder.path();
     let unknown = refused(at, &["trace", "nosuchscene"]);
-    let (_, list) = unknown.split_once("Known: ").unwrap();
+    let (_, list) = unknown.split_once("known: ").unwrap();
     let (list, _) = list.split_once("(58 in all)").unwrap_or((list, ""));
     let known = succeeds(at, &["scenes"]);
     for name in list.split([',', ' ']).filter(|name| !name.is_empty() && *name != "…") {

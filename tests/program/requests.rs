@@ -249,7 +249,7 @@ fn equilibria_and_fixed_points_are_found() {
     // (−0.7 ± √6.09)/2.8
     assert!(said.contains("0.63135447709") && said.contains("-1.13135447709"), "{said}");
     assert!(said.contains("2 in the box"), "{said}");
-    refused(at, &["find", "henon.ron", "--box", "x=-2..2"], &["without one for `y`"]);
+    refused(at, &["find", "henon.ron", "--box", "x=-2..2"], &["has no range for `y`"]);
     refused(at, &["find", "henon.ron", "--box", "x=-2..2,w=0..1"], &["unknown component `w`"]);
     refused(
         at,
@@ -506,7 +506,7 @@ fn archives_are_told_from_documents() {
     );
     refused(at, &["table", "out/up.npz"], &["is not a text file", "tangency plot"]);
     for (name, words) in
-        [("max_step=0.2", "no effect on sweeps"), ("amplitude=2", "which varies it")]
+        [("max_step=0.2", "no effect on sweeps"), ("amplitude=2", "which varies `amplitude`")]
     {
         refused(at, &["sweep", "up.ron", "--set", name, "--afresh"], &[words]);
     }

@@ -176,9 +176,7 @@ fn periodic_points_are_followed() {
         g[0], pd[0], g[1], pd[1]
     );
     let of_the_flow = text.replace(&half, "impacts: [true, false]");
-    assert!(
-        Scene::parse(&of_the_flow).unwrap_err().to_string().contains("must come with a local map")
-    );
+    assert!(Scene::parse(&of_the_flow).unwrap_err().to_string().contains("but no local map"));
     let document = traced(&Scene::parse(&text).unwrap());
     close(one(&document, "b", Kind::PD, "voltage"), one(&document, "B", Kind::PD, "voltage"), 2e-8);
     let end = one(&document, "C", Kind::G, "voltage");
@@ -230,7 +228,10 @@ fn maps_are_swept() {
     let text = include_str!("../../scenes/mita-lyapunov.ron");
     let text = text.replace("name: \"voltage\", low: 0.1715", "name: \"damping\", low: 0.1715");
     let refused = refusal(&text);
-    assert!(refused.contains("a parameter of the map: voltage, frequency"), "{refused}");
+    assert!(
+        refused.contains("is not a parameter of the map, which has voltage, frequency"),
+        "{refused}"
+    );
 }
 
 /// Panels leave out branches without their columns, deviations are measured from a point that must
