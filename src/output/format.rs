@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 /// use std::path::Path;
 /// use tangency::output::Format;
 /// assert_eq!(Format::of(Path::new("a.svg"))?, Format::Svg);
-/// let error = Format::of(Path::new("a.jpg")).unwrap_err().to_string();
+/// let error = format!("{:?}", Format::of(Path::new("a.jpg")).unwrap_err());
 /// assert!(error.contains("known: .svg, .png"), "{error}");
 /// # Ok::<(), tangency::output::FileError>(())
 /// ```

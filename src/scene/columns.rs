@@ -32,13 +32,14 @@ impl Scene {
     /// computation.
     ///
     /// ```
+    /// use tangency::core::failure::one_line;
     /// use tangency::scene::{BUILT_IN, Scene};
     /// let text = BUILT_IN.iter().find(|scene| scene.name == "bratu").unwrap().text;
     /// assert!(Scene::parse(text)?.check_plot().is_ok());
     /// let mut scene = Scene::parse(text)?;
     /// scene.plot.y = Some("max_v".into());
     /// scene.plot.x = Some("lamda".into());
-    /// let error = scene.check_plot().unwrap_err().to_string();
+    /// let error = one_line(&scene.check_plot().unwrap_err());
     /// assert!(error.contains("unknown column `lamda`; did you mean `lambda`?"), "{error}");
     /// # Ok::<(), tangency::scene::SceneError>(())
     /// ```

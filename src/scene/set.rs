@@ -114,7 +114,7 @@ impl Scene {
     /// scene.set("gap_ratio", "2")?;
     /// assert_eq!(scene.value("gap_ratio"), Some(2.0));
     /// let error = scene.set("gap_ration", "2").unwrap_err();
-    /// assert!(error.to_string().contains("did you mean `gap_ratio`"), "{error}");
+    /// assert!(format!("{error:?}").contains("did you mean `gap_ratio`"));
     /// # Ok::<(), tangency::scene::SceneError>(())
     /// ```
     pub fn set(&mut self, name: &str, value: &str) -> Result<(), SceneError> {

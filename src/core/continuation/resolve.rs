@@ -120,16 +120,17 @@ fn take_over(curve: &mut Continuation) -> Result<Start, Failure> {
     let crosses = switched || kind == Kind::BP && of_solutions && curve.held.is_empty();
     let site = if at_point && crosses { Site::BranchPoint } else { start.site };
     let start = Start { site, ..start };
-    to_mesh(curve, &start);
+    to_mesh(curve, &start, kind);
     Ok(start)
 }
 
 /// Sets the parameters at a branch point to the values of its own mesh, on which its state solves
 /// the equations: near a branch point that is missed by the error of the mesh, the other branch
-/// would be lost. A start on another mesh has no such values.
-fn to_mesh(curve: &mut Continuation, start: &Start) {
+/// would be lost. Starts on another mesh, and other orbits beyond an event, have no such values.
+fn to_mesh(curve: &mut Continuation, start: &Start, kind: Kind) {
     let Some(origin) = &mut curve.origin else { return };
-    if start.site != Site::BranchPoint || start.direction.is_none() {
+    let of_mesh = matches!(kind, Kind::BP | Kind::PD);
+    if start.site != Site::BranchPoint || start.direction.is_none() || !of_mesh {
         origin.mesh_shift = None;
     }
     let shift = origin.mesh_shift.iter().flatten();
