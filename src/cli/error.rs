@@ -59,6 +59,12 @@ pub enum CommandError {
     /// An option that cannot be combined with `--start FILE:LABEL`.
     #[error("--start FILE:LABEL starts from one special point and cannot be combined with {0}")]
     NotTogether(&'static str),
+    /// `--hold` and `--switch` are given with `--start FILE:LABEL`.
+    #[error(
+        "a curve that starts at a saved point (`--start FILE:LABEL --hold`) does not switch branches"
+    )]
+    #[diagnostic(help("trace the curve first, then start at a special point of the curve"))]
+    HeldAndSwitched,
     /// A document differs from the reference.
     #[error("{count} differences from {}", place.display())]
     Different { place: PathBuf, count: usize },
@@ -168,7 +174,8 @@ pub enum CommandError {
     Interrupted,
     /// The server of `tangency live` cannot start.
     #[cfg(feature = "live")]
-    #[error("the server cannot start: {0}; without --port a free port is chosen")]
+    #[error("the server cannot start: {0}")]
+    #[diagnostic(help("omit --port, and a free port is chosen"))]
     Server(#[source] std::io::Error),
     /// The standard output cannot be written to.
     #[error("cannot write to the standard output: {0}; the files listed above are complete")]

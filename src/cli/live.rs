@@ -4,7 +4,7 @@ use super::error::CommandError;
 use super::request::RequestArgs;
 use super::scene_at::{SceneAt, setting};
 use super::sources::Sources;
-use crate::live::{Opened, Server, Setup, Shop};
+use crate::live::{Library, Opened, Server, Setup};
 use crate::scene::Request;
 use clap::Args;
 use std::io::Write;
@@ -42,12 +42,12 @@ impl Live {
     pub fn run(&self, from: Sources, out: &mut impl Write) -> Result<(), CommandError> {
         let opened = self.scene.as_ref().map(|scene| self.opened(scene, from)).transpose()?;
         let folder = self.scene.as_ref().and_then(|scene| folder(scene, from));
-        let shop = Shop { catalogue: from.catalogue.clone(), folder, limit: from.limit };
+        let library = Library { catalogue: from.catalogue.clone(), folder, limit: from.limit };
         if let Some(Opened { place, setup }) = &opened {
             let at = |cause| CommandError::Scene { place: place.clone(), cause: Box::new(cause) };
-            setup.check_names(&shop).map_err(at)?;
+            setup.check_names(&library).map_err(at)?;
         }
-        let server = Server::new(shop, opened, self.port).map_err(CommandError::Server)?;
+        let server = Server::new(library, opened, self.port).map_err(CommandError::Server)?;
         let address = server.address();
         writeln!(out, "{address}\nThe page works until this program ends (Ctrl-C).")?;
         out.flush()?;

@@ -19,7 +19,6 @@
 //! # Ok::<(), tangency::scene::SceneError>(())
 //! ```
 
-mod asked;
 mod compare;
 mod error;
 mod find;

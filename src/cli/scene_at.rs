@@ -4,7 +4,7 @@ use super::error::CommandError;
 use super::sources::Sources;
 use crate::core::problem::UnknownName;
 use crate::output::{read, text_of};
-use crate::scene::{Files, Problem, Purpose, Request, Scene, SceneError};
+use crate::scene::{Files, Problem, Purpose, Request, Scene, SceneError, Stated};
 use clap::Args;
 use std::path::{Path, PathBuf};
 
@@ -25,14 +25,6 @@ pub struct OutFolder {
     /// The folder for the results
     #[arg(long, value_name = "DIR", default_value = "out")]
     pub out: PathBuf,
-}
-
-/// The content of a named file or built-in scene.
-#[derive(Clone)]
-#[expect(clippy::large_enum_variant, reason = "there is one")]
-pub enum Stated {
-    Model(Problem),
-    Scene(Scene),
 }
 
 impl SceneAt {
@@ -57,14 +49,10 @@ impl SceneAt {
         request: &Request,
         purpose: Purpose,
     ) -> Result<Scene, CommandError> {
-        let scene = match stated {
-            Stated::Model(_) if purpose == Purpose::Sweeps => {
-                return Err(CommandError::NoSweep { scene: self.scene.clone() });
-            }
-            Stated::Model(problem) => Scene::of_model(problem, name, request),
-            Stated::Scene(scene) => scene.requested(request),
-        };
-        let scene = scene.and_then(|scene| {
+        if purpose == Purpose::Sweeps && matches!(stated, Stated::Model(_)) {
+            return Err(CommandError::NoSweep { scene: self.scene.clone() });
+        }
+        let scene = stated.requested(name, request).and_then(|scene| {
             scene.check_effects(request.set.iter().map(|(name, _)| name.as_str()), purpose)?;
             Ok(scene)
         });
@@ -79,13 +67,9 @@ impl SceneAt {
         request: &Request,
     ) -> Result<(String, Scene), CommandError> {
         let (name, stated) = self.stated(from)?;
-        match stated.map_err(|cause| self.at_fault(cause))? {
-            Stated::Model(problem) => {
-                let scene = Scene::of_problem(problem, &name, request);
-                Ok((name, scene))
-            }
-            Stated::Scene(scene) => Ok((name, scene)),
-        }
+        let stated = stated.map_err(|cause| self.at_fault(cause))?;
+        let scene = stated.as_written(&name, request);
+        Ok((name, scene))
     }
 
     /// Returns the name of the scene's results, and the parsed statement.

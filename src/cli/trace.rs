@@ -1,12 +1,11 @@
 //! `tangency trace SCENE`: traces a scene, and saves and draws its branches.
 
-use super::asked;
 use super::compare::check;
 use super::error::CommandError;
 use super::grid::{Design, GridArgs, Traced};
 use super::request::{RequestArgs, Within, value};
 use super::results::Results;
-use super::scene_at::{OutFolder, SceneAt, Stated, setting};
+use super::scene_at::{OutFolder, SceneAt, setting};
 use super::signals;
 use super::sources::Sources;
 use super::warning::warn;
@@ -14,7 +13,7 @@ use super::watch::{Telling, Watch};
 use crate::core::continuation::Branch;
 use crate::core::ode::{Work, work};
 use crate::output::{Document, Format, SizeLimit, Summary};
-use crate::scene::{Purpose, Request, Scene, StartPoint};
+use crate::scene::{Following, Purpose, Request, Scene, StartPoint, Stated};
 use clap::Args;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -87,20 +86,6 @@ pub enum Begin {
     Everywhere,
 }
 
-impl Begin {
-    /// Returns the argument as written.
-    fn written(&self) -> String {
-        match self {
-            Begin::In(states) => states.iter().map(asked::equal).collect::<Vec<_>>().join(","),
-            Begin::At(Start { file, branch, label }) => {
-                let branch = branch.iter().map(|branch| format!("{branch}/")).collect::<String>();
-                format!("{}:{branch}{label}", file.display())
-            }
-            Begin::Everywhere => "all".into(),
-        }
-    }
-}
-
 impl Trace {
     /// Traces the scene. Finished parts of branches are saved and drawn also after an error or
     /// Ctrl-C.
@@ -164,7 +149,7 @@ impl Trace {
 
     /// Traces the scene over a grid of settings.
     fn run_grid(&self, from: Sources, out: &mut dyn Write) -> Result<(), CommandError> {
-        let Wanted { scene: at, request, start, within } = &self.wanted;
+        let Wanted { scene: at, request, .. } = &self.wanted;
         let of_grid =
             |(name, _): &(String, String)| self.grid.grid.iter().any(|it| it.name == *name);
         let options = [
@@ -203,10 +188,11 @@ impl Trace {
             Stated::Model(problem) => problem.equations(),
             Stated::Scene(scene) => scene.to_ron(),
         };
-        let asked =
-            asked::options(&at.settings, start.as_ref().map(Begin::written), within, request)
-                .into_iter();
-        let asked: String = asked.map(|option| format!("// {option}\n")).collect();
+        let (stated_request, _) = self.wanted.request(&[])?;
+        let options = stated_request.options().into_iter();
+        let options = options.chain(following.iter().flat_map(Following::options));
+        let asked: String =
+            options.map(|(option, value)| format!("// {option} {value}\n")).collect();
         let traced = Traced {
             designs,
             folder: self.folder.out.join(&name),
@@ -339,9 +325,7 @@ impl Start {
         let changed = set.iter().map(|(name, _)| name.clone()).collect();
         let switch = request.switch.is_some();
         if switch && request.hold.is_some() {
-            return Err(CommandError::NotTogether(
-                "--switch if --hold is given: trace the curve first",
-            ));
+            return Err(CommandError::HeldAndSwitched);
         }
         if switch && !request.following(false).is_some_and(|it| it.kinds.contains(&special.kind)) {
             let (label, kind) = (self.label, special.kind);

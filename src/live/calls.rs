@@ -3,10 +3,10 @@
 use super::describe::settings;
 use super::details::details;
 use super::http::{self, Refusal};
+use super::library::Library;
 use super::opened::{Opened, beginning, example};
 use super::pages::{Kept, Message, Pages, Slots};
 use super::setup::Setup;
-use super::shop::Shop;
 use super::trouble::Trouble;
 use super::work::{Drawing, trace};
 use crate::core::cancel::CancelToken;
@@ -57,14 +57,14 @@ enum Call {
 }
 
 /// The state that all connections share.
-pub(super) struct Desk {
-    pub shop: Shop,
+pub(super) struct Service {
+    pub library: Library,
     pub opened: Option<Opened>,
     pub pages: Pages,
     pub slots: Slots,
 }
 
-impl Desk {
+impl Service {
     /// Answers a call.
     pub fn answer(self: &Arc<Self>, stream: &mut TcpStream, body: &[u8]) {
         let Ok(call) = serde_json::from_slice::<Call>(body) else {
@@ -72,7 +72,7 @@ impl Desk {
         };
         let answered = match call {
             Call::Open {} => self.open(stream),
-            Call::Example { name } => match example(&self.shop, &name) {
+            Call::Example { name } => match example(&self.library, &name) {
                 Some(setup) => json_of(stream, &json!({ "setup": setup })),
                 None => json_of(stream, &trouble("there is no such example")),
             },
@@ -108,13 +108,13 @@ impl Desk {
         let opened = json!({
             "version": env!("CARGO_PKG_VERSION"),
             "setup": beginning(self.opened.as_ref()),
-            "examples": self.shop.examples(),
+            "examples": self.library.examples(),
         });
         json_of(stream, &opened)
     }
 
     fn settings(&self, stream: &mut TcpStream, setup: &Setup) -> std::io::Result<()> {
-        match settings(setup, &self.shop) {
+        match settings(setup, &self.library) {
             Ok(settings) => json_of(stream, &json!({ "settings": settings })),
             Err(cause) => json_of(stream, &json!({ "trouble": Trouble::from(&cause) })),
         }
@@ -144,11 +144,13 @@ impl Desk {
         };
         http::begin(stream, LINES)?;
         let (out, messages) = channel();
-        let (desk, token, id) = (Arc::clone(self), cancel.clone(), page.to_string());
+        let (service, token, id) = (Arc::clone(self), cancel.clone(), page.to_string());
         let work = move || {
-            let Some(_slot) = desk.slots.take(&token) else { return };
-            if let Some(kept) = trace(&setup, (&desk.shop, desk.opened.as_ref()), &token, &out) {
-                desk.pages.keep(&id, turn, kept);
+            let Some(_slot) = service.slots.take(&token) else { return };
+            if let Some(kept) =
+                trace(&setup, (&service.library, service.opened.as_ref()), &token, &out)
+            {
+                service.pages.keep(&id, turn, kept);
             }
         };
         let thread = std::thread::Builder::new().stack_size(STACK).spawn(work)?;

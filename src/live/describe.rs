@@ -1,8 +1,8 @@
 //! The description of a scene for the page: its parameters, settings and ranges.
 
 use super::help::meaning;
+use super::library::Library;
 use super::setup::Setup;
-use super::shop::Shop;
 use crate::scene::{Purpose, Range, Scene, SceneError};
 use serde::Serialize;
 
@@ -68,9 +68,9 @@ pub(super) fn describe(setup: &Setup, values: &Scene, traced: Option<&Scene>) ->
 }
 
 /// Returns the settings that have an effect on the runs of a setup.
-pub(super) fn settings(setup: &Setup, shop: &Shop) -> Result<Vec<Setting>, SceneError> {
-    let (setup, _) = setup.suited(shop)?;
-    let scene = setup.scene(shop, &Default::default())?;
+pub(super) fn settings(setup: &Setup, library: &Library) -> Result<Vec<Setting>, SceneError> {
+    let (setup, _) = setup.suited(library)?;
+    let scene = setup.scene(library, &Default::default())?;
     let changed = |name: &str| setup.set.iter().any(|(key, _)| key == name);
     let has_effect =
         |name: &str| changed(name) || scene.check_effects([name], Purpose::Exploration).is_ok();

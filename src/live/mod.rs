@@ -6,31 +6,31 @@
 //! of [`scene`](crate::scene).
 //!
 //! ```no_run
-//! use tangency::live::{Server, Shop};
+//! use tangency::live::{Server, Library};
 //! use tangency::{Catalogue, output::SizeLimit};
-//! let shop = Shop { catalogue: Catalogue::built_in(), folder: None, limit: SizeLimit::default() };
-//! let server = Server::new(shop, None, 0).expect("a free port");
+//! let library = Library { catalogue: Catalogue::built_in(), folder: None, limit: SizeLimit::default() };
+//! let server = Server::new(library, None, 0).expect("a free port");
 //! println!("{}", server.address());
 //! server.serve()
 //! ```
 
 mod calls;
 mod command;
+mod connections;
 mod describe;
 mod details;
-mod doors;
 mod help;
 mod http;
+mod library;
 mod opened;
 mod pages;
 mod preview;
 mod server;
 mod setup;
-mod shop;
 mod trouble;
 mod work;
 
+pub use library::Library;
 pub use opened::Opened;
 pub use server::Server;
 pub use setup::Setup;
-pub use shop::Shop;

@@ -1,7 +1,7 @@
 //! The setups with which pages begin.
 
+use super::library::Library;
 use super::setup::Setup;
-use super::shop::Shop;
 use crate::scene::Range;
 
 /// The scene or model with which pages begin.
@@ -25,8 +25,8 @@ pub(super) fn beginning(opened: Option<&Opened>) -> Setup {
 }
 
 /// Returns the setup of an example.
-pub(super) fn example(shop: &Shop, name: &str) -> Option<Setup> {
-    let scene = shop.catalogue.scenes().iter().find(|scene| scene.name == name)?;
+pub(super) fn example(library: &Library, name: &str) -> Option<Setup> {
+    let scene = library.catalogue.scenes().iter().find(|scene| scene.name == name)?;
     Some(Setup { name: scene.name.clone(), text: scene.text.clone(), ..Setup::default() })
 }
 

@@ -1,11 +1,11 @@
 //! The server: connections, addresses and the files of the page.
 
-use super::calls::Desk;
-use super::doors::Doors;
+use super::calls::Service;
+use super::connections::Connections;
 use super::http::{self, Incoming, Refusal};
+use super::library::Library;
 use super::opened::Opened;
 use super::pages::{Pages, Slots};
-use super::shop::Shop;
 use std::io;
 use std::net::{Ipv4Addr, SocketAddr, TcpListener, TcpStream};
 use std::sync::Arc;
@@ -34,7 +34,7 @@ pub struct Server {
     listener: TcpListener,
     at: SocketAddr,
     token: String,
-    desk: Arc<Desk>,
+    service: Arc<Service>,
 }
 
 impl Server {
@@ -43,24 +43,25 @@ impl Server {
     /// on, and answered by [`serve`](Self::serve).
     ///
     /// ```
-    /// use tangency::live::{Server, Shop};
+    /// use tangency::live::{Server, Library};
     /// use tangency::{Catalogue, output::SizeLimit};
-    /// let shop = Shop { catalogue: Catalogue::built_in(), folder: None, limit: SizeLimit::default() };
-    /// let server = Server::new(shop, None, 0)?;
+    /// let library = Library { catalogue: Catalogue::built_in(), folder: None, limit: SizeLimit::default() };
+    /// let server = Server::new(library, None, 0)?;
     /// assert!(server.address().starts_with("http://127.0.0.1:"));
     /// # Ok::<(), std::io::Error>(())
     /// ```
     ///
     /// # Errors
     /// The error of the operating system if the port is in use, or if there are no random numbers.
-    pub fn new(shop: Shop, opened: Option<Opened>, port: u16) -> io::Result<Self> {
+    pub fn new(library: Library, opened: Option<Opened>, port: u16) -> io::Result<Self> {
         let mut random = [0; 16];
         getrandom::fill(&mut random).map_err(io::Error::other)?;
         let token = random.iter().map(|byte| format!("{byte:02x}")).collect();
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port))?;
         let at = listener.local_addr()?;
-        let desk = Arc::new(Desk { shop, opened, pages: Pages::default(), slots: Slots::new() });
-        Ok(Server { listener, at, token, desk })
+        let service =
+            Arc::new(Service { library, opened, pages: Pages::default(), slots: Slots::new() });
+        Ok(Server { listener, at, token, service })
     }
 
     /// Returns the address of the page.
@@ -70,29 +71,29 @@ impl Server {
 
     /// Answers requests until the program ends.
     pub fn serve(self) -> ! {
-        let doors = Doors::default();
-        let Server { listener, at, token, desk } = self;
-        let gate = Arc::new(Gate { port: at.port(), token, desk });
+        let connections = Connections::default();
+        let Server { listener, at, token, service } = self;
+        let access = Arc::new(Access { port: at.port(), token, service });
         loop {
             let Ok((mut stream, _)) = listener.accept() else {
                 std::thread::sleep(PAUSE);
                 continue;
             };
-            let Some(guest) = doors.admit(&stream) else {
+            let Some(connection) = connections.accept(&stream) else {
                 http::refuse(&mut stream, Refusal::Busy);
                 continue;
             };
-            let gate = Arc::clone(&gate);
+            let access = Arc::clone(&access);
             let answer = move || {
                 match http::read(&mut stream) {
                     Ok(incoming) => {
-                        guest.has_asked();
-                        gate.answer(&mut stream, &incoming);
+                        connection.received();
+                        access.answer(&mut stream, &incoming);
                     }
                     Err(Refusal::Closed) => {}
                     Err(refusal) => http::refuse(&mut stream, refusal),
                 }
-                drop(guest);
+                drop(connection);
             };
             // Without a thread, the connection closes.
             if std::thread::Builder::new().spawn(answer).is_err() {
@@ -103,20 +104,20 @@ impl Server {
 }
 
 /// Admits requests of the page only.
-struct Gate {
+struct Access {
     port: u16,
     token: String,
-    desk: Arc<Desk>,
+    service: Arc<Service>,
 }
 
-impl Gate {
+impl Access {
     fn answer(&self, stream: &mut TcpStream, incoming: &Incoming) {
         let sent = match self.file_or_call(incoming) {
             Ok(Some((content_type, content))) => {
                 http::respond(stream, content_type, content.as_bytes())
             }
             Ok(None) => {
-                self.desk.answer(stream, &incoming.body);
+                self.service.answer(stream, &incoming.body);
                 Ok(())
             }
             Err(refusal) => {

@@ -1,10 +1,10 @@
 //! The state of a page: a text, and the request applied to it.
 
-use super::shop::Shop;
+use super::library::Library;
 use crate::core::cancel::CancelToken;
 use crate::core::problem::UnknownName;
 use crate::core::system::Kind;
-use crate::scene::{Problem, Range, Request, Run, Scene, SceneError};
+use crate::scene::{Following, Problem, Range, Request, Run, Scene, SceneError, Stated};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
@@ -43,14 +43,17 @@ pub struct Setup {
     pub y: Option<String>,
 }
 
-/// The content of a text.
-#[expect(clippy::large_enum_variant, reason = "there is one")]
-pub(super) enum Stated {
-    Model(Problem),
-    Scene(Scene),
-}
+/// The maximum number of generations of emanating branches.
+const DEPTH: usize = 20;
 
 impl Setup {
+    /// Returns the special points at which branches are switched, if any are.
+    pub(super) fn following(&self) -> Option<Following> {
+        let all = Following::all(self.depth.min(DEPTH));
+        let kinds = if self.kinds.is_empty() { all.kinds } else { self.kinds.clone() };
+        (self.depth > 0).then_some(Following { kinds, ..all })
+    }
+
     /// Returns the name of results: letters and digits for file names.
     pub(super) fn file_name(&self) -> String {
         let plain = |letter: char| match letter.is_alphanumeric() || "-_.".contains(letter) {
@@ -63,7 +66,7 @@ impl Setup {
     }
 
     /// Parses the text. A text without the form of RON is an XPPAUT model.
-    pub(super) fn stated(&self, shop: &Shop) -> Result<Stated, SceneError> {
+    pub(super) fn stated(&self, library: &Library) -> Result<Stated, SceneError> {
         let beginning = self.text.trim_start();
         let is_model = Problem::is_file_of_equations(&PathBuf::new(), &self.text);
         let is_scene = self.text.contains("Scene(") || beginning.starts_with('(');
@@ -72,11 +75,11 @@ impl Setup {
             let path = PathBuf::from(format!("{}.{ending}", self.file_name()));
             return Problem::from_text(&path, &self.text, &[]).map(Stated::Model);
         }
-        shop.parse(&self.text).map(Stated::Scene)
+        library.parse(&self.text).map(Stated::Scene)
     }
 
     /// Returns the request that cancels with the token.
-    fn request(&self, cancel: &CancelToken) -> Request {
+    pub(super) fn request(&self, cancel: &CancelToken) -> Request {
         Request {
             set: self.set.clone(),
             along: self.along.clone(),
@@ -91,24 +94,21 @@ impl Setup {
     }
 
     /// Returns the scene with the changed values, without runs for a model.
-    pub(super) fn values(&self, shop: &Shop) -> Result<Scene, SceneError> {
-        let mut scene = self.plain(shop)?;
+    pub(super) fn values(&self, library: &Library) -> Result<Scene, SceneError> {
+        let mut scene = self.plain(library)?;
         scene.set_all(&self.set)?;
         Ok(scene)
     }
 
     /// Returns the scene as written, without runs for a model.
-    fn plain(&self, shop: &Shop) -> Result<Scene, SceneError> {
-        Ok(match self.stated(shop)? {
-            Stated::Model(problem) => Scene::of_problem(problem, &self.name, &Request::default()),
-            Stated::Scene(scene) => scene,
-        })
+    fn plain(&self, library: &Library) -> Result<Scene, SceneError> {
+        Ok(self.stated(library)?.as_written(&self.name, &Request::default()))
     }
 
     /// Returns the setup without the values, ranges and runs of parameters that the text does not
     /// have, and the names of these parameters: the text may have changed after they were set.
-    pub(super) fn suited(&self, shop: &Shop) -> Result<(Setup, Vec<String>), SceneError> {
-        let scene = self.plain(shop)?;
+    pub(super) fn suited(&self, library: &Library) -> Result<(Setup, Vec<String>), SceneError> {
+        let scene = self.plain(library)?;
         let parameters: Vec<String> =
             scene.problem.parameters().into_iter().map(|(name, _)| name).collect();
         let known = [scene.setting_names(), parameters.clone()].concat();
@@ -132,26 +132,26 @@ impl Setup {
     ///
     /// # Errors
     /// [`SceneError::UnknownName`] with a suggestion.
-    pub fn check_names(&self, shop: &Shop) -> Result<(), SceneError> {
-        let Ok((_, left_out)) = self.suited(shop) else { return Ok(()) };
+    pub fn check_names(&self, library: &Library) -> Result<(), SceneError> {
+        let Ok((_, left_out)) = self.suited(library) else { return Ok(()) };
         let Some(unknown) = left_out.first() else { return Ok(()) };
-        let scene = self.plain(shop)?;
+        let scene = self.plain(library)?;
         let known = [scene.problem.names(), scene.setting_names()].concat();
         Err(UnknownName::new("parameter or setting", unknown, known).into())
     }
 
     /// Returns the scene to trace.
-    pub(super) fn scene(&self, shop: &Shop, cancel: &CancelToken) -> Result<Scene, SceneError> {
+    pub(super) fn scene(
+        &self,
+        library: &Library,
+        cancel: &CancelToken,
+    ) -> Result<Scene, SceneError> {
         let mut request = self.request(cancel);
-        let scene = match self.stated(shop)? {
-            Stated::Scene(scene) => scene.requested(&request)?,
-            Stated::Model(problem) => {
-                if request.along.is_empty() {
-                    request.along.extend(first_range(&problem, &self.set));
-                }
-                Scene::of_model(problem, &self.name, &request)?
-            }
-        };
+        let stated = self.stated(library)?;
+        if let (Stated::Model(problem), true) = (&stated, request.along.is_empty()) {
+            request.along.extend(first_range(problem, &self.set));
+        }
+        let scene = stated.requested(&self.name, &request)?;
         match self.runs.is_empty() {
             true => Ok(scene),
             false => scene.with_runs(self.runs.iter().cloned()),

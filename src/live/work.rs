@@ -2,11 +2,11 @@
 
 use super::command::command;
 use super::describe::describe;
+use super::library::Library;
 use super::opened::Opened;
 use super::pages::{Kept, Message};
 use super::preview::Preview;
 use super::setup::Setup;
-use super::shop::Shop;
 use super::trouble::Trouble;
 use crate::core::cancel::CancelToken;
 use crate::core::continuation::{Branch, SpecialPoint};
@@ -14,7 +14,7 @@ use crate::core::failure::one_line;
 use crate::output::{
     Document, Figure, FigureError, Panel, Summary, diagram, figures, hexadecimal, significant,
 };
-use crate::scene::{Following, Resolution, Scene, SceneError};
+use crate::scene::{Resolution, Scene, SceneError};
 use serde::Serialize;
 use serde_json::json;
 use std::sync::Arc;
@@ -25,13 +25,11 @@ use std::time::Instant;
 const DIGITS: usize = 10;
 /// The significant digits of errors.
 const ERROR_DIGITS: usize = 2;
-/// The maximum number of generations of emanating branches.
-const DEPTH: usize = 20;
 
 /// Traces a setup and sends messages to its page; returns the result to keep.
 pub(super) fn trace(
     setup: &Setup,
-    (shop, opened): (&Shop, Option<&Opened>),
+    (library, opened): (&Library, Option<&Opened>),
     cancel: &CancelToken,
     out: &Sender<Message>,
 ) -> Option<Kept> {
@@ -39,9 +37,10 @@ pub(super) fn trace(
     let fail = |cause: &SceneError| {
         let _ = out.send(Message::of(&json!({ "failed": Trouble::from(cause) })));
     };
-    let (setup, left_out) = &setup.suited(shop).inspect_err(fail).ok()?;
-    let values = setup.values(shop);
-    let scene = values.as_ref().map_err(SceneError::clone).and_then(|_| setup.scene(shop, cancel));
+    let (setup, left_out) = &setup.suited(library).inspect_err(fail).ok()?;
+    let values = setup.values(library);
+    let scene =
+        values.as_ref().map_err(SceneError::clone).and_then(|_| setup.scene(library, cancel));
     if let Ok(values) = &values {
         let description = describe(setup, values, scene.as_ref().ok());
         let _ = out.send(Message::of(&json!({ "described": description })));
@@ -63,7 +62,7 @@ pub(super) fn trace(
     let done = Done {
         millis: begin.elapsed().as_secs_f64() * 1e3,
         stopped,
-        command: command(setup, shop, opened),
+        command: command(setup, library, opened),
         failed: failed.iter().map(|(run, cause)| Trouble::of_run(run, cause)).collect(),
         warnings: left_out.iter().map(|name| unknown(name)).chain(kept.scene.warnings()).collect(),
         drawing: Drawing::of(&kept),
@@ -89,10 +88,7 @@ fn branches(
 ) -> Traced {
     let axes = [setup.x.as_deref(), setup.y.as_deref()];
     let mut preview = Preview::new(resolution.scene().plot.clone(), axes, at);
-    if setup.depth > 0 {
-        let all = Following::all(setup.depth.min(DEPTH));
-        let kinds = if setup.kinds.is_empty() { all.kinds } else { setup.kinds.clone() };
-        let following = Following { kinds, ..all };
+    if let Some(following) = setup.following() {
         let (scene, outcome) = resolution.explore(&following, &mut preview);
         let failed = outcome.error.into_iter().map(|cause| (String::new(), cause));
         return (scene, outcome.document, failed.collect());

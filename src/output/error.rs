@@ -34,9 +34,9 @@ pub enum FileError {
     },
     /// The file is not a text file.
     #[error(
-        "{} is not a text file (byte {at} is not UTF-8){}",
-        path.display(), if path.extension().is_some_and(|e| e == "npz") { ": draw archives of sweeps with `tangency plot`" } else { "" }
+        "{} is not a text file: byte {at} is not UTF-8", path.display()
     )]
+    #[diagnostic(help("name a text file; `tangency plot` draws archives of sweeps (.npz)"))]
     NoText {
         /// The path of the file.
         path: PathBuf,
@@ -81,9 +81,9 @@ pub enum FileError {
     },
     /// The file exceeds the size limit.
     #[error(
-        "{} is larger than the limit of {} MB; to read it anyway, raise the limit with --max-size",
-        path.display(), limit / 1_000_000
+        "{} is larger than the limit of {} MB", path.display(), limit / 1_000_000
     )]
+    #[diagnostic(help("raise the limit with --max-size"))]
     TooLarge {
         /// The path of the file.
         path: PathBuf,
@@ -195,9 +195,9 @@ pub enum FormatError {
     },
     /// An archive unpacks to more than the size limit.
     #[error(
-        "the archive unpacks to more than the limit of {} MB; to read it anyway, raise the limit with \
-         --max-size", limit / 1_000_000
+        "the archive unpacks to more than the limit of {} MB", limit / 1_000_000
     )]
+    #[diagnostic(help("raise the limit with --max-size"))]
     Unpacked {
         /// The size limit in bytes.
         limit: u64,

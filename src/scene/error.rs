@@ -120,10 +120,8 @@ pub enum SceneError {
     #[diagnostic(transparent)]
     Problem(#[from] ProblemError),
     /// The problem lacks a capability that the scene needs.
-    #[error(
-        "{needs}, and this problem is {kind}; to use a vector field in this way, state it as a hybrid system of \
-         one mode"
-    )]
+    #[error("{needs}, and this problem is {kind}")]
+    #[diagnostic(help("state a vector field as a hybrid system of one mode"))]
     Unsupported {
         /// The problems that have the capability, in words.
         needs: &'static str,
@@ -296,7 +294,8 @@ impl SceneError {
         SceneError::Invalid { message: message.into(), help: None }
     }
 
-    /// Returns the error for a setting that has no effect, with the reason; the remedy is to omit it.
+    /// Returns the error for a setting that has no effect, with the reason; the remedy omits the
+    /// setting.
     pub(super) fn idle(name: &str, reason: impl Into<String>) -> Self {
         let help = Some(format!("omit `{name}`"));
         SceneError::NoEffect { name: name.into(), reason: reason.into(), help }

@@ -159,8 +159,8 @@ impl Touching for Follower {
     }
 }
 
-/// Where the motion of a system on which it settles comes nearest to a guard, as a grazing point
-/// that is to be located.
+/// Returns the place at which the settled motion of a system is nearest to a guard, as a guess of a
+/// grazing point.
 fn settled<S: HybridSystem>(
     system: &S,
     start: &[f64],

@@ -53,3 +53,8 @@ pub fn refused(folder: &Path, arguments: &[&str], expected: &[&str]) {
         assert!(message.contains(part), "{arguments:?}: `{part}` is not in {message}");
     }
 }
+
+/// The text on the error stream of a command.
+pub fn stderr(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}

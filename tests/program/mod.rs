@@ -3,6 +3,7 @@
 mod archives;
 mod command;
 mod command_line;
+mod comparisons;
 mod fidelity;
 mod files;
 mod grids;

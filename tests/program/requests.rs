@@ -1,21 +1,16 @@
 //! Commands as strangers type them: starts, names, files, sizes, and the messages where they err.
 
-use crate::program::command::{failure, refused, succeeds, tangency};
+use crate::program::command::{failure, refused, stderr, succeeds, tangency};
 use std::fmt::Write;
 use std::io::Read;
-use std::process::Output;
 use tangency::core::continuation::Branch;
 use tangency::core::failure::one_line;
 use tangency::core::system::Kind;
-use tangency::output::{Document, Origin, Sweeps, compare, diagram};
+use tangency::output::{Document, Origin, Sweeps, diagram};
 use tempfile::{TempDir, tempdir};
 
 fn folder() -> TempDir {
     tempdir().expect("a folder")
-}
-
-fn stderr(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
 /// A mass on a spring that is stiffer on one side: orbits of one shape end at two grazings, and the
@@ -509,103 +504,5 @@ fn archives_are_told_from_documents() {
         [("max_step=0.2", "no effect on sweeps"), ("amplitude=2", "which varies `amplitude`")]
     {
         refused(at, &["sweep", "up.ron", "--set", name, "--afresh"], &[words]);
-    }
-}
-
-/// Two results are compared, and the exit code says whether they agree.
-#[test]
-fn results_are_compared() {
-    let folder = folder();
-    let at = folder.path();
-    succeeds(at, &["trace", "lorenz", "--out", "a"]);
-    let said = succeeds(at, &["trace", "lorenz", "--out", "b", "--check", "a/lorenz.ron"]);
-    assert!(said.contains("no differences from a/lorenz.ron"), "{said}");
-    succeeds(at, &["compare", "a/lorenz.ron", "b/lorenz.ron"]);
-    let other = ["trace", "lorenz", "--out", "c", "--set", "beta=2.6", "--check", "a/lorenz.ron"];
-    let output = tangency(at, &other);
-    assert_eq!(output.status.code(), Some(1));
-    let said = String::from_utf8_lossy(&output.stdout).into_owned();
-    assert!(said.contains("convection: HB moved from rho = 24.7368421053 to 24.375"), "{said}");
-    assert!(stderr(&output).contains("differences from a/lorenz.ron"));
-    let text = std::fs::read_to_string(at.join("a/lorenz.ron")).unwrap();
-    std::fs::write(at.join("d.ron"), text.replace("name: \"rest\"", "name: \"trivial\"")).unwrap();
-    let output = tangency(at, &["compare", "a/lorenz.ron", "d.ron"]);
-    let said = String::from_utf8_lossy(&output.stdout).into_owned();
-    assert!(said.contains("`rest` is missing") && said.contains("`trivial` is new"), "{said}");
-}
-
-/// One point that is missing is one difference; values of monitors count; rounding matches nothing.
-#[test]
-fn differences_are_those_that_there_are() {
-    let scene = |rate: &str, marks: &str| {
-        let text = format!(
-            "Scene(title: \"t\", problem: Equations(states: [(\"x\", \"{rate}\"), (\"y\", \"-y\")], solution: equilibrium), parameters: [(\"a\", 0)],
-                runs: [(name: \"r\", along: [(name: \"a\", low: 0, high: 2)], marks: [{marks}])])"
-        );
-        let scene = tangency::scene::Scene::parse(&text).unwrap_or_else(|error| panic!("{error}"));
-        tangency::scene::execute(&scene, None, &mut ()).document
-    };
-    let marks = |from: usize| -> String {
-        (from..6).map(|k| format!("(\"a\", {}),", 0.3 * k as f64)).collect()
-    };
-    let said = |old: &Document, new: &Document| -> Vec<String> {
-        compare(old, new).iter().map(ToString::to_string).collect()
-    };
-    let all = scene("a - x", &marks(1));
-    assert_eq!(said(&all, &scene("a - x", &marks(2))), ["r: UZ at a = 0.3 is missing"]);
-    assert_eq!(said(&scene("a - x", &marks(2)), &all), ["r: UZ at a = 0.3 is new"]);
-    let steeper = said(&all, &scene("a - 1.01*x", &marks(1)));
-    assert!(steeper.iter().any(|it| it.contains("x was 0.6 and is 0.594")), "{steeper:?}");
-}
-
-/// A constant parameter that differs is the first difference, and no point is missing for it alone.
-#[test]
-fn parameters_that_differ_come_first() {
-    let old = Document::new("plate", vec![tangency::output::example_branch()]);
-    let mut new = old.clone();
-    let branch = &mut new.branches[0];
-    branch.points.iter_mut().for_each(|point| point.parameters[1] = 3.0);
-    branch.special.iter_mut().for_each(|point| point.parameters[1] = 3.0);
-    let found: Vec<String> = compare(&old, &new).iter().map(ToString::to_string).collect();
-    assert_eq!(found, ["plate: the parameter aspect_ratio was 1.2 and is 3"]);
-}
-
-/// A table of several results has a column of their files, and only the named sensitivities.
-#[test]
-fn tables_have_files_and_chosen_sensitivities() {
-    let folder = folder();
-    let at = folder.path();
-    let text = "Equations(states: [(\"x\", \"a - b*x^2\"), (\"y\", \"-c*y\")],
-        parameters: [(\"a\", 1), (\"b\", 2), (\"c\", 1)], initial: [(\"x\", 0.7)])";
-    std::fs::write(at.join("m.ron"), text).unwrap();
-    for out in ["one", "two"] {
-        let trace = ["trace", "m.ron", "--set", "solution=equilibrium", "--along", "a=-1..1"];
-        succeeds(at, &[&trace[..], &["--out", out]].concat());
-    }
-    succeeds(at, &["plot", "one/m.ron", "two/m.ron", "--out", "both.csv"]);
-    let table = std::fs::read_to_string(at.join("both.csv")).unwrap();
-    assert!(table.starts_with("file,branch,point,a,"), "{table}");
-    let files: std::collections::BTreeSet<&str> =
-        table.lines().skip(1).filter_map(|line| line.split(',').next()).collect();
-    assert_eq!(files.into_iter().collect::<Vec<_>>(), ["one/m.ron", "two/m.ron"]);
-    let fold = ["table", "one/m.ron", "--kind", "LP", "--sensitivity", "--csv", "--columns"];
-    let of = |columns: &str| succeeds(at, &[&fold[..], &[columns]].concat());
-    // The fold at a = 0 does not depend on b and c.
-    assert_eq!(of("kind,da/dc"), "kind,da/dc\nLP,0\n");
-    assert!(of("kind").starts_with("kind,da/db,da/dc\n"));
-}
-
-/// Parameters may have the names of columns: the table tells them apart.
-#[test]
-fn columns_of_a_table_have_different_names() {
-    let folder = folder();
-    let at = folder.path();
-    let text = "Equations(states: [(\"x\", \"error - x\")], parameters: [(\"error\", 1)], monitors: [(\"unstable\", \"2*x\")])";
-    std::fs::write(at.join("m.ron"), text).unwrap();
-    succeeds(at, &["trace", "m.ron", "--along", "error=0..2"]);
-    let table = succeeds(at, &["table", "out/m.ron", "--csv"]);
-    let header: Vec<&str> = table.lines().next().unwrap().split(',').collect();
-    for name in ["parameter error", "error", "monitor unstable", "unstable"] {
-        assert_eq!(header.iter().filter(|column| **column == name).count(), 1, "{header:?}");
     }
 }

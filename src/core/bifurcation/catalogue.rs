@@ -480,21 +480,6 @@ pub(crate) fn of_curves() -> Vec<Kind> {
     rows.map(|row| row.kind).chain([Kind::G, Kind::HOM]).collect()
 }
 
-/// Whether orbits can be special points of a kind if they have this number of nontrivial
-/// multipliers, whose product is positive.
-pub(crate) fn is_possible(kind: Kind, multipliers: usize) -> bool {
-    let (critical, negative) = match kind {
-        Kind::PD | Kind::GPD => (1, true),
-        Kind::TR | Kind::CH | Kind::R1 | Kind::R2 | Kind::R3 | Kind::R4 => (2, false),
-        Kind::LPPD => (2, true),
-        Kind::LPNS => (3, false),
-        Kind::PDNS => (3, true),
-        Kind::NSNS => (4, false),
-        _ => return true,
-    };
-    multipliers > critical || multipliers == critical && !negative
-}
-
 /// Returns the kinds of the curves that emanate at a point of kind `kind` on a curve of points of
 /// kind `held`.
 #[cfg(feature = "scene")]

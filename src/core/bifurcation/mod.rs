@@ -39,6 +39,7 @@ mod hopf;
 mod level;
 mod normal_form;
 mod null;
+mod orientation;
 mod resonance;
 mod sides;
 mod stability;
@@ -52,6 +53,7 @@ pub use level::Level;
 pub(crate) use normal_form::{
     Case, ComputeNormalForm, DETAILS, DoubledOrbit, NormalForm, doubled_beside,
 };
+pub(in crate::core) use orientation::is_possible;
 pub(in crate::core) use sides::Sides;
 pub(crate) use stability::Critical;
 pub use stability::Stability;

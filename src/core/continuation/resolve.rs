@@ -11,7 +11,7 @@ use super::quantities::Quantities;
 use super::settings::Settings;
 use crate::core::bifurcation::catalogue;
 use crate::core::bifurcation::catalogue::CATALOGUE;
-use crate::core::bifurcation::{Hopf, Needs};
+use crate::core::bifurcation::{Hopf, Needs, is_possible};
 use crate::core::failure::{Failure, one_line};
 use crate::core::problem::{Dynamics, Names, position};
 use crate::core::system::{
@@ -82,6 +82,7 @@ fn take_over(curve: &mut Continuation) -> Result<Start, Failure> {
     };
     solution.parameters = curve.x[n..].to_vec();
     solution.switch = curve.switch;
+    let shift = curve.origin.as_mut().and_then(|origin| origin.mesh_shift.take());
     if curve.held.iter().any(|(kind, make)| *kind == Kind::HOM && make.is_none()) {
         return homoclinic(curve, solution);
     }
@@ -120,21 +121,21 @@ fn take_over(curve: &mut Continuation) -> Result<Start, Failure> {
     let crosses = switched || kind == Kind::BP && of_solutions && curve.held.is_empty();
     let site = if at_point && crosses { Site::BranchPoint } else { start.site };
     let start = Start { site, ..start };
-    to_mesh(curve, &start, kind);
+    if let Some(shift) = shift.filter(|_| stays_on_mesh(&start, kind)) {
+        let parameters = &mut curve.x[start.z.len()..];
+        parameters.iter_mut().zip(&shift).for_each(|(p, shift)| *p += shift);
+        curve.origin.iter_mut().for_each(|origin| origin.mesh_shift = Some(shift.clone()));
+    }
     Ok(start)
 }
 
-/// Sets the parameters at a branch point to the values of its own mesh, on which its state solves
-/// the equations: near a branch point that is missed by the error of the mesh, the other branch
-/// would be lost. Starts on another mesh, and other orbits beyond an event, have no such values.
-fn to_mesh(curve: &mut Continuation, start: &Start, kind: Kind) {
-    let Some(origin) = &mut curve.origin else { return };
-    let of_mesh = matches!(kind, Kind::BP | Kind::PD);
-    if start.site != Site::BranchPoint || start.direction.is_none() || !of_mesh {
-        origin.mesh_shift = None;
-    }
-    let shift = origin.mesh_shift.iter().flatten();
-    curve.x[start.z.len()..].iter_mut().zip(shift).for_each(|(p, shift)| *p += shift);
+/// Whether a branch starts at a branch point on the mesh of the saved solution, whose parameters then
+/// are the values of that mesh: near a branch point that is missed by the error of the mesh, the
+/// other branch would be lost. Starts on another mesh, and other orbits beyond an event, have no such
+/// values.
+fn stays_on_mesh(start: &Start, kind: Kind) -> bool {
+    let is_crossing = start.site == Site::BranchPoint && start.direction.is_some();
+    is_crossing && matches!(kind, Kind::BP | Kind::PD)
 }
 
 /// Returns the start of a curve of homoclinic orbits: a saved orbit, an orbit near a cycle, or an
@@ -379,7 +380,7 @@ fn bifurcations(
     curve: &Continuation,
     (parameter, multipliers): (usize, Option<usize>),
 ) -> Vec<Event> {
-    let possible = |kind: Kind| multipliers.is_none_or(|all| catalogue::is_possible(kind, all));
+    let possible = |kind: Kind| multipliers.is_none_or(|all| is_possible(kind, all));
     let dynamics = curve.system.dynamics();
     let held: Vec<Kind> = curve.held.iter().map(|(kind, _)| *kind).collect();
     let Settings { detect, stability, .. } = &curve.settings;

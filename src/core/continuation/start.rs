@@ -126,8 +126,7 @@ pub(super) fn begin<'a>(
         },
     };
     let mut place = arrive_first(&mut curve, unknowns, tangent, from_branch_point)?;
-    let of_mesh = |origin: &&Solution| matches!(origin.kind, Kind::BP | Kind::PD);
-    if let Some(shift) = origin.as_ref().filter(of_mesh).and_then(|it| it.mesh_shift.as_ref()) {
+    if let Some(shift) = origin.as_ref().and_then(|origin| origin.mesh_shift.as_ref()) {
         place.point.parameters.iter_mut().zip(shift).for_each(|(p, shift)| *p -= shift);
     }
     // Where a branch of cycles emanates, both directions give the same cycles.

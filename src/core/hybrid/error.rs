@@ -100,10 +100,8 @@ pub enum HybridError {
         source: FlowError,
     },
     /// The solution of a field without modes and events grows without bound.
-    #[error(
-        "the solution grows without bound: at t = {time:.9e}, {state} = {value:.3e}; simulate a shorter time, or \
-         start elsewhere"
-    )]
+    #[error("the solution grows without bound: at t = {time:.9e}, {state} = {value:.3e}")]
+    #[diagnostic(help("simulate a shorter time, or start elsewhere"))]
     Unbounded {
         /// The time at which no further step succeeds.
         time: f64,

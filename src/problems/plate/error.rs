@@ -68,10 +68,12 @@ pub enum PlateError {
     /// The polynomials do not resolve the modes.
     #[error(
         "{modes} modes cannot meet mode_accuracy {accuracy:.1e}: with {} × {} functions the ω² of the \
-         modes are off by {error:.1e}, and {accurate} modes are accurate enough; request fewer modes, \
-         more functions (`orders`) if you set the orders, or a larger mode_accuracy (free edges that \
-         meet at a corner limit the accuracy)", functions[0], functions[1]
+         modes are off by {error:.1e}, and {accurate} modes are accurate enough", functions[0], functions[1]
     )]
+    #[diagnostic(help(
+        "request fewer modes, more functions (`orders`) if you set the orders, or a larger `mode_accuracy` \
+         (free edges that meet at a corner limit the accuracy)"
+    ))]
     Accuracy {
         /// The number of modes.
         modes: usize,

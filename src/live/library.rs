@@ -7,7 +7,7 @@ use std::path::PathBuf;
 
 /// The problems and examples of a server.
 #[derive(Clone, Debug)]
-pub struct Shop {
+pub struct Library {
     /// The problems, and the scenes that are examples.
     pub catalogue: Catalogue,
     /// The folder whose files scenes may refer to; `None` if scenes must not refer to files.
@@ -23,7 +23,7 @@ pub(super) struct Example<'a> {
     summary: String,
 }
 
-impl Shop {
+impl Library {
     /// Parses a scene.
     pub(super) fn parse(&self, text: &str) -> Result<Scene, SceneError> {
         match self.folder.as_deref() {

@@ -6,62 +6,62 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 /// The maximum number of connections.
 const MOST: usize = 64;
 
-/// The open connections, in the order in which they came.
+/// The open connections, in the order of their arrival.
 #[derive(Clone, Default)]
-pub(super) struct Doors(Arc<Mutex<Open>>);
+pub(super) struct Connections(Arc<Mutex<Open>>);
 
 #[derive(Default)]
 struct Open {
     last: u64,
-    connections: Vec<Connection>,
+    connections: Vec<Listed>,
 }
 
-struct Connection {
+struct Listed {
     number: u64,
     stream: TcpStream,
     /// Whether the request has arrived.
-    has_asked: bool,
+    has_request: bool,
 }
 
-/// A connection that is let in; it leaves when this value is dropped.
-pub(super) struct Guest {
-    doors: Doors,
+/// An accepted connection, which leaves the list when this value is dropped.
+pub(super) struct Connection {
+    all: Connections,
     number: u64,
 }
 
-impl Doors {
+impl Connections {
     fn open(&self) -> MutexGuard<'_, Open> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Lets a connection in. If there are too many, the oldest one without a request is closed;
-    /// `None` if all have requests.
-    pub fn admit(&self, stream: &TcpStream) -> Option<Guest> {
+    /// Accepts a connection. At the limit, the oldest connection without a request is closed;
+    /// `None` if all connections have requests.
+    pub fn accept(&self, stream: &TcpStream) -> Option<Connection> {
         let copy = stream.try_clone().ok()?;
         let mut open = self.open();
         if open.connections.len() >= MOST {
-            let idle = open.connections.iter().position(|it| !it.has_asked)?;
+            let idle = open.connections.iter().position(|it| !it.has_request)?;
             let idle = open.connections.remove(idle);
             let _ = idle.stream.shutdown(Shutdown::Both);
         }
         open.last += 1;
         let number = open.last;
-        open.connections.push(Connection { number, stream: copy, has_asked: false });
-        Some(Guest { doors: self.clone(), number })
+        open.connections.push(Listed { number, stream: copy, has_request: false });
+        Some(Connection { all: self.clone(), number })
     }
 }
 
-impl Guest {
+impl Connection {
     /// Records that the request has arrived.
-    pub fn has_asked(&self) {
-        let mut open = self.doors.open();
+    pub fn received(&self) {
+        let mut open = self.all.open();
         let own = open.connections.iter_mut().find(|it| it.number == self.number);
-        own.into_iter().for_each(|it| it.has_asked = true);
+        own.into_iter().for_each(|it| it.has_request = true);
     }
 }
 
-impl Drop for Guest {
+impl Drop for Connection {
     fn drop(&mut self) {
-        self.doors.open().connections.retain(|it| it.number != self.number);
+        self.all.open().connections.retain(|it| it.number != self.number);
     }
 }

@@ -1,0 +1,37 @@
+//! The content of a text: a model, or a scene.
+
+use super::error::SceneError;
+use super::problem::Problem;
+use super::request::Request;
+use super::statement::Scene;
+
+/// The content of a text that states a problem.
+#[derive(Clone, Debug)]
+#[expect(clippy::large_enum_variant, reason = "few exist at a time")]
+pub enum Stated {
+    /// Equations without runs.
+    Model(Problem),
+    /// A scene.
+    Scene(Scene),
+}
+
+impl Stated {
+    /// Returns the scene with a request applied; the scene of a model has the title.
+    ///
+    /// # Errors
+    /// As [`Scene::of_model`] and [`Scene::requested`].
+    pub fn requested(self, title: &str, request: &Request) -> Result<Scene, SceneError> {
+        match self {
+            Stated::Model(problem) => Scene::of_model(problem, title, request),
+            Stated::Scene(scene) => scene.requested(request),
+        }
+    }
+
+    /// Returns the scene as written; the scene of a model has the title and no runs.
+    pub fn as_written(self, title: &str, request: &Request) -> Scene {
+        match self {
+            Stated::Model(problem) => Scene::of_problem(problem, title, request),
+            Stated::Scene(scene) => scene,
+        }
+    }
+}
