@@ -4,6 +4,7 @@
 use super::grid::{Found, Panel, from_to, map};
 use crate::RobustnessMap;
 use tangency::core::continuation::{Branch, Continuation, End, Settings};
+use tangency::core::failure::one_line;
 use tangency::core::numerics::gauss_legendre;
 use tangency::core::system::Kind;
 use tangency::problems::plate::{Orders, Ritz, RitzSettings, Supports, Units};
@@ -40,11 +41,11 @@ fn judged(error: f64) -> Found {
 /// Traces a branch from rest to a largest deflection, with marks on the way.
 fn traced(orders: [usize; 2], refinement: f64, gaps: &[f64]) -> Traced {
     let supports: Supports =
-        "CCCC".parse().map_err(|e: tangency::problems::plate::PlateError| e.to_string())?;
+        "CCCC".parse().map_err(|e: tangency::problems::plate::PlateError| one_line(&e))?;
     let mut settings = RitzSettings::new(supports);
     let [across, within] = orders;
     settings.orders = Some(Orders { transverse: [across; 2], in_plane: [within; 2] });
-    let mut plate = Ritz::new(settings).map_err(|cause| cause.to_string())?;
+    let mut plate = Ritz::new(settings).map_err(|cause| one_line(&cause))?;
     let names = Units::Dimensionless.names().iter().zip(Units::Dimensionless.defaults());
     let start =
         names.fold(Continuation::new(&mut plate), |run, (name, value)| run.at(name, *value));
@@ -53,7 +54,7 @@ fn traced(orders: [usize; 2], refinement: f64, gaps: &[f64]) -> Traced {
         .along("load", 0.0..=f64::INFINITY)
         .bound("max_deflection", f64::NEG_INFINITY..=0.999);
     let marked = gaps.iter().fold(start, |run, gap| run.mark("max_deflection", 1.0 - gap));
-    marked.trace().map_err(|cause| cause.to_string())
+    marked.trace().map_err(|cause| one_line(&cause))
 }
 
 /// Returns the load at a mark, and its error.

@@ -3,6 +3,7 @@
 use super::plan::{Answer, Method, Plan};
 use crate::Drawn;
 use tangency::core::continuation::{Branch, Continuation, Point, Settings};
+use tangency::core::failure::one_line;
 use tangency::core::system::Dense;
 use tangency::zero_problem;
 
@@ -32,7 +33,7 @@ fn branch(curve_error: f64) -> Result<Branch, String> {
     let mut plate = Dense::new(Plate);
     let settings = Settings { curve_error, ..Settings::default() };
     let run = Continuation::new(&mut plate).along("load", 0.0..=1.0).bound("deflection", ..=END);
-    run.settings(settings).trace().map_err(|cause| cause.to_string())
+    run.settings(settings).trace().map_err(|cause| one_line(&cause))
 }
 
 /// Returns the load and the deflection at a fraction of the way between two points.

@@ -4,6 +4,7 @@
 use super::period::{PERIOD, parameters};
 use super::plan::{Answer, Method, Plan};
 use num_dual::{Dual64, HyperDual64};
+use tangency::core::failure::one_line;
 use tangency::core::hybrid::{HybridFlow, HybridSettings, HybridState, InMode};
 use tangency::core::ode::{Flow, Scheme, Settings};
 use tangency::core::problem::VectorField;
@@ -27,11 +28,11 @@ fn over<F: VectorField + 'static, T: Scalar>(
     p: Vec<f64>,
 ) -> impl FnMut() -> Result<Answer, String> + 'static {
     move || {
-        let mut flow = Flow::<T>::new(settings.clone()).map_err(|cause| cause.to_string())?;
+        let mut flow = Flow::<T>::new(settings.clone()).map_err(|cause| one_line(&cause))?;
         let (mut x, p): (Vec<T>, Vec<T>) = (x.clone(), p.iter().map(|p| T::constant(*p)).collect());
         let (start, length) = (T::zero(), T::constant(time));
         let statistics = flow.advance(&field, start, length, &mut x, &p);
-        let statistics = statistics.map_err(|cause| cause.to_string())?;
+        let statistics = statistics.map_err(|cause| one_line(&cause))?;
         let numbers = x.iter().map(T::real).collect();
         Ok(Answer { numbers, work: statistics.evaluations as f64 })
     }
@@ -74,11 +75,11 @@ fn impacting() -> Plan {
     let motion = |settings: Settings| {
         move || {
             let settings = HybridSettings { flow: settings.clone(), ..HybridSettings::default() };
-            let mut flow = HybridFlow::new(&Actuator, settings).map_err(|e| e.to_string())?;
+            let mut flow = HybridFlow::new(&Actuator, settings).map_err(|e| one_line(&e))?;
             let x = vec![-0.4, 0.2];
             let mut state = HybridState { mode: Actuator::STICK, time: 0.0, x };
             let statistics = flow.advance(&mut state, PERIOD, &parameters(0.52), &mut ());
-            let statistics = statistics.map_err(|cause| cause.to_string())?;
+            let statistics = statistics.map_err(|cause| one_line(&cause))?;
             Ok(Answer { numbers: state.x, work: statistics.flow.evaluations as f64 })
         }
     };

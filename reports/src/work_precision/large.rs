@@ -4,6 +4,7 @@
 use super::plan::{Answer, Method, Plan};
 use crate::Drawn;
 use tangency::core::continuation::{Continuation, Settings};
+use tangency::core::failure::one_line;
 use tangency::core::problem::{Names, ZeroProblem};
 use tangency::core::scalar::Scalar;
 use tangency::core::system::{Dense, Kind, Sparse, System};
@@ -54,7 +55,7 @@ fn fold(system: &mut dyn System, most: f64) -> Result<Answer, String> {
     let unknowns = system.names().dimension();
     let settings = Settings { max_points: 60, ..Settings::default() };
     let run = Continuation::new(system).settings(settings).along("lambda", 0.0..=most);
-    let branch = run.bound("middle", ..=2.0).trace().map_err(|cause| cause.to_string())?;
+    let branch = run.bound("middle", ..=2.0).trace().map_err(|cause| one_line(&cause))?;
     let fold = branch.of_kind(Kind::LP).next().ok_or("no fold")?;
     Ok(Answer { numbers: vec![fold.parameters[0]], work: unknowns as f64 })
 }

@@ -4,6 +4,7 @@ use super::plan::{Answer, Method, Plan};
 use super::scenes::{Counted, Sought, scene, tracing};
 use crate::Drawn;
 use std::num::NonZeroUsize;
+use tangency::core::failure::one_line;
 use tangency::core::sweep::Part;
 use tangency::core::system::Kind;
 use tangency::scene::sweep;
@@ -112,7 +113,7 @@ fn impacts() -> Plan {
         let part = Part { threads: NonZeroUsize::new(1), ..Part::WHOLE };
         Method::new(line, flow_tolerance, move || {
             let swept = sweep(scene.as_ref()?, "impacts", part, None, &mut ());
-            let swept = swept.map_err(|cause| cause.to_string())?;
+            let swept = swept.map_err(|cause| one_line(&cause))?;
             let table = &swept.sweeps[0];
             let column = |name: &str| table.run_columns.iter().position(|known| known == name);
             let columns: Vec<usize> = ENDS.iter().filter_map(|name| column(name)).collect();

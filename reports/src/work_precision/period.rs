@@ -5,6 +5,7 @@ use nalgebra::{Matrix2, Vector2};
 use num_dual::Dual;
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
+use tangency::core::failure::one_line;
 use tangency::core::hybrid::{
     EventNumber, GuardOf, HybridFlow, HybridSettings, HybridState, InMode,
 };
@@ -59,15 +60,15 @@ where
         let (mut x, p, begin, period) = (x.to_vec(), self.p, T::zero(), T::constant(PERIOD));
         if self.impacts {
             let settings = HybridSettings { flow, ..HybridSettings::default() };
-            let mut flow = HybridFlow::new(&Actuator, settings).map_err(|e| e.to_string())?;
+            let mut flow = HybridFlow::new(&Actuator, settings).map_err(|e| one_line(&e))?;
             let mut state = HybridState { mode: Actuator::STICK, time: begin, x };
             let advanced = flow.advance(&mut state, period, &p, &mut ());
-            advanced.map_err(|cause| cause.to_string())?;
+            advanced.map_err(|cause| one_line(&cause))?;
             x = state.x;
         } else {
-            let mut flow = Flow::<T>::new(flow).map_err(|cause| cause.to_string())?;
+            let mut flow = Flow::<T>::new(flow).map_err(|cause| one_line(&cause))?;
             let advanced = flow.advance(&STICK, begin, period, &mut x, &p);
-            advanced.map_err(|cause| cause.to_string())?;
+            advanced.map_err(|cause| one_line(&cause))?;
         }
         match x[..] {
             [displacement, velocity] => Ok(Vector2::new(displacement, velocity)),
@@ -123,7 +124,7 @@ impl Period {
     /// exact one, or the largest on a mesh of the given number of parts.
     pub fn largest(self, x: [f64; 2], mesh: Option<usize>) -> Result<f64, String> {
         let settings = Settings::new(Scheme::DormandPrince8, self.tolerance);
-        let mut flow = Flow::<f64>::new(settings).map_err(|cause| cause.to_string())?;
+        let mut flow = Flow::<f64>::new(settings).map_err(|cause| one_line(&cause))?;
         let (mut extrema, mut most) = (Extrema::default(), f64::NEG_INFINITY);
         let (mut x, mut between) = (x.to_vec(), [0.0; 2]);
         let flowed = flow.observe(&STICK, 0.0, PERIOD, &mut x, &self.p, |step| {
@@ -140,7 +141,7 @@ impl Period {
             }
             ControlFlow::Continue(())
         });
-        flowed.map_err(|cause| cause.to_string())?;
+        flowed.map_err(|cause| one_line(&cause))?;
         Ok(most)
     }
 }

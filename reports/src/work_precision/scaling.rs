@@ -10,6 +10,7 @@ use nalgebra::SVector;
 use num_dual::Dual64;
 use std::array;
 use std::num::NonZeroUsize;
+use tangency::core::failure::one_line;
 use tangency::core::hybrid::{EventNumber, GuardOf};
 use tangency::core::problem::Watchable;
 use tangency::core::scalar::DualChunk;
@@ -157,7 +158,7 @@ fn threads() -> Plan {
         let (scene, part) = (scene.clone(), Part { threads: Some(threads), ..Part::WHOLE });
         Method::new("a sweep over 32 voltages", setting, move || {
             let swept = sweep(scene.as_ref()?, "threads", part, None, &mut ());
-            let swept = swept.map_err(|cause| cause.to_string())?;
+            let swept = swept.map_err(|cause| one_line(&cause))?;
             let rows = swept.sweeps.iter().flat_map(|table| table.rows.values());
             // Columns that do not apply to a motion are NaN.
             let numbers = rows.flat_map(|row| &row.values).filter(|value| value.is_finite());

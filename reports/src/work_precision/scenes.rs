@@ -1,6 +1,7 @@
 //! Methods defined by settings of a scene, with special points of the scene as answers.
 
 use super::plan::{Answer, Method};
+use tangency::core::failure::one_line;
 use tangency::core::ode::work;
 use tangency::core::system::Kind;
 use tangency::scene::{Scene, SceneError, execute};
@@ -46,7 +47,7 @@ pub(super) fn scene(text: &str, settings: &[(&str, &str)]) -> Result<Scene, Stri
         settings.iter().try_for_each(|(name, value)| scene.set(name, value))?;
         Ok(scene)
     };
-    Scene::parse(text).and_then(set).map_err(|cause| cause.to_string())
+    Scene::parse(text).and_then(set).map_err(|cause| one_line(&cause))
 }
 
 /// The results of a scene.
@@ -72,7 +73,7 @@ pub(super) fn found(scene: &Scene, sought: &[Sought]) -> Result<Found, String> {
     let numbers = sought.iter().map(number).collect::<Result<_, _>>();
     let evaluations = work().evaluations - before;
     match (outcome.error, numbers) {
-        (Some(cause), _) => Err(cause.to_string()),
+        (Some(cause), _) => Err(one_line(&cause)),
         (None, numbers) => Ok(Found { numbers: numbers?, unknowns, evaluations }),
     }
 }
