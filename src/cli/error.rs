@@ -59,12 +59,6 @@ pub enum CommandError {
     /// An option that cannot be combined with `--start FILE:LABEL`.
     #[error("--start FILE:LABEL starts from one special point and cannot be combined with {0}")]
     NotTogether(&'static str),
-    /// `--hold` and `--switch` are given with `--start FILE:LABEL`.
-    #[error(
-        "a curve that starts at a saved point (`--start FILE:LABEL --hold`) does not switch branches"
-    )]
-    #[diagnostic(help("trace the curve first, then start at a special point of the curve"))]
-    HeldAndSwitched,
     /// A document differs from the reference.
     #[error("{count} differences from {}", place.display())]
     Different { place: PathBuf, count: usize },

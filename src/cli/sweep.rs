@@ -24,7 +24,7 @@ use std::time::{Duration, Instant};
 /// The examples shown in the help of `sweep`.
 const EXAMPLES: &str = "Examples:
   tangency sweep mita-chatter
-  tangency sweep oscillator.ron --over f=8..14:121 --both
+  tangency sweep oscillator.ron --over f=8..14:121 --both --measure max_x
   tangency sweep model.ron --set max_step=0.01 --threads 4
   tangency sweep model.ron --part 2/8 --out parts && tangency merge parts/*.npz";
 
@@ -51,6 +51,9 @@ pub struct Sweep {
     /// The event just after which motion without forcing is sampled
     #[arg(long, value_name = "EVENT", requires = "over")]
     at: Option<String>,
+    /// Record these monitors of every period, such as max_x, and draw the first one
+    #[arg(long, value_name = "NAME,…", value_delimiter = ',', requires = "over")]
+    measure: Vec<String>,
     /// Compute only part K of N of the sweep; `tangency merge` joins the parts
     #[arg(long, value_name = "K/N", value_parser = share)]
     part: Option<Part>,
@@ -103,9 +106,13 @@ impl Sweep {
             return self.scene.read(from, request, Purpose::Sweeps);
         }
         let (name, scene) = self.scene.statement(from, request)?;
-        let (both, at) = (self.both, self.at.clone());
-        let start = self.from.clone().unwrap_or_default();
-        let swept = Swept { over: self.over.clone(), both, start, at };
+        let swept = Swept {
+            over: self.over.clone(),
+            both: self.both,
+            start: self.from.clone().unwrap_or_default(),
+            at: self.at.clone(),
+            measures: self.measure.clone(),
+        };
         let changed = request.set.iter().map(|(name, _)| name.as_str());
         let scene = scene.sweeping(request, swept).and_then(|scene| {
             scene.check_effects(changed, Purpose::Sweeps)?;

@@ -117,8 +117,12 @@ impl Trace {
         let mut nowhere = std::io::sink();
         let told: &mut dyn Write = if self.telling.quiet { &mut nowhere } else { &mut *out };
         let mut watch = Watch::new(&mut *told, self.telling);
+        let switches = start.as_ref().is_some_and(|start| start.switch);
         let following = request.following(self.wanted.begins_everywhere());
-        let mut outcome = match &following.filter(|_| start.is_none()) {
+        // The first branch switched at a saved point belongs to the first generation.
+        let following =
+            following.and_then(|it| if switches { it.next_generation() } else { Some(it) });
+        let mut outcome = match &following {
             Some(following) => resolution.explore(following, &mut watch).1,
             None => resolution.trace(&mut watch),
         };
@@ -323,10 +327,8 @@ impl Start {
             .special_point(self.branch.as_deref(), self.label)
             .map_err(|cause| CommandError::Start { file: self.file.clone(), cause })?;
         let changed = set.iter().map(|(name, _)| name.clone()).collect();
-        let switch = request.switch.is_some();
-        if switch && request.hold.is_some() {
-            return Err(CommandError::HeldAndSwitched);
-        }
+        // Along a curve of special points, branches are switched at the points of the curve.
+        let switch = request.switch.is_some() && request.hold.is_none();
         if switch && !request.following(false).is_some_and(|it| it.kinds.contains(&special.kind)) {
             let (label, kind) = (self.label, special.kind);
             return Err(CommandError::OtherKind { file: self.file.clone(), label, kind });

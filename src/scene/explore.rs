@@ -79,6 +79,13 @@ impl Following {
         Following { kinds, depth, distinct: false }
     }
 
+    /// Selects points of the same kinds in the generations after the first; `None` if there is one
+    /// generation.
+    pub fn next_generation(self) -> Option<Self> {
+        let depth = self.depth.checked_sub(1).filter(|depth| *depth > 0)?;
+        Some(Following { depth, ..self })
+    }
+
     /// Returns the kinds of points of curves from which other curves emanate.
     pub fn of_curves() -> Vec<Kind> {
         catalogue::crossings()
@@ -93,14 +100,6 @@ impl Resolution {
         following: &Following,
         observer: &mut dyn SceneObserver,
     ) -> (Scene, Outcome) {
-        if self.start().is_some() {
-            let cause = SceneError::invalid(
-                "the exploration of all runs of a scene cannot be combined with a \
-                                     start point",
-            )
-            .with_help("explore the scene without a start point");
-            return (self.scene().clone(), Outcome::failed(self.scene(), cause));
-        }
         let Some(accuracy) = self.scene().accuracy else {
             return Exploration::new(self, following).all(observer);
         };

@@ -7,7 +7,7 @@ use super::notation::written;
 use super::request::{Request, SearchBox};
 use super::statement::{Range, Run, Scene, Start};
 use crate::core::continuation::{RootSearch, Roots};
-use crate::core::problem::position;
+use crate::core::problem::{Forcing, position};
 
 /// The solutions found, with the names of the unknowns.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,6 +49,14 @@ impl Scene {
 
     /// Finds the equilibria, fixed points or zeros in a box.
     fn found(&mut self, within: &SearchBox) -> Result<Found, SceneError> {
+        let motion = self.problem.model().motion();
+        if motion.is_ok_and(|motion| motion.forcing() != Forcing::None) {
+            let message =
+                "the search in a box finds equilibria, but forced systems have no equilibria";
+            return Err(SceneError::invalid(message).with_help(
+                "find orbits by a sweep over initial states, as in `tangency sweep MODEL --over x=-1..1:11`",
+            ));
+        }
         self.problem.follow(Solution::Equilibrium);
         let p = self.values()?;
         let mut system = self.problem.model().system(&p, &p)?;

@@ -74,6 +74,9 @@ pub struct Swept {
     pub start: Vec<(String, f64)>,
     /// The event at which motion without forcing is sampled, just after the event.
     pub at: Option<String>,
+    /// The monitors to record at every period, such as `max_x`. Pictures show the first monitor,
+    /// unless the scene's picture names another column.
+    pub measures: Vec<String>,
 }
 
 impl Scene {
@@ -225,7 +228,7 @@ impl Scene {
     /// parameter, [`SceneError::Twice`] for a duplicate name. Resolving the scene checks all other
     /// names.
     pub fn sweeping(mut self, request: &Request, swept: Swept) -> Result<Scene, SceneError> {
-        let Swept { mut over, both, start, at } = swept;
+        let Swept { mut over, both, start, at, measures } = swept;
         let names = || over.iter().map(|grid| &grid.name).chain(start.iter().map(|(name, _)| name));
         if let Some(name) =
             names().enumerate().find_map(|(k, name)| names().take(k).find(|it| *it == name))
@@ -243,6 +246,7 @@ impl Scene {
         }
         let sweep = |(name, order): (&str, Order)| Sweep {
             at: at.clone(),
+            measures: measures.clone(),
             order,
             starts: if start.is_empty() { Vec::new() } else { vec![start.clone()] },
             ..Sweep::over(name, over.clone())
@@ -252,6 +256,9 @@ impl Scene {
             (true, false) => vec![sweep(("up", Order::Up))],
             (true, true) => [("up", Order::Up), ("down", Order::Down)].map(sweep).into(),
         };
+        if let Some(first) = measures.into_iter().next() {
+            self.plot.y.get_or_insert(first);
+        }
         self.settings.cancel = request.cancel.clone();
         self.set_all(&request.set)?;
         Ok(self)

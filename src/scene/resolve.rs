@@ -223,9 +223,13 @@ impl Resolution {
         self.start.as_ref()
     }
 
-    /// Resolves a further run, as if the scene stated it.
+    /// Resolves a further run, as if the scene stated it. A run of this resolution may start from
+    /// a saved point, and is returned as it is.
     pub(super) fn further(&self, run: &Run) -> Result<Resolved, SceneError> {
-        self.scene.resolved(run)
+        match self.runs.iter().find(|own| own.run == *run) {
+            Some(own) => Ok(own.clone()),
+            None => self.scene.resolved(run),
+        }
     }
 
     /// Returns the named run, preceded by the runs that lead to it.

@@ -67,6 +67,9 @@ pub(super) struct Tracing {
     pub runs: Vec<Run>,
     pub done: Vec<Branch>,
     last: LastStates,
+    /// The bounds and marks without effect: the number of the branch, and the name of the column
+    /// that the branch lacks.
+    idle: Vec<(usize, String)>,
     /// The error of the failed run.
     pub error: Option<SceneError>,
 }
@@ -86,24 +89,35 @@ impl Tracing {
         let branch = match (&run.start, run.along.is_empty()) {
             (Start::Simulated(simulated), true) => {
                 history(resolved, simulated, (&mut self.last, observer))
+                    .map(|branch| (branch, Vec::new()))
             }
             _ => {
                 let mut joined = Joined { done: &alike, observer };
                 trace(resolved, &self.done, &mut joined)
             }
         };
-        let mut branch = branch.map_err(|cause| resolved.unless_cancelled(cause))?;
+        let (mut branch, idle) = branch.map_err(|cause| resolved.unless_cancelled(cause))?;
         let mut special = std::mem::take(&mut branch.special);
         special.iter_mut().for_each(|special| join(&branch, special, &alike));
         branch.special = special;
+        self.idle.extend(idle.into_iter().map(|name| (self.done.len(), name)));
         self.runs.push(run.clone());
         self.done.push(branch);
         Ok(())
     }
 
-    /// Returns the results, with the branches that are shown.
+    /// Returns the results, with the branches that are shown. A bound or mark that has an effect on
+    /// one branch needs none on the others, which may lack the column.
     pub fn outcome(self, resolution: &Resolution) -> Outcome {
-        let Tracing { runs, done, error, .. } = self;
+        let Tracing { runs, mut done, idle, error, .. } = self;
+        for (branch, name) in idle {
+            if done.iter().any(|other| !other.columns_showing(&name).is_empty()) {
+                continue;
+            }
+            done[branch].warnings.push(format!(
+                "the bound or mark of `{name}` has no effect: no branch has such a column"
+            ));
+        }
         let shown = runs.iter().zip(done).filter(|(run, _)| run.shown);
         let branches = shown.map(|(_, branch)| branch).collect();
         Outcome { document: resolution.document(runs.iter(), branches), error }
@@ -190,21 +204,20 @@ fn started(
     Ok((system, guess))
 }
 
+/// Returns the branch of a run, and the names of columns with bounds or marks that the branch
+/// lacks.
 fn trace(
     resolved: &Resolved,
     done: &[Branch],
     observer: &mut dyn SceneObserver,
-) -> Result<Branch, SceneError> {
+) -> Result<(Branch, Vec<String>), SceneError> {
     let (applied, idle) = resolved.without_idle();
     let mut branch = begun(&applied, done, observer, |steps, began, observer| {
         forecast::branch(&resolved.run.name, &steps, began, observer);
         steps.run(observer)
     })?;
-    let idle = idle.iter().map(|name| {
-        format!("the bound or mark of `{name}` has no effect: this branch has no such column")
-    });
-    branch.warnings.splice(..0, resolved.problem.jumps().chain(idle));
-    Ok(branch)
+    branch.warnings.splice(..0, resolved.problem.jumps());
+    Ok((branch, idle))
 }
 
 /// Corrects the first point of a run, and calls a continuation with the result and the elapsed
@@ -314,7 +327,7 @@ pub(super) fn map_of(
 ) -> Result<LocalMap, SceneError> {
     let mut done = Vec::new();
     for run in resolution.leading(&local.run) {
-        done.push(trace(run, &done, &mut ())?);
+        done.push(trace(run, &done, &mut ())?.0);
     }
     let name = &resolved.sweep.name;
     let at = point_of(name, &done, &local.run, local.kind, local.nth)?;

@@ -68,3 +68,36 @@ fn a_state_that_stays_at_zero_does_not_shift_a_hopf_point() {
         close(hopf[0].parameters[p], 2.0 * (0.4 / 3.8) + 1.0 / 3.0, 1e-12);
     }
 }
+
+/// A capacitor on a spring, in SI units: `k x = ε A V²/(2 (g − x)²)` pulls in at `x = g/3`,
+/// `V² = 8 k g³/(27 ε A)`. At `V = 0` both `x` and `dx/dV` are zero, and no scale is stated.
+#[test]
+fn a_state_that_begins_at_zero_with_a_slope_of_zero_has_a_scale() {
+    for gap in [2e-3, 2e-6, 2e-9] {
+        for problem in [
+            "Residual(unknowns: [(\"x\", \"k*x - eps*A*V^2/(2*(g - x)^2)\")])",
+            "Equations(states: [(\"x\", \"v\"), (\"v\", \"(eps*A*V^2/(2*(g - x)^2) - k*x - c*v)/m\")],
+                solution: equilibrium)",
+        ] {
+            let (k, eps, area) = (10.0, 8.854e-12, 1e-8);
+            let exact = (8.0 * k * f64::powi(gap, 3) / (27.0 * eps * area)).sqrt();
+            let text = format!(
+                "Scene(title: \"t\", problem: {problem}, parameters: [(\"k\", {k}), (\"eps\", {eps:e}), (\"A\", {area:e}),
+                    (\"g\", {gap:e}), (\"V\", 0), (\"c\", 1e-6), (\"m\", 1e-10)],
+                    runs: [(name: \"r\", along: [(name: \"V\", low: 0, high: {high:e})],
+                        bounds: [(name: \"x\", low: 0, high: {bound:e})])])",
+                high = 12.0 * exact,
+                bound = 0.9 * gap
+            );
+            let text = match problem.starts_with("Residual") {
+                true => text.replace(", (\"c\", 1e-6), (\"m\", 1e-10)", ""),
+                false => text,
+            };
+            let branch = &traced(&text)[0];
+            let folds: Vec<_> = branch.of_kind(Kind::LP).collect();
+            assert!(folds.len() == 1 && branch.special.iter().all(|it| it.converged), "{gap:e}");
+            close(folds[0].parameters[0] / exact, 1.0, 1e-10);
+            close(folds[0].monitors[0] / (gap / 3.0), 1.0, 1e-7);
+        }
+    }
+}

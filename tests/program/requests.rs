@@ -90,6 +90,46 @@ fn sweeps_of_models_go_both_ways() {
     }
 }
 
+/// A sweep records the monitors that a branch shows: `x' = r cos t − x` has the amplitude `r/√2`.
+#[test]
+fn sweeps_of_models_record_monitors() {
+    let folder = folder();
+    let at = folder.path();
+    let model =
+        r#"Equations(states: [("x", "r*cos(t) - x")], period: "2*pi", parameters: [("r", 3)])"#;
+    std::fs::write(at.join("m.ron"), model).unwrap();
+    let sweep = ["sweep", "m.ron", "--over", "r=1..2:3"];
+    succeeds(at, &[&sweep[..], &["--measure", "max_x,min_x"]].concat());
+    let sweeps = Sweeps::load(at.join("out/m-sweep.npz")).unwrap();
+    assert_eq!(sweeps.plot.y.as_deref(), Some("max_x"));
+    let table = &sweeps.sweeps[0];
+    let column = |name| table.point_columns.iter().position(|known| known == name).unwrap();
+    for (row, r) in table.rows.values().zip([1.0, 1.5, 2.0]) {
+        for (name, exact) in [("max_x", r / 2.0_f64.sqrt()), ("min_x", -r / 2.0_f64.sqrt())] {
+            assert!((row.points[column(name)] / exact - 1.0).abs() < 1e-8, "{name} at r = {r}");
+        }
+    }
+    let unknown = [&sweep[..], &["--measure", "max_y", "--afresh"]].concat();
+    refused(at, &unknown, &["unknown measure `max_y`", "max_x"]);
+}
+
+/// Forced systems have no equilibria to find in a box: the error names the search for orbits.
+#[test]
+fn a_box_of_a_forced_system_is_refused() {
+    let folder = folder();
+    let at = folder.path();
+    let model =
+        r#"Equations(states: [("x", "r*cos(t) - x")], period: "2*pi", parameters: [("r", 3)])"#;
+    std::fs::write(at.join("m.ron"), model).unwrap();
+    let said = ["forced systems have no equilibria", "sweep over initial states"];
+    refused(at, &["find", "m.ron", "--box", "x=-1..1"], &said);
+    refused(
+        at,
+        &["trace", "m.ron", "--along", "r=1..2", "--start", "all", "--box", "x=-1..1"],
+        &said,
+    );
+}
+
 /// Arrays of unknowns are drawn over their index, and written as data.
 #[test]
 fn arrays_have_profiles() {

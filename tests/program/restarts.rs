@@ -2,10 +2,16 @@
 //! the column.
 
 use crate::program::command::{refused, succeeds, tangency};
+use std::path::Path;
 use tangency::core::continuation::{Branch, SpecialPoint};
 use tangency::core::system::Kind;
 use tangency::output::Document;
 use tempfile::{TempDir, tempdir};
+
+fn read(path: &Path) -> Document {
+    let text = std::fs::read_to_string(path).expect("a document");
+    Document::parse(&text).expect("a document")
+}
 
 fn folder() -> TempDir {
     tempdir().expect("a folder")
@@ -116,8 +122,8 @@ fn fixed_points_of_maps_show_and_bound_every_state() {
     assert!(end.is_some(), "{:?}", cycles.ends);
 }
 
-/// A bound of the period holds for the cycles that are followed from a Hopf point; equilibria have no
-/// period, and a warning says so. A name that neither has is an error.
+/// A bound of the period holds for the cycles that emanate from a Hopf point. Equilibria have no
+/// period: a warning says so if no cycles are traced. A name that neither has is an error.
 #[test]
 fn a_bound_holds_for_the_branches_that_have_the_column() {
     let folder = folder();
@@ -127,13 +133,14 @@ fn a_bound_holds_for_the_branches_that_have_the_column() {
         "v'=v-v^3/3-w+I\nw'=0.15*(v+0.7-0.8*w)\npar I=0\ninit v=-1.2,w=-0.6\ndone\n",
     )
     .unwrap();
+    let alone = ["trace", "fhn.ode", "--along", "I=0..1.2", "--bound", "period=..30"];
+    let warned = |extra: &[&str]| {
+        let output = tangency(at, &[&alone[..], extra].concat());
+        assert!(output.status.success());
+        String::from_utf8_lossy(&output.stderr).contains("bound or mark of `period` has no effect")
+    };
+    assert!(warned(&[]) && !warned(&["--switch", "HB"]));
     let trace = ["trace", "fhn.ode", "--along", "I=0..1.2", "--switch", "HB", "--bound"];
-    let output = tangency(at, &[&trace[..], &["period=..30"]].concat());
-    assert!(
-        output.status.success()
-            && String::from_utf8_lossy(&output.stderr)
-                .contains("bound or mark of `period` has no effect")
-    );
     let text = std::fs::read_to_string(at.join("out/fhn.ron")).unwrap();
     let document = Document::parse(&text).unwrap();
     let cycles = &document.branches[1];
@@ -153,5 +160,63 @@ fn a_bound_holds_for_the_branches_that_have_the_column() {
         let again = document.branches[0].special.last().unwrap();
         assert_eq!(document.branches.len(), 1);
         assert!((again.parameters[0] - end.parameters[0]).abs() < 1e-8 * end.parameters[0].abs());
+    }
+}
+
+/// A curve of special points from a saved point leads to further curves. In Bogdanov and Takens'
+/// equations `x' = y`, `y' = b1 + b2 x + x² − x y`, Hopf points have `b1 = 0`, `b2 < 0`, and folds have
+/// `4 b1 = b2²`; both curves meet at the origin.
+#[test]
+fn curves_of_a_saved_point_lead_to_further_curves() {
+    let folder = folder();
+    let at = folder.path();
+    let model = r#"Equations(states: [("x", "y"), ("y", "b1 + b2*x + x^2 - x*y")], parameters: [("b1", -0.5), ("b2", -1)])"#;
+    std::fs::write(at.join("bt.ron"), model).unwrap();
+    let trace = ["trace", "bt.ron", "--along", "b1=-1..0.5"];
+    succeeds(at, &[&trace[..], &["--start", "x=-0.4", "--out", "a"]].concat());
+    let document = read(&at.join("a/bt.ron"));
+    let hopf = document.branches[0].of_kind(Kind::HB).next().expect("a Hopf point").label;
+    let start = format!("a/bt.ron:{hopf}");
+    let curve = ["--along", "b2=-2..1", "--start", &start, "--hold", "HB", "--switch", "all"];
+    succeeds(at, &[&trace[..], &curve, &["--out", "b"]].concat());
+    let document = read(&at.join("b/bt.ron"));
+    let of = |kind| document.branches.iter().find(|branch| branch.condition == Some(kind));
+    let values = |branch: &Branch| -> Vec<[f64; 2]> {
+        let columns = ["b1", "b2"].map(|name| branch.column(name).unwrap());
+        let points = branch.points.iter();
+        points.map(|point| columns.map(|column| point.value(column).unwrap())).collect()
+    };
+    let [hopf, folds] = [Kind::HB, Kind::LP].map(|kind| values(of(kind).expect("a curve")));
+    assert!(hopf.len() > 5 && hopf.iter().all(|[b1, b2]| b1.abs() < 1e-9 && *b2 < 1e-3));
+    assert!(folds.len() > 5 && folds.iter().all(|[b1, b2]| (4.0 * b1 - b2 * b2).abs() < 1e-9));
+    let homoclinic = of(Kind::HOM).expect("homoclinic orbits emanate from the point");
+    assert!(homoclinic.points.len() > 5);
+}
+
+/// Each generation of `--depth` counts from the saved point: the cycles of the logistic map double at
+/// `1 + √6` and, from there, at 3.5440903596 (Kotsireas and Karamanos, 2004).
+#[test]
+fn switching_at_a_saved_point_has_generations() {
+    let folder = folder();
+    let at = folder.path();
+    let model = r#"Map(states: [("x", "r*x*(1 - x)")], parameters: [("r", 2)])"#;
+    std::fs::write(at.join("m.ron"), model).unwrap();
+    let trace = ["trace", "m.ron", "--along", "r=2.5..3.56"];
+    succeeds(at, &[&trace[..], &["--start", "x=0.6", "--out", "a"]].concat());
+    let document = read(&at.join("a/m.ron"));
+    let doubling = document.branches[0].of_kind(Kind::PD).next().expect("a doubling").label;
+    let start = format!("a/m.ron:{doubling}");
+    for depth in 1..=3 {
+        let count = depth.to_string();
+        let switch = ["--start", &start, "--switch", "PD", "--depth", &count, "--out", &count];
+        succeeds(at, &[&trace[..], &switch].concat());
+        let document = read(&at.join(&count).join("m.ron"));
+        assert_eq!(document.branches.len(), depth);
+        let exact = [1.0 + 6.0_f64.sqrt(), 3.544_090_359_551_922_8];
+        for (branch, exact) in document.branches.iter().zip(exact) {
+            let r = branch.column("r").unwrap();
+            let doubling = branch.of_kind(Kind::PD).next().expect("a doubling");
+            assert!((doubling.value(r).unwrap() - exact).abs() < 1e-9);
+        }
     }
 }

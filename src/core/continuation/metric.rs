@@ -8,7 +8,8 @@ use crate::core::problem::{Group, Names};
 ///
 /// `s_g` is the largest Euclidean norm of the group of unknowns on the branch so far; `s_p` is the
 /// length of the parameter's range. The scale of a group that is zero at the start is its change
-/// along the tangent over the parameter's range. The scale of a parameter without a finite range is
+/// along the tangent over the parameter's range; where this change is zero, too, the tangent is
+/// computed a small step further along the range. The scale of a parameter without a finite range is
 /// its change along the tangent while the unknowns change by their size, and later the distance it
 /// has covered. Along a vertical tangent the scale of a zero group is its change over
 /// [`StartSizes::reach`]. A group without any of these data has its unit as the scale, or else the
@@ -36,6 +37,8 @@ pub struct Metric {
     groups: Vec<f64>,
     /// Whether the user has set the scale of each group; such a scale is constant.
     fixed: Vec<bool>,
+    /// Whether the start gives no information about the size of each group.
+    unknown: Vec<bool>,
     parameters: Vec<f64>,
     /// The start values of parameters with an open range and no given scale: their scales grow.
     open: Vec<Option<f64>>,
@@ -99,7 +102,9 @@ impl Metric {
         let known = |reach: &f64| is_scale(*reach) && VERTICAL * steepness * reach < 1.0;
         let by_range = reaches.find(known).filter(|reach| !is_near_fold(&sizes, &slopes, *reach));
         let reach = by_range.or(start.reach);
-        let mut groups = group_scales(&sizes, &slopes, reach, !units.is_empty());
+        let found = group_scales(&sizes, &slopes, reach, !units.is_empty());
+        let unknown = found.iter().map(|scale| scale.is_none() && units.is_empty()).collect();
+        let mut groups = with_fallback(&found, !units.is_empty());
         groups.iter_mut().zip(units).for_each(|(scale, unit)| *scale *= unit);
         let raw: Vec<f64> = group_norms(names, start.z_tangent);
         let fallback = least_ratio(&groups, &raw, |_, slope| slope > 0.0);
@@ -114,7 +119,24 @@ impl Metric {
         let open = ranges.iter().zip(p).map(is_open).collect();
         let weight = |y: &Option<f64>| y.filter(|y| *y != 0.0).map_or(0.0, |y| 1.0 / (y * y));
         let own = own.iter().map(weight).collect();
-        Metric { fixed: vec![false; groups.len()], groups, parameters, open, own }
+        Metric { fixed: vec![false; groups.len()], unknown, groups, parameters, open, own }
+    }
+
+    /// Returns whether the start gives no information about the size of a group that has no given
+    /// scale.
+    pub(super) fn is_uncertain(&self) -> bool {
+        self.unknown.iter().zip(&self.fixed).any(|(unknown, fixed)| *unknown && !fixed)
+    }
+
+    /// Replaces unknown scales of groups by the scales at another point of the curve, where they are
+    /// known there.
+    pub(super) fn with_unknown_from(mut self, other: &Metric) -> Self {
+        for k in 0..self.groups.len() {
+            if self.unknown[k] && !self.fixed[k] && !other.unknown[k] {
+                (self.groups[k], self.unknown[k]) = (other.groups[k], false);
+            }
+        }
+        self
     }
 
     /// Replaces scales by given ones: of groups, then of released parameters.
@@ -309,8 +331,13 @@ fn is_near_fold(sizes: &[f64], slopes: &[f64], reach: f64) -> bool {
 }
 
 /// Computes the scales of groups from their sizes and from their slopes over the distance along the
-/// tangent, in units of their typical sizes if given.
-fn group_scales(sizes: &[f64], slopes: &[f64], reach: Option<f64>, given: bool) -> Vec<f64> {
+/// tangent, in units of their typical sizes if given; `None` if both are zero.
+fn group_scales(
+    sizes: &[f64],
+    slopes: &[f64],
+    reach: Option<f64>,
+    given: bool,
+) -> Vec<Option<f64>> {
     let known = |reach| largest_known(sizes, slopes, reach);
     let zero = reach.map_or(ZERO, |reach| (SMALL * known(reach)).max(ZERO));
     let nothing = if given { NOTHING } else { 0.0 };
@@ -318,10 +345,15 @@ fn group_scales(sizes: &[f64], slopes: &[f64], reach: Option<f64>, given: bool) 
         Some(reach) if is_scale(reach) && reach > nothing && size <= zero * reach => Some(reach),
         _ => Some(size).filter(|size| *size > nothing && is_scale(*size)),
     };
-    let scales: Vec<Option<f64>> = sizes.iter().zip(slopes).map(scale).collect();
+    sizes.iter().zip(slopes).map(scale).collect()
+}
+
+/// Replaces unknown scales of groups by 1 if their typical sizes are given, and otherwise by the
+/// largest scale of the other groups.
+fn with_fallback(scales: &[Option<f64>], given: bool) -> Vec<f64> {
     let others = scales.iter().flatten().fold(0.0, |most: f64, scale| most.max(*scale));
     let unknown = if given || others == 0.0 { 1.0 } else { others };
-    scales.into_iter().map(|scale| scale.unwrap_or(unknown)).collect()
+    scales.iter().map(|scale| scale.unwrap_or(unknown)).collect()
 }
 
 /// Divides unknowns by the units of their groups; 1 if there are no units.

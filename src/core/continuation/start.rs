@@ -37,6 +37,10 @@ const EQUAL: f64 = 1e-4;
 /// depends quadratically on arclength.
 const AT_LIMIT: f64 = 1e-2;
 
+/// (H) The step along the parameter's range that shows the sizes of unknowns which are zero at the
+/// start.
+const FURTHER: f64 = 1e-3;
+
 /// (H) The maximal number of times that mesh intervals are added at a start. Each time their number
 /// may double.
 const MOST_FITTINGS: usize = 10;
@@ -254,7 +258,12 @@ fn leave(
             }
             _ => None,
         };
-        let metric = scaling(&corrector.equations, &point, &direction, reach);
+        let mut metric = scaling(&corrector.equations, &point, &direction, reach);
+        if metric.is_uncertain() && is_exact && beginning.is_anew() {
+            let further = further_along(corrector, &point, beginning.range);
+            let further = further.map(|at| scaling(&corrector.equations, &at[0], &at[1], None));
+            metric = further.map_or(metric.clone(), |further| metric.with_unknown_from(&further));
+        }
         let is_rough =
             !from_branch_point && is_exact && metric.is_finer_than(&corrector.norm.metric);
         corrector.set_metric(metric);
@@ -266,6 +275,24 @@ fn leave(
         }
         return Ok(leaving);
     }
+}
+
+/// Returns the point and the tangent of the curve a small step further along the parameter's range,
+/// where unknowns that are zero at the start, to first order in the parameter, have sizes; `None` if
+/// the range is open or the correction fails.
+fn further_along(
+    corrector: &mut Corrector,
+    start: &[f64],
+    [low, high]: [f64; 2],
+) -> Option<[Vec<f64>; 2]> {
+    let (parameter, mut point) = (corrector.equations.parameters_at(), start.to_vec());
+    let p = start[parameter];
+    let end = if high - p >= p - low { high } else { low };
+    let is_finite = (high - low).is_finite();
+    point[parameter] += is_finite.then_some(FURTHER * (end - p))?;
+    let tangent = first_tangent(corrector, &mut point, None).ok()?;
+    let cleared = corrector.without_rounding(&point, &tangent);
+    Some(corrector.norm.without_residue(cleared, start))
 }
 
 /// Corrects a start with the current scales, and computes the tangent.
