@@ -10,8 +10,8 @@ use std::sync::mpsc::Sender;
 use std::time::{Duration, Instant};
 
 /// The time before the first picture of unfinished branches, and between two of them.
-const FIRST: Duration = Duration::from_millis(25);
-const NEXT: Duration = Duration::from_millis(60);
+const FIRST: Duration = Duration::from_millis(8);
+const NEXT: Duration = Duration::from_millis(30);
 
 /// The maximum number of points in the picture of a branch that is still traced.
 const SHOWN: usize = 4_000;
