@@ -93,8 +93,8 @@ impl AssembledJacobian {
         self.idle[k] = 0;
     }
 
-    /// Prepares the assembly at another point `x`. Parameters beyond the first `own` numbers become
-    /// inactive if they were not used recently.
+    /// Prepares the assembly at another point `x`. Parameters after the first `own` active numbers
+    /// become inactive if they were not used recently.
     pub fn drop_idle(&mut self, own: usize) {
         self.idle.resize(self.active.len(), 0);
         for k in (own..self.active.len()).rev() {

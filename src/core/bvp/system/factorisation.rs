@@ -339,7 +339,8 @@ impl Condensed for Condensation {
     }
 }
 
-/// The rows that replace the integral and phase conditions in a twisted linearisation.
+/// Returns the form of the linearisation for Floquet multipliers: problems that close by `x(0) =
+/// x(1)` also replace their integral and phase conditions.
 pub(super) fn form_of(layout: &UnknownLayout) -> Form {
     if layout.closes() { Form::Twisted } else { Form::Jacobian }
 }
