@@ -345,7 +345,8 @@ impl Chain {
         }
     }
 
-    /// Assembles the remaining rows of the chain up to node `i` and of interval `i`, by their nodes.
+    /// Assembles the remaining rows of the chain up to node `i` and the rows of interval `i`,
+    /// ordered by nodes.
     fn fill_shared(&mut self, i: usize) {
         let (n, k, each) = (self.states, self.columns, self.equations_each());
         let (inner, stride) = (self.inner.eliminated, self.inner.stride);
@@ -367,16 +368,16 @@ impl Chain {
     }
 }
 
-/// Copies a row by `x_0`, node `i` and the `k` columns into a row by node `i`, node `i + 1`, `x_0`
-/// and `k`.
+/// Copies a row with columns for `x_0`, node `i` and the `k` border unknowns into a row with
+/// columns for node `i`, node `i + 1`, `x_0` and the `k` border unknowns.
 fn place(row: &mut [f64], reduced: &[f64], n: usize) {
     row[..n].copy_from_slice(&reduced[n..2 * n]);
     row[2 * n..3 * n].copy_from_slice(&reduced[..n]);
     row[3 * n..n + reduced.len()].copy_from_slice(&reduced[2 * n..]);
 }
 
-/// Extracts the row by `x_0`, the node and the `k` columns from a row by an eliminated node, the
-/// node, `x_0` and `k`.
+/// Extracts the row with columns for `x_0`, the current node and the `k` border unknowns from a row
+/// whose columns also include an eliminated node.
 fn unplace(reduced: &mut [f64], row: &[f64], n: usize) {
     reduced[..n].copy_from_slice(&row[2 * n..3 * n]);
     reduced[n..2 * n].copy_from_slice(&row[n..2 * n]);

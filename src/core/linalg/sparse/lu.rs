@@ -1,4 +1,4 @@
-//! Multifrontal LU factorisation of a sparse matrix within a border.
+//! Multifrontal LU factorisation of a bordered sparse matrix.
 
 use super::super::border::Border;
 use super::super::factors::{ComplexFactors, Factorisation, Shifted};
@@ -12,7 +12,7 @@ use std::mem::take;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// The order of elimination for matrices of one pattern, computed once.
+/// The order of elimination for matrices with the same sparsity pattern, computed once.
 #[derive(Clone, Debug, Default)]
 pub(in crate::core) struct Elimination {
     pub pattern: Pattern,
@@ -20,12 +20,12 @@ pub(in crate::core) struct Elimination {
 }
 
 impl Elimination {
-    /// Computes the elimination of matrices with this pattern.
+    /// Computes the order of elimination for matrices with a given sparsity pattern.
     pub fn of(pattern: Pattern) -> Self {
         Elimination { tree: Tree::of(&pattern), pattern }
     }
 
-    /// The number of products of an elimination without a border.
+    /// Returns the number of multiplications in an elimination without a border.
     pub fn products(&self) -> f64 {
         let products = |node: &Node| {
             let (own, size) = (node.own.len(), node.own.len() + node.pattern.len());
@@ -35,13 +35,14 @@ impl Elimination {
     }
 }
 
-/// The Schur complement of a node's front, for its parent.
+/// The Schur complement of a node's front, which is added to the front of the node's parent.
 #[derive(Clone, Debug, Default)]
 struct Rest<E> {
     entries: Vec<E>,
-    /// The rows and columns.
+    /// The numbers of its rows and columns.
     lists: [Vec<usize>; 2],
-    /// The number of leading rows and columns that are fully summed but could not be eliminated.
+    /// The number of leading rows and columns that are fully summed but were not eliminated,
+    /// because their pivots were too small.
     delayed: usize,
 }
 
@@ -51,18 +52,19 @@ struct Eliminated {
     pivots: usize,
     /// The rows and columns of the front, as a range of the lists of all fronts.
     place: Range<usize>,
-    /// The position among the factors of `L` (all rows of the pivot columns), followed by `U` (the
-    /// pivot rows of all other columns).
+    /// The position of the node's factors among all factors: first `L` (all rows of the pivot
+    /// columns), then `U` (the pivot rows of all other columns).
     factors: usize,
 }
 
-/// The LU factorisation of a sparse matrix within its border.
+/// The LU factorisation of a bordered sparse matrix.
 ///
-/// Each node of the elimination tree assembles its rows and columns and the Schur complements of its
-/// children in a dense front (I. S. Duff and J. K. Reid, ACM TOMS 9 (1983) 302). Pivots are chosen
-/// among the fully summed rows. A column without a sufficiently large pivot is delayed to the parent;
-/// the border is part of every front and is eliminated last. Hence a singular matrix within a regular
-/// border is factored as accurately as a dense one. The storage is reused.
+/// Each node of the elimination tree adds its rows and columns and the Schur complements of its
+/// children to a dense front (I. S. Duff and J. K. Reid, ACM TOMS 9 (1983) 302). Pivots are chosen
+/// among the fully summed rows of a front. A column without a sufficiently large pivot is delayed
+/// to the front of the parent; the border is part of every front and is eliminated last. Hence a
+/// singular matrix with a border that makes it regular is factored as accurately as a dense
+/// bordered matrix. Refactoring reuses the storage of the previous factorisation.
 #[derive(Default)]
 pub(in crate::core) struct SparseLu<E = f64> {
     elimination: Arc<Elimination>,
