@@ -309,8 +309,9 @@ fn most_repeated(values: &[c64]) -> usize {
 }
 
 /// Returns a vector of pseudo-random numbers from −1 to 1, which is the same in every run (G. L. Steele,
-/// D. Lea and C. H. Flood, OOPSLA 2014). The components of the `generic` vectors are sines; these
-/// vectors have components along only a few eigenvectors of a Laplacian.
+/// D. Lea and C. H. Flood, OOPSLA 2014). The vectors of
+/// [`generic`](crate::core::linalg::vector::generic) are not used here, because their components are
+/// sines and contain only a few eigenvectors of a Laplacian.
 fn random(n: usize, seed: usize) -> Vec<f64> {
     let mut state = (seed as u64 + 1).wrapping_mul(0xD1B5_4A32_D192_ED03);
     let mut next = || {
@@ -326,7 +327,7 @@ fn random(n: usize, seed: usize) -> Vec<f64> {
 struct Matrix<'a> {
     elimination: &'a Arc<Elimination>,
     entries: &'a [f64],
-    /// Returns the diagonal scales that make the matrix symmetric.
+    /// The diagonal scales that make the matrix symmetric; `None` if no such scales are known.
     scales: Option<&'a [f64]>,
 }
 
