@@ -15,8 +15,8 @@ const BAND: usize = 12;
 /// (H) The number of columns of a band matrix that are eliminated together.
 const BLOCK: usize = 12;
 
-/// (H) Nodes are merged up to these numbers of columns if the fraction of zeros in the merged node is
-/// less than the number given here for it.
+/// (H) The rules for merging nodes: if the merged node has at most the first number of columns, its
+/// fraction of zeros must be less than the second number.
 const RELAX: &[(usize, f64)] = &[(8, 0.9), (24, 0.5), (64, 0.1), (usize::MAX, 0.02)];
 
 /// A node of the elimination tree: columns that are eliminated together.
