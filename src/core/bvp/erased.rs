@@ -2,8 +2,8 @@
 //!
 //! Users write a [`BoundaryProblem`](super::problem::BoundaryProblem) as generic code over the
 //! scalar type. Discretisations evaluate a problem through [`Equations`], one scalar type at a
-//! time, and are therefore compiled only once for all problems. [`Number`] is implemented for the
-//! number types of residuals, [`WatchNumber`] for the number types of watched scalars.
+//! time, and are therefore compiled only once for all problems. The trait [`Number`] is implemented
+//! for the number types of residuals, and [`WatchNumber`] for the number types of watched scalars.
 
 use super::derivatives::Derivatives;
 use super::itineraries::{Guess, Itineraries};

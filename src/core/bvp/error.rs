@@ -10,7 +10,7 @@ debug_is_message!(BoundaryError);
 #[derive(Clone, PartialEq, miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum BoundaryError {
-    /// The number of meshes differs from the number of segments, or there are no segments.
+    /// The number of meshes differs from the number of segments, or the number of segments is zero.
     #[error(
         "{segments} segments and {meshes} meshes: each segment needs one mesh, and at least one segment"
     )]
@@ -26,7 +26,7 @@ pub enum BoundaryError {
     /// The mesh of a segment does not have any intervals.
     #[error("segment {0} has no intervals: it needs at least one")]
     NoIntervals(usize),
-    /// There are more integral and phase conditions than unknowns.
+    /// The number of integral and phase conditions exceeds the number of unknowns.
     #[error(
         "there are {closing} integral and phase conditions, but only {unknowns} unknowns (states and \
          extra unknowns)"

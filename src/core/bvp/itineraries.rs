@@ -26,7 +26,8 @@ pub trait Itineraries<P> {
     /// doubled solution has the same segments on a mesh of twice the length.
     fn doubled(&self) -> Option<P>;
 
-    /// Creates the problem of half the itinerary, if the itinerary repeats itself; otherwise `None`.
+    /// Creates the problem of half the itinerary if the itinerary consists of two equal halves;
+    /// otherwise returns `None`.
     fn halved(&self) -> Option<P> {
         None
     }
@@ -39,8 +40,8 @@ pub trait Itineraries<P> {
     }
 
     /// Returns the extra unknowns of the same solution when it begins with a later segment; the
-    /// start time is chosen so that the extra unknowns are nearest to `near`. `None` if the rotated
-    /// solution does not solve this problem.
+    /// start time is chosen so that the extra unknowns are nearest to `near`. Returns `None` if the
+    /// solution that begins with the later segment does not solve this problem.
     fn rotated(&self, _segments: usize, _q: &[f64], _near: &[f64]) -> Option<Vec<f64>> {
         None
     }

@@ -44,7 +44,7 @@ pub enum MeshError {
 }
 
 impl Mesh {
-    /// Creates a mesh with these breakpoints.
+    /// Creates a mesh with given breakpoints.
     ///
     /// # Errors
     /// [`MeshError`] unless the breakpoints are finite and increase strictly from 0.

@@ -48,7 +48,7 @@ impl fmt::Display for Method {
 impl FromStr for Method {
     type Err = Failure;
 
-    /// Parses the method of a saved solution, with default tolerances.
+    /// Parses the text of a saved method; the tolerances of the method have their default values.
     fn from_str(text: &str) -> Result<Self, Failure> {
         let degree = text.strip_prefix("collocation(").and_then(|text| text.strip_suffix(')'));
         match (text, degree.and_then(|degree| degree.parse().ok())) {

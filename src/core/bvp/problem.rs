@@ -6,7 +6,7 @@ use super::terms::{Ends, Monitor, Shape};
 use crate::core::failure::OutOfDomain;
 use crate::core::scalar::Scalar;
 
-/// A boundary-value problem: trajectories of vector fields on segments,
+/// A boundary-value problem, which consists of trajectories of vector fields on segments,
 ///
 /// ```text
 ///     dx_s/dτ = L_s(q) f_s(τ L_s(q), x_s, q),    0 ≤ τ ≤ 1,    s = 1 … S

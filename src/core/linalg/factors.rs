@@ -21,10 +21,10 @@ pub trait Factorisation: Any + Send {
     /// Returns the sign of the determinant, −1 or 1; 1 for complex matrices.
     fn determinant_sign(&self) -> f64;
 
-    /// Computes the derivative of the matrix (without its border) with respect to the exponent `σ`,
-    /// and multiplies the derivative by `v`. The matrix describes deviations that change like
-    /// `e^{σt}`, or by the factor `e^σ` in each period. The default implementation returns `−v`,
-    /// which is correct for the matrix `A − σ`.
+    /// Computes the product of a vector `v` with the derivative of the matrix (without its border)
+    /// with respect to the exponent `σ`. The matrix describes deviations that change like `e^{σt}`,
+    /// or by the factor `e^σ` in each period. The default implementation returns `−v`, which is
+    /// correct for the matrix `A − σ`.
     fn growth_derivative(&self, v: &[f64], out: &mut [f64]) {
         out.iter_mut().zip(v).for_each(|(out, v)| *out = -v);
     }

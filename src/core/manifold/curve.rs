@@ -27,11 +27,11 @@ pub(super) struct Curve<'a> {
     pub rate: f64,
 }
 
-/// A point of the curve with its derivative.
+/// A point of the curve, with the derivative of the curve at this point.
 #[derive(Clone, Debug)]
 pub(super) struct Place {
     pub t: f64,
-    /// The point, and its derivative with respect to `t`.
+    /// The point, and the derivative of the curve with respect to `t`.
     pub at: Vector,
     pub slope: Vector,
     /// On a stable manifold, a point near the saddle and its successive preimages, up to the point

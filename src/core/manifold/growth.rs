@@ -14,9 +14,9 @@ pub(super) struct Limits {
     pub length: f64,
     /// The maximal number of points.
     pub points: usize,
-    /// The largest distance between the curve and a chord.
+    /// The resolution: the largest distance between the curve and a chord.
     pub resolution: f64,
-    /// The smallest and the largest value of each state.
+    /// The smallest and the largest allowed value of each state.
     pub bounds: [[f64; 2]; 2],
     /// The names of the states, and their scales.
     pub names: [String; 2],
@@ -131,8 +131,8 @@ impl<'a> Growth<'a> {
         }
     }
 
-    /// Makes a step, as long as the bends of the curve allow; returns the reason of the end if the
-    /// step is the last step.
+    /// Makes a step, as long as the bends of the curve allow; returns the reason why the half ends
+    /// if the step is the last step.
     fn advance(&mut self) -> Option<End> {
         loop {
             let way = self.step * norm(self.last.slope);

@@ -4,9 +4,9 @@ use super::curve::{Curve, Side, cubic};
 use super::growth::Node;
 use super::planar::{Vector, cross, minus, norm, plus};
 
-/// Computes the largest distance between the images of the nodes and the curve through the nodes:
-/// cubic pieces with the slopes of the nodes, and a line from the saddle to the first node. Returns
-/// `None` if no image lies between the saddle and the end of the curve.
+/// Computes the largest distance between the images of the nodes and the curve through the nodes,
+/// which consists of cubic pieces with the derivatives at the nodes, and a line from the saddle to
+/// the first node. Returns `None` if no image lies between the saddle and the end of the curve.
 pub(super) fn deviation(curve: &Curve, nodes: &[Node]) -> Option<f64> {
     let saddle = curve.local.at(0.0).0;
     let way = match curve.side {

@@ -23,7 +23,7 @@ pub struct ManifoldSettings {
     /// The resolution: the largest distance between the curve and the chord between two points,
     /// above 0. Bends of the curve that are sharper than the resolution are cut off.
     pub resolution: f64,
-    /// The smallest and the largest value of each state, in the units of the states.
+    /// The smallest and the largest allowed value of each state, in the units of the states.
     pub bounds: [[f64; 2]; 2],
     /// The token that cancels the growth; after a cancellation, the curves end at the last computed
     /// point.

@@ -3,8 +3,8 @@
 //!
 //! Every flow in the batch has its own state, step length and parameters. This module computes the
 //! steps, their errors, and bounds which show that watched functions do not vanish in a step; these
-//! computations are nearly all of the work. Each flow decides separately whether to accept its
-//! step.
+//! computations are nearly all of the work. Each flow of the batch decides separately whether to
+//! accept its step.
 
 use super::forecast::EventForecast;
 use super::integrate::Flow;

@@ -6,7 +6,8 @@ use crate::core::numerics::{Limits, bracketed_zero};
 use crate::core::scalar::{DualLanes, Lanes, MOST_LANES, Register};
 use num_traits::Signed;
 
-/// (H) The largest number of iterations for the root of a cubic, which is only a guess.
+/// (H) The largest number of iterations for the root of a cubic, which serves only as an initial
+/// guess.
 const ROUNDS: usize = 8;
 /// (H) The iteration for the root of the cubic ends after a change of less than this fraction of a
 /// step.

@@ -15,7 +15,7 @@ pub(super) struct Motion<'a, F, T> {
     pub length: T,
     /// The parameters `p`.
     pub p: &'a [T],
-    /// The number of evaluations of the field.
+    /// The number of evaluations of the vector field so far.
     pub evaluations: &'a Cell<usize>,
 }
 

@@ -25,8 +25,8 @@ const FAR: f64 = 0.05;
 /// relative, and changes this small would have few correct digits.
 const STANDS_STILL: f64 = 1e-5;
 
-/// (R) Changes of a state by less than this fraction of the motion are rounding errors. The changes
-/// of each state are measured in units of its scale.
+/// (R) Changes of a state by less than this fraction of the motion count as rounding errors. The
+/// changes of each state are measured in units of its scale.
 const ROUNDING: f64 = 1e-8;
 
 /// (D) The largest intended error of the bifurcation parameter due to the truncation of the
@@ -77,7 +77,8 @@ pub(in crate::core::bvp) struct Cycle<'a> {
 /// slowest part, continued at both ends by the linear flow near the equilibrium.
 ///
 /// # Errors
-/// [`Failure`] unless the problem describes cycles with a free period, and a saddle is nearby.
+/// [`Failure`] unless the problem describes cycles with a free period and a saddle is near the
+/// cycle.
 pub(in crate::core::bvp) fn from_cycle(
     cycles: ErasedProblem,
     cycle: &Cycle,

@@ -29,8 +29,8 @@ enum Recorded {
     Quantity,
     /// The squared difference of the two leading eigenvalues in the stable or unstable subspace.
     Discriminant(Side),
-    /// The orbit's component in the leading direction at its end, divided by the distance from the
-    /// equilibrium.
+    /// The component of the deviation at the orbit's end along the leading eigenvector, divided by
+    /// the distance from the equilibrium.
     Share(Side),
 }
 
@@ -38,7 +38,8 @@ enum Recorded {
 /// time, and the gap.
 const BEFORE_PLACE: usize = 3;
 
-/// The orbits that leave an equilibrium `x₀` along its unstable manifold and return near the equilibrium,
+/// A homoclinic problem: orbits that leave an equilibrium `x₀` along its unstable manifold and return
+/// near the equilibrium,
 ///
 /// ```text
 ///     x' = f(x, p),  0 ≤ t ≤ T,    f(x₀, p) = 0
@@ -47,10 +48,11 @@ const BEFORE_PLACE: usize = 3;
 /// ```
 ///
 /// The rows of `L_s` and `L_u` span the left invariant subspaces of `f_x(x₀, p)` for the stable and the
-/// unstable eigenvalues, so that the orbit begins on the linearised unstable manifold. If the *gap* `g`
-/// vanishes, the orbit ends on the linearised stable manifold and is homoclinic (W.-J. Beyn, *IMA J.
-/// Numer. Anal.* 10 (1990)). The invariant subspaces are graphs over initial frames `C, B`, continued
-/// by Riccati equations (J. W. Demmel, L. Dieci and M. J. Friedman, *SIAM J. Sci. Comput.* 22 (2000)):
+/// unstable eigenvalues, respectively, so that the orbit begins on the linearised unstable manifold. If
+/// the *gap* `g` vanishes, the orbit ends on the linearised stable manifold and is homoclinic (W.-J.
+/// Beyn, *IMA J. Numer. Anal.* 10 (1990)). The invariant subspaces are graphs over initial frames `C,
+/// B`, continued by Riccati equations (J. W. Demmel, L. Dieci and M. J. Friedman, *SIAM J. Sci.
+/// Comput.* 22 (2000)):
 ///
 /// ```text
 ///     L = Cᵀ + Z Bᵀ,    N = B − C Z,    L f_x(x₀, p) N = 0

@@ -18,8 +18,8 @@ use crate::core::scalar::{CHUNK, Chunk};
 pub(super) struct AssembledJacobian {
     /// The residual, in the order of the equations.
     pub residual: Vec<f64>,
-    /// The derivatives of the interval equations with respect to the nodes: for each interval of a
-    /// segment, `m·n` rows of `(m + 1)·n` entries.
+    /// The derivatives of the interval equations with respect to the values at nodes: for each
+    /// interval of a segment, `m·n` rows of `(m + 1)·n` entries.
     pub blocks: Vec<Vec<f64>>,
     /// The derivatives of the interval equations with respect to the active numbers: for each
     /// segment, one row for each equation of its intervals.

@@ -8,7 +8,7 @@ use crate::core::failure::Failure;
 /// iterates would be very expensive.
 const ASTRAY: f64 = 10.0;
 
-/// The longest allowed duration of a segment.
+/// The longest allowed duration of a segment of a trial solution.
 #[derive(Clone, Copy)]
 pub(super) struct DurationBound(f64);
 

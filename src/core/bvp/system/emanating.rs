@@ -65,8 +65,9 @@ impl Wave {
     }
 }
 
-/// The orbit of zero amplitude at a Hopf point, `x* + ε Re(v e^{2πiτ})`, and its direction in `ε`: `v` is
-/// the eigenvector of the field's Jacobian with the eigenvalue `iω`, and the period is `2π/ω`.
+/// Returns the orbit of zero amplitude at a Hopf point, `x* + ε Re(v e^{2πiτ})`, and the direction of its
+/// branch in `ε`: `v` is the eigenvector of the vector field's Jacobian with the eigenvalue `iω`, and the
+/// period is `2π/ω`.
 pub(super) fn at_hopf(on: &DiscretisedProblem, solution: &Solution) -> Result<Emanating, Failure> {
     let rest = Rest::new(on, solution)?;
     let wave = Wave::new(on, &rest.critical_pair(solution.frequency)?);

@@ -173,7 +173,7 @@ impl<'l> Krylov<'l> {
 /// The eigenvalues of a projected matrix, with their eigenvectors and errors.
 pub(super) struct RitzPairs {
     pub values: Vec<c64>,
-    /// The eigenvectors, of length 1.
+    /// The eigenvectors, scaled to length 1.
     vectors: Vec<Vec<c64>>,
     /// The positions of the eigenvalues in descending order of their modulus; in a complex pair, the
     /// eigenvalue with positive imaginary part is the first.
