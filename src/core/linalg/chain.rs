@@ -147,9 +147,9 @@ impl Chain {
 
     /// Applies the row operations `E` to a right-hand side. The argument `right` (`N·m·n` entries)
     /// is changed in place and becomes the input of [`back`](Self::back). On entry, the last
-    /// entries of `reduced_right` (`n
-    /// + l` entries) contain the right-hand sides of the `l` border rows; on exit, `reduced_right`
-    /// contains the right-hand side of the system with the matrix `R`.
+    /// entries of the vector `reduced_right`, whose length is `n + l`, contain the right-hand sides
+    /// of the `l` border rows; on exit, `reduced_right` contains the right-hand side of the system
+    /// with the matrix `R`.
     pub fn forward(&mut self, right: &mut [f64], reduced_right: &mut [f64]) {
         let (n, each, inner) = (self.states, self.equations_each(), self.inner.eliminated);
         let (left_over, border) = reduced_right.split_at_mut(n);

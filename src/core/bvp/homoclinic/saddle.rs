@@ -46,8 +46,8 @@ pub(super) struct Saddle {
 pub(super) struct Frame {
     pub basis: Vec<Vec<f64>>,
     complement: Vec<Vec<f64>>,
-    /// The rows of a matrix `R` that gives the components of a deviation along eigenvectors of length
-    /// 1. Distances in the subspace are measured as `|R y|`: the linear flow changes `|R y|`
+    /// The rows of a matrix `R` that gives the components of a deviation along unit eigenvectors.
+    /// Distances in the subspace are measured as `|R y|`: the linear flow changes `|R y|`
     /// monotonically, whereas Euclidean distances rise and fall if the flow spirals.
     ball: Vec<Vec<f64>>,
 }

@@ -39,8 +39,8 @@ use crate::core::problem::{FieldIn, Profile};
 use crate::core::scalar::{CHUNK, Chunk, seeded};
 
 /// (D) A nontrivial multiplier closer to 1 than this leaves fewer than six digits of the response:
-/// the error of the solution, 1e-12 of its size, is divided by the distance of the multiplier from
-/// 1.
+/// the error of the solution, 1e-12 of its size, is divided by the distance between this multiplier
+/// and the trivial one.
 const SIMPLE: f64 = 1e-6;
 
 /// (D) The largest accepted sum of the terms `|Z_i f_i|` in `Z·f = 1`. Near a fold of cycles the
