@@ -1,4 +1,4 @@
-//! Collocation at Gauss points.
+//! Collocation at Gauss points for boundary-value problems.
 //!
 //! On an interval of length `h` the trajectory is a polynomial of degree `m`, given by its values
 //! `x_j` at the `m + 1` Lobatto nodes, and satisfies the differential equation at the `m` Gauss
@@ -8,11 +8,12 @@
 //!     Σ_j ℓ_j'(ρ_c) x_j − h L f(t_c, Σ_j ℓ_j(ρ_c) x_j, q) = 0,    c = 1 … m
 //! ```
 //!
-//! The error is `h^{m+1} x^{(m+1)} P(s) + O(h^{m+2})` with `P(s) = ∫₀ˢ Π_c (t − ρ_c) dt / m!`, and
-//! `O(h^{2m})` at the ends of intervals (C. de Boor and B. Swartz, *Collocation at Gaussian points*,
-//! 1973; U. Ascher, R. Mattheij and R. Russell, *Numerical Solution of Boundary Value Problems for
-//! Ordinary Differential Equations*, 1988, section 5.4). `P` vanishes at the Lobatto nodes: the
-//! values at these nodes are more accurate by an order than values between them.
+//! The error of the polynomial is `h^{m+1} x^{(m+1)} P(s) + O(h^{m+2})` with `P(s) = ∫₀ˢ Π_c (t −
+//! ρ_c) dt / m!`, and `O(h^{2m})` at the ends of intervals (C. de Boor and B. Swartz, *Collocation
+//! at Gaussian points*, 1973; U. Ascher, R. Mattheij and R. Russell, *Numerical Solution of
+//! Boundary Value Problems for Ordinary Differential Equations*, 1988, section 5.4). The error
+//! polynomial `P` vanishes at the Lobatto nodes: the solution is one order more accurate at the
+//! nodes than between them.
 
 mod basis;
 mod linearise;
@@ -29,7 +30,7 @@ use basis::{Basis, combine};
 use linearise::{Passes, linearise_in};
 use num_dual::Dual2_64;
 
-/// Collocation at `m` Gauss points, from 2 to 7.
+/// The collocation method with `m` Gauss points in each interval, `m` from 2 to 7.
 ///
 /// ```
 /// use tangency::core::bvp::{Collocation, Method};
@@ -46,19 +47,20 @@ pub struct Collocation {
     wide: Passes<8>,
 }
 
-/// The error for a number of Gauss points outside its range.
+/// The error for a number of Gauss points outside the range from 2 to 7.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, miette::Diagnostic, thiserror::Error)]
 #[error("collocation at {0} Gauss points an interval: the number must be between 2 and 7")]
 pub struct PointsError(pub usize);
 
-/// The largest number of Gauss points: beyond it, more intervals are better than a higher degree.
+/// The largest number of Gauss points in an interval: for more accuracy, smaller intervals are
+/// better than a higher degree.
 const MOST_POINTS: usize = 7;
 
 impl Collocation {
-    /// Creates collocation at this number of Gauss points in each interval.
+    /// Creates the collocation method with `points` Gauss points in each interval.
     ///
     /// # Errors
-    /// [`PointsError`] unless the number is between 2 and 7.
+    /// [`PointsError`] unless the number of Gauss points is between 2 and 7.
     pub fn new(points: usize) -> Result<Self, PointsError> {
         if !(2..=MOST_POINTS).contains(&points) {
             return Err(PointsError(points));
@@ -91,15 +93,15 @@ impl<T> Default for CollocationWork<T> {
     }
 }
 
-/// The number of places per node at which an interval is sampled for extrema of functions of its
+/// The number of samples per node, in each interval, in the search for extrema of functions of the
 /// states.
 const PLACES: usize = 4;
-/// The largest number of iterations for the place of an extremum.
+/// The largest number of iterations in the search for the position of an extremum.
 const ROUNDS: usize = 60;
 
 impl Collocation {
-    /// Evaluates a scalar of the interpolating polynomials, with its slope and curvature, at a place
-    /// of an interval.
+    /// Evaluates a scalar function of the interpolating polynomials at a point of an interval, with
+    /// the first and second derivative of the scalar.
     fn sight(&self, interval: &Interval<f64>, observable: Observable, place: f64) -> Dual2_64 {
         let (nodes, place) = (&self.basis.nodes, Dual2_64::new(place, 1.0, 0.0));
         let n = interval.nodes.len() / nodes.len();
@@ -113,8 +115,8 @@ impl Collocation {
         interval.watching(observable).value_in(t, &x, &q)
     }
 
-    /// Visits the ends of an interval and the local extrema of a function of its states, located by
-    /// sign changes of the slope between samples.
+    /// Visits the ends of an interval and the local extrema of a function of its states; the
+    /// extrema are located by sign changes of the derivative between samples.
     fn extrema_of(
         &self,
         interval: &Interval<f64>,
@@ -140,20 +142,22 @@ impl Collocation {
     }
 }
 
-/// Finds the zero of a function between two places of an interval, given its sign at the first one.
+/// Finds the zero of a function between two points of an interval, given the sign of the function
+/// at the first point.
 fn zero(places: [f64; 2], sign: f64, of: impl Fn(f64) -> [f64; 2]) -> f64 {
     let limits = Limits { rounds: ROUNDS, moved: 1e-14 };
     bracketed_zero(places, sign, 0.5 * (places[0] + places[1]), limits, of)
 }
 
-/// The methods of [`Method`](super::method::Method), documented there, for collocation.
+/// Implements the methods of [`Method`](super::method::Method) for collocation;
+/// [`Method`](super::method::Method) documents them.
 impl Collocation {
-    /// The places of the nodes in an interval.
+    /// Returns the positions of the nodes in an interval, from 0 to 1.
     pub fn places(&self) -> &[f64] {
         &self.basis.nodes
     }
 
-    /// Computes the residual of an interval.
+    /// Computes the residual of the collocation equations on an interval.
     ///
     /// # Errors
     /// [`Failure::OutOfDomain`] if the trajectory leaves the domain of the field.
@@ -185,12 +189,14 @@ impl Collocation {
         Ok(())
     }
 
-    /// The combinations of nodes that are arguments of the field: the states at the Gauss points.
+    /// Returns the weights of the nodes in the arguments of the vector field, which are the states
+    /// at the Gauss points.
     pub(super) fn arguments(&self) -> &[f64] {
         &self.basis.values
     }
 
-    /// Computes `−h L wᵀf` at a Gauss point, and the contribution to the integral conditions there.
+    /// Computes `−h L wᵀf` at a Gauss point, plus the contribution of this Gauss point to the
+    /// integral conditions.
     pub(super) fn nonlinear<T: Number>(
         &self,
         interval: Interval<T>,
@@ -213,7 +219,7 @@ impl Collocation {
         Ok(sum * duration * h)
     }
 
-    /// Computes the states at a place in an interval (from 0 to 1).
+    /// Computes the states at a point of an interval, given by its position from 0 to 1.
     pub fn value<T: Number>(&self, interval: Interval<T>, place: f64, x: &mut [T]) {
         let count = self.basis.nodes.len();
         let mut coefficients = [0.0; MOST_POINTS + 1];
@@ -237,7 +243,8 @@ impl Collocation {
         }
     }
 
-    /// Visits the monitored functions in an interval, by number, at places from 0 to 1.
+    /// Visits the monitored functions in an interval: calls `visit` with the function's number, a
+    /// position from 0 to 1, and the function's value.
     pub fn extrema(
         &self,
         interval: Interval<f64>,
@@ -270,7 +277,8 @@ impl Collocation {
         }
     }
 
-    /// Quadrature at the Gauss points, with the order of the states at the ends of intervals.
+    /// Visits the Gauss points for a quadrature that is as accurate as the states at the ends of
+    /// intervals.
     pub(super) fn quadrature<T: Number>(
         &self,
         interval: Interval<T>,
@@ -285,9 +293,10 @@ impl Collocation {
         }
     }
 
-    /// The integrals over an interval, in time, of the trace of the field's Jacobian and of its
-    /// absolute value, from the assembled equations. At each Gauss point the node with the largest
-    /// coefficient gives the most accurate trace.
+    /// Returns the integrals over time, on one interval, of the trace of the vector field's
+    /// Jacobian and of the trace's absolute value, computed from the assembled equations. At each
+    /// Gauss point, the trace is taken from the node with the largest coefficient, which is the
+    /// most accurate choice.
     pub(super) fn trace_integrals(&self, block: &[f64], n: usize) -> [f64; 2] {
         let places = self.basis.nodes.len();
         let mut integrals = [0.0; 2];
@@ -305,12 +314,13 @@ impl Collocation {
         integrals
     }
 
-    /// The largest value of `|P|`.
+    /// Returns the error constant of collocation: the largest value of `|P|`.
     pub fn error_constant(&self) -> f64 {
         self.basis.error_constant
     }
 
-    /// The method with the largest number of points, and the factor 2 by which intervals are divided.
+    /// Returns collocation with the largest number of Gauss points, and the factor 2: the number of
+    /// parts into which each interval is divided.
     pub(crate) fn finer(&self) -> (Self, usize) {
         (Collocation { basis: Basis::new(MOST_POINTS), ..self.clone() }, 2)
     }

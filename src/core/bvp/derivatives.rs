@@ -1,14 +1,15 @@
-//! The sizes of the derivatives carried by numbers.
+//! Sizes of the derivatives that dual numbers carry.
 
 use crate::core::scalar::{DualChunk, Jet, Scalar};
 use num_dual::{Dual, Dual2};
 
-/// A number whose parts have measurable sizes.
+/// A number type with a size, and with a size of its derivatives if it carries any.
 pub trait Derivatives {
-    /// The largest derivative; 0 for a real number.
+    /// Returns the absolute value of the largest derivative that the number carries; 0 for a real
+    /// number.
     fn largest_derivative(&self) -> f64;
 
-    /// The largest absolute value of all parts.
+    /// Returns the largest absolute value among the real part and the derivatives of the number.
     fn largest_part(&self) -> f64;
 }
 
@@ -26,7 +27,7 @@ impl Derivatives for f64 {
     }
 }
 
-/// Implements [`Derivatives`] for numbers that consist of a real part and other parts.
+/// Implements [`Derivatives`] for dual numbers, which consist of a real part and derivatives.
 macro_rules! parts {
     ($([$($generics:tt)*] $number:ty: $own:ident => $re:expr, $others:expr;)*) => {$(
         impl<$($generics)*> Derivatives for $number {

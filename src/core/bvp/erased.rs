@@ -1,9 +1,9 @@
 //! One object-safe trait for all boundary-value problems.
 //!
-//! Users write a [`BoundaryProblem`](super::problem::BoundaryProblem) generically. Discretisations
-//! use it through [`Equations`], one scalar type at a time, and are therefore compiled once for all
-//! problems. [`Number`] is implemented for the number types of residuals, [`WatchNumber`] for the
-//! number types of watched scalars.
+//! Users write a [`BoundaryProblem`](super::problem::BoundaryProblem) as generic code over the
+//! scalar type. Discretisations evaluate a problem through [`Equations`], one scalar type at a
+//! time, and are therefore compiled only once for all problems. The trait [`Number`] is implemented
+//! for the number types of residuals, and [`WatchNumber`] for the number types of watched scalars.
 
 use super::derivatives::Derivatives;
 use super::itineraries::{Guess, Itineraries};
@@ -14,25 +14,25 @@ use num_dual::{Dual, Dual2, Dual2_64, Dual64};
 use std::any::Any;
 use std::sync::Arc;
 
-/// The residual of a problem in one scalar type.
+/// The residual of a boundary-value problem in one scalar type.
 pub trait Residual<T: Scalar> {
-    /// The field of a segment with the numbers `q`, its time counted from the start of the segment,
-    /// and the number of entries of `q` on which it depends.
+    /// Returns the vector field of a segment with the numbers `q`, with time counted from the start
+    /// of the segment, and the number of entries of `q` on which the field depends.
     fn on_segment<'a>(&'a self, segment: usize, q: &'a [T]) -> FieldRef<'a, T>;
 
-    /// The duration of a segment.
+    /// Returns the duration of a segment.
     fn duration_in(&self, segment: usize, q: &[T]) -> T;
 
     /// Computes the left-hand sides of the boundary conditions and writes them into `b`; by default
-    /// the conditions of a closed orbit. (Segments of the shape [`Shape::Cycle`] use
-    /// [`segment_end_in`](Self::segment_end_in).)
+    /// these are the conditions of a closed orbit. (Segments of the shape [`Shape::Cycle`] use
+    /// [`segment_end_in`](Self::segment_end_in) instead.)
     fn boundary_in(&self, ends: Ends<T>, _q: &[T], b: &mut [T]) {
         ends.close(b);
     }
 
     /// Maps the end of a segment, given by its start time, duration and states `x`, to the initial
-    /// states `after` of the next segment, for problems of the shape [`Shape::Cycle`]. Returns a
-    /// number that vanishes for a solution.
+    /// states `after` of the next segment, for problems of the shape [`Shape::Cycle`]. Returns the
+    /// residual of the segment's end condition, which vanishes for a solution.
     fn segment_end_in(
         &self,
         _segment: usize,
@@ -44,7 +44,7 @@ pub trait Residual<T: Scalar> {
         T::zero()
     }
 
-    /// The total duration of all segments of a forced problem.
+    /// Returns the total duration of all segments of a periodically forced problem.
     fn cycle_in(&self, _p: &[T]) -> T {
         T::zero()
     }
@@ -55,25 +55,25 @@ pub trait Residual<T: Scalar> {
 
 /// Evaluates the watched scalars along segments, for the number type `T`.
 pub trait Watches<T> {
-    /// Computes a scalar at time `t` from the start of its segment.
+    /// Computes the value of a watched scalar at time `t`, counted from the start of the segment.
     fn watch_in(&self, watched: Watched, t: T, x: &[T], q: &[T]) -> T;
 }
 
-/// The functions of the states at the ends in one number type.
+/// Functions of the states at the ends of segments, in one number type.
 pub trait EndFunctions<T> {
-    /// Computes a function of the states at the ends and the numbers.
+    /// Computes one function of the states at the ends of segments and of the numbers `q`.
     fn of_ends_in(&self, function: usize, ends: Ends<T>, q: &[T]) -> T;
 }
 
 /// A scalar type in which the residual of every problem can be evaluated.
 pub trait Number: Scalar + Derivatives {
-    /// The residual of a problem in this scalar type.
+    /// Returns the residual of a problem in this scalar type.
     fn residual(problem: &dyn Equations) -> &dyn Residual<Self>;
 }
 
 /// A scalar type in which watched scalars can be evaluated.
 pub trait WatchNumber: Scalar {
-    /// The watched scalars of a problem in this scalar type.
+    /// Returns the watched scalars of a problem in this scalar type.
     fn watches(problem: &dyn Equations) -> &dyn Watches<Self>;
 }
 
@@ -91,81 +91,88 @@ erased! {
     }
 }
 
-/// A boundary-value problem in the scalar types that discretisations need. Implemented by every
-/// [`BoundaryProblem`](super::problem::BoundaryProblem), which documents the methods of both traits.
+/// A boundary-value problem that can be evaluated in all scalar types that discretisations need.
+/// This trait is implemented by every [`BoundaryProblem`](super::problem::BoundaryProblem), which
+/// documents the methods of both traits.
 pub trait Equations:
     InScalars + EndFunctions<f64> + EndFunctions<Chunk> + Any + Send + Sync
 {
-    /// The names of the states of each segment.
+    /// Returns the names of the states of each segment.
     fn segments(&self) -> Vec<Vec<String>>;
 
-    /// The names of the parameters.
+    /// Returns the names of the parameters.
     fn parameters(&self) -> Vec<String>;
 
-    /// The default values of all parameters, in order; empty without default values.
+    /// Returns the default values of all parameters, in order; empty if the parameters do not have
+    /// default values.
     fn defaults(&self) -> Vec<f64> {
         Vec::new()
     }
 
-    /// The shape of solutions: whether they are periodic, and how one period leads to the next.
+    /// Returns the shape of solutions: whether they are periodic, and how one period leads to the
+    /// next.
     fn shape(&self) -> Shape;
 
-    /// The names of the extra unknowns, such as the duration of a segment.
+    /// Returns the names of the extra unknowns, such as the duration of a segment.
     fn extras(&self) -> Vec<String> {
         Vec::new()
     }
 
-    /// The number of integral conditions.
+    /// Returns the number of integral conditions.
     fn integrals(&self) -> usize {
         0
     }
 
-    /// The monitors that are recorded along a branch, by name.
+    /// Returns the monitors that are recorded along a branch, with their names.
     fn monitors(&self) -> Vec<(String, Monitor)> {
         Vec::new()
     }
 
-    /// The itineraries of solutions; `None` if all solutions follow the same one.
+    /// Returns the itineraries of solutions; `None` if all solutions follow the same itinerary.
     fn itineraries(&self) -> Option<&dyn Itineraries<ErasedProblem>> {
         None
     }
 
-    /// Determines properties that hold along a whole branch from the first solution, or guess of one,
-    /// at which the equations are evaluated. Returns false if that is impossible there.
+    /// Determines the properties that stay fixed along a whole branch, from the first solution (or
+    /// guess of a solution) at which the equations are evaluated. Returns false if the properties of
+    /// the branch cannot be determined from the first solution.
     fn refer(&self, _ends: Ends<f64>, _q: &[f64]) -> bool {
         true
     }
 
-    /// Typical sizes of the states of a segment, used as units of tolerances; empty if all are 1.
+    /// Returns typical sizes of the states of a segment, used as units of tolerances; empty if all
+    /// sizes are 1.
     fn scales(&self, _segment: usize, _q: &[f64]) -> Vec<f64> {
         Vec::new()
     }
 
-    /// The typical size of a function on a segment
+    /// Returns the typical size of a watched function on a segment
     /// ([`BoundaryProblem::watch`](super::problem::BoundaryProblem::watch)), used as the unit of
     /// tolerances.
     fn function_scale(&self, _segment: usize, _function: usize, _q: &[f64]) -> f64 {
         1.0
     }
 
-    /// Typical sizes of the extra unknowns, used as units of tolerances; empty if all are 1.
+    /// Returns typical sizes of the extra unknowns, used as units of tolerances; empty if all sizes
+    /// are 1.
     fn extra_scales(&self, _p: &[f64]) -> Vec<f64> {
         Vec::new()
     }
 
-    /// The size of the motion near a state, in units of the scales, used as the unit of the mesh
-    /// error; `None` if that is the largest size on the segment.
+    /// Returns the size of the motion near a state, in units of the scales, used as the unit of the
+    /// mesh error; `None` if the unit of the mesh error is the largest size on the segment.
     fn size_near(&self, _segment: usize, _x: &[f64], _q: &[f64]) -> Option<f64> {
         None
     }
 
-    /// The time that has passed at a place of a segment's mesh, both in units of the segment's duration.
+    /// Returns the time that has elapsed at a mesh point of a segment; mesh points and times are in
+    /// units of the segment's duration.
     fn passed(&self, _segment: usize, place: f64, _q: &[f64]) -> f64 {
         place
     }
 
-    /// The longest time step, of a flow along a segment, in which all watched functions change
-    /// little.
+    /// Returns the longest time step of a flow along a segment for which all watched functions
+    /// change little within a step.
     fn longest_step(&self, _segment: usize) -> f64 {
         f64::INFINITY
     }
@@ -174,8 +181,8 @@ pub trait Equations:
 /// A boundary-value problem as a trait object.
 pub type ErasedProblem = Arc<dyn Equations>;
 
-/// A problem that can be discretised: a [`BoundaryProblem`](super::problem::BoundaryProblem), or an
-/// erased problem.
+/// A problem that can be discretised: either a [`BoundaryProblem`](super::problem::BoundaryProblem)
+/// or an erased problem.
 pub trait IntoEquations {
     /// Converts the problem to its erased form.
     fn into_equations(self) -> ErasedProblem;
@@ -188,18 +195,18 @@ impl IntoEquations for ErasedProblem {
 }
 
 impl<P: IntoEquations> Guess<P> {
-    /// Converts the guess to one of the erased problem.
+    /// Converts a guess for this problem into a guess for the erased problem.
     pub fn erased(self) -> Guess<ErasedProblem> {
         let Guess { problem, trajectories, extras, beside } = self;
         Guess { problem: problem.into_equations(), trajectories, extras, beside }
     }
 }
 
-/// A scalar of a problem on one segment, as a watched function.
+/// A scalar of a boundary-value problem on one segment, evaluated as a watched function.
 pub(in crate::core) struct Watching<'a> {
     pub problem: &'a dyn Equations,
     pub watched: Watched,
-    /// The typical size of the scalar.
+    /// Returns the typical size of the scalar.
     pub scale: f64,
 }
 

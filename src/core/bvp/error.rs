@@ -6,39 +6,40 @@ use crate::core::failure::debug_is_message;
 
 debug_is_message!(BoundaryError);
 
-/// The sizes of a boundary-value problem do not fit together.
+/// The error for sizes of a boundary-value problem that do not fit together.
 #[derive(Clone, PartialEq, miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum BoundaryError {
-    /// The number of meshes differs from the number of segments, or there are no segments.
+    /// The number of meshes differs from the number of segments, or the number of segments is zero.
     #[error(
         "{segments} segments and {meshes} meshes: each segment needs one mesh, and at least one segment"
     )]
     Meshes {
-        /// The number of segments.
+        /// The number of segments of the problem.
         segments: usize,
-        /// The number of meshes.
+        /// The number of meshes given for the segments.
         meshes: usize,
     },
-    /// A segment has no states.
+    /// A segment does not have any states.
     #[error("segment {0} has no states")]
     NoStates(usize),
-    /// A segment has no intervals.
+    /// The mesh of a segment does not have any intervals.
     #[error("segment {0} has no intervals: it needs at least one")]
     NoIntervals(usize),
-    /// There are more integral and phase conditions than unknowns.
+    /// The number of integral and phase conditions exceeds the number of unknowns.
     #[error(
         "there are {closing} integral and phase conditions, but only {unknowns} unknowns (states and \
          extra unknowns)"
     )]
     #[diagnostic(help("remove conditions or add extra unknowns"))]
     Conditions {
-        /// The number of unknowns: the states of all segments, and the extra unknowns.
+        /// The number of unknowns available to the conditions: the states of all segments, and the
+        /// extra unknowns.
         unknowns: usize,
-        /// The number of integral conditions and the phase condition.
+        /// The number of conditions: the integral conditions and the phase condition.
         closing: usize,
     },
-    /// The segments or conditions do not match the shape.
+    /// The number of segments or of conditions does not match the shape of the problem.
     #[error(
         "{segments} segments with {boundary} boundary conditions and {closing} integral and phase conditions \
          do not form a {shape:?}: a periodic orbit is one closed segment, with as many boundary conditions as \
@@ -47,11 +48,11 @@ pub enum BoundaryError {
     Shape {
         /// The shape.
         shape: Shape,
-        /// The number of segments.
+        /// The number of segments of the problem.
         segments: usize,
-        /// The number of boundary conditions.
+        /// The number of boundary conditions of the problem.
         boundary: usize,
-        /// The number of integral and phase conditions.
+        /// The number of integral and phase conditions of the problem.
         closing: usize,
     },
     /// A monitor refers to a state that does not exist.
@@ -66,7 +67,7 @@ pub enum BoundaryError {
         /// The state.
         state: usize,
     },
-    /// The largest allowed mesh is too coarse for a tolerance.
+    /// The mesh with the largest allowed number of intervals is too coarse for the tolerance.
     #[error(
         "an error of {tolerance:.1e} needs {needed:.0} intervals on segment {segment}, but at most \
          {most} intervals are allowed"
@@ -77,12 +78,12 @@ pub enum BoundaryError {
         segment: usize,
         /// The tolerance.
         tolerance: f64,
-        /// The required number of intervals.
+        /// The number of intervals that the tolerance requires.
         needed: f64,
-        /// The largest number of intervals.
+        /// The largest allowed number of intervals.
         most: usize,
     },
-    /// A solution could not be transferred to another mesh.
+    /// The transfer of a solution to another mesh failed.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Evaluation(#[from] Failure),

@@ -1,4 +1,4 @@
-//! Mesh intervals with their data, equations and scalars.
+//! Mesh intervals with their data, equations and watched scalars.
 
 use super::erased::{Equations, Number, Watching};
 use super::terms::Watched;
@@ -18,42 +18,44 @@ pub struct Span {
 }
 
 impl Span {
-    /// The position of a place between the ends, given from 0 to 1.
+    /// Returns the position in the mesh of a point of the interval, given from 0 (start) to 1
+    /// (end).
     pub(super) fn at(&self, place: f64) -> f64 {
         self.start + (self.end - self.start) * place
     }
 }
 
-/// An interval with the data at which its equations are evaluated.
+/// A mesh interval with the data at which its equations are evaluated.
 #[derive(Clone, Copy)]
 pub struct Interval<'a, T> {
     /// The problem.
     pub problem: &'a dyn Equations,
-    /// The span of the interval.
+    /// The position of the interval in the mesh of its segment.
     pub span: Span,
-    /// The values at the interval's nodes: `n` states at the first node, then at the second.
+    /// The states at the interval's nodes: `n` states at the first node, then `n` states at the
+    /// second node, and so on.
     pub nodes: &'a [T],
-    /// All numbers `q = (p, e)`.
+    /// All numbers `q = (p, e)`: the parameters and the extra unknowns.
     pub q: &'a [T],
 }
 
 impl<'a, T: Number> Interval<'a, T> {
-    /// The field of the interval's segment.
+    /// Returns the vector field of the interval's segment.
     pub fn field(&self) -> FieldRef<'a, T> {
         T::residual(self.problem).on_segment(self.span.segment, self.q)
     }
 
-    /// The duration of the interval's segment.
+    /// Returns the duration of the interval's segment.
     pub fn duration(&self) -> T {
         T::residual(self.problem).duration_in(self.span.segment, self.q)
     }
 
-    /// The time at a place of the interval, from 0 to 1.
+    /// Returns the time at a point of the interval, given by its position from 0 to 1.
     pub(super) fn time(&self, place: f64) -> T {
         self.duration() * (self.span.start + self.length() * place)
     }
 
-    /// The start time of the interval, and its duration.
+    /// Returns the start time of the interval, and its duration.
     pub(super) fn times(&self) -> (T, T) {
         let duration = self.duration();
         (duration * self.span.start, duration * self.length())
@@ -61,13 +63,13 @@ impl<'a, T: Number> Interval<'a, T> {
 }
 
 impl<'a, T> Interval<'a, T> {
-    /// A scalar along the interval's segment, as a watched function.
+    /// Returns a scalar along the interval's segment, as a watched function.
     pub(super) fn watching(&self, observable: Observable) -> Watching<'a> {
         let watched = Watched::new(self.span.segment, observable);
         Watching { problem: self.problem, watched, scale: 1.0 }
     }
 
-    /// The length of the interval, as a fraction of the segment's duration.
+    /// Returns the length of the interval, as a fraction of the segment's duration.
     pub fn length(&self) -> f64 {
         self.span.end - self.span.start
     }
@@ -79,18 +81,19 @@ pub struct Block<'a> {
     pub residual: &'a mut [f64],
     /// Derivatives with respect to the `(m + 1)·n` values at the interval's nodes, row by row.
     pub nodes: &'a mut [f64],
-    /// Derivatives with respect to the active components of `q`, row by row.
+    /// Derivatives with respect to the active entries of `q`, row by row.
     pub numbers: &'a mut [f64],
 }
 
-/// Functions monitored along an interval; extrema are numbered first, upward crossings last.
+/// The functions that are monitored along an interval: first the functions whose extrema are
+/// monitored, then the pairs evaluated at upward crossings.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct MonitoredFunctions<'a> {
     /// The scalars whose extrema are monitored.
     pub extrema: &'a [Observable],
-    /// The typical sizes of these scalars.
+    /// The typical sizes of the scalars whose extrema are monitored.
     pub scales: &'a [f64],
-    /// Pairs of scalars; the second one is evaluated at upward zero crossings of the first one.
+    /// Pairs of scalars: the second scalar is evaluated at the upward zero crossings of the first.
     pub rises: &'a [[Observable; 2]],
 }
 
@@ -101,14 +104,14 @@ impl MonitoredFunctions<'_> {
     }
 }
 
-/// Computes `Σ w_i x_i`.
+/// Computes the linear combination `Σ w_i x_i`.
 pub(super) fn weighted<T: Scalar>(x: &[T], weights: &[f64]) -> T {
     let mut sum = T::zero();
     x.iter().zip(weights).for_each(|(x, weight)| sum += *x * *weight);
     sum
 }
 
-/// Adds the segment and the time to a cause.
+/// Adds the segment and the time of a failure to its cause.
 pub(super) fn placed(cause: impl Into<Failure>, segment: usize, t: f64) -> Failure {
     cause.into().at(format_args!("at t = {t:.6e} on segment {segment}"))
 }

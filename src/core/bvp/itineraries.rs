@@ -5,65 +5,68 @@ use super::trajectory::Trajectory;
 use crate::core::failure::Failure;
 use crate::core::system::{Jump, Limit};
 
-/// A problem whose solutions follow an itinerary: the ordered events of an orbit. Solutions with
-/// another itinerary solve another problem `P` of the same family.
+/// A problem whose solutions follow an itinerary, which is the ordered list of an orbit's events.
+/// Solutions with another itinerary solve another problem of the same family, of type `P`.
 ///
-/// At a *limit*, a monitor that is positive on admissible solutions vanishes, and solutions with
-/// another itinerary emanate. A solution is given by its trajectory on each segment and its numbers
-/// `q`.
+/// At a *limit*, a monitor that is positive on admissible solutions vanishes, and branches of
+/// solutions with other itineraries emanate. A solution is given by its trajectory on each segment
+/// and its numbers `q`.
 pub trait Itineraries<P> {
-    /// The itinerary in words, as saved with branches.
+    /// Returns the itinerary as text, as it is saved with branches.
     fn words(&self) -> String;
 
-    /// Creates the problem with a saved itinerary.
+    /// Creates the problem whose itinerary is given as saved text.
     ///
     /// # Errors
-    /// [`Failure::Mismatch`] if this problem has no such itinerary.
+    /// [`Failure::Mismatch`] if the text does not describe an itinerary of this family of problems.
     fn with_words(&self, words: &str) -> Result<P, Failure>;
 
-    /// Creates the problem of the doubled itinerary: all segments with their extra unknowns twice,
-    /// the extra unknowns before them once. `None` if a mesh of twice the length represents a
-    /// solution of two periods.
+    /// Creates the problem of the doubled itinerary: all segments and their extra unknowns occur
+    /// twice, whereas extra unknowns that precede the segments' own occur once. Returns `None` if a
+    /// doubled solution has the same segments on a mesh of twice the length.
     fn doubled(&self) -> Option<P>;
 
-    /// Creates the problem of half the itinerary, if the itinerary repeats itself; otherwise `None`.
+    /// Creates the problem of half the itinerary if the itinerary consists of two equal halves;
+    /// otherwise returns `None`.
     fn halved(&self) -> Option<P> {
         None
     }
 
-    /// Creates the problem whose duration spans several durations of this problem, and the numbers of
-    /// a solution there. `None` if no such problem exists.
+    /// Creates the problem whose duration spans several durations of this problem, and returns it
+    /// with the numbers `q` of the corresponding solution. Returns `None` if no problem spans several
+    /// durations of this one.
     fn spanning(&self, _durations: f64, _q: &[f64]) -> Option<(P, Vec<f64>)> {
         None
     }
 
-    /// The extra unknowns of the same solution when it begins with a later segment; the time of its
-    /// start is chosen nearest to the extra unknowns `near`. `None` if the rotated solution does
-    /// not solve this problem.
+    /// Returns the extra unknowns of the same solution when it begins with a later segment; the
+    /// start time is chosen so that the extra unknowns are nearest to `near`. Returns `None` if the
+    /// solution that begins with the later segment does not solve this problem.
     fn rotated(&self, _segments: usize, _q: &[f64], _near: &[f64]) -> Option<Vec<f64>> {
         None
     }
 
-    /// Returns an error for a solution whose segments do not follow each other as in its itinerary.
+    /// Checks that the segments of a solution follow each other as its itinerary says.
     ///
     /// # Errors
-    /// [`Failure`] with the segment's end, its time, and the mode to which it leads.
+    /// [`Failure`] with the end of the offending segment, its time, and the mode to which it leads.
     fn check_ends(&self, _ends: Ends<f64>, _q: &[f64]) -> Result<(), Failure> {
         Ok(())
     }
 
-    /// A sudden change of an event's next mode on the way from one solution to another, both given by
-    /// their ends and numbers `q`; `None` if there is no such change.
+    /// Returns a sudden change of an event's next mode between two solutions, each given by its ends
+    /// and its numbers `q`; `None` if no event changes its next mode.
     fn jump_between(&self, _solutions: [(Ends<f64>, &[f64]); 2]) -> Option<Jump> {
         None
     }
 
-    /// The limits at parameters `p`.
+    /// Returns the limits of the itinerary at parameters `p`.
     fn limits(&self, _p: &[f64]) -> Vec<Limit> {
         Vec::new()
     }
 
-    /// The standard name of the solution at which a limit vanishes; `None` if it does not have one.
+    /// Returns the standard name of the solution at which a limit's monitor vanishes; `None` if the
+    /// solution has no standard name.
     fn name_of_limit(
         &self,
         _monitor: usize,
@@ -73,16 +76,17 @@ pub trait Itineraries<P> {
         None
     }
 
-    /// A guess of one of the branches that emanate at a limit, counted from 0.
+    /// Returns a guess of a branch that emanates at a limit; the branches are counted from 0.
     ///
     /// # Errors
-    /// [`Failure`] if no branch is known, and [`Failure::no_branch`] for an index that is too large.
+    /// [`Failure`] if no emanating branch is known, and [`Failure::no_branch`] for an index that is
+    /// too large.
     fn emanating(&self, known: &[Trajectory], q: &[f64], which: usize)
     -> Result<Guess<P>, Failure>;
 
-    /// A guess of the solution on the other side of a limit: without the vanishing event if the
-    /// solution `passes` that event, otherwise with the event. `None` if no guess is known, or if the
-    /// event changes nothing at the limit and is not `wanted`.
+    /// Returns a guess of the solution on the other side of a limit: without the vanishing event if
+    /// the solution `passes` that event, otherwise with the event. Returns `None` if no guess is
+    /// known, or if the event changes nothing at the limit and is not `wanted`.
     ///
     /// # Errors
     /// [`Failure`] if the computation of the guess fails.
@@ -95,15 +99,15 @@ pub trait Itineraries<P> {
     ) -> Result<Option<Guess<P>>, Failure>;
 }
 
-/// A guess of a solution by its trajectories, used as the start of a branch.
+/// A guess of a solution, given by its trajectories and used as the start of a branch.
 pub struct Guess<P> {
-    /// The problem of the solution.
+    /// The boundary-value problem that the guessed solution solves.
     pub problem: P,
-    /// The trajectory on each segment.
+    /// The guessed trajectory on each segment.
     pub trajectories: Vec<Trajectory>,
     /// The extra unknowns.
     pub extras: Vec<f64>,
-    /// Trajectories and extra unknowns of a neighbour to first order, which determine the direction
-    /// of the branch if the equations are singular; otherwise `None`.
+    /// The trajectories and extra unknowns of a neighbouring solution to first order, which
+    /// determine the direction of the branch if the equations are singular; otherwise `None`.
     pub beside: Option<(Vec<Trajectory>, Vec<f64>)>,
 }

@@ -1,7 +1,7 @@
 //! Meshes of segments.
 
-/// The mesh of a segment: increasing breakpoints in units of the segment's duration, from 0 to 1, or
-/// to the number of periods for a solution over several periods.
+/// The mesh of a segment: increasing breakpoints in units of the segment's duration, from 0 to 1,
+/// or from 0 to the number of periods for a solution that spans several periods.
 ///
 /// ```
 /// use tangency::core::bvp::Mesh;
@@ -29,7 +29,7 @@ pub enum MeshError {
     /// The mesh does not begin at 0.
     #[error("the mesh begins at {0}, but must begin at 0")]
     Start(f64),
-    /// The breakpoints do not increase.
+    /// The breakpoints do not increase strictly.
     #[error(
         "breakpoint {index} of the mesh is {next}, not above {before}: breakpoints must increase"
     )]
@@ -44,10 +44,10 @@ pub enum MeshError {
 }
 
 impl Mesh {
-    /// Creates a mesh with these breakpoints.
+    /// Creates a mesh with given breakpoints.
     ///
     /// # Errors
-    /// [`MeshError`] unless they increase from 0 and are finite.
+    /// [`MeshError`] unless the breakpoints are finite and increase strictly from 0.
     pub fn new(points: Vec<f64>) -> Result<Self, MeshError> {
         if points.len() < 2 {
             return Err(MeshError::Empty(points.len()));
@@ -71,14 +71,15 @@ impl Mesh {
         self.points.windows(2).all(is_same)
     }
 
-    /// Creates a mesh of intervals of equal length, at least one.
+    /// Creates a mesh of `intervals` intervals of equal length; the number of intervals is at least
+    /// one.
     pub fn uniform(intervals: usize) -> Self {
         let count = intervals.max(1);
         Mesh { points: (0..=count).map(|k| k as f64 / count as f64).collect() }
     }
 
-    /// Multiplies all breakpoints by a number, for example for a mesh of several periods. A number
-    /// that is not finite or not positive changes nothing.
+    /// Multiplies all breakpoints by a number, for example for a mesh of several periods. The mesh
+    /// is unchanged if the number is not finite or not positive.
     pub fn stretched(mut self, factor: f64) -> Self {
         if factor.is_finite() && factor > 0.0 {
             self.points.iter_mut().for_each(|point| *point *= factor);
@@ -86,7 +87,7 @@ impl Mesh {
         self
     }
 
-    /// Divides each interval into equal parts.
+    /// Divides each interval into `parts` intervals of equal length.
     pub fn divided(&self, parts: usize) -> Self {
         let mut points = vec![0.0];
         for pair in self.points.windows(2) {
@@ -125,7 +126,7 @@ impl Mesh {
         Mesh { points }
     }
 
-    /// The integral of a density that is constant on each interval.
+    /// Returns the integral of a density that is constant on each interval.
     pub(super) fn integral(&self, density: &[f64]) -> f64 {
         self.lengths().zip(density).map(|(h, density)| h * density).sum()
     }
@@ -144,13 +145,13 @@ impl Mesh {
         self.points.len() - 1
     }
 
-    /// The end of the mesh: 1, or the number of periods.
+    /// Returns the end of the mesh: 1, or the number of periods that the mesh spans.
     pub fn end(&self) -> f64 {
         self.points[self.intervals()]
     }
 
-    /// The interval that contains `tau`, and the place in it (from 0 to 1); the ends of the mesh if
-    /// `tau` lies outside.
+    /// Returns the interval that contains `tau`, and the position of `tau` in it from 0 to 1; if
+    /// `tau` lies outside the mesh, returns the nearer end of the mesh.
     pub fn locate(&self, tau: f64) -> (usize, f64) {
         let above = self.points.partition_point(|point| *point <= tau);
         let interval = above.clamp(1, self.intervals()) - 1;

@@ -1,4 +1,4 @@
-//! Discretisations of trajectories: collocation and shooting with one interface.
+//! Discretisations of trajectories: collocation and shooting with a common interface.
 
 use super::collocation::{Collocation, CollocationWork};
 use super::erased::Number;
@@ -12,13 +12,13 @@ use crate::core::scalar::Scalar;
 use std::fmt;
 use std::str::FromStr;
 
-/// A discretisation: each interval has values of the `n` states at `m + 1` nodes, the last one
-/// shared with the next interval, and `m·n` equations.
+/// A discretisation method: each interval has `m + 1` nodes with `n` states each and `m·n`
+/// equations; the last node is shared with the next interval.
 #[derive(Clone)]
 pub enum Method {
-    /// Collocation: polynomials through the nodes.
+    /// Collocation: the trajectory on an interval is a polynomial through the nodes.
     Collocation(Box<Collocation>),
-    /// Shooting: flows from one node to the next, `m = 1`.
+    /// Shooting: the trajectory is the flow from one node to the next (`m = 1`).
     Shooting(Box<Shooting>),
 }
 
@@ -34,7 +34,8 @@ impl From<Shooting> for Method {
     }
 }
 
-/// Writes the method as saved with solutions: `shooting`, or `collocation(4)` with the degree.
+/// Writes the method as it is saved with solutions: `shooting`, or `collocation(4)` with the number
+/// of Gauss points.
 impl fmt::Display for Method {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
@@ -47,7 +48,7 @@ impl fmt::Display for Method {
 impl FromStr for Method {
     type Err = Failure;
 
-    /// Parses the method of a saved solution, with default tolerances.
+    /// Parses the text of a saved method; the tolerances of the method have their default values.
     fn from_str(text: &str) -> Result<Self, Failure> {
         let degree = text.strip_prefix("collocation(").and_then(|text| text.strip_suffix(')'));
         match (text, degree.and_then(|degree| degree.parse().ok())) {
@@ -62,7 +63,7 @@ impl FromStr for Method {
     }
 }
 
-/// Buffers for evaluations in one scalar type.
+/// Buffers for evaluations of a discretisation method in one scalar type.
 pub(super) struct MethodWork<T: Scalar> {
     collocation: CollocationWork<T>,
     flow: Flow<T>,
@@ -75,13 +76,13 @@ impl<T: Scalar> Default for MethodWork<T> {
 }
 
 impl Method {
-    /// Whether extrema come from the same computation as the residual and its derivatives, so that
-    /// all of them should be computed together.
+    /// Whether the extrema of monitored functions are computed together with the residual and its
+    /// derivatives, so that a single call should compute all of them.
     pub(super) fn watches_with_residual(&self) -> bool {
         matches!(self, Method::Shooting(_))
     }
 
-    /// The token that cancels evaluations.
+    /// Returns the token that cancels evaluations.
     pub(super) fn cancel(&mut self) -> &mut CancelToken {
         match self {
             Method::Collocation(method) => &mut method.cancel,
@@ -97,7 +98,7 @@ impl Method {
         }
     }
 
-    /// Computes the residual of an interval.
+    /// Computes the residual of the discretised equations on an interval.
     pub(super) fn residual<T: Number>(
         &self,
         interval: Interval<T>,
@@ -110,7 +111,7 @@ impl Method {
         }
     }
 
-    /// Computes the states at a place in an interval (from 0 to 1).
+    /// Computes the states at a point of an interval, given by its position from 0 to 1.
     pub(super) fn value<T: Number>(
         &self,
         interval: Interval<T>,
@@ -127,8 +128,8 @@ impl Method {
         }
     }
 
-    /// The arguments of the nonlinear parts of an interval's equations, as combinations of the values
-    /// at its nodes: one row of `m + 1` coefficients for each.
+    /// Returns the arguments at which the vector field or flow of an interval is evaluated, as linear
+    /// combinations of the states at the nodes: one row of `m + 1` coefficients for each argument.
     pub(super) fn arguments(&self) -> &[f64] {
         match self {
             Method::Collocation(method) => method.arguments(),
@@ -136,9 +137,9 @@ impl Method {
         }
     }
 
-    /// Computes a weighted sum of the nonlinear part of the equations for one of the
-    /// [`arguments`](Self::arguments), and of the contributions to the integral conditions. The
-    /// interval has the argument's value at its first node; `r` has space for all states, and for all
+    /// Computes a weighted sum of the nonlinear part of the equations at one of the
+    /// [`arguments`](Self::arguments), and of the contributions to the integral conditions. The first
+    /// node of the interval contains the argument; `r` has space for all states, and for all
     /// integrands.
     pub(super) fn nonlinear<T: Number>(
         &self,
@@ -154,8 +155,8 @@ impl Method {
         }
     }
 
-    /// Calls `visit` with the states at `count` places in an interval, evenly spaced from its start,
-    /// for drawing.
+    /// Calls `visit` with the states at `count` evenly spaced points of an interval, beginning at
+    /// its start; used for drawing.
     pub(super) fn trajectory(
         &self,
         interval: Interval<f64>,
@@ -176,8 +177,8 @@ impl Method {
         }
     }
 
-    /// Computes the residual of an interval with its derivatives with respect to the nodes and to
-    /// the active components of `q`, and the extrema that [`extrema`](Self::extrema) visits.
+    /// Computes the residual on an interval, its derivatives with respect to the nodes and to the
+    /// active entries of `q`, and the extrema that [`extrema`](Self::extrema) visits.
     pub(super) fn linearise(
         &mut self,
         interval: Interval<f64>,
@@ -195,9 +196,9 @@ impl Method {
         }
     }
 
-    /// Sets the error allowed in residuals, their derivatives and extrema during an iteration towards
-    /// a solution; 0 restores the method's own accuracy. Returns whether results with this error are
-    /// valid only during the iteration.
+    /// Sets the error that is allowed in residuals, derivatives and extrema during a Newton
+    /// iteration; 0 restores the method's own accuracy. Returns whether results with the allowed
+    /// error are valid only during the iteration.
     pub(super) fn allow(&mut self, error: f64) -> bool {
         match self {
             Method::Collocation(_) => false,
@@ -205,9 +206,10 @@ impl Method {
         }
     }
 
-    /// Calls `visit` with number, place (from 0 to 1) and value of each monitored function: at every
-    /// local extremum inside an interval, at the interval's ends, and at every upward crossing.
-    /// Shooting also computes the residual if requested.
+    /// Calls `visit` with the number, position (from 0 to 1) and value of each monitored function:
+    /// at every local extremum inside an interval, at the interval's ends, and at every upward
+    /// crossing. With [`Shooting`], the same call also computes the residual if `residual` is
+    /// given.
     pub(super) fn extrema(
         &mut self,
         interval: Interval<f64>,
@@ -224,8 +226,9 @@ impl Method {
         }
     }
 
-    /// Calls `visit` with weight (in time), time since the segment's start and states at the nodes of
-    /// a quadrature over an interval that is as accurate as the trajectory.
+    /// Calls `visit` for each node of a quadrature over an interval, with the weight (in time), the
+    /// time since the segment's start, and the states; the quadrature is as accurate as the
+    /// trajectory.
     pub(super) fn quadrature<T: Number>(
         &self,
         interval: Interval<T>,
@@ -241,8 +244,9 @@ impl Method {
         }
     }
 
-    /// The integrals over an interval, in time, of the trace of the field's Jacobian and of its
-    /// absolute value, from the assembled equations of `n` states, if these contain it.
+    /// Returns the integrals over time, on one interval, of the trace of the vector field's
+    /// Jacobian and of the trace's absolute value; `None` for shooting, whose assembled equations
+    /// do not contain the trace.
     pub(super) fn trace_integrals(&self, block: &[f64], n: usize) -> Option<[f64; 2]> {
         match self {
             Method::Collocation(method) => Some(method.trace_integrals(block, n)),
@@ -250,9 +254,9 @@ impl Method {
         }
     }
 
-    /// The constant `C` of a method that replaces the trajectory by the polynomial of degree `m`
-    /// through the nodes: its error in an interval of length `h` is `C hᵐ⁺¹ |x⁽ᵐ⁺¹⁾|`. `None` for a
-    /// method without mesh error.
+    /// Returns the error constant `C` of a method that replaces the trajectory by the polynomial of
+    /// degree `m` through the nodes: the error on an interval of length `h` is `C hᵐ⁺¹ |x⁽ᵐ⁺¹⁾|`.
+    /// Returns `None` for a method without mesh error.
     pub(super) fn error_constant(&self) -> Option<f64> {
         match self {
             Method::Collocation(method) => Some(method.error_constant()),
@@ -260,7 +264,8 @@ impl Method {
         }
     }
 
-    /// The error of a flow at the start of an interval, which grows like deviations; 0 without flows.
+    /// Returns the error of a flow at the start of an interval, which is amplified like a deviation;
+    /// 0 for collocation.
     pub(super) fn flow_error(&self) -> f64 {
         match self {
             Method::Collocation(_) => 0.0,
@@ -268,8 +273,8 @@ impl Method {
         }
     }
 
-    /// The growth of deviations over an interval, from its derivatives with respect to the nodes of
-    /// `n` states; 1 for a method with equations inside intervals.
+    /// Returns the growth of deviations over an interval of shooting, from its derivatives with
+    /// respect to the nodes of `n` states; 1 for collocation.
     pub(super) fn growth(&self, nodes: &[f64], n: usize) -> f64 {
         match self {
             Method::Collocation(_) => 1.0,
@@ -277,8 +282,8 @@ impl Method {
         }
     }
 
-    /// A more accurate variant of the method, and the number of parts into which intervals are
-    /// divided; `None` if there is no more accurate one.
+    /// Returns a more accurate variant of the method, and the number of parts into which each
+    /// interval is divided; `None` if no more accurate variant exists.
     pub(super) fn finer(&self) -> Option<(Self, usize)> {
         match self {
             Method::Collocation(method) => {
@@ -289,7 +294,8 @@ impl Method {
         }
     }
 
-    /// A variant of the same accuracy with different errors, used if there is no more accurate one.
+    /// Returns a variant of the same accuracy with different errors, used if no more accurate
+    /// variant exists; `None` for collocation.
     pub(super) fn other(&self) -> Option<(Self, usize)> {
         match self {
             Method::Collocation(_) => None,

@@ -1,10 +1,11 @@
-//! Discretises boundary-value problems: segments of trajectories with conditions at their ends.
+//! Discretisation of boundary-value problems, which consist of trajectories on segments with
+//! conditions at the segments' ends.
 //!
-//! A [`BoundaryProblem`] defines the equations. A [`Method`], [`Collocation`] at Gauss points (C.
-//! de Boor and B. Swartz, 1973; U. Ascher, R. Mattheij and R. Russell, 1988) or [`Shooting`],
-//! replaces each trajectory by values at nodes and equations on the intervals of a [`Mesh`]. A
-//! [`BoundarySystem`] assembles all intervals and conditions into a
-//! [`System`](crate::core::system::System), which can be continued like any other.
+//! A [`BoundaryProblem`] defines the equations of a boundary-value problem. A [`Method`] replaces
+//! each trajectory by values at nodes and by equations on the intervals of a [`Mesh`]. The methods
+//! are [`Collocation`] at Gauss points (C. de Boor and B. Swartz, 1973; U. Ascher, R. Mattheij and
+//! R. Russell, 1988) and [`Shooting`]. A [`BoundarySystem`] assembles all intervals and conditions
+//! into a [`System`](crate::core::system::System), which can be continued like any other system.
 //!
 //! ```
 //! use tangency::prelude::*;

@@ -6,7 +6,7 @@ use super::terms::{Ends, Monitor, Shape};
 use crate::core::failure::OutOfDomain;
 use crate::core::scalar::Scalar;
 
-/// A boundary-value problem: trajectories of vector fields on segments,
+/// A boundary-value problem, which consists of trajectories of vector fields on segments,
 ///
 /// ```text
 ///     dx_s/dτ = L_s(q) f_s(τ L_s(q), x_s, q),    0 ≤ τ ≤ 1,    s = 1 … S
@@ -14,9 +14,10 @@ use crate::core::scalar::Scalar;
 ///     Σ_s ∫ g_s(t, x_s, q) dt = 0
 /// ```
 ///
-/// with `q = (p, e)`: the parameters, and further unknown numbers `e` such as a period. The number of
-/// boundary and integral conditions (and a phase condition, if the [`shape`](Self::shape) has one)
-/// equals the number of states of all segments and further unknowns.
+/// where `q = (p, e)` consists of the parameters `p` and the extra unknowns `e`, such as a period.
+/// The number of boundary and integral conditions (plus a phase condition, if the
+/// [`shape`](Self::shape) includes one) equals the number of states of all segments plus the number
+/// of extra unknowns.
 ///
 /// ```
 /// use tangency::core::bvp::{BoundaryProblem, BoundarySystem, Collocation, Ends, Mesh};
@@ -52,18 +53,19 @@ pub trait BoundaryProblem: Send + Sync {
     /// The names of the parameters `p`.
     fn parameters(&self) -> Vec<String>;
 
-    /// The default values of all parameters, in order; empty without default values.
+    /// The default values of all parameters, in order; empty if the parameters do not have default
+    /// values.
     fn defaults(&self) -> Vec<f64> {
         Vec::new()
     }
 
-    /// The names of the further unknown numbers `e`.
+    /// The names of the extra unknowns `e`.
     fn extras(&self) -> Vec<String> {
         Vec::new()
     }
 
-    /// Computes the field of a segment at time `t` from its start, into `f` (of the same length as
-    /// `x`).
+    /// Computes the vector field of a segment at time `t`, counted from the start of the segment,
+    /// and writes it into `f` (of the same length as `x`).
     fn field<T: Scalar>(&self, segment: usize, t: T, x: &[T], q: &[T], f: &mut [T]);
 
     /// Computes the duration `L_s` of a segment; by default 1.
@@ -86,38 +88,41 @@ pub trait BoundaryProblem: Send + Sync {
     fn integrand<T: Scalar>(&self, _segment: usize, _t: T, _x: &[T], _q: &[T], _g: &mut [T]) {}
 
     /// The shape of solutions: whether they are periodic, and how one period leads to the next. By
-    /// default solutions are not periodic.
+    /// default, solutions are not periodic.
     fn shape(&self) -> Shape {
         Shape::BoundaryValues
     }
 
-    /// Computes a function that the problem defines, at time `t` from the start of a segment.
+    /// Computes a function that the problem defines along segments, at time `t` from the start of a
+    /// segment.
     fn watch<T: Scalar>(&self, _function: usize, _segment: usize, _t: T, _x: &[T], _q: &[T]) -> T {
         T::zero()
     }
 
-    /// Computes a function that the problem defines, of the states at the ends and the numbers.
+    /// Computes a function that the problem defines for the states at the ends of segments and the
+    /// numbers `q`.
     fn of_ends<T: Scalar>(&self, _function: usize, _ends: Ends<T>, _q: &[T]) -> T {
         T::zero()
     }
 
-    /// Typical sizes of the states of a segment at the numbers `q`, used as units of tolerances; empty,
-    /// as by default, if all are 1.
+    /// Typical sizes of the states of a segment at the numbers `q`, used as units of tolerances; empty
+    /// (the default) if all sizes are 1.
     fn scales(&self, _segment: usize, _q: &[f64]) -> Vec<f64> {
         Vec::new()
     }
 
-    /// The monitors that are recorded along a branch, by name.
+    /// The monitors that are recorded along a branch, with their names.
     fn monitors(&self) -> Vec<(String, Monitor)> {
         Vec::new()
     }
 
-    /// The itineraries of solutions; `None`, as by default, if all solutions follow the same one.
+    /// The itineraries of solutions; `None` (the default) if all solutions follow the same
+    /// itinerary.
     fn itineraries(&self) -> Option<&dyn Itineraries<ErasedProblem>> {
         None
     }
 
-    /// Rejects states outside the domain of a segment's field.
+    /// Returns an error for states outside the domain of a segment's vector field.
     fn domain(&self, _segment: usize, _x: &[f64], _q: &[f64]) -> Result<(), OutOfDomain> {
         Ok(())
     }

@@ -11,19 +11,20 @@ use extremum_search::{ExtremumSearch, Observers};
 use std::ops::ControlFlow;
 use variation::Variation;
 
-/// The accuracy of trajectories for drawing.
+/// The tolerance of flows that are computed only for drawing.
 const DRAWN: f64 = 1e-8;
 
-/// The smallest tolerance, about the rounding error of a flow.
+/// The smallest allowed tolerance, close to the rounding error of a flow.
 const SMALLEST_TOLERANCE: f64 = 1e-14;
 
-/// Shooting: the residual of an interval is `φ(x_left) − x_right`, with the flow `φ` from its start
-/// to its end. Several intervals give multiple shooting, for trajectories along which errors grow.
+/// Shooting: the residual of an interval is `φ(x_left) − x_right`, where `φ` is the flow from the
+/// start of the interval to its end. Several intervals give multiple shooting, which is suitable
+/// for trajectories along which errors grow.
 ///
-/// Derivatives with respect to the left states and all active numbers come from one flow of dual
-/// numbers. It takes the same steps as the flow of real numbers, so that residual, Jacobian and the extrema of monitors
-/// are consistent. During Newton's iteration, the flow uses larger tolerances than its settings, as
-/// far as the iteration allows.
+/// Derivatives with respect to the states at the left end and all active entries of `q` come from one flow of dual
+/// numbers. The flow of dual numbers takes the same steps as the flow of real numbers, so that residual, Jacobian and
+/// the extrema of monitors are consistent. During Newton's iteration, the flow uses larger tolerances than its
+/// settings, within the error that the iteration allows.
 ///
 /// ```
 /// use tangency::core::bvp::Shooting;
@@ -33,11 +34,11 @@ const SMALLEST_TOLERANCE: f64 = 1e-14;
 /// assert!(Shooting::new(Scheme::DormandPrince8, 0.0).is_err());
 /// ```
 ///
-/// The default is the method of order 8 with a tolerance of 1e-12.
+/// The default is the integrator of order 8 with a tolerance of 1e-12.
 #[derive(Default)]
 pub struct Shooting {
     pub(super) settings: Settings,
-    /// The error allowed during an iteration towards a solution.
+    /// The error that is allowed during a Newton iteration.
     allowed: f64,
     four: Variation<4>,
     eight: Variation<8>,
@@ -47,7 +48,8 @@ pub struct Shooting {
 }
 
 impl Shooting {
-    /// Creates shooting by a scheme, with one absolute and relative tolerance.
+    /// Creates shooting with an integration scheme and one tolerance, used as absolute and relative
+    /// tolerance.
     ///
     /// # Errors
     /// [`SettingsError`] if the tolerance is invalid.
@@ -55,7 +57,7 @@ impl Shooting {
         Shooting::with(Settings::new(scheme, tolerance))
     }
 
-    /// Creates shooting with settings of the flow.
+    /// Creates shooting with given settings of the flow.
     ///
     /// # Errors
     /// [`SettingsError`] if a setting is invalid.
@@ -69,14 +71,14 @@ impl Shooting {
         &self.settings
     }
 
-    /// The settings with an allowed error.
+    /// Returns the settings of the flow with an allowed error.
     fn allowing(&self, error: f64) -> Settings {
         let Settings { relative, absolute, .. } = &self.settings;
         let (relative, absolute) = (relative.max(error), absolute.max(error));
         Settings { relative, absolute, ..self.settings.clone() }
     }
 
-    /// The settings with the currently allowed error, for the flow of an interval.
+    /// Returns the settings of the flow on an interval, with the currently allowed error.
     fn present<T: Number>(&self, interval: &Interval<T>) -> Settings {
         let settings = self.allowing(self.allowed);
         let longest = interval.problem.longest_step(interval.span.segment);
@@ -86,31 +88,31 @@ impl Shooting {
 }
 
 impl Clone for Shooting {
-    /// Clones the settings; buffers are created anew.
+    /// Clones the settings; the buffers of the clone are new.
     fn clone(&self) -> Self {
         Shooting { settings: self.settings.clone(), ..Shooting::default() }
     }
 }
 
-/// The largest growth of deviations over a segment: rounding errors grow by the same factor, which
-/// leaves only one or two digits.
+/// (R) The largest growth of deviations over a segment that is accepted: rounding errors grow by
+/// the same factor, which leaves only one or two correct digits.
 const LARGEST_GROWTH: f64 = 1e14;
 
-/// The growth of deviations over a segment, from its derivatives with respect to the nodes; only
-/// derivatives of states with respect to themselves count, which have no unit.
+/// Returns the growth of deviations over a segment, from the derivatives with respect to the nodes;
+/// only the dimensionless derivatives of states with respect to themselves count.
 pub(super) fn growth(nodes: &[f64], n: usize) -> f64 {
     let own = nodes.chunks_exact(2 * n).enumerate().map(|(i, row)| row[i].abs());
     own.fold(0.0, f64::max)
 }
 
-/// Returns an error if a linearisation has lost its digits.
+/// Returns an error if the linearisation of a segment has lost its significant digits.
 fn check_growth(nodes: &[f64], n: usize) -> Result<(), Failure> {
     let value = growth(nodes, n);
     if value <= LARGEST_GROWTH { Ok(()) } else { Err(Failure::Growth(value)) }
 }
 
 impl Shooting {
-    /// Computes the residual of an interval.
+    /// Computes the residual of the shooting equations on an interval.
     ///
     /// # Errors
     /// [`Failure::OutOfDomain`] if the trajectory leaves the domain of the field.
@@ -126,8 +128,8 @@ impl Shooting {
         Ok(())
     }
 
-    /// Computes a weighted sum of the end of the flow from a left end, and of the contributions to
-    /// the integral conditions along the flow.
+    /// Computes a weighted sum of the states at the end of the flow from a left end, and of the
+    /// contributions to the integral conditions along the flow.
     pub(super) fn nonlinear<T: Number>(
         &self,
         interval: Interval<T>,
@@ -149,7 +151,7 @@ impl Shooting {
         Ok(sum)
     }
 
-    /// Computes the states at a place in an interval (from 0 to 1).
+    /// Computes the states at a point of an interval, given by its position from 0 to 1.
     pub fn value<T: Number>(
         &self,
         interval: Interval<T>,
@@ -168,7 +170,7 @@ impl Shooting {
         Ok(())
     }
 
-    /// Evaluates the trajectory from the dense output of one flow.
+    /// Evaluates the trajectory on an interval from the dense output of one flow.
     pub(super) fn trajectory(
         &self,
         interval: Interval<f64>,
@@ -194,8 +196,8 @@ impl Shooting {
         Ok(())
     }
 
-    /// Computes the residual of an interval with its derivatives with respect to the nodes and to
-    /// the active components of `q`, and the extrema that [`extrema`](Self::extrema) visits.
+    /// Computes the residual of an interval, its derivatives with respect to the nodes and to the
+    /// active entries of `q`, and the extrema that [`extrema`](Self::extrema) visits.
     pub fn linearise(
         &mut self,
         interval: Interval<f64>,
@@ -235,8 +237,8 @@ impl Shooting {
         error > 0.0
     }
 
-    /// Visits extrema and crossings of monitored functions, by number, at places from 0 to 1; also
-    /// computes the residual if it is given.
+    /// Visits extrema and upward crossings of monitored functions with the function's number and
+    /// position (from 0 to 1); also computes the residual if a buffer for it is given.
     pub fn extrema(
         &mut self,
         interval: Interval<f64>,
@@ -262,7 +264,7 @@ impl Shooting {
         Ok(())
     }
 
-    /// Quadrature by dense output in every step of one flow.
+    /// Visits the nodes of a quadrature in every step of one flow, evaluated by dense output.
     pub(super) fn quadrature<T: Number>(
         &self,
         interval: Interval<T>,
@@ -281,14 +283,15 @@ impl Shooting {
         Ok(())
     }
 
-    /// The same tolerance with steps of at most a hundredth of an interval: used where rounding
-    /// errors rule out a more accurate method, to obtain different errors.
+    /// Returns a variant with the same tolerance and steps of at most a hundredth of an interval,
+    /// which obtains different errors where rounding errors rule out a more accurate method.
     pub(super) fn by_other_steps(&self) -> Self {
         let settings = Settings { largest_step: 0.01, ..self.settings.clone() };
         Shooting { settings, ..Shooting::default() }
     }
 
-    /// A hundredth of the tolerance, bounded by rounding errors; `None` at that bound.
+    /// Returns a variant with a hundredth of the tolerance, bounded below by rounding errors;
+    /// `None` if the tolerance is already at this bound.
     pub fn finer(&self) -> Option<Self> {
         // A power of ten stays a power of ten.
         let digits = (1.0 / self.settings.relative).round();

@@ -1,4 +1,5 @@
-//! User-defined boundary-value problems as implementations of the object-safe trait of equations.
+//! Implementations of the object-safe trait [`Equations`](super::erased::Equations) for
+//! user-defined boundary-value problems.
 
 use super::erased::{EndFunctions, Equations, ErasedProblem, IntoEquations, Residual, Watches};
 use super::itineraries::Itineraries;
@@ -95,8 +96,9 @@ impl<P: BoundaryProblem + 'static> Equations for Stated<P> {
         fn scales(segment: usize, q: &[f64]) -> Vec<f64>;
     }
 
-    /// The change of a function when time changes by the segment's duration and states change by
-    /// their scales, for states at half their scales; 1 if the problem defines no scales.
+    /// Computes the change of a function when time changes by the segment's duration and the states
+    /// change by their scales, starting from states at half their scales; 1 if the problem defines
+    /// no scales.
     fn function_scale(&self, segment: usize, function: usize, q: &[f64]) -> f64 {
         let sizes = self.0.scales(segment, q);
         if sizes.is_empty() {

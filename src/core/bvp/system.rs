@@ -49,15 +49,17 @@ use meshed::Meshed;
 pub use phase_response::phase_response;
 use std::ops::Deref;
 
-/// A boundary-value problem, discretised by a method on one mesh for each segment.
+/// A boundary-value problem that is discretised by a method on one mesh for each segment.
 ///
 /// The unknowns `z` are, for each segment and each state, a group of values at the segment's nodes
 /// (`N·m + 1` values for `N` intervals with `m` nodes beyond the first), then one scalar group for
-/// each extra. The equations are the equations of all intervals, boundary conditions, integral
-/// conditions, and the phase condition. The Jacobian is never formed: chains of intervals are
-/// condensed to their ends at a cost linear in the number of intervals.
+/// each extra unknown. The equations of the system are, in this order, the equations of all
+/// intervals, the boundary conditions, the integral conditions, and the phase condition. The full
+/// Jacobian is never formed: chains of intervals are condensed to their ends at a cost linear in
+/// the number of intervals.
 ///
-/// The monitors are the problem's own and, for a method with mesh error, its estimate `mesh_error`.
+/// The monitors are the problem's own monitors and, for a method with mesh error, the monitor
+/// `mesh_error`, which estimates this error.
 ///
 /// ```
 /// use tangency::core::bvp::{BoundarySystem, Collocation, Mesh};
@@ -76,7 +78,7 @@ use std::ops::Deref;
 /// ```
 pub struct BoundarySystem(Meshed);
 
-/// Properties that need no solution of equations.
+/// Properties of the system that are known without solving equations.
 impl Deref for BoundarySystem {
     type Target = DiscretisedProblem;
 
@@ -89,8 +91,8 @@ impl BoundarySystem {
     /// Creates the system of a problem on one mesh for each segment.
     ///
     /// # Errors
-    /// [`BoundaryError`] if the numbers of segments, states, conditions and unknowns do not fit
-    /// together.
+    /// [`BoundaryError`] if the numbers of segments, states, conditions and unknowns of the problem
+    /// do not fit together.
     pub fn new(
         problem: impl IntoEquations,
         method: impl Into<Method>,
@@ -100,19 +102,20 @@ impl BoundarySystem {
         Ok(BoundarySystem(Meshed::new(equations)))
     }
 
-    /// Makes a solution the reference of the phase condition. By default the reference is the first
-    /// point at which the equations are evaluated.
+    /// Makes a solution the reference solution of the phase condition. By default, the reference of
+    /// the phase condition is the first point at which the equations are evaluated.
     ///
     /// # Errors
-    /// [`Failure::OutOfDomain`] if the field is undefined at a node.
+    /// [`Failure::OutOfDomain`] if the vector field is undefined at a node.
     pub fn set_reference(&mut self, x: &[f64]) -> Result<(), Failure> {
         self.0.set_reference(x)
     }
 
-    /// Computes the Floquet multipliers of a periodic solution, at the point assembled last: the
-    /// eigenvalues `μ` of `P v + μ Q v = 0`, the largest first. `P` and `Q` condense all intervals
-    /// without ever multiplying them (T. F. Fairgrieve and A. D. Jepson, *SIAM J. Numer. Anal.* 28
-    /// (1991)). The trivial multiplier 1 of an autonomous orbit is included.
+    /// Computes the Floquet multipliers of the periodic solution that was assembled last: the
+    /// eigenvalues `μ` of `P v + μ Q v = 0`, in descending order of their size. The matrices `P`
+    /// and `Q` condense all intervals without any product of transfer matrices (T. F. Fairgrieve
+    /// and A. D. Jepson, *SIAM J. Numer. Anal.* 28 (1991)). The result includes the trivial
+    /// multiplier 1 of an autonomous orbit.
     ///
     /// ```
     /// use tangency::core::bvp::Collocation;
@@ -140,18 +143,20 @@ impl BoundarySystem {
     }
 
     /// Estimates the error of a solution due to its mesh: the largest error of any state, in units of
-    /// the state's largest value; 0 for a method without mesh error. The monitor `mesh_error` has the
-    /// same value.
+    /// the state's largest value; 0 for a method without mesh error. The monitor `mesh_error` records
+    /// the same estimate.
     ///
-    /// At the nodes, and even more at the ends of intervals, a solution is more accurate.
+    /// A solution is more accurate at the nodes than this estimate, and even more accurate at the
+    /// ends of intervals.
     pub fn mesh_error(&mut self, x: &[f64]) -> f64 {
         self.0.solutions.mesh_error(x)
     }
 
-    /// Redistributes the mesh so that every interval has the same share of the error, with the same
-    /// number of intervals. The solution `x = (z, p)`, directions at it and the reference of the phase
-    /// condition are transferred by interpolation, and `x` then needs a correction. Components of
-    /// directions after the values at nodes are unchanged. A method without mesh error keeps its mesh.
+    /// Redistributes the mesh so that every interval has the same share of the error; the number of
+    /// intervals is unchanged. The solution `x = (z, p)`, the given directions and the reference of
+    /// the phase condition are transferred by interpolation; afterwards `x` must be corrected by
+    /// Newton's iteration. Components of directions that follow the values at nodes are unchanged.
+    /// The mesh of a method without mesh error is unchanged.
     ///
     /// # Errors
     /// [`Failure::OutOfDomain`] if the trajectory leaves the domain of the field; the system is then
@@ -176,13 +181,13 @@ impl BoundarySystem {
     }
 
     /// Creates the system on a mesh with an estimated error below a tolerance, and transfers `x` to
-    /// it, which then needs a correction. Each segment gets the necessary number of intervals, with
-    /// equidistributed error. An estimate from a coarse mesh can be too small, so check the estimate
-    /// of the new solution.
+    /// this mesh; afterwards `x` must be corrected by Newton's iteration. Each segment gets the
+    /// necessary number of intervals, on which the error is equidistributed. The estimate from a
+    /// coarse mesh can be too small: check the estimate of the corrected solution on the new mesh.
     ///
     /// # Errors
     /// [`BoundaryError::TooFine`] if more than 4096 intervals are necessary, and
-    /// [`BoundaryError::Evaluation`].
+    /// [`BoundaryError::Evaluation`] if an evaluation fails.
     ///
     /// ```
     /// # use tangency::core::bvp::*;
@@ -206,25 +211,27 @@ impl BoundarySystem {
     }
 }
 
-/// (H) A mesh with an estimated error below this resolves a trajectory well enough for a start.
+/// (H) The largest estimated error of a mesh that resolves a trajectory well enough for the start
+/// of a branch.
 const RESOLVED: f64 = 1e-2;
 
 /// (H) The target error of a mesh that is adapted to a trajectory, equal to a branch's default target.
 const DISTRIBUTED: f64 = 1e-4;
 
-/// (H) A mesh is first adapted to a solution on `FINER` times as many equal intervals, then once more
-/// on the resulting mesh.
+/// (H) The refinement of the first estimate: a mesh is first adapted to a solution on `FINER` times
+/// as many equal intervals, then once more on the resulting mesh.
 const FINER: usize = 64;
 const DISTRIBUTIONS: usize = 3;
 
 impl<P: IntoEquations> Guess<P> {
-    /// Creates the system of the problem, with a number of intervals for each segment, and its
-    /// unknowns `z` at parameters `p`, integrated from one node of the known trajectories to the next.
-    /// If equal intervals do not resolve a trajectory, the mesh is adapted to it, with more intervals
-    /// if necessary.
+    /// Creates the system of the problem, with a given number of intervals for each segment, and its
+    /// unknowns `z` at parameters `p`, integrated from each node of the known trajectories to the next
+    /// node. If equal intervals do not resolve a trajectory, the mesh is adapted to the trajectory,
+    /// with more intervals if necessary.
     ///
     /// # Errors
-    /// [`Failure`] if there are no intervals, or if a trajectory leaves the domain of its field.
+    /// [`Failure`] if the number of intervals is zero, or if a trajectory leaves the domain of its
+    /// vector field.
     pub fn discretised(
         self,
         p: &[f64],
@@ -241,9 +248,9 @@ impl<P: IntoEquations> Guess<P> {
     }
 }
 
-/// Returns the equations of the first segment, assembled last, condensed to its ends:
-/// `P δx(0) + Q δx(1) = 0` with `n × n` matrices `P` and `Q`, one row after the other. The Floquet
-/// multipliers of a periodic solution are the eigenvalues of this pencil.
+/// Returns the equations of the first segment at the point that was assembled last, condensed to
+/// the segment's ends: `P δx(0) + Q δx(1) = 0` with `n × n` matrices `P` and `Q`, stored row by
+/// row. The Floquet multipliers of a periodic solution are the eigenvalues of the pencil `P + μ Q`.
 ///
 /// # Errors
 /// [`Failure::Singular`] if the equations of some interval do not determine the unknowns inside it,
@@ -268,7 +275,7 @@ pub fn reduced_pencil(system: &mut BoundarySystem) -> Result<(&[f64], &[f64]), F
 }
 
 impl Guess<ErasedProblem> {
-    /// Creates the system on meshes, and its unknowns.
+    /// Creates the system on given meshes, and its unknowns.
     fn on(
         &self,
         (method, meshes): (&Method, Vec<Mesh>),
@@ -279,8 +286,8 @@ impl Guess<ErasedProblem> {
         Ok((system, z))
     }
 
-    /// Creates the system, and its unknowns, on a mesh adapted to the trajectories, or on a uniform
-    /// one if adaptation fails.
+    /// Creates the system, and its unknowns, on a mesh adapted to the trajectories; if the
+    /// adaptation fails, the mesh is uniform.
     pub(in crate::core) fn distributed(
         &self,
         p: &[f64],

@@ -1,14 +1,15 @@
-//! Components of boundary-value problems: shapes, ends, monitors.
+//! Components of boundary-value problems: shapes, ends of segments, and monitors.
 
 use crate::core::problem::{Measure, Observable};
 use crate::core::scalar::Scalar;
 
-/// The states at the two ends of all segments, one segment after the other.
+/// The states at the two ends of all segments, segment by segment.
 #[derive(Clone, Copy, Debug)]
 pub struct Ends<'a, T> {
     /// The states at the starts of the segments.
     pub start: &'a [T],
-    /// The states at the ends of the segments, at the mesh end 1 or the number of periods.
+    /// The states at the ends of the segments, where the mesh coordinate is 1 or the number of
+    /// periods.
     pub end: &'a [T],
 }
 
@@ -25,52 +26,52 @@ impl<T: Scalar> Ends<'_, T> {
 pub struct Watched {
     /// The segment.
     pub segment: usize,
-    /// The scalar; a function refers to
+    /// The scalar; functions are numbered as in
     /// [`BoundaryProblem::watch`](super::problem::BoundaryProblem::watch).
     pub observable: Observable,
-    /// Whether the scalar vanishes by construction in the events that begin and end the segment, so
-    /// that it does not count as a distance there ([`Measure::Distance`]).
+    /// Whether the scalar vanishes by construction in the events at the start and the end of the
+    /// segment, and therefore does not count there as a distance ([`Measure::Distance`]).
     pub vanishes: [bool; 2],
 }
 
 impl Watched {
-    /// A scalar on a segment.
+    /// Creates a monitored scalar on a segment.
     pub fn new(segment: usize, observable: Observable) -> Self {
         Watched { segment, observable, vanishes: [false; 2] }
     }
 
-    /// A state on a segment.
+    /// Creates the monitored scalar for a state on a segment.
     pub fn state(segment: usize, state: usize) -> Self {
         Watched::new(segment, Observable::State(state))
     }
 
-    /// A function that the problem defines on a segment.
+    /// Creates the monitored scalar for a function that the problem defines on a segment.
     pub fn function(segment: usize, function: usize) -> Self {
         Watched::new(segment, Observable::Function(function))
     }
 
-    /// Sets whether the scalar vanishes in the events that begin and end the segment.
+    /// Sets whether the scalar vanishes in the events at the start and the end of the segment.
     pub fn vanishing(self, vanishes: [bool; 2]) -> Self {
         Watched { vanishes, ..self }
     }
 }
 
-/// A number that is recorded along a branch: a measure of scalars on segments. Extremes are taken
+/// A quantity that is recorded along a branch: a measure of scalars on segments. Extrema are taken
 /// along the whole solution, not only at mesh points.
 pub type Monitor = Measure<Vec<Watched>, Vec<Watched>>;
 
 impl Monitor {
-    /// The largest value of a state on a segment.
+    /// The monitor for the largest value of a state on a segment.
     pub fn maximum(segment: usize, state: usize) -> Self {
         Measure::Maximum(vec![Watched::state(segment, state)])
     }
 
-    /// The smallest value of a state on a segment.
+    /// The monitor for the smallest value of a state on a segment.
     pub fn minimum(segment: usize, state: usize) -> Self {
         Measure::Minimum(vec![Watched::state(segment, state)])
     }
 
-    /// All scalars and distances of the measure.
+    /// Returns all scalars and distances that the measure uses.
     pub(super) fn watched(&self) -> impl Iterator<Item = &Watched> {
         let all = match self {
             Measure::Distance(surfaces) | Measure::Penetration(surfaces) => vec![surfaces],
@@ -79,7 +80,8 @@ impl Monitor {
         all.into_iter().flatten()
     }
 
-    /// The scalars, or distances, whose extremes determine the measure; empty for other measures.
+    /// Returns the scalars or distances whose extrema determine the measure; empty for measures
+    /// without extrema.
     pub(super) fn of_extremes(&self) -> &[Watched] {
         match self {
             Measure::Maximum(all)
@@ -97,29 +99,30 @@ impl Monitor {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Shape {
-    /// Boundary values: solutions are not periodic and have no Floquet multipliers.
+    /// Boundary values: solutions are not periodic and do not have Floquet multipliers.
     #[default]
     BoundaryValues,
     /// Periodic orbits: one segment with exactly the boundary conditions `x(0) − x(1) = 0`.
     Periodic {
-        /// Whether the problem is invariant under shifts of time; a phase condition is then needed,
-        /// and the period is a further unknown.
+        /// Whether the problem is invariant under shifts of time; an invariant problem needs a
+        /// phase condition, and its period is an extra unknown.
         phase: bool,
     },
-    /// Periodic orbits of consecutive segments, each up to an event that leads to the next segment,
-    /// the last one to the first. Only problems within this crate can define their conditions, by
-    /// `segment_end_in`: the initial states of segments, the functions that vanish at their ends, and
-    /// under forcing `cycle − Σ durations`.
+    /// Periodic orbits of consecutive segments: each segment ends at an event that leads to the
+    /// next segment; the event of the last segment leads to the first segment. Only problems within
+    /// this crate can define the conditions of this shape, by `segment_end_in`: the initial states
+    /// of segments, the functions that vanish at their ends, and under forcing `cycle − Σ
+    /// durations`.
     ///
-    /// The extra unknowns are the start time (under forcing) and the durations. A segment depends
-    /// on the parameters, its start time and its duration: these are the numbers `q` at which its
-    /// equations are evaluated.
+    /// The extra unknowns of this shape are the start time (under forcing) and the durations. The
+    /// equations of a segment are evaluated at numbers `q` that consist of the parameters, the
+    /// segment's start time and the segment's duration.
     Cycle {
-        /// Whether the start time is unknown.
+        /// Whether the start time of the cycle is an unknown, as under forcing.
         forced: bool,
     },
-    /// Cycles of a map: there is no motion along segments, and the first boundary conditions
-    /// `x(0) − f = 0` lead back to the initial states of the first segment.
+    /// Cycles of a map: time does not pass along segments, and the first boundary conditions `x(0)
+    /// − f = 0` lead back to the initial states of the first segment.
     MapCycle,
 }
 
@@ -129,18 +132,19 @@ impl Shape {
         self == Shape::Periodic { phase: true }
     }
 
-    /// Whether there is motion along segments.
+    /// Whether solutions move along segments, which is false only for maps.
     pub(super) fn moves(self) -> bool {
         self != Shape::MapCycle
     }
 
-    /// For segments of a cycle, whether the start time is unknown.
+    /// For segments of a cycle, whether the start time of the cycle is an unknown; `None` for other
+    /// shapes.
     pub(super) fn cycle(self) -> Option<bool> {
         if let Shape::Cycle { forced } = self { Some(forced) } else { None }
     }
 
-    /// The return conditions for segments with these numbers of states: the first segment's states
-    /// return and, under forcing, so does the start time, modulo the forcing's period.
+    /// Returns the return conditions for segments with given numbers of states: the first segment's
+    /// states return and, under forcing, the start time also returns, modulo the forcing's period.
     pub(super) fn returns(self, states: &[usize]) -> Vec<Return> {
         let of_states = |i| Return { condition: i, unknown: Unknown::Start(i) };
         let mut returns: Vec<Return> = (0..states[0]).map(of_states).collect();
@@ -156,22 +160,23 @@ impl Shape {
     }
 }
 
-/// A return condition, `y − Y = 0`: an unknown `y` at the start of a period equals its value `Y` a
-/// period later. Perturbations of a solution with `μ y = Y` belong to the Floquet multiplier `μ`.
+/// A return condition `y − Y = 0`, which says that an unknown `y` at the start of a period equals
+/// its value `Y` a period later. Perturbations of a solution with `μ y = Y` belong to the Floquet
+/// multiplier `μ`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::core) struct Return {
-    /// The index of the boundary condition.
+    /// The index of the return condition among the boundary conditions.
     pub condition: usize,
-    /// The unknown `y`, which has the coefficient 1 in the condition (apart from terms in `Y`).
+    /// The unknown `y`, whose coefficient in the condition is 1 (apart from terms in `Y`).
     pub unknown: Unknown,
 }
 
-/// An unknown of a boundary-value problem.
+/// An unknown of a boundary-value problem, given by its index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::core) enum Unknown {
     /// A state at the start of its segment, counted over all segments as in [`Ends::start`].
     Start(usize),
-    /// A further unknown number, as in
+    /// An extra unknown, numbered as in
     /// [`BoundaryProblem::extras`](super::problem::BoundaryProblem::extras).
     Extra(usize),
 }

@@ -6,12 +6,12 @@ use crate::core::problem::FieldIn;
 use std::ops::Range;
 
 /// A trajectory on a segment, given by its states at nodes. Flows run only from each node to the next
-/// one: if the motion is unstable, errors would grow over the whole segment.
+/// node: if the motion is unstable, errors would grow over the whole segment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trajectory {
-    /// The times since the start of the segment, rising from 0.
+    /// The times since the start of the segment, in increasing order from 0.
     times: Vec<f64>,
-    /// The states at these times, node by node.
+    /// The states at the times of the nodes, node by node.
     states: Vec<f64>,
 }
 
@@ -28,19 +28,19 @@ impl Trajectory {
         &self.states[..self.states.len() / self.times.len()]
     }
 
-    /// The times since the start, and the states at these times.
+    /// Returns the times since the start of the segment, and the states at these times.
     pub fn nodes(&self) -> impl DoubleEndedIterator<Item = (f64, &[f64])> {
         self.times.iter().copied().zip(self.states.chunks_exact(self.start().len()))
     }
 
-    /// The last node at or before a time; the first node for earlier times.
+    /// Returns the last node at or before a time; the first node if the time is earlier.
     pub fn before(&self, time: f64) -> (f64, &[f64]) {
         let node = self.times.partition_point(|t| *t <= time).max(1) - 1;
         let n = self.start().len();
         (self.times[node], &self.states[node * n..][..n])
     }
 
-    /// Appends a node; a node at or before the last one is ignored.
+    /// Appends a node; a node whose time is at or before the last node is ignored.
     pub(in crate::core) fn push(&mut self, time: f64, states: &[f64]) {
         if self.times.last().is_some_and(|last| time > *last) {
             self.times.push(time);
@@ -48,7 +48,7 @@ impl Trajectory {
         }
     }
 
-    /// The part between two times, with other initial states.
+    /// Returns the part of the trajectory between two times, with other initial states.
     pub(in crate::core) fn part(&self, start: Vec<f64>, times: Range<f64>) -> Self {
         let mut part = Trajectory::from(start);
         for (time, states) in self.nodes().filter(|(time, _)| *time < times.end) {
@@ -57,17 +57,17 @@ impl Trajectory {
         part
     }
 
-    /// Continues the trajectory, from a time on, with another one.
+    /// Replaces the trajectory after a given time by another trajectory.
     pub(in crate::core) fn join(&mut self, time: f64, next: &Trajectory) {
         for (since, states) in next.nodes() {
             self.push(time + since, states);
         }
     }
 
-    /// Computes the states at a time since the start.
+    /// Computes the states at a time since the start of the segment.
     ///
     /// # Errors
-    /// [`FlowError`] if the trajectory ends earlier.
+    /// [`FlowError`] if the flow to the requested time ends early.
     pub(in crate::core) fn states_at<F: FieldIn<f64>>(
         &self,
         field: &F,

@@ -1,15 +1,17 @@
-//! Balancing: scaling a matrix so that its eigenvalues are computed equally well in any units.
+//! Balancing: scaling a matrix so that the accuracy of its eigenvalues does not depend on the
+//! units.
 
-/// (H) Another sweep is made while the row and column of an index together shrink by over a
+/// (H) Another sweep follows if the row and the column of an index together shrink by more than a
 /// twentieth.
 const SHRINKS: f64 = 0.95;
 
-/// (H) The largest number of sweeps. In one sweep each index adjusts to its neighbours.
+/// (H) The largest number of balancing sweeps. In each sweep, the scale of each index adjusts to
+/// the scales of its neighbours.
 const MOST_SWEEPS: usize = 40;
 
 /// Computes `D⁻¹ A D` with a diagonal matrix `D` of powers of two, without rounding, so that the row
 /// and the column of each index have nearly the same sum (E. E. Osborne, J. ACM 7:338, 1960; B. N.
-/// Parlett and C. Reinsch, Numer. Math. 13:293, 1969). `A` is given column by column.
+/// Parlett and C. Reinsch, Numer. Math. 13:293, 1969). The matrix `A` is given column by column.
 pub(crate) fn balanced(matrix: &[f64], n: usize) -> Vec<f64> {
     let mut balanced = matrix.to_vec();
     balance(&mut balanced, n);

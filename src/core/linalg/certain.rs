@@ -7,16 +7,18 @@ use crate::core::failure::Failure;
 /// and of its sampled rounding error.
 const KNOWN: f64 = 1e3;
 
-/// (H) The number of corrections that leave only rounding errors: solutions are corrected on entry.
+/// (H) The number of corrections after which only rounding errors remain: solutions are already
+/// corrected on entry.
 const CORRECTIONS: usize = 2;
 
 /// Corrects a solution of `G(v) = 0` to working accuracy, and sets components that are rounding
-/// errors to zero. `residual` evaluates `G`, and `solve` solves with the factored matrix `M`, in
-/// place. `sizes` are typical sizes of the components; empty if unknown.
+/// errors to zero. The function `residual` evaluates `G`, and the function `solve` solves linear
+/// systems with the factored matrix `M`, in place. The argument `sizes` contains typical sizes of
+/// the components; it is empty if the sizes are unknown.
 ///
 /// The error of a component is estimated by its last corrections `v − M⁻¹ G(v)`, and by samples: each
-/// argument is changed by its last digit (or by `ε` times its size), and each residual keeps the
-/// change with a random sign.
+/// argument is changed by its last digit (or by `ε` times its size), and the resulting change of each
+/// residual enters with a random sign.
 ///
 /// # Errors
 /// [`Failure`] of `residual`.

@@ -2,7 +2,7 @@
 //!
 //! A discretised boundary-value problem couples the values of `n` states at the `m + 1` nodes of each
 //! of `N` intervals; neighbouring intervals share a node (collocation with `m` points; shooting with
-//! `m = 1`). Its matrix is a chain within a border,
+//! `m = 1`). The matrix of the discretised problem is a bordered chain of blocks,
 //!
 //! ```text
 //!     ⎡ chain: N·m·n equations by (N·m + 1)·n values  │  k columns ⎤
@@ -11,20 +11,21 @@
 //!
 //! where interval `i` has `m·n` equations in the values at nodes `i·m … (i + 1)·m`. [`Chain`]
 //! eliminates all values except `x_0` and `x_N` at the ends, interval by interval, at a cost linear
-//! in `N`: first the nodes inside an interval, with pivots from its own equations, then the node
-//! shared with the previous interval, with pivots from the `2n` remaining equations of both (Ascher,
-//! Mattheij & Russell 1995, ch. 7; Fairgrieve & Jepson 1991). This is Gaussian elimination with row
-//! exchanges of the chain as a whole: neither transfer matrices nor their products are formed, so
-//! that both growing and decaying solutions along the chain are preserved. With `E` the row
-//! operations,
+//! in `N`. The first pivots eliminate the nodes inside an interval and come from the interval's own
+//! equations; then the node shared with the previous interval is eliminated, with pivots from the
+//! `2n` remaining equations of both intervals (Ascher, Mattheij & Russell 1995, ch. 7; Fairgrieve &
+//! Jepson 1991). The elimination is Gaussian elimination with row exchanges, applied to the chain
+//! as a whole: neither transfer matrices nor their products are formed, so that growing and
+//! decaying solutions along the chain are both preserved. With the matrix `E` of row operations,
+//! the eliminated equations are
 //!
 //! ```text
 //!     E M = ⎡ U  * ⎤        R: (n + l) × (2n + k), by x_0, x_N and the k columns
 //!           ⎣ 0  R ⎦
 //! ```
 //!
-//! and the caller adds the equations of the ends (boundary conditions, the corner) to `R` and solves
-//! with it.
+//! and the caller adds the equations of the ends (boundary conditions, the corner) to `R` and
+//! solves linear systems with the result.
 
 use super::front::{Fronts, Pivots};
 use crate::core::cancel::CancelToken;
@@ -32,8 +33,8 @@ use crate::core::failure::Failure;
 
 /// A chain of `N` intervals with `m·n` equations each, condensed to its ends.
 ///
-/// Values at nodes are stored node by node, `n` states each. Later factorisations with the same
-/// borders do not allocate.
+/// Values at nodes are stored node by node, `n` states each. Repeated factorisations with the same
+/// border sizes do not allocate memory.
 ///
 /// ```
 /// use tangency::core::linalg::Chain;
@@ -60,38 +61,41 @@ pub struct Chain {
     states: usize,
     columns: usize,
     rows: usize,
-    /// Fronts of intervals. Columns: `[inner nodes | right node | left node | k]`; rows: equations,
-    /// border.
+    /// Fronts of intervals. The matrix of an interval, with columns `[inner nodes | right node |
+    /// left node | k]`, and with the interval's equations and the border's rows as its rows.
     inner: Fronts,
-    /// Fronts of shared nodes. Columns: `[left node | right node | x_0 | k]`; rows: the rest of the
-    /// previous intervals, the rest of this interval, border.
+    /// The matrices in which shared nodes are eliminated (fronts). The columns of a front are
+    /// `[left node | right node | x_0 | k]`; its rows are the remaining equations of the previous
+    /// intervals, the remaining equations of this interval, and the border's rows.
     shared: Fronts,
-    /// `R` for the chain up to the current node: columns for `x_0`, that node, and the `k` columns.
+    /// The matrix `R` for the chain up to the current node, with columns for `x_0`, for the current
+    /// node, and for the `k` border unknowns.
     reduced: Vec<f64>,
     state_scales: Vec<f64>,
     sign: f64,
-    /// The right sides of the transposed system after elimination, in the order of the equations.
+    /// The right-hand sides of the transposed system after elimination, in the order of the
+    /// equations.
     transposed: Vec<f64>,
-    /// Cancels factorisations between intervals.
+    /// The token that cancels factorisations between intervals.
     pub cancel: CancelToken,
-    /// Scratch space by columns of a front.
+    /// Scratch space with one entry for each column of a front.
     unknowns: Vec<f64>,
-    /// Scratch space by rows of a front.
+    /// Scratch space with one entry for each row of a front.
     equations: Vec<f64>,
 }
 
 impl Chain {
-    /// Creates a chain of `intervals` (N), with `nodes` (m) beyond the left one in each and `states`
-    /// (n) at a node; all at least 1.
+    /// Creates a chain of `intervals` intervals (N), with `nodes` nodes (m) beyond the left node in
+    /// each interval and `states` states (n) at each node; all three numbers are at least 1.
     pub fn new(intervals: usize, nodes: usize, states: usize) -> Self {
         Chain { intervals, nodes, states, ..Chain::default() }
     }
 
-    /// Factors the chain within its border.
+    /// Factors the bordered chain.
     ///
-    /// `blocks`: for each interval `m·n` rows of `(m + 1)·n` derivatives with respect to the values
-    /// at its nodes; `columns`: `k` entries for each of the `N·m·n` equations; `rows`: `l` rows of
-    /// `(N·m + 1)·n`.
+    /// The argument `blocks` contains, for each interval, `m·n` rows of `(m + 1)·n` derivatives
+    /// with respect to the values at its nodes; `columns` contains `k` entries for each of the
+    /// `N·m·n` equations; `rows` contains `l` rows of `(N·m + 1)·n` entries.
     ///
     /// # Errors
     /// [`Failure::Singular`] if the equations of some interval, or of the chain up to its end, do not
@@ -126,22 +130,26 @@ impl Chain {
         Ok(())
     }
 
-    /// The matrix `R`: the `n` remaining equations of the chain, then the `l` rows, one row after the
-    /// other, with columns for `x_0`, `x_N` and the `k` columns; the corner is zero.
+    /// Returns the matrix `R`, stored row by row: its rows are the `n` remaining equations of the
+    /// chain, then the `l` border rows; its columns belong to `x_0`, to `x_N` and to the `k` border
+    /// unknowns; the corner is zero.
     pub fn reduced(&self) -> &[f64] {
         &self.reduced
     }
 
-    /// The sign of the determinant of the eliminated part. If `l = n + k`, the whole matrix `M` is
-    /// square (columns: nodes in their order, then `k`; rows: equations in their order, then `l`),
-    /// and `sign det M` is this sign times `sign det (R + corner)`.
+    /// Returns the sign of the determinant of the eliminated block. If `l = n + k`, the whole
+    /// matrix `M` is square (columns: nodes in their order, then the `k` border unknowns; rows:
+    /// equations in their order, then the `l` border rows), and `sign det M` is the returned sign
+    /// times `sign det (R + corner)`.
     pub fn determinant_sign(&self) -> f64 {
         self.sign
     }
 
-    /// Applies `E` to a right side. `right` (`N·m·n`) is changed in place and is the input of
-    /// [`back`](Self::back). The last entries of `reduced_right` (`n + l`) hold the right sides of
-    /// the `l` rows on entry; on exit `reduced_right` is the right side of `R`.
+    /// Applies the row operations `E` to a right-hand side. The argument `right` (`N·m·n` entries)
+    /// is changed in place and becomes the input of [`back`](Self::back). On entry, the last
+    /// entries of the vector `reduced_right`, whose length is `n + l`, contain the right-hand sides
+    /// of the `l` border rows; on exit, `reduced_right` contains the right-hand side of the system
+    /// with the matrix `R`.
     pub fn forward(&mut self, right: &mut [f64], reduced_right: &mut [f64]) {
         let (n, each, inner) = (self.states, self.equations_each(), self.inner.eliminated);
         let (left_over, border) = reduced_right.split_at_mut(n);
@@ -160,8 +168,8 @@ impl Chain {
         }
     }
 
-    /// Computes the values at all nodes (`(N·m + 1)·n`) from the values at the ends and the `k`
-    /// unknowns `y` of the columns; `right` is the output of [`forward`](Self::forward).
+    /// Computes the values at all nodes (`(N·m + 1)·n` entries) from the values at the ends and the
+    /// `k` border unknowns `y`; `right` is the output of [`forward`](Self::forward).
     pub fn back(
         &mut self,
         right: &[f64],
@@ -192,11 +200,12 @@ impl Chain {
         }
     }
 
-    /// Eliminates a right side of `Mᵀ w = r`: `right_nodes` (`(N·m + 1)·n`) and `right_columns`
-    /// (`k`) are `r`, and `reduced_right` (`2n + k`) becomes the right side of `Rᵀ`.
+    /// Eliminates a right-hand side of `Mᵀ w = r`: `right_nodes` (`(N·m + 1)·n` entries) and
+    /// `right_columns` (`k` entries) together form `r`, and `reduced_right` (`2n + k` entries)
+    /// becomes the right-hand side of the system with the matrix `Rᵀ`.
     ///
-    /// With `w = Eᵀ y`, `Mᵀ w = r` is `Uᵀ y₁ = r₁`, `Rᵀ y₂ = r₂ − *ᵀ y₁`. `y₁` is kept until
-    /// [`back_transposed`](Self::back_transposed).
+    /// With `w = Eᵀ y`, the system `Mᵀ w = r` is equivalent to `Uᵀ y₁ = r₁`, `Rᵀ y₂ = r₂ − *ᵀ y₁`.
+    /// The vector `y₁` is kept until the call of [`back_transposed`](Self::back_transposed).
     pub fn forward_transposed(
         &mut self,
         right_nodes: &[f64],
@@ -233,8 +242,9 @@ impl Chain {
         }
     }
 
-    /// Computes the components of `w` for the chain's equations (`N·m·n`) from the solution
-    /// `reduced_left` (`n + l`) with `Rᵀ`, whose last `l` entries are the other components.
+    /// Computes the components of `w` for the chain's equations (`N·m·n` entries) from the solution
+    /// `reduced_left` (`n + l` entries) of the system with `Rᵀ`; the last `l` entries of
+    /// `reduced_left` are the other components of `w`.
     pub fn back_transposed(&mut self, reduced_left: &[f64], equations_out: &mut [f64]) {
         let (n, each, inner) = (self.states, self.equations_each(), self.inner.eliminated);
         let (left_over, border) = reduced_left.split_at(n);
@@ -319,7 +329,7 @@ impl Chain {
         }
     }
 
-    /// Stores the remaining rows of the first interval, by both its ends.
+    /// Stores the remaining rows of the first interval, with columns for both ends of the interval.
     fn begin(&mut self, rows: &[f64]) {
         let (n, k, each) = (self.states, self.columns, self.equations_each());
         let (inner, stride) = (self.inner.eliminated, self.inner.stride);
@@ -335,7 +345,8 @@ impl Chain {
         }
     }
 
-    /// Assembles the remaining rows of the chain up to node `i` and of interval `i`, by their nodes.
+    /// Assembles the remaining rows of the chain up to node `i` and the rows of interval `i`,
+    /// ordered by nodes.
     fn fill_shared(&mut self, i: usize) {
         let (n, k, each) = (self.states, self.columns, self.equations_each());
         let (inner, stride) = (self.inner.eliminated, self.inner.stride);
@@ -357,16 +368,16 @@ impl Chain {
     }
 }
 
-/// Copies a row by `x_0`, node `i` and the `k` columns into a row by node `i`, node `i + 1`, `x_0`
-/// and `k`.
+/// Copies a row with columns for `x_0`, node `i` and the `k` border unknowns into a row with
+/// columns for node `i`, node `i + 1`, `x_0` and the `k` border unknowns.
 fn place(row: &mut [f64], reduced: &[f64], n: usize) {
     row[..n].copy_from_slice(&reduced[n..2 * n]);
     row[2 * n..3 * n].copy_from_slice(&reduced[..n]);
     row[3 * n..n + reduced.len()].copy_from_slice(&reduced[2 * n..]);
 }
 
-/// Extracts the row by `x_0`, the node and the `k` columns from a row by an eliminated node, the
-/// node, `x_0` and `k`.
+/// Extracts the row with columns for `x_0`, the current node and the `k` border unknowns from a row
+/// whose columns also include an eliminated node.
 fn unplace(reduced: &mut [f64], row: &[f64], n: usize) {
     reduced[..n].copy_from_slice(&row[2 * n..3 * n]);
     reduced[n..2 * n].copy_from_slice(&row[n..2 * n]);

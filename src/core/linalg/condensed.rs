@@ -1,5 +1,5 @@
-//! Matrices that are condensed to small dense ones, and the factors of the latter: real, or complex
-//! for a Floquet multiplier `μ = e^{iω}`.
+//! Matrices that are condensed to small dense matrices, and the factors of the dense matrices:
+//! real, or complex for a Floquet multiplier `μ = e^{iω}`.
 //!
 //! ```text
 //!     ⎡ U  * ⎤      U: by all eliminated unknowns, real for every μ
@@ -13,51 +13,55 @@ use super::vector::refill;
 use crate::core::failure::Failure;
 use faer::c64;
 
-/// A matrix within a border that elimination reduces to a small dense matrix `D`.
+/// A bordered matrix that elimination reduces to a small dense matrix `D`.
 ///
-/// The reduced right side is a vector that begins with the right side of `D`; an implementation may
-/// append values of its own.
+/// The reduced right-hand side is a vector that begins with the right-hand side of `D`; an
+/// implementation may append values of its own.
 pub(in crate::core) trait Condensed: Send + 'static {
-    /// The matrix with its border.
+    /// The data that determine the matrix and its border.
     type Matrix<'a>: Copy;
 
-    /// Eliminates all unknowns except the unknowns of `D`.
+    /// Eliminates all unknowns of the matrix except the unknowns of `D`.
     ///
     /// # Errors
     /// [`Failure::Singular`] if the equations do not determine the eliminated unknowns.
     fn condense(&mut self, of: Self::Matrix<'_>) -> Result<(), Failure>;
 
-    /// The size of `D`; the unknowns of the border come last.
+    /// Returns the size of `D`, whose last unknowns are the unknowns of the border.
     fn side(&self) -> usize;
 
-    /// Adds the entries of `D` for `μ = 1` to a zero matrix, one column after the other.
+    /// Adds the entries of `D` for `μ = 1` to a matrix of zeros, stored column by column.
     fn place(&self, of: Self::Matrix<'_>, dense: &mut [f64]);
 
-    /// Calls `visit` for every place at which the coefficient is `μ`, with the row and column of `D`,
-    /// and the equation and unknown of the whole matrix.
+    /// Calls `visit` for every entry with the coefficient `μ`, with its row and column in `D`, and
+    /// with its equation and unknown in the whole matrix.
     fn visit_returns(&self, visit: &mut dyn FnMut([usize; 2], [usize; 2]));
 
-    /// Eliminates from a right side, in place; `left` becomes the reduced right side.
+    /// Eliminates unknowns from a right-hand side, in place; `left` becomes the reduced right-hand
+    /// side.
     fn forward(&mut self, right: &mut [f64], left: &mut Vec<f64>);
 
-    /// Computes all unknowns from the unknowns of `D`, which are in `left`; `right` is the output of
-    /// [`forward`](Self::forward).
+    /// Computes all unknowns from the unknowns of `D`, which are stored in `left`; `right` is the
+    /// output of [`forward`](Self::forward).
     fn back(&mut self, right: &mut [f64], left: &mut Vec<f64>);
 
-    /// Does the work of [`forward`](Self::forward) for the transposed matrix and stores the result.
+    /// Eliminates unknowns like [`forward`](Self::forward), for the transposed matrix, and stores
+    /// the result for `back_transposed`.
     fn forward_transposed(&mut self, right: &[f64], left: &mut Vec<f64>);
 
-    /// Does the work of [`back`](Self::back) for the transposed matrix, after `forward_transposed`.
+    /// Computes all unknowns like [`back`](Self::back), for the transposed matrix, after a call of
+    /// `forward_transposed`.
     fn back_transposed(&mut self, right: &mut [f64], left: &mut Vec<f64>);
 
-    /// The sign of the determinant of `U`, up to a factor that depends only on sizes.
+    /// Returns the sign of the determinant of the upper triangular factor `U`, up to a factor that
+    /// depends only on sizes.
     fn determinant_sign(&self) -> f64;
 }
 
 /// The factors of a condensed matrix with a real `μ`.
 #[derive(Default)]
 pub(in crate::core) struct CondensedLu<C> {
-    /// The matrix except `D`.
+    /// The eliminated part of the matrix, without `D`.
     pub condensed: C,
     mu: f64,
     lu: BorderedLu,
@@ -72,8 +76,8 @@ impl<C: Condensed> CondensedLu<C> {
         CondensedLu { condensed, mu: 1.0, lu: Default::default(), left, units }
     }
 
-    /// Factors a matrix, given the typical sizes of the first unknowns of `D`; the sizes of other
-    /// unknowns are unknown, as are all sizes if `units` is empty.
+    /// Factors a matrix, given the typical sizes of the first unknowns of `D`; the sizes of the
+    /// remaining unknowns of `D` are unknown, and all sizes are unknown if `units` is empty.
     ///
     /// # Errors
     /// [`Failure::Singular`] if the matrix is singular to working accuracy.
@@ -89,7 +93,8 @@ impl<C: Condensed> CondensedLu<C> {
     }
 }
 
-/// Extends the known sizes of the first unknowns to all unknowns; empty if no sizes are known.
+/// Extends the list of known sizes from the first unknowns to all unknowns; returns an empty list
+/// if no sizes are known.
 fn in_side<'a>(units: &[f64], side: usize, all: &'a mut Vec<f64>) -> &'a [f64] {
     refill(all, units.iter().copied());
     if !units.is_empty() {
@@ -115,7 +120,7 @@ impl<C: Condensed> Factorisation for CondensedLu<C> {
         self.condensed.determinant_sign() * self.lu.determinant_sign()
     }
 
-    /// Computes `μ v` at the places of `μ`.
+    /// Computes `μ v` at the entries with the coefficient `μ`.
     fn growth_derivative(&self, v: &[f64], out: &mut [f64]) {
         out.fill(0.0);
         self.condensed.visit_returns(&mut |_, [equation, unknown]| {
@@ -131,20 +136,22 @@ impl<C: Condensed> Factorisation for CondensedLu<C> {
     }
 }
 
-/// The factors of a condensed matrix with `μ = e^{iω}`, within a complex column `b` and row `c*`.
+/// The factors of a condensed matrix with `μ = e^{iω}`, bordered by a complex column `b` and a
+/// complex row `c*`.
 ///
-/// The column is eliminated as two real ones, `b_r` and `b_i`, and so is the row:
-/// `b g = (b_r g_r − b_i g_i) + i (b_r g_i + b_i g_r)`.
+/// The complex column is eliminated as two real columns, `b_r` and `b_i`, and the complex row as
+/// two real rows: `b g = (b_r g_r − b_i g_i) + i (b_r g_i + b_i g_r)`.
 #[derive(Default)]
 pub(in crate::core) struct RotatedLu<C> {
-    /// The matrix except `D`.
+    /// The eliminated part of the matrix, without `D`.
     pub condensed: C,
     omega: f64,
     lu: BorderedLu<c64>,
-    /// `D` with the real border of width 2, then the right side of the complex system.
+    /// The matrix `D` with the real border of width 2, then the right-hand side of the complex
+    /// system.
     matrix: Vec<f64>,
     dense: Vec<c64>,
-    /// The real and imaginary parts of a right side, and of the reduced right side.
+    /// The real and imaginary parts of a right-hand side, and of the reduced right-hand side.
     parts: [Vec<f64>; 2],
     left: [Vec<f64>; 2],
     units: Vec<f64>,
@@ -158,13 +165,13 @@ impl<C: Condensed> RotatedLu<C> {
         RotatedLu { condensed, omega: 0.0, lu, matrix, dense, parts, left, units }
     }
 
-    /// Converts a complex border of width 1 to a real one of width 2.
+    /// Converts a complex border of width 1 to a real border of width 2.
     pub fn border(border: Border<'_>) -> Border<'_> {
         Border { width: 2, corner: &[0.0; 4], ..border }
     }
 
-    /// Factors a matrix within the [`border`](Self::border), with sizes of unknowns as in
-    /// [`CondensedLu`].
+    /// Factors a bordered matrix, with the [`border`](Self::border) and with sizes of unknowns as
+    /// in [`CondensedLu`].
     ///
     /// # Errors
     /// [`Failure::Singular`] if the matrix is singular to working accuracy.
@@ -196,7 +203,7 @@ impl<C: Condensed> RotatedLu<C> {
         self.lu.factor_room(in_side(units, side, &mut self.units))
     }
 
-    /// Solves with the matrix, or with its conjugate transpose, in place.
+    /// Solves linear systems with the matrix, or with its conjugate transpose, in place.
     fn solve_with(&mut self, right: &mut [f64], transposed: bool) {
         let RotatedLu { condensed, lu, dense, parts, left, .. } = self;
         let (length, last) = (right.len() / 2, condensed.side() - 2);
@@ -250,7 +257,7 @@ impl<C: Condensed> Factorisation for RotatedLu<C> {
         1.0
     }
 
-    /// Computes `e^{iω} v` at the places of `μ`.
+    /// Computes `e^{iω} v` at the entries with the coefficient `μ`.
     fn growth_derivative(&self, v: &[f64], out: &mut [f64]) {
         let (length, (sine, cosine)) = (v.len() / 2, self.omega.sin_cos());
         out.fill(0.0);

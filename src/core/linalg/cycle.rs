@@ -1,4 +1,4 @@
-//! Block-cyclic matrices: chains whose ends are joined.
+//! Block-cyclic matrices: chains of blocks whose first and last nodes are identified.
 //!
 //! ```text
 //!         x_0   x_1   x_2          x_{K−1}
@@ -9,8 +9,8 @@
 //!     ⎣  rows                             │  corner  ⎦
 //! ```
 //!
-//! The blocks are a [`Chain`] with the values `x_0 … x_K` and the condition `x_K = μ x_0`. Condensing
-//! the chain leaves
+//! The blocks form a [`Chain`] with the values `x_0 … x_K` and the condition `x_K = μ x_0`. The
+//! condensation of the chain leaves the equations
 //!
 //! ```text
 //!           x_0   x_K   border
@@ -19,8 +19,8 @@
 //!         ⎣ *     *     corner ⎦
 //! ```
 //!
-//! at a cost of O(K n³) in time and O(K n²) in memory. The Floquet multipliers are the eigenvalues of
-//! the pencil `P + μ Q`.
+//! at a cost of O(K n³) operations and O(K n²) memory. The Floquet multipliers of the cycle are the
+//! eigenvalues of the pencil `P + μ Q`.
 
 use super::balance::balance;
 use super::border::{Border, Spectrum};
@@ -31,13 +31,13 @@ use super::vector::refill;
 use crate::core::cancel::CancelToken;
 use crate::core::failure::Failure;
 
-/// The blocks of a block-cyclic matrix, each with `n` rows of the `2n` entries `[A_k  B_k]`, and its
-/// border, with columns in the order of the equations and rows in the order of the unknowns.
+/// A block-cyclic matrix and its border: each block has `n` rows of the `2n` entries `[A_k  B_k]`;
+/// the border has columns in the order of the equations and rows in the order of the unknowns.
 #[derive(Clone, Copy)]
 pub(in crate::core) struct Blocks<'a> {
     pub blocks: &'a [f64],
     pub border: Border<'a>,
-    /// Cancels eliminations between blocks.
+    /// The token that cancels eliminations between blocks.
     pub cancel: &'a CancelToken,
 }
 
@@ -46,19 +46,19 @@ pub(in crate::core) struct Blocks<'a> {
 pub(in crate::core) struct Cycle {
     states: usize,
     chain: Chain,
-    /// The position of each value of `x_0 … x_{K−1}` among the unknowns.
+    /// The position among the unknowns of each value in `x_0 … x_{K−1}`.
     order: Vec<usize>,
     width: usize,
     columns: Vec<f64>,
     rows: Vec<f64>,
-    /// The values `x_0 … x_K`.
+    /// The values `x_0 … x_K` of the chain.
     nodes: Vec<f64>,
     reduced: Vec<f64>,
 }
 
 impl Cycle {
-    /// Creates a cycle of blocks of `states` equations; `order` gives the position of each value of
-    /// `x_0 … x_{K−1}` among the unknowns.
+    /// Creates a cycle of blocks of `states` equations; `order` gives the position among the
+    /// unknowns of each value in `x_0 … x_{K−1}`.
     pub fn new(states: usize, order: Vec<usize>) -> Self {
         let blocks = order.len() / states.max(1);
         let (chain, nodes) = (Chain::new(blocks, 1, states), vec![0.0; order.len() + states]);
@@ -70,15 +70,16 @@ impl Cycle {
         Cycle::new(self.states, self.order.clone())
     }
 
-    /// Whether the cycle has this number of unknowns.
+    /// Whether the cycle has `count` unknowns.
     pub fn fits(&self, unknowns: usize) -> bool {
         self.order.len() == unknowns
     }
 
-    /// Computes the Floquet multipliers of a cycle of blocks without a border, the largest first.
+    /// Computes the Floquet multipliers of a cycle of blocks without a border, in descending order
+    /// of their size.
     ///
     /// # Errors
-    /// The errors of [`multipliers`] and [`Chain::factor`].
+    /// The errors of [`multipliers`] and of [`Chain::factor`].
     pub fn multipliers(&mut self, of: Blocks) -> Result<Spectrum, Failure> {
         self.condense(of)?;
         let n = self.states;
@@ -137,7 +138,8 @@ impl Condensed for Cycle {
         }
     }
 
-    /// In the whole matrix, these rows belong to the last block, in which `μ` multiplies `x_0`.
+    /// In the whole matrix, the rows with the coefficient `μ` belong to the last block, in which
+    /// `μ` multiplies `x_0`.
     fn visit_returns(&self, visit: &mut dyn FnMut([usize; 2], [usize; 2])) {
         let n = self.states;
         let last = self.order.len() - n;

@@ -1,4 +1,4 @@
-//! Factored matrices as values.
+//! Factored matrices that are stored as values.
 
 use super::border::Border;
 use super::lu::{BorderedLu, differ};
@@ -7,45 +7,49 @@ use faer::c64;
 use std::any::Any;
 use std::ops::{Deref, DerefMut};
 
-/// A factored matrix within its border, made by a [`System`](crate::core::system::System).
+/// A factored bordered matrix, created by a [`System`](crate::core::system::System).
 ///
-/// A complex vector consists of the real parts of its components, then their imaginary parts.
+/// A complex vector consists of the real parts of all components, followed by the imaginary parts.
 pub trait Factorisation: Any + Send {
-    /// Solves with the matrix, in place.
+    /// Solves a linear system with the matrix, in place.
     fn solve(&mut self, right: &mut [f64]);
 
-    /// Solves with the transpose (for a complex matrix, the conjugate transpose), in place.
+    /// Solves a linear system with the transpose (for a complex matrix, the conjugate transpose),
+    /// in place.
     fn solve_transposed(&mut self, right: &mut [f64]);
 
-    /// The sign of the determinant, −1 or 1; 1 for complex matrices.
+    /// Returns the sign of the determinant, −1 or 1; 1 for complex matrices.
     fn determinant_sign(&self) -> f64;
 
-    /// Computes the derivative of the matrix, without its border, with respect to the exponent `σ`,
-    /// times `v`. The matrix describes deviations that change like `e^{σt}`, or by the factor `e^σ`
-    /// in a period. The default `−v` belongs to `A − σ`.
+    /// Computes the product of a vector `v` with the derivative of the matrix (without its border)
+    /// with respect to the exponent `σ`. The matrix describes deviations that change like `e^{σt}`,
+    /// or by the factor `e^σ` in each period. The default implementation returns `−v`, which is
+    /// correct for the matrix `A − σ`.
     fn growth_derivative(&self, v: &[f64], out: &mut [f64]) {
         out.iter_mut().zip(v).for_each(|(out, v)| *out = -v);
     }
 
-    /// Computes the transpose of this derivative, times `w`, for a real matrix.
+    /// Multiplies the transpose of the derivative with respect to the exponent `σ` by `w`, for a
+    /// real matrix.
     fn growth_derivative_transposed(&self, w: &[f64], out: &mut [f64]) {
         out.iter_mut().zip(w).for_each(|(out, w)| *out = -w);
     }
 }
 
-/// A factored matrix. Refactoring reuses the buffers of the previous matrix.
+/// A factored matrix. The factors of a matrix; refactoring reuses the buffers of the previous
+/// matrix.
 pub struct Factors(Box<dyn Factorisation>);
 
 impl Default for Factors {
-    /// The factors of an empty matrix.
+    /// Creates the factors of an empty matrix.
     fn default() -> Self {
         Factors(Box::<BorderedLu>::default())
     }
 }
 
 impl Factors {
-    /// Returns the previous factors if they have this type and `fits` accepts them; otherwise
-    /// replaces them by the result of `make`.
+    /// Returns the previous factors if they have the requested type and `fits` accepts them;
+    /// otherwise replaces them by the result of `make`.
     pub fn reuse<F: Factorisation>(
         &mut self,
         fits: impl FnOnce(&F) -> bool,
@@ -91,11 +95,12 @@ impl Factorisation for BorderedLu {
 pub(super) trait ComplexFactors: Send + 'static {
     fn solve(&mut self, right: &mut [c64]);
 
-    /// Solves with the conjugate transpose.
+    /// Solves a linear system with the conjugate transpose, in place.
     fn solve_transposed(&mut self, right: &mut [c64]);
 }
 
-/// Factors of a complex matrix; its vectors consist of real parts, then imaginary parts.
+/// Factors of a complex matrix; each vector consists of the real parts, followed by the imaginary
+/// parts.
 #[derive(Default)]
 pub(crate) struct Shifted<L> {
     pub(super) lu: L,
@@ -128,7 +133,7 @@ impl<L: ComplexFactors> Factorisation for Shifted<L> {
     }
 }
 
-/// The factors of `A − iω` within a complex border.
+/// The factors of `A − iω` bordered by complex columns and rows.
 pub(crate) type ShiftedLu = Shifted<BorderedLu<c64>>;
 
 impl ComplexFactors for BorderedLu<c64> {
@@ -142,9 +147,9 @@ impl ComplexFactors for BorderedLu<c64> {
 }
 
 impl ShiftedLu {
-    /// Factors `A − iω` (`A` one column after the other) within a border of complex columns and rows,
-    /// each given as real parts, then imaginary parts, and a zero corner. The rows enter as their
-    /// conjugates.
+    /// Factors the bordered matrix `A − iω` (`A` stored column by column), whose border consists of
+    /// complex columns and rows, each given as real parts followed by imaginary parts, and a zero
+    /// corner. The rows of the border enter as their complex conjugates.
     pub fn factor(&mut self, matrix: &[f64], omega: f64, border: Border) -> Result<(), Failure> {
         let outcome = self.factor_in_units(matrix, omega, border, &[]);
         match differ(border.units) {

@@ -1,4 +1,4 @@
-//! Fronts: small dense matrices whose leading columns are eliminated.
+//! Fronts: small dense matrices whose leading columns are eliminated together.
 
 use crate::core::failure::{Failure, SINGULAR, unusable};
 use faer::linalg::matmul::matmul;
@@ -7,18 +7,19 @@ use faer::{Accum, MatMut, Par};
 use std::ops::Range;
 use wide::f64x4;
 
-/// The row length is padded with zeros to a multiple of this number, so that updates use whole lanes.
+/// The row length of a front is padded with zeros to a multiple of this number, so that updates use
+/// whole SIMD lanes.
 const LANES: usize = 4;
 
-/// (H) From this number of eliminated columns on, elimination proceeds by panels, and all other
+/// (H) The number of eliminated columns from which on elimination proceeds by panels, and all other
 /// columns are updated by matrix products.
 const BLOCKED: usize = 96;
 
-/// (H) The number of columns of a panel, a multiple of the lanes.
+/// (H) The number of columns of a panel, which is a multiple of the number of lanes.
 const PANEL: usize = 32;
 
-/// Fronts of one shape. In each front some leading columns are eliminated with pivots from the
-/// leading rows,
+/// Several fronts of the same shape. In each front, the leading columns are eliminated with pivots
+/// from the leading rows,
 ///
 /// ```text
 ///     ⎡ L₁    ⎤     ⎡ U  * ⎤      pivotal rows (permuted by P): as many as columns
@@ -26,25 +27,26 @@ const PANEL: usize = 32;
 ///     ⎣ L₃  I ⎦                   border rows: updated, never a pivot
 /// ```
 ///
-/// and the factors overwrite the matrix; `S` is the Schur complement. Whole rows are exchanged, with
-/// their multipliers, so that all exchanges can be applied first.
+/// where the factors overwrite the matrix, and `S` is the Schur complement. Whole rows are
+/// exchanged together with their multipliers, so that all row exchanges can be applied before the
+/// elimination of a right-hand side.
 #[derive(Default)]
 pub(super) struct Fronts {
     /// The number of eliminated columns.
     pub(super) eliminated: usize,
     /// The number of rows that can contain a pivot.
     pivotal: usize,
-    /// The distance from one row to the next.
+    /// The distance in memory from the start of a row to the start of the next row.
     pub(super) stride: usize,
-    /// The length of a front.
+    /// The number of stored entries of a front.
     length: usize,
     /// The entries of all fronts, one front after the other.
     factors: Vec<f64>,
-    /// The rows of the pivots.
+    /// The rows from which the pivots were taken.
     exchanges: Vec<usize>,
-    /// The inverse of a typical entry of each column; zero for columns that do not affect pivots.
+    /// For each column, the inverse of a typical entry; zero for columns that do not affect pivots.
     pub(super) scales: Vec<f64>,
-    /// The inverse of the largest entry of each row, after columns are scaled.
+    /// For each row, the inverse of the largest entry after columns are scaled.
     row_scales: Vec<f64>,
 }
 
@@ -60,7 +62,7 @@ impl Pivots {
         Pivots { sign: 1.0, largest: 0.0 }
     }
 
-    /// Records a pivot. [`Failure`] if it vanishes to working accuracy or is not finite.
+    /// Records a pivot. [`Failure`] if a pivot vanishes to working accuracy or is not finite.
     fn record(&mut self, pivot: f64, relative: f64) -> Result<(), Failure> {
         self.sign *= pivot.signum();
         self.largest = self.largest.max(relative);
@@ -73,8 +75,8 @@ impl Pivots {
 }
 
 impl Fronts {
-    /// Creates `count` fronts, given for each the number of eliminated columns, of rows that can
-    /// contain a pivot, of rows after those, and of columns.
+    /// Creates `count` fronts; the other arguments give, for each front, the number of eliminated
+    /// columns, of rows that can contain a pivot, of rows after these rows, and of columns.
     pub(super) fn new(
         count: usize,
         eliminated: usize,
@@ -96,12 +98,12 @@ impl Fronts {
         }
     }
 
-    /// A front, one row after the other.
+    /// Returns the entries of a front, row by row.
     pub(super) fn front(&self, i: usize) -> &[f64] {
         &self.factors[i * self.length..][..self.length]
     }
 
-    /// A front, one row after the other, to be filled.
+    /// Returns the entries of a front, row by row, as a mutable slice to fill in.
     pub(super) fn front_mut(&mut self, i: usize) -> &mut [f64] {
         &mut self.factors[i * self.length..][..self.length]
     }
@@ -110,13 +112,13 @@ impl Fronts {
         &self.exchanges[i * self.eliminated..][..self.eliminated]
     }
 
-    /// Eliminates with partial pivoting, implicitly scaled: entries of a column are compared as they
-    /// would be if the largest entry of every row were 1. Rows of the growing and decaying solutions
-    /// of a dichotomy keep their scales, which bounds the growth of entries (with plain partial
+    /// Eliminates with implicitly scaled partial pivoting: entries of a column are compared as if
+    /// the largest entry of every row were 1. The scaling keeps the growing and decaying solutions
+    /// of a dichotomy at their own sizes, which bounds the growth of entries (with plain partial
     /// pivoting the growth can be exponential in the number of fronts: Wright 1993).
     ///
     /// # Errors
-    /// [`Failure::Singular`] at the first pivot that vanishes.
+    /// [`Failure::Singular`] at the first pivot that vanishes to working accuracy.
     pub(super) fn eliminate(&mut self, i: usize, pivots: &mut Pivots) -> Result<(), Failure> {
         let w = self.stride;
         let a = &mut self.factors[i * self.length..][..self.length];
@@ -149,7 +151,7 @@ impl Fronts {
         Ok(())
     }
 
-    /// Applies `L⁻¹ P` to the right sides of the pivotal rows and of the border rows.
+    /// Applies `L⁻¹ P` to the right-hand sides of the pivotal rows and of the border rows.
     pub(super) fn forward(&self, i: usize, y: &mut [f64], border: &mut [f64]) {
         for (c, pivot) in self.exchanges(i).iter().enumerate() {
             y.swap(c, *pivot);
@@ -164,7 +166,8 @@ impl Fronts {
         }
     }
 
-    /// Computes the eliminated unknowns from the others, in the order of the front's columns.
+    /// Computes the eliminated unknowns from the other unknowns, in the order of the front's
+    /// columns.
     pub(super) fn back(&self, i: usize, right: &[f64], unknowns: &mut [f64]) {
         let (a, width) = (self.front(i), unknowns.len());
         for r in (0..self.eliminated).rev() {
@@ -173,7 +176,8 @@ impl Fronts {
         }
     }
 
-    /// Applies `U⁻ᵀ` to right sides of the transposed system, in the order of the front's columns.
+    /// Applies `U⁻ᵀ` to right-hand sides of the transposed system, in the order of the front's
+    /// columns.
     pub(super) fn forward_transposed(&self, i: usize, right: &mut [f64]) {
         let (a, width) = (self.front(i), right.len());
         for r in 0..self.eliminated {
@@ -201,7 +205,8 @@ impl Fronts {
     }
 }
 
-/// Returns the pivot row of column `c` and the scaled magnitude of its entry. Rows have length `w`.
+/// Returns the pivot row of column `c` and the scaled magnitude of its entry. The rows have length
+/// `w`.
 fn pivot_of(a: &[f64], w: usize, scales: &[f64], c: usize) -> (usize, f64) {
     let mut best = (c, a[c * w + c].abs() * scales[c]);
     for r in c + 1..scales.len() {
@@ -213,9 +218,11 @@ fn pivot_of(a: &[f64], w: usize, scales: &[f64], c: usize) -> (usize, f64) {
     best
 }
 
-/// Subtracts multiples of the row `top` from the rows `below`, so that their entries in column `c`
-/// vanish, and stores the multipliers there. Columns before `width`, a multiple of the lanes, are
-/// updated. Whole lanes are updated: entries left of the column meet zeros.
+/// Subtracts multiples of the row `top` from the rows `below`, so that the entries of `below` in
+/// column `c` vanish, and stores the multipliers in place of these entries. Only columns before
+/// `width`, which is a multiple of the number of lanes, are updated. Updates always use whole
+/// lanes: entries to the left of column `c` are unchanged because the pivot row contains zeros
+/// there.
 fn update(below: &mut [f64], top: &[f64], (c, width): (usize, usize)) {
     let (start, end, inverse) = ((c + 1) / LANES, width / LANES, 1.0 / top[c]);
     let lanes = &top.as_chunks::<LANES>().0[..end];
@@ -248,7 +255,7 @@ fn update_beyond(rows: &mut [f64], w: usize, panel: Range<usize>) {
     matmul(rest, Accum::Add, multipliers, upper.as_ref(), -1.0, Par::Seq);
 }
 
-/// The largest entry of a row after columns are scaled; the row consists of whole lanes.
+/// Returns the largest entry of a row after columns are scaled; the row consists of whole lanes.
 fn largest(row: &[f64], scales: &[f64]) -> f64 {
     let mut largest = [0.0; LANES];
     for (entries, scales) in row.as_chunks::<LANES>().0.iter().zip(scales.as_chunks::<LANES>().0) {
@@ -260,7 +267,7 @@ fn largest(row: &[f64], scales: &[f64]) -> f64 {
     largest.into_iter().fold(0.0, f64::max)
 }
 
-/// Computes `a · b` in lanes.
+/// Computes the scalar product `a · b` in lanes.
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<LANES>(), b.as_chunks::<LANES>());
     let mut sums = [0.0; LANES];

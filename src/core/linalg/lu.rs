@@ -1,4 +1,4 @@
-//! LU factorisation with partial pivoting of a dense matrix within a border.
+//! LU factorisation with partial pivoting of a bordered dense matrix.
 
 use super::border::Border;
 use crate::core::failure::{Failure, SINGULAR, unusable};
@@ -8,7 +8,7 @@ use faer::{MatMut, Par, c64};
 use nalgebra::ComplexField;
 use std::iter::Sum;
 
-/// From this size on, faer's blocked factorisation is faster than plain loops.
+/// The size of a matrix from which on faer's blocked factorisation is faster than plain loops.
 const BLOCKED_FROM: usize = 40;
 
 /// The LU factorisation `P R M C = L U` of the bordered matrix
@@ -19,8 +19,8 @@ const BLOCKED_FROM: usize = 40;
 /// ```
 ///
 /// where diagonal matrices `R`, `C` of powers of two bring the largest entry of each row and column near
-/// 1, so that the pivots and the test for singularity do not depend on units. Later factorisations of the
-/// same size do not allocate.
+/// 1, so that the pivots and the test for singularity do not depend on units. Repeated factorisations of
+/// matrices of the same size do not allocate memory.
 ///
 /// ```
 /// use tangency::core::linalg::{Border, BorderedLu};
@@ -35,9 +35,11 @@ const BLOCKED_FROM: usize = 40;
 #[derive(Default)]
 pub struct BorderedLu<E = f64> {
     size: usize,
-    /// `L` below the diagonal (unit diagonal), `U` on and above it, one column after the other.
+    /// The factor `L` below the diagonal (with a unit diagonal) and the factor `U` on and above the
+    /// diagonal, stored column by column.
     factors: Vec<E>,
-    /// Row `i` of the permuted matrix is row `source[i]` of the matrix.
+    /// The row permutation: row `i` of the permuted matrix is row `source[i]` of the original
+    /// matrix.
     source: Vec<usize>,
     position: Vec<usize>,
     row_scale: Vec<f64>,
@@ -56,7 +58,7 @@ impl Entry for f64 {}
 impl Entry for c64 {}
 
 impl BorderedLu {
-    /// Factors `A` (one column after the other) within a border.
+    /// Factors the bordered matrix with the block `A` (stored column by column).
     ///
     /// # Errors
     /// [`Failure`] if a pivot vanishes to working accuracy or is not finite.
@@ -68,8 +70,8 @@ impl BorderedLu {
         }
     }
 
-    /// Factors `A` within a border, given known sizes of unknowns: one for each of the first columns, 0
-    /// if unknown.
+    /// Factors the bordered matrix with the block `A`, given known sizes of the first unknowns; the
+    /// size 0 means unknown.
     pub(in crate::core) fn factor_in_units(
         &mut self,
         matrix: &[f64],
@@ -103,14 +105,15 @@ impl BorderedLu {
 
 #[allow(private_bounds)]
 impl<E: Entry> BorderedLu<E> {
-    /// Returns the storage for a matrix of this size, one column after the other;
-    /// [`factor_room`](Self::factor_room) factors it.
+    /// Returns the storage for a matrix of the given size, column by column, to fill in before a
+    /// call of [`factor_room`](Self::factor_room).
     pub(in crate::core) fn room(&mut self, size: usize) -> &mut [E] {
         self.resize(size);
         &mut self.factors
     }
 
-    /// Factors the matrix in the storage of [`room`](Self::room), with known sizes of its unknowns.
+    /// Factors the matrix in the storage returned by [`room`](Self::room), given known sizes of its
+    /// unknowns.
     pub(in crate::core) fn factor_room(&mut self, units: &[f64]) -> Result<(), Failure> {
         let size = self.size;
         self.equilibrate(units);
@@ -143,7 +146,8 @@ impl<E: Entry> BorderedLu<E> {
         }
     }
 
-    /// Solves with the transpose (for a complex matrix, the conjugate transpose), in place.
+    /// Solves a linear system with the transpose (for a complex matrix, the conjugate transpose),
+    /// in place.
     pub fn solve_transposed(&mut self, right: &mut [E]) {
         let n = self.size;
         for j in 0..n {
@@ -162,7 +166,7 @@ impl<E: Entry> BorderedLu<E> {
         }
     }
 
-    /// The sign of the determinant.
+    /// Returns the sign of the determinant.
     pub fn determinant_sign(&self) -> f64 {
         self.sign
     }
@@ -187,8 +191,8 @@ impl<E: Entry> BorderedLu<E> {
     }
 
     /// Scales columns by the known sizes of their unknowns or by their largest entries, and rows by their
-    /// largest entries in columns of known sizes. Border rows that contain only rounding errors in those
-    /// columns are scaled last, by all of their entries.
+    /// largest entries in columns of known sizes. Border rows that contain only rounding errors in the
+    /// columns of known sizes are scaled last, by the largest of all their entries.
     fn equilibrate(&mut self, units: &[f64]) {
         self.row_scale.fill(1.0);
         if units.is_empty() {
@@ -320,13 +324,15 @@ impl<E: Entry> BorderedLu<E> {
     }
 }
 
-/// (R) Entries smaller than this are rounding errors, relative to a comparison value of 1.
+/// (R) Entries of scaled matrices count as rounding errors if they are smaller than this, relative
+/// to 1.
 const NOTHING: f64 = 1e-12;
 
-/// (H) Units that differ by less than this factor affect only the condition of a matrix.
+/// (H) Units that differ by less than this factor affect only the condition number of a matrix.
 const DIFFER: f64 = 1e3;
 
-/// Whether units differ so much that the entries of a matrix can hide the sizes of its terms.
+/// Whether units differ so much that the sizes of the entries do not reveal the sizes of the terms
+/// to which they belong.
 pub(in crate::core) fn differ(units: &[f64]) -> bool {
     let known = || units.iter().filter(|unit| **unit > 0.0);
     let [least, most] =
@@ -334,7 +340,7 @@ pub(in crate::core) fn differ(units: &[f64]) -> bool {
     most > DIFFER * least
 }
 
-/// Solves `A x = b` for a matrix given by its entries.
+/// Solves `A x = b` for a dense matrix `A` that is given by its entries.
 pub(in crate::core) fn solved(
     n: usize,
     entry: impl Fn(usize, usize) -> f64,
@@ -350,7 +356,7 @@ pub(in crate::core) fn solved(
     Ok(x)
 }
 
-/// The entry `(i, j)` of the identity matrix.
+/// Returns the entry `(i, j)` of the identity matrix.
 pub(in crate::core) fn unit(i: usize, j: usize) -> f64 {
     if i == j { 1.0 } else { 0.0 }
 }

@@ -1,9 +1,9 @@
-//! Solves the linear systems of continuation: matrices within borders, and chains of intervals.
+//! Linear systems of numerical continuation: bordered matrices, and chains of intervals.
 //!
-//! [`BorderedLu`] factors a dense matrix within a border, [`Factors`] a dense or sparse one.
-//! [`Chain`] condenses the intervals of a boundary-value problem to its ends (U. Ascher, R.
-//! Mattheij and R. Russell, 1995), and [`multipliers`] computes Floquet multipliers from the
-//! condensed equations (T. F. Fairgrieve and A. D. Jepson, 1991).
+//! [`BorderedLu`] factors a bordered dense matrix, and [`Factors`] factors a bordered dense or
+//! sparse matrix. [`Chain`] condenses the intervals of a boundary-value problem to its ends (U.
+//! Ascher, R. Mattheij and R. Russell, 1995), and [`multipliers`] computes Floquet multipliers from
+//! the condensed equations (T. F. Fairgrieve and A. D. Jepson, 1991).
 //!
 //! ```
 //! use tangency::core::linalg::{Border, BorderedLu};

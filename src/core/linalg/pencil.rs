@@ -1,41 +1,43 @@
 //! Floquet multipliers from the reduced equations of a condensed chain.
 //!
-//! The `n` equations `P x_0 + Q x_N = 0` that a [`Chain`](super::chain::Chain) leaves between its ends
-//! determine the solutions of the linearised equations over a period. For `x_N = μ x_0`,
+//! A [`Chain`](super::chain::Chain) leaves `n` equations `P x_0 + Q x_N = 0` between its ends, which
+//! determine the solutions of the linearised equations over a period. With `x_N = μ x_0`, these `n`
+//! equations become
 //!
 //! ```text
 //!     (P + μ Q) v = 0,
 //! ```
 //!
-//! and the eigenvalues `μ` are the Floquet multipliers. The transfer matrix `−Q⁻¹P`, whose rounding
-//! errors would swamp the smallest multipliers, is not formed (Fairgrieve & Jepson, SIAM J. Numer. Anal.
-//! 28 (1991) 1446).
+//! where the eigenvalues `μ` are the Floquet multipliers. The transfer matrix `−Q⁻¹P` is not
+//! formed, because its rounding errors would dominate the smallest multipliers (Fairgrieve &
+//! Jepson, SIAM J. Numer. Anal. 28 (1991) 1446).
 
 use super::border::Spectrum;
 use crate::core::failure::{Failure, finite, not_finite};
 use faer::MatRef;
 use faer::linalg::solvers::{DenseSolveCore, Solve};
 
-/// (H) From this number of multipliers on, the QZ iteration is slow.
+/// (H) The number of multipliers from which on the QZ iteration is slow.
 const MANY: usize = 16;
 
 /// (H) The largest absolute error of multipliers for which the QR iteration is accepted.
 const UNHARMED: f64 = 1e-11;
 
-/// Computes the Floquet multipliers `μ`, as (real part, imaginary part), of `P x_0 + Q x_N = 0`: the
-/// eigenvalues of the pencil `P + μ Q` of `n × n` matrices (one row after the other), the largest
-/// modulus first.
+/// Computes the Floquet multipliers `μ` of `P x_0 + Q x_N = 0`, each as (real part, imaginary
+/// part): the eigenvalues of the pencil `P + μ Q` of `n × n` matrices (stored row by row), in
+/// descending order of their modulus.
 ///
 /// For `n ≤ 2` the multipliers are computed in closed form, to the accuracy of `P` and `Q`; from `n = 3`
-/// on by the QZ iteration, with a relative error of at most about `10⁻¹⁵ max(|μ|, 1/|μ|)`: seven digits
-/// and more where `μ` is 10⁸ or 10⁻⁸. From `n = 16` on they are computed as the eigenvalues of `−Q⁻¹P`
-/// if the condition of `Q` limits errors to 10⁻¹¹.
+/// on, they are computed by the QZ iteration, with a relative error of at most about `10⁻¹⁵ max(|μ|,
+/// 1/|μ|)`: seven digits and more if `μ` is 10⁸ or 10⁻⁸. From `n = 16` on, they are computed as the
+/// eigenvalues of `−Q⁻¹P` if the condition number of `Q` limits the errors to 10⁻¹¹.
 ///
-/// A singular `Q` gives infinite multipliers (`f64::INFINITY` as real part), a singular `P` zeros.
+/// A singular matrix `Q` gives infinite multipliers (`f64::INFINITY` as real part), and a singular
+/// matrix `P` gives multipliers that are zero.
 ///
 /// # Errors
-/// [`Failure::Undetermined`] where `P + μ Q` is singular for every `μ`, [`Failure::NotFinite`] if
-/// it has an entry that is not finite, and [`Failure::Eigenvalues`] if the iteration does not
+/// [`Failure::Undetermined`] if `P + μ Q` is singular for every `μ`, [`Failure::NotFinite`] if `P`
+/// or `Q` has an entry that is not finite, and [`Failure::Eigenvalues`] if the iteration does not
 /// converge.
 ///
 /// ```
@@ -69,7 +71,7 @@ fn ratio(a: f64, b: f64) -> f64 {
     if b == 0.0 && a != 0.0 { f64::INFINITY } else { a / b }
 }
 
-/// Computes the roots of `det(P + μ Q) = a μ² + 2 b μ + c` for `n = 2`.
+/// Computes the roots of `det(P + μ Q) = a μ² + 2 b μ + c` for `2 × 2` matrices.
 fn quadratic(p: &[f64], q: &[f64]) -> Spectrum {
     let determinant = |r: &[f64], s: &[f64]| difference_of_products(r[0], s[3], r[1], s[2]);
     let (a, b, c) =
@@ -94,7 +96,7 @@ fn difference_of_products(a: f64, d: f64, b: f64, c: f64) -> f64 {
     a.mul_add(d, -product) + error
 }
 
-/// Computes the multipliers by the QZ iteration, after scaling rows to the same size.
+/// Computes the multipliers by the QZ iteration, after scaling all rows to the same size.
 fn general(p: &[f64], q: &[f64], n: usize) -> Result<Spectrum, Failure> {
     let (mut p, mut q) = (p.to_vec(), q.to_vec());
     for (p, q) in p.chunks_exact_mut(n).zip(q.chunks_exact_mut(n)) {
@@ -122,8 +124,8 @@ fn general(p: &[f64], q: &[f64], n: usize) -> Result<Spectrum, Failure> {
     Ok(above.iter().zip(below.iter()).map(quotient).collect())
 }
 
-/// Computes the eigenvalues of `−Q⁻¹P` by the QR iteration, which takes a tenth of the time of QZ;
-/// `None` if the errors would not be small compared with 1.
+/// Computes the eigenvalues of `−Q⁻¹P` by the QR iteration, which takes a tenth of the time of the
+/// QZ iteration; `None` if the errors would not be small compared with 1.
 fn by_quotient(p: MatRef<f64>, q: MatRef<f64>) -> Option<Spectrum> {
     let lu = q.partial_piv_lu();
     let (inverse, quotient) = (lu.inverse(), lu.solve(p));
@@ -136,7 +138,7 @@ fn by_quotient(p: MatRef<f64>, q: MatRef<f64>) -> Option<Spectrum> {
     Some(found.into_iter().map(|mu| (mu.re, mu.im)).collect())
 }
 
-/// Creates the error for a pencil whose matrix is singular for every multiplier.
+/// Creates the error for a pencil `P + μ Q` that is singular for every multiplier `μ`.
 pub(in crate::core) fn undetermined() -> Failure {
     Failure::Undetermined(
         "the multipliers are not determined to working accuracy: the linearisation over a period has a row that \

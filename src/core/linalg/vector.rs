@@ -10,7 +10,7 @@ pub(crate) fn norm(v: &[f64]) -> f64 {
     v.iter().map(|v| v * v).sum::<f64>().sqrt()
 }
 
-/// The largest absolute value; 0 for an empty slice.
+/// Returns the largest absolute value of the elements; 0 for an empty slice.
 pub(crate) fn largest(v: &[f64]) -> f64 {
     v.iter().fold(0.0, |most: f64, v| most.max(v.abs()))
 }
@@ -23,7 +23,8 @@ pub(crate) fn normalise(v: &mut [f64]) {
     }
 }
 
-/// `⟨row, x − base⟩`: the signed distance of `x` from a hyperplane, times the length of `row`.
+/// Computes `⟨row, x − base⟩`: the signed distance of `x` from the hyperplane through `base` with
+/// the normal vector `row`, times the length of `row`.
 pub(crate) fn along(row: &[f64], x: &[f64], base: &[f64]) -> f64 {
     row.iter().zip(x.iter().zip(base)).map(|(r, (x, b))| r * (x - b)).sum()
 }
@@ -33,19 +34,19 @@ pub(crate) fn difference(a: &[f64], b: &[f64]) -> Vec<f64> {
     a.iter().zip(b).map(|(a, b)| a - b).collect()
 }
 
-/// `a + s b`.
+/// Computes `a + s b`.
 pub(crate) fn advanced(a: &[f64], s: f64, b: &[f64]) -> Vec<f64> {
     a.iter().zip(b).map(|(a, b)| a + s * b).collect()
 }
 
-/// A fixed pseudo-random vector, used as an initial border: generically not orthogonal to a null
-/// vector.
+/// Returns a fixed pseudo-random vector, used as an initial border: generically, it is not
+/// orthogonal to a null vector.
 pub(crate) fn generic(length: usize, seed: usize) -> Vec<f64> {
     (0..length).map(|i| (1.0 + (i + 1) as f64 * (0.618 + seed as f64)).sin() + 0.1).collect()
 }
 
-/// Makes a vector orthogonal to vectors of length 1, by two Gram–Schmidt passes, and returns its
-/// components along them.
+/// Makes a vector orthogonal to given orthonormal vectors, by two Gram–Schmidt passes, and returns
+/// its components along the given vectors.
 pub(crate) fn orthogonalise(
     v: &mut [f64],
     others: &[Vec<f64>],
@@ -62,7 +63,7 @@ pub(crate) fn orthogonalise(
     overlaps
 }
 
-/// Replaces the elements of a vector without reallocation.
+/// Replaces the elements of a vector without reallocating memory if the capacity suffices.
 #[inline]
 pub(crate) fn refill<T>(vector: &mut Vec<T>, elements: impl IntoIterator<Item = T>) {
     vector.clear();

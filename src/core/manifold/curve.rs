@@ -1,50 +1,52 @@
-//! A half of a manifold as a curve with a parameter.
+//! One half of a stable or unstable manifold, as a parametrised curve.
 
 use super::local::Local;
 use super::planar::{PlanarMap, Vector, determinant, is_finite, plus, solved, times};
 use super::preimage::{Lost, preimage};
 
-/// The manifold of a saddle: unstable or stable.
+/// The kind of a saddle's manifold: unstable or stable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
-    /// `W^u`: the preimages of its points converge to the saddle.
+    /// `W^u`: the preimages of points on the unstable manifold converge to the saddle.
     Unstable,
-    /// `W^s`: the images of its points converge to the saddle.
+    /// `W^s`: the images of points on the stable manifold converge to the saddle.
     Stable,
 }
 
-/// A half of a manifold, `W(± e^t)`.
+/// One half of a manifold, parametrised by `t` as `W(± e^t)`.
 pub(super) struct Curve<'a> {
     pub map: &'a dyn PlanarMap,
     pub local: &'a Local,
     pub side: Side,
-    /// The sign of the half: 1 or −1.
+    /// The sign of the half in `W(± e^t)`: 1 or −1.
     pub sign: f64,
-    /// The number of iterates of the map that take the half onto itself.
+    /// The number of iterates of the map that map the half onto itself.
     pub iterates: usize,
-    /// The logarithm of the factor, above 1, by which these iterates change `e^t` away from the
-    /// saddle.
+    /// The logarithm of the factor, above 1, by which these iterates (on a stable manifold, their
+    /// inverses) multiply `e^t`.
     pub rate: f64,
 }
 
-/// A point of the curve with its derivative.
+/// A point of the curve, with the derivative of the curve at this point.
 #[derive(Clone, Debug)]
 pub(super) struct Place {
     pub t: f64,
-    /// The point, and its derivative with respect to `t`.
+    /// The point, and the derivative of the curve with respect to `t`.
     pub at: Vector,
     pub slope: Vector,
-    /// On a stable manifold: a point near the saddle and its successive preimages, up to the point
-    /// itself.
+    /// On a stable manifold, a point near the saddle and its successive preimages, up to the point
+    /// itself; empty on an unstable manifold.
     chain: Vec<Vector>,
 }
 
 impl Curve<'_> {
-    /// Computes the point at `t`. On a stable manifold it is computed from the point `before`,
-    /// which is closer to the saddle; the first one must be within the radius of the polynomial.
+    /// Computes the point of the curve at the parameter `t`. On a stable manifold, the point is
+    /// computed from the point `before`, which is closer to the saddle; the first point must be
+    /// within the radius of the Taylor polynomial.
     ///
     /// # Errors
-    /// [`Lost`] if a point is not finite, or has no preimage near the chain of the point before.
+    /// [`Lost`] if a point is not finite, or if it has no preimage near the chain of preimages of
+    /// the point `before`.
     pub fn place(&self, t: f64, before: Option<&Place>) -> Result<Place, Lost> {
         let beyond = (t - self.local.radius.ln()) / self.rate;
         let depth = beyond.ceil().max(0.0);
@@ -58,7 +60,7 @@ impl Curve<'_> {
         }
     }
 
-    /// Computes the image of a point under the iterates that take the half onto itself.
+    /// Computes the image of a point under the iterates that map the half onto itself.
     pub fn image(&self, mut u: Vector) -> Vector {
         (0..self.iterates).for_each(|_| u = self.map.image(u));
         u
@@ -103,7 +105,8 @@ impl Curve<'_> {
     }
 }
 
-/// Evaluates the cubic through two points with their slopes: its value and its slope at `t`.
+/// Evaluates the cubic through two points with given derivatives: its value and its derivative at
+/// `t`.
 pub(super) fn cubic(
     [t0, t1]: [f64; 2],
     [x0, x1]: [Vector; 2],

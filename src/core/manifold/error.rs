@@ -3,19 +3,19 @@
 use super::planar::Vector;
 use crate::core::cancel::Cancelled;
 
-/// Reasons why the manifolds of a saddle cannot be computed.
+/// The reason why the manifolds of a saddle cannot be computed.
 #[derive(Clone, Debug, PartialEq, miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum ManifoldError {
-    /// The map does not have two states.
+    /// The number of states of the map is not two.
     #[error(
         "the map has {states} states, but manifolds are computed only for maps with two states"
     )]
     NotPlanar {
-        /// The number of states.
+        /// The number of states of the map.
         states: usize,
     },
-    /// The number of states does not fit a cycle.
+    /// The number of given states is not a positive multiple of the number of states of the map.
     #[error(
         "{found} states are not a cycle of a map with two states: two are needed for each iterate"
     )]
@@ -23,7 +23,7 @@ pub enum ManifoldError {
         /// The number of given states.
         found: usize,
     },
-    /// A setting is invalid.
+    /// A setting of the growth of manifolds is invalid.
     #[error("`{name}` is {value}: {rule}")]
     Setting {
         /// The setting.
@@ -33,34 +33,34 @@ pub enum ManifoldError {
         /// The condition that the value violates.
         rule: &'static str,
     },
-    /// Newton's method finds no cycle.
+    /// Newton's method does not converge to a cycle.
     #[error("Newton's method finds no cycle of {iterates} iterates near ({}, {})", near[0], near[1])]
     #[diagnostic(help("start closer to the cycle"))]
     NoCycle {
-        /// The number of iterates.
+        /// The requested number of iterates of the cycle.
         iterates: usize,
-        /// The first state of the start.
+        /// The first point of the cycle, as given for the start of Newton's method.
         near: Vector,
     },
-    /// The cycle is shorter than requested.
+    /// The cycle found has fewer iterates than requested.
     #[error("Newton's method converges to a cycle of {found} iterates instead of {wanted}")]
     #[diagnostic(help("set `iterates` to {found}, or start closer to the longer cycle"))]
     Shorter {
-        /// The number of iterates after which the states repeat.
+        /// The number of iterates after which the states of the cycle repeat.
         found: usize,
-        /// The requested number of iterates.
+        /// The requested number of iterates of the cycle.
         wanted: usize,
     },
-    /// The saddle is outside the bounds.
+    /// A state of the saddle is outside its bounds.
     #[error("`{name}` = {value} at the saddle is outside its bounds")]
     #[diagnostic(help("widen the bounds"))]
     OutOfBounds {
         /// The state.
         name: String,
-        /// The value of the state.
+        /// The value of the state at the saddle.
         value: f64,
     },
-    /// The multipliers are complex.
+    /// The multipliers of the cycle are complex.
     #[error("the cycle is a focus, not a saddle: its multipliers are {re:.6} ± {im:.6}i")]
     #[diagnostic(help(
         "start at a saddle: only saddles have both a stable and an unstable manifold"
@@ -68,10 +68,10 @@ pub enum ManifoldError {
     Focus {
         /// The real part of the multipliers.
         re: f64,
-        /// The imaginary part, positive.
+        /// The positive imaginary part of the multipliers.
         im: f64,
     },
-    /// Both multipliers are on the same side of the unit circle.
+    /// Both multipliers of the cycle are on the same side of the unit circle.
     #[error(
         "the cycle is {}stable node, not a saddle: its multipliers are {:.6} and {:.6}", if multipliers[0].abs() > 1.0 { "an un" } else { "a " }, multipliers[0], multipliers[1]
     )]
@@ -79,10 +79,10 @@ pub enum ManifoldError {
         "start at a saddle: only saddles have both a stable and an unstable manifold"
     ))]
     Node {
-        /// The multipliers, the larger one first.
+        /// The multipliers; the multiplier of larger modulus is the first.
         multipliers: Vector,
     },
-    /// A multiplier is too close to the unit circle.
+    /// A multiplier of the cycle is too close to the unit circle.
     #[error(
         "the multiplier {multiplier:.9} is too close to the unit circle: points would need thousands of \
          iterates to leave the saddle"
@@ -91,10 +91,10 @@ pub enum ManifoldError {
     Weak {
         /// The multiplier.
         multiplier: f64,
-        /// The smallest allowed modulus of its logarithm.
+        /// The smallest allowed modulus of the multiplier's logarithm.
         least: f64,
     },
-    /// The map has no inverse at the saddle.
+    /// The map is not invertible at the saddle.
     #[error(
         "the multiplier {multiplier:.1e} vanishes: the map folds at the saddle, so the stable manifold cannot \
          be computed from preimages"
@@ -104,18 +104,18 @@ pub enum ManifoldError {
         /// The multiplier.
         multiplier: f64,
     },
-    /// The series of the local manifold is not accurate.
+    /// The Taylor polynomial of the local manifold is not accurate enough.
     #[error(
         "the series of the local manifold has an error of {error:.1e} even at a distance of {distance:.1e} from the \
          saddle: the map is not smooth there, or its derivative over the cycle is too large for 16 digits"
     )]
     NoSeries {
-        /// The error of the series.
+        /// The error of the Taylor polynomial.
         error: f64,
-        /// The distance from the saddle.
+        /// The distance from the saddle at which the Taylor polynomial was tested.
         distance: f64,
     },
-    /// The computation was cancelled.
+    /// The computation of the manifold was cancelled.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Cancelled(#[from] Cancelled),

@@ -1,4 +1,4 @@
-//! Growth of a half of a manifold, step by step.
+//! Growth of one half of a manifold, step by step.
 
 use super::curve::{Curve, Place, cubic};
 use super::planar::{Vector, cross, is_finite, minus, norm, plus};
@@ -8,15 +8,15 @@ use crate::core::cancel::CancelToken;
 use crate::core::continuation::End;
 use crate::core::numerics::{Limits as RootLimits, bracketed_zero, gauss_legendre};
 
-/// The limits of a half, in units of the states' scales.
+/// The limits of one half of a manifold, in units of the states' scales.
 pub(super) struct Limits {
     /// The longest arclength.
     pub length: f64,
     /// The maximal number of points.
     pub points: usize,
-    /// The largest distance between the curve and a chord.
+    /// The resolution: the largest distance between the curve and a chord.
     pub resolution: f64,
-    /// The smallest and the largest value of each state.
+    /// The smallest and the largest allowed value of each state.
     pub bounds: [[f64; 2]; 2],
     /// The names of the states, and their scales.
     pub names: [String; 2],
@@ -33,7 +33,7 @@ pub(super) struct Node {
     pub arclength: f64,
 }
 
-/// A trial step: its middle, its end, and the arclengths of the two halves.
+/// A trial step, with its middle point, its end point, and the arclengths of its two halves.
 struct Trial {
     middle: Place,
     end: Place,
@@ -46,7 +46,7 @@ impl Trial {
     }
 }
 
-/// A limit that a step may reach.
+/// A limit at which a step can end: the maximal arclength, or a bound of a state.
 #[derive(Clone, Copy, Debug)]
 enum Limit {
     Length,
@@ -61,30 +61,32 @@ const LIMITS: [Limit; 5] = [
     Limit::Bound { axis: 1, upper: true },
 ];
 
-/// (H) The longest step in the parameter: the distance from the saddle grows by this power of e.
+/// (H) The longest step in the parameter `t`, where the distance from the saddle is proportional to
+/// `e^t`.
 const LONGEST: f64 = 0.5;
 
-/// (H) The largest angle between the tangents at the ends of half a step.
+/// (H) The largest angle between the tangents at the two ends of half a step.
 const TURN: f64 = 0.4;
 
-/// (H) The largest distance between two points, as a fraction of the length.
+/// (H) The largest distance between two points, as a fraction of the maximal arclength.
 const SPACING: f64 = 0.02;
 
-/// (H) The largest ratio of the arclength of half a step to its chord: with a larger one, the curve
-/// may turn back undetected.
+/// (H) The largest ratio of the arclength of half a step to its chord: if the ratio is larger, the
+/// curve may turn back undetected.
 const STRETCHED: f64 = 1.1;
 
-/// (H) The next step is longer if the quality of a step is below this fraction of the limit.
+/// (H) The next step is longer if the error of a step, as a fraction of the allowed error, is below
+/// this number.
 const WELL: f64 = 0.25;
 const LONGER: f64 = 1.5;
 
-/// (H) Steps shorter than this fraction of the resolution are abandoned.
+/// (H) The shortest step, as a fraction of the resolution; shorter steps are abandoned.
 const SHORTEST: f64 = 1e-3;
 
-/// The reason for short steps if the map can be evaluated everywhere.
+/// The reason for short steps that is reported if the map can be evaluated everywhere.
 const SHARP: &str = "the curve turns too sharply";
 
-/// The growth of a half.
+/// The growth of one half of a manifold.
 pub(super) struct Growth<'a> {
     curve: &'a Curve<'a>,
     limits: &'a Limits,
@@ -93,7 +95,7 @@ pub(super) struct Growth<'a> {
     arclength: f64,
     step: f64,
     settling: Settling,
-    /// The points and weights of Gauss quadrature.
+    /// The nodes and weights of Gauss quadrature.
     rule: (Vec<f64>, Vec<f64>),
 }
 
@@ -101,7 +103,7 @@ pub(super) struct Growth<'a> {
 const GAUSS: usize = 4;
 
 impl<'a> Growth<'a> {
-    /// Starts at a distance from the saddle equal to the resolution.
+    /// Starts the growth at a distance from the saddle equal to the resolution.
     pub fn new(curve: &'a Curve<'a>, limits: &'a Limits) -> Result<Self, Lost> {
         let t = curve.local.radius.min(limits.resolution).min(0.1 * limits.length).ln();
         let last = curve.place(t, None)?;
@@ -113,7 +115,7 @@ impl<'a> Growth<'a> {
         Ok(Growth { curve, limits, nodes, last, arclength, step, settling, rule })
     }
 
-    /// Grows the half to its end.
+    /// Grows the half of the manifold until it ends.
     pub fn run(mut self) -> (Vec<Node>, End) {
         loop {
             if self.limits.cancel.is_cancelled() {
@@ -129,7 +131,8 @@ impl<'a> Growth<'a> {
         }
     }
 
-    /// Makes a step, as long as the curve allows; returns the end if the step is the last one.
+    /// Makes a step, as long as the bends of the curve allow; returns the reason why the half ends
+    /// if the step is the last step.
     fn advance(&mut self) -> Option<End> {
         loop {
             let way = self.step * norm(self.last.slope);
@@ -151,7 +154,7 @@ impl<'a> Growth<'a> {
         }
     }
 
-    /// Tries a step of a length in the parameter.
+    /// Tries a step of a given length in the parameter `t`.
     fn trial(&self, step: f64) -> Result<Trial, Lost> {
         let t = self.last.t;
         let middle = self.curve.place(t + 0.5 * step, Some(&self.last))?;
@@ -160,7 +163,7 @@ impl<'a> Growth<'a> {
         Ok(Trial { middle, end, lengths })
     }
 
-    /// Computes the arclength of the cubic between two points.
+    /// Computes the arclength of the cubic curve between two points.
     fn length(&self, [a, b]: [&Place; 2]) -> f64 {
         let (middle, half) = (0.5 * (a.t + b.t), 0.5 * (b.t - a.t));
         let speed = |x: &f64| {
@@ -171,7 +174,7 @@ impl<'a> Growth<'a> {
     }
 
     /// Returns the error of a step, as a fraction of the allowed error; `None` if the step must be
-    /// shorter.
+    /// shortened.
     fn quality(&self, trial: &Trial) -> Option<f64> {
         let Trial { middle, end, .. } = trial;
         let resolution = self.limits.resolution;
@@ -205,7 +208,7 @@ impl<'a> Growth<'a> {
         (worst <= 1.0).then_some(worst)
     }
 
-    /// Accepts a step, or the part of it within the limits.
+    /// Accepts a step, or the part of the step that is within the limits.
     fn take(&mut self, trial: Trial, error: f64) -> Option<End> {
         let reached = LIMITS.iter().filter(|limit| self.left(**limit, &trial)[0] < 0.0);
         let steps = reached.map(|limit| (self.step_to(*limit), *limit));
@@ -230,7 +233,7 @@ impl<'a> Growth<'a> {
         settled.then(|| End::ConvergesTo { point: self.in_units(self.last.at).to_vec() })
     }
 
-    /// Stores the middle and the end of a step.
+    /// Stores the middle point and the end point of a step.
     fn keep(&mut self, trial: &Trial) {
         for (place, length) in [&trial.middle, &trial.end].into_iter().zip(trial.lengths) {
             self.arclength += length;
@@ -239,8 +242,8 @@ impl<'a> Growth<'a> {
         }
     }
 
-    /// Returns the distance of a step from a limit, negative beyond it, and its derivative with
-    /// respect to the step length.
+    /// Returns the distance of the end of a step from a limit (negative beyond the limit), and the
+    /// derivative of this distance with respect to the step length.
     fn left(&self, limit: Limit, trial: &Trial) -> [f64; 2] {
         let Place { at, slope, .. } = &trial.end;
         match limit {
@@ -254,7 +257,7 @@ impl<'a> Growth<'a> {
         }
     }
 
-    /// Returns the step that reaches a limit which the current step passes.
+    /// Returns the shortened step that ends at a limit, for a step that passes this limit.
     fn step_to(&self, limit: Limit) -> f64 {
         let ends = RootLimits { rounds: 60, moved: 1e-15 };
         bracketed_zero([0.0, self.step], 1.0, 0.5 * self.step, ends, |step| {
@@ -263,7 +266,7 @@ impl<'a> Growth<'a> {
         })
     }
 
-    /// Returns the end at a limit.
+    /// Returns the reason why the half ends at a limit.
     fn reached(&self, limit: Limit) -> End {
         match limit {
             Limit::Length => {
@@ -287,7 +290,7 @@ impl<'a> Growth<'a> {
 }
 
 impl Limits {
-    /// Returns the state that is outside its bounds, if any.
+    /// Returns the state that is outside its bounds; `None` if all states are within their bounds.
     pub fn outside(&self, at: Vector) -> Option<usize> {
         (0..2).find(|axis| {
             let [low, high] = self.bounds[*axis];
@@ -296,11 +299,12 @@ impl Limits {
     }
 }
 
-/// The name of the arclength in the end of a half.
+/// The name of the arclength in the reason why a half ends.
 pub const ARCLENGTH: &str = "arclength";
 
-/// Returns the bend of the curve between two points as a fraction of the allowed one: by the
-/// distance from the chord, and by the angle between the tangents unless the points are close.
+/// Returns the bend of the curve between two points, as a fraction of the allowed bend; the bend is
+/// measured by the distance from the chord and, unless the points are close, by the angle between
+/// the tangents.
 fn bent([a, b]: [&Place; 2], step: f64, resolution: f64) -> f64 {
     let chord = minus(b.at, a.at);
     let length = norm(chord);

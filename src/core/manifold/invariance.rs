@@ -4,9 +4,9 @@ use super::curve::{Curve, Side, cubic};
 use super::growth::Node;
 use super::planar::{Vector, cross, minus, norm, plus};
 
-/// Computes the largest distance between the images of the nodes and the curve through the nodes:
-/// cubic pieces with the slopes of the nodes, and a line from the saddle to the first node. `None`
-/// if no image is between the saddle and the end of the curve.
+/// Computes the largest distance between the images of the nodes and the curve through the nodes,
+/// which consists of cubic pieces with the derivatives at the nodes, and a line from the saddle to
+/// the first node. Returns `None` if no image lies between the saddle and the end of the curve.
 pub(super) fn deviation(curve: &Curve, nodes: &[Node]) -> Option<f64> {
     let saddle = curve.local.at(0.0).0;
     let way = match curve.side {
@@ -22,7 +22,7 @@ pub(super) fn deviation(curve: &Curve, nodes: &[Node]) -> Option<f64> {
     distances.reduce(f64::max)
 }
 
-/// Returns the point of the curve through the nodes at `t`, and the tangent there.
+/// Returns the point at `t` of the curve through the nodes, and the tangent at this point.
 fn interpolated(saddle: Vector, nodes: &[Node], t: f64) -> (Vector, Vector) {
     let after = nodes.partition_point(|node| node.t < t);
     match (after.checked_sub(1).map(|before| &nodes[before]), nodes.get(after)) {
@@ -36,7 +36,7 @@ fn interpolated(saddle: Vector, nodes: &[Node], t: f64) -> (Vector, Vector) {
     }
 }
 
-/// The distance of a point from a line.
+/// Returns the distance of a point from a line.
 fn distance(at: Vector, (point, tangent): (Vector, Vector)) -> f64 {
     let apart = minus(at, point);
     let size = norm(tangent);

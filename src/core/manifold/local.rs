@@ -1,4 +1,4 @@
-//! The local manifold as a Taylor polynomial.
+//! The local manifold of a saddle as a Taylor polynomial.
 
 use super::error::ManifoldError;
 use super::planar::{Matrix, PlanarMap, Vector, minus, norm, plus, solved};
@@ -7,32 +7,34 @@ use crate::core::problem::ROOM;
 use crate::core::scalar::jet::jet_of;
 use crate::core::scalar::{Jet, Space};
 
-/// (H) The order of the polynomial: the highest order of jets.
+/// (H) The order of the Taylor polynomial, equal to the highest order of jets.
 const ORDER: usize = 8;
 
-/// (D) The largest allowed last terms of the polynomial, relative to the sizes of the saddle and of
-/// the distance.
+/// (D) The largest allowed size of the last terms of the polynomial, relative to the sizes of the
+/// saddle and of the distance from the saddle.
 const NEGLIGIBLE: f64 = 1e-15;
 
-/// (D) The largest allowed error of the equation `g(W(s)) = W(λ s)`, in the same units.
+/// (D) The largest allowed error of the equation `g(W(s)) = W(λ s)`, relative to the sizes of the
+/// saddle and of the distance from the saddle.
 const LARGEST: f64 = 1e-12;
 
-/// (H) The maximal number of times that the domain is halved until the equation holds.
+/// (H) The largest number of times that the domain of the polynomial is halved until the equation
+/// `g(W(s)) = W(λ s)` holds.
 const HALVED: usize = 40;
 
-/// The polynomial `W(s)` with `g(W(s)) = W(λ s)` at a point of a cycle.
+/// The Taylor polynomial `W(s)` with `g(W(s)) = W(λ s)` at a point of a cycle.
 pub(super) struct Local {
-    /// The coefficients, by increasing powers.
+    /// The coefficients of the polynomial, by increasing powers of `s`.
     coefficients: Vec<Vector>,
     /// The largest `|s|` at which the polynomial is used.
     pub radius: f64,
-    /// The error of the equation at both ends of the domain.
+    /// The error of the equation `g(W(s)) = W(λ s)` at both ends of the domain.
     pub error: f64,
 }
 
 impl Local {
-    /// Computes the polynomial at the first point of a cycle, for one of its multipliers. `largest`
-    /// is the largest radius.
+    /// Computes the Taylor polynomial at the first point of a cycle, for one of the cycle's
+    /// multipliers. The argument `largest` is the largest allowed radius of the domain.
     pub fn new(
         map: &dyn PlanarMap,
         cycle: &[Vector],
@@ -60,7 +62,7 @@ impl Local {
         Err(ManifoldError::NoSeries { error: local.error, distance: local.radius })
     }
 
-    /// Evaluates the point, and the derivative with respect to `s`.
+    /// Evaluates the point `W(s)`, and its derivative with respect to `s`.
     pub fn at(&self, s: f64) -> (Vector, Vector) {
         let mut value = [0.0; 2];
         let mut slope = [0.0; 2];
@@ -71,12 +73,12 @@ impl Local {
         (value, slope)
     }
 
-    /// The reference size for numbers at a distance `s`.
+    /// Returns the reference size for errors at the distance `s` from the saddle.
     fn size(&self, s: f64) -> f64 {
         norm(self.coefficients[0]).max(s)
     }
 
-    /// The largest `s` at which the last two terms are negligible.
+    /// Returns the largest `s` at which the last two terms of the polynomial are negligible.
     fn range(&self, largest: f64) -> f64 {
         let negligible = |s: f64| {
             let term = |k: usize| norm(self.coefficients[k]) * s.powi(k as i32);
@@ -89,7 +91,8 @@ impl Local {
         s
     }
 
-    /// The error of the equation at both ends of the domain, for the larger of both arguments.
+    /// Returns the error of the equation `g(W(s)) = W(λ s)` at both ends of the domain; the larger
+    /// one of the arguments `s` and `λ s` is the end of the domain.
     fn defect(&self, map: &dyn PlanarMap, iterates: usize, multiplier: f64) -> f64 {
         let reach = self.radius / multiplier.abs().max(1.0);
         let of = |s: f64| {
@@ -102,7 +105,8 @@ impl Local {
     }
 }
 
-/// Computes the coefficient of a power of `s` in the image of the polynomial without that power.
+/// Computes the coefficient of a power of `s` in the image of the polynomial without the term of
+/// this power.
 fn coefficient(
     map: &dyn PlanarMap,
     iterates: usize,

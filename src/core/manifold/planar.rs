@@ -6,7 +6,7 @@ use crate::core::scalar::{Chunk, Jet, Scalar, seeded};
 /// A point or a vector of the plane, in units of the states' scales.
 pub(super) type Vector = [f64; 2];
 
-/// A matrix, row by row.
+/// A 2 × 2 matrix, row by row.
 pub(super) type Matrix = [Vector; 2];
 
 /// A map of the plane in units of its states' scales.
@@ -14,14 +14,14 @@ pub(super) trait PlanarMap {
     /// Computes the image of a point.
     fn image(&self, u: Vector) -> Vector;
 
-    /// Computes the image of a point, and the derivative there.
+    /// Computes the image of a point, and the derivative of the map at this point.
     fn linear(&self, u: Vector) -> (Vector, Matrix);
 
-    /// Computes the image of Taylor polynomials.
+    /// Computes the image of a curve that is given by Taylor polynomials.
     fn series(&self, u: [Jet<ROOM>; 2]) -> [Jet<ROOM>; 2];
 }
 
-/// A user-defined map at given parameters, in units of its scales.
+/// A user-defined map at given parameters, in units of its states' scales.
 pub(super) struct Scaled<'a, M> {
     map: &'a M,
     p: Vec<f64>,
@@ -83,7 +83,7 @@ pub(super) fn determinant(m: Matrix) -> f64 {
     cross(m[0], m[1])
 }
 
-/// Solves `m x = v`; not finite if the matrix is singular.
+/// Solves the linear system `m x = v`; the solution is not finite if the matrix is singular.
 pub(super) fn solved(m: Matrix, v: Vector) -> Vector {
     let det = determinant(m);
     [(m[1][1] * v[0] - m[0][1] * v[1]) / det, (m[0][0] * v[1] - m[1][0] * v[0]) / det]

@@ -2,25 +2,25 @@
 
 use super::planar::{Matrix, PlanarMap, Vector, determinant, is_finite, minus, norm, solved};
 
-/// Reasons why a manifold cannot be continued.
+/// The reason why a manifold cannot be continued.
 #[derive(Clone, Debug, PartialEq, miette::Diagnostic, thiserror::Error)]
 pub(super) enum Lost {
-    /// An image or its derivative is not finite.
+    /// An image under the map, or the derivative of the map, is not finite.
     #[error("the map or its derivative is not finite at ({:.6}, {:.6})", at[0], at[1])]
     NotFinite { at: Vector },
-    /// The preimage is across a fold of the map, or does not exist.
+    /// The preimage lies on the other side of a fold of the map, or does not exist.
     #[error(
         "a fold of the map: ({:.6}, {:.6}) has no preimage on this side of the curve where the derivative is \
          singular; its determinant is {determinant:.1e} at ({:.6}, {:.6})", of[0], of[1], at[0], at[1]
     )]
     Fold { of: Vector, at: Vector, determinant: f64 },
-    /// The step was too long for Newton's method.
+    /// The step along the manifold was too long for Newton's method.
     #[error("Newton's method finds no preimage of ({:.6}, {:.6})", of[0], of[1])]
     NoPreimage { of: Vector },
 }
 
 impl Lost {
-    /// Converts the points of the error to the units of the states.
+    /// Converts the points in the error from units of the scales to the units of the states.
     pub fn in_units(self, scales: Vector) -> Self {
         let unit = |a: Vector| [a[0] * scales[0], a[1] * scales[1]];
         match self {
@@ -36,13 +36,13 @@ impl Lost {
 /// (H) The maximal number of Newton corrections.
 const MOST: usize = 25;
 
-/// (D) The last correction is smaller than this fraction of the point; the next one would be its
-/// square.
+/// (D) Newton's method has converged if the last correction is smaller than this fraction of the
+/// point: the next correction would be of the order of its square.
 const LAST: f64 = 1e-9;
 
-/// Computes the preimage of a point near a guess, and the derivative of the map there. The
-/// determinant of the derivative must have the same sign as at the guess, because there is another
-/// preimage on the other side of a fold of the map.
+/// Computes the preimage of a point near a guess, and the derivative of the map at the preimage.
+/// The determinant of the derivative at the preimage must have the same sign as at the guess,
+/// because another preimage exists on the other side of a fold of the map.
 pub(super) fn preimage(
     map: &dyn PlanarMap,
     of: Vector,

@@ -1,4 +1,4 @@
-//! Correction of the saddle cycle, and its multipliers.
+//! Correction of the saddle cycle by Newton's method, and the multipliers of the cycle.
 
 use super::error::ManifoldError;
 use super::planar::{Matrix, PlanarMap, Vector, determinant, norm, times};
@@ -7,17 +7,19 @@ use crate::core::orbit::MapCycle;
 use crate::core::problem::DiscreteMap;
 use std::sync::Arc;
 
-/// (H) The smallest allowed `|ln |λ||`: a point leaves the neighbourhood of a weaker saddle only
-/// after tens of thousands of iterates.
+/// (H) The smallest allowed `|ln |λ||` of a multiplier: near a weaker saddle, a point takes tens of
+/// thousands of iterates to leave the neighbourhood.
 pub(super) const WEAKEST: f64 = 1e-3;
 
-/// (R) A smaller multiplier of `W^s` is a rounding error of the derivative.
+/// (R) The smallest multiplier of a stable manifold; a smaller number is a rounding error of the
+/// derivative.
 const NO_INVERSE: f64 = 1e-13;
 
-/// (H) States of a cycle repeat if they are closer than this fraction of its size.
+/// (H) Two states of a cycle count as equal if their distance is less than this fraction of the
+/// cycle's size.
 const REPEATS: f64 = 1e-8;
 
-/// Computes the states of the cycle near a guess, one iterate after another.
+/// Computes the states of the cycle near a guess, iterate by iterate.
 pub(super) fn corrected<M: DiscreteMap + 'static>(
     map: &Arc<M>,
     states: &[f64],
@@ -50,8 +52,8 @@ pub(super) fn corrected<M: DiscreteMap + 'static>(
     }
 }
 
-/// Computes the multipliers of a saddle, the unstable one first, from the derivatives at the points
-/// of the cycle.
+/// Computes the multipliers of a saddle from the derivatives at the points of the cycle; the
+/// unstable multiplier is the first.
 pub(super) fn multipliers(map: &dyn PlanarMap, cycle: &[Vector]) -> Result<Vector, ManifoldError> {
     let (product, det) = derivative(map, cycle);
     let half = 0.5 * (product[0][0] + product[1][1]);
@@ -70,7 +72,7 @@ pub(super) fn multipliers(map: &dyn PlanarMap, cycle: &[Vector]) -> Result<Vecto
     }
 }
 
-/// Rejects a zero multiplier, for which the map has no inverse.
+/// Returns an error for a multiplier that is zero, for which the map has no inverse.
 pub(super) fn require_inverse(multipliers: Vector) -> Result<(), ManifoldError> {
     let [_, multiplier] = multipliers;
     match multiplier.abs() <= NO_INVERSE {
@@ -79,7 +81,8 @@ pub(super) fn require_inverse(multipliers: Vector) -> Result<(), ManifoldError> 
     }
 }
 
-/// Computes the derivative of the iterates of one cycle, from its first point, and its determinant.
+/// Computes the derivative, at the first point of a cycle, of the iterates of the map over the
+/// whole cycle, and the determinant of this derivative.
 pub(super) fn derivative(map: &dyn PlanarMap, cycle: &[Vector]) -> (Matrix, f64) {
     let mut columns = [[1.0, 0.0], [0.0, 1.0]];
     let mut det = 1.0;
@@ -91,8 +94,8 @@ pub(super) fn derivative(map: &dyn PlanarMap, cycle: &[Vector]) -> (Matrix, f64)
     ([[columns[0][0], columns[1][0]], [columns[0][1], columns[1][1]]], det)
 }
 
-/// Computes the eigenvector of length 1 of a matrix with two different real eigenvalues; its first
-/// nonzero component is positive.
+/// Computes the eigenvector of length 1 of a matrix with two different real eigenvalues; the first
+/// nonzero component of the eigenvector is positive.
 pub(super) fn eigenvector(m: Matrix, eigenvalue: f64) -> Vector {
     let [a, b] = [[m[0][1], eigenvalue - m[0][0]], [eigenvalue - m[1][1], m[1][0]]];
     let longer = if norm(a) >= norm(b) { a } else { b };

@@ -1,31 +1,33 @@
-//! Detection of curves that converge to a point.
+//! Detection of manifold halves that converge to a point.
 
 /// (H) The largest arclength per iterate of a converged curve, as a fraction of the resolution.
 const STILL: f64 = 0.1;
 
-/// (H) The largest ratio of successive arclengths of a converged curve.
+/// (H) The largest ratio of the arclengths of successive iterates of a converged curve.
 const LESS: f64 = 0.9;
 
-/// (H) The number of consecutive iterates that must meet both conditions.
+/// (H) The number of consecutive iterates in which a converged curve must satisfy the bounds on
+/// arclength and ratio.
 const TIMES: usize = 3;
 
-/// The arclength of a curve from iterate to iterate.
+/// The arclength that a curve gains from iterate to iterate.
 pub(super) struct Settling {
-    /// The length of an iterate in the parameter.
+    /// The length of an iterate in the parameter `t`.
     window: f64,
-    /// The beginning of the window, with the arclength there.
+    /// The parameter at the beginning of the current iterate, and the arclength there.
     begin: [f64; 2],
     gained: f64,
     times: usize,
 }
 
 impl Settling {
-    /// Starts at a parameter of the curve; an iterate adds `rate` to it.
+    /// Starts the detection at a parameter of the curve; each iterate increases the parameter by
+    /// `rate`.
     pub fn new(t: f64, rate: f64) -> Self {
         Settling { window: rate.max(0.5), begin: [t, 0.0], gained: f64::INFINITY, times: 0 }
     }
 
-    /// Whether the curve has converged at a parameter with its arclength.
+    /// Whether the curve has converged, given a parameter and the arclength at this parameter.
     pub fn has_settled(&mut self, t: f64, arclength: f64, resolution: f64) -> bool {
         let [t0, length] = self.begin;
         if t - t0 < self.window {

@@ -1,4 +1,4 @@
-//! Manifolds as data, and their settings.
+//! Stable and unstable manifolds as data, and the settings of their computation.
 
 use super::curve::{Curve, Side};
 use super::error::ManifoldError;
@@ -13,19 +13,20 @@ use crate::core::problem::DiscreteMap;
 use std::sync::Arc;
 
 /// Settings of the growth of manifolds. Lengths are in units of the states' scales
-/// ([`DiscreteMap::scales`]), which are 1 by default.
+/// ([`DiscreteMap::scales`]); the default scales are 1.
 #[derive(Clone, Debug)]
 pub struct ManifoldSettings {
     /// The longest arclength of each half, above 0.
     pub length: f64,
     /// The maximal number of points of each half, at least 3.
     pub max_points: usize,
-    /// The largest distance between the curve and the chord between two points, above 0. Sharper
-    /// bends of the curve are cut off.
+    /// The resolution: the largest distance between the curve and the chord between two points,
+    /// above 0. Bends of the curve that are sharper than the resolution are cut off.
     pub resolution: f64,
-    /// The smallest and the largest value of each state, in the units of the states.
+    /// The smallest and the largest allowed value of each state, in the units of the states.
     pub bounds: [[f64; 2]; 2],
-    /// Cancels the growth; the curves end at the last computed point.
+    /// The token that cancels the growth; after a cancellation, the curves end at the last computed
+    /// point.
     pub cancel: CancelToken,
 }
 
@@ -41,36 +42,38 @@ impl Default for ManifoldSettings {
     }
 }
 
-/// A manifold at one point of a saddle cycle.
+/// One manifold at one point of a saddle cycle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Manifold {
-    /// The side: stable or unstable.
+    /// The kind of manifold: stable or unstable.
     pub side: Side,
-    /// The point of the cycle.
+    /// The point of the saddle cycle.
     pub saddle: [f64; 2],
     /// The multiplier of the cycle along this manifold.
     pub multiplier: f64,
-    /// The multiplier along the other manifold.
+    /// The multiplier of the cycle along the manifold of the other kind.
     pub other: f64,
-    /// The number of iterates of the map that take each half onto itself: the number of the cycle's
-    /// iterates, or twice as many if the multiplier is negative.
+    /// The number of iterates of the map that map each half onto itself: the number of iterates of
+    /// the cycle, or twice this number if the multiplier is negative.
     pub iterates: usize,
     /// The error of the local manifold: the largest distance between `g(W(s))` and `W(λ s)`, in units
     /// of the states' scales.
     pub local_error: f64,
-    /// Both halves; the first one leaves the saddle towards smaller values of the first state.
+    /// Both halves of the manifold; the first half leaves the saddle towards smaller values of the
+    /// first state.
     pub halves: [Half; 2],
 }
 
-/// A half of a manifold: from the saddle, which is not among its points, to its end.
+/// One half of a manifold, from the saddle (which is not one of its points) to its end.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Half {
     /// The points.
     pub points: Vec<ManifoldPoint>,
-    /// The reason why the half ends.
+    /// The reason why the half of the manifold ends.
     pub end: End,
     /// The largest distance between the images of the points and the piecewise cubic curve through
-    /// the points, in units of the states' scales; `None` if the half is too short for an image.
+    /// the points, in units of the states' scales; `None` if the half is too short to contain an
+    /// image.
     pub deviation: Option<f64>,
 }
 
@@ -84,14 +87,15 @@ pub struct ManifoldPoint {
 }
 
 impl Half {
-    /// The arclength of the half.
+    /// Returns the arclength of the half.
     pub fn length(&self) -> f64 {
         self.points.last().map_or(0.0, |point| point.arclength)
     }
 }
 
 /// Computes one of the two manifolds of a saddle cycle of a map in the plane, at each point of the
-/// cycle. The states of the cycle are given one iterate after another, and are corrected first.
+/// cycle. The states of the cycle are given iterate by iterate, and are first corrected by Newton's
+/// method.
 ///
 /// ```
 /// use std::sync::Arc;
@@ -122,9 +126,9 @@ impl Half {
 /// ```
 ///
 /// # Errors
-/// [`ManifoldError`] if the map does not have two states, if Newton's method finds no cycle, if the
-/// cycle is not a saddle, or if a multiplier is too close to the unit circle or, for a stable
-/// manifold, zero.
+/// [`ManifoldError`] if the map does not have two states, if Newton's method does not converge to a
+/// cycle, if the cycle is not a saddle, if a multiplier is too close to the unit circle, or, for a
+/// stable manifold, if its multiplier is zero.
 pub fn manifold<M: DiscreteMap + 'static>(
     map: &Arc<M>,
     states: &[f64],

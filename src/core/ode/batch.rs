@@ -1,8 +1,10 @@
-//! Batched steps: one step each of several flows of one field, in the lanes of a vector register.
+//! Batched steps: the flows of one vector field are advanced together, each by one step, in the
+//! lanes of a vector register.
 //!
-//! Every flow has its own place, step and parameters. This module computes the steps, their errors,
-//! and whether watched functions stay clear of zero, which is nearly all of the work. Each flow
-//! decides separately whether to accept its step.
+//! Every flow in the batch has its own state, step length and parameters. This module computes the
+//! steps, their errors, and bounds which show that watched functions do not vanish in a step; these
+//! computations are nearly all of the work. Each flow of the batch decides separately whether to
+//! accept its step.
 
 use super::forecast::EventForecast;
 use super::integrate::Flow;
@@ -22,10 +24,10 @@ use num_traits::Signed;
 use std::cell::Cell;
 
 impl<T: Scalar> Flow<T> {
-    /// Starts a flow in a `lane_state`.
+    /// Starts a flow whose state between steps is stored in `lane_state`.
     ///
     /// # Errors
-    /// [`FlowError`] if the state is outside the domain of the field.
+    /// [`FlowError`] if the state is outside the domain of the vector field.
     pub(in crate::core) fn set_out<F: FieldIn<T>>(
         &mut self,
         field: &F,
@@ -46,8 +48,8 @@ impl<T: Scalar> Flow<T> {
         Ok(())
     }
 
-    /// Presents the step of one lane as a step of this flow. The exactly known state is then the one
-    /// at the end of the step.
+    /// Passes the step of one lane to `observe` as a step of this flow. The state at the end of the
+    /// step is marked as known exactly.
     pub(in crate::core) fn show_lane<F: FieldIn<T>>(
         &mut self,
         field: &F,
@@ -78,49 +80,53 @@ impl<T: Scalar> Flow<T> {
     }
 }
 
-/// A batched step with access by lane, for any registers.
+/// A batched step with access to single lanes, for registers of any width.
 pub trait LaneSteps<T> {
-    /// The number of flows in the batch.
+    /// Returns the number of flows in the batch.
     fn lanes(&self) -> usize;
 
-    /// The number of evaluations of the field in a step.
+    /// Returns the number of evaluations of the vector field in a step.
     fn cost(&self) -> usize;
 
-    /// Forgets the occupants of the lanes, since occupants are renumbered.
+    /// Discards the occupant numbers of the lanes when the flows are renumbered.
     fn vacate(&mut self);
 
-    /// Loads a flow into a lane; flows with the same occupant number have the same parameters. Unused
-    /// lanes need a flow as well.
+    /// Loads a flow into a lane; flows with the same occupant number must have the same parameters. A
+    /// flow must be loaded into unused lanes as well.
     fn load(&mut self, lane: usize, lane_state: &LaneState<T>, occupant: (usize, &[T]));
 
-    /// Writes the slopes of all stages of a lane, divided by `h`, and the state at the end.
+    /// Writes the derivatives `k_j` at all stages of a lane's step, divided by `h`, and the state
+    /// at the end of the step.
     fn show(&self, lane: usize, h: f64, slopes: &mut [T], end: &mut [T]);
 
-    /// Accepts the step of a lane with this error.
+    /// Accepts the step of a lane, whose error is given.
     fn accept(&self, lane: usize, error: f64, lane_state: &mut LaneState<T>);
 }
 
-/// A batch of flows in the lanes of registers `R` that takes one step.
+/// A batch of flows in the lanes of registers of type `R`, which takes one step.
 pub(in crate::core) struct BatchStepper<T: InLanes<R>, R: Register> {
     tableau: &'static Tableau,
-    /// The occupants whose parameters are in the lanes, and whether any are new.
+    /// The occupant numbers of the flows whose parameters are in the lanes, and whether any of them
+    /// is new.
     occupants: [usize; MOST_LANES],
     renewed: bool,
-    /// The inputs of the step, lane by lane: states, slopes, parameters, times and durations.
+    /// The inputs of the step, lane by lane: states, time derivatives, parameters, times and
+    /// durations.
     given: [Vec<[T; MOST_LANES]>; 3],
     time: [T; MOST_LANES],
     length: [T; MOST_LANES],
     x: Vec<T::Wide>,
     p: Vec<T::Wide>,
     stages: Stages<T::Wide>,
-    /// The arguments of watched functions.
+    /// The arguments at which watched functions are evaluated.
     dual_x: [Vec<DualLanes<R>>; 2],
     dual_p: Vec<DualLanes<R>>,
     dual_time: [DualLanes<R>; 2],
 }
 
 impl<T: InLanes<R>, R: Register> BatchStepper<T, R> {
-    /// Creates a batch for an explicit method; `None` if the processor does not have the registers.
+    /// Creates a batch for an explicit method; `None` if the processor does not have registers of
+    /// this width.
     pub fn new(settings: &Settings) -> Option<Self> {
         R::of(Level::new())?;
         Some(BatchStepper {
@@ -139,8 +145,8 @@ impl<T: InLanes<R>, R: Register> BatchStepper<T, R> {
         })
     }
 
-    /// Tries a step in every lane and returns the errors, in units of the tolerance, of all lanes.
-    /// Watched functions can be evaluated afterwards.
+    /// Tries a step in every lane and returns the errors of all lanes, in units of the tolerance.
+    /// After the step, watched functions can be evaluated.
     pub fn attempt<F: FieldIn<T::Wide>>(
         &mut self,
         field: &F,
@@ -176,8 +182,8 @@ impl<T: InLanes<R>, R: Register> BatchStepper<T, R> {
         stages.end_slope(tableau.end(), &motion, 1.0);
     }
 
-    /// Computes the errors, as [`Measure::explicit_error`](super::control::Measure::explicit_error)
-    /// does.
+    /// Computes the errors of all lanes by the formula of
+    /// [`Measure::explicit_error`](super::control::Measure::explicit_error).
     #[inline(always)]
     fn errors(&self, settings: &Settings) -> [f64; MOST_LANES] {
         let (n, slopes, mut squares) = (self.x.len(), &self.stages.slopes, [Lanes::splat(0.0); 2]);
@@ -204,7 +210,7 @@ impl<T: InLanes<R>, R: Register> BatchStepper<T, R> {
         (fine / (together * n).sqrt()).each()
     }
 
-    /// Prepares the arguments of watched functions.
+    /// Prepares the arguments at which watched functions are evaluated.
     #[inline(always)]
     fn look(&mut self) {
         let (n, end) = (self.x.len(), self.tableau.end());
@@ -222,7 +228,8 @@ impl<T: InLanes<R>, R: Register> BatchStepper<T, R> {
         self.dual_time = [time, time + length].map(|re| DualLanes { re, eps: [length] });
     }
 
-    /// Computes the forecast for a watched function from its values and slopes at both ends.
+    /// Computes the forecast for a watched function from its values and derivatives at both ends of
+    /// the step.
     pub fn forecast<W: WatchIn<DualLanes<R>>>(&self, watch: &W) -> EventForecast {
         R::instructions().vectorize(
             #[inline(always)]

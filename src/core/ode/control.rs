@@ -5,14 +5,15 @@ use super::stages::Stages;
 use super::tableau::{Row, Tableau};
 use crate::core::scalar::Scalar;
 
-/// (H) States are small if the relative tolerance adds less than this fraction to the absolute one:
-/// real parts then carry no information about derivatives.
+/// (H) States count as small if the relative tolerance adds less than this fraction to the absolute
+/// tolerance: the real parts then carry no information about the size of derivatives.
 const SMALL: f64 = 0.01;
 
-/// The size of a number in error estimates: its real part, or a function of the caller.
+/// The function that measures numbers in error estimates; by default, the size of a number is the
+/// absolute value of its real part.
 pub type Size<T> = fn(&T) -> f64;
 
-/// The measure of errors, with its tolerances.
+/// The measure of errors of a step, with its tolerances.
 #[derive(Clone, Copy)]
 pub(super) struct Measure<'a, T> {
     pub relative: f64,
@@ -23,13 +24,14 @@ pub(super) struct Measure<'a, T> {
 }
 
 impl<T: Scalar> Measure<'_, T> {
-    /// The tolerated error of a state with the values `x` and `y` at the ends of the step.
+    /// Returns the tolerated error of a state whose values at the ends of the step are `x` and `y`.
     fn tolerated(&self, scale: f64, x: &T, y: &T) -> f64 {
         let size = |x: &T| self.size.map_or_else(|| x.real().abs(), |size| size(x));
         self.absolute * scale + self.relative * size(x).max(size(y))
     }
 
-    /// The measure for numbers whose real parts are small, by another size.
+    /// Returns the measure that is used if the real parts of numbers are small, with another
+    /// definition of their size.
     #[cold]
     pub fn at_rest(self, size: Size<T>) -> Self {
         let (relative, absolute) = (10.0 * self.relative, 10.0 * self.absolute);
@@ -43,7 +45,7 @@ impl<T: Scalar> Measure<'_, T> {
         x.iter().zip(self.scales).chain(stages.end.iter().zip(self.scales)).all(small)
     }
 
-    /// Computes `Σ_i (h Σ_j e_j k_ij / tolerated_i)²` for several rows `e`.
+    /// Computes `Σ_i (h Σ_j e_j k_ij / tolerated_i)²` for several rows `e` of error weights.
     fn squares<const R: usize>(
         &self,
         h: f64,
@@ -67,14 +69,15 @@ impl<T: Scalar> Measure<'_, T> {
         squares
     }
 
-    /// The root mean square of an estimate in units of the tolerated error: acceptable up to 1.
+    /// Returns the root mean square of an error estimate in units of the tolerated error; the step
+    /// is acceptable if it is at most 1.
     pub fn error(&self, h: f64, row: Row, x: &[T], stages: &Stages<T>) -> f64 {
         let [square] = self.squares(h, [row], x, stages);
         (square / x.len().max(1) as f64).sqrt()
     }
 
-    /// The error of an explicit step; for two estimates `e₅` and `e₃` it is `e₅² / √(e₅² + e₃²/100)`
-    /// (Hairer, Nørsett, Wanner 1993, eq. II.10.17).
+    /// Returns the error of an explicit step; if the method has two estimates `e₅` and `e₃`, the
+    /// error is `e₅² / √(e₅² + e₃²/100)` (Hairer, Nørsett, Wanner 1993, eq. II.10.17).
     #[inline(never)]
     pub fn explicit_error(&self, h: f64, tableau: &Tableau, x: &[T], stages: &Stages<T>) -> f64 {
         if tableau.rough_error.is_empty() {
@@ -86,22 +89,22 @@ impl<T: Scalar> Measure<'_, T> {
         if together == 0.0 { 0.0 } else { fine / (together * n).sqrt() }
     }
 
-    /// The root mean square of a vector in units of the tolerated error at `x`.
+    /// Returns the root mean square of a vector in units of the tolerated error at `x`.
     fn norm(&self, vector: impl Iterator<Item = f64>, x: &[T]) -> f64 {
         let tolerated = x.iter().zip(self.scales).map(|(x, scale)| self.tolerated(*scale, x, x));
         let parts = vector.zip(tolerated).map(|(v, tolerated)| (v / tolerated).powi(2));
         (parts.sum::<f64>() / x.len().max(1) as f64).sqrt()
     }
 
-    /// The length of the Euler step that measures how fast the slope changes.
+    /// Returns the length of the Euler step that measures how fast the time derivative changes.
     pub fn euler_step(&self, x: &[T], slope: &[T]) -> f64 {
         let size = self.norm(x.iter().map(T::real), x);
         let speed = self.norm(slope.iter().map(T::real), x);
         if size < 1e-5 || speed < 1e-5 { 1e-6 } else { 0.01 * size / speed }
     }
 
-    /// The first step, from the slopes at both ends of an Euler step of length `h` (Hairer,
-    /// Nørsett, Wanner 1993, section II.4).
+    /// Returns the length of the first step, from the time derivatives at both ends of an Euler
+    /// step of length `h` (Hairer, Nørsett, Wanner 1993, section II.4).
     pub fn first_step(&self, order: usize, h: f64, x: &[T], slopes: (&[T], &[T])) -> f64 {
         let speed = self.norm(slopes.0.iter().map(T::real), x);
         let change = slopes.0.iter().zip(slopes.1).map(|(a, b)| b.real() - a.real());
@@ -115,21 +118,22 @@ impl<T: Scalar> Measure<'_, T> {
     }
 }
 
-/// (H) A step is made shorter by this usual factor than the predicted step, so that few steps are
-/// rejected.
+/// (H) The usual safety factor by which a step is shorter than the predicted step, so that few
+/// steps are rejected.
 const SAFETY: f64 = 0.8;
 
-/// (H) The least error that the step control stores, as usual: an accidentally small error must not
-/// restrict the following step.
+/// (H) The usual lower bound of the error that the step control stores: an accidentally small error
+/// must not restrict the following step.
 const LEAST_ERROR: f64 = 1e-4;
 
-/// Step ratios from the predicted error and, for methods with memory, from the previous error
-/// (Gustafsson's proportional-integral control; Hairer and Wanner 1996, section IV.2).
+/// The step control: it computes step ratios from the current error and, for methods with memory,
+/// from the previous error (Gustafsson's proportional-integral control; Hairer and Wanner 1996,
+/// section IV.2).
 pub(super) struct Control {
     exponent: f64,
     memory: f64,
     ratios: (f64, f64),
-    /// The logarithm of the previous error.
+    /// The logarithm of the error of the previous step.
     previous: f64,
     rejected: bool,
 }
@@ -146,7 +150,7 @@ impl Control {
         Control { exponent, memory, ratios, previous: LEAST_ERROR.ln(), rejected: false }
     }
 
-    /// The ratio of the next step to the accepted step with this error.
+    /// Returns the ratio of the next step to the accepted step, whose error is given.
     pub fn accepted(&mut self, error: f64) -> f64 {
         let logarithm = error.ln();
         let ratio = SAFETY * (self.memory * self.previous - self.exponent * logarithm).exp();
@@ -156,8 +160,8 @@ impl Control {
         ratio.clamp(self.ratios.0, largest)
     }
 
-    /// The ratio of the next trial to the rejected step with this error, which can be infinite or
-    /// NaN.
+    /// Returns the ratio of the next trial step to the rejected step, whose error is given and can
+    /// be infinite or NaN.
     pub fn rejected(&mut self, error: f64) -> f64 {
         self.rejected = true;
         if error.is_finite() {

@@ -4,7 +4,7 @@
 #[derive(Clone, Copy, Debug, PartialEq, miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum SettingsError {
-    /// A tolerance is negative, NaN, or too small for arithmetic with 16 digits.
+    /// A tolerance is negative, NaN, or too small for double precision.
     #[error(
         "the tolerances of a flow are {relative:.1e} (relative) and {absolute:.1e} (absolute): the relative \
          tolerance must be at least 1e-15, and the absolute tolerance positive"
@@ -18,7 +18,7 @@ pub enum SettingsError {
     /// The first or the largest step is not a positive fraction of the flow.
     #[error("a step is a fraction of the flow's duration: {0} is not between 0 and 1")]
     Step(f64),
-    /// The settings allow no step.
+    /// The largest number of steps is zero.
     #[error("a flow needs at least one step")]
     #[diagnostic(help("allow at least one step"))]
     Steps,

@@ -1,38 +1,40 @@
-//! Extrema along a flow.
+//! Extrema of watched functions along a flow.
 
 use super::step::Step;
 use super::watch_sampler::{PARTS, Sample, WatchSampler, crosses_once, keep_clear_of_zero, slopes};
 use crate::core::problem::{FieldIn, Watchable};
 use crate::core::scalar::Scalar;
 
-/// A local extremum of a watched function.
+/// A local extremum of a watched function along a flow.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Extremum<T> {
-    /// The position in the flow, from 0 to 1.
+    /// The position of the extremum in the flow, from 0 to 1.
     pub place: T,
-    /// The value of the function.
+    /// The value of the function at the extremum.
     pub value: T,
 }
 
-/// (R) Functions that change by less than this in a step, in units of their scale, have no extrema
-/// there, since those would be extrema of rounding errors.
+/// (R) If a function changes in a step by less than this, in units of its scale, the step contains
+/// no extremum, because any extremum would be due to rounding errors.
 const FLAT: f64 = 1e-14;
-/// (H) The largest number of iterations for an extremum: quadratic convergence needs four, each order
-/// of derivatives one more.
+/// (H) The largest number of iterations for an extremum: quadratic convergence needs four iterations,
+/// and each order of derivatives needs one more.
 const ROUNDS: usize = 12;
-/// (R) After a move by less than this fraction of a step, the parabola at the place is the solution
-/// to rounding error: its error is of third order.
+/// (R) After a change of the position by less than this fraction of a step, the vertex of the
+/// parabola is the extremum up to rounding errors, because the error of the parabola is of third
+/// order.
 const SETTLED: f64 = 1e-5;
 
 /// The search for all local extrema of one watched function, step by step. The observer of a flow
-/// calls the search with the same function in all steps.
+/// must call the search with the same function in all steps.
 ///
-/// At a sign change of the slope of dense output, `dh/dσ = 0` is solved on a shorter step of the
-/// method. Place and value then have the accuracy of the flow, and their derivatives include the
-/// motion of the extremum with parameters. A real state is taken from dense output if that is as
-/// accurate as the flow; the place is then less accurate, but its error enters the value only
-/// quadratically. Two extrema within one eighth of a step are found if the slope of dense output
-/// comes near zero and turns away. The ends of the flow are not counted.
+/// If the derivative `dh/dσ` on the dense output changes sign, `dh/dσ = 0` is solved on a shorter
+/// step of the method. The position and the value of the extremum then have the accuracy of the
+/// flow, and their derivatives include the motion of the extremum with parameters. An extremum of a
+/// state in real numbers is taken from dense output if the dense output is as accurate as the flow;
+/// the position is then less accurate, but its error enters the value only quadratically. Two
+/// extrema within one eighth of a step are found if the derivative on the dense output approaches
+/// zero and then moves away from zero. The ends of the flow do not count as extrema.
 ///
 /// ```
 /// use std::ops::ControlFlow;
@@ -54,7 +56,7 @@ const SETTLED: f64 = 1e-5;
 /// ```
 #[derive(Clone, Debug)]
 pub struct Extrema<T> {
-    /// The last nonzero slope.
+    /// The last nonzero derivative of the function.
     slope: f64,
     sampler: WatchSampler<T>,
 }
@@ -66,7 +68,7 @@ impl<T: Scalar> Default for Extrema<T> {
 }
 
 impl<T: Scalar> Extrema<T> {
-    /// Begins a new flow, possibly with another function.
+    /// Begins the search along a new flow, possibly with another function.
     pub fn restart(&mut self) {
         self.slope = 0.0;
     }
@@ -92,7 +94,7 @@ impl<T: Scalar> Extrema<T> {
         }
     }
 
-    /// Whether a step, of any scalar type, can contain an extremum.
+    /// Whether a step, in numbers of any scalar type, can contain an extremum of the function.
     pub(in crate::core) fn may_turn<F: FieldIn<S>, S: Scalar, W: Watchable<T>>(
         &mut self,
         watch: &W,
@@ -102,8 +104,8 @@ impl<T: Scalar> Extrema<T> {
         !self.passes(watch, step, slopes)
     }
 
-    /// Whether slopes at the ends and in the middle of a step (for a state, in all stages) exclude an
-    /// extremum.
+    /// Whether the derivatives of the function at the ends and in the middle of a step (for a state,
+    /// also at all stages) exclude an extremum.
     fn passes<F: FieldIn<S>, S: Scalar, W: Watchable<T>>(
         &mut self,
         watch: &W,
@@ -123,8 +125,8 @@ impl<T: Scalar> Extrema<T> {
         passes
     }
 
-    /// Proceeds to the next sample: a slope with the opposite sign of the last nonzero slope
-    /// indicates an extremum.
+    /// Proceeds to the next sample: if the signs of its derivative and of the last nonzero
+    /// derivative are opposite, an extremum lies between the samples.
     fn pass<F: FieldIn<T>, W: Watchable<T>>(
         &mut self,
         watch: &W,
@@ -148,9 +150,10 @@ impl<T: Scalar> Extrema<T> {
     }
 }
 
-/// Solves `dh/dθ = 0` by Newton's method on shorter steps, with the curvature of dense output: every
-/// round gains the digits of dense output, and one order of derivatives; a round that increases the
-/// slope is undone. Returns `θ` and the value there.
+/// Solves `dh/dθ = 0` by Newton's method on shorter steps, with the second derivative on the dense
+/// output: each iteration gains the correct digits of the dense output, and one order of
+/// derivatives; an iteration that increases `|dh/dθ|` is undone. Returns the position `θ` of the
+/// extremum, and the value at the extremum.
 pub(super) fn improved<F: FieldIn<T>, T: Scalar, W: Watchable<T>>(
     sampler: &mut WatchSampler<T>,
     step: &mut Step<F, T>,

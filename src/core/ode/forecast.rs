@@ -1,32 +1,39 @@
-//! Event forecasts for batched steps, from values and slopes of a watched function at their ends.
+//! Event forecasts for batched steps, from values and derivatives of a watched function at both
+//! ends of a step.
 
 use super::roots::{Sign, ZERO};
 use crate::core::numerics::{Limits, bracketed_zero};
 use crate::core::scalar::{DualLanes, Lanes, MOST_LANES, Register};
 use num_traits::Signed;
 
-/// (H) The largest number of iterations for the root of a cubic, which is only a guess.
+/// (H) The largest number of iterations for the root of a cubic, which serves only as an initial
+/// guess.
 const ROUNDS: usize = 8;
-/// (H) The root of the cubic is accurate enough after a change of this fraction of a step.
+/// (H) The iteration for the root of the cubic ends after a change of less than this fraction of a
+/// step.
 const NEAR: f64 = 1e-3;
 
-/// Conclusions about a watched function from the ends of a step, one bit for each lane.
+/// Conclusions about a watched function from its values and derivatives at the ends of a step, with
+/// one bit for each lane.
 #[derive(Clone, Copy, Debug)]
 pub struct EventForecast {
-    /// Values and slopes at the start and at the end.
+    /// The values and derivatives of the function at the start and at the end of the step.
     ends: [[[f64; MOST_LANES]; 2]; 2],
-    /// The function is positive at the start.
+    /// Whether the function is positive at the start of the step.
     positive: u32,
-    /// The function is positive at both ends, and no extremum between them can be smaller.
+    /// Whether the function is positive at both ends of the step and does not become smaller than
+    /// the smaller one of both values.
     clear: u32,
-    /// The function rises throughout, and is positive at the end.
+    /// Whether the function increases throughout the step and is positive at its end.
     rises: u32,
-    /// The function is positive at the start, negative at the end, and has a single zero.
+    /// Whether the function is positive at the start of the step, negative at its end, and has a
+    /// single zero in between.
     falls: u32,
 }
 
 impl EventForecast {
-    /// Computes the forecast for a function with these values and slopes at both ends.
+    /// Computes the forecast for a function from its values and derivatives at both ends of the
+    /// step.
     #[inline(always)]
     pub(super) fn of<R: Register>(start: DualLanes<R>, end: DualLanes<R>) -> Self {
         let [from, to] = [start.eps[0], end.eps[0]];
@@ -55,8 +62,8 @@ impl EventForecast {
         }
     }
 
-    /// Whether the function certainly does not fall through zero in the step of a lane; it is then
-    /// positive.
+    /// Whether the function certainly has no downward zero crossing in the step of a lane, and is
+    /// positive at the end of the step.
     pub(in crate::core) fn is_quiet(&self, lane: usize, sign: Sign) -> bool {
         let positive = match sign {
             Sign::Positive => true,
@@ -66,8 +73,9 @@ impl EventForecast {
         is_set(self.rises, lane) || positive && is_set(self.clear, lane)
     }
 
-    /// The approximate place of the function's single fall through zero in the step of a lane, from
-    /// the cubic through its ends; `None` without such a fall.
+    /// Returns the approximate position of the function's single downward zero crossing in the step
+    /// of a lane, from the cubic through the ends of the step; `None` if the forecast contains no
+    /// such crossing.
     pub(super) fn fall(&self, lane: usize) -> Option<f64> {
         if !is_set(self.falls, lane) {
             return None;
@@ -84,14 +92,15 @@ impl EventForecast {
         }))
     }
 
-    /// The move, in units of the step, from the end of a lane's step to the zero of the function.
+    /// Returns the distance, in units of the step, from the end of a lane's step to the zero of the
+    /// function.
     pub(super) fn correction(&self, lane: usize) -> f64 {
         let [value, slope] = &self.ends[1];
         -value[lane] / slope[lane]
     }
 }
 
-/// Whether the bit of a lane is set.
+/// Whether the bit of a lane is set in a word of bits.
 fn is_set(bits: u32, lane: usize) -> bool {
     bits >> lane & 1 == 1
 }

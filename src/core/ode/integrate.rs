@@ -1,4 +1,4 @@
-//! The flow: steps from the start to the end.
+//! The flow of a vector field: steps from the start to the end.
 
 use super::control::{Control, Measure, Size};
 use super::error::SettingsError;
@@ -15,10 +15,10 @@ use crate::core::scalar::Scalar;
 use std::cell::Cell;
 use std::ops::ControlFlow;
 
-/// The cost of a flow.
+/// The cost of a flow, as numbers of steps and evaluations.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Statistics {
-    /// Evaluations of the field, in any scalar type.
+    /// The number of evaluations of the vector field, in any scalar type.
     pub evaluations: usize,
     /// Accepted steps.
     pub accepted: usize,
@@ -26,7 +26,7 @@ pub struct Statistics {
     pub rejected: usize,
 }
 
-/// A solver for the flow of vector fields in one scalar type, with all buffers.
+/// A solver for the flow of vector fields in one scalar type, including all its buffers.
 ///
 /// ```
 /// use num_dual::Dual64;
@@ -60,18 +60,20 @@ impl<T: Scalar> Default for Flow<T> {
     }
 }
 
-/// (H) Stiffness requires this number of consecutive steps limited by stability (Hairer and Wanner).
+/// (H) The number of consecutive steps limited by stability after which a flow counts as stiff
+/// (Hairer and Wanner).
 const STIFF_STEPS: usize = 15;
-/// (H) Stiffness is reported only if the rest of the flow needs more than this number of steps: fewer
-/// steps are cheaper than another method.
+/// (H) Stiffness is reported only if the rest of the flow needs more than this number of steps: if it
+/// needs fewer steps, changing to another method costs more than it saves.
 const STIFF_REST: f64 = 500.0;
 
-/// (R) The smallest step, as a fraction of the flow; times near zero have more digits than ε of the
-/// duration.
+/// (R) The smallest step, as a fraction of the flow; times near zero are resolved more finely than
+/// to `ε` times the duration.
 const SMALLEST_STEP: f64 = 1e-30;
 
 impl<T: Scalar> Flow<T> {
-    /// Creates a flow with these settings. The first call allocates its buffers.
+    /// Creates a solver for flows with given settings. The first flow allocates the buffers of the
+    /// solver.
     ///
     /// # Errors
     /// [`SettingsError`] if a setting is invalid.
@@ -80,27 +82,27 @@ impl<T: Scalar> Flow<T> {
         Ok(Flow { settings, ..Flow::default() })
     }
 
-    /// Controls the step by a user-defined size of numbers, for instance the largest of a number and
-    /// its derivatives. By default only real parts count, so that a flow of dual numbers takes the
-    /// same steps as a flow of real numbers.
+    /// Sets a user-defined size of numbers for the step control, for instance the largest absolute
+    /// value of a number and its derivatives. By default, the step control uses only real parts, so
+    /// that a flow of dual numbers takes the same steps as a flow of real numbers.
     pub fn measured_by(mut self, size: Size<T>) -> Self {
         self.size = Some(size);
         self
     }
 
-    /// Additionally controls steps by this size of numbers, at ten times the tolerances, if all
-    /// states are small (compared with the ratio of the absolute to the relative tolerance). Near an
-    /// equilibrium at `x = 0`, the real parts of dual numbers are almost zero and cannot control the
-    /// error of the derivatives, so the size of the derivatives is used.
+    /// Sets a size of numbers that additionally controls steps, at ten times the tolerances, if all
+    /// states are small (compared with the ratio of the absolute to the relative tolerance). Near
+    /// an equilibrium at `x = 0`, the real parts of dual numbers are almost zero and cannot control
+    /// the error of the derivatives, so the size of the derivatives is used.
     pub(in crate::core) fn measure_at_rest_by(&mut self, size: Size<T>) {
         self.size_at_rest = Some(size);
     }
 
-    /// Flows `x` from the time `t0` for a duration `length`, which can be negative and can carry
-    /// derivatives.
+    /// Advances the state `x` by the flow from the time `t0` for a duration `length`, which can be
+    /// negative and can carry derivatives.
     ///
     /// # Errors
-    /// [`FlowError`] if the trajectory ends early; `x` is then its last state.
+    /// [`FlowError`] if the trajectory ends early; `x` is then the last state of the trajectory.
     pub fn advance<F: FieldIn<T>>(
         &mut self,
         field: &F,
@@ -112,8 +114,9 @@ impl<T: Scalar> Flow<T> {
         self.observe(field, t0, length, x, p, |_| ControlFlow::Continue(()))
     }
 
-    /// Flows like [`advance`](Self::advance) and passes every accepted step to `observe`, which can
-    /// end the flow. The state is available at any place of the step:
+    /// Advances the state like [`advance`](Self::advance) and passes every accepted step to
+    /// `observe`, which can end the flow. The observer can compute the state at any fraction of the
+    /// step:
     ///
     /// ```
     /// use std::ops::ControlFlow;
@@ -131,7 +134,7 @@ impl<T: Scalar> Flow<T> {
     /// ```
     ///
     /// # Errors
-    /// [`FlowError`] if the trajectory ends early; `x` is then its last state.
+    /// [`FlowError`] if the trajectory ends early; `x` is then the last state of the trajectory.
     pub fn observe<F: FieldIn<T>>(
         &mut self,
         field: &F,
@@ -204,7 +207,7 @@ impl<T: Scalar> Flow<T> {
         Ok(())
     }
 
-    /// Rejects a state that is outside the domain of the field or not finite.
+    /// Returns an error for a state that is outside the domain of the vector field or not finite.
     pub(super) fn inside<F: FieldIn<T>>(
         &mut self,
         motion: &Motion<F, T>,
@@ -221,7 +224,8 @@ impl<T: Scalar> Flow<T> {
         motion.field.domain(x, p).map_err(|left| FlowError::OutOfDomain { time, left })
     }
 
-    /// Prepares the first step from `σ`: computes the slope there, or linearises the field.
+    /// Prepares the first step from the position `σ`: computes the time derivative at `σ`, or
+    /// linearises the vector field.
     fn begin<F: FieldIn<T>>(&mut self, motion: &Motion<F, T>, sigma: f64) {
         let Buffers { x, stages, linear, .. } = &mut self.buffers;
         match self.settings.scheme.tableau() {
@@ -233,7 +237,8 @@ impl<T: Scalar> Flow<T> {
         }
     }
 
-    /// Computes the slope at the start, and the first step to try.
+    /// Computes the time derivative at the start of the flow, and the length of the first step to
+    /// try.
     pub(super) fn first_step<F: FieldIn<T>>(
         &mut self,
         motion: &Motion<F, T>,
@@ -258,7 +263,7 @@ impl<T: Scalar> Flow<T> {
         Ok(h)
     }
 
-    /// Returns the step to try, or an error if no further step is allowed.
+    /// Returns the length of the next step to try, or an error if no further step is allowed.
     fn permitted<F: FieldIn<T>>(
         &self,
         motion: &Motion<F, T>,
@@ -282,7 +287,7 @@ impl<T: Scalar> Flow<T> {
         }
     }
 
-    /// Tries a step and returns its error, in units of the tolerance.
+    /// Tries a step and returns the error of the step, in units of the tolerance.
     fn attempt<F: FieldIn<T>>(&mut self, motion: &Motion<F, T>, (sigma, h): (f64, f64)) -> f64 {
         let Buffers { x, scales, stages, linear, .. } = &mut self.buffers;
         let measure = measure(&self.settings, self.size, scales);
@@ -319,9 +324,10 @@ impl<T: Scalar> Flow<T> {
         observe(&mut Step { motion, scheme, tolerance, sigma, h, buffers, known })
     }
 
-    /// The number of consecutive steps limited by stability. The slopes of the last stage and of the
-    /// end belong to the same time; their difference, divided by the difference of their arguments,
-    /// estimates the fastest rate of the field (Hairer and Wanner 1996, section IV.2).
+    /// Returns the number of consecutive steps limited by stability. The derivatives `k_j` at the
+    /// last stage and at the end of the step belong to the same time; their difference, divided by
+    /// the difference of their arguments, estimates the fastest rate of the vector field (Hairer
+    /// and Wanner 1996, section IV.2).
     fn stiffness<F: FieldIn<T>>(
         &self,
         motion: &Motion<F, T>,
@@ -344,18 +350,18 @@ impl<T: Scalar> Flow<T> {
     }
 }
 
-/// The measure of errors for these settings.
+/// Returns the measure of errors for the solver's settings.
 fn measure<'a, T>(settings: &Settings, size: Option<Size<T>>, scales: &'a [f64]) -> Measure<'a, T> {
     let Settings { relative, absolute, .. } = *settings;
     Measure { relative, absolute, scales, size }
 }
 
-/// The squared distance of the real parts of two vectors.
+/// Returns the squared distance between the real parts of two vectors.
 fn distance<T: Scalar>(a: &[T], b: &[T]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a.real() - b.real()).powi(2)).sum()
 }
 
-/// Creates the error for a state that is not finite or has a slope that is not finite.
+/// Creates the error for a state that is not finite or whose time derivative is not finite.
 fn not_finite<F: FieldIn<T>, T: Scalar>(
     motion: &Motion<F, T>,
     time: f64,

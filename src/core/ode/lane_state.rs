@@ -1,4 +1,4 @@
-//! A flow between two batched steps.
+//! The state of a flow in a lane between two batched steps.
 
 use super::control::Control;
 use super::forecast::EventForecast;
@@ -8,7 +8,8 @@ use super::step::CLOSE;
 use crate::core::linalg::refill;
 use crate::core::scalar::Scalar;
 
-/// (H) The largest number of shorter steps towards a root; other roots are located outside the batch.
+/// (H) The largest number of shortened steps that try to end at a root; if they fail, the root is
+/// located outside the batch.
 const TRIES: usize = 4;
 
 /// The purpose of the next step.
@@ -16,32 +17,33 @@ const TRIES: usize = 4;
 enum Purpose {
     /// An ordinary step.
     Advance,
-    /// A step that ends, at this fraction of the ordinary step, at a zero of a watched function.
+    /// A shortened step that should end at a zero of a watched function; `fraction` is its length
+    /// as a fraction of the ordinary step.
     Aim { watched: usize, fraction: f64, tries: usize },
-    /// A step to be examined outside the batch.
+    /// A step that must be examined outside the batch.
     Look,
 }
 
 /// A root of a watched function at which a step ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::core) struct Reached {
-    /// The index of the watched function.
+    /// The index of the watched function that has the root.
     pub watched: usize,
-    /// The place of the root, in units of the shorter step.
+    /// The position of the root, in units of the shortened step.
     pub fraction: f64,
-    /// The length of the ordinary step, in units of the shorter one.
+    /// The length of the ordinary step, in units of the shortened step.
     pub whole: f64,
 }
 
-/// A flow between two steps.
+/// A flow between two steps of a batch.
 pub struct LaneState<T> {
-    /// The time at the start of the flow.
+    /// The time at which the flow starts.
     pub(super) start: T,
     /// The duration of the flow.
     pub(super) length: T,
     /// The progress of the flow, from 0 to 1.
     pub(super) sigma: f64,
-    /// The step to try.
+    /// The length of the next step to try.
     h: f64,
     /// The state.
     pub(super) x: Vec<T>,
@@ -50,12 +52,12 @@ pub struct LaneState<T> {
     largest_step: f64,
     control: Control,
     purpose: Purpose,
-    /// The cost so far.
+    /// The cost of the flow so far.
     pub statistics: Statistics,
 }
 
 impl<T: Scalar> LaneState<T> {
-    /// Creates a state without a flow.
+    /// Creates the state of a lane without a flow.
     pub fn new() -> Self {
         let settings = Settings::default();
         LaneState {
@@ -72,7 +74,8 @@ impl<T: Scalar> LaneState<T> {
         }
     }
 
-    /// Begins a flow with a first step to try, in a state with its derivative with respect to time.
+    /// Begins a flow, given its first step to try, its initial state, and the time derivative of
+    /// this state.
     pub(super) fn begin(
         &mut self,
         [start, length]: [T; 2],
@@ -95,7 +98,7 @@ impl<T: Scalar> LaneState<T> {
         &self.x
     }
 
-    /// The number of tried steps.
+    /// Returns the number of tried steps.
     pub fn steps(&self) -> usize {
         self.statistics.accepted + self.statistics.rejected
     }
@@ -105,7 +108,8 @@ impl<T: Scalar> LaneState<T> {
         self.sigma >= 1.0
     }
 
-    /// The step to try, and whether it is the last one.
+    /// Returns the length of the next step to try, and whether this step is the last step of the
+    /// flow.
     pub(super) fn step(&self) -> (f64, bool) {
         let h = self.h.min(self.largest_step);
         let (h, last) =
@@ -116,8 +120,8 @@ impl<T: Scalar> LaneState<T> {
         }
     }
 
-    /// Shortens the step after a rejection with an error; `None` to examine the flow outside the
-    /// batch.
+    /// Shortens the step after a rejection with a given error; `None` if the flow must be examined
+    /// outside the batch.
     pub fn reject(&mut self, error: f64) -> Option<()> {
         self.statistics.rejected += 1;
         self.h = self.step().0 * self.control.rejected(error);
@@ -125,7 +129,7 @@ impl<T: Scalar> LaneState<T> {
         (error.is_finite() && self.h > 1e-12).then_some(())
     }
 
-    /// Advances the flow by an accepted step of length `h` with this error.
+    /// Advances the flow by an accepted step of length `h`, whose error is given.
     pub(super) fn accept(&mut self, h: f64, error: f64) {
         self.h = h * self.control.accepted(error);
         self.purpose = Purpose::Advance;
@@ -138,15 +142,16 @@ impl<T: Scalar> LaneState<T> {
     }
 
     /// Aims the next step at the only root of a watched function in the step just tried; `None` if
-    /// that is impossible.
+    /// the forecast does not contain a single root.
     pub fn aim(&mut self, watched: usize, forecast: &EventForecast, lane: usize) -> Option<()> {
         let guess = forecast.fall(lane).filter(|_| self.purpose == Purpose::Advance)?;
         self.purpose = Purpose::Aim { watched, fraction: guess, tries: 0 };
         Some(())
     }
 
-    /// Whether the shorter step just tried ends so close to the root that the root is known.
-    /// Otherwise another step is tried, or the whole step is examined outside the batch.
+    /// Returns the root if the shortened step just tried ends so close to the root that the
+    /// position of the root is known. If the shortened step does not end close to the root, another
+    /// step is tried, or the whole step is examined outside the batch.
     pub(in crate::core) fn reached(
         &mut self,
         forecasts: &[EventForecast],

@@ -1,18 +1,19 @@
 //! Integration of ordinary differential equations: flows of vector fields.
 //!
-//! The flow `φ` of a field `f` takes a state `x₀` at the time `t₀` to the state `x(t₀ + L)` on the
-//! solution of
+//! The flow `φ` of a vector field `f` maps a state `x₀` at the time `t₀` to the state `x(t₀ + L)`
+//! on the solution of
 //!
 //! ```text
 //!     x' = f(t, x, p),    x(t₀) = x₀.
 //! ```
 //!
 //! The flow is computed in scaled time, `dx/dσ = L f(t₀ + σ L, x, p)` with `0 ≤ σ ≤ 1`, so that
-//! steps are real numbers and the duration `L` can depend on parameters. All code is generic over
+//! step lengths are real numbers although the duration `L` can depend on parameters. All code is
+//! generic over
 //! [`Scalar`]: dual numbers of any depth carry the derivatives of the flow with respect to the
-//! initial state, the duration, the initial time and parameters (the *variational flow*). Steps are
-//! controlled by real parts, so that all scalar types take the same steps, and derivatives are
-//! exact for the computed flow.
+//! initial state, the duration, the initial time and parameters (the *variational flow*). Step
+//! sizes are controlled by real parts, so that all scalar types take the same steps, and
+//! derivatives are exact for the computed flow.
 //!
 //! The methods are the pairs of Dormand and Prince of orders 8 and 5 (E. Hairer, S. P. Nørsett and G.
 //! Wanner, *Solving Ordinary Differential Equations I*, 2nd ed. 1993), and the Rosenbrock method

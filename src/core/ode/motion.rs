@@ -4,7 +4,8 @@ use crate::core::problem::FieldIn;
 use crate::core::scalar::Scalar;
 use std::cell::Cell;
 
-/// `dx/dσ = g(σ, x) = L f(t₀ + σ L, x, p)`: the field in units of the duration `L`.
+/// The differential equation `dx/dσ = g(σ, x) = L f(t₀ + σ L, x, p)`, with the vector field `f` and
+/// the duration `L`.
 pub(super) struct Motion<'a, F, T> {
     /// The field `f`.
     pub field: &'a F,
@@ -14,29 +15,29 @@ pub(super) struct Motion<'a, F, T> {
     pub length: T,
     /// The parameters `p`.
     pub p: &'a [T],
-    /// The number of evaluations of the field.
+    /// The number of evaluations of the vector field so far.
     pub evaluations: &'a Cell<usize>,
 }
 
 impl<F: FieldIn<T>, T: Scalar> Motion<'_, F, T> {
-    /// The time at `σ`.
+    /// Returns the time at the position `σ` in the flow.
     #[inline(always)]
     pub fn time(&self, sigma: f64) -> T {
         self.start + self.length * sigma
     }
 
-    /// Counts one evaluation of the field.
+    /// Counts one evaluation of the vector field.
     pub fn count(&self) {
         self.evaluations.set(self.evaluations.get() + 1);
     }
 
-    /// Computes `g(σ, x)` into `slope`.
+    /// Computes `g(σ, x)` and writes it into `slope`.
     #[inline(always)]
     pub fn slope(&self, sigma: f64, x: &[T], slope: &mut [T]) {
         self.slope_at(self.time(sigma), x, slope);
     }
 
-    /// Computes `g` at a time into `slope`.
+    /// Computes the right-hand side `g` at a given time and writes it into `slope`.
     #[inline(always)]
     pub fn slope_at(&self, time: T, x: &[T], slope: &mut [T]) {
         self.count();
@@ -46,8 +47,8 @@ impl<F: FieldIn<T>, T: Scalar> Motion<'_, F, T> {
         }
     }
 
-    /// Slows the field down by `fraction` from `σ` on: the result moves from `σ` to `σ + h` as this
-    /// field does from `σ` to `σ + h·fraction`.
+    /// Returns the motion slowed down by the factor `fraction` from `σ` on: the slowed motion moves
+    /// from `σ` to `σ + h` as the original motion moves from `σ` to `σ + h·fraction`.
     pub fn slowed(&self, sigma: f64, fraction: T) -> Self {
         Motion { start: self.time(sigma), length: self.length * fraction, ..*self }
     }

@@ -3,9 +3,9 @@
 
 use super::tableau::Row;
 
-/// The number of stages.
+/// The number of stages of Rodas5P.
 pub(super) const STAGES: usize = 8;
-/// The diagonal coefficient `γ`.
+/// The diagonal coefficient `γ` of Rodas5P.
 pub(super) const GAMMA: f64 = 0.21193756319429014;
 
 /// The nodes `c_i`.
@@ -20,7 +20,7 @@ pub(super) const NODES: [f64; STAGES] = [
     1.0,
 ];
 
-/// The coefficients `d_i` of the derivative with respect to time.
+/// The coefficients `d_i` of the derivative of the vector field with respect to time.
 pub(super) const TIME: [f64; STAGES] = [
     0.21193756319429014,
     -0.42387512638858027,
@@ -32,8 +32,8 @@ pub(super) const TIME: [f64; STAGES] = [
     0.0,
 ];
 
-/// The weights `m_j`. The method is stiffly accurate: the rows of its last stages are leading parts
-/// of the weights.
+/// The weights `m_j`. The method is stiffly accurate: the coefficients of its last stages agree
+/// with the leading weights.
 static WEIGHTS: [(usize, f64); STAGES] = [
     (0, -7.502846399306121),
     (1, 2.561846144803919),
@@ -45,7 +45,7 @@ static WEIGHTS: [(usize, f64); STAGES] = [
     (7, 1.0),
 ];
 
-/// The rows `a_ij`, followed by the weights.
+/// The rows `a_ij` of the stages, followed by the weights.
 pub(super) static ROWS: [Row; STAGES + 1] = [
     &[],
     &[(0, 3.0)],
@@ -104,8 +104,8 @@ pub(super) static COUPLING: [Row; STAGES] = [
 /// The weights of the error estimate.
 pub(super) const ERROR: Row = &[(STAGES - 1, 1.0)];
 
-/// The rows `h_1, h_2, h_3` of dense output of order 4,
-/// `x(θ) = (1 − θ) x₀ + θ (x₁ + (1 − θ) Σ_j (h_1j + θ h_2j + θ² h_3j) u_j)`.
+/// The coefficients `h_1, h_2, h_3` of dense output of order 4, `x(θ) = (1 − θ) x₀ + θ (x₁ + (1 −
+/// θ) Σ_j (h_1j + θ h_2j + θ² h_3j) u_j)`.
 pub(super) const DENSE: [[f64; STAGES]; 3] = [
     [
         25.948786856663858,

@@ -11,60 +11,66 @@ use std::ops::ControlFlow;
 /// A downward zero crossing of a watched function.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Root<T> {
-    /// The place in the step, from 0 to 1; negative if the root lies in an earlier step.
+    /// The position of the root in the step, from 0 to 1; negative if the root lies in an earlier
+    /// step.
     pub fraction: T,
-    /// The rate `dh/dt` at the root: zero or negative.
+    /// The rate `dh/dt` of the watched function at the root, which is zero or negative.
     pub rate: T,
 }
 
-/// (R) Values up to this size, in units of the function's scale, count as zero at the start of a flow (a
-/// few hundred ε). Such a function counts as positive only after it exceeds this size, and as fallen only
-/// after it falls by this much.
+/// (R) Values of a watched function up to this size (a few hundred ε), in units of the function's scale,
+/// count as zero at the start of a flow. A function that starts at zero counts as positive only after it
+/// exceeds this size, and as fallen only after it decreases by this size.
 pub(super) const ZERO: f64 = 1e-13;
-/// (D) A function below minus this value, in units of its scale, at the start of a flow fell before the
-/// start: events leave a guard at zero to the tolerance of the flow, which is usually smaller by a factor
-/// of 1e3.
+/// (D) If a function at the start of a flow is below minus this value, in units of its scale, it crossed
+/// zero before the start. Events end at zero of their function only to the tolerance of the flow, which
+/// is usually smaller by a factor of 1e3.
 pub(crate) const NEGATIVE: f64 = 1e-9;
-/// (R) The largest number of iterations for a root: this many bisections reduce a step to rounding error.
+/// (R) The largest number of iterations for a root: the same number of bisections reduces a step to
+/// rounding errors.
 const ROUNDS: usize = 60;
-/// (R) A root of dense output is improved until it changes by less than this fraction of a step.
+/// (R) The iteration for a root of dense output ends when the root changes by less than this
+/// fraction of a step.
 const SETTLED: f64 = 4.0 * f64::EPSILON;
-/// (H) Below this fraction of a step, improvement of a root also ends when it no longer helps: close to a
-/// tangency, rounding errors of the value move the root farther.
+/// (H) If the changes of a root are below this fraction of a step, the iteration also ends when the
+/// changes no longer decrease: close to a tangency, rounding errors of the value move the root farther.
 const NEAR: f64 = 1e-6;
-/// (D) The sign of an extremum this close to zero, in units of the change about it, is decided only after
-/// the extremum is computed to the method's accuracy: the error of dense output is smaller.
+/// (D) An extremum is close to zero if its value is smaller than this, in units of the change of the
+/// function about the extremum. The sign of such an extremum is decided only after the extremum is
+/// computed to the method's accuracy, because the error of dense output is smaller than this bound.
 const TANGENT: f64 = 1e-3;
 
-/// (H) A function is far from zero if its value is more than this multiple of its changes in this step
-/// and the previous one.
+/// (H) A function is far from zero if its value is more than this multiple of its changes in the
+/// current and in the previous step.
 const FAR: f64 = 10.0;
 
-/// The known sign of a watched function.
+/// The known sign of a watched function during a flow.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::core) enum Sign {
-    /// Unknown: the flow begins.
+    /// The sign is unknown, because the flow begins.
     Unknown,
-    /// The function has been positive: its next fall through zero counts.
+    /// The function has been positive: its next downward zero crossing counts.
     Positive,
-    /// The function began at zero and has not been positive since: its highest level, and the level's
-    /// place in the flow.
+    /// The function was zero at the start of the flow and has not been positive since; `level` is its
+    /// largest value so far, and `top` is the position of this value in the flow.
     Zero { level: f64, top: f64 },
-    /// The function has fallen through zero: it counts again after it was positive.
+    /// The function has crossed zero downwards: another crossing counts only after the function has
+    /// been positive.
     Fallen,
 }
 
 /// The search for all downward zero crossings of one watched function, step by step. The observer of a
-/// flow calls the search with the same function in all steps. Upward crossings are downward crossings of
-/// the negative function.
+/// flow must call the search with the same function in all steps. Upward crossings of a function are
+/// found as downward crossings of its negative.
 ///
-/// Between extrema of dense output a function is monotone, so that signs bracket a root even if the
-/// function dips below zero within one step; an extremum close to zero is first computed to the accuracy
-/// of the method. The root is computed on shorter steps of the method, with its derivatives.
+/// Between extrema of dense output, a function is monotone, so that its signs bracket a root even if the
+/// function becomes negative only briefly within one step; an extremum close to zero is first computed
+/// to the accuracy of the method. The root and its derivatives are computed on shorter steps of the
+/// method.
 ///
-/// A function that is zero at the start of the flow has a root there if it falls; otherwise it must
-/// become positive first. If the fall is detected only in a later step, the root lies before that step,
-/// at a negative fraction.
+/// A function that is zero at the start of the flow has a root at the start if it decreases; if it
+/// does not decrease, it must become positive before a root counts. If the decrease is detected only
+/// in a later step, the root lies before that step, at a negative fraction of the step.
 ///
 /// ```
 /// use std::ops::ControlFlow;
@@ -96,11 +102,13 @@ pub(in crate::core) enum Sign {
 #[derive(Clone, Debug)]
 pub struct Roots<T> {
     sign: Sign,
-    /// The end of the last step, with the slope by the place in the flow.
+    /// The sample at the end of the last step, with the derivative with respect to the position in
+    /// the flow.
     end: Option<Sample>,
-    /// The value at the end of the last step and its change in that step, if nothing more is known.
+    /// The value at the end of the last step and its change in that step; used while the function
+    /// is far from zero and its derivatives are not computed.
     far: Option<(f64, f64)>,
-    /// The unit of the function's tolerances.
+    /// The unit of the tolerances for values of the function.
     scale: f64,
     sampler: WatchSampler<T>,
 }
@@ -113,22 +121,22 @@ impl<T: Scalar> Default for Roots<T> {
 }
 
 impl<T: Scalar> Roots<T> {
-    /// Begins a new flow, possibly with another function.
+    /// Begins the search along a new flow, possibly with another function.
     pub fn restart(&mut self) {
         self.resume(Sign::Unknown);
     }
 
-    /// Resumes a flow with this known sign.
+    /// Resumes the search along a flow, given the known sign of the function.
     pub(in crate::core) fn resume(&mut self, sign: Sign) {
         (self.sign, self.end, self.far) = (sign, None, None);
     }
 
-    /// The known sign of the function.
+    /// Returns the known sign of the function.
     pub(in crate::core) fn sign(&self) -> Sign {
         self.sign
     }
 
-    /// Calls `visit` with every root in a step, in order, until it breaks.
+    /// Calls `visit` with every root in a step, in order, until `visit` returns a break.
     pub fn search<F: FieldIn<T>, W: Watchable<T>>(
         &mut self,
         watch: &W,
@@ -158,8 +166,8 @@ impl<T: Scalar> Roots<T> {
         ControlFlow::Continue(())
     }
 
-    /// Whether the function can fall through zero in a step, of any scalar type; if so, the step is
-    /// searched next.
+    /// Whether the function can cross zero downwards in a step, in numbers of any scalar type; if
+    /// it can, the step must be searched next.
     pub(in crate::core) fn may_fall<F: FieldIn<S>, S: Scalar, W: Watchable<T>>(
         &mut self,
         watch: &W,
@@ -169,14 +177,14 @@ impl<T: Scalar> Roots<T> {
         !self.sampler.ends(step, watch, None).is_some_and(|ends| self.passes(&ends))
     }
 
-    /// Whether values and slopes at the ends of a step exclude a fall through zero.
+    /// Whether values and derivatives at the ends of a step exclude a downward zero crossing.
     fn passes(&mut self, ends: &[Sample; 2]) -> bool {
         self.begin(ends[0].value);
         self.keeps_sign(ends) || self.rises(ends)
     }
 
-    /// Whether the function is positive and far from zero compared with its changes in this step and the
-    /// previous one, so that its slopes are not needed.
+    /// Whether the function is positive and far from zero, compared with its changes in the current and
+    /// the previous step, so that its derivatives are not needed.
     fn stays_far<F: FieldIn<T>, W: Watchable<T>>(&mut self, watch: &W, step: &Step<F, T>) -> bool {
         let Some((last, change)) = self.far.filter(|_| self.sign == Sign::Positive) else {
             return false;
@@ -188,7 +196,7 @@ impl<T: Scalar> Roots<T> {
         far
     }
 
-    /// Determines the sign at the start of the flow.
+    /// Determines the sign of the function at the start of the flow.
     fn begin(&mut self, value: f64) {
         if self.sign == Sign::Unknown {
             self.sign = match value {
@@ -199,8 +207,8 @@ impl<T: Scalar> Roots<T> {
         }
     }
 
-    /// Whether the function keeps its sign throughout the step, judged by values and slopes at its ends:
-    /// it is monotone, or so large that the slopes cannot take it to zero.
+    /// Whether the function keeps its sign throughout the step, judged by its values and derivatives at
+    /// the ends of the step: it is monotone, or so large that the derivatives cannot change it to zero.
     fn keeps_sign(&self, ends: &[Sample; 2]) -> bool {
         let least = match self.sign {
             Sign::Positive => ends[0].value.min(ends[1].value),
@@ -212,7 +220,7 @@ impl<T: Scalar> Roots<T> {
         least > ZERO * self.scale && clear
     }
 
-    /// Whether the function rises throughout and is positive at the end.
+    /// Whether the function increases throughout the step and is positive at the end of the step.
     fn rises(&mut self, ends: &[Sample; 2]) -> bool {
         let rises = keep_clear_of_zero(&slopes(ends))
             && ends[1].slope > 0.0
@@ -223,7 +231,8 @@ impl<T: Scalar> Roots<T> {
         rises
     }
 
-    /// Proceeds from one sample to the next, through the extremum between them if there is one.
+    /// Proceeds from one sample to the next; if an extremum lies between the samples, proceeds
+    /// first to the extremum.
     fn pass<F: FieldIn<T>, W: Watchable<T>>(
         &mut self,
         watch: &W,
@@ -249,7 +258,7 @@ impl<T: Scalar> Roots<T> {
         self.fall(watch, step, [turn, right], visit)
     }
 
-    /// Proceeds from one sample to another between which the function is monotone.
+    /// Proceeds from one sample to another sample, where the function is monotone between them.
     fn fall<F: FieldIn<T>, W: Watchable<T>>(
         &mut self,
         watch: &W,
@@ -288,8 +297,9 @@ impl<T: Scalar> Roots<T> {
         visit(step, root)
     }
 
-    /// Computes the root between a positive and a negative sample by Newton's method within the bracket,
-    /// starting from the root of dense output or, close to a tangency, of the parabola there.
+    /// Computes the root between a positive and a negative sample by Newton's method within the bracket;
+    /// the iteration starts from the root of dense output or, close to a tangency, from the root of a
+    /// parabola.
     fn between<F: FieldIn<T>, W: Watchable<T>>(
         &mut self,
         watch: &W,
@@ -319,7 +329,8 @@ impl<T: Scalar> Roots<T> {
         self.at_once(watch, step, theta)
     }
 
-    /// Adds derivatives to a root whose real part is known, by Newton's method, one order in every round.
+    /// Adds derivatives to a root whose real part is known, by Newton's method, one order in each
+    /// iteration.
     pub(in crate::core) fn at_once<F: FieldIn<T>, W: Watchable<T>>(
         &mut self,
         watch: &W,

@@ -1,16 +1,19 @@
 //! The Rosenbrock method Rodas5P.
 //!
-//! The method is compiled for all scalars of residuals, since work-precision diagrams use it for
-//! folds of stiff orbits; its scalars of second and third order take 0.9 % of the compiled code.
+//! The method is compiled for all scalar types in which residuals are computed, because
+//! work-precision diagrams use it for folds of stiff orbits; the scalar types of second and third
+//! order take 0.9 % of the compiled code.
 //!
-//! With `J = ∂g/∂x` and `ġ = ∂g/∂σ` at the start of the step, each stage solves a linear system,
+//! With `J = ∂g/∂x` and `ġ = ∂g/∂σ` at the start of the step, each stage solves a linear system for
+//! its increment `u_i`,
 //!
 //! ```text
 //!     (I/(hγ) − J) u_i = g(σ + c_i h, x + Σ_j a_ij u_j) + Σ_j (C_ij/h) u_j + h d_i ġ,
 //! ```
 //!
-//! and the state at the end is `x + Σ_j m_j u_j`. The last increment is the error estimate (Hairer
-//! and Wanner 1996, section IV.7; coefficients: G. Steinebach, BIT Numer. Math. 63:27, 2023).
+//! and the state at the end of the step is `x + Σ_j m_j u_j`. The increment of the last stage is
+//! the error estimate (Hairer and Wanner 1996, section IV.7; coefficients: G. Steinebach, BIT
+//! Numer. Math. 63:27, 2023).
 
 use super::motion::Motion;
 use super::rodas::{COUPLING, GAMMA, NODES, ROWS, STAGES, TIME};
@@ -19,9 +22,10 @@ use crate::core::linalg::refill;
 use crate::core::problem::{FieldIn, WIDTH, Wide};
 use crate::core::scalar::{Scalar, seeded};
 
-/// The field linearised at the start of a step, and the factored matrix of its stages.
+/// The linearisation of the vector field at the start of a step, and the factored matrix of the
+/// stages.
 pub(super) struct Linearisation<T: Scalar> {
-    /// `J`, one row after the other.
+    /// The Jacobian `J`, stored row by row.
     jacobian: Vec<T>,
     /// `ġ`.
     time: Vec<T>,
@@ -40,7 +44,7 @@ impl<T: Scalar> Default for Linearisation<T> {
 }
 
 impl<T: Scalar> Linearisation<T> {
-    /// Linearises the field at `x` and `σ`: all states, then time, in chunks.
+    /// Linearises the vector field at `x` and `σ`, in chunks of directions: all states, then time.
     pub fn update<F: FieldIn<T>>(&mut self, motion: &Motion<F, T>, sigma: f64, x: &[T]) {
         let n = x.len();
         self.resize(n);
@@ -71,8 +75,9 @@ impl<T: Scalar> Linearisation<T> {
 }
 
 impl<T: Scalar> Stages<T> {
-    /// Computes the stages of a step of length `h` from `x` at `σ`, and the state at its end; `false`
-    /// if the matrix of the stages is singular. The field is `fraction` times the linearised one.
+    /// Computes the stages of a step of length `h` from `x` at `σ`, and the state at the end of the
+    /// step; returns `false` if the matrix of the stages is singular. The vector field of the step is
+    /// `fraction` times the linearised vector field.
     pub fn advance_linearised<F: FieldIn<T>>(
         &mut self,
         linear: &mut Linearisation<T>,
@@ -111,9 +116,10 @@ impl<T: Scalar> Stages<T> {
 /// The factorisation of a small matrix of dual numbers; pivots are chosen by real parts.
 struct Lu<T> {
     n: usize,
-    /// `L` below the diagonal (unit diagonal), `U` on and above it, one row after the other.
+    /// The factor `L` below the diagonal (with a unit diagonal) and the factor `U` on and above the
+    /// diagonal, stored row by row.
     factors: Vec<T>,
-    /// Row `k` was exchanged with row `pivots[k]`.
+    /// The row exchanges: row `k` was exchanged with row `pivots[k]`.
     pivots: Vec<usize>,
 }
 
@@ -130,7 +136,7 @@ impl<T: Scalar> Lu<T> {
         }
     }
 
-    /// Factors the matrix in place; `false` if a pivot vanishes or is not finite.
+    /// Factors the matrix in place; returns `false` if a pivot vanishes or is not finite.
     fn factor(&mut self) -> bool {
         let (n, a) = (self.n, &mut self.factors);
         for k in 0..n {

@@ -1,4 +1,4 @@
-//! Settings of a flow.
+//! Settings of the numerical integration of a flow.
 
 use super::error::SettingsError;
 use super::tableau::{ORDER_EIGHT, ORDER_FIVE, Tableau};
@@ -8,19 +8,19 @@ use crate::core::cancel::CancelToken;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[non_exhaustive]
 pub enum Scheme {
-    /// The explicit method of order 8 of Dormand and Prince (DOP853): the cheapest one for smooth
-    /// fields from about six digits on.
+    /// The explicit method of order 8 of Dormand and Prince (DOP853): for smooth vector fields and
+    /// accuracies of about six digits or more, it has the lowest cost.
     #[default]
     DormandPrince8,
-    /// The explicit pair of order 5(4) of Dormand and Prince, for low accuracy.
+    /// The explicit pair of order 5(4) of Dormand and Prince, suitable for low accuracy.
     DormandPrince5,
-    /// The stiffly accurate, L-stable Rosenbrock method Rodas5P of order 5 (Steinebach 2023), for
-    /// stiff fields.
+    /// The stiffly accurate, L-stable Rosenbrock method Rodas5P of order 5 (Steinebach 2023),
+    /// suitable for stiff vector fields.
     Rodas5P,
 }
 
 impl Scheme {
-    /// The tableau of an explicit scheme.
+    /// Returns the tableau of an explicit scheme; `None` for a Rosenbrock method.
     pub(super) fn tableau(self) -> Option<&'static Tableau> {
         match self {
             Scheme::DormandPrince8 => Some(&ORDER_EIGHT),
@@ -29,12 +29,13 @@ impl Scheme {
         }
     }
 
-    /// Whether the method is explicit: its steps solve no linear systems.
+    /// Whether the method is explicit, so that its steps do not solve linear systems.
     pub(in crate::core) fn is_explicit(self) -> bool {
         self.tableau().is_some()
     }
 
-    /// The order of the method: halving all steps divides the error by `2^order`.
+    /// Returns the order of the method: with the order `p`, halving all steps divides the error by
+    /// `2^p`.
     pub fn order(self) -> usize {
         self.tableau().map_or(5, |tableau| tableau.order)
     }
@@ -43,7 +44,8 @@ impl Scheme {
 /// Tolerances and limits of a flow.
 ///
 /// The estimated error of a step is kept below `absolute + relative·|x_i|`, in the root mean square
-/// over the states. Step sizes are fractions of the flow's duration: 1 is a single step.
+/// over the states. Step sizes are fractions of the flow's duration: with the step size 1, the flow
+/// is a single step.
 ///
 /// ```
 /// use tangency::core::ode::{Scheme, Settings};
@@ -60,12 +62,12 @@ pub struct Settings {
     pub relative: f64,
     /// The absolute tolerance of a step.
     pub absolute: f64,
-    /// The first step to try; chosen by the field (Hairer, Nørsett, Wanner 1993, section II.4) if
-    /// absent.
+    /// The first step to try; `None` if the first step is chosen from the vector field (Hairer,
+    /// Nørsett, Wanner 1993, section II.4).
     pub first_step: Option<f64>,
     /// The largest step.
     pub largest_step: f64,
-    /// The largest number of steps, rejected ones included.
+    /// The largest number of steps, including rejected steps.
     pub max_steps: usize,
     /// Cancels the flow.
     #[serde(skip)]
@@ -73,13 +75,13 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// Settings of the implicit method for stiff fields, with the tolerance 1e-9, for initial guesses
-    /// of orbits that are corrected later.
+    /// Creates settings of the implicit method for stiff vector fields, with the tolerance 1e-9, for
+    /// initial guesses of orbits that are corrected later.
     pub fn implicit() -> Self {
         Settings::new(Scheme::Rodas5P, 1e-9)
     }
 
-    /// Settings of a method with one number as relative and absolute tolerance.
+    /// Creates settings of a method with one tolerance, used as relative and absolute tolerance.
     pub fn new(scheme: Scheme, tolerance: f64) -> Self {
         Settings {
             scheme,

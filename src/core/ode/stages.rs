@@ -1,17 +1,17 @@
-//! Stages of a step, and the explicit step.
+//! The stages of a step, and the explicit step.
 
 use super::motion::Motion;
 use super::tableau::Tableau;
 use crate::core::problem::FieldIn;
 use crate::core::scalar::Scalar;
 
-/// The stages of one step.
+/// The stages of one step of an integration method.
 #[derive(Clone, Debug)]
 pub(super) struct Stages<T> {
-    /// The slopes `k_0, k_1, …`, one stage after the other (increments `u_j` of a Rosenbrock
-    /// method).
+    /// The derivatives `k_0, k_1, …` of the stages, one stage after another (for a Rosenbrock
+    /// method, the increments `u_j`).
     pub slopes: Vec<T>,
-    /// The argument of the last stage.
+    /// The state at which the last stage is evaluated.
     pub argument: Vec<T>,
     /// The state at the end of the step.
     pub end: Vec<T>,
@@ -23,40 +23,41 @@ impl<T> Default for Stages<T> {
     }
 }
 
-/// (H) The largest size in bytes of a number that stays in registers: steps of a few such numbers are
-/// unrolled. The size affects only the run time.
+/// (H) The largest size in bytes of a number that stays in registers: steps of a few states with such
+/// numbers are unrolled. This size affects only the run time.
 const IN_REGISTERS: usize = 72;
 
-/// The number of states for which a step is unrolled; 0 for numbers that do not stay in registers.
+/// Returns the number of states for which a step is unrolled; 0 for numbers that do not stay in
+/// registers.
 const fn few<T>(states: usize) -> usize {
     if size_of::<T>() > IN_REGISTERS { 0 } else { states }
 }
 
-/// The largest number of stages of a method, dense output included.
+/// The largest number of stages of a method, including the stages of dense output.
 const MOST: usize = 16;
 
 impl<T: Scalar> Stages<T> {
-    /// Allocates space for `n` states.
+    /// Allocates memory for `n` states.
     pub fn resize(&mut self, n: usize) {
         self.slopes.resize(MOST * n, T::zero());
         self.argument.resize(n, T::zero());
         self.end.resize(n, T::zero());
     }
 
-    /// The slope of one stage.
+    /// Returns the derivative `k_j` of one stage.
     pub fn slope(&self, stage: usize) -> &[T] {
         let n = self.end.len();
         &self.slopes[stage * n..(stage + 1) * n]
     }
 
-    /// The slope of one stage, to be filled.
+    /// Returns the derivative `k_j` of one stage, as a mutable slice to fill in.
     pub fn slope_mut(&mut self, stage: usize) -> &mut [T] {
         let n = self.end.len();
         &mut self.slopes[stage * n..(stage + 1) * n]
     }
 
-    /// Computes the stages of an explicit step of length `h` from `x` at `σ`, given the first one,
-    /// and the state at its end.
+    /// Computes the stages of an explicit step of length `h` from `x` at `σ`, given the first
+    /// stage, and the state at the end of the step.
     pub fn advance<F: FieldIn<T>>(
         &mut self,
         tableau: &Tableau,
@@ -67,7 +68,8 @@ impl<T: Scalar> Stages<T> {
         self.advance_inline(tableau, motion, step, x);
     }
 
-    /// Inlined form of [`advance`](Self::advance), compiled with the instructions of the caller.
+    /// The inlined form of [`advance`](Self::advance), which is compiled with the processor
+    /// instructions of the caller.
     #[inline(always)]
     pub fn advance_inline<F: FieldIn<T>>(
         &mut self,
@@ -102,7 +104,7 @@ impl<T: Scalar> Stages<T> {
         combine(x, h, tableau.weights, &self.slopes, &mut self.end);
     }
 
-    /// The step for `N` states, which stay in registers.
+    /// Computes the step for `N` states, which stay in registers.
     #[inline(always)]
     fn advance_all<F: FieldIn<T>, const N: usize>(
         &mut self,
@@ -126,7 +128,7 @@ impl<T: Scalar> Stages<T> {
         }
     }
 
-    /// Computes the slope at the end of the step.
+    /// Computes the time derivative at the end of the step.
     #[inline(always)]
     pub fn end_slope<F: FieldIn<T>>(&mut self, stage: usize, motion: &Motion<F, T>, sigma: f64) {
         let n = self.end.len();
@@ -134,7 +136,8 @@ impl<T: Scalar> Stages<T> {
     }
 }
 
-/// Computes `x + h Σ_j a_j k_j` into `out`, with the `k_j` one after another.
+/// Computes `x + h Σ_j a_j k_j` and writes it into `out`; the vectors `k_j` are stored one after
+/// another.
 #[inline(always)]
 pub(super) fn combine<T: Scalar>(
     x: &[T],
@@ -163,7 +166,7 @@ pub(super) fn combine<T: Scalar>(
     }
 }
 
-/// The combination for `N` states, whose sums stay in registers.
+/// Computes the linear combination for `N` states, whose sums stay in registers.
 #[inline(always)]
 fn combine_all<T: Scalar, const N: usize>(
     x: &[T],
@@ -203,7 +206,7 @@ fn combination<T: Scalar, const N: usize>(
     sums
 }
 
-/// The components `i … i + N − 1` of `h Σ_j a_j k_j`.
+/// Returns the components `i … i + N − 1` of the sum `h Σ_j a_j k_j`.
 #[inline(always)]
 fn sums<T: Scalar, const N: usize>(
     i: usize,

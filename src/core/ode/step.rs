@@ -1,4 +1,5 @@
-//! Accepted steps, as passed to observers: their ends, and every state in between.
+//! Accepted steps, as they are passed to observers: the ends of a step, and all states within the
+//! step.
 
 use super::motion::Motion;
 use super::rodas;
@@ -19,27 +20,29 @@ pub(super) struct Buffers<T: Scalar> {
     pub scales: Vec<f64>,
     /// The step.
     pub stages: Stages<T>,
-    /// A recomputed part of the step.
+    /// A part of the step that was recomputed as a shorter step.
     pub partial: Stages<T>,
-    /// The field linearised at the start of the step (Rosenbrock methods).
+    /// The linearisation of the vector field at the start of the step (for Rosenbrock methods).
     pub linear: Linearisation<T>,
-    /// Coefficients of dense output: `n` numbers for each power.
+    /// The coefficients of dense output: `n` numbers for each power.
     pub dense: Vec<T>,
-    /// The slopes at the end of `partial`.
+    /// The time derivatives at the end of the recomputed part `partial`.
     pub slopes: Vec<T>,
 }
 
-/// The known results of a step beyond its stages.
+/// The known results of a step, in addition to its stages.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Known {
-    /// Whether dense output is prepared.
+    /// Whether the coefficients of dense output are computed.
     interpolant: bool,
-    /// The last fraction, for real numbers, at which state and slopes were computed exactly.
+    /// For real numbers, the last fraction of the step at which the state and its time derivative
+    /// were computed exactly.
     exact: Option<f64>,
 }
 
 impl Known {
-    /// State and slopes are known exactly at this fraction.
+    /// Creates the results of a step whose state and time derivative are known exactly at a
+    /// fraction.
     pub fn at(fraction: f64) -> Self {
         Known { exact: Some(fraction), ..Known::default() }
     }
@@ -53,38 +56,40 @@ impl<T: Scalar> Default for Buffers<T> {
     }
 }
 
-/// (H) Slopes of a state are clear of zero if the smallest one, over all stages, is more than this
-/// fraction of the largest.
+/// (H) A state is monotone in a step if the smallest of its derivatives at all stages is more than
+/// this fraction of the largest.
 const CLEAR: f64 = 0.05;
 
-/// (H) Fractions of a step closer than this count as equal for the polynomials of dense output.
+/// (H) Two fractions of a step count as equal for the polynomials of dense output if their distance
+/// is smaller than this.
 const NEAR: f64 = 1e-4;
 
-/// (R) A move by less than this fraction of the step is exact with a method of order 2: its error is
-/// a twelfth of the third power.
+/// (R) Over a distance less than this fraction of the step, a method of order 2 is exact up to
+/// rounding errors: its error is a twelfth of the third power of the distance.
 pub(super) const CLOSE: f64 = 1e-5;
 
-/// The largest value of `θ⁴ (1 − θ)³`.
+/// The largest value of `θ⁴ (1 − θ)³`, the last term of dense output.
 const LAST_TERM: f64 = 256.0 * 27.0 / 823_543.0;
 
-/// Nodes and weights of a Gauss rule on the interval from 0 to 1; its error on a step is smaller than
-/// the step's error at any tolerance.
+/// The nodes and weights of a Gauss rule on the interval from 0 to 1; on a step, the error of the
+/// rule is smaller than the step's error at any tolerance.
 static GAUSS: LazyLock<Vec<[f64; 2]>> = LazyLock::new(|| {
     let (places, weights) = gauss_legendre(6);
     places.iter().zip(weights).map(|(y, w)| [0.5 * (1.0 + y), 0.5 * w]).collect()
 });
 
-/// The buffers of a step without derivatives.
+/// The buffers of a step of real numbers, copied from a step of dual numbers.
 #[derive(Default)]
 pub(in crate::core) struct RealStep {
     buffers: Buffers<f64>,
     p: Vec<f64>,
-    /// The start of the step that was copied last, and its known results.
+    /// The position `σ` at the start of the step that was copied last, and the known results of
+    /// this step.
     copied: Option<(f64, Known)>,
 }
 
 impl RealStep {
-    /// Begins a new flow.
+    /// Discards the copied step when a new flow begins.
     pub fn restart(&mut self) {
         self.copied = None;
     }
@@ -92,8 +97,9 @@ impl RealStep {
 
 /// One accepted step of a flow, from `σ` to `σ + h`.
 ///
-/// A fraction of the step is a number from 0 (its start) to 1 (its end). A fraction can carry
-/// derivatives, for instance of the time of an event by parameters.
+/// A fraction of the step is a position in it, from 0 (start of the step) to 1 (end of the step). A
+/// fraction can carry derivatives, for instance the derivatives of an event's time with respect to
+/// parameters.
 pub struct Step<'a, F, T: Scalar> {
     pub(super) motion: &'a Motion<'a, F, T>,
     pub(super) scheme: Scheme,
@@ -115,39 +121,39 @@ fn nested<S: Scalar>(coefficients: impl Iterator<Item = (usize, S)>, theta: S) -
 }
 
 impl<'a, F: FieldIn<T>, T: Scalar> Step<'a, F, T> {
-    /// The start and the end of the step, as fractions of the flow.
+    /// Returns the start and the end of the step, as fractions of the flow.
     pub fn span(&self) -> (f64, f64) {
         (self.sigma, self.sigma + self.h)
     }
 
-    /// The length of the step, as a fraction of the flow.
+    /// Returns the length of the step, as a fraction of the flow.
     pub fn length(&self) -> f64 {
         self.h
     }
 
-    /// The position in the flow (from 0 to 1) of a fraction of the step.
+    /// Returns the position in the flow (from 0 to 1) of a fraction of the step.
     pub fn place(&self, fraction: T) -> T {
         fraction * self.h + self.sigma
     }
 
-    /// The time at a fraction of the step.
+    /// Returns the time at a fraction of the step.
     pub fn time(&self, fraction: T) -> T {
         self.motion.start + self.motion.length * self.place(fraction)
     }
 
-    /// The state at the start of the step.
+    /// Returns the state at the start of the step.
     pub fn start(&self) -> &[T] {
         &self.buffers.x
     }
 
-    /// The state at the end of the step.
+    /// Returns the state at the end of the step.
     pub fn end(&self) -> &[T] {
         &self.buffers.stages.end
     }
 
-    /// Computes the state at a fraction of the step by dense output: of order 7 for the method of
-    /// order 8, at three evaluations of the field per step; of order 4 for the methods of order 5,
-    /// without evaluations.
+    /// Computes the state at a fraction of the step by dense output: for the method of order 8, the
+    /// dense output has order 7 and costs three evaluations of the vector field per step; for the
+    /// methods of order 5, it has order 4 and costs no evaluations.
     pub fn interpolate(&mut self, fraction: T, x: &mut [T]) {
         self.prepare();
         for (i, x) in x.iter_mut().enumerate() {
@@ -155,8 +161,8 @@ impl<'a, F: FieldIn<T>, T: Scalar> Step<'a, F, T> {
         }
     }
 
-    /// Computes the state at a fraction of the step by a shorter step of the same method: exact to
-    /// the method's order, at the cost of a step.
+    /// Computes the state at a fraction of the step by a shorter step of the same method: the
+    /// result has the method's order of accuracy, at the cost of a step.
     pub fn state(&mut self, fraction: T, x: &mut [T]) {
         match self.met_within(CLOSE, fraction) {
             Some(_) => {
@@ -170,8 +176,8 @@ impl<'a, F: FieldIn<T>, T: Scalar> Step<'a, F, T> {
         x.copy_from_slice(&self.buffers.partial.end);
     }
 
-    /// Calls `visit` with weight (in time), time and state at the nodes of a Gauss rule from the
-    /// start of the step to a fraction.
+    /// Calls `visit` for each node of a Gauss rule from the start of the step to a fraction, with
+    /// the weight (in time), the time and the state.
     pub fn quadrature(&mut self, end: f64, mut visit: impl FnMut(T, T, &[T])) {
         let mut x = self.buffers.x.clone();
         for [place, weight] in GAUSS.iter() {
@@ -181,12 +187,12 @@ impl<'a, F: FieldIn<T>, T: Scalar> Step<'a, F, T> {
         }
     }
 
-    /// The start time, the duration and the parameters of the flow.
+    /// Returns the start time, the duration and the parameters of the flow.
     pub(in crate::core) fn flow(&self) -> (T, T, &'a [T]) {
         (self.motion.start, self.motion.length, self.motion.p)
     }
 
-    /// Recomputes the step up to a fraction.
+    /// Recomputes the part of the step up to a fraction.
     fn shorten(&mut self, fraction: T) {
         let (sigma, h) = (self.sigma, self.h);
         let motion = self.motion.slowed(sigma, fraction);
@@ -205,7 +211,8 @@ impl<'a, F: FieldIn<T>, T: Scalar> Step<'a, F, T> {
         }
     }
 
-    /// Computes state and slopes at a fraction of the step by a shorter step of the same method.
+    /// Computes the state and its time derivative at a fraction of the step by a shorter step of
+    /// the same method.
     pub(super) fn exact(&mut self, fraction: T) -> (&[T], &[T]) {
         match self.met_within(CLOSE, fraction) {
             Some(met) if met == fraction.real() => {}
@@ -222,7 +229,7 @@ impl<'a, F: FieldIn<T>, T: Scalar> Step<'a, F, T> {
         (&self.buffers.partial.end, &self.buffers.slopes)
     }
 
-    /// Moves the exactly known state to a nearby fraction, by a step of Heun's method.
+    /// Moves the exactly known state to a nearby fraction of the step, by a step of Heun's method.
     fn move_from(&mut self, met: f64, fraction: T) {
         let (h, time) = ((fraction - met) * self.h, self.time(fraction));
         let Buffers { partial, slopes, .. } = &mut *self.buffers;
@@ -235,18 +242,21 @@ impl<'a, F: FieldIn<T>, T: Scalar> Step<'a, F, T> {
         end.iter_mut().zip(slopes).for_each(|(end, slope)| *end += *slope * h * 0.5);
     }
 
-    /// The last exactly known fraction, for real numbers, if it lies within a distance of this one.
+    /// Returns, for real numbers, the last fraction at which the state is known exactly, if it lies
+    /// within a given distance of the fraction `fraction`.
     fn met_within(&self, distance: f64, fraction: T) -> Option<f64> {
         self.known.exact.filter(|met| T::NDERIV == 0 && (met - fraction.real()).abs() <= distance)
     }
 
-    /// The last exactly known fraction, for real numbers, if it is very near to this one.
+    /// Returns, for real numbers, the last fraction at which the state is known exactly, if it is
+    /// very near to the fraction `fraction`.
     pub(super) fn met_near(&self, fraction: f64) -> Option<f64> {
         self.met_within(NEAR, T::constant(fraction))
     }
 
-    /// Whether the slopes of a state in all stages of an explicit step have one sign and stay clear
-    /// of zero. The stages are so close together that the state does not turn between them.
+    /// Whether the derivatives of a state at all stages of an explicit step have the same sign and
+    /// are not close to zero. The stages are so close together that the state has no extremum
+    /// between them.
     pub(super) fn keeps_direction(&self, state: usize) -> bool {
         let Some(tableau) = self.scheme.tableau() else { return false };
         let (n, slopes) = (self.buffers.x.len(), &self.buffers.stages.slopes);
@@ -256,7 +266,7 @@ impl<'a, F: FieldIn<T>, T: Scalar> Step<'a, F, T> {
         least > CLEAR * most || most < CLEAR * least
     }
 
-    /// Presents this step of an explicit method without its derivatives.
+    /// Passes this step of an explicit method, without its derivatives, to `show`.
     pub(in crate::core) fn without_derivatives(
         &self,
         real: &mut RealStep,
@@ -277,7 +287,8 @@ impl<'a, F: FieldIn<T>, T: Scalar> Step<'a, F, T> {
         *copied = Some((sigma, step.known));
     }
 
-    /// Copies the real parts of the step with the first `slopes` slopes, and nothing else.
+    /// Copies the real parts of the states, of the parameters and of the first `slopes` stage
+    /// derivatives of the step.
     fn copy_to(&self, real: &mut RealStep, slopes: usize) -> Known {
         let (Buffers { x, scales, stages, .. }, RealStep { buffers, p, .. }) =
             (&*self.buffers, real);
@@ -294,7 +305,7 @@ impl<'a, F: FieldIn<T>, T: Scalar> Step<'a, F, T> {
         Known::default()
     }
 
-    /// The unit of a watched function's tolerances.
+    /// Returns the unit of the tolerances for values of a watched function.
     pub(super) fn scale_of<S: Scalar, W: Watchable<S>>(&self, watch: &W) -> f64 {
         watch.state_index().map_or_else(|| watch.size(), |state| self.buffers.scales[state])
     }
@@ -309,8 +320,8 @@ impl<'a, F: FieldIn<T>, T: Scalar> Step<'a, F, T> {
         nested(coefficients, theta) + lift(self.buffers.x[i])
     }
 
-    /// Whether dense output of a state is as accurate as the flow: its last term is below ten
-    /// tolerances, and the error is a small fraction of that term. Requires
+    /// Whether the dense output of a state is as accurate as the flow: its last term is below ten
+    /// tolerances, and its error is a small fraction of its last term. Requires
     /// [`prepare`](Self::prepare).
     pub(super) fn is_dense_enough(&self, state: usize) -> bool {
         let n = self.buffers.x.len();

@@ -1,57 +1,59 @@
-//! Coefficients of the explicit pairs.
+//! Coefficients of the explicit Runge–Kutta pairs.
 //!
 //! A stage of a step of length `h` from `x` is `k_i = g(σ + c_i h, x + h Σ_j a_ij k_j)`; the state at
-//! its end is `x + h Σ_j b_j k_j`. Rows list the nonzero entries: (stage, coefficient).
+//! the end of the step is `x + h Σ_j b_j k_j`. The rows of a tableau list only the nonzero entries,
+//! each as (stage, coefficient).
 
 /// One row of a tableau: (stage, coefficient) for each nonzero coefficient.
 pub(super) type Row = &'static [(usize, f64)];
 
-/// An explicit pair whose last stage is at the end of the step, with dense output.
+/// An explicit Runge–Kutta pair with dense output, whose last stage is at the end of the step.
 ///
-/// Stages are numbered from 0: `s` rows give the stages `0 … s`, the slope at the end of the step is
-/// number `s + 1`, and the additional stages for dense output follow.
+/// Stages are numbered from 0: `s` rows define the stages `0 … s`, the derivative at the end of the
+/// step has the number `s + 1`, and the additional stages for dense output follow.
 #[derive(Debug)]
 pub(super) struct Tableau {
     /// The order of the method.
     pub order: usize,
-    /// The nodes `c_i` of the stages from the second one on.
+    /// The nodes `c_i` of the stages, beginning with the second stage.
     pub nodes: &'static [f64],
-    /// The rows `a_ij` of the stages from the second one on.
+    /// The rows `a_ij` of the stages, beginning with the second stage.
     pub rows: &'static [Row],
     /// The weights `b_j`.
     pub weights: Row,
     /// The weights of the error estimate.
     pub error: Row,
-    /// The weights of a second, rougher error estimate; empty without a second estimate.
+    /// The weights of a second, less accurate error estimate; empty if the method has only one
+    /// estimate.
     pub rough_error: Row,
-    /// The nodes of the stages of dense output.
+    /// The nodes `c_i` of the additional stages for dense output.
     pub extra_nodes: &'static [f64],
-    /// The rows of the stages of dense output.
+    /// The rows `a_ij` of the additional stages for dense output.
     pub extra_rows: &'static [Row],
-    /// The rows `d_j` of dense output that follow the Hermite part.
+    /// The rows `d_j` of dense output, which follow its Hermite part.
     pub dense: &'static [Row],
-    /// The value of `h |λ|` at the boundary of the stability region, used to detect stiffness.
+    /// The modulus of `h λ` at the boundary of the stability region, used to detect stiffness.
     pub stability: f64,
-    /// The coefficient `β` of the step control's memory of the previous error.
+    /// The exponent `β` of the previous error in the step control.
     pub memory: f64,
-    /// The smallest and the largest ratio of one step to the previous one.
+    /// The smallest and the largest allowed ratio of a step to the previous step.
     pub ratios: (f64, f64),
 }
 
 impl Tableau {
-    /// The index of the slope at the end of a step, equal to the number of stages.
+    /// Returns the index of the derivative at the end of a step, which equals the number of stages.
     pub const fn end(&self) -> usize {
         self.rows.len() + 1
     }
 
-    /// Whether the error estimate needs the slope at the end of the step.
+    /// Whether the error estimate needs the derivative at the end of the step.
     pub fn end_in_error(&self) -> bool {
         self.error.last().is_some_and(|(stage, _)| *stage == self.end())
     }
 }
 
-/// The pair of order 5(4) of Dormand and Prince (1980) with dense output of order 4 by Shampine
-/// (1986), as printed by Hairer, Nørsett and Wanner (1993), table II.5.2 and section II.6.
+/// The explicit pair of order 5(4) of Dormand and Prince (1980) with dense output of order 4 by
+/// Shampine (1986), as printed by Hairer, Nørsett and Wanner (1993), table II.5.2 and section II.6.
 pub(super) static ORDER_FIVE: Tableau = Tableau {
     order: 5,
     nodes: &[0.2, 0.3, 0.8, 8.0 / 9.0, 1.0],
@@ -105,7 +107,7 @@ pub(super) static ORDER_FIVE: Tableau = Tableau {
 };
 
 /// The method of order 8 of Dormand and Prince with error estimates of orders 5 and 3 and dense
-/// output of order 7, DOP853 of Hairer, Nørsett and Wanner (1993), section II.10.
+/// output of order 7, called DOP853 by Hairer, Nørsett and Wanner (1993), section II.10.
 pub(super) static ORDER_EIGHT: Tableau = Tableau {
     order: 8,
     nodes: &[

@@ -1,8 +1,9 @@
-//! A watched function within one step: its values, slopes and curvatures.
+//! A watched function within one step: its values, and its first and second derivatives.
 //!
-//! Slopes and curvatures are derivatives of `h(t(θ), x(θ), p)` with respect to the fraction `θ` of
-//! the step. They are computed from dense output in dual numbers or, if they must be exact, from a
-//! shorter step of the method and the field at its end.
+//! Slopes and curvatures are the first and second derivatives of `h(t(θ), x(θ), p)` with respect to
+//! the fraction `θ` of the step. Slopes and curvatures are computed from dense output in dual
+//! numbers; exact slopes are computed from a shorter step of the method and the vector field at its
+//! end.
 
 use super::step::Step;
 use crate::core::linalg::{largest, refill};
@@ -10,13 +11,14 @@ use crate::core::problem::{FieldIn, WatchIn, Watchable};
 use crate::core::scalar::Scalar;
 use num_dual::{Dual, Dual2, Dual2_64, Dual64};
 
-/// (H) The number of parts of a step that are searched for sign changes of the slope: the polynomials
-/// of dense output have up to degree 7.
+/// (H) The number of parts of a step in which sign changes of the slope are searched: the polynomials
+/// of dense output have degrees up to 7.
 pub(super) const PARTS: usize = 8;
-/// (H) The largest number of iterations for a place on dense output; each doubles its digits.
+/// (H) The largest number of iterations for a position on dense output; each iteration doubles the
+/// number of correct digits.
 const ROUNDS: usize = 12;
 
-/// A watched function on dense output at a fraction of the step.
+/// A sample of a watched function on dense output, at a fraction of the step.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Sample {
     pub fraction: f64,
@@ -26,7 +28,7 @@ pub(super) struct Sample {
 }
 
 impl Sample {
-    /// The place and value of the vertex of the parabola through the sample.
+    /// Returns the position and the value of the vertex of the parabola through the sample.
     pub fn vertex(&self) -> [f64; 2] {
         let Sample { fraction, value, slope, curvature } = *self;
         let change = slope / curvature;
@@ -37,17 +39,17 @@ impl Sample {
         }
     }
 
-    /// The value with its slope.
+    /// Returns the value of the function, with its slope as derivative.
     pub fn crossing(&self) -> (f64, Option<f64>) {
         (self.value, Some(self.slope))
     }
 
-    /// The slope with its derivative.
+    /// Returns the slope of the function, with its curvature as derivative.
     pub fn turning(&self) -> (f64, Option<f64>) {
         (self.slope, Some(self.curvature))
     }
 
-    /// Whether the slope decreases in size.
+    /// Whether the absolute value of the slope decreases.
     fn approaches(&self) -> bool {
         self.slope * self.curvature < 0.0
     }
@@ -67,7 +69,7 @@ impl<S> Default for Arguments<S> {
 }
 
 impl<S: Scalar> Arguments<S> {
-    /// Evaluates the watched function with states given one by one.
+    /// Evaluates the watched function at states that an iterator yields one by one.
     fn evaluate<W: WatchIn<S>, T: Scalar>(
         &mut self,
         watch: &W,
@@ -82,16 +84,16 @@ impl<S: Scalar> Arguments<S> {
     }
 }
 
-/// Scratch space for evaluations of a watched function, with the samples of the last surveyed step.
+/// Scratch space for evaluations of a watched function, with the samples of the last sampled step.
 #[derive(Clone, Debug)]
 pub(super) struct WatchSampler<T> {
     pub samples: Vec<Sample>,
     real: Arguments<Dual2_64>,
     lifted: Arguments<Dual2<T>>,
-    /// Arguments for evaluations of slopes only.
+    /// Arguments for evaluations of the function and its slope only.
     real_slope: Arguments<Dual64>,
     slope: Arguments<Dual<T>>,
-    /// Arguments for evaluations of values only.
+    /// Arguments for evaluations of the function's value only.
     plain: Arguments<f64>,
 }
 
@@ -104,8 +106,9 @@ impl<T> Default for WatchSampler<T> {
 }
 
 impl<T: Scalar> WatchSampler<T> {
-    /// Computes values and slopes at both ends of the step (at the start only if unknown), without
-    /// evaluating the field. `None` for a Rosenbrock method, whose slopes are unknown.
+    /// Computes values and slopes at both ends of the step, without evaluating the vector field;
+    /// the start is computed only if its sample is unknown. Returns `None` for a Rosenbrock method,
+    /// which does not provide time derivatives.
     pub fn ends<F: FieldIn<S>, S: Scalar, W: Watchable<T>>(
         &mut self,
         step: &Step<F, S>,
@@ -132,7 +135,7 @@ impl<T: Scalar> WatchSampler<T> {
         Some([start, sample(1.0, &stages.end, end)])
     }
 
-    /// The value at the end of the step.
+    /// Returns the value of the function at the end of the step.
     pub fn end_value<F: FieldIn<S>, S: Scalar, W: Watchable<T>>(
         &mut self,
         step: &Step<F, S>,
@@ -149,7 +152,8 @@ impl<T: Scalar> WatchSampler<T> {
         }
     }
 
-    /// Evaluates the watched function on dense output, already prepared, in any scalar type.
+    /// Evaluates the watched function on dense output, whose coefficients must already be computed,
+    /// in any scalar type.
     fn interpolated<F: FieldIn<T>, W: Watchable<T> + WatchIn<S>, S: Scalar>(
         arguments: &mut Arguments<S>,
         step: &Step<F, T>,
@@ -168,7 +172,7 @@ impl<T: Scalar> WatchSampler<T> {
         }
     }
 
-    /// Samples dense output at a fraction.
+    /// Samples the function on dense output at a fraction of the step.
     pub fn sample<F: FieldIn<T>, W: Watchable<T>>(
         &mut self,
         step: &Step<F, T>,
@@ -181,7 +185,7 @@ impl<T: Scalar> WatchSampler<T> {
         Sample { fraction, value: value.re, slope: value.v1, curvature: value.v2 }
     }
 
-    /// Computes the full curvature of dense output.
+    /// Computes the curvature of the function on dense output, including all second derivatives.
     pub fn curvature<F: FieldIn<T>, W: Watchable<T>>(
         &mut self,
         step: &Step<F, T>,
@@ -192,7 +196,8 @@ impl<T: Scalar> WatchSampler<T> {
         Self::interpolated(&mut self.lifted, step, watch, theta, Dual2::from_re).v2
     }
 
-    /// Computes value and slope by a shorter step, to the accuracy of the method.
+    /// Computes value and slope at a fraction of the step by a shorter step, to the accuracy of the
+    /// method.
     pub fn exact<F: FieldIn<T>, W: Watchable<T>>(
         &mut self,
         step: &mut Step<F, T>,
@@ -212,7 +217,8 @@ impl<T: Scalar> WatchSampler<T> {
     }
 
     /// Samples the step so densely that at most one extremum lies between two samples: in equal parts
-    /// unless `brief`, and additionally where the slope comes near zero and turns away.
+    /// unless `brief` is set, and additionally at points where the slope approaches zero and then
+    /// moves away from zero.
     pub fn survey<F: FieldIn<T>, W: Watchable<T>>(
         &mut self,
         step: &mut Step<F, T>,
@@ -236,9 +242,9 @@ impl<T: Scalar> WatchSampler<T> {
         }
     }
 
-    /// Finds the sign change of a quantity between two samples, by Newton's method within the bracket
-    /// if the slope is known, or by false position (the Illinois variant, which does not stall at one
-    /// end); returns the second sample if the sign does not change.
+    /// Finds the sign change of a quantity between two samples: by Newton's method within the bracket
+    /// if the derivative of the quantity is known, otherwise by false position (the Illinois variant,
+    /// which does not stall at one end). Returns the second sample if the sign does not change.
     pub fn root<F: FieldIn<T>, W: Watchable<T>>(
         &mut self,
         step: &Step<F, T>,
@@ -275,20 +281,22 @@ impl<T: Scalar> WatchSampler<T> {
     }
 }
 
-/// The slopes at the start, in the middle and at the end of the cubic through the ends.
+/// Returns the slopes at the start, in the middle and at the end of the cubic through both ends of
+/// the step.
 pub(super) fn slopes([first, last]: &[Sample; 2]) -> [f64; 3] {
     let rise = last.value - first.value;
     [first.slope, 1.5 * rise - 0.25 * (first.slope + last.slope), last.slope]
 }
 
-/// Whether slopes at three places of a step have one sign and sizes within a factor of five.
+/// Whether the slopes at three points of a step have the same sign, and absolute values within a
+/// factor of five.
 pub(super) fn keep_clear_of_zero(slopes: &[f64; 3]) -> bool {
     let least = slopes.iter().fold(f64::INFINITY, |least, s| least.min(s.abs()));
     let most = largest(slopes);
     slopes.iter().all(|s| s * slopes[2] > 0.0) && 5.0 * least > most
 }
 
-/// Whether slopes at three places of a step change sign once, at a rate that varies by less
+/// Whether the slopes at three points of a step change sign once, at a rate that varies by less
 /// than a factor of three.
 pub(super) fn crosses_once(slopes: &[f64; 3]) -> bool {
     let rates = [slopes[1] - slopes[0], slopes[2] - slopes[1]];

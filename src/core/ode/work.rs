@@ -2,12 +2,12 @@
 
 use std::cell::Cell;
 
-/// The work of flows.
+/// The computational work of flows.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Work {
-    /// The number of evaluations of fields.
+    /// The number of evaluations of vector fields.
     pub evaluations: u64,
-    /// The total duration of the flows, backwards or forwards.
+    /// The total duration of the flows, counting backward flows as positive.
     pub time: f64,
 }
 
@@ -31,7 +31,7 @@ pub fn work() -> Work {
     WORK.get()
 }
 
-/// Adds a flow of this duration.
+/// Adds a flow of a given duration to the work of this thread.
 pub(super) fn add(evaluations: usize, length: f64) {
     let Work { evaluations: before, time } = WORK.get();
     WORK.set(Work { evaluations: before + evaluations as u64, time: time + length.abs() });

@@ -3,12 +3,12 @@
 use crate::core::numerics::{Limits, bracketed_zero, gauss_legendre, lagrange};
 use crate::core::scalar::Scalar;
 
-/// The largest number of nodes.
+/// The largest number of Lobatto nodes in an interval.
 const MOST: usize = 8;
-/// The largest number of iterations for a root.
+/// The largest number of iterations in the search for a root of a polynomial.
 const ROUNDS: usize = 60;
 
-/// The tables of collocation at `m` Gauss points, on the interval from 0 to 1.
+/// The coefficients of collocation at `m` Gauss points, for an interval scaled to length 1.
 #[derive(Clone, Debug)]
 pub(super) struct Basis {
     /// The Gauss points `ρ_c`.
@@ -17,13 +17,15 @@ pub(super) struct Basis {
     pub weights: Vec<f64>,
     /// The Lobatto nodes.
     pub nodes: Vec<f64>,
-    /// The values `ℓ_j(ρ_c)`, one row for each Gauss point.
+    /// The values `ℓ_j(ρ_c)` of the Lagrange polynomials, one row for each Gauss point.
     pub values: Vec<f64>,
-    /// The slopes `ℓ_j'(ρ_c)`, one row for each Gauss point.
+    /// The derivatives `ℓ_j'(ρ_c)` of the Lagrange polynomials, one row for each Gauss point.
     pub slopes: Vec<f64>,
-    /// The coefficients of `ℓ_j` by powers of `y = 2s − 1`, one row for each node.
+    /// The coefficients of the Lagrange polynomials `ℓ_j` in powers of `y = 2s − 1`, one row for
+    /// each node.
     powers: Vec<f64>,
-    /// The largest value of `|P|`, `P(s) = ∫₀ˢ Π_c (t − ρ_c) dt / m!`.
+    /// The error constant of collocation: the maximum over `s` of `|P(s)|`, with `P(s) = ∫₀ˢ Π_c (t
+    /// − ρ_c) dt / m!`.
     pub error_constant: f64,
 }
 
@@ -47,14 +49,14 @@ impl Basis {
         Basis { gauss, weights, nodes, values, slopes, powers, error_constant }
     }
 
-    /// The row of a table for a Gauss point.
+    /// Returns the row for the Gauss point `c` in a table with one row for each Gauss point.
     #[inline]
     pub fn row<'a>(&self, table: &'a [f64], c: usize) -> &'a [f64] {
         &table[c * self.nodes.len()..(c + 1) * self.nodes.len()]
     }
 
-    /// Visits the places between 0 and 1 at which the slope of a polynomial, given by its values at
-    /// the nodes, vanishes.
+    /// Visits the zeros in (0, 1) of the derivative of a polynomial that is given by its values at
+    /// the nodes.
     pub fn stationary(&self, values: impl Fn(usize) -> f64, mut visit: impl FnMut(f64)) {
         let m = self.gauss.len();
         let mut slope = [0.0; MOST];
@@ -68,7 +70,7 @@ impl Basis {
     }
 }
 
-/// Computes the states at a place: `Σ_j ℓ_j x_j`.
+/// Computes the states `Σ_j ℓ_j x_j` of the interpolating polynomial at a point of an interval.
 pub(super) fn combine<T: Scalar>(coefficients: &[f64], nodes: &[T], x: &mut [T]) {
     let n = x.len();
     for (i, x) in x.iter_mut().enumerate() {
@@ -81,8 +83,8 @@ pub(super) fn combine<T: Scalar>(coefficients: &[f64], nodes: &[T], x: &mut [T])
     }
 }
 
-/// The Lobatto nodes: the ends, and the stationary points between Gauss points of
-/// `p(s) = Π (s − ρ_c)`, where `p'/p = Σ 1/(s − ρ_c)` vanishes.
+/// Returns the Lobatto nodes: both ends of the interval, and the stationary points between Gauss
+/// points of `p(s) = Π (s − ρ_c)`, at which `p'/p = Σ 1/(s − ρ_c)` vanishes.
 fn lobatto(gauss: &[f64]) -> Vec<f64> {
     let mut nodes = vec![0.0];
     for pair in gauss.windows(2) {
@@ -111,8 +113,9 @@ fn powers_of_lagrange(nodes: &[f64], j: usize) -> Vec<f64> {
     powers
 }
 
-/// The largest value of `|P|`, which occurs at a Gauss point, where the slope of `P` vanishes. The
-/// rule of `m` points is exact for this integral.
+/// Returns the largest value of `|P|`, which occurs at a Gauss point because the derivative of `P`
+/// vanishes at the Gauss points. The Gauss quadrature rule with `m` points is exact for the
+/// integral that defines `P`.
 fn error_constant(gauss: &[f64]) -> f64 {
     let (places, weights) = gauss_legendre(gauss.len());
     let factorial: f64 = (1..=gauss.len()).map(|k| k as f64).product();
@@ -128,8 +131,9 @@ fn horner(coefficients: &[f64], y: f64) -> f64 {
     coefficients.iter().rev().fold(0.0, |sum, c| sum * y + c)
 }
 
-/// All roots at which a polynomial (coefficients by ascending powers) changes sign in (−1, 1),
-/// ascending. The polynomial is monotone between its stationary points, which are found recursively.
+/// Returns all points of (−1, 1) at which a polynomial changes sign, in ascending order; the
+/// polynomial is given by its coefficients in ascending powers. The search uses that the polynomial
+/// is monotone between its stationary points, which are found recursively.
 fn roots_inside(coefficients: &[f64]) -> ([f64; MOST], usize) {
     let (mut roots, mut count) = ([0.0; MOST], 0);
     let rest: f64 = coefficients.iter().skip(1).map(|c| c.abs()).sum();

@@ -1,4 +1,4 @@
-//! Linearisation of the equations of an interval, several directions together.
+//! Linearisation of the collocation equations of an interval, several directions at a time.
 
 use super::basis::{Basis, combine};
 use crate::core::bvp::erased::Number;
@@ -8,7 +8,8 @@ use crate::core::linalg::refill;
 use crate::core::problem::FieldIn;
 use crate::core::scalar::{DualChunk, seeded};
 
-/// Arguments and values of the field in a pass over `W` directions.
+/// The arguments and the values of the vector field in one pass, which differentiates in `W`
+/// directions.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Passes<const W: usize> {
     x: Vec<DualChunk<f64, W>>,
@@ -17,8 +18,8 @@ pub(super) struct Passes<const W: usize> {
     real: Vec<f64>,
 }
 
-/// Computes residual and Jacobian at all Gauss points, `W` directions at a time: first the `n` states
-/// at the point, then the active numbers.
+/// Computes the residual and the Jacobian at all Gauss points, `W` directions at a time: first the
+/// `n` states at the Gauss point, then the active entries of `q`.
 pub(super) fn linearise_in<const W: usize>(
     basis: &Basis,
     passes: &mut Passes<W>,
@@ -57,7 +58,8 @@ where
         self.f.resize(n, DualChunk::from(0.0));
     }
 
-    /// Seeds the numbers `q`; the active numbers are the directions after the `n` states.
+    /// Seeds the dual numbers for `q`; its active entries are the directions that follow the `n`
+    /// states.
     fn seed_numbers(&mut self, q: &[f64], active: &[usize], n: usize, start: usize) {
         refill(&mut self.q, q.iter().map(|q| DualChunk::from(*q)));
         for (k, &number) in active.iter().enumerate() {
@@ -65,7 +67,8 @@ where
         }
     }
 
-    /// Evaluates `h L f` at a Gauss point.
+    /// Evaluates `h L f` at a Gauss point: the vector field `f` times the length `h` of the
+    /// interval and the duration `L` of the segment.
     fn evaluate(
         &mut self,
         basis: &Basis,
@@ -96,7 +99,8 @@ where
         residual.iter_mut().zip(&self.f).for_each(|(r, f)| *r -= f.re);
     }
 
-    /// Writes `ℓ_j'(ρ_c) I − ℓ_j(ρ_c) h L f_x` into the columns of this pass.
+    /// Writes `ℓ_j'(ρ_c) I − ℓ_j(ρ_c) h L f_x` into the Jacobian's columns for the directions of
+    /// this pass.
     fn place_nodes(&self, basis: &Basis, c: usize, start: usize, block: &mut Block) {
         let (n, places) = (self.f.len(), basis.nodes.len());
         let (values, slopes) = (basis.row(&basis.values, c), basis.row(&basis.slopes, c));
@@ -123,7 +127,7 @@ where
         }
     }
 
-    /// Writes `−∂(h L f)/∂q` into the columns of this pass.
+    /// Writes `−∂(h L f)/∂q` into the Jacobian's columns for the directions of this pass.
     fn place_numbers(&self, active: usize, c: usize, start: usize, block: &mut Block) {
         let n = self.f.len();
         for (i, f) in self.f.iter().enumerate() {
@@ -137,7 +141,8 @@ where
     }
 }
 
-/// Computes `−ℓ_j f_k` for a number of states known at compile time, which makes short loops fast.
+/// Computes `−ℓ_j f_k` for all `k` of a range whose length is known at compile time, which makes
+/// short loops fast.
 fn outer_product<const N: usize>(row: &mut [f64], values: &[f64], parts: &[f64]) {
     let Some(parts) = parts.first_chunk::<N>() else { return };
     for (entries, value) in row.as_chunks_mut::<N>().0.iter_mut().zip(values) {

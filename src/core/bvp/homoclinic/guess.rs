@@ -12,53 +12,61 @@ use crate::core::system::HOMOCLINIC_RADIUS;
 use nalgebra::{DMatrix, DVector};
 use std::sync::Arc;
 
-/// (H) A cycle gives the part of the orbit farther from the equilibrium than this, in units of the
-/// extents; the linear flow near the equilibrium gives the rest.
+/// (H) The distance from the equilibrium, in units of the extents, beyond which a nearby cycle
+/// gives the guess of the homoclinic orbit; closer to the equilibrium, the linear flow gives the
+/// guess.
 const NEAR: f64 = 1e-3;
 
-/// (H) A cycle must come nearer to the equilibrium than this to count as near a homoclinic orbit.
+/// (H) The largest distance from the equilibrium, in units of the extents, at which a cycle counts
+/// as near a homoclinic orbit.
 const FAR: f64 = 0.05;
 
 /// (R) A state counts as constant if it changes by less than this fraction of the motion: tolerances are
-/// relative, and its changes would have few digits.
+/// relative, and changes this small would have few correct digits.
 const STANDS_STILL: f64 = 1e-5;
 
-/// (R) Changes of a state by less than this fraction of the motion are rounding errors. The state is
-/// measured by its scale.
+/// (R) Changes of a state by less than this fraction of the motion count as rounding errors. The
+/// changes of each state are measured in units of its scale.
 const ROUNDING: f64 = 1e-8;
 
-/// (D) The target for the change of the parameter caused by the distances of the ends.
+/// (D) The largest intended error of the bifurcation parameter due to the truncation of the
+/// homoclinic orbit at finite distances from the equilibrium.
 const TRUNCATION: f64 = 1e-14;
 
-/// (R) A radius is at least this multiple of the rounding error of the states.
+/// (R) The smallest distance of an orbit's end from the equilibrium, as a multiple of the rounding
+/// error of the states.
 const DIGITS: f64 = 1e8;
 
-/// (H) The nodes of the cycle end at this multiple of the distance at which the linear flow ends.
+/// (H) The excursion taken from the cycle ends at this multiple of the distance from the
+/// equilibrium at which the linear flow ends.
 const CLEAR: f64 = 1.1;
 
-/// (H) The largest radius in units of the least one.
+/// (H) The largest distance of an orbit's end from the equilibrium, as a multiple of the smallest
+/// such distance.
 const WIDEST: f64 = 50.0;
 
-/// (H) The number of sampled places of a trajectory between two of its nodes.
+/// (H) The number of samples of a trajectory between two of its nodes.
 const PARTS: usize = 8;
 
-/// (H) The linear flow moves between two nodes by at most about this fraction of the distance.
+/// (H) The largest change of the state between two nodes of the linear flow, approximately, as a
+/// fraction of the distance from the equilibrium.
 const STEP: f64 = 0.5;
 
-/// (H) The largest number of nodes of the linear flow on a side.
+/// (H) The largest number of nodes of the linear flow at one end of the orbit.
 const MOST_NODES: usize = 10_000;
 
-/// (R) The number of bisections for a time in double precision.
+/// (R) The number of bisections that locate a time to double precision.
 const HALVINGS: usize = 60;
 
 fn refused(reason: String) -> Failure {
     Failure::Mismatch(format!("no homoclinic orbit starts here: {reason}"))
 }
 
-/// A place on a trajectory: time and states.
+/// A point of a trajectory: time and states.
 type Place = (f64, Vec<f64>);
 
-/// A cycle: its numbers `q`, the times of its nodes, and its states at any time within a period.
+/// A cycle, given by its numbers `q`, the times of its nodes, and its states at any time within a
+/// period.
 pub(in crate::core::bvp) struct Cycle<'a> {
     pub q: &'a [f64],
     pub times: Vec<f64>,
@@ -69,7 +77,8 @@ pub(in crate::core::bvp) struct Cycle<'a> {
 /// slowest part, continued at both ends by the linear flow near the equilibrium.
 ///
 /// # Errors
-/// [`Failure`] unless the problem describes cycles with a free period, and a saddle is nearby.
+/// [`Failure`] unless the problem describes cycles with a free period and a saddle is near the
+/// cycle.
 pub(in crate::core::bvp) fn from_cycle(
     cycles: ErasedProblem,
     cycle: &Cycle,
@@ -115,7 +124,8 @@ pub(in crate::core::bvp) fn from_cycle(
     Ok(guess(cycles, saddle, radii, orbit, pace))
 }
 
-/// The change of time with the centre of the squared speed of an orbit in the middle.
+/// Returns the change of time that maps the centre of the squared speed of an orbit to the middle
+/// of the mesh.
 fn paced(orbit: &[Place], (field, q): (&impl FieldIn<f64>, &[f64]), sizes: &[f64]) -> Pace<f64> {
     let [begins, ends] = [0, orbit.len() - 1].map(|k| orbit[k].0);
     let duration = ends - begins;
@@ -136,7 +146,7 @@ fn paced(orbit: &[Place], (field, q): (&impl FieldIn<f64>, &[f64]), sizes: &[f64
     Pace { duration, share: 0.5 * (low + high) }
 }
 
-/// The part of a cycle between two places, with times counted from the first one.
+/// Returns the part of a cycle between two of its points, with times counted from the first point.
 fn between(places: &[Place], [from, to]: [Place; 2], period: f64) -> Vec<Place> {
     let since = |time: f64| (time - from.0).rem_euclid(period);
     let length = since(to.0);
@@ -147,9 +157,11 @@ fn between(places: &[Place], [from, to]: [Place; 2], period: f64) -> Vec<Place> 
     first.chain(inside).chain([(length, to.1)]).collect()
 }
 
-/// The radii at which an orbit can begin and end, in units of the least radius. An end at the distance
-/// `ε` changes the parameter by a multiple of `ε^(2 + r)`, with the ratio `r` of the leading rates. If
-/// `r` is large, a longer orbit gains nothing, and deviations grow by more than double precision allows.
+/// Returns the distances from the equilibrium at which an orbit can begin and end, in units of the
+/// smallest distance. An orbit that ends at the distance `ε` from the equilibrium has an error of the
+/// order `ε^(2 + r)` in the parameter, where `r` is the ratio of the leading rates. If the ratio `r`
+/// of the leading rates is large, a longer orbit gains no accuracy, and deviations grow by more than
+/// double precision allows.
 fn radii_for(saddle: &Saddle, field: &impl FieldIn<f64>, q: &[f64]) -> [f64; 2] {
     let (_, matrix) = super::jacobian(field, &saddle.place, q, saddle);
     let rate = |side| saddle.leading(&matrix).and_then(|leading| leading.rate(side));
@@ -163,13 +175,15 @@ fn radii_for(saddle: &Saddle, field: &impl FieldIn<f64>, q: &[f64]) -> [f64; 2] 
     })
 }
 
-/// The least radius at which rounding errors of the states leave enough digits.
+/// Returns the smallest distance from the equilibrium at which the deviations of the states have
+/// enough digits despite rounding errors.
 fn resolved(saddle: &Saddle) -> f64 {
     let parts = saddle.place.iter().zip(&saddle.sizes).map(|(x, size)| (x / size).abs());
     DIGITS * f64::EPSILON * parts.fold(0.0, f64::max)
 }
 
-/// The distances of both ends in their subspaces.
+/// Returns the distances of both ends of an orbit from the equilibrium, measured in the unstable
+/// and in the stable subspace.
 fn radii(saddle: &Saddle, [start, end]: [&[f64]; 2]) -> [f64; 2] {
     let distance = |frame: &Frame, x: &[f64]| frame.distance(&saddle.deviation(x));
     [distance(&saddle.outgoing, start), distance(&saddle.incoming, end)]
@@ -189,8 +203,8 @@ fn guess(
     Guess { problem, trajectories: vec![orbit], extras, beside: None }
 }
 
-/// Creates the problem of a homoclinic orbit that was saved with its nodes (one after another) and
-/// its extra unknowns, which are converted to the problem's new frames.
+/// Creates the problem of a saved homoclinic orbit, given by its nodes, one after another, and its
+/// extra unknowns, which are converted to the problem's new frames.
 ///
 /// # Errors
 /// [`Failure`] if the extra unknowns do not belong to a homoclinic orbit of this field.
@@ -223,7 +237,7 @@ pub(in crate::core::bvp) fn from_saved(
     Ok(guess)
 }
 
-/// The nodes of a cycle, with sampled places between them.
+/// Returns the nodes of a cycle, with sampled points between them.
 fn places_on(Cycle { q, times, states }: &Cycle) -> Result<Vec<Place>, Failure> {
     let times: Vec<f64> = times.iter().copied().chain([q[q.len() - 1]]).collect();
     let mut places = Vec::new();
@@ -236,8 +250,8 @@ fn places_on(Cycle { q, times, states }: &Cycle) -> Result<Vec<Place>, Failure> 
     Ok(places)
 }
 
-/// The range of each state, bounded below by a fraction of the range, in units of the scales, of the
-/// state that moves most.
+/// Returns the range of each state, but at least a fraction of the largest range; ranges are
+/// compared in units of the scales.
 fn extents<'x>(places: impl Iterator<Item = &'x [f64]> + Clone, scales: Vec<f64>) -> Vec<f64> {
     let n = places.clone().next().map_or(0, <[f64]>::len);
     let range = |i: usize| {
@@ -255,21 +269,21 @@ fn extents<'x>(places: impl Iterator<Item = &'x [f64]> + Clone, scales: Vec<f64>
     ranges.into_iter().map(size).collect()
 }
 
-/// The index of the place at which motion is slowest.
+/// Returns the index of the point at which the motion is slowest.
 fn slowest(field: &impl FieldIn<f64>, places: &[Place], q: &[f64], sizes: &[f64]) -> usize {
     let speeds = places.iter().map(|it| squared_speed(field, &it.1, q, sizes)).enumerate();
     speeds.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |it| it.0)
 }
 
-/// The squared speed at a place, in units of the extents.
+/// Returns the squared speed at a point of the trajectory, in units of the extents.
 fn squared_speed(field: &impl FieldIn<f64>, x: &[f64], q: &[f64], sizes: &[f64]) -> f64 {
     let mut slope = vec![0.0; x.len()];
     field.slope(0.0, x, q, &mut slope);
     slope.iter().zip(sizes).map(|(f, size)| (f / size).powi(2)).sum()
 }
 
-/// The places at which a cycle leaves and re-enters the ball of a given radius about the equilibrium;
-/// each is farther out in its invariant subspace than the orbit's end.
+/// Returns the points at which a cycle leaves and re-enters the ball of a given radius about the
+/// equilibrium; each point is farther out in its invariant subspace than the orbit's end.
 fn excursion(
     Cycle { q, states, .. }: &Cycle,
     places: &[Place],
@@ -304,12 +318,13 @@ fn excursion(
     Ok([leaves, crossing(time(back + 1), time(back), &arriving)?])
 }
 
-/// Computes the linear flow near the equilibrium in an invariant subspace, from a state near the
-/// subspace: forwards in time until a distance is reached, or backwards if the distance is negative.
-/// Returns times relative to the state, and states.
+/// Computes the linear flow in an invariant subspace of the equilibrium, from a state near this
+/// subspace: forwards in time until the given distance is reached, or backwards if the given
+/// distance is negative. Returns the times relative to the initial state of the linear flow, with
+/// the states at these times.
 ///
 /// # Errors
-/// [`Failure::Mismatch`] if reaching the distance takes too many nodes.
+/// [`Failure::Mismatch`] if the linear flow needs too many nodes to reach the distance.
 fn linear(
     saddle: &Saddle,
     frame: &Frame,

@@ -2,8 +2,8 @@
 //! functions of homoclinic orbits (A. R. Champneys, Yu. A. Kuznetsov and B. Sandstede, *Int. J.
 //! Bifurcation Chaos* 6:867, 1996).
 //!
-//! The Jacobian can have entries of any scalar type. Eigenvectors are computed from the real parts, and
-//! the quotients below are exact to first order in the derivatives.
+//! The Jacobian can have entries of any scalar type. Eigenvectors are computed from the real parts of
+//! the entries, and the quotients `wᵀ A v / wᵀ v` are exact to first order in the derivatives.
 
 use crate::core::scalar::Scalar;
 use nalgebra::{DMatrix, DVector};
@@ -12,10 +12,11 @@ use std::array::from_fn;
 /// A complex number.
 pub(super) type Complex = (f64, f64);
 
-/// Eigenvalues with their eigenvectors.
+/// Eigenvalues of a matrix with their eigenvectors.
 pub(super) type Eigen = Vec<(Complex, Vec<Complex>)>;
 
-/// Computes the eigenvalues and eigenvectors of a matrix, given by columns; `None` on failure.
+/// Computes the eigenvalues and eigenvectors of a matrix that is given by its columns; `None` if
+/// the iteration fails.
 pub(super) fn eigen(matrix: &[f64], n: usize) -> Option<Eigen> {
     let matrix = faer::MatRef::from_column_major_slice(matrix, n, n);
     let found = matrix.eigen().ok()?;
@@ -24,27 +25,28 @@ pub(super) fn eigen(matrix: &[f64], n: usize) -> Option<Eigen> {
     Some((0..n).map(|k| ((values[k].re, values[k].im), vector(k))).collect())
 }
 
-/// The subspaces of a saddle.
+/// One of the two hyperbolic subspaces of a saddle.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Side {
-    /// The unstable subspace, in which orbits leave.
+    /// The unstable subspace, in which orbits leave the saddle.
     Outgoing,
-    /// The stable subspace, in which orbits approach.
+    /// The stable subspace, in which orbits approach the saddle.
     Incoming,
 }
 
-/// The eigenvalues of a matrix in descending order of their real parts, with right and left vectors.
+/// The eigenvalues of a matrix in descending order of their real parts, with right and left
+/// eigenvectors.
 pub(super) struct Leading<'m, T> {
-    /// The matrix, one column after the other.
+    /// The entries of the matrix, column by column.
     matrix: &'m [T],
     right: Eigen,
     left: Eigen,
-    /// The number of unstable eigenvalues at the reference.
+    /// The number of unstable eigenvalues at the reference equilibrium.
     unstable: usize,
 }
 
 impl<'m, T: Scalar> Leading<'m, T> {
-    /// Computes the eigenvalues; `None` if the iteration fails.
+    /// Computes the eigenvalues and eigenvectors; `None` if the eigenvalue iteration fails.
     pub fn new(matrix: &'m [T], n: usize, unstable: usize) -> Option<Self> {
         let real: Vec<f64> = matrix.iter().map(Scalar::real).collect();
         let transposed = DMatrix::from_column_slice(n, n, &real).transpose();
@@ -60,7 +62,8 @@ impl<'m, T: Scalar> Leading<'m, T> {
         Some(Leading { matrix, right, left, unstable })
     }
 
-    /// The position of the eigenvalue of a side nearest to zero, or of the one `next` places farther.
+    /// Returns the index of the stable or unstable eigenvalue nearest to the imaginary axis (`next` =
+    /// 0), or of the one `next` positions farther away.
     fn position(&self, side: Side, next: usize) -> Option<usize> {
         let at = match side {
             Side::Outgoing => self.unstable.checked_sub(1 + next)?,
@@ -69,8 +72,8 @@ impl<'m, T: Scalar> Leading<'m, T> {
         (at < self.right.len()).then_some(at)
     }
 
-    /// The real part of the leading eigenvalue, `Re wᵀ A v / wᵀ v`: its zero ends the saddle property of
-    /// the equilibrium.
+    /// Returns the real part `Re wᵀ A v / wᵀ v` of the leading eigenvalue; at its zero, the equilibrium
+    /// ceases to be a saddle.
     pub fn rate(&self, side: Side) -> Option<T> {
         Some(self.rate_at(self.position(side, 0)?))
     }
@@ -94,9 +97,10 @@ impl<'m, T: Scalar> Leading<'m, T> {
         sum
     }
 
-    /// The squared difference of the two leading eigenvalues, negative if they are complex:
+    /// Returns the squared difference of the two leading eigenvalues, negative if they are complex:
     /// `(m₁₁ − m₂₂)² + 4 m₁₂ m₂₁` for the matrix `M = (Wᵀ V)⁻¹ Wᵀ A V`, where `V` and `W` span the
-    /// eigenvalues' invariant subspaces. `None` if there is only one eigenvalue.
+    /// right and left invariant subspaces of the two eigenvalues. Returns `None` if the subspace
+    /// has only one eigenvalue.
     pub fn discriminant(&self, side: Side) -> Option<T> {
         let [one, two] = [self.position(side, 0)?, self.position(side, 1)?];
         let (values, n) = ([self.right[one].0, self.right[two].0], self.left.len());
@@ -118,9 +122,9 @@ impl<'m, T: Scalar> Leading<'m, T> {
         Some((a - d) * (a - d) + b * c * 4.0)
     }
 
-    /// Orthonormal bases of the right and the left invariant subspace of two eigenvalues, from the
-    /// projector `1 − Σ v wᵀ / wᵀ v` over all others, since the eigenvectors of equal eigenvalues are
-    /// parallel.
+    /// Returns orthonormal bases of the right and the left invariant subspace of two eigenvalues,
+    /// from the projector `1 − Σ v wᵀ / wᵀ v`, summed over all other eigenvalues, because the
+    /// eigenvectors of two equal eigenvalues are parallel.
     fn subspaces(&self, pair: [usize; 2], n: usize) -> Option<(DMatrix<f64>, DMatrix<f64>)> {
         let mut projector = DMatrix::<f64>::identity(n, n);
         for k in (0..n).filter(|k| !pair.contains(k)) {
@@ -136,9 +140,10 @@ impl<'m, T: Scalar> Leading<'m, T> {
         Some((left.columns(0, 2).into_owned(), right.columns(0, 2).into_owned()))
     }
 
-    /// The component `wᵀ y / |w|` of a deviation along the leading eigenvector with the left vector `w`;
-    /// the eigenvector points to the side of `reference`. For complex eigenvalues, the size of the
-    /// component.
+    /// Returns the component `wᵀ y / |w|` of a deviation `y` along the leading eigenvector, where `w` is
+    /// the left eigenvector; the orientation of the eigenvector is the one for which `reference` has a
+    /// positive component. If the leading eigenvalues are complex, returns the size of the deviation's
+    /// component in their plane.
     pub fn component(&self, side: Side, reference: &[f64], y: &[T]) -> Option<T> {
         let at = self.position(side, 0)?;
         let (value, w) = (self.right[at].0, &self.left[at].1);
@@ -153,8 +158,8 @@ impl<'m, T: Scalar> Leading<'m, T> {
         Some(w.iter().zip(y).fold(T::zero(), |sum, (w, y)| sum + *w * *y))
     }
 
-    /// The left vector of a real eigenvalue, of length 1, with derivatives: `w + h` with `wᵀ h = 0` and
-    /// `(Aᵀ − λ) h = −(Aᵀ − λ) w`.
+    /// Returns the left eigenvector of a real eigenvalue, of length 1, with derivatives: `w + h` with
+    /// `wᵀ h = 0` and `(Aᵀ − λ) h = −(Aᵀ − λ) w`.
     fn left_vector(&self, at: usize, reference: &[f64]) -> Option<Vec<T>> {
         let n = self.left.len();
         let w = DVector::from_iterator(n, self.left[at].1.iter().map(|c| c.0)).normalize();
@@ -183,8 +188,9 @@ impl<'m, T: Scalar> Leading<'m, T> {
         Some((0..n).map(corrected).collect())
     }
 
-    /// The eigenvector of the leading eigenvalue of a side, oriented so that its largest component is
-    /// positive. Zeros if the eigenvalue is complex.
+    /// Returns the eigenvector of the leading eigenvalue in the stable or the unstable subspace,
+    /// oriented so that its largest component is positive. The returned vector is zero if the leading
+    /// eigenvalue is complex.
     pub fn reference(&self, side: Side) -> Option<Vec<f64>> {
         let at = self.position(side, 0)?;
         let real = self.right[at].0.1 == 0.0;

@@ -17,26 +17,29 @@ use crate::core::system::{HOMOCLINIC_GAP, HOMOCLINIC_RATES, HOMOCLINIC_TESTS};
 use leading::Side;
 use saddle::{Saddle, jacobian};
 
-/// A recorded number of a homoclinic orbit, besides the measures of its states.
+/// A quantity that is recorded for a homoclinic orbit, in addition to the extrema of its states.
 #[derive(Clone, Copy)]
 enum Recorded {
-    /// The gap: how far the orbit misses the stable manifold.
+    /// The gap: the distance of the orbit's end from the stable manifold.
     Gap,
-    /// The real part of the leading eigenvalue of a side.
+    /// The real part of the leading eigenvalue in the stable or unstable subspace.
     Rate(Side),
-    /// The saddle quantity: the sum of the two real parts.
+    /// The saddle quantity: the sum of the real parts of the leading stable and the leading
+    /// unstable eigenvalue.
     Quantity,
-    /// The squared difference of the two leading eigenvalues of a side.
+    /// The squared difference of the two leading eigenvalues in the stable or unstable subspace.
     Discriminant(Side),
-    /// The orbit's component in the leading direction at its end, divided by the distance from the
-    /// equilibrium.
+    /// The component of the deviation at the orbit's end along the leading eigenvector, divided by
+    /// the distance from the equilibrium.
     Share(Side),
 }
 
-/// The number of extras before the coordinates of the equilibrium: the time, its share, and the gap.
+/// The number of extra unknowns before the coordinates of the equilibrium: the time, the share of
+/// time, and the gap.
 const BEFORE_PLACE: usize = 3;
 
-/// The orbits that leave an equilibrium `x₀` along its unstable manifold and return near the equilibrium,
+/// A homoclinic problem: orbits that leave an equilibrium `x₀` along its unstable manifold and return
+/// near the equilibrium,
 ///
 /// ```text
 ///     x' = f(x, p),  0 ≤ t ≤ T,    f(x₀, p) = 0
@@ -45,41 +48,46 @@ const BEFORE_PLACE: usize = 3;
 /// ```
 ///
 /// The rows of `L_s` and `L_u` span the left invariant subspaces of `f_x(x₀, p)` for the stable and the
-/// unstable eigenvalues, so that the orbit begins on the linearised unstable manifold. If the *gap* `g`
-/// vanishes, it ends on the linearised stable manifold and is homoclinic (W.-J. Beyn, *IMA J. Numer.
-/// Anal.* 10 (1990)). The subspaces are graphs over initial frames `C, B`, continued by Riccati equations
-/// (J. W. Demmel, L. Dieci and M. J. Friedman, *SIAM J. Sci. Comput.* 22 (2000)):
+/// unstable eigenvalues, respectively, so that the orbit begins on the linearised unstable manifold. If
+/// the *gap* `g` vanishes, the orbit ends on the linearised stable manifold and is homoclinic (W.-J.
+/// Beyn, *IMA J. Numer. Anal.* 10 (1990)). The invariant subspaces are graphs over initial frames `C,
+/// B`, continued by Riccati equations (J. W. Demmel, L. Dieci and M. J. Friedman, *SIAM J. Sci.
+/// Comput.* 22 (2000)):
 ///
 /// ```text
 ///     L = Cᵀ + Z Bᵀ,    N = B − C Z,    L f_x(x₀, p) N = 0
 /// ```
 ///
 /// Deviations are in units of the extents of the orbit, and `R_u` and `R_s` give their components along
-/// the eigenvectors. The parameter at which `g = 0` has errors of order `ε₀^(2 + |λ_s|/λ_u)` and
-/// `ε₁^(2 + λ_u/|λ_s|)`, with the leading eigenvalues.
+/// the eigenvectors. The parameter at which `g = 0` has truncation errors of order `ε₀^(2 +
+/// |λ_s|/λ_u)` and `ε₁^(2 + λ_u/|λ_s|)`, where `λ_s` and `λ_u` are the leading stable and unstable
+/// eigenvalues.
 ///
-/// The motion is often fast compared with `T`, and the times near the equilibrium before and after the
-/// excursion change along a curve. On a mesh in units of `T` the excursion would move by more than the
-/// width of its fronts. A change of time [`Pace`] keeps it in place: the share `φ` of `T` has passed in the
-/// middle of the mesh, which is the centre of the squared speed,
+/// The excursion is often short compared with `T`, and the times that the orbit spends near the
+/// equilibrium before and after the excursion change along a branch. On a mesh with breakpoints at
+/// fixed fractions of `T`, the excursion would move by more than the width of its fronts. A change of
+/// time [`Pace`] keeps the excursion in the middle of the mesh: in the middle of the mesh, the share
+/// `φ` of `T` has elapsed; the middle is the centre of the squared speed,
 ///
 /// ```text
 ///     ∫ (s − ½) |x'|² dt = 0,    t = T θ(s),    0 ≤ s ≤ 1
 /// ```
 ///
-/// The unknowns are the states, `T`, `φ`, `g`, `x₀`, and both `Z`.
+/// The unknowns are the states, the time `T`, the share `φ`, the gap `g`, the equilibrium `x₀`, and
+/// the matrices `Z` of both subspaces.
 pub(in crate::core) struct HomoclinicOrbit {
-    /// The problem of the cycles near the orbit.
+    /// The problem of the cycles near the homoclinic orbit.
     cycles: ErasedProblem,
     parameters: usize,
     saddle: Saddle,
-    /// The distances from the equilibrium at both ends ([`Frame::distance`](saddle::Frame::distance)).
+    /// The distances of both ends of the orbit from the equilibrium
+    /// ([`Frame::distance`](saddle::Frame::distance)).
     radii: [f64; 2],
 }
 
-/// The numbers of an orbit, grouped by meaning.
+/// The numbers `q` of a homoclinic orbit, grouped by meaning.
 struct Parts<'q, T> {
-    /// The numbers of cycles: the parameters and the time.
+    /// The numbers `q` that the problem of cycles uses: the parameters and the time.
     of_cycles: &'q [T],
     pace: Pace<T>,
     gap: T,
@@ -98,7 +106,7 @@ impl HomoclinicOrbit {
         Parts { of_cycles, pace, gap: rest[1], place, outgoing, incoming }
     }
 
-    /// The recorded numbers, by name; their positions are the indices of the
+    /// Returns the recorded quantities, with their names; their positions are the indices of the
     /// [`of_ends_in`](EndFunctions::of_ends_in) functions.
     fn recorded(&self) -> Vec<(&'static str, Recorded)> {
         let [unstable, stable, quantity] = HOMOCLINIC_RATES;
@@ -121,7 +129,7 @@ impl HomoclinicOrbit {
         all
     }
 
-    /// The deviation of a state from the equilibrium, in units of the extents.
+    /// Returns the deviation of a state from the equilibrium, in units of the extents.
     fn deviation<T: Scalar>(&self, x: &[T], place: &[T]) -> Vec<T> {
         let both = x.iter().zip(place).zip(&self.saddle.sizes);
         both.map(|((x, place), size)| (*x - *place) / *size).collect()
@@ -165,7 +173,8 @@ impl<T: Number> Residual<T> for HomoclinicOrbit {
         self.conditions(ends, q, b);
     }
 
-    /// The distance of the place from the middle of the mesh, weighted by the squared speed.
+    /// Computes the distance of the mesh point from the middle of the mesh, weighted by the squared
+    /// speed.
     fn integrand_in(&self, segment: usize, t: T, x: &[T], q: &[T], g: &mut [T]) {
         let Parts { of_cycles, pace, .. } = self.parts(q);
         let Saddle { sizes, rate, .. } = &self.saddle;
@@ -183,7 +192,7 @@ impl<T: WatchNumber> Watches<T> for HomoclinicOrbit {
     }
 }
 
-/// Computes a recorded number; `None` if the eigenvalue iteration fails.
+/// Computes a recorded quantity; `None` if the eigenvalue iteration fails.
 fn number_of<T: Number>(
     orbit: &HomoclinicOrbit,
     recorded: Recorded,
@@ -211,7 +220,7 @@ fn number_of<T: Number>(
     })
 }
 
-/// Computes a recorded number by its index; NaN if the eigenvalue iteration fails.
+/// Computes a recorded quantity, given by its index; NaN if the eigenvalue iteration fails.
 fn of_ends<T: Number>(orbit: &HomoclinicOrbit, function: usize, ends: Ends<T>, q: &[T]) -> T {
     let recorded = orbit.recorded().into_iter().nth(function);
     let value = recorded.and_then(|(_, recorded)| number_of(orbit, recorded, ends, q));
@@ -243,7 +252,8 @@ impl Equations for HomoclinicOrbit {
         Shape::BoundaryValues
     }
 
-    /// The names contain spaces and therefore differ from all names of states.
+    /// Returns the names of the extra unknowns, which contain spaces and therefore differ from all
+    /// names of states.
     fn extras(&self) -> Vec<String> {
         let states = self.cycles.segments().swap_remove(0);
         let place = states.iter().map(|state| format!("{state} at rest"));
@@ -261,7 +271,8 @@ impl Equations for HomoclinicOrbit {
         1
     }
 
-    /// The time from one end to the other, the recorded numbers, and the extremes of cycles.
+    /// Returns the monitors: the time from one end of the orbit to the other, the recorded
+    /// quantities, and the extrema that are also monitored on cycles.
     fn monitors(&self) -> Vec<(String, Monitor)> {
         let own = std::iter::once(("excursion_time".to_string(), Monitor::Duration));
         let recorded = self.recorded().into_iter().enumerate();
@@ -286,8 +297,9 @@ impl Equations for HomoclinicOrbit {
         self.cycles.function_scale(segment, function, &q[..=self.parameters])
     }
 
-    /// The distance from the equilibrium. Orbits end within the mesh error of their largest values, but
-    /// the conditions on their last turns need full relative accuracy.
+    /// Returns the distance of a state from the equilibrium. The ends of homoclinic orbits are closer
+    /// to the equilibrium than the mesh error relative to the largest states, but the end conditions
+    /// near a focus need full relative accuracy.
     fn size_near(&self, _segment: usize, x: &[f64], q: &[f64]) -> Option<f64> {
         let deviation = self.deviation(x, self.parts(q).place);
         Some(deviation.iter().map(|y| y * y).sum::<f64>().sqrt())

@@ -6,24 +6,26 @@ use crate::core::problem::{FieldIn, WIDTH, Wide};
 use crate::core::scalar::Scalar;
 use nalgebra::{DMatrix, DVector};
 
-/// (R) An eigenvalue is not hyperbolic if its real part is at most this fraction of the matrix's size.
+/// (R) An eigenvalue counts as non-hyperbolic if the absolute value of its real part is at most this
+/// fraction of the size of the matrix.
 const HYPERBOLIC: f64 = 1e-8;
 
-/// (R) A vector depends on earlier ones if its remainder is shorter than this.
+/// (R) A vector counts as linearly dependent on earlier ones if its remainder after
+/// orthogonalisation is shorter than this.
 const DEPENDENT: f64 = 1e-6;
 
-/// (H) An equilibrium farther from the slowest point of the orbit than this, in units of the extents, is
-/// not near the orbit.
+/// (H) The largest distance between an equilibrium and the slowest point of the orbit, in units of the
+/// extents, for which the equilibrium counts as near the orbit.
 const BESIDE: f64 = 0.5;
 
-/// (R) Newton's iteration for an equilibrium has converged if the last step is shorter than this, in
-/// units of the extents.
+/// (R) Newton's iteration for an equilibrium has converged if its last step is shorter than this,
+/// in units of the extents.
 const CONVERGED: f64 = 1e-6;
 
 /// (H) The largest number of Newton iterations for an equilibrium.
 const ITERATIONS: usize = 30;
 
-/// An equilibrium with the frames of its invariant subspaces.
+/// An equilibrium with orthonormal frames of its invariant subspaces.
 pub(super) struct Saddle {
     /// The equilibrium.
     pub place: Vec<f64>,
@@ -31,26 +33,28 @@ pub(super) struct Saddle {
     pub sizes: Vec<f64>,
     /// The unit of rates: the size of the Jacobian.
     pub rate: f64,
-    /// The unstable subspace, in which orbits leave.
+    /// The unstable subspace, in which orbits leave the equilibrium.
     pub outgoing: Frame,
-    /// The stable subspace, in which orbits approach.
+    /// The stable subspace, in which orbits approach the equilibrium.
     pub incoming: Frame,
-    /// The eigenvectors of the leading eigenvalues on the two sides of the imaginary axis.
+    /// The eigenvectors of the leading unstable and the leading stable eigenvalue.
     pub directions: [Vec<f64>; 2],
 }
 
-/// Orthonormal columns: `B` spans an invariant subspace at the reference, `C` spans its complement.
+/// An orthonormal frame: the columns of `B` span an invariant subspace at the reference
+/// equilibrium, and the columns of `C` span the complement of this subspace.
 pub(super) struct Frame {
     pub basis: Vec<Vec<f64>>,
     complement: Vec<Vec<f64>>,
-    /// The rows of a matrix `R` that gives the components along eigenvectors of length 1. Distances in
-    /// the subspace are `|R y|`: the linear flow changes them monotonically, whereas Euclidean distances
-    /// rise and fall if the flow spirals.
+    /// The rows of a matrix `R` that gives the components of a deviation along unit eigenvectors.
+    /// Distances in the subspace are measured as `|R y|`: the linear flow changes `|R y|`
+    /// monotonically, whereas Euclidean distances rise and fall if the flow spirals.
     ball: Vec<Vec<f64>>,
 }
 
 impl Frame {
-    /// Creates the frame of the span of eigenvectors: real ones, and real and imaginary parts.
+    /// Creates the frame of the subspace that eigenvectors span; complex eigenvectors are given by
+    /// their real and imaginary parts.
     fn spanned(vectors: &[Vec<f64>], n: usize) -> Frame {
         let units = (0..n).map(|i| (0..n).map(|j| f64::from(u8::from(i == j))).collect());
         let mut all: Vec<Vec<f64>> = Vec::new();
@@ -76,15 +80,17 @@ impl Frame {
         Frame { basis: all, complement, ball }
     }
 
-    /// Computes `Bᵀ A B`: the linear flow in the subspace at the reference.
+    /// Computes `Bᵀ A B`: the matrix of the linear flow in the subspace at the reference
+    /// equilibrium.
     pub fn within(&self, matrix: &[f64]) -> DMatrix<f64> {
         let (n, k) = (self.basis[0].len(), self.basis.len());
         let basis = DMatrix::from_fn(n, k, |i, j| self.basis[j][i]);
         basis.transpose() * DMatrix::from_column_slice(n, n, matrix) * basis
     }
 
-    /// The distance of a deviation in the subspace; in one dimension the signed component. Both are
-    /// homogeneous, so that Newton's iteration converges from places that are much farther away.
+    /// Returns the length of a deviation in the subspace; in one dimension, returns the signed
+    /// component. Lengths and signed components are homogeneous functions of the deviation, so that
+    /// Newton's iteration converges even from points much farther away.
     pub fn distance<T: Scalar>(&self, y: &[T]) -> T {
         if let [row] = &self.ball[..] {
             return dot(row, y);
@@ -93,12 +99,12 @@ impl Frame {
         square.fold(T::zero(), |sum, part| sum + part * part).sqrt()
     }
 
-    /// The number of entries of `Z`.
+    /// Returns the number of entries of the matrix `Z`.
     pub fn coordinates(&self) -> usize {
         self.basis.len() * self.complement.len()
     }
 
-    /// Computes `L y`, with `L = Cᵀ + Z Bᵀ`.
+    /// Computes `L y` for a deviation `y`, with `L = Cᵀ + Z Bᵀ`.
     pub fn project<T: Scalar>(&self, z: &[T], y: &[T]) -> Vec<T> {
         let along = |column: &Vec<f64>| dot(column, y);
         let within: Vec<T> = self.basis.iter().map(along).collect();
@@ -109,7 +115,8 @@ impl Frame {
         across.map(sum).collect()
     }
 
-    /// Computes `L A N`, with `N = B − C Z`, and writes it into `out`; `A` is given by its columns.
+    /// Computes `L A N` for a matrix `A` given by its columns, with `N = B − C Z`, and writes it
+    /// into `out`.
     pub fn invariance<T: Scalar>(&self, z: &[T], matrix: &[T], out: &mut [T]) {
         let (n, k) = (self.basis[0].len(), self.basis.len());
         for (j, basis) in self.basis.iter().enumerate() {
@@ -127,8 +134,9 @@ impl Frame {
     }
 }
 
-/// Computes the rows of the matrix `(Bᵀ V)⁻¹ Bᵀ`, which gives the components along vectors `V` in the
-/// span of an orthonormal basis `B`. `None` if the vectors are dependent.
+/// Computes the rows of the matrix `(Bᵀ V)⁻¹ Bᵀ`, which gives the components of a vector along the
+/// columns of `V`, which lie in the span of an orthonormal basis `B`. Returns `None` if the columns
+/// of `V` are linearly dependent.
 fn components(basis: &[Vec<f64>], vectors: &[Vec<f64>]) -> Option<Vec<Vec<f64>>> {
     let (n, k) = (basis.first()?.len(), basis.len());
     let matrix = |columns: &[Vec<f64>]| DMatrix::from_fn(n, columns.len(), |i, j| columns[j][i]);
@@ -142,7 +150,8 @@ fn dot<T: Scalar>(column: &[f64], y: &[T]) -> T {
     column.iter().zip(y).fold(T::zero(), |sum, (c, y)| sum + *y * *c)
 }
 
-/// Computes the field at a place and its Jacobian by columns, in units of the extents and of the rate.
+/// Computes the vector field at a state, and its Jacobian by columns, in units of the extents and of
+/// the rate.
 pub(super) fn jacobian<T: Scalar>(
     field: &impl FieldIn<T>,
     x: &[T],
@@ -161,7 +170,7 @@ pub(super) fn jacobian<T: Scalar>(
     (f, columns)
 }
 
-/// Computes the field at a place and its Jacobian, column by column.
+/// Computes the vector field at a state, and its Jacobian column by column.
 fn slopes<T: Scalar>(field: &impl FieldIn<T>, x: &[T], q: &[T]) -> (Vec<T>, Vec<T>) {
     let (n, zero) = (x.len(), Wide::of(T::zero()));
     let q: Vec<Wide<T>> = q.iter().map(|q| Wide::of(*q)).collect();
@@ -181,10 +190,12 @@ fn slopes<T: Scalar>(field: &impl FieldIn<T>, x: &[T], q: &[T]) -> (Vec<T>, Vec<
 }
 
 impl Saddle {
-    /// Finds an equilibrium by Newton's iteration from a place, with its invariant subspaces.
+    /// Finds an equilibrium by Newton's iteration from a given state, and computes its invariant
+    /// subspaces.
     ///
     /// # Errors
-    /// [`Failure::Mismatch`] if there is no nearby equilibrium, or if it is not a hyperbolic saddle.
+    /// [`Failure::Mismatch`] if no equilibrium is near the given state, or if the equilibrium is
+    /// not a hyperbolic saddle.
     pub fn near(
         field: &impl FieldIn<f64>,
         place: &[f64],
@@ -260,22 +271,23 @@ impl Saddle {
         Ok(saddle)
     }
 
-    /// The number of states.
+    /// Returns the number of states.
     pub fn dimension(&self) -> usize {
         self.place.len()
     }
 
-    /// Computes the leading eigenvalues of a Jacobian near the reference.
+    /// Computes the leading eigenvalues of a Jacobian that is close to the Jacobian of the
+    /// reference equilibrium.
     pub fn leading<'m, T: Scalar>(&self, matrix: &'m [T]) -> Option<Leading<'m, T>> {
         Leading::new(matrix, self.dimension(), self.outgoing.basis.len())
     }
 
-    /// The deviation of a state, in units of the extents.
+    /// Returns the deviation of a state from the equilibrium, in units of the extents.
     pub fn deviation(&self, x: &[f64]) -> Vec<f64> {
         x.iter().zip(&self.place).zip(&self.sizes).map(|((x, at), size)| (x - at) / size).collect()
     }
 
-    /// The distance of a state from the equilibrium.
+    /// Returns the distance of a state from the equilibrium, in units of the extents.
     pub fn distance(&self, x: &[f64]) -> f64 {
         self.deviation(x).iter().map(|y| y * y).sum::<f64>().sqrt()
     }

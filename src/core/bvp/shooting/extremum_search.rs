@@ -7,26 +7,26 @@ use crate::core::problem::{FieldIn, Observable, Opposite, WatchIn};
 use crate::core::scalar::Scalar;
 use std::ops::ControlFlow;
 
-/// The search for extrema of monitored functions along an interval; `visit` is called with function,
-/// place and value.
+/// The search for extrema of monitored functions along an interval; calls `visit` with the
+/// function's number, the position in the interval, and the function's value.
 pub(super) struct ExtremumSearch<'a> {
     pub functions: MonitoredFunctions<'a>,
     pub observers: &'a mut Observers,
     pub visit: &'a mut dyn FnMut(usize, f64, f64),
 }
 
-/// One observer for each monitored function.
+/// One observer of extrema for each monitored function.
 #[derive(Default)]
 pub(super) struct Observers {
     extrema: Vec<Extrema<f64>>,
     rises: Vec<Roots<f64>>,
     step: RealStep,
-    /// The state at a crossing.
+    /// The states at an upward crossing.
     x: Vec<f64>,
 }
 
 impl ExtremumSearch<'_> {
-    /// Begins a new flow.
+    /// Begins the search along a new flow.
     pub fn begin(&mut self) {
         let Observers { extrema, rises, step, .. } = &mut *self.observers;
         // Unused observers keep their buffers.
@@ -37,14 +37,14 @@ impl ExtremumSearch<'_> {
         step.restart();
     }
 
-    /// Visits an end of the interval with the states `x`.
+    /// Visits the monitored functions at an end of the interval with the states `x`.
     pub fn end(&mut self, interval: &Interval<f64>, place: f64, x: &[f64]) {
         for (k, &observable) in self.functions.extrema.iter().enumerate() {
             (self.visit)(k, place, value_at(interval, observable, place, x));
         }
     }
 
-    /// Visits extrema and crossings in a step of the flow of real numbers.
+    /// Visits the extrema and upward crossings in one step of a flow of real numbers.
     pub fn real<F: FieldIn<f64>>(
         &mut self,
         interval: &Interval<f64>,
@@ -72,8 +72,8 @@ impl ExtremumSearch<'_> {
         ControlFlow::Continue(())
     }
 
-    /// Visits extrema and crossings in a step of dual numbers of an explicit method, unless the
-    /// ends of the step exclude both.
+    /// Visits the extrema and upward crossings in one step of an explicit method for dual numbers;
+    /// the search is skipped if the values at the ends of the step exclude both.
     pub fn dual<F: FieldIn<T>, T: Scalar>(
         &mut self,
         interval: &Interval<f64>,
@@ -96,13 +96,13 @@ impl ExtremumSearch<'_> {
     }
 }
 
-/// Computes the value of a monitored function at a place of an interval with the states `x`.
+/// Computes the value of a monitored function at a point of an interval with the states `x`.
 fn value_at(interval: &Interval<f64>, observable: Observable, place: f64, x: &[f64]) -> f64 {
     let (start, length) = interval.times();
     interval.watching(observable).value_in(start + place * length, x, interval.q)
 }
 
-/// The `k`-th function whose extrema are monitored.
+/// Returns the `k`-th function whose extrema are monitored.
 fn extremum<'a>(
     functions: MonitoredFunctions,
     interval: &Interval<'a, f64>,

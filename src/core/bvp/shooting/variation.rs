@@ -9,12 +9,12 @@ use crate::core::linalg::refill;
 use crate::core::ode::{Flow, Settings};
 use crate::core::scalar::{DualChunk, seeded};
 
-/// A flow with derivatives in `N` directions.
+/// A flow of dual numbers with derivatives in `N` directions.
 pub(super) struct Variation<const N: usize> {
     flow: Flow<DualChunk<f64, N>>,
     x: Vec<DualChunk<f64, N>>,
     q: Vec<DualChunk<f64, N>>,
-    /// The real parts at the end of the interval.
+    /// The real parts of the states at the end of the interval.
     end: Vec<f64>,
 }
 
@@ -30,8 +30,8 @@ impl<const N: usize> Variation<N>
 where
     DualChunk<f64, N>: Number,
 {
-    /// Computes the end of the flow and its derivatives with respect to the directions from `first`
-    /// on: the left states, then the active numbers.
+    /// Computes the end of the flow and its derivatives in the directions from `first` on; the
+    /// directions are the states at the left end, then the active entries of `q`.
     pub fn linearise(
         &mut self,
         settings: Settings,

@@ -9,17 +9,18 @@ use crate::core::problem::FieldIn;
 use crate::core::system::Approach;
 use nalgebra::{DMatrix, DVector};
 
-/// (R) A matrix is singular in directions with singular values below this fraction of the largest
-/// one.
+/// (R) A matrix counts as singular in directions whose singular values are below this fraction of
+/// the largest singular value.
 const SINGULAR: f64 = 1e-13;
 
-/// (R) A state whose range is at most this fraction of its size is constant up to rounding errors,
-/// for example across an invariant surface; its extent is then this fraction.
+/// (R) A state whose range is at most this fraction of its size counts as constant up to rounding
+/// errors, for example the state across an invariant surface; the extent of such a state is this
+/// fraction of its size.
 const ROUNDING: f64 = 1e-10;
 
 impl Solutions {
     /// Estimates the distance of a cycle with a free period from the nearest equilibrium, by one
-    /// Newton correction from each node, and the extents of the states.
+    /// Newton correction from each node, and returns it with the extents of the states.
     pub fn approach(&mut self, x: &[f64]) -> Option<Approach> {
         self.free_period(x)?;
         self.load(x);
@@ -49,7 +50,7 @@ impl Solutions {
         distance.is_finite().then_some(Approach { distance, extents })
     }
 
-    /// The range of each state of each segment, from parabolas through the nodes.
+    /// Returns the range of each state of each segment, from parabolas through the nodes.
     fn extents(&self) -> Vec<f64> {
         let Solutions { equations, plain, .. } = self;
         let (layout, places) = (&equations.layout, equations.method.places());
@@ -71,7 +72,7 @@ impl Solutions {
     }
 }
 
-/// The range of a function, given by samples.
+/// Returns the range of a function that is given by samples.
 fn extent(samples: &[(f64, f64)]) -> f64 {
     let turns = samples.windows(3).filter_map(|three| {
         let [before, value, after] = [0, 1, 2].map(|k| three[k].1);

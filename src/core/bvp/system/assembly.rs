@@ -1,5 +1,5 @@
-//! The assembled Jacobian in pieces: intervals, boundary conditions, and rows of integral and phase
-//! conditions.
+//! The assembled Jacobian in parts: interval equations, boundary conditions, and rows of integral
+//! and phase conditions.
 
 use super::discretisation::DiscretisedProblem;
 use super::layout::{UnknownLayout, span};
@@ -13,56 +13,60 @@ use crate::core::failure::{Failure, not_finite};
 use crate::core::linalg::Border;
 use crate::core::scalar::{CHUNK, Chunk};
 
-/// The Jacobian and the residual at the point assembled last.
+/// The Jacobian and the residual at the point that was assembled last.
 #[derive(Clone, Default)]
 pub(super) struct AssembledJacobian {
     /// The residual, in the order of the equations.
     pub residual: Vec<f64>,
-    /// Derivatives of the interval equations: per interval of a segment, `m·n` rows of `(m + 1)·n`
-    /// entries.
+    /// The derivatives of the interval equations with respect to the values at nodes: for each
+    /// interval of a segment, `m·n` rows of `(m + 1)·n` entries.
     pub blocks: Vec<Vec<f64>>,
-    /// The derivatives with respect to the active numbers: for each segment, one row for each
-    /// equation of its intervals.
+    /// The derivatives of the interval equations with respect to the active numbers: for each
+    /// segment, one row for each equation of its intervals.
     pub numbers: Vec<Vec<f64>>,
-    /// The derivatives of the boundary conditions, one row for each condition: by the states at the
-    /// starts of all segments, then at the ends, then by the active numbers. The conditions of cycles
-    /// are in [`joints`](super::joints).
+    /// The derivatives of the boundary conditions, one row for each condition: first with respect
+    /// to the states at the starts of all segments, then to the states at the ends, then to the
+    /// active numbers. The derivatives of the conditions that connect the segments of cycles are in
+    /// [`joints`](super::joints).
     pub boundary: Vec<f64>,
-    /// The rows of the integral conditions and the phase condition by all values, node by node.
+    /// The derivatives of the integral conditions and the phase condition with respect to all
+    /// values at nodes, node by node.
     pub closing: Vec<f64>,
-    /// The rows of the integral conditions and the phase condition by the active numbers.
+    /// The derivatives of the integral conditions and the phase condition with respect to the
+    /// active numbers.
     pub closing_numbers: Vec<f64>,
-    /// The active numbers, by which derivatives are taken: all numbers of the segments except
-    /// parameters, then the parameters in the order of their use.
+    /// The active numbers, with respect to which derivatives are computed: all numbers of the
+    /// segments except parameters, then the parameters in the order of their use.
     pub active: Vec<usize>,
-    /// The number of points since each active parameter was last used.
+    /// For each active parameter, the number of points since its derivative was last used.
     pub idle: Vec<usize>,
     /// Typical sizes of the states at the starts of all segments, of the states at the ends, and of
-    /// the extra unknowns; empty if all are 1.
+    /// the extra unknowns; empty if all sizes are 1.
     pub units: Vec<f64>,
-    /// Scratch space for the states at the ends.
+    /// Scratch space for the states at the ends of segments.
     pub ends: Vec<f64>,
-    /// The point assembled last; empty after a failure.
+    /// The point that was assembled last; empty after a failure.
     pub at: Vec<f64>,
-    /// Whether the error can exceed the error allowed at a solution.
+    /// Whether the error of the assembled equations can exceed the error allowed at a solution.
     pub rough: bool,
-    /// The number of assemblies.
+    /// The number of assemblies so far.
     pub count: usize,
-    /// Cancels assembly and factorisation.
+    /// The token that cancels assembly and factorisation.
     pub cancel: CancelToken,
 }
 
-/// The kind of linearisation that is factored.
+/// The form of the linearisation that is factored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Form {
     /// The Jacobian.
     Jacobian,
-    /// The Jacobian with integral and phase conditions replaced by zero extra unknowns: the
-    /// remainder of a periodic orbit's linearisation under other boundary conditions.
+    /// The Jacobian in which extra unknowns equal to zero replace the integral and phase
+    /// conditions; under other boundary conditions, this is the linearisation of a periodic orbit
+    /// without the directions of the extra unknowns.
     Twisted,
 }
 
-/// The assembled linearisation of a system, in a form, within a border.
+/// The assembled linearisation of a system in one form, extended by a border.
 #[derive(Clone, Copy)]
 pub(super) struct Bordered<'a> {
     pub layout: &'a UnknownLayout,
@@ -71,12 +75,14 @@ pub(super) struct Bordered<'a> {
     pub border: Border<'a>,
 }
 
-/// The number of points after which an unused parameter becomes inactive (H). Newton's method uses the
-/// derivative at every point, except in iterations with an old matrix.
+/// (H) The number of points after which an unused parameter becomes inactive. Newton's method uses the
+/// derivative with respect to an active parameter at every point, except in iterations with an old
+/// matrix.
 const MOST_IDLE: usize = 16;
 
 impl AssembledJacobian {
-    /// Makes a parameter active: its derivative is assembled from now on.
+    /// Makes a parameter active: from now on, the derivative with respect to this parameter is
+    /// assembled.
     pub fn activate(&mut self, parameter: usize) {
         let k = self.active.iter().position(|active| *active == parameter).unwrap_or_else(|| {
             self.active.push(parameter);
@@ -87,8 +93,8 @@ impl AssembledJacobian {
         self.idle[k] = 0;
     }
 
-    /// Prepares the assembly at another point. Parameters beyond the problem's `own` numbers that were
-    /// not used recently become inactive.
+    /// Prepares the assembly at another point `x`. Parameters after the first `own` active numbers
+    /// become inactive if they were not used recently.
     pub fn drop_idle(&mut self, own: usize) {
         self.idle.resize(self.active.len(), 0);
         for k in (own..self.active.len()).rev() {
@@ -100,7 +106,7 @@ impl AssembledJacobian {
         }
     }
 
-    /// Resizes the buffers for a layout and the active numbers.
+    /// Resizes the buffers for a layout and its active numbers.
     pub fn resize(&mut self, equations: &DiscretisedProblem) {
         let (layout, active) = (&equations.layout, self.active.len());
         self.residual.resize(layout.dimension, 0.0);
@@ -120,7 +126,7 @@ impl AssembledJacobian {
         self.closing_numbers.resize(layout.closing() * active, 0.0);
     }
 
-    /// Assembles at `x`, which must be loaded in `work`.
+    /// Assembles residual and Jacobian at `x`, which must be loaded in `work`.
     pub fn assemble(
         &mut self,
         (equations, phase): (&mut DiscretisedProblem, &Phase),
@@ -142,7 +148,8 @@ impl AssembledJacobian {
         self.check(equations, &work.q)
     }
 
-    /// Rearranges the sizes of all states and extra unknowns as sizes of the condensed unknowns.
+    /// Rearranges the typical sizes of all states and extra unknowns as sizes of the condensed
+    /// unknowns.
     fn arrange_units(&mut self, layout: &UnknownLayout) {
         let Some(last) = self.units.last().copied() else { return };
         let states = match layout.cycle {
@@ -272,7 +279,7 @@ impl AssembledJacobian {
         Ok(())
     }
 
-    /// The derivative of all equations by an active parameter.
+    /// Writes the derivative of all equations with respect to an active parameter.
     pub fn column(&self, layout: &UnknownLayout, number: usize, out: &mut [f64]) {
         let active = self.active.len();
         let Some(k) = self.active.iter().position(|a| *a == number) else { return };
@@ -293,7 +300,7 @@ impl AssembledJacobian {
         closing.zip(rows).for_each(|(out, row)| *out = row[k]);
     }
 
-    /// The largest growth of deviations over an interval.
+    /// Returns the largest growth of deviations over an interval.
     pub fn growth(&self, equations: &DiscretisedProblem) -> f64 {
         let (method, layout) = (&equations.method, &equations.layout);
         let segments = layout.segments.iter().zip(&self.blocks);
@@ -306,7 +313,8 @@ impl AssembledJacobian {
         intervals.fold(1.0, f64::max)
     }
 
-    /// Returns an error, with its equation, for an entry that is not finite.
+    /// Returns an error that names the equation if an entry of the Jacobian or the residual is not
+    /// finite.
     fn check(&self, equations: &DiscretisedProblem, q: &[f64]) -> Result<(), Failure> {
         equations.check(&self.residual, q)?;
         let layout = &equations.layout;

@@ -1,13 +1,13 @@
-//! Transfer of vectors from one mesh to another.
+//! Transfer of solution vectors from one mesh to another.
 
 use super::discretisation::DiscretisedProblem;
 use super::layout::span;
 use crate::core::bvp::mesh::Mesh;
 use crate::core::numerics::lagrange;
 
-/// Interpolates vectors from the meshes of `equations` onto others, possibly with other numbers of
-/// intervals; components after the values at nodes are unchanged. The interpolation weights are the
-/// same for all states and vectors.
+/// Interpolates vectors from the meshes of `equations` onto other meshes, which can have other
+/// numbers of intervals; components after the values at nodes are unchanged. The interpolation
+/// weights are the same for all states and vectors.
 pub(super) fn remesh(equations: &DiscretisedProblem, meshes: &[Mesh], vectors: &mut [Vec<f64>]) {
     let (m, places) = (equations.layout.degree, equations.method.places());
     let before = vectors.to_vec();

@@ -12,18 +12,20 @@ use crate::core::numerics::node_weights;
 use crate::core::problem::FieldIn;
 use crate::core::system::Solution;
 
-/// The number of phases tried before the best one is refined (H).
+/// (H) The number of phases that are tried before the best phase is refined.
 const PHASES: usize = 64;
 
-/// Oscillations with a smaller correlation than this have different shapes (H).
+/// (H) Two oscillations have different shapes if the absolute value of their correlation is smaller
+/// than this.
 const ALIKE: f64 = 0.9;
 
-/// States that oscillate by less than this, relative to the largest value of any state, are at rest
-/// (D).
+/// (D) A state counts as constant if its oscillation, relative to the largest value of any state,
+/// is smaller than this.
 const STILL: f64 = 1e-9;
 
 impl Solutions {
-    /// The amplitude about the mean, relative to the amplitude of the last accepted cycle.
+    /// Computes the amplitude of a cycle about its mean, relative to the amplitude of the last
+    /// accepted cycle.
     pub fn amplitude(&self, x: &[f64]) -> Option<f64> {
         let layout = &self.equations.layout;
         if !(layout.phase && layout.closes()) || self.phase.reference.len() != x.len() {
@@ -56,15 +58,16 @@ impl Solutions {
         Some(signed(sums))
     }
 
-    /// The amplitude of a cycle in single shooting, from its motion at the start: both nodes have
-    /// the same state. The phase condition keeps the start on a line through the equilibrium.
+    /// Computes the amplitude of a cycle that is discretised by single shooting, from the vector
+    /// field at its start, because both nodes have the same state. The phase condition keeps the
+    /// start of the cycle on a line through the equilibrium.
     fn amplitude_of_motion(&self, x: &[f64]) -> f64 {
         let [own, reference] = [x, &self.phase.reference].map(|x| first_motion(&self.equations, x));
         let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum();
         signed([product(&own, &reference), product(&reference, &reference), product(&own, &own)])
     }
 
-    /// The period; `None` if a forcing prescribes it.
+    /// Returns the period of a cycle; `None` if a forcing prescribes the period.
     pub fn free_period(&self, x: &[f64]) -> Option<f64> {
         let layout = &self.equations.layout;
         if !layout.phase && layout.cycle != Some(false) {
@@ -76,7 +79,8 @@ impl Solutions {
         Some(self.equations.duration(&numbers, |_| true))
     }
 
-    /// A saved solution on the current meshes, in each phase in which a branch can meet it.
+    /// Returns a saved solution on the current meshes, once for each phase with which a branch can
+    /// contain the solution.
     pub fn images(&self, solution: &Solution, near: &[f64]) -> Result<Vec<Vec<f64>>, Failure> {
         let (equations, layout) = (&self.equations, &self.equations.layout);
         let (method, meshes) = discretisation_of(equations, solution)?;
@@ -104,7 +108,7 @@ impl Solutions {
     }
 }
 
-/// The motion at the start of the first segment.
+/// Returns the vector field at the start of the first segment.
 fn first_motion(equations: &DiscretisedProblem, x: &[f64]) -> Vec<f64> {
     let (layout, s) = (&equations.layout, &equations.layout.segments[0]);
     let start: Vec<f64> = (0..s.states).map(|i| x[s.values + i * s.nodes]).collect();
@@ -115,10 +119,11 @@ fn first_motion(equations: &DiscretisedProblem, x: &[f64]) -> Vec<f64> {
     motion
 }
 
-/// The amplitude of an oscillation relative to another one, from their inner product, the square of
-/// the other one and the square of its own. Beyond an equilibrium the oscillation has the opposite
-/// sign, which the correlation detects. The amplitude is the oscillation's own size, since the product
-/// also vanishes when the phase turns.
+/// Returns the signed amplitude of an oscillation relative to a reference oscillation, from the
+/// inner product of both, the square of the reference, and the square of the oscillation. When a
+/// branch of cycles passes an equilibrium, the sign of the oscillation changes, which the
+/// correlation detects. The absolute value of the amplitude comes from the oscillation's own size,
+/// because the inner product also vanishes when the phase turns.
 fn signed([product, whole, own]: [f64; 3]) -> f64 {
     if whole == 0.0 {
         return 0.0;
@@ -131,7 +136,7 @@ fn signed([product, whole, own]: [f64; 3]) -> f64 {
 /// A saved solution on its own meshes.
 struct Saved {
     equations: DiscretisedProblem,
-    /// The buffers into which the solution is loaded.
+    /// The buffers into which the saved solution is loaded.
     work: Work<f64>,
     extras: Vec<f64>,
     parameters: Vec<f64>,
@@ -147,20 +152,20 @@ impl Saved {
         Ok(Saved { equations, work, extras, parameters: p.clone() })
     }
 
-    /// The extra unknowns of the solution when it begins with a later segment, at a time close to
-    /// the extra unknowns `near`.
+    /// Returns the extra unknowns of the solution when it begins with a later segment, at a time
+    /// close to the extra unknowns `near`.
     fn rotated(&self, segments: usize, near: &[f64]) -> Option<Vec<f64>> {
         let q = [&self.parameters[..], &self.extras].concat();
         self.equations.problem.itineraries()?.rotated(segments, &q, near)
     }
 
-    /// The solution on other meshes, delayed by a shift.
+    /// Returns the solution on other meshes, delayed by a phase shift.
     fn shifted(&mut self, onto: &DiscretisedProblem, shift: f64) -> Result<Vec<f64>, Failure> {
         let extras = self.extras.clone();
         self.on(onto, &extras, (0, shift))
     }
 
-    /// The delay with which the cycle satisfies the phase condition best.
+    /// Returns the phase shift with which the cycle satisfies the phase condition best.
     fn best_phase(&mut self, of: &Solutions) -> Result<f64, Failure> {
         let (layout, reference) = (&of.equations.layout, &of.phase.reference);
         let width = self.equations.meshes[0].end() / PHASES as f64;
@@ -191,15 +196,15 @@ impl Saved {
         Ok(b)
     }
 
-    /// The left-hand side of the phase condition at a shift.
+    /// Returns the left-hand side of the phase condition at a phase shift.
     fn phase_at(&mut self, of: &Solutions, shift: f64) -> Result<f64, Failure> {
         let (z, layout) = (self.shifted(&of.equations, shift)?, &of.equations.layout);
         let nodes: Vec<f64> = layout.order.iter().map(|&k| z[k]).collect();
         Ok(of.phase.value(layout, &nodes))
     }
 
-    /// The solution on other meshes with other extra unknowns, beginning with a later segment or
-    /// delayed by a shift.
+    /// Returns the solution on other meshes with other extra unknowns; the solution begins with a
+    /// later segment or is delayed by a phase shift.
     fn on(
         &mut self,
         onto: &DiscretisedProblem,
@@ -216,7 +221,8 @@ impl Saved {
     }
 }
 
-/// The weights of the values at the nodes of the first segment in an integral over its time.
+/// Returns the weights of the values at the nodes of the first segment in a quadrature over its
+/// time.
 fn time_weights(equations: &DiscretisedProblem) -> Vec<f64> {
     let (m, weights) = (equations.layout.degree, node_weights(equations.method.places()));
     let mesh: &Mesh = &equations.meshes[0];
@@ -228,14 +234,14 @@ fn time_weights(equations: &DiscretisedProblem) -> Vec<f64> {
     sums
 }
 
-/// Subtracts the mean from values.
+/// Subtracts their weighted mean from the values.
 fn about_mean(values: &[f64], weights: &[f64]) -> Vec<f64> {
     let whole: f64 = weights.iter().sum();
     let mean = values.iter().zip(weights).map(|(x, w)| x * w).sum::<f64>() / whole;
     values.iter().map(|x| x - mean).collect()
 }
 
-/// Reduces a time to one period.
+/// Reduces a time to one period, by subtracting whole periods.
 fn wrapped(tau: f64, period: f64) -> f64 {
     let tau = tau.rem_euclid(period);
     if tau < period { tau } else { 0.0 }

@@ -1,4 +1,4 @@
-//! Derivatives of the equations along directions, and their gradients.
+//! Directional derivatives of the equations, and gradients of directional derivatives.
 
 use super::discretisation::DiscretisedProblem;
 use super::joints::add_gradient_of_joints;
@@ -15,10 +15,11 @@ use crate::core::scalar::{CHUNK, Chunk, Directional, Jet, seeded};
 use crate::core::system::{Deviation, Expansion, mixed, moving, third};
 use num_dual::{Dual, Dual2, Dual64};
 
-/// Scratch space for derivatives of the equations, kept to avoid repeated allocation.
+/// Scratch space for derivatives of the equations, kept to avoid repeated allocations.
 pub(super) struct Derivatives {
     first: Work<Dual64>,
-    /// Created at the first use, like the next two fields: the numbers are large.
+    /// Buffers for second derivatives, created at their first use because they are large; the
+    /// fields `third` and `jets` are also created at their first use.
     second: Option<Work<Dual<Chunk>>>,
     third: Option<Work<Dual2<Chunk>>>,
     jets: Option<Work<Jet<ROOM>>>,
@@ -38,7 +39,8 @@ impl Derivatives {
         }
     }
 
-    /// Computes the derivative at `x` along one to three directions.
+    /// Computes the directional derivative of the equations at `x` along one, two or three
+    /// directions.
     pub fn along(
         &mut self,
         of: (&DiscretisedProblem, &Phase),
@@ -62,7 +64,7 @@ impl Derivatives {
         }
     }
 
-    /// Computes the Taylor coefficients of all left-hand sides, by the monomials of a space.
+    /// Computes the Taylor coefficients of all left-hand sides, one for each monomial of a space.
     pub fn expand(
         &mut self,
         (equations, phase): (&DiscretisedProblem, &Phase),
@@ -74,9 +76,10 @@ impl Derivatives {
         expansion.images(&work.r)
     }
 
-    /// The size of a deviation `d` from a solution, with the states integrated over all segments by
-    /// the method's own quadrature. In a cycle, nodes move with the events by `δt`, and the states at
-    /// a fixed time deviate by `δx − f δt`.
+    /// Returns the size of a deviation `d` from a solution; the states are integrated over all
+    /// segments by the method's own quadrature. In a cycle with events, a deviation shifts the
+    /// nodes in time by `δt` together with the events, and the states at a fixed time deviate by
+    /// `δx − f δt`.
     pub fn deviation(
         &mut self,
         equations: &DiscretisedProblem,
@@ -114,8 +117,8 @@ impl Derivatives {
         Ok(deviation)
     }
 
-    /// Adds the gradient of the first or second derivative along a direction of a weighted sum of all
-    /// left-hand sides to `out` (of the same length as `x`).
+    /// Considers a weighted sum of all left-hand sides, and adds the gradient of its first or second
+    /// derivative along a direction to `out` (of the same length as `x`).
     pub fn add_gradient(
         &mut self,
         equations: &DiscretisedProblem,
@@ -130,8 +133,8 @@ impl Derivatives {
     }
 }
 
-/// Adds the gradient of a derivative of a weighted sum of all left-hand sides to `out` (of the same
-/// length as `x`).
+/// Considers a weighted sum of all left-hand sides, and adds the gradient of a directional
+/// derivative of the sum to `out` (of the same length as `x`).
 fn add_gradient<T: Directional + Number>(
     equations: &DiscretisedProblem,
     weighted: &Weighted,
@@ -162,8 +165,8 @@ fn add_gradient<T: Directional + Number>(
     })
 }
 
-/// Adds the contribution of an interval: its equations are linear except for functions of few
-/// arguments each, which are combinations of the values at its nodes.
+/// Adds the contribution of an interval to a gradient: the interval's equations are linear except
+/// for functions with few arguments, which are combinations of the values at its nodes.
 fn add_gradient_inside<T: Directional + Number>(
     equations: &DiscretisedProblem,
     (s, j): (usize, usize),

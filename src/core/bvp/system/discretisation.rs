@@ -14,29 +14,29 @@ use crate::core::ode::{Flow, Settings};
 use std::convert::Infallible;
 use std::sync::Arc;
 
-/// The relative error allowed in gradients of conditions (H): gradients affect the convergence rate
-/// of Newton's iteration, not its limit.
+/// (H) The relative error allowed in gradients of conditions: gradients affect the convergence rate
+/// of Newton's iteration, but not its limit.
 const GRADIENT: f64 = 1e-8;
 
-/// A problem, a method, and a mesh for each segment.
+/// A discretised boundary-value problem: the problem, a method, and a mesh for each segment.
 ///
 /// The unknowns `z` are, for each segment and each state, a group of values at the segment's nodes
 /// (`N·m + 1` values for `N` intervals with `m` nodes beyond the first), then one scalar group for
-/// each extra.
+/// each extra unknown.
 pub struct DiscretisedProblem {
     pub(super) problem: ErasedProblem,
     pub(super) method: Method,
     pub(super) meshes: Vec<Mesh>,
     pub(super) layout: Arc<UnknownLayout>,
-    /// Whether an iteration towards a solution is in progress, which permits larger errors.
+    /// Whether a Newton iteration is in progress, which permits larger errors.
     pub(super) rough: bool,
     /// Whether gradients are as accurate as residuals.
     pub(super) exact_gradients: bool,
 }
 
-/// A solution given by its trajectories.
+/// A solution that is given by its trajectories.
 pub(in crate::core) struct Known {
-    /// The problem with its numbers.
+    /// The problem that the solution solves.
     pub problem: ErasedProblem,
     pub q: Vec<f64>,
     /// The trajectory of each segment.
@@ -54,7 +54,7 @@ impl DiscretisedProblem {
         Ok(DiscretisedProblem { problem, method, meshes, layout, rough, exact_gradients })
     }
 
-    /// The same problem and method on other meshes.
+    /// Creates the discretisation of the same problem by the same method on other meshes.
     pub(super) fn on(&self, meshes: Vec<Mesh>) -> Result<Self, BoundaryError> {
         DiscretisedProblem::new(self.problem.clone(), self.method.clone(), meshes)
     }
@@ -69,8 +69,8 @@ impl DiscretisedProblem {
         &self.meshes
     }
 
-    /// Computes the unknowns `z` of given trajectories: `states` writes the states of a segment at a
-    /// time in units of the segment's duration.
+    /// Computes the unknowns `z` of given trajectories; the function `states` writes the states of
+    /// a segment at a time in units of the segment's duration.
     ///
     /// ```
     /// # use tangency::core::bvp::*;
@@ -121,15 +121,15 @@ impl DiscretisedProblem {
     /// Computes the unknowns `z` of trajectories that flow from the initial states of the segments.
     ///
     /// # Errors
-    /// [`Failure`] if a trajectory leaves the domain of its field.
+    /// [`Failure`] if a trajectory leaves the domain of its vector field.
     pub fn flowed(&self, starts: &[f64], extras: &[f64], p: &[f64]) -> Result<Vec<f64>, Failure> {
         let start = |s: &Segment| Trajectory::from(starts[s.ends..s.ends + s.states].to_vec());
         let known: Vec<_> = self.layout.segments.iter().map(start).collect();
         self.filled(&known, extras, p)
     }
 
-    /// Computes the unknowns `z` of trajectories that are known at nodes, by the implicit method if
-    /// the field is stiff.
+    /// Computes the unknowns `z` of trajectories that are known only at nodes; stiff vector fields
+    /// are integrated by the implicit method.
     pub(super) fn filled(
         &self,
         known: &[Trajectory],
@@ -180,7 +180,7 @@ impl DiscretisedProblem {
     }
 
     /// Writes typical sizes of the states of all segments, then of the extra unknowns, into
-    /// `scales`; empty if all are 1.
+    /// `scales`; `scales` is empty if all sizes are 1.
     pub(super) fn unknown_scales(&self, q: &[f64], scales: &mut Vec<f64>) {
         let UnknownLayout { segments, extras, parameters, states, .. } = &*self.layout;
         scales.clear();
@@ -198,7 +198,8 @@ impl DiscretisedProblem {
         }
     }
 
-    /// An interval of a segment, from the values at all nodes and the numbers of all segments.
+    /// Returns an interval of a segment, given the values at all nodes and the numbers of all
+    /// segments.
     pub(super) fn interval<'a, T>(
         &'a self,
         (segment, interval): (usize, usize),
@@ -209,7 +210,7 @@ impl DiscretisedProblem {
         self.alone((segment, interval), nodes, &numbers[self.layout.local(segment)])
     }
 
-    /// An interval of a segment with values at its nodes, and the segment's numbers.
+    /// Returns an interval of a segment, given the values at its nodes and the segment's numbers.
     pub(super) fn alone<'a, T>(
         &'a self,
         (segment, interval): (usize, usize),
@@ -219,8 +220,8 @@ impl DiscretisedProblem {
         Interval { problem: &*self.problem, span: self.span(segment, interval), nodes, q }
     }
 
-    /// Computes the left-hand sides of the boundary conditions; `ends` holds the states at the starts
-    /// of all segments, then those at the ends.
+    /// Computes the left-hand sides of the boundary conditions; `ends` contains the states at the
+    /// starts of all segments, then the states at the ends of all segments.
     pub(super) fn boundary<T: Number>(&self, ends: &[T], q: &[T], b: &mut [T]) {
         let (layout, problem) = (&self.layout, T::residual(&*self.problem));
         let (start, end) = ends.split_at(layout.states);
@@ -263,12 +264,12 @@ impl DiscretisedProblem {
         })
     }
 
-    /// The duration of a segment with the numbers `q`.
+    /// Returns the duration of a segment with the numbers `q`.
     pub(super) fn duration_of<T: Number>(&self, segment: usize, q: &[T]) -> T {
         T::residual(&*self.problem).duration_in(segment, q)
     }
 
-    /// The total duration of some segments, from the numbers of all segments.
+    /// Returns the total duration of the selected segments, from the numbers of all segments.
     pub(super) fn duration<T: Number>(&self, numbers: &[T], counts: impl Fn(usize) -> bool) -> T {
         let all = self.meshes.iter().enumerate().filter(|(s, _)| counts(*s));
         let of = |(s, mesh): (usize, &Mesh)| {
@@ -277,7 +278,8 @@ impl DiscretisedProblem {
         all.map(of).fold(T::zero(), |sum, duration| sum + duration)
     }
 
-    /// Computes the states of a segment at a time in units of its duration, loaded in `work`.
+    /// Computes the states of a segment of the solution loaded in `work`, at a time in units of the
+    /// segment's duration.
     pub(super) fn value(
         &self,
         work: &mut Work<f64>,
@@ -290,8 +292,8 @@ impl DiscretisedProblem {
         self.method.value(interval, place, &mut work.local.method, out)
     }
 
-    /// Collects the values at all nodes, given for each segment and time in units of its duration,
-    /// and appends further values.
+    /// Collects the states at all nodes, computed from the segment and the time in units of its
+    /// duration, and appends further values.
     pub(super) fn at_nodes<E>(
         &self,
         others: &[f64],
@@ -310,7 +312,7 @@ impl DiscretisedProblem {
         Ok(z)
     }
 
-    /// Transfers `x = (z, p)` to the nodes of another discretisation.
+    /// Transfers a solution `x = (z, p)` to the nodes of another discretisation.
     pub(super) fn carried(
         &self,
         onto: &DiscretisedProblem,
@@ -322,8 +324,8 @@ impl DiscretisedProblem {
         onto.at_nodes(others, |segment, tau, out| self.value(&mut work, segment, tau, out))
     }
 
-    /// Converts a solution to trajectories, with the states at the starts of intervals: the problem
-    /// that it solves on meshes from 0 to 1, the trajectories, and the numbers `q`.
+    /// Converts a solution to the problem that it solves on meshes from 0 to 1, its trajectories
+    /// (with the states at the starts of intervals), and its numbers `q`.
     pub(in crate::core) fn trajectories_of(&self, z: &[f64], p: &[f64]) -> Known {
         let (layout, mut numbers) = (&self.layout, Vec::new());
         let q = [p, &z[layout.values()..]].concat();
@@ -350,7 +352,8 @@ impl DiscretisedProblem {
         Known { problem, trajectories, q }
     }
 
-    /// Computes a gradient, with the error [`GRADIENT`] unless exact gradients are required.
+    /// Computes a gradient; the relative error [`GRADIENT`] is allowed unless exact gradients are
+    /// required.
     pub(super) fn inexactly(
         &mut self,
         compute: impl FnOnce(&mut Self) -> Result<(), Failure>,
@@ -361,7 +364,7 @@ impl DiscretisedProblem {
         outcome
     }
 
-    /// Returns an error for a residual that is not finite.
+    /// Returns an error if an entry of the residual is not finite.
     pub(super) fn check(&self, residual: &[f64], q: &[f64]) -> Result<(), Failure> {
         match not_finite(residual) {
             Some(row) => Err(self.refusal(row, residual[row], q)),
@@ -369,7 +372,7 @@ impl DiscretisedProblem {
         }
     }
 
-    /// Creates the error for an equation that is not finite, or has a derivative that is not finite.
+    /// Creates the error for an equation whose value or derivative is not finite.
     pub(super) fn refusal(&self, row: usize, value: f64, q: &[f64]) -> Failure {
         let layout = &self.layout;
         if let Some(condition) = row.checked_sub(layout.conditions()) {
@@ -391,7 +394,7 @@ impl DiscretisedProblem {
         placed(self.not_finite(s, inside % segment.states, value), s, t)
     }
 
-    /// Creates the error for the equation of a state on a segment.
+    /// Creates the error for the equation of one state on a segment.
     pub(super) fn not_finite(&self, segment: usize, state: usize, value: f64) -> Failure {
         let names = self.problem.segments().swap_remove(segment);
         let name = names.get(state).map_or("", String::as_str);

@@ -3,11 +3,12 @@
 use super::discretisation::DiscretisedProblem;
 use crate::core::failure::Failure;
 
-/// (H) A segment of a trial solution lasts at most this multiple of the last solution: steps along a
-/// branch change durations by less, and diverging iterates would be very expensive.
+/// (H) The longest allowed duration of a segment of a trial solution, as a multiple of the last
+/// solution's duration: steps along a branch change durations by smaller factors, and diverging
+/// iterates would be very expensive.
 const ASTRAY: f64 = 10.0;
 
-/// The longest allowed duration of a segment.
+/// The longest allowed duration of a segment of a trial solution.
 #[derive(Clone, Copy)]
 pub(super) struct DurationBound(f64);
 
@@ -19,15 +20,15 @@ impl Default for DurationBound {
 }
 
 impl DurationBound {
-    /// Returns the bound on durations that follows from the last solution; `numbers` holds the
-    /// numbers of all its segments.
+    /// Returns the bound on durations that follows from the last solution; `numbers` contains the
+    /// numbers of all segments of this solution.
     pub fn behind(equations: &DiscretisedProblem, numbers: &[f64]) -> Self {
         let whole = equations.duration(numbers, |_| true).abs();
         if whole > 0.0 { DurationBound(ASTRAY * whole) } else { DurationBound::default() }
     }
 
-    /// Returns an error for a trial solution with a segment of excessive duration, or of duration
-    /// NaN.
+    /// Returns an error if a segment of a trial solution has an excessive duration, or a duration
+    /// that is NaN.
     pub fn check(self, equations: &DiscretisedProblem, numbers: &[f64]) -> Result<(), Failure> {
         let DurationBound(longest) = self;
         let segments = 0..equations.meshes.len();

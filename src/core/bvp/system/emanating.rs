@@ -1,5 +1,5 @@
-//! Cycles that emanate from equilibria at Hopf points, and cycles near points of codimension two at which
-//! curves of special cycles begin.
+//! Cycles that emanate from equilibria at Hopf points, and special cycles (folds and torus points) whose
+//! curves begin at points of codimension two.
 
 use super::discretisation::DiscretisedProblem;
 use super::rest::{Mode, Rest};
@@ -8,31 +8,32 @@ use crate::core::system::{Kind, Site, Solution, Start};
 use faer::c64;
 use std::f64::consts::TAU;
 
-/// (R) A product of normal form coefficients smaller than this, relative to its terms, is a rounding
-/// error.
+/// (R) A product of normal form coefficients counts as a rounding error if it is smaller than this
+/// fraction of its terms.
 const DEGENERATE: f64 = 1e-9;
 
-/// (H) On the first cycle of a curve the field differs from its linearisation by at most this fraction:
-/// higher terms of the normal form are powers of this fraction.
+/// (H) The largest relative difference between the vector field and its linearisation on the first
+/// cycle of a curve: higher terms of the normal form are powers of this fraction.
 const NONLINEAR: f64 = 0.1;
 
-/// (H) The largest number of halvings of the first amplitude.
+/// (H) The largest number of halvings of the amplitude of the first cycle.
 const HALVINGS: usize = 40;
 
 /// The start of a branch of cycles.
 pub(super) struct Emanating {
     pub start: Start,
-    /// The reference motion of the phase condition, in the order of `z`.
+    /// The reference motion of the phase condition, in the order of the unknowns `z`.
     pub motion: Vec<f64>,
 }
 
 /// The deviation `Re (v e^{2πiτ})` of small cycles from an equilibrium, where `v` is the eigenvector
 /// of a critical pair.
 struct Wave {
-    /// All unknowns: the period of the critical pair, and zero states.
+    /// The values of all unknowns: zero states, and the period of the critical pair.
     period: Vec<f64>,
     deviation: Vec<f64>,
-    /// The time derivative, up to a factor: the deviation a quarter of a period later.
+    /// The time derivative of the deviation, up to a factor, which equals the deviation a quarter
+    /// of a period later.
     motion: Vec<f64>,
 }
 
@@ -56,7 +57,7 @@ impl Wave {
         Wave { period, deviation, motion: shifted(0.25) }
     }
 
-    /// The deviation as a direction of all unknowns and parameters.
+    /// Returns the deviation as a direction in the space of all unknowns and parameters.
     fn direction(&self, parameters: usize) -> Vec<f64> {
         let mut direction = self.deviation.clone();
         direction.resize(self.deviation.len() + parameters, 0.0);
@@ -64,8 +65,9 @@ impl Wave {
     }
 }
 
-/// The orbit of zero amplitude at a Hopf point, `x* + ε Re(v e^{2πiτ})`, and its direction in `ε`: `v` is
-/// the eigenvector of the field's Jacobian with the eigenvalue `iω`, and the period is `2π/ω`.
+/// Returns the orbit of zero amplitude at a Hopf point, `x* + ε Re(v e^{2πiτ})`, and the direction of its
+/// branch in `ε`: `v` is the eigenvector of the vector field's Jacobian with the eigenvalue `iω`, and the
+/// period is `2π/ω`.
 pub(super) fn at_hopf(on: &DiscretisedProblem, solution: &Solution) -> Result<Emanating, Failure> {
     let rest = Rest::new(on, solution)?;
     let wave = Wave::new(on, &rest.critical_pair(solution.frequency)?);
@@ -76,11 +78,12 @@ pub(super) fn at_hopf(on: &DiscretisedProblem, solution: &Solution) -> Result<Em
     Ok(Emanating { start, motion: wave.motion })
 }
 
-/// A cycle near a generalised Hopf, a fold–Hopf or a double Hopf point, to first order in its amplitude:
-/// a guess at which a curve of folds or of torus points of cycles begins. The amplitude is a fraction of
-/// the size of the equilibrium, or less if the field is nonlinear at that distance. Newton's iteration
-/// corrects the cycle and the parameters, which differ from the parameters of the point by the square of
-/// the amplitude.
+/// Returns a cycle near a generalised Hopf, a fold–Hopf or a double Hopf point, to first order in its
+/// amplitude; this cycle is the guess at which a curve of folds or torus points of cycles begins. The
+/// amplitude of the cycle is a fraction of the size of the equilibrium, or smaller if the vector field
+/// is nonlinear at that distance. Newton's iteration corrects the cycle and the parameters, which differ
+/// from the parameters of the point of codimension two by an amount proportional to the square of the
+/// amplitude.
 pub(super) fn beside(
     on: &DiscretisedProblem,
     solution: &Solution,
@@ -123,8 +126,8 @@ pub(super) fn beside(
     Ok(Emanating { start, motion: wave.motion })
 }
 
-/// The amplitude of the first cycle: a fraction of the size of the equilibrium, halved until the field on
-/// the cycle is nearly linear.
+/// Returns the amplitude of the first cycle: a fraction of the size of the equilibrium, halved until the
+/// vector field on the cycle is nearly linear.
 fn amplitude_of(rest: &Rest, pair: &Mode, part: f64) -> f64 {
     let mut amplitude = part * rest.size();
     for _ in 0..HALVINGS {
@@ -136,8 +139,8 @@ fn amplitude_of(rest: &Rest, pair: &Mode, part: f64) -> f64 {
     amplitude
 }
 
-/// One of the two critical pairs of a double Hopf point, and the frequency of the other pair: the pair
-/// with the larger frequency is number 0.
+/// Returns one of the two critical pairs of a double Hopf point, and the frequency of the other pair;
+/// pair number 0 has the larger frequency.
 fn of_two_pairs(rest: &Rest, which: usize) -> Result<(Mode, f64), Failure> {
     let mut pairs: [Mode; 2] = rest.critical_pairs(None)?;
     pairs.sort_by(|a, b| b.value.im.total_cmp(&a.value.im));
@@ -152,12 +155,12 @@ fn of_two_pairs(rest: &Rest, which: usize) -> Result<(Mode, f64), Failure> {
     }
 }
 
-/// The angle of the critical Floquet multipliers of the cycles near a fold–Hopf point that have this
-/// amplitude. With `v' = β₁ + G₀₁₁ |z|² + …`, `z' = (β₂ + iω + G₁₁₀ v + …) z`, deviations from the cycle
-/// `v = 0`, `|z| = ρ` rotate with the frequency `ρ √(−2 G₀₁₁ Re G₁₁₀)`.
+/// Returns the angle of the critical Floquet multipliers of the cycle that has the given amplitude near
+/// a fold–Hopf point. With `v' = β₁ + G₀₁₁ |z|² + …`, `z' = (β₂ + iω + G₁₁₀ v + …) z`, deviations from
+/// the cycle `v = 0`, `|z| = ρ` rotate with the frequency `ρ √(−2 G₀₁₁ Re G₁₁₀)`.
 ///
 /// # Errors
-/// [`Failure::Mismatch`] if the deviations do not rotate.
+/// [`Failure::Mismatch`] if the deviations from the cycle do not rotate.
 fn angle_beside_fold(rest: &Rest, pair: &Mode, amplitude: f64) -> Result<f64, Failure> {
     let zero = rest.zero()?;
     let dot = |p: &[c64], f: &[c64]| -> c64 { p.iter().zip(f).map(|(p, f)| p * f).sum() };

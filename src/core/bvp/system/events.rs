@@ -1,4 +1,4 @@
-//! Orbits with events: the methods of boundary-value systems whose problem has itineraries.
+//! Orbits with events: the methods of boundary-value systems whose problems have itineraries.
 
 use super::BoundarySystem;
 use super::discretisation::{DiscretisedProblem, Known};
@@ -12,7 +12,7 @@ use crate::core::bvp::terms::Ends;
 use crate::core::failure::Failure;
 use crate::core::system::{Across, Emanating, Jump, Limit, OrbitEvents};
 
-/// Loads a solution with the states at the ends of its segments.
+/// Loads a solution, including the states at the ends of its segments.
 fn gathered(layout: &UnknownLayout, x: &[f64]) -> Work<f64> {
     let mut work = Work::new(layout);
     work.load(layout, |i| x[i]);
@@ -25,7 +25,7 @@ fn ends_in<'w>(layout: &UnknownLayout, work: &'w Work<f64>) -> Ends<'w, f64> {
     Ends { start, end }
 }
 
-/// Computes the solution on the other side of a limit, and its system.
+/// Computes the solution on the other side of a limit, and the system that it solves.
 fn beside(solutions: &Solutions, x: &[f64], passes: bool) -> Result<Option<Beside>, Failure> {
     let equations = &solutions.equations;
     let (z, p) = x.split_at(equations.layout.dimension);
@@ -39,8 +39,8 @@ fn beside(solutions: &Solutions, x: &[f64], passes: bool) -> Result<Option<Besid
     Ok(Some(Beside { at: x.to_vec(), system: Box::new(system), x: x_there, passes }))
 }
 
-/// Creates the system of another problem by the same method, with the largest present number of
-/// intervals on each segment, and its solution guessed by trajectories.
+/// Creates the system of another problem with the same method and, on each segment, the largest
+/// present number of intervals; its solution is guessed from trajectories.
 fn discretised_alike(
     like: &DiscretisedProblem,
     guess: Guess<ErasedProblem>,
@@ -73,7 +73,8 @@ impl OrbitEvents for Solutions {
         problem.itineraries()?.name_of_limit(monitor, &trajectories, &q)
     }
 
-    /// The result is computed once for each solution.
+    /// The solution on the other side of the limit is computed once and kept for later calls with
+    /// the same solution.
     fn across(&mut self, x: &[f64], passes: bool) -> Result<Option<Across<'_>>, Failure> {
         let known = |beside: &Beside| beside.at == x && beside.passes == passes;
         if !self.beside.as_ref().is_some_and(known) {

@@ -1,4 +1,5 @@
-//! The extremes of all monitored scalars along the segments, found in one pass over the intervals.
+//! The extrema of all monitored scalars along the segments, computed in one pass over the
+//! intervals.
 
 use super::layout::UnknownLayout;
 use crate::core::bvp::erased::Equations;
@@ -6,37 +7,39 @@ use crate::core::bvp::interval::MonitoredFunctions;
 use crate::core::bvp::terms::{Monitor, Watched};
 use crate::core::problem::{Extremes, Measure, Observable, Sighting, larger};
 
-/// A place on a segment.
+/// A position on a segment.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Place {
-    /// The interval of the mesh.
+    /// The index of the interval in the mesh.
     pub interval: usize,
-    /// The place in the interval, from 0 to 1.
+    /// The position in the interval, from 0 to 1.
     pub place: f64,
 }
 
-/// (D) Changes of a scalar smaller than this fraction of the mesh error do not count: near a start or
-/// end tangent to a surface, rounding errors and polynomials cause spurious minima, shallower than
-/// the error elsewhere.
+/// (D) Changes of a scalar smaller than this fraction of the mesh error do not count: if a segment
+/// starts or ends tangentially to a surface, rounding errors and interpolation cause spurious minima
+/// that are shallower than the error elsewhere.
 const FALSE_DIPS: f64 = 1e-3;
 
 /// The monitored scalars of one segment.
 #[derive(Clone, Default)]
 struct OnSegment {
-    /// The scalars whose extremes are monitored.
+    /// The scalars whose extrema are monitored.
     watched: Vec<Observable>,
-    /// The typical sizes of these scalars.
+    /// The typical sizes of the scalars whose extrema are monitored.
     scales: Vec<f64>,
-    /// The extremes of these scalars.
+    /// The extrema of the monitored scalars.
     extremes: Vec<Extremes<Place>>,
-    /// The pairs of scalars with the first one's upward zero crossings.
+    /// The pairs of scalars: the second scalar is evaluated at the upward zero crossings of the
+    /// first.
     rises: Vec<[Observable; 2]>,
-    /// For each pair, the crossing with the largest value of the second scalar, and that value.
+    /// For each pair, the position of the upward crossing with the largest value of the second
+    /// scalar, and this value.
     risen: Vec<Option<Sighting<Place>>>,
 }
 
 impl OnSegment {
-    /// Adds a scalar whose extremes are monitored.
+    /// Adds a scalar whose extrema are monitored.
     fn watch(&mut self, observable: Observable) {
         if !self.watched.contains(&observable) {
             self.watched.push(observable);
@@ -46,18 +49,18 @@ impl OnSegment {
     }
 }
 
-/// The extremes and crossings for all monitors.
+/// The extrema and upward crossings for all monitors.
 #[derive(Default)]
 pub(super) struct MonitoredExtremes {
     segments: Vec<OnSegment>,
-    /// The values at the nodes and the numbers at which the extremes were computed.
+    /// The values at the nodes, and the numbers `q`, for which the extrema were computed.
     at: Vec<f64>,
-    /// Whether the extremes were computed with a larger error than the method's own.
+    /// Whether the extrema were computed with a larger error than the method's own error.
     rough: bool,
 }
 
 impl MonitoredExtremes {
-    /// Creates empty extremes for these monitors.
+    /// Creates empty extrema for a list of monitors.
     pub fn of(monitors: &[Monitor], layout: &UnknownLayout) -> Self {
         let mut segments = vec![OnSegment::default(); layout.segments.len()];
         for monitor in monitors {
@@ -74,25 +77,27 @@ impl MonitoredExtremes {
         MonitoredExtremes { segments, ..MonitoredExtremes::default() }
     }
 
-    /// The upward zero crossing of a scalar on its segment with the largest value of another scalar.
+    /// Returns the upward zero crossing of a scalar on its segment at which another scalar has its
+    /// largest value.
     pub fn risen(&self, through: Watched, value: Observable) -> Option<Sighting<Place>> {
         let OnSegment { rises, risen, .. } = &self.segments[through.segment];
         let position = rises.iter().position(|rise| *rise == [through.observable, value])?;
         risen[position]
     }
 
-    /// The extremes of a monitored scalar.
+    /// Returns the extrema of a monitored scalar.
     pub fn of_scalar(&self, of: Watched) -> Option<&Extremes<Place>> {
         let OnSegment { watched, extremes, .. } = &self.segments[of.segment];
         watched.iter().position(|observable| *observable == of.observable).map(|k| &extremes[k])
     }
 
-    /// Whether the extremes are known at these values and numbers; `rough` accepts rough ones.
+    /// Whether the extrema are known for these values at nodes and numbers `q`; `rough` also
+    /// accepts extrema with a larger error.
     pub fn known(&self, nodes: &[f64], q: &[f64], rough: bool) -> bool {
         (rough || !self.rough) && self.at.iter().eq(nodes.iter().chain(q))
     }
 
-    /// Starts the evaluation of a solution with the numbers `q` and this mesh error.
+    /// Starts the evaluation of a solution with the numbers `q` and the given mesh error.
     pub fn begin(&mut self, problem: &dyn Equations, q: &[f64], mesh_error: f64) {
         for (segment, on) in self.segments.iter_mut().enumerate() {
             for (k, &observable) in on.watched.iter().enumerate() {
@@ -115,8 +120,8 @@ impl MonitoredExtremes {
         self.rough = rough;
     }
 
-    /// The monitored functions of a segment, and a function that records the extrema and crossings of
-    /// an interval, by number.
+    /// Returns the monitored functions of a segment, and a function that records the extrema and
+    /// crossings of an interval by the function's number.
     pub fn visitor(
         &mut self,
         segment: usize,
@@ -137,7 +142,8 @@ impl MonitoredExtremes {
     }
 }
 
-/// Pairs of a scalar that crosses zero upwards and an evaluated one, on segments that have both.
+/// Returns the pairs of a scalar that crosses zero upwards and a scalar that is evaluated there, on
+/// the segments that define both scalars.
 pub(super) fn pairs(
     through: &[Watched],
     value: &[Watched],

@@ -40,8 +40,8 @@ impl System for BoundarySystem {
         factor((&solutions.equations, assembly), floquet, form, border, into)
     }
 
-    /// The derivative in the unit direction of a parameter is taken from the assembly at `x`, which
-    /// includes that parameter from now on.
+    /// If the direction is the unit vector of a parameter, the derivative is taken from the
+    /// assembly at `x`, in which this parameter is active from now on.
     fn derivative(
         &mut self,
         x: &[f64],
@@ -174,7 +174,7 @@ impl System for BoundarySystem {
     }
 }
 
-/// The parameter whose unit direction is `d`.
+/// Returns the parameter whose unit vector is `d`; `None` if `d` is another direction.
 fn parameter_of(d: &[f64], dimension: usize) -> Option<usize> {
     let (z, p) = d.split_at(dimension);
     let k = p.iter().position(|p| *p != 0.0)?;

@@ -1,7 +1,8 @@
-//! The Jacobian within a border, condensed.
+//! The Jacobian extended by a border, condensed to a small matrix.
 //!
-//! Each segment's chain of intervals is condensed to the states at its ends, the extra unknowns and
-//! the border; segments of a cycle are then condensed like intervals. A small dense matrix remains:
+//! Each segment's chain of intervals is condensed to equations in the states at its ends, the extra
+//! unknowns and the border's unknowns; the segments of a cycle are then condensed like intervals.
+//! After the condensation, a small dense matrix remains:
 //!
 //! ```text
 //!            x(0)   x(1)   extra unknowns and border
@@ -18,7 +19,7 @@ use crate::core::failure::{Failure, SINGULAR};
 use crate::core::linalg::{Chain, Condensed, refill};
 use std::sync::Arc;
 
-/// The Jacobian within a border, condensed to a dense matrix.
+/// The Jacobian extended by a border, condensed to a dense matrix.
 #[derive(Default)]
 pub(super) struct Condensation {
     pub layout: Arc<UnknownLayout>,
@@ -30,14 +31,14 @@ pub(super) struct Condensation {
     /// The size of the dense matrix.
     side: usize,
     reduced: Vec<f64>,
-    /// The values at all nodes, node by node.
+    /// The values of the solution at all nodes, node by node.
     nodes: Vec<f64>,
-    /// The count of the assembly that was condensed last; 0 after a failure.
+    /// The count of the assembly that was condensed last; 0 after a failure of the condensation.
     condensed: usize,
 }
 
 impl Condensation {
-    /// Creates chains for the segments of a layout.
+    /// Creates the chains of intervals for the segments of a layout.
     pub fn new(layout: &Arc<UnknownLayout>) -> Self {
         let chain = |s: &super::layout::Segment| Chain::new(s.intervals, layout.degree, s.states);
         Condensation {
@@ -49,7 +50,8 @@ impl Condensation {
         }
     }
 
-    /// Fills the columns of a chain: by the extra unknowns, then by the border's unknowns.
+    /// Fills the border columns of a chain: first the derivatives with respect to the extra
+    /// unknowns, then with respect to the border's unknowns.
     fn fill_columns(&mut self, Bordered { layout, assembled, border, .. }: Bordered, s: usize) {
         let segment = &layout.segments[s];
         let (numbers, active) = (&assembled.numbers[s], assembled.active.len());
@@ -62,7 +64,8 @@ impl Condensation {
         }
     }
 
-    /// Fills the rows below a chain: integral and phase conditions, then the rows of the border.
+    /// Fills the rows below a chain: first the integral and phase conditions, then the rows of the
+    /// border.
     fn fill_rows(&mut self, Bordered { layout, assembled, border, .. }: Bordered, s: usize) {
         let segment = &layout.segments[s];
         let values = segment.values..segment.values + segment.nodes * segment.states;
@@ -75,8 +78,8 @@ impl Condensation {
         }
     }
 
-    /// Removes the extra unknowns from a chain's columns, and integral and phase conditions from
-    /// its rows.
+    /// Removes the extra unknowns from a chain's columns, and the integral and phase conditions
+    /// from its rows.
     fn untie_extras(&mut self, layout: &UnknownLayout, columns: usize, rows: usize) {
         for row in self.columns.chunks_exact_mut(columns.max(1)) {
             row[..layout.extras].fill(0.0);
@@ -85,7 +88,8 @@ impl Condensation {
         self.rows[..layout.closing() * length].fill(0.0);
     }
 
-    /// Adds the chains' equations and their contributions to the rows below them.
+    /// Adds the chains' condensed equations, and their contributions to the rows below them, to the
+    /// dense matrix.
     fn place_reduced(&self, Bordered { layout, border, .. }: Bordered, dense: &mut [f64]) {
         let (all, width, size) = (layout.states, layout.extras + border.width, self.side);
         for (s, chain) in layout.segments.iter().zip(&self.chains) {
@@ -104,7 +108,7 @@ impl Condensation {
         }
     }
 
-    /// Adds the rows of the boundary conditions.
+    /// Adds the rows of the boundary conditions to the dense matrix.
     fn place_boundary(&self, of: Bordered, dense: &mut [f64]) {
         let Bordered { layout, assembled, border, .. } = of;
         let (all, size) = (layout.states, self.side);
@@ -125,8 +129,8 @@ impl Condensation {
         }
     }
 
-    /// Adds the corner: integral, phase and border rows by the extra unknowns and the border's
-    /// unknowns.
+    /// Adds the lower right block of the dense matrix: the derivatives of the integral, phase and
+    /// border rows with respect to the extra unknowns and the border's unknowns.
     fn place_closing(&self, of: Bordered, dense: &mut [f64]) {
         let Bordered { layout, assembled, form, border } = of;
         let (size, extras, active) = (self.side, layout.extras, assembled.active.len());
@@ -154,7 +158,7 @@ impl Condensation {
     }
 
     /// Writes the condensed equations of the first segment, `P x(0) + Q x(1) + … = 0`, into two
-    /// matrices (one row after the other); false if another assembly was factored last.
+    /// matrices, stored row by row; returns false if another assembly was factored last.
     pub fn pencil(&self, assembled: &AssembledJacobian, out: &mut [Vec<f64>; 2]) -> bool {
         let (Some(chain), true) = (self.chains.first(), self.condensed == assembled.count) else {
             return false;
@@ -218,7 +222,8 @@ impl Condensed for Condensation {
         }
     }
 
-    /// The remaining rows of a cycle's segments follow the dense right side.
+    /// In the right-hand side, the rows that remain from a cycle's segments follow the rows of the
+    /// dense matrix.
     fn forward(&mut self, right: &mut [f64], left: &mut Vec<f64>) {
         let layout = &*self.layout;
         let Rest { states, boundary, .. } = layout.rest();
@@ -334,14 +339,16 @@ impl Condensed for Condensation {
     }
 }
 
-/// The form of integral and phase conditions in a twisted linearisation.
+/// Returns the form of the linearisation for Floquet multipliers: problems that close by `x(0) =
+/// x(1)` also replace their integral and phase conditions.
 pub(super) fn form_of(layout: &UnknownLayout) -> Form {
     if layout.closes() { Form::Twisted } else { Form::Jacobian }
 }
 
-/// Reports a singular matrix as growth of errors. If deviations grow by `G` over an interval, regular
-/// matrices have pivots of size `1/G²`, for the states at the interval's end and for the border. If
-/// such pivots count as zero, the factorisation cannot detect singular matrices.
+/// Converts the error for a singular matrix to the error for excessive growth of deviations, if the
+/// growth explains the singularity. If deviations grow by the factor `G` over an interval, regular
+/// matrices have pivots of size `1/G²` for the states at the interval's end and for the border. If
+/// pivots as small as `1/G²` count as zero, the factorisation cannot detect singular matrices.
 pub(super) fn singular_by_growth(growth: f64, cause: Failure) -> Failure {
     match cause {
         Failure::Singular { .. } if growth * growth * SINGULAR >= 1.0 => Failure::Growth(growth),

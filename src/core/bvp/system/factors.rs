@@ -1,4 +1,4 @@
-//! Factored linearisations as values, each with its layout.
+//! Factored linearisations that are stored as values, each with its layout.
 
 use super::assembly::{AssembledJacobian, Bordered, Form as Kept};
 use super::discretisation::DiscretisedProblem;
@@ -9,8 +9,8 @@ use crate::core::failure::Failure;
 use crate::core::linalg::{Border, CondensedLu, Factors, Form, RotatedLu};
 use std::sync::Arc;
 
-/// Factorises the assembled linearisation in the form given by `form`. The pencil for Floquet
-/// multipliers is kept.
+/// Factorises the assembled linearisation in the form given by `form`. The matrix pencil for
+/// Floquet multipliers is kept for later use.
 pub(super) fn factor(
     (equations, assembled): (&DiscretisedProblem, &AssembledJacobian),
     floquet: &mut Floquet,

@@ -1,5 +1,5 @@
-//! Adaptive numbers of intervals along a branch: enough to keep the mesh error, or for shooting the
-//! growth of the flow's errors over a segment, below a target.
+//! Adaptive numbers of intervals along a branch: the meshes are fine enough to keep the mesh error
+//! below a target; for shooting, the error of the flow that has grown over a segment.
 
 use super::carry::remesh;
 use super::mesh_error::intervals_for;
@@ -8,36 +8,38 @@ use super::solutions::Solutions;
 use crate::core::bvp::error::BoundaryError;
 use crate::core::bvp::mesh::Mesh;
 
-/// (H) The largest factor by which a mesh grows in one step: the estimate from a coarse mesh can be
-/// wrong.
+/// (H) The largest factor by which the number of intervals grows in one step: an estimate from a
+/// coarse mesh can be wrong.
 const MOST_GROWTH: f64 = 2.0;
 
-/// (H) The smallest factor by which a mesh grows, and the reserve of a mesh that shrinks, so that the
-/// number of intervals does not change at every point.
+/// (H) The smallest factor by which the number of intervals grows, and the safety factor of a mesh
+/// that shrinks, so that the number of intervals does not change at every point.
 const SPARE: f64 = 1.25;
 
-/// (H) A mesh shrinks if this fraction of its intervals, including the reserve, is sufficient.
+/// (H) The number of intervals shrinks if this fraction of it, including the safety factor, is
+/// sufficient.
 const FEW: f64 = 0.5;
 
-/// (H) The smallest fraction of its intervals that a mesh keeps: the estimate from a fine mesh can be
-/// wrong for a coarse one.
+/// (H) The smallest factor by which the number of intervals shrinks in one step: an estimate from a
+/// fine mesh can be wrong for a coarse mesh.
 const LEAST_KEPT: f64 = 0.75;
 
-/// (H) If the error exceeds the target by this factor, redistributing the intervals is not
+/// (H) If the mesh error exceeds the target by this factor, redistributing the intervals is not
 /// sufficient.
 const FAR: f64 = 4.0;
 
-/// (H) A start on a uniform mesh with an error above this fraction of the target is corrected on an
-/// adapted mesh: the estimate is too small if the mesh does not resolve a layer.
+/// (H) If a branch starts on a uniform mesh and the mesh error exceeds this fraction of the target,
+/// the start is corrected on an adapted mesh: the estimate is too small if the mesh does not
+/// resolve a layer.
 const DOUBTFUL: f64 = 0.1;
 
-/// (H) The largest number of intervals of a segment along a branch: a solution that needs more is too
-/// stiff for polynomials.
+/// (H) The largest number of intervals of a segment along a branch: a solution that needs more
+/// intervals is too stiff for polynomials.
 const MOST_FITTED: usize = 1024;
 
 impl Meshed {
-    /// Adapts the number of intervals to the solution `x`, and transfers `x` and directions. Returns
-    /// whether the mesh changed.
+    /// Adapts the numbers of intervals to the solution `x`, and transfers `x` and the given
+    /// directions to the new meshes. Returns whether the mesh changed.
     pub fn fit_mesh(
         &mut self,
         x: &mut Vec<f64>,
@@ -77,7 +79,8 @@ impl Meshed {
         true
     }
 
-    /// The meshes that a solution needs; `None` if they have the current numbers of intervals.
+    /// Returns the meshes that a solution needs; `None` if the current numbers of intervals are
+    /// right.
     pub fn fitting_meshes(&mut self, x: &[f64], target: f64) -> Option<Vec<Mesh>> {
         if self.solutions.equations.method.error_constant().is_none() {
             return divided_meshes(self, target);
@@ -112,8 +115,8 @@ impl Meshed {
     }
 }
 
-/// The meshes of shooting with every interval halved, if errors of the flow grow beyond the target
-/// over a segment of the solution assembled last.
+/// Returns the meshes of shooting with every interval halved, if errors of the flow grow beyond the
+/// target over a segment of the solution that was assembled last.
 fn divided_meshes(meshed: &Meshed, target: f64) -> Option<Vec<Mesh>> {
     let equations = &meshed.solutions.equations;
     let known = !meshed.assembly.at.is_empty();
@@ -125,8 +128,8 @@ fn divided_meshes(meshed: &Meshed, target: f64) -> Option<Vec<Mesh>> {
 }
 
 impl Solutions {
-    /// Meshes on which the estimated error of a solution is below a tolerance, each with at least
-    /// `least` intervals.
+    /// Returns meshes on which the estimated error of a solution is below a tolerance, each with at
+    /// least `least` intervals.
     pub fn meshes_for(
         &mut self,
         x: &[f64],
@@ -149,15 +152,15 @@ impl Solutions {
     }
 }
 
-/// The new number of intervals of a segment if the error is too large: `needed` is the number for
-/// equidistributed error, `far` is set if redistribution is not sufficient.
+/// Returns the new number of intervals of a segment whose error is too large: `needed` is the
+/// number for an equidistributed error, and `far` is true if redistribution is not sufficient.
 fn more(now: usize, needed: f64, far: bool) -> usize {
     let least = if far || needed > now as f64 { SPARE * now as f64 } else { now as f64 };
     let count = needed.clamp(least, MOST_GROWTH * now as f64).ceil();
     if count.is_finite() { (count as usize).min(MOST_FITTED.max(now)) } else { now }
 }
 
-/// The new number of intervals of a segment if the error is small.
+/// Returns the new number of intervals of a segment whose error is small.
 fn fewer(now: usize, least: usize, needed: f64) -> usize {
     let enough = (SPARE * needed).ceil();
     let kept = enough.max((LEAST_KEPT * now as f64).ceil());

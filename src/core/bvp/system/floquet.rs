@@ -1,7 +1,8 @@
 //! Floquet multipliers of periodic solutions, and linearisations of period doublings and torus
 //! points.
 //!
-//! Return conditions `y − Y = 0` connect a period to the next one. With `μ y − Y` in their place,
+//! Return conditions `y − Y = 0` equate the states `Y` at the end of a period to the states `y` at
+//! the start of the next period. If the return conditions are replaced by `μ y − Y = 0`,
 //!
 //! ```text
 //!     F_z + (μ − 1) E,    E = Σ e_condition e_yᵀ,
@@ -30,16 +31,16 @@ use std::sync::Arc;
 pub(super) struct Floquet {
     condensed: CondensedLu<Condensation>,
     pencil: [Vec<f64>; 2],
-    /// The count of the assembly from which the pencil was reduced; 0 without a pencil.
+    /// The count of the assembly from which the pencil was reduced; 0 if no pencil is stored.
     pencil_of: usize,
-    /// The matrix of the return conditions, one row after the other, and the right side of a linear
-    /// solution.
+    /// The matrix of the return conditions, stored row by row, and the right-hand side of a linear
+    /// system.
     returned: Vec<f64>,
     right: Vec<f64>,
 }
 
 impl Floquet {
-    /// Creates scratch space for the Floquet multipliers of solutions of a layout.
+    /// Creates scratch space for the Floquet multipliers of solutions with a given layout.
     pub fn new(layout: &Arc<UnknownLayout>) -> Self {
         Floquet {
             condensed: CondensedLu::new(Condensation::new(layout)),
@@ -50,7 +51,8 @@ impl Floquet {
         }
     }
 
-    /// Computes all Floquet multipliers: the eigenvalues `μ` of `P v + μ Q v = 0`, the largest first.
+    /// Computes all Floquet multipliers, the eigenvalues `μ` of `P v + μ Q v = 0`, in descending
+    /// order of their size.
     pub fn all(&mut self, of: &Orbit) -> Result<Spectrum, Failure> {
         if !of.equations.layout.closes() {
             return self.returning_multipliers(of);
@@ -59,7 +61,8 @@ impl Floquet {
         multipliers(p, q, of.equations.layout.states)
     }
 
-    /// The equations of the first segment condensed to its ends, `P` and `Q`.
+    /// Returns the matrices `P` and `Q` of the first segment's equations, condensed to the states
+    /// at its ends.
     pub fn reduced_pencil(&mut self, of: &Orbit) -> Result<(&[f64], &[f64]), Failure> {
         let (layout, assembled): (&UnknownLayout, _) = (&of.equations.layout, of.assembled);
         if assembled.at.is_empty() {
@@ -78,17 +81,17 @@ impl Floquet {
         Ok((p, q))
     }
 
-    /// Keeps the pencil of a condensed matrix.
+    /// Stores the pencil of a condensed matrix.
     pub fn keep(&mut self, condensation: &Condensation, assembled: &AssembledJacobian) {
         if condensation.pencil(assembled, &mut self.pencil) {
             self.pencil_of = assembled.count;
         }
     }
 
-    /// Computes the Floquet multipliers that decide stability: all except the trivial one of an
-    /// autonomous orbit. The pencil is deflated by the known vector of the trivial multiplier, the
-    /// motion `f(x(0))`: near a fold or a branch point, the trivial multiplier could not be
-    /// distinguished from one that passes 1.
+    /// Computes the Floquet multipliers that decide stability, which are all multipliers except the
+    /// trivial multiplier of an autonomous orbit. The pencil is deflated by the known vector of the
+    /// trivial multiplier, which is the vector field `f(x(0))`: near a fold or a branch point, the
+    /// trivial multiplier could not be distinguished from another multiplier that passes 1.
     pub fn deciding(&mut self, of: &mut Orbit) -> Result<Spectrum, Failure> {
         let found = self.nontrivial_multipliers(of);
         if !of.equations.layout.closes() || of.assembled.at.is_empty() {
@@ -134,10 +137,10 @@ impl Floquet {
         Ok(found)
     }
 
-    /// Computes all Floquet multipliers for any return conditions. With the square matrix
-    /// `Q = E (F_z + (μ₀ − 1) E)⁻¹ Eᵀ` of the return conditions, they are the eigenvalues of
-    /// `(I − μ₀ Q) v + μ Q v = 0`: infinite ones, as at a limit, are zeros of `Q`, whose entries
-    /// remain bounded.
+    /// Computes all Floquet multipliers for return conditions of any kind. With the square matrix
+    /// `Q = E (F_z + (μ₀ − 1) E)⁻¹ Eᵀ` of the return conditions, the multipliers are the
+    /// eigenvalues of `(I − μ₀ Q) v + μ Q v = 0`: infinite multipliers, as at a limit, correspond
+    /// to null vectors of `Q`, whose entries remain bounded.
     fn returning_multipliers(&mut self, of: &Orbit) -> Result<Spectrum, Failure> {
         let k = of.equations.layout.returns.len();
         let mut best = f64::INFINITY;
@@ -174,7 +177,7 @@ impl Floquet {
         multipliers(p, q, k)
     }
 
-    /// Computes `Q` for a trial multiplier, and its size.
+    /// Computes the matrix `Q` for a trial multiplier `μ₀`, and its largest entry.
     fn return_matrix(&mut self, of: &Orbit, mu: f64) -> Result<f64, Failure> {
         let Self { condensed, returned, right, .. } = self;
         let (layout, assembled): (&UnknownLayout, _) = (&of.equations.layout, of.assembled);
@@ -197,10 +200,10 @@ impl Floquet {
     }
 }
 
-/// Computes the nontrivial Floquet multipliers of an autonomous orbit that begins where its motion is
-/// slow, from the point of fastest motion. Near a saddle the motion, the vector of the trivial
-/// multiplier, is inaccurate, and its errors would swamp small multipliers. `None` if the motion at
-/// the start is fast enough.
+/// Computes the nontrivial Floquet multipliers of an autonomous orbit whose start is slow, by
+/// starting the orbit at its fastest point instead. Near a saddle, the vector field (the vector of
+/// the trivial multiplier) is inaccurate, and its errors would dominate small multipliers. Returns
+/// `None` if the speed at the start of the orbit is large enough.
 fn fast_multipliers(of: &Orbit, least: f64) -> Result<Option<Spectrum>, Failure> {
     let (layout, assembled) = (&of.equations.layout, of.assembled);
     let (s, m) = (&layout.segments[0], layout.degree);
@@ -232,7 +235,7 @@ fn fast_multipliers(of: &Orbit, least: f64) -> Result<Option<Spectrum>, Failure>
     reduced.map(|(p, q)| multipliers(&p, &q, n - 1)).transpose()
 }
 
-/// The motion at a node of the orbit assembled last.
+/// Returns the vector field at a node of the orbit that was assembled last.
 fn motion_at(of: &Orbit, node: usize) -> Vec<f64> {
     let (layout, at) = (&of.equations.layout, &of.assembled.at);
     let s = &layout.segments[0];
@@ -244,28 +247,31 @@ fn motion_at(of: &Orbit, node: usize) -> Vec<f64> {
     motion
 }
 
-/// Motion slower than this fraction of the fastest motion is an inaccurate vector of the trivial
-/// multiplier (H).
+/// (H) If the speed at the start is smaller than this fraction of the largest speed on the orbit,
+/// the vector field is too inaccurate to represent the trivial multiplier.
 const SLOW: f64 = 0.1;
 
-/// Trial multipliers (H); the first one that is far enough from all Floquet multipliers is used.
+/// (H) Trial multipliers; the algorithm uses the first trial multiplier that is far enough from all
+/// Floquet multipliers.
 const TRIAL_MULTIPLIERS: [f64; 4] = [-0.4, 0.6, -2.3, 3.1];
 
-/// A trial multiplier is far enough from all Floquet multipliers if no entry of `Q` exceeds this (H).
+/// (H) A trial multiplier is far enough from all Floquet multipliers if no entry of `Q` exceeds this
+/// bound.
 const MODERATE: f64 = 1e3;
 
-/// If an entry of `Q` exceeds this for all trials, the equations are singular for every multiplier
-/// (R), and no multiplier is determined.
+/// (R) If an entry of `Q` exceeds this bound for all trial multipliers, the equations are singular
+/// for every multiplier, and no multiplier is determined.
 const SINGULAR: f64 = 1e12;
 
-/// A vector belongs to the multiplier 1 if its equation holds to this relative accuracy (D): mesh
-/// errors are smaller wherever multipliers are determined.
+/// (D) A vector counts as eigenvector of the multiplier 1 if it satisfies its equation to this
+/// relative accuracy: mesh errors are smaller wherever multipliers are determined.
 const TRIVIAL: f64 = 1e-3;
 
 /// The matrices `P` and `Q` of a pencil.
 type Pencil = (Vec<f64>, Vec<f64>);
 
-/// The pencil `P + μ Q` with unknowns in these units, and rows scaled to largest entries of 1.
+/// Returns the pencil `P + μ Q` with unknowns in the given units, and with each row scaled so that
+/// its largest entry is 1.
 fn in_units(p: &[f64], q: &[f64], units: &[f64]) -> Result<Pencil, Failure> {
     let times = |a: &[f64]| -> Vec<f64> {
         a.iter().zip(units.iter().cycle()).map(|(a, u)| a * u).collect()
@@ -281,12 +287,13 @@ fn in_units(p: &[f64], q: &[f64], units: &[f64]) -> Result<Pencil, Failure> {
     Ok((p, q))
 }
 
-/// The pencil `P + μ Q` deflated by its eigenvalue 1 with the vector `v`: in orthonormal bases that
-/// begin with `v` and with `Q v = −P v`, the pencil is block triangular. `None` if `v` does not
-/// belong to the eigenvalue 1.
+/// Returns the pencil `P + μ Q` after deflation of its eigenvalue 1 with the eigenvector `v`: in
+/// orthonormal bases that begin with `v` and with `Q v = −P v`, the pencil is block triangular.
+/// Returns `None` if `v` is not an eigenvector of the eigenvalue 1.
 ///
 /// # Errors
-/// [`Failure::Undetermined`] if a row is smaller than `least_row`, relative to all rows.
+/// [`Failure::Undetermined`] if a row of the deflated pencil is smaller than `least_row`, relative
+/// to all rows.
 fn deflated(p: &[f64], q: &[f64], v: &[f64], least_row: f64) -> Result<Option<Pencil>, Failure> {
     let n = v.len();
     let times =
@@ -326,7 +333,8 @@ fn deflated(p: &[f64], q: &[f64], v: &[f64], least_row: f64) -> Result<Option<Pe
     Ok(Some((reduced_p, reduced_q)))
 }
 
-/// The vector `w` of the Householder reflection `I − 2 w wᵀ/wᵀw` that maps `v` to the first axis.
+/// Returns the vector `w` of the Householder reflection `I − 2 w wᵀ/wᵀw` that maps `v` to the first
+/// axis.
 fn reflector(v: &[f64]) -> Vec<f64> {
     let size = dot(v, v).sqrt();
     let mut w: Vec<f64> = v.iter().map(|v| v / size).collect();

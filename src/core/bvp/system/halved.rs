@@ -1,4 +1,4 @@
-//! Orbits that repeat themselves, as orbits of half the period.
+//! Periodic solutions that consist of two equal halves, converted to orbits of half the period.
 
 use super::discretisation::DiscretisedProblem;
 use super::solutions::Solutions;
@@ -8,32 +8,32 @@ use crate::core::failure::{Failure, one_line};
 use crate::core::linalg::largest;
 use crate::core::system::Solution;
 
-/// The number of phases at which the two halves are compared (H).
+/// (H) The number of phases at which the two halves of a solution are compared.
 const PHASES: usize = 64;
 
-/// A solution repeats itself if its halves differ by less than this, relative to its size (D): both
-/// have errors of the same mesh.
+/// (D) A solution consists of two equal halves if the halves differ by less than this, relative to
+/// the solution's size: both halves have errors of the same mesh.
 const REPEATS: f64 = 1e-6;
 
-/// (H) The difference of a solution's halves that is due to the mesh, as a multiple of the mesh
-/// error.
+/// (H) The largest difference of a solution's halves that is attributed to the mesh, as a multiple
+/// of the mesh error.
 const MESH: f64 = 5.0;
 
-/// The two halves of a solution, which are compared with each other.
+/// A comparison of the two halves of a solution.
 pub(super) struct Halves {
-    /// The largest difference between the halves.
+    /// The largest difference between the two halves.
     miss: f64,
-    /// The largest value of a state.
+    /// The largest absolute value of a state.
     pub size: f64,
-    /// The mesh error, as a fraction of the size.
+    /// The part of the difference that the mesh error explains, as a fraction of the size.
     error: f64,
-    /// Whether the halves span several periods or several segments: a solution at rest can then
+    /// Whether the halves span several periods or several segments: a constant solution can then
     /// belong to a branch of doubled solutions.
     several: bool,
 }
 
 impl Halves {
-    /// Divides a solution into halves; `None` if that is impossible.
+    /// Compares the halves of a solution; `None` if the solution cannot be divided into halves.
     pub fn of(solutions: &mut Solutions, x: &[f64]) -> Option<Self> {
         let segments = solutions.equations.layout.segments.len();
         let single = segments == 1;
@@ -69,15 +69,17 @@ impl Halves {
         Some(Halves { miss, size, error: MESH * solutions.mesh_error(x), several })
     }
 
-    /// Whether the halves are equal, so that the solution has half the period. A solution at rest is
-    /// compared with the `reach` of its branch, the size of the states nearby.
+    /// Whether the halves are equal, in which case the solution has half the period. For a constant
+    /// solution, the difference is compared with the `reach` of its branch, which is the size of
+    /// the states nearby.
     pub fn are_equal(&self, reach: f64) -> bool {
         let reach = if self.several { reach } else { 0.0 };
         self.miss <= REPEATS.max(self.error) * self.size.max(reach)
     }
 }
 
-/// Whether a solution of an even number of segments can begin with the segment half-way.
+/// Whether a solution with an even number of segments can begin with the first segment of its
+/// second half.
 fn rotates_by_half(equations: &DiscretisedProblem, x: &[f64]) -> bool {
     let layout = &equations.layout;
     let extras = &x[layout.values()..layout.dimension];
@@ -86,11 +88,12 @@ fn rotates_by_half(equations: &DiscretisedProblem, x: &[f64]) -> bool {
     itineraries.is_some_and(|it| it.rotated(layout.segments.len() / 2, &q, extras).is_some())
 }
 
-/// The equations and the unknowns of the orbit of half the period, if there is one.
+/// The equations and the unknowns of the orbit of half the period; `None` if the solution does not
+/// consist of equal halves.
 type Half = Option<(DiscretisedProblem, Vec<f64>)>;
 
-/// The orbit of half the period, at the end of a branch of doubled orbits; `None` if the two halves
-/// of the solution differ.
+/// Returns the orbit of half the period at the end of a branch of doubled orbits; `None` if the two
+/// halves of the solution differ.
 pub(super) fn halved(
     equations: &DiscretisedProblem,
     solution: &Solution,
@@ -110,7 +113,8 @@ pub(super) fn halved(
     }
 }
 
-/// The first half of the segments, with their extra unknowns and the extra unknowns before them.
+/// Returns the first half of the segments, with the extra unknowns of these segments and the extra
+/// unknowns before them.
 fn first_segments(whole: &DiscretisedProblem, meshes: &[Mesh], z: &[f64]) -> Result<Half, Failure> {
     let (layout, half) = (&whole.layout, meshes.len() / 2);
     let problem = whole.problem.itineraries().and_then(Itineraries::halved);
@@ -125,8 +129,8 @@ fn first_segments(whole: &DiscretisedProblem, meshes: &[Mesh], z: &[f64]) -> Res
     Ok(Some((DiscretisedProblem::new(problem, whole.method.clone(), first.to_vec())?, z)))
 }
 
-/// The first half of the only segment: on half the mesh if that spans several periods, otherwise with
-/// half the period, or half as many periods of the forcing.
+/// Returns the first half of the only segment: on half the mesh if the mesh spans several periods;
+/// otherwise with half the period, or with half as many periods of the forcing.
 fn first_period(whole: &DiscretisedProblem, mesh: &Mesh, x: &[f64]) -> Result<Half, Failure> {
     let (layout, end) = (&whole.layout, mesh.end());
     let fewer = whole.problem.itineraries().and_then(Itineraries::halved);

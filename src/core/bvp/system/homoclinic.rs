@@ -7,11 +7,12 @@ use crate::core::bvp::homoclinic::{self, Cycle};
 use crate::core::failure::Failure;
 use crate::core::system::{Emanating, Kind, Solution};
 
-/// Creates the system of homoclinic orbits from a nearby saved cycle of this problem, or from a saved
-/// homoclinic orbit of the curve to be continued, together with the orbit.
+/// Creates the system of homoclinic orbits together with a first orbit, from a saved cycle of this
+/// problem near the homoclinic orbit, or from a saved homoclinic orbit of the curve to be continued.
 ///
 /// # Errors
-/// [`Failure`] if no homoclinic orbit is near, or if the solution does not belong to this problem.
+/// [`Failure`] if no homoclinic orbit is near the saved cycle, or if the saved solution does not
+/// belong to this problem.
 pub(super) fn homoclinic(
     present: &DiscretisedProblem,
     solution: &Solution,
@@ -46,7 +47,7 @@ pub(super) fn homoclinic(
     Ok(Emanating { system: Box::new(system), z, along: None })
 }
 
-/// A saved homoclinic orbit on its own mesh.
+/// Returns a saved homoclinic orbit on its own mesh.
 fn saved(cycles: &DiscretisedProblem, solution: &Solution) -> Result<Emanating, Failure> {
     let (meshes, method) = (super::start::meshes_of(&solution.mesh)?, solution.method.parse()?);
     let (n, p) = (cycles.layout.states, &solution.parameters);

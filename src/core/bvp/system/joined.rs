@@ -1,34 +1,34 @@
 //! Condensation of the segments of a cycle.
 //!
-//! The condensed chain of a segment consists of `n` equations by the states `x(0)`, `x(1)` at its
-//! ends, its start time `T` and its duration `L`. With the conditions at the transition to the next
-//! segment,
+//! The condensed chain of a segment consists of `n` equations in the states `x(0)`, `x(1)` at its
+//! ends, its start time `T` and its duration `L`. Together with the conditions at the transition to
+//! the next segment,
 //!
 //! ```text
 //!     x⁺ − r(x(1), T + L) = 0,    h(x(1), T + L) = 0,    T⁺ − T − L = 0,
 //! ```
 //!
-//! these equations form an interval of a chain with nodes `(x(0), T)`, `(x(1), L)`, `(x⁺, T⁺)`:
-//! segments are condensed like intervals, at a cost linear in their number. The chain closes by
-//! `x(0) = x⁺` and, under forcing, the condition that `T⁺ − T` is the duration of the cycle. Segments
-//! with fewer states than others are padded with zero states.
+//! the condensed equations form an interval of a chain with nodes `(x(0), T)`, `(x(1), L)`, `(x⁺,
+//! T⁺)`: segments are condensed like intervals, at a cost linear in their number. The chain is
+//! closed by the condition `x(0) = x⁺` and, under forcing, by the condition that `T⁺ − T` is the
+//! duration of the cycle. Segments with fewer states than others are padded with zero states.
 
 use super::assembly::Bordered;
 use super::layout::UnknownLayout;
 use crate::core::failure::Failure;
 use crate::core::linalg::Chain;
 
-/// The chain of the segments of a cycle.
+/// The chain formed by the condensed segments of a cycle.
 #[derive(Default)]
 pub(super) struct Joined {
-    /// The number of segments, and the number of unknowns at a node.
+    /// The number of segments, and the number of unknowns at each node of the chain.
     count: usize,
     n: usize,
     chain: Chain,
     blocks: Vec<f64>,
     columns: Vec<f64>,
     rows: Vec<f64>,
-    /// The contributions of the segments to the border's corner.
+    /// The contributions of the segments to the corner of the bordered matrix.
     corner: Vec<f64>,
     nodes: Vec<f64>,
     reduced: Vec<f64>,
@@ -44,12 +44,12 @@ impl Joined {
         Joined { count: segments, n, chain, nodes, ..Joined::default() }
     }
 
-    /// The sign of the eliminated determinant; 1 without a cycle.
+    /// Returns the sign of the determinant of the eliminated block; 1 if the problem has no cycle.
     pub fn determinant_sign(&self) -> f64 {
         if self.count > 0 { self.chain.determinant_sign() } else { 1.0 }
     }
 
-    /// Condenses all segments; their chains are condensed already.
+    /// Condenses all segments, whose chains of intervals must already be condensed.
     pub fn condense(&mut self, of: Bordered, chains: &[Chain]) -> Result<(), Failure> {
         let (segments, n, width) = (self.count, self.n, of.border.width);
         for (numbers, length) in [
@@ -69,7 +69,8 @@ impl Joined {
         self.chain.factor(&self.blocks, &self.columns, width, &self.rows, width)
     }
 
-    /// Fills in a segment's condensed equations, and its contributions to the border's rows.
+    /// Fills in a segment's condensed equations, and the segment's contributions to the border's
+    /// rows.
     fn fill_chain(
         &mut self,
         Bordered { layout, border, .. }: Bordered,
@@ -100,7 +101,8 @@ impl Joined {
         }
     }
 
-    /// Fills in the conditions between a segment and the next one, and padded states.
+    /// Fills in the conditions between a segment and the next segment, and the equations of padded
+    /// states.
     fn fill_joint(&mut self, of: Bordered, segment: usize, joint: &[f64]) {
         let Bordered { layout, assembled, border, .. } = of;
         let (n, m, next) = (self.n, layout.segments[segment].states, layout.after(segment).states);
@@ -126,7 +128,8 @@ impl Joined {
         missing.zip(rows).for_each(|(column, row)| row[column] = 1.0);
     }
 
-    /// Fills in the border's rows by start and durations, and its corner.
+    /// Fills in the derivatives of the border's rows with respect to the start time and the
+    /// durations, and the corner of the border.
     fn fill_border(&mut self, Bordered { layout, border, .. }: Bordered) {
         let (n, length) = (self.n, (2 * self.count + 1) * self.n);
         let forced = usize::from(layout.forced());
@@ -142,7 +145,8 @@ impl Joined {
         add(&mut self.corner, &border.corner[..border.width * border.width]);
     }
 
-    /// Adds the condensed equations and the closing conditions to a zero dense matrix.
+    /// Adds the condensed equations and the closing conditions to a dense matrix, which must be
+    /// zero.
     pub fn place(
         &self,
         Bordered { layout, border, .. }: Bordered,
@@ -171,18 +175,18 @@ impl Joined {
         }
     }
 
-    /// The number of equations of all segments.
+    /// Returns the number of equations of all segments.
     pub fn equations_count(&self) -> usize {
         self.count * 2 * self.n
     }
 
-    /// A segment's part of a right side.
+    /// Returns a segment's part of a right-hand side.
     pub fn equations<'a>(&self, right: &'a mut [f64], segment: usize) -> &'a mut [f64] {
         &mut right[segment * 2 * self.n..(segment + 1) * 2 * self.n]
     }
 
-    /// Loads the part of a right side for conditions: those between segments, those that close the
-    /// cycle, and the border.
+    /// Loads the entries of a right-hand side for three kinds of conditions: between segments, at
+    /// the closure of the cycle, and of the border.
     pub fn load(
         &self,
         layout: &UnknownLayout,
@@ -204,7 +208,7 @@ impl Joined {
         closing[self.n..].copy_from_slice(&from[layout.dimension..]);
     }
 
-    /// Eliminates the inner unknowns from a right side.
+    /// Eliminates the inner unknowns of the chain from a right-hand side.
     pub fn forward(&mut self, right: &mut [f64], dense: &mut [f64]) {
         let n = self.n;
         self.reduced.clear();
@@ -215,21 +219,22 @@ impl Joined {
         dense[2 * n..].copy_from_slice(&self.reduced[n..]);
     }
 
-    /// Computes the values at all nodes from both ends and the border's unknowns.
+    /// Computes the values at all nodes from the values at both ends of the chain and the border's
+    /// unknowns.
     pub fn back(&mut self, right: &[f64], dense: &[f64]) {
         let n = self.n;
         let (x_0, x_n, y) = (&dense[..n], &dense[n..2 * n], &dense[2 * n..]);
         self.chain.back(right, x_0, x_n, y, &mut self.nodes);
     }
 
-    /// The states at the ends of a segment, its time and its duration.
+    /// Returns the states at the ends of a segment, its start time and its duration.
     pub fn segment(&self, segment: usize, states: usize) -> (&[f64], &[f64], [f64; 2]) {
         let nodes = &self.nodes[segment * 2 * self.n..(segment + 1) * 2 * self.n];
         let (left, inner) = nodes.split_at(self.n);
         (&left[..states], &inner[..states], [left[self.n - 1], inner[self.n - 1]])
     }
 
-    /// The extra unknowns, and the border's unknowns `y`.
+    /// Returns the extra unknowns, and the border's unknowns `y`.
     pub fn unload(&self, layout: &UnknownLayout, y: &[f64], out: &mut [f64]) {
         let forced = usize::from(layout.forced());
         out[..forced].copy_from_slice(&self.nodes[self.n - 1..][..forced]);
@@ -239,8 +244,8 @@ impl Joined {
         out[layout.extras..].copy_from_slice(y);
     }
 
-    /// Loads the parts of a right side of the transposed system that belong to the extra unknowns
-    /// and to the border.
+    /// Loads the entries of a right-hand side of the transposed system that belong to the extra
+    /// unknowns and to the border.
     pub fn load_transposed(&mut self, layout: &UnknownLayout, right: &[f64], border: &mut [f64]) {
         let forced = usize::from(layout.forced());
         let (extras, rest) = right[layout.values()..].split_at(layout.extras);
@@ -252,7 +257,8 @@ impl Joined {
         border.copy_from_slice(rest);
     }
 
-    /// Adds a segment's reduced right side by the states at its ends, and by its time and duration.
+    /// Adds the entries of a segment's reduced right-hand side that belong to the states at its
+    /// ends, to its start time and to its duration.
     pub fn add_transposed(&mut self, segment: usize, ends: &[f64], own: &[f64]) {
         let (n, m) = (self.n, ends.len() / 2);
         for half in 0..2 {
@@ -262,14 +268,15 @@ impl Joined {
         }
     }
 
-    /// Does the work of [`forward`](Self::forward) for the transposed matrix.
+    /// Eliminates the inner unknowns like [`forward`](Self::forward), for the transposed matrix.
     pub fn forward_transposed(&mut self, dense: &mut [f64]) {
         dense[2 * self.n..].clone_into(&mut self.reduced);
         self.chain.forward_transposed(&self.nodes, &self.reduced, dense);
     }
 
-    /// Does the work of [`back`](Self::back) for the transposed matrix: writes the inputs of the
-    /// segments' chains into `joined`, and the components of conditions and border into `right`.
+    /// Substitutes back like [`back`](Self::back), for the transposed matrix: writes the inputs of
+    /// the segments' chains into `joined`, and the components of conditions and border into
+    /// `right`.
     pub fn back_transposed(
         &mut self,
         layout: &UnknownLayout,

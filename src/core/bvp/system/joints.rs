@@ -1,9 +1,11 @@
-//! The transitions between the segments of a cycle: conditions that depend only on a segment's end.
+//! The transitions between the segments of a cycle: conditions that depend only on the end of a
+//! segment.
 //!
-//! Derivatives of the conditions of a segment are rows by the states at its end and by its numbers:
-//! one row for each initial state of the next segment (the negative derivative of the event's map of
-//! the end), then the event's row. The rows of all segments follow each other; the row of the
-//! condition on the cycle's duration, by numbers, comes last.
+//! The derivatives of a segment's conditions form rows with respect to the states at its end and
+//! its numbers: one row for each initial state of the next segment (the negative derivative of the
+//! event map), then the row of the event condition. The rows of all segments follow one another;
+//! the row of the condition on the cycle's duration, with derivatives with respect to the numbers,
+//! is the last row.
 
 use super::assembly::AssembledJacobian;
 use super::discretisation::DiscretisedProblem;
@@ -15,7 +17,8 @@ use crate::core::bvp::interval::weighted as summed;
 use crate::core::failure::Failure;
 use crate::core::scalar::{CHUNK, Chunk, Directional};
 
-/// The arguments of a segment's conditions: the states at its end, and some of its numbers.
+/// The arguments of a segment's conditions: the states at the segment's end, and the numbers on
+/// which the conditions depend.
 fn dependence<'a>(
     layout: &'a UnknownLayout,
     segment: usize,
@@ -26,8 +29,8 @@ fn dependence<'a>(
     Dependence { unknowns, segment: Some(segment), numbers }
 }
 
-/// Computes the next segment's initial state and the vanishing function, at arguments of
-/// [`dependence`].
+/// Computes the next segment's initial state and the function that vanishes at the event, at the
+/// arguments given by [`dependence`].
 fn joint<'a, T: Number>(
     equations: &DiscretisedProblem,
     segment: usize,
@@ -41,7 +44,7 @@ fn joint<'a, T: Number>(
     &r[..=next]
 }
 
-/// Adds the contribution of all conditions to a gradient.
+/// Adds the contribution of all transition conditions to a gradient.
 pub(super) fn add_gradient_of_joints<T: Directional + Number>(
     equations: &DiscretisedProblem,
     &Weighted { at, w, numbers }: &Weighted,
@@ -69,18 +72,18 @@ pub(super) fn add_gradient_of_joints<T: Directional + Number>(
 }
 
 impl AssembledJacobian {
-    /// The position of a segment's rows.
+    /// Returns the position of a segment's rows.
     fn joint_rows(&self, layout: &UnknownLayout, segment: usize) -> usize {
         let length = |s: usize| self.joint_width(layout, s) * (layout.after(s).states + 1);
         (0..segment).map(length).sum()
     }
 
-    /// The length of a segment's rows.
+    /// Returns the length of a segment's rows.
     pub fn joint_width(&self, layout: &UnknownLayout, segment: usize) -> usize {
         layout.segments[segment].states + self.active.len()
     }
 
-    /// The rows of each segment.
+    /// Returns the rows of each segment.
     pub fn joints<'a>(
         &'a self,
         layout: &'a UnknownLayout,
@@ -94,7 +97,7 @@ impl AssembledJacobian {
         })
     }
 
-    /// Computes the residual and the derivatives of all conditions.
+    /// Computes the residual and the derivatives of all transition conditions.
     pub fn assemble_joints(
         &mut self,
         equations: &DiscretisedProblem,
@@ -135,7 +138,8 @@ impl AssembledJacobian {
         }
     }
 
-    /// The derivative of all conditions by an active parameter, the `k`-th active number.
+    /// Writes the derivative of all conditions with respect to an active parameter, the `k`-th
+    /// active number.
     pub fn joint_column(&self, layout: &UnknownLayout, k: usize, out: &mut [f64]) {
         for (segment, rows) in self.joints(layout) {
             let n = layout.segments[segment].states;

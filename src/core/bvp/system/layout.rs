@@ -17,43 +17,46 @@ pub(super) struct Segment {
     pub intervals: usize,
     /// The number `K = N·m + 1` of nodes.
     pub nodes: usize,
-    /// The start of the segment's values: state by state in `z`, node by node in `nodes`.
+    /// The start of the segment's values; values are ordered state by state in `z`, and node by
+    /// node in `nodes`.
     pub values: usize,
-    /// The start of the segment's equations: `N·m·n`, interval by interval.
+    /// The start of the segment's `N·m·n` equations, which are ordered interval by interval.
     pub equations: usize,
-    /// The start of the segment's states among the states of all segments.
+    /// The position of the segment's states among the states of all segments.
     pub ends: usize,
 }
 
-/// The positions of all unknowns and equations.
+/// The positions of all unknowns and equations of a boundary-value problem.
 ///
-/// The unknowns `z` are, for each segment and state, the values at the segment's nodes, then the
-/// extra unknowns. The equations are the interval equations, segment by segment, then boundary
-/// conditions, integral conditions, and the phase condition.
+/// The unknowns `z` are the values at the nodes, ordered by segment, state and node, followed by
+/// the extra unknowns. The equations are the interval equations, segment by segment, then the
+/// boundary conditions, the integral conditions, and the phase condition.
 #[derive(Clone, Debug, Default)]
 pub(super) struct UnknownLayout {
     /// The number `m` of nodes beyond the first in each interval.
     pub degree: usize,
     pub segments: Vec<Segment>,
-    /// The number of states of all segments.
+    /// The total number of states of all segments.
     pub states: usize,
     pub parameters: usize,
     pub extras: usize,
-    /// The numbers of conditions.
+    /// The numbers of boundary and integral conditions.
     pub boundary: usize,
     pub integrals: usize,
     pub phase: bool,
-    /// For segments of a cycle, whether the start time is unknown.
+    /// For segments of a cycle, whether the start time of the cycle is an unknown; `None` for
+    /// problems of another shape.
     pub cycle: Option<bool>,
-    /// The return conditions, which connect a period to the next one.
+    /// The return conditions, which connect each period to the next period.
     pub returns: Vec<Return>,
-    /// The meaning of the boundary conditions.
+    /// The meaning of each boundary condition.
     pub shape: Shape,
-    /// The number of unknowns, and of equations.
+    /// The number of unknowns, which equals the number of equations.
     pub dimension: usize,
-    /// The position in `z` of each value, node by node.
+    /// The position in `z` of each value at a node, node by node.
     pub order: Vec<usize>,
-    /// The positions in `z` of the states at the starts of all segments, then at their ends.
+    /// The positions in `z` of the states at the starts of all segments, then at the ends of all
+    /// segments.
     pub ends: Vec<usize>,
 }
 
@@ -121,7 +124,7 @@ impl UnknownLayout {
         Ok(())
     }
 
-    /// Checks that periodic solutions have the segments and conditions of their shape.
+    /// Checks that the segments and conditions of a periodic problem match its shape.
     fn check_shape(&self) -> Result<(), BoundaryError> {
         let one = self.segments.len() == 1 && self.boundary == self.states && self.integrals == 0;
         let fits = match self.shape {
@@ -136,7 +139,8 @@ impl UnknownLayout {
         Err(BoundaryError::Shape { shape, segments, boundary: self.boundary, closing })
     }
 
-    /// Whether the problem is one segment with exactly the boundary conditions `x(0) − x(1) = 0`.
+    /// Whether the problem consists of one segment with exactly the boundary conditions `x(0) −
+    /// x(1) = 0`.
     pub fn closes(&self) -> bool {
         matches!(self.shape, Shape::Periodic { .. })
     }
@@ -146,7 +150,7 @@ impl UnknownLayout {
         !self.returns.is_empty()
     }
 
-    /// The position in `z` of an unknown.
+    /// Returns the position in `z` of an unknown.
     pub fn position(&self, unknown: Unknown) -> usize {
         match unknown {
             Unknown::Start(i) => self.ends[i],
@@ -159,13 +163,13 @@ impl UnknownLayout {
         self.cycle == Some(true)
     }
 
-    /// The count of a segment's numbers besides the parameters: start time and duration in a cycle,
-    /// otherwise the extra unknowns.
+    /// Returns the number of a segment's numbers besides the parameters: start time and duration in
+    /// a cycle, otherwise the extra unknowns.
     pub fn own(&self) -> usize {
         if self.cycle.is_some() { 2 } else { self.extras }
     }
 
-    /// The range of a segment's numbers in the list that [`spread`](Self::spread) writes.
+    /// Returns the range of a segment's numbers in the list that [`spread`](Self::spread) writes.
     pub fn local(&self, segment: usize) -> std::ops::Range<usize> {
         let (width, k) = (self.parameters + self.own(), self.cycle.map_or(0, |_| segment));
         k * width..(k + 1) * width
@@ -209,19 +213,19 @@ impl UnknownLayout {
         }
     }
 
-    /// The index of the condition for an initial state of the segment after `segment`, or, after
-    /// those states, for the event.
+    /// Returns the index of the condition for an initial state of the segment after `segment`; the
+    /// index after the last of these states belongs to the event condition.
     pub fn joint(&self, segment: usize, i: usize) -> usize {
         let next = self.after(segment);
         self.conditions() + if i < next.states { next.ends + i } else { self.states + segment }
     }
 
-    /// The segment after `segment`.
+    /// Returns the index of the segment after `segment`.
     pub fn after(&self, segment: usize) -> &Segment {
         &self.segments[(segment + 1) % self.segments.len()]
     }
 
-    /// The unknowns and equations that remain after the interior is eliminated.
+    /// The unknowns and equations that remain after the interior of each segment is eliminated.
     pub fn rest(&self) -> Rest {
         if self.cycle.is_some() {
             let most = self.segments.iter().map(|s| s.states).max().unwrap_or(0);
@@ -230,7 +234,7 @@ impl UnknownLayout {
         Rest { states: self.states, boundary: self.boundary, extras: self.extras }
     }
 
-    /// The row and the column of a return condition in the dense matrix.
+    /// Returns the row and the column of a return condition in the dense matrix.
     pub fn place(&self, of: &Return) -> (usize, usize) {
         let Rest { states, .. } = self.rest();
         match (of.unknown, self.cycle) {
@@ -254,39 +258,39 @@ impl UnknownLayout {
         }
     }
 
-    /// The number of values at nodes, which precede the extra unknowns in `z`.
+    /// Returns the number of values at nodes, which precede the extra unknowns in `z`.
     pub fn values(&self) -> usize {
         self.dimension - self.extras
     }
 
-    /// The length of `q = (p, e)`.
+    /// Returns the length of `q = (p, e)`.
     pub fn numbers(&self) -> usize {
         self.parameters + self.extras
     }
 
-    /// The position in `x` of a component of `q = (p, e)`.
+    /// Returns the position in `x` of a component of `q = (p, e)`.
     pub fn number(&self, k: usize) -> usize {
         if k < self.parameters { self.dimension + k } else { self.values() + k - self.parameters }
     }
 
-    /// The position of the first condition among the equations.
+    /// Returns the position of the first boundary condition among the equations.
     pub fn conditions(&self) -> usize {
         self.dimension - self.boundary - self.closing()
     }
 
-    /// The number of integral and phase conditions.
+    /// Returns the number of integral and phase conditions.
     pub fn closing(&self) -> usize {
         self.integrals + usize::from(self.phase)
     }
 
-    /// The values of an interval among the values of all nodes.
+    /// Returns the range of an interval's values among the values at all nodes.
     pub fn interval(&self, segment: usize, interval: usize) -> std::ops::Range<usize> {
         let s = &self.segments[segment];
         let start = s.values + interval * self.degree * s.states;
         start..start + (self.degree + 1) * s.states
     }
 
-    /// The equations of an interval.
+    /// Returns the range of an interval's equations among all equations.
     pub fn equations(&self, segment: usize, interval: usize) -> std::ops::Range<usize> {
         let s = &self.segments[segment];
         let count = self.degree * s.states;
@@ -294,14 +298,15 @@ impl UnknownLayout {
         start..start + count
     }
 
-    /// All intervals, by segment and number.
+    /// Returns all intervals, by segment and number in the segment.
     pub fn intervals(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
         let segments = self.segments.iter().enumerate();
         segments.flat_map(|(s, segment)| (0..segment.intervals).map(move |j| (s, j)))
     }
 }
 
-/// The size of the dense matrix that remains: states at both ends, and conditions.
+/// Returns the size of the dense matrix that remains: its unknowns are the states at both ends of
+/// segments, and its equations are the conditions.
 #[derive(Clone, Copy)]
 pub(super) struct Rest {
     pub states: usize,
@@ -309,7 +314,7 @@ pub(super) struct Rest {
     pub extras: usize,
 }
 
-/// An interval of a mesh.
+/// An interval of a segment's mesh, given by its indices.
 pub(super) fn span(meshes: &[Mesh], segment: usize, interval: usize) -> Span {
     let points = meshes[segment].points();
     Span { segment, start: points[interval], end: points[interval + 1] }

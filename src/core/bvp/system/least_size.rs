@@ -1,17 +1,19 @@
-//! Segments of cycles with small states.
+//! The size of the states on the segments of cycles, as a test for a segment whose states vanish.
 
 use super::solutions::Solutions;
 use super::work::Work;
 
-/// (H) A segment shorter than this fraction of a cycle is about to vanish.
+/// (H) A segment counts as vanishing if it is shorter than this fraction of its cycle.
 const BRIEF: f64 = 1e-3;
-/// (H) A segment is at rest if no state changes by more than this fraction of the largest one.
+/// (H) A segment counts as constant if no state changes by more than this fraction of the largest
+/// state.
 const MOVES: f64 = 0.1;
-/// (R) A segment is at rest if all its states are below this rounding error.
+/// (R) A segment counts as constant if all its states are below this rounding error.
 const ROUNDING: f64 = 1e-13;
 
-/// The smallest, over the segments of a cycle, of the largest state, in units of the states' scales;
-/// infinite for cycles of one segment. Segments at rest and vanishing segments do not count.
+/// Returns the smallest size of a segment of a cycle, where the size is the largest state in units
+/// of the states' scales; infinite for cycles with a single segment. Constant segments and
+/// vanishing segments do not count for the smallest size.
 pub(super) fn least_size(solutions: &mut Solutions, x: &[f64]) -> f64 {
     let segments = solutions.equations.layout.segments.len();
     if solutions.equations.layout.cycle.is_none() || segments == 1 {

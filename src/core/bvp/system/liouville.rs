@@ -1,6 +1,6 @@
 //! Liouville's formula: the product of the Floquet multipliers of a smooth periodic orbit is
-//! `exp ∫₀ᵀ tr f_x(x(t)) dt`. The formula detects rounding errors among multipliers, and gives the
-//! multiplier that they hide.
+//! `exp ∫₀ᵀ tr f_x(x(t)) dt`. The formula detects rounding errors in computed multipliers, and
+//! determines the multiplier that a rounding error replaces.
 
 use super::assembly::AssembledJacobian;
 use super::discretisation::DiscretisedProblem;
@@ -13,27 +13,28 @@ use crate::core::linalg::Spectrum;
 use crate::core::problem::FieldIn;
 use crate::core::scalar::{CHUNK, Chunk, seeded};
 
-/// Two products of multipliers agree if their logarithms differ by less than this (D). The quadrature
-/// of the trace is far more accurate; a product with a rounding error in place of a multiplier is
-/// wrong by orders of magnitude.
+/// (D) Two products of multipliers agree if their logarithms differ by less than this. The quadrature
+/// of the trace is far more accurate than this tolerance; a product in which a rounding error
+/// replaces a multiplier is wrong by orders of magnitude.
 const SAME: f64 = std::f64::consts::LN_2;
 
-/// An error of the logarithm below which the formula determines a multiplier near 1 (H).
+/// (H) The largest error of the logarithm for which the formula determines a multiplier near 1.
 const SMALL: f64 = 1e-3;
 
-/// The range of logarithms of numbers that neither underflow nor overflow (R).
+/// (R) The range of logarithms of numbers that neither underflow nor overflow.
 const LOGARITHMS: [f64; 2] = [-708.0, 709.0];
 
-/// The error of a multiplier, relative to the largest one, due to rounding and integration (D).
+/// (D) The error of a multiplier due to rounding and integration, relative to the largest
+/// multiplier.
 const UNDETERMINED: f64 = 1e-7;
 
-/// The largest relative error for which multipliers are computed (H).
+/// (H) The largest relative error for which multipliers are computed.
 const LEAST_ACCURACY: f64 = 1e-2;
 
-/// An error of this size is far from any multiplier on the unit circle (H).
+/// (H) A multiplier whose error is at most this size is far from the unit circle.
 const HARMLESS: f64 = 1e-3;
 
-/// An assembled periodic orbit.
+/// A periodic orbit whose equations are assembled.
 pub(super) struct Orbit<'a> {
     pub equations: &'a DiscretisedProblem,
     pub phase: &'a Phase,
@@ -44,12 +45,12 @@ pub(super) struct Orbit<'a> {
 }
 
 /// Returns the nontrivial Floquet multipliers of a smooth orbit, checked by Liouville's formula. A
-/// multiplier that is lost in rounding errors, or that the mesh does not resolve, is replaced by its
-/// value from the formula if that is determined.
+/// multiplier that is lost in rounding errors, or that the mesh does not resolve, is replaced by
+/// its value from Liouville's formula if the formula determines it.
 ///
 /// # Errors
-/// [`Failure::Undetermined`] if the formula contradicts the multipliers and does not determine any of
-/// them.
+/// [`Failure::Undetermined`] if Liouville's formula contradicts the multipliers and does not
+/// determine any of them.
 pub(super) fn by_liouville(
     found: Result<Spectrum, Failure>,
     of: &mut Orbit,
@@ -71,7 +72,8 @@ pub(super) fn by_liouville(
     }
 }
 
-/// The errors of multipliers, relative to the largest one, from rounding, integration and mesh.
+/// Returns the errors of multipliers due to rounding, integration and mesh, relative to the largest
+/// multiplier.
 pub(super) fn accuracy_of_multipliers(of: &mut Orbit) -> f64 {
     let Orbit { equations, assembled, errors, plain, .. } = of;
     plain.load(&equations.layout, |i| assembled.at[i]);
@@ -79,17 +81,19 @@ pub(super) fn accuracy_of_multipliers(of: &mut Orbit) -> f64 {
     UNDETERMINED.max(10.0 * error).min(LEAST_ACCURACY)
 }
 
-/// The logarithm of the product of all Floquet multipliers.
+/// The logarithm of the product of all Floquet multipliers, with an error estimate.
 #[derive(Clone, Copy)]
 struct LogProduct {
     /// The integral `∫₀ᵀ tr f_x(x(t)) dt`.
     value: f64,
-    /// The estimated error of the integral: the mesh error in the integral of the absolute value.
+    /// The estimated error of the integral of the trace: the mesh error times the integral of the
+    /// trace's absolute value.
     error: f64,
 }
 
-/// Computes the logarithm of the product along the orbit assembled last; if the assembled equations
-/// do not contain the trace, only for suspect multipliers.
+/// Computes the logarithm of the product of multipliers along the orbit that was assembled last; if
+/// the assembled equations do not contain the trace, the logarithm is computed only for suspect
+/// multipliers.
 fn log_product(of: &mut Orbit, suspect: bool) -> Result<Option<LogProduct>, Failure> {
     let share = accuracy_of_multipliers(of);
     let (layout, assembled) = (&of.equations.layout, of.assembled);
@@ -127,7 +131,7 @@ fn integral(of: &mut Orbit) -> Result<f64, Failure> {
     Ok(sum)
 }
 
-/// The trace of the Jacobian of a field.
+/// Returns the trace of the Jacobian of a vector field.
 fn trace(field: &impl FieldIn<Chunk>, t: f64, x: &[f64], q: &[Chunk]) -> f64 {
     let mut slope = vec![Chunk::of(0.0); x.len()];
     let mut trace = 0.0;
@@ -143,11 +147,13 @@ fn size(mu: &(f64, f64)) -> f64 {
     mu.0.hypot(mu.1)
 }
 
-/// Corrects multipliers whose product is known. If the computed product differs or is negative, a
-/// single multiplier follows from the formula; of several multipliers, the smallest one follows if it
-/// is a rounding error. If several multipliers are below the error of the largest one, the formula
-/// does not determine them; they are kept if all are far inside the unit circle. Otherwise even the
-/// sign of the largest multiplier is uncertain, since its inverse has as few digits.
+/// Corrects multipliers by means of their known product. If the product of the computed multipliers
+/// differs from the formula or is negative, the formula determines a single multiplier; if there
+/// are several, it determines the smallest one, provided that this multiplier is a rounding error.
+/// If several multipliers are below the error of the largest multiplier, the formula does not
+/// determine them; the computed multipliers are kept if all of them are far inside the unit circle.
+/// If not all multipliers are far inside the unit circle, even the sign of the largest multiplier
+/// is uncertain, because its inverse has no more correct digits.
 fn resolved(mut found: Spectrum, product: LogProduct) -> Result<Spectrum, Failure> {
     let LogProduct { value: product, error } = product;
     found.sort_by(|a, b| size(b).total_cmp(&size(a)));
@@ -188,7 +194,7 @@ fn resolved(mut found: Spectrum, product: LogProduct) -> Result<Spectrum, Failur
     }
 }
 
-/// Whether an odd number of multipliers is negative, which is impossible for a smooth flow: the
+/// Whether the number of negative multipliers is odd, which is impossible for a smooth flow: the
 /// product of its multipliers is positive.
 fn odd(found: &[(f64, f64)]) -> bool {
     found.iter().filter(|mu| mu.1 == 0.0 && mu.0 < 0.0).count() % 2 == 1

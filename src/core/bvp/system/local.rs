@@ -1,4 +1,5 @@
-//! Derivatives of parts of the equations by the unknowns on which they depend, one chunk at a time.
+//! Derivatives of parts of the equations with respect to the unknowns on which they depend, one
+//! chunk of directions at a time.
 
 use super::layout::UnknownLayout;
 use super::work::Local;
@@ -10,21 +11,23 @@ use crate::core::scalar::{CHUNK, Chunk, Directional, seeded};
 /// The unknowns and numbers on which a part of the equations depends.
 #[derive(Clone, Copy)]
 pub(super) struct Dependence<'a> {
-    /// The positions in `z`.
+    /// The positions of the unknowns in `z`.
     pub unknowns: &'a [usize],
-    /// The segment of the part, if it belongs to one.
+    /// The segment to which the part of the equations belongs; `None` if it does not belong to a
+    /// segment.
     pub segment: Option<usize>,
-    /// The positions among the segment's numbers, or in `q`.
+    /// The positions of the numbers in the segment's list of numbers, or in `q` if the part of the
+    /// equations does not belong to a segment.
     pub numbers: &'a [usize],
 }
 
 impl Dependence<'_> {
-    /// The number of directions.
+    /// Returns the number of directions of differentiation.
     pub fn len(&self) -> usize {
         self.unknowns.len() + self.numbers.len()
     }
 
-    /// Adds the slope in a direction to a gradient of the same length as `x`.
+    /// Adds the derivative in one direction to a gradient of the same length as `x`.
     fn scatter(&self, layout: &UnknownLayout, k: usize, slope: f64, out: &mut [f64]) {
         let Some(number) = k.checked_sub(self.unknowns.len()) else {
             out[self.unknowns[k]] += slope;
@@ -37,17 +40,18 @@ impl Dependence<'_> {
     }
 }
 
-/// The numbers by which derivatives are taken.
+/// The numbers with respect to which derivatives are computed.
 #[derive(Default)]
 pub(super) struct Numbers {
-    /// The positions among the numbers of each segment.
+    /// The positions of these numbers in each segment's list of numbers.
     pub local: Vec<usize>,
-    /// The positions among all components of `q`.
+    /// The positions of these numbers in `q`.
     pub all: Vec<usize>,
 }
 
 impl Numbers {
-    /// Selects the released parameters and all numbers that are not parameters. Sets `out` to zero.
+    /// Selects the released parameters and all numbers that are not parameters. Sets all entries of
+    /// `out` to zero.
     pub fn release(&mut self, layout: &UnknownLayout, released: &[usize], out: &mut [f64]) {
         let of_segments = layout.parameters..layout.parameters + layout.own();
         let own = [of_segments, layout.parameters..layout.numbers()];
@@ -60,8 +64,8 @@ impl Numbers {
     }
 }
 
-/// A gradient at `x` with respect to the unknowns and some numbers, accumulated in `out` (of the
-/// same length as `x`).
+/// A gradient at `x` with respect to the unknowns and the selected numbers, accumulated in `out`
+/// (of the same length as `x`).
 pub(super) struct Gradient<'a> {
     pub x: &'a [f64],
     pub numbers: &'a Numbers,
@@ -70,7 +74,8 @@ pub(super) struct Gradient<'a> {
 }
 
 impl Gradient<'_> {
-    /// Adds the gradient of a function of some unknowns, and of a segment's numbers or all numbers.
+    /// Adds the gradient of a function that depends on some unknowns, and on a segment's numbers or
+    /// on all numbers.
     pub fn add(
         &mut self,
         layout: &UnknownLayout,
@@ -84,29 +89,30 @@ impl Gradient<'_> {
     }
 }
 
-/// The point at which derivatives are taken, and their direction.
+/// The point at which derivatives are computed, and the direction of differentiation.
 #[derive(Clone, Copy)]
 pub(super) struct Arguments<'a> {
     /// The point.
     pub x: &'a [f64],
-    /// The direction, of the same length as `x`.
+    /// The direction of differentiation, of the same length as `x`.
     pub v: &'a [f64],
 }
 
 impl<'a> Arguments<'a> {
-    /// Arguments for derivatives of values.
+    /// Returns arguments for derivatives of functions of the values at nodes.
     pub fn plain(x: &'a [f64]) -> Self {
         Arguments { x, v: x }
     }
 }
 
-/// Arguments and values of a part of the equations, kept to avoid repeated allocation.
+/// Scratch space for the arguments and values of a part of the equations, kept to avoid repeated
+/// allocations.
 pub(super) struct Passes<T: Number> {
     pub unknowns: Vec<T>,
     pub q: Vec<T>,
     pub r: Vec<T>,
     pub local: Local<T>,
-    /// The numbers `q`, or a segment's part of them, for the point and for the direction.
+    /// The numbers `q`, or a segment's numbers, at the point and along the direction.
     real: [Vec<f64>; 2],
     pub slopes: Vec<f64>,
 }
@@ -125,7 +131,8 @@ impl<T: Directional + Number> Passes<T> {
         }
     }
 
-    /// Loads arguments, seeded if they are among the directions of the chunk that begins at `start`.
+    /// Loads the arguments, with unit derivatives for the arguments in the chunk of directions that
+    /// begins at `start`.
     pub fn load(
         &mut self,
         layout: &UnknownLayout,
@@ -140,7 +147,7 @@ impl<T: Directional + Number> Passes<T> {
         self.seed(dependence.numbers, dependence.unknowns.len(), start);
     }
 
-    /// Loads the numbers of a segment, or all numbers.
+    /// Loads the numbers of a segment, or all numbers if no segment is given.
     pub fn take_numbers(&mut self, layout: &UnknownLayout, segment: Option<usize>, at: Arguments) {
         for (real, from) in self.real.iter_mut().zip([at.x, at.v]) {
             real.clear();
@@ -151,7 +158,8 @@ impl<T: Directional + Number> Passes<T> {
         }
     }
 
-    /// Creates the numbers; some of them are directions from `first` on.
+    /// Creates dual numbers for the numbers of a segment or of the problem; the numbers selected
+    /// for differentiation are the directions from `first` on.
     pub fn seed(&mut self, numbers: &[usize], first: usize, start: usize) {
         let [x, v] = &self.real;
         refill(&mut self.q, x.iter().zip(v).map(|(x, v)| T::along(Chunk::from(*x), *v)));
@@ -161,7 +169,7 @@ impl<T: Directional + Number> Passes<T> {
     }
 
     /// Adds the gradient of a function of some unknowns and numbers to `out` (of the same length as
-    /// `x`), with arguments as in [`load`](Self::load).
+    /// `x`); the arguments of the function are loaded by [`load`](Self::load).
     pub fn add_gradient(
         &mut self,
         layout: &UnknownLayout,
@@ -181,11 +189,11 @@ impl<T: Directional + Number> Passes<T> {
     }
 }
 
-/// A derivative of `wᵀ F(x)` along a direction, for its gradient.
+/// A directional derivative of the weighted sum `wᵀ F(x)`, whose gradient is computed.
 pub(super) struct Weighted<'a> {
     pub at: Arguments<'a>,
-    /// One weight for each equation.
+    /// The weights `w`, one for each equation.
     pub w: &'a [f64],
-    /// The numbers by which the gradient is taken.
+    /// The numbers with respect to which the gradient is computed.
     pub numbers: &'a Numbers,
 }

@@ -7,10 +7,10 @@
 //!     |x^{(m+1)}| ≈ max |x^{(m)}_{j±1} − x^{(m)}_j| / ½(h_{j±1} + h_j)    in interval j
 //! ```
 //!
-//! The reported error is `2 C h^{m+1}` times this estimate, since the derivative varies within an
-//! interval, plus the square of the last term of the polynomial's Legendre series,
-//! `h^m |x^{(m)}| m!/(2m)!`: in an unresolved layer the neighbouring polynomials can be alike and equally
-//! wrong. If the mesh resolves the solution, the square is negligible.
+//! The reported error is `2 C h^{m+1}` times the estimate of `|x^{(m+1)}|`, because the derivative varies
+//! within an interval, plus the square of the last term of the polynomial's Legendre series, `h^m
+//! |x^{(m)}| m!/(2m)!`: in an unresolved layer the neighbouring polynomials can be alike and equally
+//! wrong. If the mesh resolves the solution, the square of the last term is negligible.
 
 use super::discretisation::DiscretisedProblem;
 use super::local::{Arguments, Dependence, Gradient};
@@ -21,25 +21,28 @@ use crate::core::linalg::{largest, refill};
 use crate::core::numerics::highest_derivative;
 use crate::core::scalar::{Chunk, Scalar};
 
-/// Values of a state smaller than this, relative to the largest value of any state, can be rounding
-/// errors (R).
+/// (R) Values of a state smaller than this, relative to the largest value of any state, can be
+/// rounding errors.
 const SMALL: f64 = 1e-9;
 
-/// Values of a state smaller than this, relative to the largest value of any state (at most 1), are
-/// residues of Newton's iteration for zero (R).
+/// (R) Values of a state smaller than this, relative to the largest value of any state (at most 1),
+/// are treated as zeros that Newton's iteration did not reach exactly.
 const NOTHING: f64 = 1e-25;
 
-/// (R) A state whose range equals its scale has values of at least half the scale.
+/// (R) The smallest size of a state as a fraction of its scale: a state whose range equals its
+/// scale has values of at least half the scale.
 const LEAST: f64 = 0.4;
 
-/// A polynomial whose highest term is larger than this, relative to its values, is noise (H).
+/// (H) A polynomial is treated as noise if its highest term, relative to its values, is larger than
+/// this.
 const ROUGH: f64 = 0.5;
 
-/// On a segment shorter than this, relative to all segments, solutions are constant for any mesh; states
-/// that begin at rest are rounding errors throughout the segment (R).
+/// (R) On a segment shorter than this, relative to all segments, solutions are constant on any mesh;
+/// states that are zero at the start of the segment are rounding errors on the whole segment.
 const SHORT: f64 = 1e-9;
 
-/// The largest estimated error of a state, in units of the state's largest value, and its place.
+/// The largest estimated error of a state, in units of the state's largest value, and the position
+/// of this error.
 #[derive(Clone, Copy)]
 pub(super) struct LargestError {
     pub segment: usize,
@@ -50,13 +53,13 @@ pub(super) struct LargestError {
 
 /// Error estimates of solutions on the current meshes.
 pub(super) struct MeshError {
-    /// The weights of the values at the nodes in the `m`-th derivative.
+    /// The weights of the values at the nodes in the `m`-th derivative of the polynomial.
     highest: Vec<f64>,
-    /// The last estimated error, with its values at the nodes and its numbers; empty if nothing was
-    /// estimated.
+    /// The last estimated error, with the values at nodes and the numbers for which it was
+    /// estimated; empty before the first estimate.
     largest: Option<LargestError>,
     at: Vec<f64>,
-    /// Positions in `z`, kept to avoid repeated allocation.
+    /// Scratch space for positions in `z`, kept to avoid repeated allocations.
     positions: Vec<usize>,
 }
 
@@ -66,14 +69,14 @@ impl MeshError {
         MeshError { highest, largest: None, at: Vec::new(), positions: Vec::new() }
     }
 
-    /// Discards the last estimate, which belongs to another mesh.
+    /// Discards the last estimate when the mesh changes.
     pub fn forget(&mut self) {
         self.at.clear();
     }
 
-    /// The largest value of a state on a segment, or its `floor`; `None` if the state vanishes up to
-    /// rounding errors: its values are then small and its polynomials, in most intervals, noise. `most`
-    /// is the largest value of all states.
+    /// Returns the largest value of a state on a segment, or its `floor` if this is larger; `None`
+    /// if the state vanishes up to rounding errors, because its polynomials are then noise in most
+    /// intervals. The argument `most` is the largest value of all states.
     fn size_of(
         &self,
         equations: &DiscretisedProblem,
@@ -92,8 +95,8 @@ impl MeshError {
         (size > SMALL * most || size > NOTHING * most.min(1.0) && !noise()).then_some(size)
     }
 
-    /// Computes the largest estimated error of a solution with the numbers of all segments; `None` if the
-    /// method has no mesh error, or if all states vanish.
+    /// Computes the largest estimated error of a solution, given with the numbers of all segments; `None`
+    /// if the method has no mesh error, or if all states vanish.
     pub fn largest(
         &mut self,
         equations: &DiscretisedProblem,
@@ -109,8 +112,8 @@ impl MeshError {
         self.largest
     }
 
-    /// Computes the largest estimated error at the arguments of `work`, in units of the state's largest
-    /// value; 0 if the method has no mesh error.
+    /// Computes the largest estimated error of the solution loaded in `work`, in units of the state's
+    /// largest value; 0 if the method has no mesh error.
     pub fn of(&mut self, equations: &DiscretisedProblem, work: &Work<f64>) -> f64 {
         let largest = self.largest(equations, &work.nodes, &work.numbers);
         largest.map_or(0.0, |largest| largest.error)
@@ -147,8 +150,8 @@ impl MeshError {
         largest
     }
 
-    /// The estimated error, in units of its size, of a state in an interval, given `x^{(m)}` in the
-    /// segment's intervals.
+    /// Returns the estimated error of a state in an interval, in units of the state's size, given
+    /// `x^{(m)}` in the segment's intervals.
     fn error<T: Scalar>(
         &self,
         equations: &DiscretisedProblem,
@@ -166,14 +169,14 @@ impl MeshError {
             + last_term * last_term
     }
 
-    /// Computes `h^m x^{(m)}` in an interval.
+    /// Computes `h^m x^{(m)}` in an interval, for the polynomial of degree `m` of one state.
     fn highest_sum<T: Scalar>(&self, interval: usize, value: impl Fn(usize) -> T) -> T {
         let first = interval * (self.highest.len() - 1);
         let weights = self.highest.iter().enumerate();
         weights.fold(T::zero(), |sum, (a, weight)| sum + value(first + a) * *weight)
     }
 
-    /// Computes `x^{(m)}` in an interval of a segment.
+    /// Computes the derivative `x^{(m)}` in an interval of a segment.
     fn highest_in<T: Scalar>(
         &self,
         equations: &DiscretisedProblem,
@@ -186,8 +189,8 @@ impl MeshError {
             / (span.end - span.start).powi(equations.layout.degree as i32)
     }
 
-    /// Collects, for all intervals of a segment, `x^{(m)}` in the previous interval, in the interval, and
-    /// in the next one.
+    /// Collects, for each interval of a segment, the derivatives `x^{(m)}` in the previous interval, in
+    /// the interval, and in the next interval.
     fn for_intervals(
         &self,
         equations: &DiscretisedProblem,
@@ -208,7 +211,7 @@ impl MeshError {
     }
 
     /// Adds the gradient of the largest estimated error, which depends on the state in the interval and
-    /// its neighbours, and on the state's largest value.
+    /// in its neighbours, and on the state's largest value.
     pub fn add_gradient(
         &mut self,
         equations: &DiscretisedProblem,
@@ -244,10 +247,11 @@ impl MeshError {
         outcome
     }
 
-    /// For each interval of a segment, the largest `(|x_i^{(m+1)}| / size_i)^{1/(m+1)}`: on a mesh with
-    /// equidistributed error, this density times the interval's length is constant. The size is the
-    /// state's largest value, or a smaller one defined by the problem. Where the derivative happens to
-    /// vanish, a tenth of the mean limits the length of intervals.
+    /// Returns, for each interval of a segment, the largest `(|x_i^{(m+1)}| / size_i)^{1/(m+1)}`: on a
+    /// mesh with equidistributed error, the product of this density and the interval's length is
+    /// constant. The size of a state is the state's largest value, or a smaller size defined by the
+    /// problem. If the derivative happens to vanish in an interval, a tenth of the mean density limits
+    /// the length of the interval.
     pub fn density(
         &self,
         equations: &DiscretisedProblem,
@@ -281,8 +285,9 @@ impl MeshError {
     }
 }
 
-/// Lower bounds of the sizes of a segment's states: empty unless the problem defines the size of the
-/// motion near a state. Constant states have no size of their own.
+/// Returns lower bounds of the sizes of a segment's states; empty unless the problem defines the
+/// size of the motion near a state. Constant states have no size of their own, and are bounded
+/// below by the size of the motion.
 struct Floors(Vec<f64>);
 
 impl Floors {
@@ -299,13 +304,15 @@ impl Floors {
         Floors(problem.scales(segment, q).iter().map(|scale| LEAST * scale).collect())
     }
 
-    /// The lower bound for a state; zero without a bound.
+    /// Returns the lower bound for the size of a state; zero if the problem does not define a
+    /// bound.
     fn of(&self, state: usize) -> f64 {
         self.0.get(state).copied().unwrap_or(0.0)
     }
 }
 
-/// The sizes of states that the problem defines for each interval of a segment; empty if it defines none.
+/// Returns the sizes of the motion that the problem defines for each interval of a segment; empty if it
+/// does not define them.
 fn sizes_near(
     equations: &DiscretisedProblem,
     segment: usize,
@@ -322,9 +329,9 @@ fn sizes_near(
     all.map_or(Vec::new(), |all| all.windows(2).map(of).collect())
 }
 
-/// Estimates `|x^{(m+1)}|` of a state in an interval, given `x^{(m)}` in the segment's intervals. For a
-/// single interval, the estimate is the change of the polynomial's own highest derivative over the
-/// interval, an overestimate if the series converges.
+/// Estimates `|x^{(m+1)}|` of a state in an interval, given `x^{(m)}` in the segment's intervals. On a
+/// mesh with a single interval, the estimate is the change of the polynomial's own highest derivative
+/// over the interval, which overestimates `|x^{(m+1)}|` if the series converges.
 fn next_derivative<T: Scalar>(
     equations: &DiscretisedProblem,
     (segment, interval): (usize, usize),
@@ -348,8 +355,8 @@ fn next_derivative<T: Scalar>(
     largest
 }
 
-/// The number of intervals with equidistributed error that keeps the error below a tolerance, with a
-/// tenth in reserve; not rounded, and not finite if no number suffices.
+/// Returns the number of intervals with equidistributed error that keeps the error a tenth below a
+/// tolerance; the number is not rounded, and is not finite if no number of intervals suffices.
 pub(super) fn intervals_for(
     equations: &DiscretisedProblem,
     segment: usize,

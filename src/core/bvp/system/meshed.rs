@@ -21,23 +21,25 @@ use crate::core::problem::{Group, Names};
 use crate::core::scalar::Chunk;
 use crate::core::system::{Solution, Start};
 
-/// The largest number of intervals of a refined segment (H): on finer meshes, rounding errors
+/// (H) The largest number of intervals of a refined segment: on finer meshes, rounding errors
 /// dominate.
 pub(super) const MOST_INTERVALS: usize = 4096;
 
-/// A discretised problem with an adaptive mesh: its solutions and their linearisation.
+/// A discretised problem with an adaptive mesh: the evaluation of solutions and their
+/// linearisation.
 pub(super) struct Meshed {
     pub names: Names,
     pub solutions: Solutions,
     pub assembly: AssembledJacobian,
     pub derivatives: Derivatives,
     pub floquet: Floquet,
-    /// Scratch space for derivatives of parts of the equations, and the numbers for gradients.
+    /// Scratch space for derivatives of parts of the equations, and the selection of numbers for
+    /// gradients.
     pub chunk: Passes<Chunk>,
     pub numbers: Numbers,
-    /// The number of accepted points of a branch.
+    /// The number of accepted points of the branch so far.
     pub followed: usize,
-    /// The number of refinements that led to this system.
+    /// The number of mesh refinements that led to this system.
     pub refinements: usize,
     /// The initial numbers of intervals of the segments.
     pub least: Vec<usize>,
@@ -85,7 +87,7 @@ impl Meshed {
         Ok(())
     }
 
-    /// The Floquet multipliers, and the solution assembled last.
+    /// Returns the Floquet multipliers, and the solution that was assembled last.
     pub fn multipliers(&mut self) -> (&mut Floquet, Orbit<'_>) {
         let Meshed { solutions, assembly: assembled, floquet, .. } = self;
         let Solutions { equations, phase, monitors, plain, .. } = solutions;
@@ -93,7 +95,7 @@ impl Meshed {
         (floquet, Orbit { equations, phase, assembled, errors, plain })
     }
 
-    /// Discards evaluations of other equations.
+    /// Discards cached evaluations, which belong to other equations.
     fn forget(&mut self) {
         self.assembly.at.clear();
         self.solutions.forget();
@@ -199,8 +201,8 @@ impl Meshed {
     }
 }
 
-/// Creates a system with the initial numbers of intervals, unless the mesh has these already: a start
-/// does not depend on earlier meshes.
+/// Creates a system with the initial numbers of intervals, unless the mesh already has these numbers:
+/// the start of a branch does not depend on earlier meshes.
 fn begun_anew(meshed: &Meshed) -> Result<Option<Meshed>, Failure> {
     let equations = &meshed.solutions.equations;
     let mut all = equations.meshes.iter().zip(&meshed.least);
@@ -213,8 +215,8 @@ fn begun_anew(meshed: &Meshed) -> Result<Option<Meshed>, Failure> {
     Ok(Some(Meshed::new(equations.on(meshes)?)))
 }
 
-/// Names of unknowns, parameters and monitors. The names of states that several segments share get
-/// the segment's number.
+/// Returns the names of unknowns, parameters and monitors. If several segments have a state of the
+/// same name, the segment's number is appended to the name.
 fn names_of(problem: &dyn Equations, method: &Method, layout: &UnknownLayout) -> Names {
     let segments = problem.segments();
     let mut unknowns = Vec::new();

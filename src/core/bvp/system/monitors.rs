@@ -21,15 +21,16 @@ use num_dual::Dual64;
 /// The name of the monitor that estimates the mesh error.
 pub(super) const MESH_ERROR: &str = "mesh_error";
 
-/// A scalar at a place on a segment.
+/// A scalar at a position on a segment.
 type Term = Sighting<(Watched, Place)>;
 
-/// The monitors of a problem, with the extremes and the error of a solution that they need.
+/// The monitors of a problem, with the extrema and the mesh error of a solution that the monitors
+/// need.
 pub(super) struct Monitors {
     all: Vec<Monitor>,
     pub extremes: MonitoredExtremes,
     pub mesh_error: MeshError,
-    /// The longest duration of trial solutions.
+    /// The longest allowed duration of trial solutions.
     pub longest: DurationBound,
 }
 
@@ -46,7 +47,7 @@ impl Monitors {
         }
     }
 
-    /// Computes the value of a monitor at the arguments of `work`.
+    /// Computes the value of a monitor for the solution loaded in `work`.
     pub fn evaluate(
         &mut self,
         equations: &mut DiscretisedProblem,
@@ -72,7 +73,7 @@ impl Monitors {
         })
     }
 
-    /// Computes the extremes if a monitor needs them.
+    /// Computes the extrema of the monitored scalars if a monitor needs them.
     pub fn watch_for(
         &mut self,
         equations: &mut DiscretisedProblem,
@@ -85,7 +86,7 @@ impl Monitors {
         }
     }
 
-    /// Adds the gradient of a monitor at a point loaded in `work`.
+    /// Adds the gradient of a monitor at the point loaded in `work`.
     pub fn add_gradient(
         &mut self,
         equations: &mut DiscretisedProblem,
@@ -125,7 +126,7 @@ impl Monitors {
         }
     }
 
-    /// The extremes of a monitor's scalar over all segments.
+    /// Returns the extrema of a monitor's scalar over all segments.
     fn overall(&self, monitor: &Monitor) -> Overall<(Watched, Place)> {
         let mut overall = Overall::default();
         for w in monitor.of_extremes() {
@@ -136,8 +137,8 @@ impl Monitors {
         overall
     }
 
-    /// Computes all left-hand sides in real numbers, and the extremes for monitors if the same
-    /// computation gives both.
+    /// Computes all left-hand sides in real numbers; also computes the extrema for monitors if the
+    /// same computation gives both.
     pub fn residual(
         &mut self,
         equations: &mut DiscretisedProblem,
@@ -154,7 +155,7 @@ impl Monitors {
         residual_beside(equations, phase, work)
     }
 
-    /// Computes the extremes and crossings of all monitored scalars in one pass over the intervals,
+    /// Computes the extrema and crossings of all monitored scalars in one pass over the intervals,
     /// and writes the intervals' residuals if requested.
     pub fn find_extremes(
         &mut self,
@@ -187,8 +188,8 @@ impl Monitors {
         Ok(())
     }
 
-    /// The upward zero crossing of a scalar with the largest value of another one, over all segments,
-    /// and the latter scalar.
+    /// Returns, over all segments, the upward zero crossing of a first scalar at which a second
+    /// scalar is largest, with the value of the second scalar.
     fn rising(&self, through: &[Watched], value: &[Watched]) -> Option<(Term, Observable)> {
         let risen = pairs(through, value).filter_map(|(w, value)| {
             let Sighting { place, value: height } = self.extremes.risen(w, value)?;
@@ -198,7 +199,7 @@ impl Monitors {
     }
 }
 
-/// Adds a multiple of the gradient of the total duration of some segments.
+/// Adds a multiple of the gradient of the total duration of the selected segments.
 fn add_duration(
     equations: &DiscretisedProblem,
     counts: impl Fn(usize) -> bool,
@@ -214,7 +215,8 @@ fn add_duration(
     Ok(())
 }
 
-/// Computes an integral of scalars at the arguments of `work`, and its duration.
+/// Computes an integral of scalars for the solution loaded in `work`, and the duration of the
+/// integration.
 fn sum_and_time(
     equations: &DiscretisedProblem,
     integral: Integral,
@@ -230,7 +232,7 @@ fn sum_and_time(
     Ok([sum, equations.duration(numbers, |s| on_segment(watched, s))])
 }
 
-/// The contribution of an interval to an integral.
+/// Computes the contribution of an interval to an integral.
 fn share<T: Number + WatchNumber>(
     equations: &DiscretisedProblem,
     integral: Integral,
@@ -247,7 +249,7 @@ fn share<T: Number + WatchNumber>(
     Ok(sum)
 }
 
-/// Adds the gradients of the integral and of the duration by the chain rule.
+/// Adds the gradients of the integral and of the duration, combined by the chain rule.
 fn add_integral(
     equations: &DiscretisedProblem,
     integral: Integral,
@@ -269,7 +271,7 @@ fn add_integral(
     add_duration(equations, |s| on_segment(watched, s), by_time, gradient)
 }
 
-/// Computes a function of the states at the starts of all segments, then at the ends.
+/// Computes a function of the states at the starts of all segments and at the ends of all segments.
 fn of_ends<T: Scalar>(equations: &DiscretisedProblem, function: usize, ends: &[T], q: &[T]) -> T
 where
     dyn Equations: EndFunctions<T>,
@@ -278,7 +280,7 @@ where
     equations.problem.of_ends_in(function, Ends { start, end }, q)
 }
 
-/// Computes two scalars at a place of a segment, with their time derivatives.
+/// Computes two scalars at a position on a segment, with their time derivatives.
 fn rates(
     equations: &DiscretisedProblem,
     Place { interval, place }: Place,
@@ -298,8 +300,9 @@ fn rates(
     Ok(watched.map(|watched| problem.watch_in(watched, Dual64::new(t, 1.0), &moving, &q)))
 }
 
-/// Adds the gradient of an extreme value at a fixed place: at an inner extremum the derivative with
-/// respect to the place vanishes, and at an end the place is fixed.
+/// Adds the gradient of an extreme value at a fixed position: at an inner extremum the derivative
+/// with respect to the position vanishes, and an extremum at an end of the segment keeps its
+/// position.
 fn add_term(
     equations: &DiscretisedProblem,
     (watched, Place { interval, place }): (Watched, Place),
@@ -318,7 +321,7 @@ fn add_term(
     })
 }
 
-/// Whether any of these scalars belongs to a segment.
+/// Whether any of the given scalars belongs to a segment.
 fn on_segment(watched: &[Vec<Watched>], segment: usize) -> bool {
     watched.iter().flatten().any(|watched| watched.segment == segment)
 }

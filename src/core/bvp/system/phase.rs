@@ -10,13 +10,14 @@ use crate::core::numerics::node_weights;
 use crate::core::problem::FieldIn;
 use crate::core::scalar::Scalar;
 
-/// The phase condition `Σ_k w_k ⟨ẋ_k, x_k − x̂_k⟩ = 0`, with a reference `x̂` and the quadrature
-/// weights `w` of the nodes. The condition is inactive until a reference is set.
+/// The phase condition `Σ_k w_k ⟨ẋ_k, x_k − x̂_k⟩ = 0`, with a reference solution `x̂` and the
+/// quadrature weights `w` of the nodes. The phase condition is inactive until a reference solution
+/// is set.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Phase {
-    /// The reference, as `x = (z, p)`; empty before it is set.
+    /// The reference solution, as `x = (z, p)`; empty before it is set.
     pub reference: Vec<f64>,
-    /// The row `w_k ẋ_k`, node by node.
+    /// The gradient of the phase condition, with the entries `w_k ẋ_k`, node by node.
     pub row: Vec<f64>,
 }
 
@@ -30,7 +31,7 @@ impl Phase {
         sum
     }
 
-    /// Makes `x = (z, p)` the reference.
+    /// Makes `x = (z, p)` the reference solution.
     pub fn refer_to(
         &mut self,
         equations: &DiscretisedProblem,
@@ -46,8 +47,8 @@ impl Phase {
         Ok(())
     }
 
-    /// Makes `x = (z, p)` the reference, with a motion (in the order of `z`) that can differ from its
-    /// own.
+    /// Makes `x = (z, p)` the reference solution, with a time derivative (in the order of `z`) that
+    /// can differ from the solution's own.
     pub fn refer_to_motion(&mut self, equations: &DiscretisedProblem, x: &[f64], motion: &[f64]) {
         let layout = &equations.layout;
         let weights = node_weights(equations.method.places());
@@ -73,7 +74,8 @@ impl Phase {
     }
 }
 
-/// Computes `dx/dτ` at all nodes, in the order of `z`, at the arguments of `work`.
+/// Computes the time derivative `dx/dτ` at all nodes, in the order of `z`, for the solution loaded
+/// in `work`.
 fn motion(equations: &DiscretisedProblem, work: &mut Work<f64>) -> Result<Vec<f64>, Failure> {
     let (layout, places) = (&equations.layout, equations.method.places());
     let mut motion = vec![0.0; layout.values()];

@@ -1,24 +1,26 @@
-//! The phase response of a cycle: the gradient `Z` of its asymptotic phase, in units of time.
+//! The phase response of a cycle: the gradient `Z` of the cycle's asymptotic phase, in units of
+//! time.
 //!
 //! A perturbation `δ` at time `t` advances the later motion by `Z(t)·δ`. A cycle with the same
-//! perturbation in every period returns earlier by the same time, so that `Z·δ` is minus the derivative
-//! of the period `T` by a jump of the states between two intervals of the discretised equations
-//! `F(z) = 0`. With one transposed solution,
+//! perturbation `δ` in every period returns earlier by the time `Z·δ`. Therefore `Z·δ` is minus the
+//! derivative of the period `T` with respect to a jump of the states between two intervals of the
+//! discretised equations `F(z) = 0`. With one solution `λ` of a transposed system, the phase response
+//! is
 //!
 //! ```text
 //!     F_zᵀ λ = ∇T,    Z = Bᵀ λ at the start of an interval,    Z = −Cᵀ λ at its end,
 //! ```
 //!
 //! where `B` and `C` are the derivatives of the interval's equations with respect to the states at
-//! its ends. The computation is the same for all methods, with or without events: the equations
-//! include the conditions between segments, and `Z⁻ = Sᵀ Z⁺` with the saltation matrix `S` follows.
-//! The matrix is regular exactly if no other Floquet multiplier is 1. The normalisation `Z·f = 1`
-//! is not imposed, and is used to check the result. The adjoint of Gauss collocation is Gauss
-//! collocation (J. M. Sanz-Serna, *SIAM Review* 58 (2016)), so that at the ends of intervals `Z`
-//! has the order of the states.
+//! the interval's ends. The computation is the same for all methods, with or without events: the
+//! equations include the conditions between segments, which imply `Z⁻ = Sᵀ Z⁺` with the saltation
+//! matrix `S`. The matrix of the transposed system is regular exactly if no other Floquet
+//! multiplier is 1. The normalisation `Z·f = 1` is not imposed, but used to check the result. The
+//! adjoint of Gauss collocation is also Gauss collocation (J. M. Sanz-Serna, *SIAM Review* 58
+//! (2016)); therefore, at the ends of intervals, `Z` has the same order of accuracy as the states.
 //!
-//! Between the ends of an interval `Z(t) = Φᵀ Z`, with the derivative `Φ` of the flow from `t` to the
-//! interval's end.
+//! Between the ends of an interval, the response is `Z(t) = Φᵀ Z`, where `Z` is the response at the
+//! interval's end and `Φ` is the derivative of the flow from `t` to the interval's end.
 
 use super::BoundarySystem;
 use super::assembly::AssembledJacobian;
@@ -36,20 +38,22 @@ use crate::core::ode::Settings;
 use crate::core::problem::{FieldIn, Profile};
 use crate::core::scalar::{CHUNK, Chunk, seeded};
 
-/// A nontrivial multiplier closer to 1 than this leaves fewer than six digits (D): the error of the
-/// solution, 1e-12 of its size, is divided by the distance.
+/// (D) A nontrivial multiplier closer to 1 than this leaves fewer than six digits of the response:
+/// the error of the solution, 1e-12 of its size, is divided by the distance between this multiplier
+/// and the trivial one.
 const SIMPLE: f64 = 1e-6;
 
-/// The largest sum of the terms `|Z_i f_i|` of `Z·f = 1` (D). Near a fold of cycles the sum grows, and
-/// reveals the fold even if rounding errors hide a multiplier near 1, as in a canard explosion.
+/// (D) The largest accepted sum of the terms `|Z_i f_i|` in `Z·f = 1`. Near a fold of cycles the
+/// sum of the terms `|Z_i f_i|` grows, and reveals the fold even if rounding errors hide a
+/// multiplier near 1, as in a canard explosion.
 const LARGEST: f64 = 1e6;
 
-/// The largest error of `Z·f = 1` (D): drawn curves have at least three digits.
+/// (D) The largest accepted error of `Z·f = 1`: drawn curves have at least three digits.
 const NORMALISED: f64 = 1e-3;
 
-/// No curve is drawn inside an interval if the response computed by flows at its start differs from the
-/// response of the equations by more than this fraction of the largest one (D): the mesh does not resolve
-/// the motion, or errors grow over the interval.
+/// (D) The largest relative difference, at the start of an interval, between the response computed by
+/// flows and the response of the equations. If the difference is larger, no curve is drawn inside the
+/// interval, because the mesh does not resolve the motion or errors grow over the interval.
 const SAME: f64 = 1e-4;
 
 /// Computes the phase response of an autonomous cycle `x = (z, p)`, smooth or with events: the gradient
@@ -125,7 +129,7 @@ fn require_simple(multipliers: &[(f64, f64)]) -> Result<(), Failure> {
     }
 }
 
-/// The derivatives of the period with respect to the unknowns.
+/// Returns the derivatives of the period with respect to the unknowns.
 fn gradient_of_period(equations: &DiscretisedProblem, x: &[f64]) -> Vec<f64> {
     let layout = &equations.layout;
     let mut gradient = vec![0.0; layout.dimension];
@@ -143,7 +147,7 @@ fn gradient_of_period(equations: &DiscretisedProblem, x: &[f64]) -> Vec<f64> {
     gradient
 }
 
-/// The response at an assembled cycle.
+/// The phase response at an assembled cycle.
 struct PhaseResponse<'a> {
     equations: &'a DiscretisedProblem,
     assembled: &'a AssembledJacobian,
@@ -169,7 +173,8 @@ impl PhaseResponse<'_> {
         Ok(profiles)
     }
 
-    /// Computes time (from `begin` on) and response along a segment, at the points of its history.
+    /// Computes time (counted from `begin`) and phase response along a segment, at the points of
+    /// the segment's time history.
     fn along(&mut self, segment: usize, begin: f64) -> Result<Vec<Vec<f64>>, Failure> {
         let (equations, work) = (self.equations, self.work);
         let s = &equations.layout.segments[segment];
@@ -201,7 +206,7 @@ impl PhaseResponse<'_> {
         Ok(rows)
     }
 
-    /// The response at the start and at the end of an interval.
+    /// Returns the phase response at the start and at the end of an interval.
     fn at_ends(&self, segment: usize, interval: usize) -> [Vec<f64>; 2] {
         let layout = &self.equations.layout;
         let n = layout.segments[segment].states;
@@ -218,7 +223,7 @@ impl PhaseResponse<'_> {
         ends
     }
 
-    /// The largest value of each state on a segment.
+    /// Returns the largest value of each state on a segment.
     fn sizes(&self, segment: usize) -> Vec<f64> {
         let s = &self.equations.layout.segments[segment];
         let nodes = &self.work.nodes[s.values..s.values + s.nodes * s.states];
@@ -231,12 +236,13 @@ fn larger(most: f64, x: &f64) -> f64 {
     most.max(x.abs())
 }
 
-/// The largest component of a response, after each is multiplied by the size of its state.
+/// Returns the largest component of a phase response, after each component is multiplied by the
+/// size of its state.
 fn size(z: impl Iterator<Item = f64>, sizes: &[f64]) -> f64 {
     z.zip(sizes).map(|(z, size)| (z * size).abs()).fold(0.0, f64::max)
 }
 
-/// Returns an error for a response that violates `Z·f = 1`.
+/// Returns an error for a phase response that violates `Z·f = 1`.
 fn check_normalised(at: &Interval<f64>, ends: [&Vec<f64>; 2]) -> Result<(), Failure> {
     let n = ends[0].len();
     let mut motion = vec![0.0; n];
@@ -258,14 +264,14 @@ fn check_normalised(at: &Interval<f64>, ends: [&Vec<f64>; 2]) -> Result<(), Fail
     Ok(())
 }
 
-/// Flows over the parts of an interval, with their derivatives.
+/// Flows over the parts of an interval, with the derivatives of these flows.
 struct Flows {
     shooting: Shooting,
-    /// The states at the start of a part, and scratch space for those at its end.
+    /// The states at the start of a part of the interval, and scratch space for the states at its
+    /// end.
     x: Vec<f64>,
     end: Vec<f64>,
-    /// The derivatives of each part's end with respect to its start and its end, one row after
-    /// another.
+    /// The derivatives of each part's end with respect to its start and its end, stored row by row.
     parts: Vec<f64>,
 }
 
@@ -275,8 +281,8 @@ impl Flows {
         Flows { shooting, x: Vec::new(), end: Vec::new(), parts: Vec::new() }
     }
 
-    /// Computes the response at the starts of the parts of an interval, one after another, from its
-    /// value at the interval's end; `None` if the flow fails.
+    /// Computes the phase response at the starts of the parts of an interval, in turn, from the
+    /// response at the interval's end; `None` if a flow fails.
     fn response(
         &mut self,
         at: &Interval<f64>,

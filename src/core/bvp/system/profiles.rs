@@ -5,12 +5,13 @@ use super::work::Work;
 use crate::core::failure::Failure;
 use crate::core::problem::Profile;
 
-/// The smallest number of points with which a segment is drawn.
+/// The smallest number of points in the drawing of a segment.
 const FEWEST_POINTS: usize = 100;
 
-/// The time history of each state and, for a segment with two or more states, the phase portrait of
-/// the first two. Segments with states of the same name share a curve: segments follow each other if
-/// the solution is periodic, and start at the same time otherwise.
+/// Returns the time history of each state and, for a segment with two or more states, the phase
+/// portrait of the first two states. Segments whose states have the same name share a curve: the
+/// segments are drawn one after another if the solution is periodic; otherwise, they start at the
+/// same time.
 pub(super) fn profiles(
     equations: &DiscretisedProblem,
     work: &mut Work<f64>,
@@ -30,8 +31,9 @@ pub(super) fn profiles(
     Ok(profiles)
 }
 
-/// Visits the segments with motion, with the names of their states and their start times. `visit`
-/// returns the end time of a segment if it is drawn.
+/// Visits the segments along which solutions move (all except the segments of a map), with the
+/// names of their states and their start times. The function `visit` returns the end time of a
+/// segment if the segment is drawn.
 pub(super) fn along_segments(
     equations: &DiscretisedProblem,
     mut visit: impl FnMut(usize, &[String], f64) -> Result<Option<f64>, Failure>,
@@ -48,7 +50,8 @@ pub(super) fn along_segments(
     Ok(())
 }
 
-/// Adds a curve to the profile of a name, which can already contain curves of other segments.
+/// Adds a curve to the profile with a given name, which can already contain curves of other
+/// segments.
 pub(super) fn draw(profiles: &mut Vec<Profile>, name: &str, along: &str, curve: Vec<[f64; 2]>) {
     let same = |p: &&mut Profile| p.name == name && p.along == along;
     match profiles.iter_mut().find(same) {
@@ -60,13 +63,13 @@ pub(super) fn draw(profiles: &mut Vec<Profile>, name: &str, along: &str, curve: 
     }
 }
 
-/// The number of points per interval of a segment, without the last point.
+/// Returns the number of points per interval of a segment, without the last point.
 pub(super) fn points_each(equations: &DiscretisedProblem, segment: usize) -> usize {
     let intervals = equations.layout.segments[segment].intervals;
     FEWEST_POINTS.div_ceil(intervals).max(equations.layout.degree)
 }
 
-/// Computes time (from `begin` on) and states along a segment, at evenly spaced places in each
+/// Computes time (counted from `begin`) and states along a segment, at evenly spaced points in each
 /// interval.
 fn history(
     equations: &DiscretisedProblem,

@@ -1,4 +1,4 @@
-//! Refinement and adaptation of discretisations along a branch.
+//! Refinement and redistribution of meshes along a branch.
 
 use super::BoundarySystem;
 use super::discretisation::DiscretisedProblem;
@@ -15,14 +15,14 @@ use crate::core::failure::Failure;
 use crate::core::problem::Profile;
 use crate::core::system::{Approach, Discretised, Effort, Emanating, Refinement, Solution, System};
 
-/// The largest number of refinements (H). Each refinement of a method of high order gives many
+/// (H) The largest number of refinements. Each refinement of a method of high order gives many
 /// digits; digits that still change after five refinements are rounding errors.
 const MOST_REFINEMENTS: usize = 5;
 
-/// The number of accepted points after which a mesh is redistributed (H).
+/// (H) The number of accepted points after which a mesh is redistributed.
 const ADAPT_EVERY: usize = 3;
 
-/// The estimated error above which a mesh is redistributed immediately (H).
+/// (H) The estimated error above which a mesh is redistributed immediately.
 const ADAPT_ABOVE: f64 = 1e-3;
 
 impl Discretised for Meshed {

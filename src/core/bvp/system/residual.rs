@@ -1,4 +1,4 @@
-//! Left-hand sides of the equations, and their derivatives along directions.
+//! Left-hand sides of the discretised equations, and their directional derivatives.
 
 use super::discretisation::DiscretisedProblem;
 use super::phase::Phase;
@@ -6,7 +6,8 @@ use super::work::{Work, gather_ends};
 use crate::core::bvp::erased::Number;
 use crate::core::failure::{Failure, not_finite};
 
-/// Computes all left-hand sides at the arguments of `work`, into its `r`.
+/// Computes all left-hand sides for the solution loaded in `work`, and writes them into the field
+/// `r` of `work`.
 pub(super) fn residual<T: Number>(
     equations: &DiscretisedProblem,
     phase: &Phase,
@@ -52,7 +53,8 @@ pub(super) fn residual_beside<T: Number>(
     Ok(())
 }
 
-/// Computes a derivative of all left-hand sides, as a part of them at arguments with directions.
+/// Computes a directional derivative of all left-hand sides: evaluates them at dual numbers, and
+/// takes one part of each result.
 pub(super) fn derivative<T: Number>(
     (equations, phase): (&DiscretisedProblem, &Phase),
     work: &mut Work<T>,

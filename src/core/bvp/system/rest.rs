@@ -1,4 +1,4 @@
-//! Equilibria of a field, their linearisation, and their critical eigenvalues.
+//! Equilibria of a vector field, their linearisation, and their critical eigenvalues.
 
 use super::discretisation::DiscretisedProblem;
 use crate::core::bvp::erased::{Equations, Number};
@@ -12,8 +12,8 @@ use nalgebra::DMatrix;
 use num_dual::Dual;
 use std::f64::consts::TAU;
 
-/// Computes the Jacobian of a segment's field with respect to the segment's states, one column
-/// after another.
+/// Computes the Jacobian of a segment's vector field with respect to the segment's states, column
+/// by column.
 pub(super) fn jacobian(
     problem: &dyn Equations,
     segment: usize,
@@ -36,13 +36,15 @@ pub(super) fn jacobian(
     Ok(columns)
 }
 
-/// (R) An equilibrium with all states smaller than this, in their units, is at the origin.
+/// (R) An equilibrium counts as the origin if all its states, in their units, are smaller than
+/// this.
 const AT_ORIGIN: f64 = 1e-6;
 
-/// (H) The largest real part of a critical pair of eigenvalues, in units of the imaginary part.
+/// (H) The largest absolute value of the real part of a critical pair of eigenvalues, in units of
+/// the imaginary part.
 const NEAR_THE_AXIS: f64 = 1e-4;
 
-/// (H) The number of sampled places of an ellipse about the equilibrium.
+/// (H) The number of samples on an ellipse about the equilibrium.
 const PHASES: usize = 8;
 
 /// An eigenvalue with its eigenvector.
@@ -52,7 +54,7 @@ pub(super) struct Mode {
     pub vector: Vec<c64>,
 }
 
-/// Computes the eigenvalues of a matrix, given one column after the other, with their eigenvectors.
+/// Computes the eigenvalues and eigenvectors of a matrix that is stored column by column.
 fn modes(matrix: &[f64], n: usize) -> Result<Vec<Mode>, Failure> {
     let mut balanced = matrix.to_vec();
     let units = balance(&mut balanced, n);
@@ -64,7 +66,7 @@ fn modes(matrix: &[f64], n: usize) -> Result<Vec<Mode>, Failure> {
     Ok((0..n).map(|k| Mode { value: values[k], vector: vector(k) }).collect())
 }
 
-/// A direction of states and of some parameters, by their positions.
+/// A direction in the space of states and parameters; the parameters are given by their positions.
 pub(super) struct Direction {
     pub states: Vec<f64>,
     pub parameters: Vec<(usize, f64)>,
@@ -81,11 +83,11 @@ impl Direction {
     }
 }
 
-/// An equilibrium of a field, from which cycles emanate.
+/// An equilibrium of a vector field, from which cycles emanate.
 pub(super) struct Rest<'a> {
     problem: &'a dyn Equations,
     pub state: &'a [f64],
-    /// The parameters, followed by 1 for every further number.
+    /// The parameters, followed by the value 1 for each extra unknown.
     q: Vec<f64>,
     jacobian: Vec<f64>,
     modes: Vec<Mode>,
@@ -102,15 +104,15 @@ impl<'a> Rest<'a> {
         Ok(Rest { problem, state, q, jacobian, modes })
     }
 
-    /// The typical sizes of the states.
+    /// Returns the typical sizes of the states.
     pub fn units(&self) -> Vec<f64> {
         let mut units = self.problem.scales(0, &self.q);
         units.resize(self.state.len().max(units.len()), 1.0);
         units
     }
 
-    /// The complex pairs, by their eigenvalues above the real axis: first those nearest to the imaginary
-    /// axis, or to a known frequency.
+    /// Returns the complex pairs, represented by the eigenvalues above the real axis; the pairs nearest
+    /// to the imaginary axis, or to a known frequency, come first.
     fn pairs(&self, known: Option<f64>) -> Vec<&Mode> {
         let distance = |mode: &Mode| match known {
             Some(omega) => mode.value.re.hypot(mode.value.im - omega),
@@ -121,13 +123,14 @@ impl<'a> Rest<'a> {
         pairs
     }
 
-    /// The critical pair, or the pair with a known frequency.
+    /// Returns the critical pair of eigenvalues, or the pair with a known frequency.
     pub fn critical_pair(&self, known: Option<f64>) -> Result<Mode, Failure> {
         let [pair] = self.critical_pairs(known)?;
         Ok(pair)
     }
 
-    /// Several critical pairs, the nearest to a known frequency first.
+    /// Returns several critical pairs of eigenvalues, starting with the pair nearest to a known
+    /// frequency.
     pub fn critical_pairs<const N: usize>(&self, known: Option<f64>) -> Result<[Mode; N], Failure> {
         let pairs: Vec<Mode> = self.pairs(known).into_iter().take(N).cloned().collect();
         let off_axis = |it: &&Mode| it.value.re.abs() > NEAR_THE_AXIS * it.value.im;
@@ -146,14 +149,15 @@ impl<'a> Rest<'a> {
         })
     }
 
-    /// The critical real eigenvalue.
+    /// Returns the critical real eigenvalue.
     pub fn zero(&self) -> Result<Mode, Failure> {
         let real = self.modes.iter().filter(|it| it.value.im == 0.0);
         let zero = real.min_by(|a, b| a.value.re.abs().total_cmp(&b.value.re.abs()));
         zero.cloned().ok_or_else(|| Failure::Mismatch("no eigenvalue is zero".into()))
     }
 
-    /// The row `p` with `p F_x = λ p` and `p v = 1` for an eigenvalue `λ` and its eigenvector `v`.
+    /// Returns the left eigenvector `p` with `p F_x = λ p` and `p v = 1`, for an eigenvalue `λ` and
+    /// its eigenvector `v`.
     pub fn left(&self, of: &Mode) -> Result<Vec<c64>, Failure> {
         let n = self.state.len();
         let transposed: Vec<f64> = (0..n * n).map(|k| self.jacobian[(k % n) * n + k / n]).collect();
@@ -166,7 +170,7 @@ impl<'a> Rest<'a> {
         Ok(nearest.vector.into_iter().map(|p| p / product).collect())
     }
 
-    /// Computes the second derivative of the field along two complex directions, `B(a, b)`.
+    /// Computes the second derivative `B(a, b)` of the vector field along two complex directions.
     pub fn second(&self, a: &[c64], b: &[c64]) -> Vec<c64> {
         let parts = |v: &[c64]| -> [Direction; 2] {
             [v.iter().map(|c| c.re).collect(), v.iter().map(|c| c.im).collect()]
@@ -178,7 +182,7 @@ impl<'a> Rest<'a> {
         (0..rr.len()).map(|i| c64::new(rr[i] - ii[i], ri[i] + ir[i])).collect()
     }
 
-    /// Computes the second derivative of the field along two directions.
+    /// Computes the second derivative of the vector field along two real directions.
     pub fn along(&self, a: &Direction, b: &Direction) -> Vec<f64> {
         self.image(a, b).iter().map(mixed).collect()
     }
@@ -201,8 +205,9 @@ impl<'a> Rest<'a> {
         f
     }
 
-    /// The difference of the field from its linearisation on the ellipse `x* + ε Re(v e^{iφ})`, as a
-    /// fraction of the linearisation, sampled; infinite outside the field's domain.
+    /// Returns the sampled difference between the vector field and its linearisation on the ellipse
+    /// `x* + ε Re(v e^{iφ})`, as a fraction of the linearisation; infinite outside the vector
+    /// field's domain.
     pub fn nonlinearity(&self, v: &[c64], amplitude: f64) -> f64 {
         let (n, units) = (self.state.len(), self.units());
         let field = f64::residual(self.problem).on_segment(0, &self.q);
@@ -228,18 +233,18 @@ impl<'a> Rest<'a> {
         most
     }
 
-    /// The Jacobian in the units of the states.
+    /// Returns the Jacobian in the units of the states.
     pub fn in_units(&self) -> DMatrix<f64> {
         let (n, units) = (self.state.len(), self.units());
         DMatrix::from_fn(n, n, |i, j| self.jacobian[j * n + i] * units[j] / units[i])
     }
 
-    /// The value of a parameter.
+    /// Returns the value of a parameter.
     pub fn parameter(&self, parameter: usize) -> f64 {
         self.q[parameter]
     }
 
-    /// The size of the equilibrium in the units of its states; 1 at the origin.
+    /// Returns the size of the equilibrium in the units of its states; 1 at the origin.
     pub fn size(&self) -> f64 {
         let parts = self.state.iter().zip(self.units()).map(|(x, unit)| x / unit);
         let size = norm(&parts.collect::<Vec<f64>>());

@@ -12,24 +12,25 @@ use crate::core::system::System;
 
 /// A solution at a limit, converted to the system on the other side of the limit.
 pub(super) struct Beside {
-    /// The solution of the current system.
+    /// The solution of the current system, at the limit.
     pub at: Vec<f64>,
     pub system: Box<dyn System>,
     pub x: Vec<f64>,
-    /// Whether the solution passes the event that solutions on the other side lack.
+    /// Whether the solution passes an event that does not occur in the solutions on the other side.
     pub passes: bool,
 }
 
-/// A discretised problem with its references and its monitors.
+/// A discretised problem with its reference solutions and its monitors.
 pub(super) struct Solutions {
     pub equations: DiscretisedProblem,
     pub phase: Phase,
     pub monitors: Monitors,
-    /// The solution loaded last.
+    /// The solution that was loaded last.
     pub plain: Work<f64>,
-    /// The point at which `plain` holds the accurate residual; empty otherwise.
+    /// The point whose accurate residual is stored in `plain`; empty if `plain` does not contain an
+    /// accurate residual.
     evaluated: Vec<f64>,
-    /// Whether the reference of the problem is set.
+    /// Whether the problem has fixed the properties that hold along the whole branch.
     referred: bool,
     /// The last computed solution on the other side of a limit.
     pub beside: Option<Beside>,
@@ -48,12 +49,13 @@ impl Solutions {
         }
     }
 
-    /// Copies, from solutions on another mesh, whether the reference of the problem is set.
+    /// Copies, from solutions on another mesh, whether the problem has fixed the properties that
+    /// hold along the whole branch.
     pub fn refers_to_problem_of(&mut self, other: &Solutions) {
         self.referred = other.referred;
     }
 
-    /// Makes the first point at which the equations are evaluated the reference of the problem, and
+    /// Makes the first point at which the equations are evaluated the reference of the problem and
     /// of the phase condition, unless a reference is set.
     pub fn refer(&mut self, x: &[f64]) -> Result<(), Failure> {
         let Solutions { equations, plain, .. } = self;
@@ -75,13 +77,13 @@ impl Solutions {
         self.phase.refer_to(&self.equations, x, &mut self.plain)
     }
 
-    /// Discards evaluations of other equations.
+    /// Discards cached evaluations, which belong to other equations.
     pub fn forget(&mut self) {
         self.evaluated.clear();
         self.monitors.mesh_error.forget();
     }
 
-    /// Computes all left-hand sides.
+    /// Computes all left-hand sides of the equations.
     pub fn residual(&mut self, x: &[f64], r: &mut [f64]) -> Result<(), Failure> {
         let Solutions { equations, phase, monitors, plain, evaluated, .. } = self;
         if evaluated != x {
@@ -102,7 +104,7 @@ impl Solutions {
         self.plain.load(&self.equations.layout, |i| x[i]);
     }
 
-    /// Computes the value of a monitor at the solution loaded last.
+    /// Computes the value of a monitor for the solution that was loaded last.
     pub fn monitor(&mut self, monitor: usize) -> Result<f64, Failure> {
         self.monitors.evaluate(&mut self.equations, monitor, &mut self.plain)
     }
@@ -113,7 +115,8 @@ impl Solutions {
         self.monitors.mesh_error.of(&self.equations, &self.plain)
     }
 
-    /// Time histories and phase portraits; empty if the solution leaves its domain.
+    /// Returns time histories and phase portraits; empty if the solution leaves the domain of its
+    /// vector field.
     pub fn profiles(&mut self, x: &[f64]) -> Vec<Profile> {
         self.load(x);
         profiles(&self.equations, &mut self.plain).unwrap_or_default()

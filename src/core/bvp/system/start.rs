@@ -26,18 +26,19 @@ impl From<BoundaryError> for Failure {
     }
 }
 
-/// A saved solution, converted to a discretised problem, from which a branch starts.
+/// The start of a branch: a saved solution, converted to a discretised problem.
 pub(super) struct Resumed {
-    /// The discretisation, if it differs from the current one.
+    /// The discretisation of the start; `None` if it is the current discretisation.
     pub equations: Option<DiscretisedProblem>,
     pub start: Start,
-    /// The reference motion of the phase condition (in the order of `z`), if it differs from the
-    /// solution's own.
+    /// The reference motion of the phase condition (in the order of `z`); `None` if it is the
+    /// motion of the solution itself.
     pub motion: Option<Vec<f64>>,
 }
 
-/// Computes a start from a saved solution, on the finer of its mesh and the current one, so that no
-/// start loses accuracy. A solution of another method is transferred to the current mesh.
+/// Computes the start of a branch from a saved solution, on the finer one of the saved and the
+/// current mesh, so that the start does not lose accuracy. A saved solution of another method is
+/// transferred to the current mesh.
 pub(super) fn resumed(
     present: &DiscretisedProblem,
     solution: &Solution,
@@ -98,7 +99,7 @@ pub(super) fn resumed(
     Ok(Resumed { equations: other, start, motion: None })
 }
 
-/// The problem of a saved itinerary; `None` for the current itinerary.
+/// Returns the problem of a saved itinerary; `None` if the saved itinerary is the current one.
 pub(super) fn in_words(
     present: &DiscretisedProblem,
     words: &str,
@@ -110,10 +111,10 @@ pub(super) fn in_words(
     changed(present, itineraries_of(&*present.problem)?.with_words(words)?).map(Some)
 }
 
-/// The itineraries of a problem.
+/// Returns the itineraries of a problem.
 ///
 /// # Errors
-/// [`Failure::Unsupported`] if all solutions have the same itinerary.
+/// [`Failure::Unsupported`] if all solutions of the problem have the same itinerary.
 pub(super) fn itineraries_of(
     problem: &dyn Equations,
 ) -> Result<&dyn Itineraries<ErasedProblem>, Failure> {
@@ -121,12 +122,13 @@ pub(super) fn itineraries_of(
     problem.itineraries().ok_or_else(|| Failure::Unsupported(reason.into()))
 }
 
-/// The largest number of intervals of a segment.
+/// Returns the largest number of intervals of a segment.
 pub(super) fn most_intervals(equations: &DiscretisedProblem) -> usize {
     equations.meshes.iter().map(Mesh::intervals).max().unwrap_or(1)
 }
 
-/// Another problem by the same method, with the largest current number of intervals on each segment.
+/// Discretises another problem by the same method, with the largest current number of intervals on
+/// each segment.
 fn changed(
     present: &DiscretisedProblem,
     problem: ErasedProblem,
@@ -135,7 +137,7 @@ fn changed(
     Ok(DiscretisedProblem::new(problem, present.method.clone(), meshes)?)
 }
 
-/// Converts a solution, and its direction, to the problem of the doubled itinerary.
+/// Converts a solution, and the direction of its branch, to the problem of the doubled itinerary.
 fn repeat(layout: &UnknownLayout, solution: &mut Solution, (method, meshes): (&Method, &[Mesh])) {
     let values = values_on(layout, meshes, method);
     // Each segment of a cycle has one extra; segments of a map cycle have none.
@@ -147,14 +149,14 @@ fn repeat(layout: &UnknownLayout, solution: &mut Solution, (method, meshes): (&M
     solution.mesh.extend_from_within(..);
 }
 
-/// The number of values of a method on meshes.
+/// Returns the number of values at nodes for a method and given meshes.
 fn values_on(layout: &UnknownLayout, meshes: &[Mesh], method: &Method) -> usize {
     let degree = method.places().len() - 1;
     let segments = layout.segments.iter().zip(meshes);
     segments.map(|(s, mesh)| (mesh.intervals() * degree + 1) * s.states).sum()
 }
 
-/// The method and the meshes of a saved solution.
+/// Returns the method and the meshes of a saved solution.
 ///
 /// # Errors
 /// [`Failure::Mismatch`] if the solution does not belong to this problem.
@@ -193,7 +195,8 @@ fn resampled(
     Ok(z)
 }
 
-/// Repeats the orbit, and its direction, on twice the intervals: a solution of period two.
+/// Repeats an orbit, and the direction of its branch, on twice the intervals, which gives a
+/// solution that spans two periods.
 fn double(layout: &UnknownLayout, solution: &mut Solution) {
     let nodes = (solution.state.len() - layout.extras) / layout.states;
     in_unknowns(solution, |z| {
@@ -206,7 +209,7 @@ fn double(layout: &UnknownLayout, solution: &mut Solution) {
     solution.mesh.extend(second);
 }
 
-/// Replaces the unknowns of a solution and of its direction.
+/// Replaces the unknowns of a solution and the unknowns of its direction.
 fn in_unknowns(solution: &mut Solution, new: impl Fn(&[f64]) -> Vec<f64>) {
     solution.state = new(&solution.state);
     if let Some((z, _)) = &mut solution.tangent {
@@ -214,7 +217,8 @@ fn in_unknowns(solution: &mut Solution, new: impl Fn(&[f64]) -> Vec<f64>) {
     }
 }
 
-/// Splits breakpoints into the meshes of all segments. Each mesh begins with 0.
+/// Splits a list of breakpoints into the meshes of all segments. Each mesh begins with the
+/// breakpoint 0.
 pub(super) fn meshes_of(points: &[f64]) -> Result<Vec<Mesh>, Failure> {
     let mut meshes: Vec<Vec<f64>> = Vec::new();
     for &point in points {

@@ -1,9 +1,9 @@
-//! The homoclinic orbit near a Bogdanov–Takens point to second order in the states, at which a curve of
-//! homoclinic orbits begins.
+//! The homoclinic orbit near a Bogdanov–Takens point to second order in the states, used as the guess
+//! at which a curve of homoclinic orbits begins.
 //!
-//! With `A q₀ = 0`, `A q₁ = q₀`, `p₁ A = 0`, `p₀ A = p₁`, `p₀ q₀ = p₁ q₁ = 1` and `p₁ q₀ = p₀ q₁ = 0` the
-//! motion near the point is `z = z₀ + β₂ h + w₀ q₀ + w₁ q₁ + …`, `w₀' = w₁`,
-//! `w₁' = β₁ + β₂ w₁ + a w₀² + b w₀ w₁`, and the parameters are `α = α₀ + β₂ k + …`, with
+//! With `A q₀ = 0`, `A q₁ = q₀`, `p₁ A = 0`, `p₀ A = p₁`, `p₀ q₀ = p₁ q₁ = 1` and `p₁ q₀ = p₀ q₁ = 0`,
+//! the motion near the point is `z = z₀ + β₂ h + w₀ q₀ + w₁ q₁ + …`, `w₀' = w₁`, `w₁' = β₁ + β₂ w₁ + a
+//! w₀² + b w₀ w₁`, and the parameters are `α = α₀ + β₂ k + …`, with
 //!
 //! ```text
 //!     A h + F_α k = 0,    p₁ C(q₀) = 0,    p₀ C(q₀) + p₁ C(q₁) = 1,    C(q) = F_zz[q, h] + F_zα[q, k]
@@ -19,24 +19,28 @@ use crate::core::failure::Failure;
 use crate::core::system::{Kind, Solution};
 use nalgebra::{DMatrix, DVector};
 
-/// (H) The orbit covers this time in both directions, in units of `1/ε`: its ends are closer to the
-/// saddle than 1e-3 of the loop.
+/// (H) The time covered by the orbit in both directions, in units of `1/ε`: the distance of its
+/// ends from the saddle is less than 1e-3 of the loop's size.
 const HALF_TIME: f64 = 4.5;
 
-/// (H) The largest `ε b/a`; higher-order terms are powers of this quantity.
+/// (H) The largest value of `ε b/a`; higher-order terms are powers of `ε b/a`.
 const LARGEST: f64 = 0.1;
 
-/// (R) A coefficient `a` or a slope smaller than this, relative to its terms, is a rounding error.
+/// (R) A coefficient `a`, or a derivative, counts as a rounding error if it is smaller than this
+/// fraction of its terms.
 const DEGENERATE: f64 = 1e-9;
 
-/// (R) Equations are singular if their smallest singular value is below this fraction of the largest one.
+/// (R) Equations count as singular if their smallest singular value is below this fraction of the largest
+/// singular value.
 const DEPENDENT: f64 = 1e-9;
 
-/// Computes a long cycle near the homoclinic orbit, with the two released parameters changed. Its
-/// amplitude is a fraction of the size of the equilibrium, or less, times a factor.
+/// Computes a long cycle near the homoclinic orbit, for changed values of the two released
+/// parameters. The amplitude of the cycle is a fraction of the size of the equilibrium, or less,
+/// times a factor.
 ///
 /// # Errors
-/// [`Failure::Mismatch`] if the normal form is degenerate, or unless two parameters are released.
+/// [`Failure::Mismatch`] if the normal form is degenerate, or if the number of released parameters
+/// is not two.
 pub(super) fn beside(
     on: &DiscretisedProblem,
     point: &Solution,
@@ -88,7 +92,7 @@ fn singular() -> Failure {
     refused("the linearisation has more than one null vector")
 }
 
-/// Right vectors `q₀, q₁` and left vectors `p₀, p₁` of a double zero eigenvalue.
+/// The right vectors `q₀, q₁` and left vectors `p₀, p₁` of a double zero eigenvalue.
 struct Chain {
     q: [DVector<f64>; 2],
     p: [DVector<f64>; 2],
@@ -111,7 +115,7 @@ impl Chain {
     }
 }
 
-/// Solves with a singular matrix within a border of one column and one row.
+/// Solves a linear system with a singular matrix that is bordered by one column and one row.
 fn bordered(
     matrix: &DMatrix<f64>,
     [column, row]: [&DVector<f64>; 2],
@@ -125,7 +129,7 @@ fn bordered(
     solved.map(|it| it.rows(0, n).into_owned()).ok_or_else(singular)
 }
 
-/// The equilibrium with two released parameters, with all states in their units.
+/// An equilibrium with two released parameters; all states are in their units.
 struct Unfolded<'r> {
     rest: &'r Rest<'r>,
     units: Vec<f64>,
@@ -149,7 +153,7 @@ impl Unfolded<'_> {
     }
 }
 
-/// The normal form with its unfolding by two parameters.
+/// The normal form of the Bogdanov–Takens point, with its unfolding by two parameters.
 struct Takens {
     q: [DVector<f64>; 2],
     a: f64,
@@ -163,8 +167,8 @@ struct Takens {
     second: Second,
 }
 
-/// The second-order terms of the center manifold, including the states that depend on the critical ones:
-/// `½ H₂₀ w₀² + H₁₁ w₀ w₁ + ½ H₀₂ w₁² + β₂ (G₀ w₀ + G₁ w₁) + β₁ e + ½ β₂² f`.
+/// The second-order terms of the center manifold, including the noncritical states that depend on the
+/// critical states: `½ H₂₀ w₀² + H₁₁ w₀ w₁ + ½ H₀₂ w₁² + β₂ (G₀ w₀ + G₁ w₁) + β₁ e + ½ β₂² f`.
 struct Second {
     h20: DVector<f64>,
     h11: DVector<f64>,
@@ -224,7 +228,7 @@ impl Takens {
         Ok(Takens { q, a, b, h, k, slope, curvature, second })
     }
 
-    /// A component of the deviation from the equilibrium, in its unit.
+    /// Returns a component of the deviation from the equilibrium, in the unit of this component.
     fn deviation(&self, i: usize, [w0, w1]: [f64; 2], [beta1, beta2]: [f64; 2]) -> f64 {
         let Takens { q, h, second: Second { h20, h11, h02, g, e, f }, .. } = self;
         let first = beta2 * h[i] + w0 * q[0][i] + w1 * q[1][i];
@@ -251,7 +255,8 @@ fn dependent() -> Failure {
     refused("the two parameters do not unfold the point")
 }
 
-/// The smallest change of parameters, each in units of its value, that changes `β₁` by 1.
+/// Returns the smallest change of parameters, with each parameter in units of its value, that
+/// changes `β₁` by 1.
 fn steepest(
     p1: &DVector<f64>,
     slopes: &[DVector<f64>; 2],

@@ -4,7 +4,7 @@ use super::layout::UnknownLayout;
 use crate::core::bvp::method::MethodWork;
 use crate::core::scalar::Scalar;
 
-/// Arguments and residual in one scalar type, kept to avoid repeated allocation.
+/// Scratch space for arguments and residual in one scalar type, kept to avoid repeated allocations.
 pub(super) struct Work<T: Scalar> {
     /// The values at the nodes of all segments, node by node.
     pub nodes: Vec<T>,
@@ -45,7 +45,7 @@ impl<T: Scalar> Work<T> {
         }
     }
 
-    /// Loads arguments, given for each component of `x = (z, p)`.
+    /// Loads the arguments, given by a function of the index in `x = (z, p)`.
     pub fn load(&mut self, layout: &UnknownLayout, argument: impl Fn(usize) -> T) {
         self.nodes.iter_mut().zip(&layout.order).for_each(|(node, &z)| *node = argument(z));
         for (k, q) in self.q.iter_mut().enumerate() {
@@ -55,7 +55,7 @@ impl<T: Scalar> Work<T> {
     }
 }
 
-/// Collects the states at the starts of all segments, then those at the ends.
+/// Collects the states at the starts of all segments, then the states at the ends of all segments.
 pub(super) fn gather_ends<T: Scalar>(layout: &UnknownLayout, nodes: &[T], ends: &mut [T]) {
     let (start, end) = ends.split_at_mut(layout.states);
     for s in &layout.segments {

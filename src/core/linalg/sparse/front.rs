@@ -1,36 +1,42 @@
-//! Elimination inside a front: a dense matrix whose leading rows and columns are fully summed.
+//! Elimination inside a front, which is a dense matrix whose leading rows and columns are fully
+//! summed.
 
 use super::super::lu::{Entry, largest};
 use faer::linalg::matmul::matmul;
 use faer::linalg::triangular_solve::solve_unit_lower_triangular_in_place;
 use faer::{Accum, MatMut, MatRef, Par};
 
-/// (H) A pivot is at least this fraction of the largest entry of its column: in one elimination step,
-/// entries grow by at most one plus the inverse of this number.
+/// (H) The smallest size of a pivot, as a fraction of the largest entry of its column: in one
+/// elimination step, entries grow by at most the factor one plus the inverse of this number.
 const THRESHOLD: f64 = 0.1;
 
-/// (R) A pivot is at least this fraction of the border's entries in its column, even if many columns
-/// lack such a pivot: rounding errors grow by at most the inverse.
+/// (R) The smallest size of a pivot, as a fraction of the border's entries in its column, which is
+/// required even if many columns lack such a pivot: rounding errors grow by at most the inverse of
+/// this number.
 const LEAST: f64 = 1e-8;
 
-/// (H) The width of the panels that are eliminated before the rest of the front is updated.
+/// (H) The number of columns of the panels that are eliminated before the rest of the front is
+/// updated.
 const PANEL: usize = 32;
 
-/// (H) Updates of fewer products than this are faster with plain loops.
+/// (H) The number of multiplications below which an update is faster with plain loops.
 const SMALL: usize = 4096;
 
-/// A front: a dense matrix whose first `summed` rows and columns have all their terms and can be
-/// eliminated. Each row and column carries the number of its equation or unknown.
+/// A front: a dense matrix whose first `summed` rows and columns are fully summed, so that they can
+/// be eliminated. Each row of a front carries the number of its equation, and each column the
+/// number of its unknown.
 pub(super) struct Front<'a, E> {
-    /// The entries, one column after the other.
+    /// The entries of the front, stored column by column.
     pub entries: &'a mut [E],
     pub rows: &'a mut [usize],
     pub columns: &'a mut [usize],
     pub summed: usize,
-    /// The number of rows and columns of the border, which come last.
+    /// The number of rows and columns of the border, which are the last rows and columns of the
+    /// front.
     pub width: usize,
-    /// Whether pivots must lie on the diagonal, so that their signs count eigenvalues. A column without
-    /// such a pivot is delayed to the parent's front; in the last front it finally takes any pivot.
+    /// Whether pivots must lie on the diagonal, so that the signs of the pivots count eigenvalues. A
+    /// column without a sufficiently large diagonal pivot is delayed to the parent's front; in the last
+    /// front, any pivot of the column is accepted.
     pub diagonal: bool,
 }
 
@@ -39,9 +45,10 @@ impl<E: Entry> Front<'_, E> {
         self.rows.len()
     }
 
-    /// Eliminates the columns with sufficiently large pivots and moves them, with their rows, to the
-    /// front. The matrix then holds their `L` (with a unit diagonal) and `U`, and the Schur complement.
-    /// Returns the number of eliminated columns.
+    /// Eliminates the columns with sufficiently large pivots and moves these columns, with their pivot
+    /// rows, to the beginning of the front. After the elimination, the matrix contains the factors `L`
+    /// (with a unit diagonal) and `U` of the eliminated columns, and the Schur complement. Returns the
+    /// number of eliminated columns.
     pub fn eliminate(&mut self) -> usize {
         let mut done = 0;
         loop {
@@ -60,8 +67,9 @@ impl<E: Entry> Front<'_, E> {
         }
     }
 
-    /// Eliminates the columns of the panel at `start`, among the candidates before `end`. Rejected
-    /// columns become the last candidates. Returns the numbers of eliminated and rejected columns.
+    /// Eliminates the columns of the panel that begins at `start`; the candidates for elimination
+    /// lie before `end`. Rejected columns are moved to the end of the candidates. Returns the
+    /// numbers of eliminated and rejected columns.
     fn panel(&mut self, start: usize, end: usize) -> [usize; 2] {
         let size = self.size();
         let beyond = end.min(start + PANEL);
@@ -90,17 +98,17 @@ impl<E: Entry> Front<'_, E> {
         [k - start, beyond - k]
     }
 
-    /// Whether this is the last front.
+    /// Whether this front is the last front of the elimination.
     fn is_last(&self) -> bool {
         self.summed == self.size()
     }
 
-    /// Returns the row of a column's pivot: the diagonal entry of a symmetric matrix if that is large
-    /// enough, otherwise the largest entry; `None` if all entries are too small.
+    /// Returns the row of a column's pivot: the diagonal entry of a symmetric matrix if this entry is
+    /// large enough, otherwise the largest entry; `None` if all entries are too small.
     ///
-    /// A matrix within a border of width `m` has up to `m` pivots near zero, which need the border's
-    /// rows. Therefore up to twice as many columns are delayed if their pivots are smaller than entries
-    /// of the border; more delayed columns would fill the fronts.
+    /// A matrix with a border of width `m` has up to `m` pivots near zero, which need the border's
+    /// rows. Therefore, up to `2m` columns are delayed if their pivots are smaller than entries of the
+    /// border; if more columns were delayed, the fronts would become too large.
     fn pivot(&self, k: usize, rejected: usize) -> Option<usize> {
         let column = &self.entries[k * self.size()..][..self.size()];
         let (mut row, mut most, mut own) = (k, 0.0, None);
@@ -143,7 +151,7 @@ impl<E: Entry> Front<'_, E> {
         }
     }
 
-    /// Updates the columns from `from` on with the columns eliminated from `start` to `end`.
+    /// Updates the columns from `from` on with the eliminated columns from `start` to `end`.
     fn update(&mut self, start: usize, end: usize, from: usize) {
         let (size, width) = (self.size(), end - start);
         let (left, right) = self.entries.split_at_mut(from * size);
@@ -167,8 +175,8 @@ impl<E: Entry> Front<'_, E> {
     }
 }
 
-/// Subtracts a multiple of another column, `(pivot, multipliers…)`, from a column; the column's first
-/// entry determines the factor.
+/// Subtracts a multiple of another column, given as `(pivot, multipliers…)`, from a column; the
+/// column's first entry determines the factor.
 fn subtract<E: Entry>(column: &mut [E], factor: &[E]) {
     let Some((first, rest)) = column.split_first_mut() else { return };
     let first = *first;

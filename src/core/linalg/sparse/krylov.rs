@@ -8,34 +8,36 @@ use faer::{MatRef, Side, c64};
 /// (H) The number of vectors that are multiplied by the inverse and orthogonalised together.
 pub(super) const LANES: usize = 4;
 
-/// (H) The largest dimension of a Krylov space.
+/// (H) The largest number of basis vectors of a Krylov space.
 const DIMENSION: usize = 240;
 
-/// (H) The number of rows of a block that are processed together: they fit into a near cache, and the
-/// parts of the vectors are long enough for prefetching.
+/// (H) The number of rows of a block that are processed together: the rows fit into the first-level
+/// cache, and the parts of the vectors are long enough for prefetching.
 const ROWS: usize = 4096;
 
-/// (H) Eigenvalues of a symmetric matrix form a cluster, with a common error, if their relative distance
-/// is smaller than this.
+/// (H) Eigenvalues of a symmetric matrix form a cluster, with a common error estimate, if their relative
+/// distance is smaller than this.
 const TOGETHER: f64 = 0.01;
 
-/// (R) A vector is orthogonalised again if less than this fraction of its length remains.
+/// (R) A vector is orthogonalised again if the remainder is shorter than this fraction of its
+/// length.
 const CANCELLED: f64 = 0.1;
 
-/// Several vectors, row by row.
+/// Several vectors of the same length, stored row by row.
 type Block = [[f64; LANES]];
 
-/// Converged eigenvalues of the inverse, with an orthonormal basis of the space of their eigenvectors.
+/// Converged eigenvalues of the inverse matrix, with an orthonormal basis of the space that their
+/// eigenvectors span.
 #[derive(Default)]
 pub(super) struct Locked {
     pub values: Vec<c64>,
     pub basis: Vec<Vec<f64>>,
-    /// Approximations of further eigenvectors.
+    /// Approximations of the eigenvectors of further eigenvalues.
     pub others: Vec<Vec<f64>>,
 }
 
 impl Locked {
-    /// The size that a value must exceed to be among the `count` largest.
+    /// Returns the modulus that an eigenvalue must exceed to be among the `count` largest.
     pub fn least(&self, count: usize) -> f64 {
         let mut sizes: Vec<f64> = self.values.iter().map(|it| it.norm()).collect();
         sizes.sort_by(|a, b| b.total_cmp(a));
@@ -43,31 +45,32 @@ impl Locked {
     }
 }
 
-/// A Krylov space of the inverse, orthogonal to locked vectors.
+/// A Krylov space of the inverse matrix, orthogonal to the locked vectors.
 ///
-/// If the matrix `A` is not symmetric, but `D⁻¹ A D` with diagonal scales `D` is, the latter replaces
-/// `A`.
+/// If the matrix `A` is not symmetric, but `D⁻¹ A D` is symmetric for a diagonal matrix `D` of
+/// scales, then `D⁻¹ A D` replaces `A`.
 ///
-/// The space begins with several vectors. Each basis vector in turn is multiplied by the inverse, and the
-/// image's component outside the space is the next vector (A. Ruhe, Math. Comp. 33 (1979) 680).
+/// The first basis vectors of the space are the given vectors. Each basis vector in turn is multiplied
+/// by the inverse matrix, and the component of the product outside the space becomes the next basis
+/// vector (A. Ruhe, Math. Comp. 33 (1979) 680).
 pub(super) struct Krylov<'l> {
     locked: &'l [Vec<f64>],
-    /// The scales that make the matrix symmetric.
+    /// The diagonal scales that make the matrix symmetric.
     scales: Option<&'l [f64]>,
     /// An orthonormal basis.
     pub vectors: Vec<Vec<f64>>,
-    /// The number of basis vectors that have been multiplied.
+    /// The number of basis vectors that have been multiplied by the inverse.
     pub images: usize,
-    /// The components of the images along the basis, one column after the other.
+    /// The components of the products along the basis, stored column by column.
     projected: Vec<f64>,
-    /// The number of rows of `projected`.
+    /// The number of rows of the matrix `projected`.
     rows: usize,
-    /// The largest number of images.
+    /// The largest number of products with the inverse.
     most: usize,
 }
 
 impl<'l> Krylov<'l> {
-    /// Creates the space that begins with given vectors of length `n`.
+    /// Creates the Krylov space that begins with given vectors of length `n`.
     pub fn new(
         starts: &[Vec<f64>],
         (locked, scales): (&'l [Vec<f64>], Option<&'l [f64]>),
@@ -84,12 +87,12 @@ impl<'l> Krylov<'l> {
         space
     }
 
-    /// Whether the space cannot grow: it is invariant, or as large as allowed.
+    /// Whether the space cannot grow, because it is invariant or has the largest allowed dimension.
     pub fn is_complete(&self) -> bool {
         self.images == self.most.min(self.vectors.len())
     }
 
-    /// Multiplies the next vectors of the basis.
+    /// Multiplies the next basis vectors by the inverse matrix.
     pub fn grow(&mut self, lu: &mut SparseLu) {
         let count = LANES.min(self.vectors.len().min(self.most) - self.images);
         let mut block = block_of(&self.vectors[self.images..][..count]);
@@ -142,10 +145,10 @@ impl<'l> Krylov<'l> {
         parts
     }
 
-    /// The eigenvalues of the projected inverse.
+    /// Computes the eigenvalues of the projected inverse matrix.
     ///
     /// # Errors
-    /// [`Failure`] if they do not converge.
+    /// [`Failure`] if the eigenvalue iteration does not converge.
     pub fn ritz(&self) -> Result<RitzPairs, Failure> {
         let (m, symmetric) = (self.images, self.scales.is_some());
         let square = MatRef::from_column_major_slice_with_stride(&self.projected, m, m, self.rows);
@@ -155,8 +158,8 @@ impl<'l> Krylov<'l> {
         Ok(ritz)
     }
 
-    /// The residual of an eigenvector of the projected inverse: the length of its image outside the
-    /// space.
+    /// Returns the residual of an eigenvector of the projected inverse: the length of the component
+    /// of its image outside the space.
     fn rest(&self, vector: &[c64]) -> f64 {
         let outside = self.images..self.vectors.len();
         let component = |i: usize| {
@@ -167,17 +170,17 @@ impl<'l> Krylov<'l> {
     }
 }
 
-/// Eigenvalues of a projected matrix.
+/// The eigenvalues of a projected matrix, with their eigenvectors and errors.
 pub(super) struct RitzPairs {
     pub values: Vec<c64>,
-    /// The eigenvectors, of length 1.
+    /// The eigenvectors, scaled to length 1.
     vectors: Vec<Vec<c64>>,
-    /// The positions of the values, the largest first; of a pair, first the one with positive imaginary
-    /// part.
+    /// The positions of the eigenvalues in descending order of their modulus; in a complex pair, the
+    /// eigenvalue with positive imaginary part is the first.
     pub order: Vec<usize>,
-    /// The lengths of the residuals.
+    /// The lengths of the eigenvectors' residuals.
     rests: Vec<f64>,
-    /// The errors of the values.
+    /// The errors of the eigenvalues.
     pub errors: Vec<f64>,
 }
 
@@ -208,9 +211,10 @@ impl RitzPairs {
         Ok(RitzPairs { values, vectors, order, rests: Vec::new(), errors: Vec::new() })
     }
 
-    /// The errors of the values of a symmetric matrix: the squares of the residuals, divided by the
-    /// distance to the other values (C.-K. Li and R.-C. Li, Linear Algebra Appl. 395 (2005) 183), if the
-    /// quotient is less than the residual. Clustered values share an error.
+    /// Returns the errors of the eigenvalues of a symmetric matrix: the squares of the residuals,
+    /// divided by the distance to the other eigenvalues (C.-K. Li and R.-C. Li, Linear Algebra Appl. 395
+    /// (2005) 183), if the quotient is less than the residual. The eigenvalues of a cluster share one
+    /// error estimate.
     fn symmetric_errors(&self) -> Vec<f64> {
         let all = || self.values.iter().map(|value| value.re).zip(&self.rests);
         let error = |(value, rest): (f64, &f64)| {
@@ -232,8 +236,8 @@ impl RitzPairs {
         self.values[k].norm()
     }
 
-    /// The positions of all values whose size can reach `least`, or, if `least` is 0, the size of the
-    /// last of the `wanted` largest.
+    /// Returns the positions of all eigenvalues whose modulus can reach `least`; if `least` is 0, the
+    /// bound is the modulus of the last of the `wanted` largest eigenvalues.
     pub fn candidates(&self, wanted: usize, least: f64) -> Vec<usize> {
         let last = self.order[wanted.min(self.order.len()) - 1];
         let least = if least > 0.0 { least } else { self.size(last) };
@@ -241,8 +245,8 @@ impl RitzPairs {
         self.order.iter().copied().filter(may_be).collect()
     }
 
-    /// The real part of an eigenvector in the space, or the imaginary part for the lower eigenvalue of a
-    /// pair.
+    /// Returns the real part of an eigenvector in the space; for the second eigenvalue of a complex
+    /// pair, returns the imaginary part.
     pub fn vector(&self, k: usize, space: &[Vec<f64>]) -> Vec<f64> {
         let part = match self.values[k].im {
             im if im < 0.0 => |it: &c64| it.im,
@@ -256,7 +260,7 @@ impl RitzPairs {
         vector
     }
 
-    /// Locks values, with an orthonormal basis of their eigenvectors in the space.
+    /// Locks eigenvalues, with an orthonormal basis of their eigenvectors in the space.
     pub fn lock(&self, chosen: &[usize], space: &[Vec<f64>], locked: &mut Locked) {
         for &k in chosen {
             locked.values.push(self.values[k]);
@@ -268,7 +272,7 @@ impl RitzPairs {
     }
 }
 
-/// Arranges vectors side by side; unused lanes are zero.
+/// Arranges vectors side by side in lanes; unused lanes are zero.
 fn block_of(vectors: &[Vec<f64>]) -> Vec<[f64; LANES]> {
     let mut block = vec![[0.0; LANES]; vectors.first().map_or(0, Vec::len)];
     for (lane, vector) in vectors.iter().enumerate() {
@@ -277,8 +281,9 @@ fn block_of(vectors: &[Vec<f64>]) -> Vec<[f64; LANES]> {
     block
 }
 
-/// Makes the vectors of a block orthogonal to orthonormal lists of vectors, like [`orthogonalise`], but
-/// in a single pass through the lists. Returns the components along the lists.
+/// Makes the vectors of a block orthogonal to lists of orthonormal vectors, like [`orthogonalise`], but
+/// in a single pass through the lists. Returns the components of the block's vectors along the vectors
+/// of the lists.
 fn orthogonalise_block(block: &mut Block, to: &[&[Vec<f64>]]) -> Vec<[f64; LANES]> {
     let all = || to.iter().flat_map(|list| list.iter());
     let mut parts = vec![[0.0; LANES]; all().count()];
@@ -307,7 +312,8 @@ fn orthogonalise_block(block: &mut Block, to: &[&[Vec<f64>]]) -> Vec<[f64; LANES
     parts
 }
 
-/// The scalar products of a vector with the vectors of a block. Several sums take as long as one.
+/// Returns the scalar products of a vector with the vectors of a block. Computing several scalar
+/// products together takes no longer than computing one.
 fn products(vector: &[f64], block: &Block) -> [f64; LANES] {
     let mut sums = [[0.0; LANES]; 4];
     let ((vectors, last), (blocks, rows)) = (vector.as_chunks::<4>(), block.as_chunks::<4>());
@@ -326,8 +332,9 @@ fn products(vector: &[f64], block: &Block) -> [f64; LANES] {
     std::array::from_fn(|lane| sums.iter().map(|sum| sum[lane]).sum())
 }
 
-/// Makes a vector orthogonal to orthonormal lists of vectors, and scales it to length 1. Returns its
-/// components along the lists, and the length of the remainder.
+/// Makes a vector orthogonal to lists of orthonormal vectors, and scales the remainder to length 1.
+/// Returns the components of the vector along the vectors of the lists, and the length of the
+/// remainder before scaling.
 fn orthonormalise(vector: &mut [f64], to: &[&[Vec<f64>]]) -> (Vec<f64>, f64) {
     let parts = to.iter().flat_map(|list| orthogonalise(vector, list, dot)).collect();
     let rest = norm(vector);

@@ -1,5 +1,5 @@
-//! The rightmost eigenvalues of a sparse matrix, from a Krylov space of the inverse, and a certificate of
-//! their count.
+//! The rightmost eigenvalues of a sparse matrix, from a Krylov space of the inverse matrix, and a
+//! certificate of the number of unstable eigenvalues.
 
 use super::krylov::{Krylov, LANES, Locked};
 use super::{Elimination, SparseLu};
@@ -9,56 +9,64 @@ use faer::c64;
 use std::mem::swap;
 use std::sync::Arc;
 
-/// (H) The largest number of eigenvalues that are computed to certify the count of unstable ones.
+/// (H) The largest number of eigenvalues that are computed to certify the number of unstable
+/// eigenvalues.
 const MOST: usize = 48;
 
-/// (H) A Krylov space begins with this number of vectors of the previous point, and random ones.
+/// (H) The number of vectors of the previous point with which a Krylov space begins, in addition to
+/// random vectors.
 const WARM: usize = 5;
 const SEEDS: usize = 3;
 
-/// (R) Eigenvalues whose relative distance is smaller than this are one repeated eigenvalue.
+/// (R) Two eigenvalues count as one repeated eigenvalue if their relative distance is smaller than
+/// this.
 const REPEATED: f64 = 1e-6;
 
-/// (R) Eigenvalues of the inverse have converged to this relative error.
+/// (R) The relative error at which eigenvalues of the inverse matrix count as converged.
 const CONVERGED: f64 = 1e-11;
 
-/// (R) A shift that equals an eigenvalue is moved by this fraction of the largest entry.
+/// (R) If a shift equals an eigenvalue, the shift is changed by this fraction of the largest entry.
 const ASIDE: f64 = 1e-10;
 
-/// (R) The rounding error of eigenvalues of the inverse, relative to the largest one.
+/// (R) The rounding error of eigenvalues of the inverse matrix, relative to the largest eigenvalue.
 const ROUNDING: f64 = 1e-14;
 
-/// (H) An eigenvalue at the shift hides the digits of the others if it is closer than the next one by
-/// this factor.
+/// (H) An eigenvalue near the shift hides the digits of the other eigenvalues if its distance from
+/// the shift is smaller than the next eigenvalue's distance by this factor.
 const ALONE: f64 = 1e-6;
 
-/// (H) In that case the shift is moved by this fraction of the next eigenvalue's distance.
+/// (H) If an eigenvalue near the shift hides the digits of the others, the shift is changed by this
+/// fraction of the next eigenvalue's distance.
 const BESIDE: f64 = 0.11;
 
-/// (H) The search for the largest eigenvalues starts at this multiple of the previous largest one.
+/// (H) The search for the largest eigenvalues starts at this multiple of the largest eigenvalue of
+/// the previous matrix.
 const FARTHER: f64 = 1.25;
 
-/// (H) The largest number of moves of the shift.
+/// (H) The largest number of changes of the shift.
 const MOVES: usize = 3;
 
-/// The requested eigenvalues, for error messages.
+/// The description of the requested eigenvalues in error messages.
 const NEAREST: &str = "eigenvalues nearest to zero";
 
-/// (R) The sign of an eigenvalue smaller than this, relative to the other computed ones, is uncertain.
+/// (R) The sign of an eigenvalue is uncertain if the eigenvalue is smaller than this, relative to the
+/// other computed eigenvalues.
 const NEUTRAL: f64 = 1e-8;
 
-/// The rightmost eigenvalues of matrices of one pattern along a branch.
+/// The rightmost eigenvalues of matrices with the same sparsity pattern, along a branch.
 ///
-/// Arnoldi's method with the inverse finds the eigenvalues nearest to zero (Y. Saad, *Numerical Methods
-/// for Large Eigenvalue Problems*, SIAM 2011, ch. 8). The method starts from the eigenvectors of the
-/// previous matrix and from random vectors, which find new eigenvalues, and a repeated one as often as
-/// there are random vectors. If an eigenvalue is found that often, another run, orthogonal to the known
-/// eigenvectors, searches for more copies. The count of unstable eigenvalues is certain
-/// - for a matrix that a diagonal scaling makes symmetric: the signs of its pivots give the count
-///   (Sylvester's law of inertia), and positive eigenvalues far beyond the circle in which all are known
-///   are computed as the largest ones,
-/// - for other matrices, if all eigenvalues with a positive real part must lie in a rectangle (I.
-///   Bendixson, Acta Math. 25 (1902) 359) inside the circle in which all eigenvalues are known.
+/// Arnoldi's method with the inverse matrix finds the eigenvalues nearest to zero (Y. Saad, *Numerical
+/// Methods for Large Eigenvalue Problems*, SIAM 2011, ch. 8). Arnoldi's method starts from the
+/// eigenvectors of the previous matrix and from random vectors. The random vectors find new
+/// eigenvalues; a repeated eigenvalue is found at most as many times as there are random vectors. If an
+/// eigenvalue is found this often, another run, orthogonal to the known eigenvectors, searches for more
+/// copies of the eigenvalue. The number of unstable eigenvalues is certified in two cases:
+/// - for a matrix that a diagonal scaling makes symmetric: the signs of the pivots give the number of
+///   unstable eigenvalues (Sylvester's law of inertia), and positive eigenvalues far beyond the circle
+///   in which all eigenvalues are known are computed as the largest eigenvalues,
+/// - for other matrices, if the rectangle that must contain all eigenvalues with a positive real
+///   part (I. Bendixson, Acta Math. 25 (1902) 359) lies inside the circle in which all eigenvalues
+///   are known.
 #[derive(Default)]
 pub(in crate::core) struct Leading {
     lu: SparseLu,
@@ -72,15 +80,16 @@ pub(in crate::core) struct Leading {
 /// The rightmost eigenvalues.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::core) struct Rightmost {
-    /// The eigenvalues, the rightmost first.
+    /// The eigenvalues, starting with the rightmost.
     pub spectrum: Spectrum,
-    /// Whether all eigenvalues with a positive real part are certainly included.
+    /// Whether the list of eigenvalues is certain to contain all eigenvalues with a positive real
+    /// part.
     pub certain: bool,
 }
 
 impl Leading {
-    /// Computes all unstable eigenvalues of the matrix with these entries, up to [`MOST`], and the
-    /// `least` others nearest to zero.
+    /// Computes the eigenvalues of the matrix with the given entries: all unstable eigenvalues, up
+    /// to [`MOST`], and the `least` other eigenvalues nearest to zero.
     pub fn rightmost(
         &mut self,
         elimination: &Arc<Elimination>,
@@ -129,7 +138,8 @@ impl Leading {
         }
     }
 
-    /// Factors the matrix, or a slightly shifted one if the matrix is singular, and returns the shift.
+    /// Factors the matrix, or a slightly shifted matrix if the matrix is singular, and returns the
+    /// shift.
     fn factor_near_zero(&mut self, matrix: &Matrix) -> Result<f64, Failure> {
         if self.factor(matrix, 0.0).is_ok() {
             return Ok(0.0);
@@ -138,8 +148,9 @@ impl Leading {
         self.factor(matrix, shift).map(|()| shift)
     }
 
-    /// Whether all positive eigenvalues are known; `positive` is their number. Eigenvalues far beyond the
-    /// circle are computed and added.
+    /// Whether all positive eigenvalues are known, where `positive` is the number of positive
+    /// eigenvalues. Positive eigenvalues far beyond the circle of known eigenvalues are computed and
+    /// added.
     fn is_counted(
         &mut self,
         matrix: &Matrix,
@@ -156,8 +167,9 @@ impl Leading {
         Ok(positive.abs_diff(circle.unstable()) <= neutral)
     }
 
-    /// Computes the `missing` largest eigenvalues above `edge` of a matrix with a diagonal scaling. Empty
-    /// if they are not found, for example because many of them lie close together.
+    /// Computes the `missing` largest eigenvalues above `edge` of a matrix that a diagonal scaling
+    /// makes symmetric. Returns an empty list if these eigenvalues are not found, for example
+    /// because many of them lie close together.
     fn beyond(&mut self, matrix: &Matrix, edge: f64, missing: usize) -> Result<Spectrum, Failure> {
         let mut top = (2.0 * edge).max(FARTHER * self.largest);
         loop {
@@ -229,8 +241,8 @@ impl Leading {
         Ok(Found::All(Circle { spectrum, center: shift, radius }))
     }
 
-    /// The initial vectors of the first Krylov space: sums of the previous eigenvectors, and random
-    /// vectors, which find eigenvectors that the sums lack.
+    /// Creates the initial vectors of the first Krylov space: sums of the previous eigenvectors,
+    /// and random vectors, which find eigenvectors that the sums lack.
     fn starts(&self, n: usize) -> Vec<Vec<f64>> {
         let mut starts: Vec<Vec<f64>> = (0..WARM + SEEDS).map(|k| random(n, k)).collect();
         if self.start.first().is_some_and(|it| it.len() == n) {
@@ -243,10 +255,10 @@ impl Leading {
         starts
     }
 
-    /// Grows a Krylov space, orthogonal to the locked vectors, until all values that can be among the
-    /// `wanted` largest, or at least as large as `least`, have converged, and locks these. Returns the
-    /// distance of the next eigenvalue if an eigenvalue so near to the shift hides the digits of the
-    /// others.
+    /// Grows a Krylov space, orthogonal to the locked vectors, until all eigenvalues that can be
+    /// among the `wanted` largest, or at least as large as `least`, have converged, and locks these
+    /// eigenvalues. If an eigenvalue so close to the shift that it hides the digits of the others is
+    /// found, returns the distance of the next eigenvalue from the shift.
     fn run(
         &mut self,
         starts: &[Vec<f64>],
@@ -289,15 +301,17 @@ impl Leading {
     }
 }
 
-/// The largest multiplicity among some eigenvalues.
+/// Returns the largest multiplicity among the given eigenvalues.
 fn most_repeated(values: &[c64]) -> usize {
     let same = |a: &c64, b: &c64| (*a - *b).norm() <= REPEATED * a.norm();
     let count = |value: &c64| values.iter().filter(|other| same(value, other)).count();
     values.iter().map(count).max().unwrap_or(0)
 }
 
-/// A vector of pseudo-random numbers from −1 to 1, the same in every run (G. L. Steele, D. Lea and C. H.
-/// Flood, OOPSLA 2014). The `generic` vectors are sines, which contain few eigenvectors of a Laplacian.
+/// Returns a vector of pseudo-random numbers from −1 to 1, which is the same in every run (G. L. Steele,
+/// D. Lea and C. H. Flood, OOPSLA 2014). The vectors of
+/// [`generic`](crate::core::linalg::vector::generic) are not used here, because their components are
+/// sines and contain only a few eigenvectors of a Laplacian.
 fn random(n: usize, seed: usize) -> Vec<f64> {
     let mut state = (seed as u64 + 1).wrapping_mul(0xD1B5_4A32_D192_ED03);
     let mut next = || {
@@ -313,7 +327,7 @@ fn random(n: usize, seed: usize) -> Vec<f64> {
 struct Matrix<'a> {
     elimination: &'a Arc<Elimination>,
     entries: &'a [f64],
-    /// The scales that make the matrix symmetric.
+    /// The diagonal scales that make the matrix symmetric; `None` if no such scales are known.
     scales: Option<&'a [f64]>,
 }
 
@@ -323,29 +337,30 @@ impl Matrix<'_> {
     }
 }
 
-/// All eigenvalues in a circle.
+/// All eigenvalues inside a circle about the shift.
 struct Circle {
-    /// The eigenvalues, the rightmost first.
+    /// The eigenvalues, starting with the rightmost.
     spectrum: Spectrum,
     center: f64,
     radius: f64,
 }
 
 impl Circle {
-    /// The number of eigenvalues with a positive real part.
+    /// Returns the number of eigenvalues with a positive real part.
     fn unstable(&self) -> usize {
         self.spectrum.iter().filter(|l| l.0 > 0.0).count()
     }
 
-    /// Whether the rectangle with this corner lies inside the circle.
+    /// Whether the rectangle with the given corner lies inside the circle.
     fn contains(&self, corner: (f64, f64)) -> bool {
         (corner.0 - self.center).hypot(corner.1) < self.radius
     }
 }
 
-/// The eigenvalues nearest to a shift.
+/// The result of a search for the eigenvalues nearest to a shift.
 enum Found {
     All(Circle),
-    /// An eigenvalue lies at the shift; the next one has this distance.
+    /// An eigenvalue lies at the shift and hides the others; the next eigenvalue has this distance
+    /// from the shift.
     Alone(f64),
 }

@@ -1,4 +1,4 @@
-//! Multifrontal LU factorisation of a sparse matrix within a border.
+//! Multifrontal LU factorisation of a bordered sparse matrix.
 
 use super::super::border::Border;
 use super::super::factors::{ComplexFactors, Factorisation, Shifted};
@@ -12,7 +12,7 @@ use std::mem::take;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// The order of elimination for matrices of one pattern, computed once.
+/// The order of elimination for matrices with the same sparsity pattern, computed once.
 #[derive(Clone, Debug, Default)]
 pub(in crate::core) struct Elimination {
     pub pattern: Pattern,
@@ -20,12 +20,12 @@ pub(in crate::core) struct Elimination {
 }
 
 impl Elimination {
-    /// Computes the elimination of matrices with this pattern.
+    /// Computes the order of elimination for matrices with a given sparsity pattern.
     pub fn of(pattern: Pattern) -> Self {
         Elimination { tree: Tree::of(&pattern), pattern }
     }
 
-    /// The number of products of an elimination without a border.
+    /// Returns the number of multiplications in an elimination without a border.
     pub fn products(&self) -> f64 {
         let products = |node: &Node| {
             let (own, size) = (node.own.len(), node.own.len() + node.pattern.len());
@@ -35,13 +35,14 @@ impl Elimination {
     }
 }
 
-/// The Schur complement of a node's front, for its parent.
+/// The Schur complement of a node's front, which is added to the front of the node's parent.
 #[derive(Clone, Debug, Default)]
 struct Rest<E> {
     entries: Vec<E>,
-    /// The rows and columns.
+    /// The numbers of its rows and columns.
     lists: [Vec<usize>; 2],
-    /// The number of leading rows and columns that are fully summed but could not be eliminated.
+    /// The number of leading rows and columns that are fully summed but were not eliminated,
+    /// because their pivots were too small.
     delayed: usize,
 }
 
@@ -51,26 +52,28 @@ struct Eliminated {
     pivots: usize,
     /// The rows and columns of the front, as a range of the lists of all fronts.
     place: Range<usize>,
-    /// The position among the factors of `L` (all rows of the pivot columns), followed by `U` (the
-    /// pivot rows of all other columns).
+    /// The position of the node's factors among all factors: first `L` (all rows of the pivot
+    /// columns), then `U` (the pivot rows of all other columns).
     factors: usize,
 }
 
-/// The LU factorisation of a sparse matrix within its border.
+/// The LU factorisation of a bordered sparse matrix.
 ///
-/// Each node of the elimination tree assembles its rows and columns and the Schur complements of its
-/// children in a dense front (I. S. Duff and J. K. Reid, ACM TOMS 9 (1983) 302). Pivots are chosen
-/// among the fully summed rows. A column without a sufficiently large pivot is delayed to the parent;
-/// the border is part of every front and is eliminated last. Hence a singular matrix within a regular
-/// border is factored as accurately as a dense one. The storage is reused.
+/// Each node of the elimination tree adds its rows and columns and the Schur complements of its
+/// children to a dense front (I. S. Duff and J. K. Reid, ACM TOMS 9 (1983) 302). Pivots are chosen
+/// among the fully summed rows of a front. A column without a sufficiently large pivot is delayed
+/// to the front of the parent; the border is part of every front and is eliminated last. Hence a
+/// singular matrix with a border that makes it regular is factored as accurately as a dense
+/// bordered matrix. Refactoring reuses the storage of the previous factorisation.
 #[derive(Default)]
 pub(in crate::core) struct SparseLu<E = f64> {
     elimination: Arc<Elimination>,
     width: usize,
     scales: [Vec<f64>; 2],
-    /// The position of each row and column in the current front.
+    /// The position of each row and of each column in the current front.
     local: [Vec<usize>; 2],
-    /// Runs of consecutive rows of a child in the current front.
+    /// Runs of consecutive rows of a child's Schur complement, with their positions in the current
+    /// front.
     runs: Vec<Range<usize>>,
     /// The Schur complements of the children of each node.
     rests: Vec<Vec<Rest<E>>>,
@@ -83,16 +86,16 @@ pub(in crate::core) struct SparseLu<E = f64> {
     sign: f64,
 }
 
-/// A sparse matrix by its entries, `M = A − shift` within a border.
+/// A bordered sparse matrix `M = A − shift`, where `A` is given by its entries.
 struct Matrix<'a, E> {
     entries: &'a [f64],
     shift: E,
     border: Bordering<'a, E>,
-    /// Whether pivots stay on the diagonal if possible.
+    /// Whether pivots are taken from the diagonal if possible.
     diagonal: bool,
 }
 
-/// The entries of a border: its columns by equation, its rows by unknown, and its corner.
+/// The entries of a border: columns given by equation, rows given by unknown, and the corner.
 struct Bordering<'a, E> {
     width: usize,
     column: &'a dyn Fn(usize, usize) -> E,
@@ -101,7 +104,8 @@ struct Bordering<'a, E> {
 }
 
 impl SparseLu {
-    /// Factors `A − shift`, with the entries of `A` in the order of the pattern, within a border.
+    /// Factors the bordered matrix `A − shift`, where the entries of `A` are in the order of the
+    /// pattern.
     ///
     /// # Errors
     /// [`Failure`] if a pivot vanishes to working accuracy or is not finite.
@@ -121,11 +125,11 @@ impl SparseLu {
         self.factor_matrix(elimination, &Matrix { entries, shift, border, diagonal: false })
     }
 
-    /// Factors, without a border, a matrix that a diagonal scaling makes symmetric. Pivots stay on the
-    /// diagonal, and their signs are the signs of the eigenvalues.
+    /// Factors a matrix without a border that a diagonal scaling makes symmetric. Pivots are taken
+    /// from the diagonal, and their signs are the signs of the eigenvalues.
     ///
     /// # Errors
-    /// The errors of [`factor`](Self::factor).
+    /// The same errors as [`factor`](Self::factor).
     pub fn factor_symmetric(
         &mut self,
         elimination: &Arc<Elimination>,
@@ -168,7 +172,8 @@ impl<E: Entry> SparseLu<E> {
         self.rests.resize_with(elimination.tree.nodes.len() + 1, Vec::new);
     }
 
-    /// Computes powers of two that scale rows and columns, so that the largest entry of each is near 1.
+    /// Computes powers of two that scale rows and columns, so that the largest entry of each row and
+    /// column is near 1.
     fn equilibrate(&mut self, matrix: &Matrix<E>) {
         let pattern = &self.elimination.pattern;
         let (n, m) = (pattern.size(), self.width);
@@ -199,8 +204,9 @@ impl<E: Entry> SparseLu<E> {
         rows.iter_mut().for_each(|scale| *scale = inverse_power_of_two(*scale));
     }
 
-    /// Assembles the front of a node, eliminates columns with acceptable pivots, and passes the rest to
-    /// the parent. Without a node, all that remains is eliminated: the border, and delayed columns.
+    /// Assembles the front of a node, eliminates columns with acceptable pivots, and passes the
+    /// remaining columns to the parent's front. If no node is given, all remaining columns are
+    /// eliminated: the border, and delayed columns.
     fn eliminate(
         &mut self,
         elimination: &Elimination,
@@ -241,8 +247,9 @@ impl<E: Entry> SparseLu<E> {
         }
     }
 
-    /// Adds the entries of a node and of the border to a zero front whose lists begin at `from`.
-    /// Delayed columns stand between the node's own columns and its pattern.
+    /// Adds the entries of a node and of the border to a front of zeros whose row and column lists
+    /// begin at `from`. In these lists, delayed columns come after the node's own columns and
+    /// before the node's pattern.
     fn assemble(&mut self, from: usize, delayed: usize, node: Option<&Node>, matrix: &Matrix<E>) {
         let [rows, columns] = &self.lists;
         let (rows, columns) = (&rows[from..], &columns[from..]);
@@ -276,8 +283,8 @@ impl<E: Entry> SparseLu<E> {
         }
     }
 
-    /// Adds the Schur complement of a child to a front of this size; `local` holds the positions of
-    /// rows and columns in the front.
+    /// Adds the Schur complement of a child to a front of the given size; `local` contains the
+    /// positions of rows and columns in the front.
     fn add(&mut self, size: usize, child: &Rest<E>) {
         let [rows, columns] = &child.lists;
         self.runs.clear();
@@ -302,7 +309,8 @@ impl<E: Entry> SparseLu<E> {
         }
     }
 
-    /// Stores the factors of the first columns of the front whose lists begin at `from`.
+    /// Stores the factors of the first columns of the front whose row and column lists begin at
+    /// `from`.
     fn keep(&mut self, from: usize, pivots: usize) {
         let size = self.lists[0].len() - from;
         let factors = self.factors.len();
@@ -315,7 +323,8 @@ impl<E: Entry> SparseLu<E> {
         }
     }
 
-    /// Passes the remaining rows and columns of the front whose lists begin at `from` to the parent.
+    /// Passes the remaining rows and columns of the front whose lists begin at `from` to the
+    /// parent's front.
     fn leave(&mut self, from: usize, [pivots, summed]: [usize; 2], parent: usize) {
         let size = self.lists[0].len() - from;
         if pivots == size {
@@ -334,7 +343,7 @@ impl<E: Entry> SparseLu<E> {
         self.rests[parent].push(rest);
     }
 
-    /// Computes the sign of the determinant. [`Failure`] if a pivot vanishes.
+    /// Computes the sign of the determinant. [`Failure`] if a pivot vanishes to working accuracy.
     fn judge(&mut self) -> Result<(), Failure> {
         let (mut least, mut largest, mut sign) = (f64::INFINITY, 0.0_f64, 1.0);
         let mut order: [Vec<usize>; 2] = Default::default();
@@ -359,8 +368,9 @@ impl<E: Entry> SparseLu<E> {
         if regular { Ok(()) } else { Err(unusable(least, largest)) }
     }
 
-    /// The number of negative pivots of a real symmetric matrix, equal to the number of its negative
-    /// eigenvalues (Sylvester's law of inertia). `None` if a pivot is off the diagonal.
+    /// Returns the number of negative pivots of a real symmetric matrix, which equals the number of
+    /// its negative eigenvalues (Sylvester's law of inertia). Returns `None` if a pivot is not on
+    /// the diagonal.
     pub fn negative_pivots(&self) -> Option<usize> {
         let mut negative = 0;
         for Eliminated { pivots, place, factors } in &self.eliminated {
@@ -380,8 +390,8 @@ impl<E: Entry> SparseLu<E> {
         self.solve_lanes::<1>(right.as_chunks_mut().0);
     }
 
-    /// Solves in place for several right sides, one in each lane: reading the factors takes longer than
-    /// multiplying by them.
+    /// Solves linear systems for several right-hand sides in place, with one right-hand side in each
+    /// lane: reading the factors takes longer than multiplying by them.
     pub fn solve_lanes<const W: usize>(&mut self, right: &mut [[E; W]]) {
         let ([rows, columns], [row_scales, column_scales]) = (&self.lists, &self.scales);
         for (row, scale) in right.iter_mut().zip(row_scales) {
@@ -424,7 +434,8 @@ impl<E: Entry> SparseLu<E> {
         }
     }
 
-    /// Solves with the transpose (for a complex matrix, the conjugate transpose), in place.
+    /// Solves a linear system with the transpose (for a complex matrix, the conjugate transpose),
+    /// in place.
     pub fn solve_transposed(&mut self, right: &mut [E]) {
         let ([rows, columns], [row_scales, column_scales]) = (&self.lists, &self.scales);
         for (x, scale) in right.iter_mut().zip(column_scales) {
@@ -464,7 +475,7 @@ impl<E: Entry> SparseLu<E> {
     }
 }
 
-/// Multiplies a row of all lanes by a number.
+/// Multiplies a row by a number, in all lanes.
 #[inline]
 fn scaled<E: Entry, const W: usize>(mut row: [E; W], scale: f64) -> [E; W] {
     for lane in 0..W {
@@ -473,7 +484,7 @@ fn scaled<E: Entry, const W: usize>(mut row: [E; W], scale: f64) -> [E; W] {
     row
 }
 
-/// Subtracts multiples of a column from the lanes.
+/// Subtracts multiples of a column from the right-hand sides in all lanes.
 #[inline]
 fn reduce<E: Entry, const W: usize>(part: &mut [[E; W]], column: &[E], multiples: [E; W]) {
     let column = &column[..part.len()];
@@ -484,7 +495,7 @@ fn reduce<E: Entry, const W: usize>(part: &mut [[E; W]], column: &[E], multiples
     }
 }
 
-/// Copies the components of a vector that belong to a front.
+/// Copies the components of a vector that belong to a front to contiguous storage.
 fn gather<T: Copy>(part: &mut Vec<T>, places: &[usize], vector: &[T]) {
     part.clear();
     part.extend(places.iter().map(|&place| vector[place]));
@@ -514,15 +525,16 @@ impl ComplexFactors for SparseLu<c64> {
     }
 }
 
-/// The factors of `A − iω` of a sparse matrix within a complex border.
+/// The factors of `A − iω` for a sparse matrix `A`, with a complex border.
 pub(in crate::core) type SparseShiftedLu = Shifted<SparseLu<c64>>;
 
 impl SparseShiftedLu {
-    /// Factors `A − iω` within a border of complex columns and rows, and a zero corner. All are given
-    /// as real parts, then imaginary parts. The rows enter as their conjugates.
+    /// Factors the bordered matrix `A − iω`; the border consists of complex columns and rows, and a
+    /// zero corner. All columns and rows of the border are given as real parts, followed by
+    /// imaginary parts. The rows of the border enter as their complex conjugates.
     ///
     /// # Errors
-    /// The errors of the factorisation of real matrices.
+    /// The errors are the same as in the factorisation of real matrices.
     pub fn factor(
         &mut self,
         elimination: &Arc<Elimination>,

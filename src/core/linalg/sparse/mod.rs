@@ -1,4 +1,5 @@
-//! Sparse matrices: patterns, the order of elimination, and LU factorisation within a border.
+//! Sparse matrices: sparsity patterns, the order of elimination, and LU factorisation of bordered
+//! matrices.
 
 mod front;
 mod krylov;
@@ -12,7 +13,8 @@ pub(in crate::core) use leading::{Leading, Rightmost};
 pub(in crate::core) use lu::{Elimination, SparseLu, SparseShiftedLu};
 pub(in crate::core) use pattern::Pattern;
 
-/// The sign of the permutation that maps one order of the numbers from 0 on to another one.
+/// Returns the sign of the permutation that maps one order of the numbers 0, 1, 2, … to another
+/// order.
 fn parity([from, to]: &[Vec<usize>; 2]) -> f64 {
     let mut image = vec![0; from.len()];
     from.iter().zip(to).for_each(|(&from, &to)| image[from] = to);

@@ -1,6 +1,6 @@
-//! Patterns of sparse matrices, and colorings of their columns for compressed differentiation.
+//! Sparsity patterns of matrices, and colorings of their columns for compressed differentiation.
 
-/// The places of a square matrix that can differ from zero, one column after the other.
+/// The entries of a square matrix that can differ from zero, in column-major order.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(in crate::core) struct Pattern {
     starts: Vec<usize>,
@@ -8,7 +8,8 @@ pub(in crate::core) struct Pattern {
 }
 
 impl Pattern {
-    /// Creates the pattern of these places, as (row, column), and of the diagonal.
+    /// Creates the pattern that contains the given entries, each as (row, column), and the
+    /// diagonal.
     pub fn of_places(n: usize, places: &[[usize; 2]]) -> Pattern {
         let mut starts = vec![0; n + 1];
         let diagonal = (0..n).map(|i| [i, i]);
@@ -32,37 +33,37 @@ impl Pattern {
         pattern
     }
 
-    /// The number of rows, and of columns.
+    /// Returns the number of rows, which equals the number of columns.
     pub fn size(&self) -> usize {
         self.starts.len().saturating_sub(1)
     }
 
-    /// The number of places.
+    /// Returns the number of entries of the pattern.
     pub fn count(&self) -> usize {
         self.rows.len()
     }
 
-    /// The position of a column's first entry.
+    /// Returns the position of a column's first entry in the pattern.
     pub fn start(&self, column: usize) -> usize {
         self.starts[column]
     }
 
-    /// The rows of a column, in rising order.
+    /// Returns the rows of a column's entries, in increasing order.
     pub fn column(&self, column: usize) -> &[usize] {
         &self.rows[self.starts[column]..self.starts[column + 1]]
     }
 
-    /// The row and column of an entry.
+    /// Returns the row and the column of an entry.
     pub fn place(&self, k: usize) -> [usize; 2] {
         [self.rows[k], self.starts.partition_point(|&start| start <= k) - 1]
     }
 
-    /// Returns a color for each column, from 0 on, such that columns of one color have no row in
-    /// common, and the number of colors: a single direction yields all columns of a color (A. R.
-    /// Curtis, M. J. D. Powell and J. K. Reid, IMA J. Appl. Math. 13 (1974) 117). Each column gets the
-    /// first free color.
+    /// Returns a color for each column, counted from 0, and the number of colors; no two columns of
+    /// one color have an entry in the same row, so that a single direction of differentiation yields
+    /// all columns of a color (A. R. Curtis, M. J. D. Powell and J. K. Reid, IMA J. Appl. Math. 13
+    /// (1974) 117). Each column gets the first color that is free in all of its rows.
     ///
-    /// A tridiagonal matrix takes three colors, the five-point Laplacian five to eight.
+    /// A tridiagonal matrix needs three colors, and the five-point Laplacian needs five to eight.
     pub fn colors(&self) -> (Vec<usize>, usize) {
         let n = self.size();
         let mut columns_of: Vec<Vec<usize>> = vec![Vec::new(); n];

@@ -5,11 +5,13 @@ use super::Pattern;
 /// (R) Scaled entries of a matrix count as symmetric if they agree to this relative error.
 const AGREE: f64 = 1e-12;
 
-/// (H) Scales are rejected if they differ by more than this factor, since that many digits would be lost.
+/// (H) Scales are rejected if they differ by more than this factor, because scaling would lose too many
+/// digits.
 const UNEVEN: f64 = 1e3;
 
 impl Pattern {
-    /// Each entry with its place, and the position of the entry across the diagonal if there is one.
+    /// An entry with its row and column, and the position of the entry with row and column
+    /// exchanged, if this entry exists.
     fn transposed(&self) -> impl Iterator<Item = (usize, [usize; 2], Option<usize>)> + '_ {
         (0..self.size()).flat_map(move |j| {
             (self.start(j)..)
@@ -18,16 +20,18 @@ impl Pattern {
         })
     }
 
-    /// The position of the entry across the diagonal.
+    /// Returns the position of the entry with row and column exchanged.
     fn across(&self, [i, j]: [usize; 2]) -> Option<usize> {
         self.column(i).binary_search(&j).ok().map(|at| self.start(i) + at)
     }
 
-    /// Returns positive scales `d` for which `a_ij d_j / d_i` is symmetric, with the same eigenvalues and
-    /// signs of pivots. `None` if no such scales exist, or if they are very uneven.
+    /// Returns positive scales `d` for which `a_ij d_j / d_i` is symmetric; the scaled matrix has the
+    /// same eigenvalues and the same signs of pivots. Returns `None` if no such scales exist, or if they
+    /// differ too much.
     ///
-    /// Finite differences with no-flux boundaries or cells of different sizes give such matrices `a`. The
-    /// scales of neighbours follow from `d_i² / d_j² = a_ij / a_ji`, and all other entries must agree.
+    /// For example, finite differences with no-flux boundaries, or with cells of different sizes, lead to
+    /// matrices `a` that a diagonal scaling makes symmetric. The scales of neighbours follow from `d_i² /
+    /// d_j² = a_ij / a_ji`, and all other entries must be consistent with these scales.
     pub fn symmetrising(&self, entries: &[f64]) -> Option<Vec<f64>> {
         let mut scales = vec![0.0; self.size()];
         let mut open = Vec::new();
@@ -58,7 +62,7 @@ impl Pattern {
         (even && self.agree(entries, &scales)).then_some(scales)
     }
 
-    /// Whether scales make a matrix symmetric.
+    /// Whether given scales make a matrix symmetric.
     fn agree(&self, entries: &[f64], scales: &[f64]) -> bool {
         self.transposed().all(|(k, [i, j], across)| {
             let one = entries[k] * scales[j] / scales[i];
@@ -67,9 +71,9 @@ impl Pattern {
         })
     }
 
-    /// The corner of the rectangle `0 ≤ Re λ ≤ a`, `|Im λ| ≤ b` in which all eigenvalues with a positive
-    /// real part lie: Gershgorin's circles bound the eigenvalues of the symmetric part by `a` and of the
-    /// skew part by `b`.
+    /// Returns the corner `(a, b)` of the rectangle `0 ≤ Re λ ≤ a`, `|Im λ| ≤ b` that contains all
+    /// eigenvalues with a positive real part: Gershgorin's circles bound the eigenvalues of the
+    /// symmetric part by `a` and the eigenvalues of the skew-symmetric part by `b`.
     pub fn unstable_corner(&self, entries: &[f64]) -> (f64, f64) {
         let n = self.size();
         let (mut symmetric, mut skew) = (vec![0.0; n], vec![0.0; n]);

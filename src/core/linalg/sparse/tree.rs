@@ -1,4 +1,5 @@
-//! The elimination tree of a sparse matrix: groups of columns that are eliminated together, in order.
+//! The elimination tree of a sparse matrix: groups of columns that are eliminated together, with the
+//! order of the groups.
 
 use super::Pattern;
 use faer::Side;
@@ -8,40 +9,41 @@ use faer::sparse::linalg::cholesky::{
 };
 use faer::sparse::linalg::{SupernodalThreshold, SymbolicSupernodalParams};
 
-/// (H) A matrix with all entries at most this far from the diagonal is eliminated in its own order.
+/// (H) The largest bandwidth of a matrix that is eliminated in its own order.
 const BAND: usize = 12;
 
-/// (H) The number of columns of a band that are eliminated together.
+/// (H) The number of columns of a band matrix that are eliminated together.
 const BLOCK: usize = 12;
 
-/// (H) Nodes are merged up to these numbers of columns if the merged node has less than this fraction
-/// of zeros.
+/// (H) The rules for merging nodes: if the merged node has at most the first number of columns, its
+/// fraction of zeros must be less than the second number.
 const RELAX: &[(usize, f64)] = &[(8, 0.9), (24, 0.5), (64, 0.1), (usize::MAX, 0.02)];
 
-/// Columns that are eliminated together.
+/// A node of the elimination tree: columns that are eliminated together.
 #[derive(Clone, Debug)]
 pub(super) struct Node {
-    /// The unknowns of the columns, and in the same order the equations whose rows they complete.
+    /// The unknowns of the columns; in the same order, the equations whose rows are fully summed at
+    /// this node.
     pub own: Vec<usize>,
-    /// The later unknowns that are coupled to these columns.
+    /// The unknowns that are eliminated later and are coupled to the columns of this node.
     pub pattern: Vec<usize>,
-    /// The parent of the node; the number of nodes for a root.
+    /// The parent of the node; for a root, the number of nodes.
     pub parent: usize,
-    /// The entries of the matrix that belong to this node: position, row and column, counted in
-    /// `own`, then in `pattern`.
+    /// The entries of the matrix that belong to this node, each with its position, row and column;
+    /// rows and columns are counted first in `own`, then in `pattern`.
     pub entries: Vec<[u32; 3]>,
 }
 
-/// The elimination tree: nodes come before their parents.
+/// The elimination tree, in which nodes come before their parents.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Tree {
     pub nodes: Vec<Node>,
 }
 
 impl Tree {
-    /// Computes the tree of a pattern, which is made symmetric first: bands keep their order, other
-    /// patterns use approximate minimum degree (P. R. Amestoy, T. A. Davis and I. S. Duff, SIAM J.
-    /// Matrix Anal. Appl. 17 (1996) 886), with nodes of several columns.
+    /// Computes the tree of a pattern, which is made symmetric first: band matrices keep their
+    /// order, other patterns use approximate minimum degree (P. R. Amestoy, T. A. Davis and I. S.
+    /// Duff, SIAM J. Matrix Anal. Appl. 17 (1996) 886), where a node consists of several columns.
     pub fn of(pattern: &Pattern) -> Tree {
         let n = pattern.size();
         let band = (0..n)
@@ -53,7 +55,7 @@ impl Tree {
     }
 }
 
-/// The nodes of a band.
+/// Returns the nodes for a band matrix.
 fn banded(n: usize, band: usize) -> Vec<Node> {
     let count = n.div_ceil(BLOCK);
     let node = |k: usize| {
@@ -64,7 +66,7 @@ fn banded(n: usize, band: usize) -> Vec<Node> {
     (0..count).map(node).collect()
 }
 
-/// The nodes by approximate minimum degree.
+/// Returns the nodes in the order of approximate minimum degree.
 fn minimum_degree(pattern: &Pattern) -> Vec<Node> {
     let n = pattern.size();
     let (starts, rows) = upper(pattern);
@@ -97,8 +99,8 @@ fn minimum_degree(pattern: &Pattern) -> Vec<Node> {
     (0..begins.len()).map(node).collect()
 }
 
-/// The upper triangle, with the diagonal, of the symmetrised pattern: the start of each column, and
-/// the rows.
+/// Returns the upper triangle, including the diagonal, of the symmetrised pattern: the start of
+/// each column, and the rows of all entries.
 fn upper(pattern: &Pattern) -> (Vec<usize>, Vec<usize>) {
     let n = pattern.size();
     let mut columns: Vec<Vec<usize>> = (0..n).map(|j| vec![j]).collect();
