@@ -7,11 +7,11 @@ use crate::core::ode::SettingsError;
 #[derive(Clone, Debug, PartialEq, miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum HybridError {
-    /// A setting of the flow is invalid.
+    /// A setting of the simulation is invalid.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Settings(#[from] SettingsError),
-    /// The duration of a guard's change is not positive.
+    /// The shortest time in which a guard changes, given by the system, is not positive.
     #[error(
         "the shortest time in which the guard {guard} changes is {time} (`Guard::changing_in`), but must \
          be above 0"
@@ -22,10 +22,10 @@ pub enum HybridError {
         /// The duration.
         time: f64,
     },
-    /// The number of states or parameters differs from the mode's.
+    /// The number of states or parameters differs from the number that the mode requires.
     #[error("{found} {what} are given, but mode {mode} has {expected}")]
     Length {
-        /// The kind of numbers: `states` or `parameters`.
+        /// The quantities whose number is wrong: `states` or `parameters`.
         what: &'static str,
         /// The mode.
         mode: String,
@@ -34,7 +34,7 @@ pub enum HybridError {
         /// The required number.
         expected: usize,
     },
-    /// The mode does not exist.
+    /// The mode after an event, or at the start, does not exist.
     #[error(
         "at t = {time:.9e}, {after}the next mode is number {mode}, which does not exist: there are {modes} \
          modes, counted from 0"
@@ -44,15 +44,16 @@ pub enum HybridError {
         time: f64,
         /// The requested mode.
         mode: usize,
-        /// The number of modes.
+        /// The number of modes of the system.
         modes: usize,
-        /// The preceding event, in words; empty at the start.
+        /// A description of the preceding event; empty at the start of the motion.
         after: String,
     },
-    /// The duration is negative; resets have no inverse.
+    /// The duration of the simulation is negative, but motion cannot be simulated backwards since
+    /// resets have no inverse.
     #[error("a hybrid motion cannot be simulated for a duration of {0}: resets have no inverse")]
     Backward(f64),
-    /// A guard is negative at the start of its mode.
+    /// A guard is negative at the start of a mode.
     #[error(
         "at t = {time:.9e}, {after}mode {mode} begins with the guard {guard} = {value:.3e}, but lasts only \
          while its guards are positive"
