@@ -15,8 +15,8 @@ const SHORT: f64 = 1e-4;
 /// A detector of too frequent events, which counts events in successive windows.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Crowd {
-    /// The last event time that differs from its predecessor, and the number of events at that
-    /// time.
+    /// The time at which time last advanced between two events, and the number of events since
+    /// then.
     pub still: (f64, usize),
     /// The time at which the window starts.
     since: f64,
@@ -34,8 +34,8 @@ impl Crowd {
         Crowd { still: (time, 0), since: time, count: 0, before: f64::INFINITY, shorter: 0 }
     }
 
-    /// Counts an event. Processes an event, and returns the mean interval of the last window if
-    /// events become too frequent.
+    /// Counts an event. Returns the mean interval between events in the last window if events
+    /// become too frequent.
     pub fn push(&mut self, time: f64, unit: f64) -> Option<f64> {
         self.count += 1;
         if self.count < WINDOW {

@@ -68,7 +68,7 @@ pub enum HybridError {
         guard: String,
         /// The value of the guard.
         value: f64,
-        /// The preceding event, in words; empty at the start.
+        /// A description of the preceding event; empty at the start of the motion.
         after: String,
     },
     /// An event between modes with different states has no reset.
@@ -91,7 +91,7 @@ pub enum HybridError {
         /// The number of states of the mode after the event.
         after: usize,
     },
-    /// The flow of a mode ends early.
+    /// The integration of the flow of a mode ends early.
     #[error("in mode {mode} the motion ends: {source}")]
     #[diagnostic(forward(source))]
     Flow {
@@ -104,14 +104,15 @@ pub enum HybridError {
     #[error("the solution grows without bound: at t = {time:.9e}, {state} = {value:.3e}")]
     #[diagnostic(help("simulate a shorter time, or start elsewhere"))]
     Unbounded {
-        /// The time at which no further step succeeds.
+        /// The time at which the integration fails, because no further step succeeds.
         time: f64,
         /// The largest state.
         state: String,
-        /// Its value after the last step.
+        /// The value of the state that grows without bound, after the last step.
         value: f64,
     },
-    /// Events accumulate, and the guard names no mode for the motion after the accumulation.
+    /// Events accumulate, and the guard does not define a mode for the motion after the
+    /// accumulation.
     #[error(
         "events of guard {guard} accumulate at t = {time:.9e}: in mode {mode} {events} events occurred at \
          intervals that shrink by {ratio:.4}, the last one of {interval:.1e}"
@@ -120,18 +121,18 @@ pub enum HybridError {
     Accumulation {
         /// The time of the accumulation.
         time: f64,
-        /// The mode that the events end.
+        /// The mode in which the events accumulate.
         mode: String,
         /// The guard.
         guard: String,
-        /// The number of simulated events.
+        /// The number of simulated events before the accumulation.
         events: usize,
-        /// The ratio of successive approach speeds.
+        /// The ratio of the last two approach speeds.
         ratio: f64,
         /// The last interval.
         interval: f64,
     },
-    /// Events follow each other without an advance of time.
+    /// Too many events occur without an advance of time.
     #[error(
         "at t = {time:.9e} time does not advance: {events} events occurred within {span:.1e}, the last one of \
          guard {guard} in mode {mode}; no reset may lead to a state at which a guard immediately falls to \
@@ -144,7 +145,7 @@ pub enum HybridError {
         mode: String,
         /// The guard of the last event.
         guard: String,
-        /// The number of events.
+        /// The number of events that occurred without an advance of time.
         events: usize,
         /// The time span of the events.
         span: f64,
@@ -165,7 +166,7 @@ pub enum HybridError {
         mode: String,
         /// The guard of the last event.
         guard: String,
-        /// The number of events.
+        /// The number of the last events, between which the intervals shrink.
         events: usize,
         /// The mean interval between the last events.
         interval: f64,
