@@ -89,7 +89,7 @@ impl Timed {
 }
 
 /// Ends a leg at an event that occurs immediately. The state at the event is computed by one Euler
-/// step of zero length, which is exact for the derivatives of the state.
+/// step, whose length is nearly zero, so that the step is exact for the derivatives of the state.
 pub(super) fn at_once<T: EventNumber>(
     system: &dyn HybridEquations,
     (guard, left): (usize, T),

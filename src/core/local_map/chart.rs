@@ -189,7 +189,8 @@ where
         self.source.section.coordinates.iter().map(deviation).collect()
     }
 
-    /// Advances a point by a time, which is `long` or has nearly no real part.
+    /// Advances a point along the motion by a time; `long` selects the integrator for times whose
+    /// real part is not nearly zero.
     pub fn advance(
         &mut self,
         place: &mut Place<Jet<C>>,
@@ -206,7 +207,8 @@ where
         Ok(())
     }
 
-    /// Moves a point near a surface onto it along the motion, by Newton's method for the time.
+    /// Moves a point near a surface onto the surface along the motion; Newton's method determines
+    /// the time.
     pub fn land(
         &mut self,
         place: &mut Place<Jet<C>>,
@@ -234,7 +236,7 @@ where
         })
     }
 
-    /// Applies the event of a guard, into a mode.
+    /// Applies the event of a guard to a point, which then lies in the mode `next`.
     pub fn pass(&self, place: &mut Place<Jet<C>>, guard: usize, next: usize) {
         let mut after = vec![Jet::from(0.0); self.states[next]];
         self.source.system.reset(guard, (place.mode, next), place.t, &place.x, &self.p, &mut after);

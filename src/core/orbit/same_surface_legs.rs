@@ -1,9 +1,11 @@
 //! Legs that end on the surface on which they begin.
 //!
-//! Examples are a block that rocks on its other corner, and a soft stop that is pressed. Such a leg
-//! also satisfies `h = 0` at its end with zero duration. Where such a leg vanishes, orbits that
-//! have the leg cross orbits with the leg at zero duration, and the equations are singular. Divided
-//! by the duration, the equation is regular: the mean rate of the guard along the leg vanishes.
+//! Examples of such legs are the motion of a block that rocks on its other corner, and the contact
+//! with a soft stop while it is compressed. A leg that ends on the surface on which it begins also
+//! satisfies `h = 0` at its end if its duration is zero. If the duration of such a leg shrinks to
+//! zero, the branch of orbits with the leg crosses a branch of orbits on which the leg has zero
+//! duration, and the equations are singular. Divided by the duration, the equation is regular: the
+//! mean rate of the guard along the leg vanishes.
 
 use super::legs::OrbitLegs;
 use crate::core::bvp::Ends;
