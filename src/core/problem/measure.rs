@@ -120,8 +120,9 @@ impl Measure {
         Measure::Integral(Integral::Norm, scalars.into_iter().map(Into::into).collect())
     }
 
-    /// The measures recorded by default: the largest and smallest values of each state (`max_x`,
-    /// `min_x`), and for every monitor its mean, under the monitor's name, and its extremes.
+    /// Returns the measures that are recorded by default: the largest and the smallest value of
+    /// each state (`max_x`, `min_x`), and for every monitor its mean, under the monitor's name, and
+    /// its extremes.
     pub fn by_default(states: Vec<String>, monitors: Vec<String>) -> Vec<(String, Measure)> {
         let mut measures: Vec<(String, Measure)> = Vec::new();
         let extremes = |name: String| {
@@ -140,8 +141,8 @@ impl Measure {
         measures
     }
 
-    /// The measures of a motion at rest: a scalar with the extremes `max_x` and `min_x` has its
-    /// value, `x`, once.
+    /// Returns the measures of a motion at rest: a scalar whose extremes `max_x` and `min_x` are
+    /// measured has the same value at all times, which is listed once, under the name `x`.
     pub(in crate::core) fn of_rest(measures: Vec<(String, Measure)>) -> Vec<(String, Measure)> {
         let name = |name: String, measure: &Measure| match measure {
             Measure::Maximum(scalar) if name == largest(scalar) => scalar.clone(),
@@ -155,12 +156,12 @@ impl Measure {
     }
 }
 
-/// The name of the column with the largest value of a scalar.
+/// Returns the name of the column that contains the largest value of a scalar.
 fn largest(scalar: &str) -> String {
     format!("{MAX}{scalar}")
 }
 
-/// The name of the column with the smallest value of a scalar.
+/// Returns the name of the column that contains the smallest value of a scalar.
 fn smallest(scalar: &str) -> String {
     format!("{MIN}{scalar}")
 }
@@ -168,8 +169,9 @@ fn smallest(scalar: &str) -> String {
 const MAX: &str = "max_";
 const MIN: &str = "min_";
 
-/// The columns that show a quantity: the column of that name, if known; for an extreme of a scalar at
-/// rest, the scalar's column; for a scalar in motion, the columns of its largest and smallest values.
+/// Returns the names of the columns that show a quantity: the column with the quantity's name, if it
+/// exists; for an extreme of a scalar at rest, the scalar's column; for a scalar in motion, the
+/// columns of its largest and smallest values.
 pub(crate) fn columns_showing(name: &str, known: impl Fn(&str) -> bool) -> Vec<String> {
     if known(name) {
         return vec![name.into()];
@@ -181,20 +183,20 @@ pub(crate) fn columns_showing(name: &str, known: impl Fn(&str) -> bool) -> Vec<S
     }
 }
 
-/// The kind of time integral of scalars.
+/// The kind of time integral of one or several scalars.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Integral {
-    /// `∫ Σ h dt`.
+    /// The total `∫ Σ h dt`.
     Total,
-    /// The mean over time, `1/T ∫ Σ h dt`.
+    /// The mean over time, `1/T ∫ Σ h dt`, where `T` is the duration.
     Mean,
     /// The L2 norm on the interval of scaled time, `(1/T ∫ Σ h² dt)^½`.
     Norm,
 }
 
 impl Integral {
-    /// The integrand for a scalar.
+    /// Returns the integrand for a scalar: the scalar itself or its square.
     pub(in crate::core) fn integrand<T: Scalar>(self, scalar: T) -> T {
         match self {
             Integral::Norm => scalar * scalar,
@@ -202,7 +204,8 @@ impl Integral {
         }
     }
 
-    /// Converts an integral over some duration to the measure; 0 for a zero duration.
+    /// Converts an integral over some duration to the value of the measure; the value is 0 if the
+    /// integral is 0, as for a zero duration.
     pub(in crate::core) fn of<T: Scalar>(self, sum: T, time: T) -> T {
         match self {
             Integral::Total => sum,
@@ -213,7 +216,7 @@ impl Integral {
     }
 }
 
-/// Returns the larger of two numbers; the first one can be missing.
+/// Returns the larger of two numbers, or the second number if the first is missing.
 pub(in crate::core) fn larger<T>(known: Option<T>, found: T, value: fn(&T) -> f64) -> Option<T> {
     match known {
         Some(known) if value(&known) >= value(&found) => Some(known),
