@@ -201,14 +201,16 @@ pub(crate) fn seeded<T: Scalar, const W: usize>(
 /// A number with derivatives in a chunk of directions, and with higher derivatives along one more
 /// direction.
 pub(crate) trait Directional: Scalar {
-    /// Adds the component `component` along the direction to a seeded value.
+    /// Adds the derivative `component` along the additional direction to a number with derivatives
+    /// in a chunk of directions.
     fn along(seeded: Chunk, component: f64) -> Self;
 
-    /// The derivative of the highest order along the direction; for order 0, the value itself.
+    /// Returns the derivative of the highest order along the additional direction; for order 0, the
+    /// number itself.
     fn derivative(&self) -> &Chunk;
 }
 
-/// Order 0: no derivatives along the direction.
+/// The implementation for order 0, without derivatives along the additional direction.
 impl Directional for Chunk {
     #[inline]
     fn along(seeded: Chunk, _: f64) -> Self {
@@ -275,7 +277,7 @@ impl<T: Scalar, const W: usize> Display for DualChunk<T, W> {
 
 signed_by_reals!([T: Scalar, const W: usize] DualChunk<T, W>);
 
-/// Functions of one number by the chain rule.
+/// Implements functions of one number by the chain rule.
 macro_rules! chained {
     ($($function:ident $(($argument:ident: $kind:ty))?),* $(,)?) => {$(
         #[inline]
