@@ -6,14 +6,14 @@
 //! motion is sampled where it crosses the plane normal to it at one of its points `x₀`,
 //!
 //! ```text
-//!     ⟨f(x₀), x − x₀⟩ = 0,  increasing,
+//!     ⟨f(x₀), x − x₀⟩ = 0,  increasing.
 //! ```
 //!
-//! and this plane is renewed from time to time, since transients continue to decay. A motion is
-//! periodic if its mode and state equal the mode and state `q` samples before, and the events in
-//! the last `q` samples equal the events in the `q` samples before. Without forcing, the time
-//! between two samples at which the motion repeats is the period. If a motion approaches a cycle
-//! too slowly for this test of repetition, the cycle is computed by Newton's method.
+//! The plane is renewed from time to time, since transients continue to decay. A motion is periodic
+//! if its mode and state equal the mode and state `q` samples before, and the events in the last
+//! `q` samples equal the events in the `q` samples before. Without forcing, the time between two
+//! samples at which the motion repeats is the period. If a motion approaches a cycle too slowly for
+//! this test of repetition, the cycle is computed by Newton's method.
 
 use super::repetition::{Repetition, StateScales};
 use super::section::Section;

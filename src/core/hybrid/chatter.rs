@@ -5,7 +5,7 @@
 //! converges, so that the events accumulate near
 //!
 //! ```text
-//!     E_n = t_n + Δ_n r/(1 − r),
+//!     E_n = t_n + Δ_n r/(1 − r).
 //! ```
 //!
 //! The error of `E_n` shrinks as `r^{2n}` if the acceleration varies. Two successive estimates give

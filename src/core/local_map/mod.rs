@@ -8,14 +8,15 @@
 //!     P = P_smooth ∘ D
 //! ```
 //!
-//! (A. B. Nordmark, *J. Sound Vib.* 145:279, 1991; M. di Bernardo et al., *Piecewise-smooth
-//! Dynamical Systems*, 2008, chapter 6). The smooth map `P_smooth` follows the orbit for one turn
-//! and ignores the surface. The discontinuity map `D` maps the **virtual** point of `Π`, which
-//! motion would reach if the surface were absent, to the point from which the actual motion
-//! continues. The **penetration** at a virtual point is `−h`; `D` depends on the penetration only
-//! through its square root `y = √(−h)`, and is analytic in `y`. Both maps are computed as Taylor
-//! polynomials in coordinates, parameters and `y` with [jets](crate::core::scalar::Jet), from the
-//! equations of the system itself; `docs/concepts/grazing.md` explains the method.
+//! The section and the two maps are described by A. B. Nordmark (*J. Sound Vib.* 145:279, 1991) and
+//! by M. di Bernardo et al. (*Piecewise-smooth Dynamical Systems*, 2008, chapter 6). The smooth map
+//! `P_smooth` follows the orbit for one turn and ignores the surface. The discontinuity map `D`
+//! maps the **virtual** point of `Π`, which motion would reach if the surface were absent, to the
+//! point from which the actual motion continues. The **penetration** at a virtual point is `−h`;
+//! `D` depends on the penetration only through its square root `y = √(−h)`, and is analytic in `y`.
+//! Both maps are computed as Taylor polynomials in coordinates, parameters and `y` with
+//! [jets](crate::core::scalar::Jet), from the equations of the system itself;
+//! `docs/concepts/grazing.md` explains the method.
 //!
 //! A [`GrazingPoint`] is the point at which an orbit grazes a guard; [`LocalMap`] is the map `P`,
 //! which can be iterated, differentiated and printed, and which determines the scenario of the

@@ -8,12 +8,13 @@
 //! is
 //!
 //! ```text
-//!     z = −(N D_z − E)⁻¹ (N D_p + N_p − E_p) p,
+//!     z = −(N D_z − E)⁻¹ (N D_p + N_p − E_p) p.
 //! ```
 //!
-//! which exists on the side on which `y` is positive, and the orbit without impacts is `ξ = (I −
-//! N)⁻¹ N_p p`, which exists on the side on which `h` is positive. One multiplier of the orbit with
-//! an impact grows like `[Nβ]_normal/(2y)` (A. B. Nordmark, *J. Sound Vib.* 145:279, 1991).
+//! The orbit with an impact exists on the side on which `y` is positive. The orbit without impacts
+//! is `ξ = (I − N)⁻¹ N_p p`, and it exists on the side on which `h` is positive. One multiplier of
+//! the orbit with an impact grows like `[Nβ]_normal/(2y)` (A. B. Nordmark, *J. Sound Vib.* 145:279,
+//! 1991).
 //!
 //! If `β = 0`, as at a soft stop, the same equations hold with the penetration `y²` in place of
 //! `y`: the first column of `D_z` and of `E` is then the derivative with respect to `y²`, and the

@@ -14,8 +14,8 @@ use crate::core::scalar::Scalar;
 ///     x' = f(t, x, p),    x(0) − x(L) = 0,    L = q T(p)
 /// ```
 ///
-/// where `q` is the number of forcing periods. In a system without forcing, the period `L` is an
-/// unknown, determined by a phase condition.
+/// The number of forcing periods is `q`. In a system without forcing, the period `L` is an unknown,
+/// determined by a phase condition.
 ///
 /// ```
 /// use tangency::core::bvp::{BoundarySystem, Collocation, Mesh};

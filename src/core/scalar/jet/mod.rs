@@ -6,13 +6,13 @@
 //! function `f` of a jet is the finite sum
 //!
 //! ```text
-//!     f(a) = Σ_{k ≤ N} f⁽ᵏ⁾(a₀)/k! hᵏ,
+//!     f(a) = Σ_{k ≤ N} f⁽ᵏ⁾(a₀)/k! hᵏ.
 //! ```
 //!
-//! whose coefficients are computed by the recurrences of univariate Taylor series (R. E. Moore,
-//! *Interval Analysis*, 1966; A. Griewank and A. Walther, *Evaluating Derivatives*, 2nd ed. 2008,
-//! chapter 13). A [`Jet`] is a [`Scalar`](super::Scalar): fields, guards, resets and flows, written
-//! once for all scalar types, can be evaluated with jets, and the results are their Taylor
+//! The coefficients of the sum are computed by the recurrences of univariate Taylor series (R. E.
+//! Moore, *Interval Analysis*, 1966; A. Griewank and A. Walther, *Evaluating Derivatives*, 2nd ed.
+//! 2008, chapter 13). A [`Jet`] is a [`Scalar`](super::Scalar): fields, guards, resets and flows,
+//! written once for all scalar types, can be evaluated with jets, and the results are their Taylor
 //! polynomials. The number of a jet's coefficients is a binomial coefficient of the order and the
 //! number of variables, whereas the size of nested dual numbers grows exponentially with the order.
 //! Since scalars are `Copy`, the capacity of a jet is a compile-time constant. Hybrid systems are
