@@ -10,8 +10,8 @@
 //! ```
 //!
 //! The plane is renewed from time to time, since transients continue to decay. A motion is periodic
-//! if its mode and state equal the mode and state `q` samples before, and the events in the last
-//! `q` samples equal the events in the `q` samples before. Without forcing, the time between two
+//! if its mode and state equal the mode and state `q` samples earlier, and if its last `q` samples
+//! have the same events as the `q` samples before them. Without forcing, the time between two
 //! samples at which the motion repeats is the period. If a motion approaches a cycle too slowly for
 //! this test of repetition, the cycle is computed by Newton's method.
 
@@ -54,7 +54,7 @@ pub enum CycleSearchError {
         /// The smallest distance between two compared states, in the units of
         /// [`CycleSearch::tolerance`].
         distance: f64,
-        /// The largest allowed distance between repeating states.
+        /// The largest distance between two states that count as equal.
         tolerance: f64,
     },
     /// The motion decays to a state of rest: the diameter of its returns shrinks to zero.
@@ -79,7 +79,7 @@ pub enum CycleSearchError {
         "start elsewhere, or follow the equilibrium from the final state (`solution: equilibrium` in a scene)"
     ))]
     Equilibrium {
-        /// The time at the end of the simulation.
+        /// The time at the end of the simulation, at which the motion rests.
         time: f64,
         /// The mode in which the motion rests, if the system has several modes, and the states, in
         /// words.
@@ -169,7 +169,8 @@ impl CycleSearch {
     /// ```
     ///
     /// # Errors
-    /// [`CycleSearchError`] if the motion ends, does not return, or does not repeat.
+    /// [`CycleSearchError`] if the motion ends, does not return to its section or event, or does
+    /// not repeat.
     pub fn find(
         &self,
         flow: &mut HybridFlow<f64>,

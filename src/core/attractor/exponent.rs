@@ -1,4 +1,4 @@
-//! The largest Lyapunov exponent.
+//! The largest Lyapunov exponent of a motion sampled stroboscopically.
 
 use super::repetition::StateScales;
 use crate::core::hybrid::{HybridState, Member};
@@ -21,8 +21,8 @@ const BATCHES: usize = 20;
 
 /// The growth of a tangent vector from period to period, whose mean is the Lyapunov exponent.
 pub(super) struct Growth {
-    /// The number of periods in a batch. A first batch, not included in the mean, turns the tangent
-    /// vector into the direction of fastest growth.
+    /// The number of periods in a batch of the batch-means method. A first batch, not included in
+    /// the mean, turns the tangent vector into the direction of fastest growth.
     batch: usize,
     periods: usize,
     means: [f64; BATCHES],

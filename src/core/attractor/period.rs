@@ -18,7 +18,7 @@ pub struct EventRecord {
     pub event: usize,
     /// The time of the event since the beginning of the period.
     pub time: f64,
-    /// The state just before the event.
+    /// The state of the motion just before the event.
     pub before: HybridState<f64>,
     /// Whether the record represents the accumulation of infinitely many events.
     pub accumulation: bool,
@@ -113,7 +113,7 @@ pub struct Layout {
     pub modes: Vec<Mode>,
     /// The names of all events, in the order of their numbers.
     pub events: Vec<String>,
-    /// The names of the measures of a period.
+    /// The names of the measures that are recorded in every period.
     pub measures: Vec<String>,
 }
 

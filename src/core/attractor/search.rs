@@ -96,7 +96,7 @@ struct Run {
     next_try: usize,
     /// The number of periods after which motion seems to have repeated.
     candidate: Option<usize>,
-    /// The scales of the states.
+    /// The scales of the states in each mode.
     scales: StateScales,
     /// The size of the largest state at samples and events, in units of the scales.
     size: f64,
@@ -180,7 +180,7 @@ fn proceed(goes_on: bool) -> ControlFlow<()> {
 /// The way in which trajectories are simulated: in parallel or one by one.
 struct Following<'m> {
     map: &'m mut dyn StroboscopicMap,
-    /// Whether trajectories are simulated in parallel.
+    /// Whether trajectories are simulated in parallel instead of one by one.
     abreast: bool,
     cancel: &'m CancelToken,
 }

@@ -1,4 +1,4 @@
-//! Slowly attracting cycles, computed by Newton's method from a motion that nearly repeats.
+//! Cycles that attract slowly, computed by Newton's method from a motion that nearly repeats.
 
 use super::repetition::{Repetition, StateScales};
 use super::section::Section;
@@ -92,7 +92,7 @@ impl SlowCycle<'_> {
         Some(())
     }
 
-    /// Whether a state repeats after `q` samples.
+    /// Whether the motion from a state returns to this state after `q` samples.
     fn closes(
         &self,
         flow: &mut HybridFlow<f64>,

@@ -10,7 +10,8 @@ use crate::core::linalg::difference;
 const CONVERGED: f64 = 1e-11;
 /// (H) The maximal number of Newton iterations; quadratic convergence needs four.
 const ROUNDS: usize = 8;
-/// (H) The largest distance of the periodic point from the motion, in units of the largest state.
+/// (H) The largest distance of the periodic point from the simulated motion, in units of the
+/// largest state.
 const NEAR: f64 = 0.03;
 
 /// (H) The size, in units of the states' scales, below which a motion counts as rest: the state of

@@ -26,7 +26,7 @@ pub type Outcomes = Vec<Result<(), StroboscopicError>>;
 /// States are states of a hybrid system, and their time is the time of the sample; the states of a
 /// discrete map have mode 0 and time zero.
 pub trait StroboscopicMap {
-    /// The names of modes, events and measures.
+    /// Returns the names of the modes, events and measures.
     fn layout(&self) -> &Layout;
 
     /// Returns the initial state of a motion for a given state of a mode; the default

@@ -19,8 +19,8 @@ use crate::core::scalar::Scalar;
 /// ratio of successive approach speeds differ by less than this fraction, since both ratios have
 /// the same limit.
 const AGREEMENT: f64 = 0.1;
-/// (H) Intervals shorter than this fraction of the tolerance count as zero: the events are
-/// simultaneous.
+/// (H) The fraction of the tolerance below which an interval between events counts as zero, so that
+/// the events are simultaneous.
 const INSTANT: f64 = 1e-5;
 
 /// The accumulation of a guard's events, if the series of events ends.
@@ -39,7 +39,7 @@ pub(super) enum Accumulation<T> {
 pub(super) struct Series<T> {
     /// The number of successive events in geometric progression.
     pub events: usize,
-    /// The time of the last event.
+    /// The time of the last event in the series.
     time: T,
     /// The last interval.
     pub interval: T,

@@ -54,7 +54,7 @@ impl CycleLeg {
 
 impl Cycle {
     /// Creates a cycle from its events, given the states at its start and end, its duration and its
-    /// number of forcing periods. A cycle without events is one leg.
+    /// number of forcing periods. A cycle without events consists of one leg.
     pub(in crate::core) fn through(
         events: &[Event<f64>],
         (start, end): (&HybridState<f64>, Vec<f64>),

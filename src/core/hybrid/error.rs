@@ -66,12 +66,12 @@ pub enum HybridError {
         mode: String,
         /// The guard.
         guard: String,
-        /// The value of the guard.
+        /// The value of the negative guard.
         value: f64,
         /// A description of the preceding event; empty at the start of the motion.
         after: String,
     },
-    /// An event between modes with different states has no reset.
+    /// An event leads to a mode with a different number of states, but its reset is not defined.
     #[error(
         "at t = {time:.9e} the event {guard} leads from mode {mode} with {before} states to mode {next} with \
          {after} states, but has no reset"
@@ -147,10 +147,10 @@ pub enum HybridError {
         guard: String,
         /// The number of events that occurred without an advance of time.
         events: usize,
-        /// The time span of the events.
+        /// The time between the first and the last of these events.
         span: f64,
     },
-    /// Events become ever more frequent.
+    /// Events become ever more frequent, so that the simulation is abandoned.
     #[error(
         "at t = {time:.9e} events become ever more frequent: the intervals between the last {events} shrink to \
          {interval:.1e}; the last event belongs to guard {guard} in mode {mode}. The motion reaches a state \

@@ -50,7 +50,7 @@ pub(super) struct EventLocator<'l, 'a, T> {
     /// The watched guards.
     pub watched: &'l [usize],
     pub roots: &'l mut [Roots<T>],
-    /// The scales of the guards.
+    /// The scales of the guards of the mode.
     pub scales: &'l [f64],
     /// The record that receives the time and state at the end of the leg.
     pub event: &'l mut Event<T>,

@@ -1,4 +1,4 @@
-//! Modes as vector fields; guards and other scalars as watched functions.
+//! Modes as vector fields, and guards and other scalars as functions watched along a trajectory.
 
 use super::erased::{FieldNumber, GuardNumber, HybridEquations, MeasureNumber};
 use super::scales::{guard_scale, time_scale, typical_scale};

@@ -126,8 +126,8 @@ where
         Err(HybridError::Crowded { time, mode, guard, events, interval })
     }
 
-    /// Continues from the accumulation of the events of a guard, unless another event of its mode
-    /// comes first.
+    /// Continues the motion from the accumulation of a guard's events, unless another event of the
+    /// mode occurs earlier.
     pub(super) fn settle<O: HybridObserver<T>>(
         &mut self,
         accumulation: Accumulation<T>,
@@ -156,9 +156,10 @@ where
         self.pass(next, state, run)
     }
 
-    /// Writes the state at the accumulation of a series into the state before the event. At the
-    /// accumulation, a body is exactly at rest on the surface. A truncated series would leave a
-    /// small distance, and a body in contact keeps its distance until its release.
+    /// Writes the state at the accumulation of a series of events to the event record, as the state
+    /// before the event. At the accumulation, a body is exactly at rest on the surface. A truncated
+    /// series would leave a small distance, and a body in contact keeps its distance until its
+    /// release.
     fn rest(&mut self, series: usize, time: T, p: &[T]) {
         let Event { guard, mode, .. } = self.event;
         let limit = self.series[series].limit();

@@ -1,4 +1,4 @@
-//! Scales of a hybrid system, the units of its tolerances.
+//! The scales of a hybrid system, which are the units of its tolerances.
 
 use super::erased::HybridEquations;
 use super::system::Scales;

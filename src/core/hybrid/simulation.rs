@@ -203,10 +203,10 @@ where
         state
     }
 
-    /// Advances a state by a duration, through all events. The observer is called at every integration
-    /// step and at every event, and can end the motion just after an event or at the end of a step. If
-    /// an error ends the motion, the state is set to the state after the last event, or just before the
-    /// last event if no mode follows that event.
+    /// Advances a state by a duration, through all events within the duration. The observer is called at
+    /// every integration step and at every event, and can end the motion just after an event or at the
+    /// end of a step. If an error ends the motion, the state is set to the state after the last event,
+    /// or just before the last event if no mode follows that event.
     ///
     /// # Errors
     /// [`HybridError`] if the motion ends early: the integration of its flow fails, a mode begins with a

@@ -41,7 +41,8 @@ const fn same(a: &str, b: &str) -> bool {
 ///   is positive, or in the last mode if all functions are negative;
 /// - `accumulates to contact { … };` after an event names the mode in which the motion continues
 ///   after infinitely many such events in a finite time;
-/// - `event name.at(1): …` calls further methods of [`Guard`](crate::core::hybrid::Guard).
+/// - `event name.at(1): …` calls further methods of [`Guard`](crate::core::hybrid::Guard), here
+///   [`Guard::at`](crate::core::hybrid::Guard::at).
 ///
 /// Before the modes, the macro accepts local values and the `period` of a forcing, as in
 /// [`vector_field!`](crate::vector_field); after the modes, it accepts trait methods that it does not

@@ -45,7 +45,7 @@ impl Mode {
 /// A guard: a function whose zeros are events, which end modes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Guard {
-    /// The name of the event.
+    /// The name of the events at the guard's zeros.
     pub name: String,
     /// The modes that an event of this guard ends.
     pub modes: Vec<usize>,
@@ -189,9 +189,9 @@ pub struct Passage<'a, T> {
 /// if several guards fall to zero simultaneously, the event belongs to the guard that is defined
 /// first. From the state `x` just before the event, motion continues in the mode
 /// [`next_mode`](Self::next_mode), from the state computed by [`reset`](Self::reset). If several modes
-/// [`may_follow`](Self::may_follow), such as stick or slip, [`decision`](Self::decision) functions
-/// select one. Guards are numbered by their order in [`guards`](Self::guards), and modes by their
-/// order in [`modes`](Self::modes).
+/// are possible after an event ([`may_follow`](Self::may_follow)), for example stick or slip,
+/// [`decision`](Self::decision) functions select the next mode. Guards are numbered by their order in
+/// [`guards`](Self::guards), and modes by their order in [`modes`](Self::modes).
 ///
 /// ```
 /// use tangency::core::hybrid::{Guard, HybridSystem, Mode};

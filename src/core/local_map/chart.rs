@@ -74,7 +74,8 @@ pub(super) const REACHED: f64 = 1e-6;
 /// the section and the motion from these points.
 pub(super) struct Chart<'a, const C: usize> {
     pub source: Source<'a>,
-    /// The deviations of the coordinates, as variables.
+    /// The deviations of the coordinates from the grazing point, as independent variables of the
+    /// jets.
     pub deviations: Vec<Jet<C>>,
     p: Vec<Jet<C>>,
     /// The time per unit of phase, `T(p)/phase of a period`.

@@ -36,7 +36,7 @@ pub enum GrazingError {
         what: &'static str,
         /// The number of given deviations.
         found: usize,
-        /// The number of coordinates or parameters.
+        /// The number of coordinates or parameters of the map, as expected.
         expected: usize,
     },
     /// The phase of a forcing period is invalid.
@@ -170,7 +170,7 @@ pub enum GrazingError {
     )]
     #[diagnostic(help("use a higher order, or a point closer to grazing"))]
     TooFar {
-        /// The order of the map.
+        /// The order of the local map.
         order: usize,
         /// The estimated error.
         estimate: f64,

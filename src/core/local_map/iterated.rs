@@ -97,8 +97,8 @@ impl Iterated {
     /// The name of the event in which an iterate passes through the surface.
     pub const EVENT: &str = "impact";
 
-    /// Creates the iterated map. `parameters` are the names of all parameters of the iterated map;
-    /// the only possible measure is `penetration`.
+    /// Creates the iterated map of a local map. `parameters` are the names of all parameters of the
+    /// iterated map; the only possible measure is `penetration`.
     ///
     /// # Errors
     /// [`GrazingError::Unknown`] if one of the local map's parameters is missing from `parameters`,

@@ -279,8 +279,8 @@ impl Itineraries<ErasedProblem> for LocalOrbit {
         (first == second).then(half)
     }
 
-    /// Returns the orbit with an impact at the point where this orbit passes closest to the
-    /// surface.
+    /// Returns the orbit with an additional impact at the point where the present orbit passes
+    /// closest to the surface.
     fn emanating(
         &self,
         known: &[Trajectory],

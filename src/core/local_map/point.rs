@@ -41,8 +41,7 @@ pub struct GrazingPoint {
     pub x: Vec<f64>,
     /// All parameters.
     pub p: Vec<f64>,
-    /// The zero-length legs between the event of the guard and the resumption of motion in the
-    /// mode.
+    /// The zero-length legs between an event of the guard and the resumption of motion in the mode.
     pub following: Vec<Leg>,
     /// The legs by which the orbit returns to the grazing point, with their durations; the last leg
     /// ends at the grazing point.

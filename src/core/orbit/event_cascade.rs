@@ -40,7 +40,8 @@ pub(super) struct Onset {
     pub near: (f64, Vec<f64>),
 }
 
-/// The zero-length legs that follow an event, and the state in which motion resumes.
+/// The zero-length legs that follow an event, and the state from which motion then resumes in a
+/// mode.
 pub(super) struct Following {
     pub legs: Vec<Lasting>,
     pub state: Vec<f64>,
@@ -126,7 +127,8 @@ fn moved(Moment { system, mode, t, x, p }: Moment<f64>, duration: f64) -> Vec<f6
 }
 
 /// Returns the guard of a mode that is the first to fall to zero almost immediately, and the time
-/// until it does. Timed events of the guards in `come` have already occurred and are excluded.
+/// until it does. Timed events of the guards in the list `come` have already occurred and are
+/// excluded.
 fn soonest(orbits: &OrbitLegs, at: Moment<f64>, come: &[usize]) -> Option<(f64, usize)> {
     let unit = time_scale(at.system, at.p);
     let falling = orbits.vanishing_in(at.mode).filter_map(|guard| {

@@ -29,8 +29,8 @@ use std::sync::{Arc, OnceLock};
 ///
 /// The unknowns are the states, the durations `L_s` and, under forcing, the start time `T_0`. These
 /// equations remain regular when an event becomes tangential: a leg may have zero length, and an
-/// impact may have zero speed. A branch of impacting orbits can therefore start at the grazing
-/// point.
+/// impact may have zero speed. Since the equations are regular, a branch of impacting orbits can
+/// start at the grazing point.
 ///
 /// An orbit without events is one segment that closes after `q` forcing periods; without forcing
 /// the segment closes after an unknown period, with a phase condition.

@@ -6,7 +6,7 @@ use crate::core::hybrid::{FieldNumber, GuardOf, time_scale};
 use crate::core::ode::{Extrema, Flow};
 use std::ops::ControlFlow;
 
-/// A point at which an orbit is closest to a guard.
+/// A point at which an orbit is closest to a guard's surface.
 pub(super) struct Touch {
     pub leg: usize,
     pub guard: usize,
@@ -41,7 +41,7 @@ pub(super) fn touches(orbit: &KnownOrbit) -> Result<Vec<Touch>, Failure> {
     Ok(touches)
 }
 
-/// Returns the local minima of a guard, of scale `scale`, on a leg.
+/// Returns the local minima of a guard, whose scale is `scale`, on a leg.
 fn dips(orbit: &KnownOrbit, leg: usize, guard: usize, scale: f64) -> Result<Vec<Touch>, Failure> {
     let mut found = minima(orbit, leg, guard, scale)?;
     if !orbit.legs.layout.smooth {

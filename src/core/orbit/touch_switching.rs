@@ -86,7 +86,7 @@ pub(super) fn with_touches(orbit: &KnownOrbit) -> Result<Guess<OrbitLegs>, Failu
     Ok(with_passed(orbit, touched(orbit)?.1))
 }
 
-/// Returns the grazing points of the orbit, and their events.
+/// Returns the grazing points of the orbit, and the new events at these points.
 fn touched(orbit: &KnownOrbit) -> Result<(Vec<Touch>, Vec<Passed>), Failure> {
     let touches = touches(orbit)?;
     let passed = touches.iter().map(|touch| passed(orbit, touch)).collect::<Result<_, _>>()?;
@@ -122,8 +122,8 @@ fn with_passed(orbit: &KnownOrbit, passed: Vec<Passed>) -> Guess<OrbitLegs> {
     orbit.with_legs(all, begins)
 }
 
-/// Converts a grazing point to an event. The cascade of events that follows is determined at a
-/// small approach speed.
+/// Converts a grazing point to a new event on the orbit. The cascade of events that follows is
+/// determined at a small approach speed.
 fn passed(orbit: &KnownOrbit, touch: &Touch) -> Result<Passed, Failure> {
     let Touch { leg, guard, since, value, ref x } = *touch;
     let at = orbit.moment(leg, orbit.begins(leg) + since, x);

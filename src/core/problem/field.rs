@@ -129,7 +129,7 @@ impl<F: Deref<Target: VectorField> + Send + Sync> VectorField for F {
 /// The monitors of an equilibrium are the field's [`measures`](VectorField::measures) of a motion at
 /// rest: `max_x` and `min_x` of a state `x` are the state itself, so that equilibria and periodic
 /// orbits can be drawn in one diagram. Measures that need motion, such as
-/// [`Integral::Total`](super::measure::Integral::Total), are omitted.
+/// [`Integral::Total`](super::measure::Integral::Total), are not monitors of equilibria.
 ///
 /// ```
 /// use tangency::prelude::*;

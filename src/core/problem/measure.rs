@@ -37,7 +37,7 @@ pub enum Measure<S = String, D = Infallible> {
         /// The scalar that is evaluated at the crossings.
         value: S,
     },
-    /// A time integral of the sum of several scalars.
+    /// A time integral of a sum over one or several scalars.
     Integral(Integral, Vec<S>),
     /// A scalar that the problem computes from the states at the ends of all legs, given by its
     /// index ([`HybridSystem::measure`](crate::core::hybrid::HybridSystem::measure),
@@ -191,7 +191,7 @@ pub enum Integral {
     Total,
     /// The mean over time, `1/T ∫ Σ h dt`, where `T` is the duration.
     Mean,
-    /// The L2 norm on the interval of scaled time, `(1/T ∫ Σ h² dt)^½`.
+    /// The L2 norm over the motion in scaled time, `(1/T ∫ Σ h² dt)^½`.
     Norm,
 }
 

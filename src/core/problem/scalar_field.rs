@@ -178,7 +178,7 @@ pub struct FieldRef<'a, T: Scalar> {
     pub index: usize,
     /// The time of the collection at which the field's own time is zero.
     pub start: T,
-    /// The number of leading parameters on which the field depends.
+    /// The number of leading parameters on which the vector field depends.
     pub numbers: usize,
     /// The rate of attraction to the field's invariant surface; `None` for the field without
     /// attraction, which preserves the distance from the surface.

@@ -69,8 +69,8 @@ pub trait ZeroProblem: Send + Sync {
     fn monitors<T: Scalar>(&self, _z: &[T], _p: &[T], _values: &mut [T]) {}
 
     /// Returns the typical sizes of the groups of unknowns, in their order; the sizes must be given
-    /// if unknowns can be zero and their sizes differ strongly. By default the sizes are determined
-    /// at the start of a branch.
+    /// if unknowns can be zero and their sizes differ strongly. By default the sizes of the
+    /// unknowns are determined at the start of a branch.
     fn scales(&self, _p: &[f64]) -> Vec<f64> {
         Vec::new()
     }
@@ -114,7 +114,7 @@ const LEAST: usize = 8;
 impl Profile {
     /// The name of the abscissa for arrays of unknowns, which are drawn over their index.
     pub const INDEX: &'static str = "index";
-    /// The prefix of the names of phase responses, followed by the name of the perturbed state.
+    /// The prefix of the names of phase responses, which precedes the name of the perturbed state.
     pub const PHASE_RESPONSE: &'static str = "phase_response_";
 
     /// Returns the name of the perturbed state if the curve is a phase response.

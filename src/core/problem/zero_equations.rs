@@ -38,7 +38,7 @@ erased! {
 erased! {
     /// The monitors of a zero problem, evaluated in one scalar type.
     pub trait ZeroMonitors<T> of ZeroProblem by MonitorNumber::monitored of ZeroEquations {
-        /// Computes the monitors and writes them into `values`.
+        /// Computes the monitors of the zero problem and writes them into `values`.
         fn monitors as monitors_in(z: &[T], p: &[T], values: &mut [T]) -> ();
     }
 }
@@ -76,7 +76,7 @@ pub trait TracedEquations: ZeroEquations {
     /// Computes the residual of the zero problem and writes it into `r`.
     fn traced_residual(&self, z: &[Traced], p: &[Traced], r: &mut [Traced]);
 
-    /// Computes the monitors and writes them into `values`.
+    /// Computes the monitors of the zero problem and writes them into `values`.
     fn traced_monitors(&self, z: &[Traced], p: &[Traced], values: &mut [Traced]);
 }
 

@@ -116,7 +116,8 @@ impl Traced {
         Traced { re: value, node }
     }
 
-    /// Computes the gradient of a weighted sum of results with respect to the first inputs.
+    /// Computes the gradient of a weighted sum of results with respect to the first inputs of the
+    /// record.
     pub(in crate::core) fn gradient(results: impl Iterator<Item = (Traced, f64)>, out: &mut [f64]) {
         RECORD.with_borrow_mut(|record| record.gradient(results, out));
     }

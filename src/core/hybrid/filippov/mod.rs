@@ -1,4 +1,5 @@
-//! Filippov systems: two fields, a switching surface between them, and sliding on it.
+//! Filippov systems: two vector fields, separated by a switching surface, and sliding motion on the
+//! surface.
 
 mod modes;
 mod normal;

@@ -31,7 +31,8 @@ pub trait FleetObserver<T: Scalar> {
         false
     }
 
-    /// Observes a step of a member, like [`HybridObserver::step`](super::event::HybridObserver::step).
+    /// Observes an integration step of a member, in the same way as
+    /// [`HybridObserver::step`](super::event::HybridObserver::step).
     fn step<F: FieldIn<T>>(
         &mut self,
         _member: usize,
@@ -57,12 +58,12 @@ pub trait FleetObserver<T: Scalar> {
 /// A simulation of many motions of one system, its members, each independent of the others: the result
 /// for a member is bit-identical for all sets and orders of members.
 ///
-/// Results agree with [`HybridFlow`] up to rounding errors, for `f64` and for `Dual64`. Several
-/// members in the same mode are advanced together by vector instructions. One test shows for all of
-/// them which guards stay clear of zero; a member with a guard that could vanish is examined
-/// separately. [`in_lanes`](super::system::HybridSystem::in_lanes) declares that a system's
-/// equations can be evaluated in lanes. If the system's equations cannot be evaluated in lanes, or
-/// if the integration method is implicit, members are simulated one after another.
+/// Results agree with [`HybridFlow`] up to rounding errors, both for `f64` and for `Dual64`.
+/// Several members in the same mode are advanced together by vector instructions. One test shows
+/// for all of them which guards stay clear of zero; a member with a guard that could vanish is
+/// examined separately. [`in_lanes`](super::system::HybridSystem::in_lanes) declares that a
+/// system's equations can be evaluated in lanes. If the system's equations cannot be evaluated in
+/// lanes, or if the integration method is implicit, members are simulated one after another.
 ///
 /// ```
 /// use std::ops::ControlFlow;
@@ -184,7 +185,7 @@ where
     }
 }
 
-/// The slots waiting in each mode, the free slots, and the results of the members.
+/// The slots waiting in each mode, the free slots, and the results of the members that have ended.
 struct Scheduler<'m, T> {
     /// The slots waiting for a step, grouped by the mode of their members.
     queues: Vec<Vec<usize>>,

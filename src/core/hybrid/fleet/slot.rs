@@ -14,7 +14,7 @@ use std::ops::ControlFlow;
 pub(super) struct Slot<T: Scalar> {
     pub member: usize,
     pub duration: T,
-    /// The state at the start of the member's leg.
+    /// The state at the start of the member's present leg.
     pub state: HybridState<T>,
     pub p: Vec<T>,
     /// The real parts of the member's parameters.

@@ -317,7 +317,7 @@ where
         self.look(mode, of, |locator, step| locator.locate(step))
     }
 
-    /// Ends the leg of one lane at the root at which its step was aimed.
+    /// Ends the leg of one lane at the root of a guard at which the integration step was aimed.
     fn reach(
         &mut self,
         mode: usize,

@@ -3,7 +3,7 @@
 //! A jet of order `N` in the variables `ε = (ε₁, …, ε_V)` is a polynomial `a(ε) = Σ a_α ε^α`, `|α| ≤
 //! N`, with `a_α = ∂^α a(0)/α!`. Jets are added and multiplied in the same way as polynomials, and
 //! terms of degree higher than `N` are dropped. With `a = a₀ + h`, where `h` has no constant term, a
-//! function `f` of a jet is the finite sum
+//! function `f` of the jet `a` is the following finite sum:
 //!
 //! ```text
 //!     f(a) = Σ_{k ≤ N} f⁽ᵏ⁾(a₀)/k! hᵏ.

@@ -82,8 +82,8 @@ impl<const C: usize> Jet<C> {
         self.coefficients().iter().fold(0.0, |most, c| c.abs().max(most))
     }
 
-    /// Divides the jet by a variable. Terms without the variable are dropped; the quotient's terms
-    /// of the highest degree are unknown and are set to zero.
+    /// Divides the jet by one of its variables. Terms without the variable are dropped; the
+    /// quotient's terms of the highest degree are unknown and are set to zero.
     pub fn divided_by(&self, variable: usize) -> Self {
         let Some(space) = self.space else { return Jet::constant(0.0) };
         let mut quotient = Jet { space: self.space, ..Jet::constant(0.0) };

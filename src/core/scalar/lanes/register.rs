@@ -71,7 +71,7 @@ mod target {
 /// The largest number of lanes of any register.
 pub const MOST_LANES: usize = 8;
 
-/// A kind of vector registers.
+/// A kind of vector registers, such as 256-bit registers.
 pub trait Register: Copy + Debug + Send + Sync + 'static {
     /// The type that represents the instructions for these registers.
     type Simd: Simd;
