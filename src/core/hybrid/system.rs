@@ -255,7 +255,8 @@ pub trait HybridSystem: Send + Sync {
         mode
     }
 
-    /// Computes the vector field of a mode and writes it into `f`, whose length is that of `x`.
+    /// Computes the vector field of a mode and writes it into `f`, which has the same length as
+    /// `x`.
     fn field<T: Scalar>(&self, mode: usize, t: T, x: &[T], p: &[T], f: &mut [T]);
 
     /// Computes the value of a guard in one of its modes; the guard is positive while the mode

@@ -22,7 +22,8 @@ pub trait DiscreteMap: Send + Sync {
         Vec::new()
     }
 
-    /// Computes the image of the state `x` and writes it into `next`, whose length is that of `x`.
+    /// Computes the image of the state `x` and writes it into `next`, which has the same length as
+    /// `x`.
     fn next<T: Scalar>(&self, x: &[T], p: &[T], next: &mut [T]);
 
     /// Computes a monitor at a state; the monitor is given by its index in the list of names.

@@ -67,7 +67,8 @@ pub trait VectorField: Send + Sync {
         Vec::new()
     }
 
-    /// Computes the vector field `f(t, x, p)` and writes it into `f`, whose length is that of `x`.
+    /// Computes the vector field `f(t, x, p)` and writes it into `f`, which has the same length as
+    /// `x`.
     fn field<T: Scalar>(&self, t: T, x: &[T], p: &[T], f: &mut [T]);
 
     /// Returns the kind of forcing; none by default.

@@ -62,7 +62,7 @@ pub trait ZeroProblem: Send + Sync {
         Vec::new()
     }
 
-    /// Computes the residual `F(z, p)` and writes it into `r`, whose length is that of `z`.
+    /// Computes the residual `F(z, p)` and writes it into `r`, which has the same length as `z`.
     fn residual<T: Scalar>(&self, z: &[T], p: &[T], r: &mut [T]);
 
     /// Computes the monitors and writes them into `values`, in the order of [`Names::monitors`].

@@ -116,7 +116,7 @@ pub trait FilippovSystem: Send + Sync {
     fn surface<T: Scalar>(&self, t: T, x: &[T], p: &[T]) -> T;
 
     /// Computes the vector field on a side of the surface, including the surface itself, into `f`,
-    /// whose length is that of `x`.
+    /// which has the same length as `x`.
     fn field<T: Scalar>(&self, side: Side, t: T, x: &[T], p: &[T], f: &mut [T]);
 
     /// Computes the field of sliding motion and writes it into `f`; the default is Filippov's
