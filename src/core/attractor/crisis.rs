@@ -9,10 +9,10 @@ use crate::core::hybrid::HybridState;
 /// it for good.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Crisis {
-    /// A parameter at which motion was still on the attractor after the transient, and one at which
-    /// it had left.
+    /// Two values of the parameter: at the first, motion was still on the attractor after the
+    /// transient; at the second, it had left the attractor.
     pub between: [f64; 2],
-    /// The attractor at the first parameter.
+    /// The attractor at the first value of [`between`](Self::between).
     pub attractor: Attractor,
     /// The number of periods of the cycle on which motion settled beyond the crisis; `None` if
     /// motion ended there.
@@ -22,30 +22,31 @@ pub struct Crisis {
 /// The settings of a search for a crisis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CrisisSearch {
-    /// The position of the parameter.
+    /// The index of the varied parameter among the parameters of the system.
     pub parameter: usize,
-    /// The first and the last value of the parameter.
+    /// The first and the last value of the varied parameter.
     pub between: [f64; 2],
-    /// The number of steps; the search brackets the crisis in the last step that begins on the
-    /// attractor.
+    /// The number of steps from the first to the last value of the parameter; the search brackets
+    /// the crisis in the last step that begins on the attractor.
     pub steps: usize,
-    /// The largest length of the interval around the crisis.
+    /// The largest length of the interval of parameter values that brackets the crisis.
     pub tolerance: f64,
 }
 
 impl CrisisSearch {
-    /// Creates a search in one step, which must begin on the attractor.
+    /// Creates a search that bisects the whole interval as one step; the first value must be on the
+    /// attractor.
     pub fn of(parameter: usize, between: [f64; 2], tolerance: f64) -> Self {
         CrisisSearch { parameter, between, steps: 1, tolerance }
     }
 
-    /// The value of the parameter after `step` steps.
+    /// Returns the value of the varied parameter after `step` steps.
     pub fn value(&self, step: usize) -> f64 {
         let ([from, to], part) = (self.between, step as f64 / self.steps.max(1) as f64);
         from + (to - from) * part
     }
 
-    /// Checks the settings for a system with this number of parameters.
+    /// Checks the settings of the search for a system with this number of parameters.
     ///
     /// ```
     /// use tangency::core::attractor::CrisisSearch;
@@ -55,7 +56,7 @@ impl CrisisSearch {
     /// ```
     ///
     /// # Errors
-    /// [`CrisisSearchError`] names the setting.
+    /// [`CrisisSearchError`] names the invalid setting.
     pub fn check(&self, parameters: usize) -> Result<(), CrisisSearchError> {
         let &CrisisSearch { parameter, between, steps, tolerance } = self;
         if parameter >= parameters {
@@ -73,29 +74,30 @@ impl CrisisSearch {
     }
 }
 
-/// (H) The number of states from which motion must leave an attractor, besides the last state, if
-/// the attractor is lost.
+/// (H) The number of earlier states, besides the last state, from which motion must leave an
+/// attractor before the attractor counts as lost.
 const STARTS: usize = 3;
 
-/// The outcome at one value of the parameter: the attractor or cycle of the motion, or the reason
-/// why it ended.
+/// The outcome of a simulation at one value of the parameter: the attractor or cycle of the motion,
+/// or the reason why the motion ended.
 type Outcome = Result<Attractor, StroboscopicError>;
 
-/// Whether motion has left the attractor: it has settled on a cycle, or has ended.
+/// Whether motion has left the attractor, because it has settled on a cycle or has ended.
 fn is_lost(outcome: &Outcome) -> bool {
     outcome.as_ref().map_or(true, |settled| settled.periods.is_some())
 }
 
 impl AttractorSearch {
-    /// Locates the parameter at which the attractor of a motion disappears, if the attractor is not
-    /// a cycle.
+    /// Locates the parameter at which an attractor that is not a cycle disappears.
     ///
-    /// The parameter advances in steps, each starting in the last state of the preceding one, which
-    /// continues the attractor across windows of cycles. The step after the last one without a
-    /// cycle is bisected until its length is at most the tolerance, or until its ends are
-    /// neighbouring floating-point numbers; motion must leave the attractor from several of its
-    /// states. The transient is the time that an attractor must last to count: beyond a crisis
-    /// motion stays near it for a time that grows without bound towards the crisis.
+    /// The parameter advances in steps, and each simulation starts in the last state of the
+    /// preceding one; the attractor is thus continued across windows of cycles. The step that
+    /// follows the last value without a cycle is bisected until its length is at most the
+    /// tolerance, or until its ends are neighbouring floating-point numbers. At each parameter
+    /// value, the attractor counts as lost only if motion leaves it from several of its states. An
+    /// attractor counts as present if motion stays on it throughout the transient: beyond a crisis
+    /// motion stays near the former attractor for a time that grows without bound towards the
+    /// crisis.
     ///
     /// ```
     /// use tangency::core::attractor::{CrisisSearch, AttractorSearch, StroboscopicError, StroboscopicMap, PeriodMap};
@@ -113,8 +115,8 @@ impl AttractorSearch {
     ///
     /// # Errors
     /// [`StroboscopicError::CrisisSearch`] if a setting is invalid; `NoCrisis` if motion settles on
-    /// a cycle at every step, or on none at the last step; another error if motion ends at the
-    /// first value.
+    /// a cycle at every step, or does not settle on a cycle at the last step; another error if
+    /// motion ends at the first value of the parameter.
     pub fn crisis(
         &self,
         motion: &mut dyn StroboscopicMap,

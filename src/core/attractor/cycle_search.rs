@@ -1,18 +1,19 @@
 //! Search for periodic motions by simulation.
 //!
 //! Under a forcing of period `T`, a motion is sampled once a period; if events coincide with the
-//! sampling, it is sampled later in the period. Without forcing, a motion is sampled just after the
-//! events of one guard. Before the first event, it is sampled on a section through one of its
-//! points `x₀`, across the motion there,
+//! sampling times, these times are shifted to a later phase of the period. Without forcing, a
+//! motion is sampled just after every event of one guard. Before the first event, an unforced
+//! motion is sampled where it crosses the plane normal to it at one of its points `x₀`,
 //!
 //! ```text
-//!     ⟨f(x₀), x − x₀⟩ = 0,  increasing,
+//!     ⟨f(x₀), x − x₀⟩ = 0,  increasing.
 //! ```
 //!
-//! which is renewed from time to time, since transients continue to decay. A motion is periodic if
-//! its mode and state equal the mode and state `q` samples before, and the events in the last `q`
-//! samples equal the events in the `q` samples before. Without forcing the time between these
-//! samples is the period. If a cycle attracts too slowly for this test, Newton's method finds it.
+//! The plane is renewed from time to time, since transients continue to decay. A motion is periodic
+//! if its mode and state equal the mode and state `q` samples earlier, and if its last `q` samples
+//! have the same events as the `q` samples before them. Without forcing, the time between two
+//! samples at which the motion repeats is the period. If a motion approaches a cycle too slowly for
+//! this test of repetition, the cycle is computed by Newton's method.
 
 use super::repetition::{Repetition, StateScales};
 use super::section::Section;
@@ -25,8 +26,8 @@ use crate::core::ode::Step;
 use crate::core::problem::{FieldIn, Forcing};
 use std::ops::ControlFlow;
 
-/// (H) An event closer to the time of a sample than this fraction of the period coincides with the
-/// sample; motion is then sampled later.
+/// (H) An event closer to a sampling time than this fraction of the period coincides with the
+/// sample, and the motion is then sampled at a later phase.
 const AT_EVENT: f64 = 1e-3;
 
 /// Reasons why a simulation found no periodic motion.
@@ -37,7 +38,7 @@ pub enum CycleSearchError {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Motion(#[from] HybridError),
-    /// The motion does not repeat.
+    /// The motion does not repeat within the maximal number of returns.
     #[error(
         "the motion did not repeat in {returns} returns, compared over up to {max_period}: the smallest \
          distance was {distance:.1e}, above the tolerance {tolerance:.1e}"
@@ -46,16 +47,17 @@ pub enum CycleSearchError {
         "simulate longer (`transient`, `returns`, `longest`), or start elsewhere if the motion is not periodic"
     ))]
     Unsettled {
-        /// The number of returns.
+        /// The number of returns that were compared.
         returns: usize,
         /// The maximal number of returns in a cycle.
         max_period: usize,
-        /// The smallest distance, in the units of [`CycleSearch::tolerance`].
+        /// The smallest distance between two compared states, in the units of
+        /// [`CycleSearch::tolerance`].
         distance: f64,
-        /// The largest allowed distance between repeating states.
+        /// The largest distance between two states that count as equal.
         tolerance: f64,
     },
-    /// The motion decays to a state of rest.
+    /// The motion decays to a state of rest: the diameter of its returns shrinks to zero.
     #[error(
         "the motion comes to rest at t = {time:.6}: the diameter of the last return is {last:.1e}, in \
          units of the scales, and the largest diameter before was {largest:.1e}; simulating longer does \
@@ -63,11 +65,12 @@ pub enum CycleSearchError {
     )]
     #[diagnostic(help("start elsewhere, or trace the equilibrium"))]
     Rest {
-        /// The time of the last return.
+        /// The time of the last return of the motion.
         time: f64,
-        /// The diameter of the last return, in units of the scales.
+        /// The diameter of the last return of the motion, in units of the states' scales.
         last: f64,
-        /// The largest diameter of a return, or the distance from the start.
+        /// The larger of two lengths in units of the scales: the largest diameter of a return, and
+        /// the distance from the start.
         largest: f64,
     },
     /// The motion comes to rest at an equilibrium.
@@ -76,16 +79,17 @@ pub enum CycleSearchError {
         "start elsewhere, or follow the equilibrium from the final state (`solution: equilibrium` in a scene)"
     ))]
     Equilibrium {
-        /// The time at the end of the simulation.
+        /// The time at the end of the simulation, at which the motion rests.
         time: f64,
-        /// The mode, if the system has several, and the states, in words.
+        /// The mode in which the motion rests, if the system has several modes, and the states, in
+        /// words.
         place: String,
         /// The mode.
         mode: usize,
         /// The equilibrium.
         states: Vec<f64>,
     },
-    /// A motion without forcing returns neither to an event nor to a section across it.
+    /// A motion without forcing returns neither to an event nor to a section.
     #[error(
         "the motion did not return to an event or to a section within a time of {0}: the motion is slow, \
          or escapes"
@@ -94,8 +98,8 @@ pub enum CycleSearchError {
     NoReturn(f64),
 }
 
-/// (H) A motion comes to rest if the diameter of its returns shrinks to this fraction of an earlier
-/// return, or of the distance from the start.
+/// (H) A motion comes to rest if the diameter of its returns shrinks to this fraction of the
+/// diameter of an earlier return, or of the distance from the start.
 const SHRUNK: f64 = 1e-6;
 
 /// The settings of the search for periodic motion by simulation.
@@ -112,21 +116,24 @@ const SHRUNK: f64 = 1e-6;
 pub struct CycleSearch {
     /// The duration of the transient, in units of time, before the search begins.
     pub transient: f64,
-    /// The largest distance between repeating states, in units of the largest state; for motion
-    /// without events, in units of its diameter. A branch corrects the cycle further.
+    /// The largest distance between two states that count as equal, in units of the largest state;
+    /// for motion without events, in units of the diameter of the motion. The continuation of a
+    /// branch corrects the cycle to a smaller tolerance.
     pub tolerance: f64,
-    /// The maximal number of forcing periods, or of returns, in a cycle.
+    /// The maximal number of forcing periods in a cycle, or of returns if the system has no
+    /// forcing.
     pub max_period: usize,
-    /// The number of periods, or returns, in the search.
+    /// The maximal number of forcing periods that the search simulates, or of returns if the system
+    /// has no forcing.
     pub returns: usize,
-    /// The maximal duration of the search without forcing, in units of the system's time scale
-    /// ([`Scales`](crate::core::hybrid::Scales)).
+    /// The maximal duration of the search in a system without forcing, in units of the system's
+    /// time scale ([`Scales`](crate::core::hybrid::Scales)).
     pub longest: f64,
 }
 
 impl Default for CycleSearch {
-    /// A transient of 100, then 1000 returns, up to 16 in a cycle, within 10 000 time scales, and a
-    /// tolerance of 1e-6.
+    /// The default settings: a transient of 100 time units, then at most 1000 returns within 10 000
+    /// time scales, at most 16 returns in a cycle, and a tolerance of 1e-6.
     fn default() -> Self {
         CycleSearch {
             transient: 100.0,
@@ -162,7 +169,8 @@ impl CycleSearch {
     /// ```
     ///
     /// # Errors
-    /// [`CycleSearchError`] if the motion ends, does not return, or does not repeat.
+    /// [`CycleSearchError`] if the motion ends, does not return to its section or event, or does
+    /// not repeat.
     pub fn find(
         &self,
         flow: &mut HybridFlow<f64>,
@@ -177,7 +185,7 @@ impl CycleSearch {
         }
     }
 
-    /// The maximal duration of the search without forcing, in units of time.
+    /// Returns the maximal duration of the search in a system without forcing, in units of time.
     pub(crate) fn longest_time(&self, system: &dyn HybridEquations, p: &[f64]) -> f64 {
         self.longest * time_scale(system, p)
     }
@@ -225,8 +233,8 @@ impl CycleSearch {
         slow.find(flow, &repetition).ok_or_else(|| self.unsettled(&repetition))
     }
 
-    /// Samples the motion just after every event of the first guard to have an event, and before
-    /// that event on a section.
+    /// Samples the motion just after every event of the guard whose event is the first; before the
+    /// first event, samples the motion on a section.
     fn returning(
         &self,
         flow: &mut HybridFlow<f64>,
@@ -280,8 +288,9 @@ impl CycleSearch {
     }
 }
 
-/// Returns the equilibrium at which a motion has come to rest: its distance from the state must be
-/// a small fraction of the distance travelled, or of the size of the equilibrium.
+/// Returns the equilibrium at which a motion has come to rest. The distance of the equilibrium from
+/// the last state must be a small fraction of the distance travelled, or of the size of the
+/// equilibrium.
 fn at_equilibrium(
     system: &dyn HybridEquations,
     state: &HybridState<f64>,
@@ -298,36 +307,38 @@ fn at_equilibrium(
     Some(CycleSearchError::Equilibrium { time, place, mode, states })
 }
 
-/// The motion since the last sample.
+/// The part of a motion since its last sample.
 struct Stretch<'a> {
     scales: &'a StateScales,
     start: HybridState<f64>,
     events: Vec<Event<f64>>,
-    /// The largest distance from the start before the first event.
+    /// The largest distance from the state at the last sample, before the first event.
     diameter: f64,
 }
 
 impl<'a> Stretch<'a> {
-    /// Starts recording at a sample.
+    /// Starts recording the motion that follows a sample.
     fn from(start: HybridState<f64>, scales: &'a StateScales) -> Self {
         Stretch { scales, start, events: Vec::new(), diameter: 0.0 }
     }
 
-    /// The size of the largest state after an event or at the end; without events, the diameter.
+    /// Returns the size of the largest state after an event or at the end; if there are no events,
+    /// the diameter of the motion.
     fn size(&self, end: &HybridState<f64>) -> f64 {
         let after = self.events.iter().map(|event| self.scales.size(event.next, &event.after));
         let largest = after.reduce(f64::max);
         largest.map_or(self.diameter, |size| size.max(self.scales.size(end.mode, &end.x)))
     }
 
-    /// The guards of the events, and whether each event is an accumulation.
+    /// Returns the guard of each event, and whether the event is an accumulation.
     fn numbers(&self) -> Vec<(usize, bool)> {
         self.events.iter().map(|event| (event.guard, event.accumulation)).collect()
     }
 
-    /// Returns the delay by which motion should be sampled later if an event coincides with the
-    /// sample, so that rounding determines its period: to the middle of the longest interval
-    /// without events. `None` if no delay is needed.
+    /// Returns the delay to a better sampling time if an event coincides with the sample, since
+    /// rounding would then decide to which period the event belongs. The better sampling time is
+    /// the middle of the longest interval without events. Returns `None` if no event coincides with
+    /// the sample.
     fn later(&self, period: f64) -> Option<f64> {
         let (first, last) = (self.events.first()?.time, self.events.last()?.time);
         let near = AT_EVENT * period;
@@ -357,25 +368,27 @@ impl HybridObserver<f64> for Stretch<'_> {
     }
 }
 
-/// The search among returns to a guard, or, before the first event, to a section.
+/// The search for repetition among the returns of a motion to a guard, or to a section before the
+/// first event.
 struct Returns<'a> {
     search: &'a CycleSearch,
-    /// Creates the section through a state.
+    /// Creates the section across the motion through a given state.
     across: &'a dyn Fn(&HybridState<f64>) -> Section<f64>,
     section: Option<Section<f64>>,
     /// The guard and mode of the events at which motion is sampled.
     at: Option<(usize, usize)>,
     stretch: Stretch<'a>,
-    /// The events up to the last sample.
+    /// The events before the last sample.
     events: Vec<Event<f64>>,
     repetition: Repetition,
     cycle: Option<Cycle>,
-    /// The diameter of the last return before its first event, and the largest diameter.
+    /// The diameter of the last return, measured up to its first event, and the largest diameter of
+    /// a return.
     diameters: [f64; 2],
 }
 
 impl Returns<'_> {
-    /// Processes a sample, at which the motion may repeat.
+    /// Processes a sample of the motion and stores the cycle if the motion repeats there.
     fn sample(&mut self, state: HybridState<f64>) {
         let next = Stretch::from(state.clone(), self.stretch.scales);
         let stretch = std::mem::replace(&mut self.stretch, next);

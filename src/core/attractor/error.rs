@@ -7,7 +7,7 @@ use crate::core::problem::UnknownName;
 #[derive(Clone, Debug, PartialEq, miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum StroboscopicError {
-    /// The hybrid motion ends.
+    /// The simulation of the hybrid motion ends with an error.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Hybrid(#[from] HybridError),
@@ -22,7 +22,7 @@ pub enum StroboscopicError {
     #[error("the system has a forcing, and its motion is sampled once a period")]
     #[diagnostic(help("remove the sampling at the event `{0}`"))]
     Forced(String),
-    /// A motion without forcing has not returned to the event at which it is sampled.
+    /// A motion without forcing has not returned to its sampling event within the waiting time.
     #[error(
         "the event `{event}`, at which the motion is sampled, does not occur within a time of {within} ({units} \
          time scales), although the motion is not at rest"
@@ -35,66 +35,67 @@ pub enum StroboscopicError {
         event: String,
         /// The waiting time.
         within: f64,
-        /// The waiting time in units of the time scale.
+        /// The waiting time in units of the system's time scale.
         units: f64,
     },
-    /// The system has no measure or event of this name, or a scalar of a measure does not exist.
+    /// The system has no measure or event of the given name, or no scalar of a name in a measure.
     #[error(transparent)]
     #[diagnostic(transparent)]
     NoMeasure(#[from] UnknownName),
-    /// No crisis was found.
+    /// No crisis was found in the interval of the parameter.
     #[error(
         "no crisis found in {steps} steps from {from} to {to}: the motion must settle on no cycle at one \
          of these values, and must settle on a cycle, or end, at the last value"
     )]
     #[diagnostic(help("change the ends of the range, or use more steps or a longer transient"))]
     NoCrisis {
-        /// The first value of the parameter.
+        /// The first value of the varied parameter.
         from: f64,
-        /// The last value of the parameter.
+        /// The last value of the varied parameter.
         to: f64,
-        /// The number of steps.
+        /// The number of steps of the search.
         steps: usize,
     },
     /// A setting of the search for a crisis is invalid.
     #[error(transparent)]
     #[diagnostic(transparent)]
     CrisisSearch(#[from] CrisisSearchError),
-    /// A map has left its range of validity.
+    /// The iterates of a discrete map have left its range of validity.
     #[error("{0}")]
     Map(String),
 }
 
-/// (H) The maximal number of steps of a search for a crisis; more would be a mistake of units.
+/// (H) The maximal number of steps of a search for a crisis; a larger number is most likely a
+/// mistake of units.
 pub(super) const MOST_STEPS: usize = 1_000_000;
 
 /// An invalid setting of a search for a crisis.
 #[derive(Clone, Debug, PartialEq, miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum CrisisSearchError {
-    /// The system has no such parameter.
+    /// The parameter to vary does not exist in the system.
     #[error(
         "the search for a crisis varies parameter {parameter}, but the system has {parameters} parameters, counted \
          from 0"
     )]
     Parameter {
-        /// The position of the parameter.
+        /// The index of the parameter to vary.
         parameter: usize,
-        /// The number of parameters.
+        /// The number of the system's parameters.
         parameters: usize,
     },
-    /// An end of the interval is not finite.
+    /// An end of the parameter interval is not finite.
     #[error("the search for a crisis goes from {from} to {to}, but both ends must be finite")]
     Interval {
-        /// The first value of the parameter.
+        /// The first value of the varied parameter.
         from: f64,
-        /// The last value of the parameter.
+        /// The last value of the varied parameter.
         to: f64,
     },
-    /// The number of steps is out of range.
+    /// The number of steps of the search is out of range.
     #[error("the search for a crisis has {0} steps: the number must be between 1 and {MOST_STEPS}")]
     Steps(usize),
-    /// The tolerance is not a positive number.
+    /// The tolerance of the search is not a positive number.
     #[error(
         "the search for a crisis has a tolerance of {0}: the tolerance must be positive and finite"
     )]

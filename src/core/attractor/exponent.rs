@@ -1,28 +1,28 @@
-//! The largest Lyapunov exponent.
+//! The largest Lyapunov exponent of a motion sampled stroboscopically.
 
 use super::repetition::StateScales;
 use crate::core::hybrid::{HybridState, Member};
 use crate::core::linalg::{multipliers, solved, unit};
 use num_dual::Dual64;
 
-/// The largest Lyapunov exponent, per period, with its error.
+/// The largest Lyapunov exponent per period, with its standard error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Exponent {
-    /// The exponent; `−∞` if motion loses all memory of its past.
+    /// The value of the exponent; `−∞` if tangent vectors decay to zero.
     pub value: f64,
-    /// The standard error, from the means of 20 batches; for a periodic motion, the change of the
-    /// exponent in the last Newton step.
+    /// The standard error of the exponent, from the means of 20 batches; for a periodic motion, the
+    /// change of the exponent in the last Newton step.
     pub error: f64,
 }
 
-/// (H) The number of batches from whose means the standard error is computed, as usual for batch
-/// means.
+/// (H) The number of batches in the method of batch means, which gives the standard error of the
+/// exponent.
 const BATCHES: usize = 20;
 
-/// The growth of a tangent vector from period to period, which gives the exponent.
+/// The growth of a tangent vector from period to period, whose mean is the Lyapunov exponent.
 pub(super) struct Growth {
-    /// The number of periods in a batch. One batch before the first lets the vector turn into the
-    /// direction of fastest growth.
+    /// The number of periods in a batch of the batch-means method. A first batch, not included in
+    /// the mean, turns the tangent vector into the direction of fastest growth.
     batch: usize,
     periods: usize,
     means: [f64; BATCHES],
@@ -31,14 +31,14 @@ pub(super) struct Growth {
 }
 
 impl Growth {
-    /// Creates the growth over a number of periods.
+    /// Creates the record of a tangent vector's growth over a number of periods.
     pub fn over(periods: usize) -> Self {
         let batch = periods.div_ceil(BATCHES).max(1);
         Growth { batch, periods: 0, means: [0.0; BATCHES], forgotten: false }
     }
 
-    /// Processes a tangent vector after a period, and scales it to length 1 in units of the scales;
-    /// returns false after the last period.
+    /// Records the growth of a tangent vector in a period and scales the vector to length 1 in
+    /// units of the scales; returns false after the last period.
     pub fn push(&mut self, state: &mut HybridState<Dual64>, scales: &StateScales) -> bool {
         let tangents = state.x.iter().zip(scales.of_mode(state.mode));
         let growth = tangents.map(|(x, scale)| (x.eps / scale).powi(2)).sum::<f64>().sqrt();
@@ -68,10 +68,11 @@ impl Growth {
     }
 }
 
-/// (D) Smaller multipliers have no accurate digit, because of the errors of flows.
+/// (D) The smallest multiplier with an accurate digit: smaller ones are dominated by the errors of
+/// flows.
 const FORGOTTEN: f64 = 1e-12;
 
-/// Adds a tangent vector, given in units of the scales, to a motion.
+/// Adds a tangent vector, given in units of the states' scales, to the state of a trajectory.
 pub(super) fn with_tangent(
     Member { state: HybridState { mode, time, x }, p }: &Member<f64>,
     scales: &StateScales,
@@ -83,24 +84,26 @@ pub(super) fn with_tangent(
     Member { state, p: p.iter().map(|p| Dual64::from(*p)).collect() }
 }
 
-/// Advances a state with a tangent vector to the next sample; `None` if the motion ends before.
+/// A function that advances a state with a tangent vector to the next sample; `None` if the motion
+/// ends before the sample.
 pub(super) type PushForward<'a> = dyn FnMut(&mut Member<Dual64>) -> Option<()> + 'a;
 
 /// The linearised motion over several periods.
 pub(super) struct Monodromy {
     /// The states `F^q(x)`.
     pub end: Vec<f64>,
-    /// The positions of the states that are not neutral. A neutral state is carried along by the
-    /// motion and affects no other, such as the state of a body at rest on a moving support.
+    /// The indices of the states that are not neutral. A neutral state is unchanged after a period
+    /// and affects no other state, such as the state of a body at rest on a moving support.
     pub coupled: Vec<usize>,
-    /// The matrix `∂F^q/∂x` of the coupled states in units of their scales, row by row.
+    /// The matrix `∂F^q/∂x` of the coupled states in units of their scales, stored by rows.
     matrix: Vec<f64>,
     /// The scales of all states.
     scales: Vec<f64>,
 }
 
 impl Monodromy {
-    /// Linearises the motion over `q` periods; `None` if it ends, or ends in another mode.
+    /// Linearises the motion over `q` periods; returns `None` if the motion ends earlier, or ends
+    /// in another mode than it began.
     pub fn over(
         push: &mut PushForward,
         start: &Member<f64>,
@@ -130,8 +133,8 @@ impl Monodromy {
         Some(Monodromy { end, coupled, matrix, scales: sizes })
     }
 
-    /// The exponent of a periodic motion of `q` periods; `None` if its multipliers cannot be
-    /// computed.
+    /// Returns the Lyapunov exponent per period of a periodic motion of `q` periods; `None` if its
+    /// multipliers cannot be computed.
     pub fn exponent(&self, q: usize) -> Option<f64> {
         let n = self.coupled.len();
         let minus_one: Vec<f64> = (0..n * n).map(|k| -unit(k / n, k % n)).collect();
@@ -141,7 +144,7 @@ impl Monodromy {
     }
 
     /// Computes the Newton step `(1 − M)⁻¹ (F^q(x) − x)` of the coupled states, from the vector
-    /// `missed` by which the motion misses its start; `None` if the matrix is singular.
+    /// `missed = F^q(x) − x`; returns `None` if the matrix is singular.
     pub fn correction(&self, missed: &[f64]) -> Option<Vec<f64>> {
         let n = self.coupled.len();
         let left = |i: usize, j: usize| unit(i, j) - self.matrix[i * n + j];

@@ -1,16 +1,17 @@
 //! Finds the attractors of motions by simulation: cycles, chaos and crises.
 //!
-//! A motion sampled once a period is a map from state to state, `x ↦ F(x, p)`: the motion of a
-//! hybrid system under a forcing ([`PeriodMap`]), or a discrete map; without forcing a motion is
-//! sampled at an event ([`ReturnMap`]). All of these maps implement [`StroboscopicMap`].
+//! A motion sampled once a period is a map from state to state, `x ↦ F(x, p)`: the period map of a
+//! hybrid system under a forcing ([`PeriodMap`]), or a discrete map. Without forcing, a motion is
+//! sampled at the events of one guard ([`ReturnMap`]). Period maps, return maps and discrete maps
+//! implement [`StroboscopicMap`].
 //!
-//! [`AttractorSearch`] follows such a map through a transient and records the periods after it. If
-//! motion repeats, `F^q(x) ≈ x` with the same events, the periodic point is refined by Newton's
-//! method with `M = ∂F^q/∂x`, whose eigenvalues are the multipliers `μ`. The largest Lyapunov
-//! exponent, per period, is `ln max|μ| / q`, or, for a motion that is not periodic, the mean growth
-//! of a tangent vector (G. Benettin, L. Galgani, A. Giorgilli and J.-M. Strelcyn, *Meccanica* 15:9,
-//! 1980). All derivatives are computed by simulation on dual numbers; at events this is equivalent
-//! to the saltation matrix.
+//! [`AttractorSearch`] iterates a stroboscopic map through a transient and records the periods
+//! after the transient. If motion repeats, `F^q(x) ≈ x` with the same events, the periodic point is
+//! refined by Newton's method with `M = ∂F^q/∂x`, whose eigenvalues are the multipliers `μ`. The
+//! largest Lyapunov exponent per period of a cycle is `ln max|μ| / q`; the exponent of a motion
+//! that is not periodic is the mean growth of a tangent vector (G. Benettin, L. Galgani, A.
+//! Giorgilli and J.-M. Strelcyn, *Meccanica* 15:9, 1980). All derivatives are computed by
+//! simulation on dual numbers; at events the result equals the product with the saltation matrix.
 //!
 //! ```
 //! use tangency::core::attractor::{AttractorSearch, PeriodMap};

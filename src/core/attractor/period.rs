@@ -11,31 +11,31 @@ use crate::core::problem::{
 };
 use std::ops::ControlFlow;
 
-/// An event of a period.
+/// An event in a recorded period of a motion.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EventRecord {
-    /// The number of the event.
+    /// The number that identifies the event in [`Layout::events`].
     pub event: usize,
-    /// The time since the beginning of the period.
+    /// The time of the event since the beginning of the period.
     pub time: f64,
-    /// The state just before the event.
+    /// The state of the motion just before the event.
     pub before: HybridState<f64>,
-    /// Whether the record represents the rest of a series of infinitely many events.
+    /// Whether the record represents the accumulation of infinitely many events.
     pub accumulation: bool,
 }
 
-/// One period of a motion.
+/// The record of one period of a motion.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Period {
     /// The state at the beginning of the period.
     pub start: HybridState<f64>,
-    /// The events of the period.
+    /// The events in the period.
     pub events: Vec<EventRecord>,
-    /// The values of the measures.
+    /// The values of the measures in the period.
     pub measures: Vec<f64>,
 }
 
-/// A leg: mode, exit, and the states at its ends.
+/// A leg of a motion: its mode, its exit, and the states at its start and end.
 struct Leg {
     mode: usize,
     exit: Option<usize>,
@@ -50,34 +50,35 @@ impl Leg {
     }
 }
 
-/// A scalar in each mode in which it is defined.
+/// The observable that represents one scalar in each mode; `None` in modes without the scalar.
 type InModes = Vec<Option<Observable>>;
 
-/// A measure of a period.
+/// A measure that is evaluated in every period.
 #[derive(Clone)]
 pub(super) enum Measured {
-    /// A measure defined by the system.
+    /// A measure that the system defines.
     Of(Measure),
     /// [`Measure::PENETRATION`].
     Penetration,
 }
 
-/// The accumulated data of one measure.
+/// The data that one measure accumulates during a period.
 enum Accumulator {
-    /// The extremes of a scalar.
+    /// The extremes of a scalar in the period.
     Extremes { scalar: InModes, extremes: Extremes<()>, extrema: Extrema<f64> },
-    /// The largest value of the second scalar where the first one rises through zero.
+    /// The largest value of the second scalar at the times when the first scalar rises through
+    /// zero.
     Rising { scalars: [InModes; 2], most: Option<f64>, rises: Roots<f64> },
-    /// An integral, and the time over which it is taken.
+    /// The integral of a scalar, and the time over which the integral is taken.
     Integral { integral: Integral, scalars: Vec<InModes>, sum: f64, time: f64 },
-    /// The smallest extremum of a guard, and the event with the smallest approach speed.
+    /// The smallest extremum of a guard, and the event whose approach speed is the smallest.
     Depth { guards: Vec<(Vec<usize>, Extrema<f64>)>, least: f64, slowest: Option<Slow> },
-    /// No data before the end of the period.
+    /// No data: the measure is computed at the end of the period.
     Nothing,
 }
 
 impl Accumulator {
-    /// Creates the accumulator of a measure.
+    /// Creates the empty accumulator of a measure.
     fn of(measure: Measure<InModes>) -> Self {
         match measure {
             Measure::Duration | Measure::Ends(_) => Accumulator::Nothing,
@@ -97,36 +98,36 @@ impl Accumulator {
     }
 }
 
-/// The event with the smallest approach speed.
+/// The event with the smallest approach speed in a period.
 struct Slow {
     approach: f64,
     guard: usize,
-    /// The state at the event.
+    /// The state of the motion at the event.
     at: HybridState<f64>,
 }
 
-/// The modes, events and measures of a motion, by name.
+/// The names of the modes, events and measures of a motion.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Layout {
-    /// The modes with the names of their states.
+    /// The modes, each with the names of its states.
     pub modes: Vec<Mode>,
-    /// The names of all events, by their numbers.
+    /// The names of all events, in the order of their numbers.
     pub events: Vec<String>,
-    /// The names of the measures of a period.
+    /// The names of the measures that are recorded in every period.
     pub measures: Vec<String>,
 }
 
-/// A hybrid system with the events and measures that are recorded.
+/// A hybrid system with its recorded events and measures.
 pub(super) struct Seen<'a> {
     pub system: &'a dyn HybridEquations,
     pub layout: Layout,
-    /// The number of each guard's event: guards of the same name are one event.
+    /// The event number of each guard: guards with the same name share one event.
     pub numbers: Vec<usize>,
     pub measures: Vec<Measured>,
 }
 
 impl<'a> Seen<'a> {
-    /// Selects all modes and events of a system, and measures by name.
+    /// Selects all modes and events of a system, and the measures with the given names.
     pub fn of(
         system: &'a dyn HybridEquations,
         measures: &[String],
@@ -163,7 +164,7 @@ pub(super) struct Recorder<'a> {
 }
 
 impl<'a> Recorder<'a> {
-    /// Creates the recorder of the period that begins in a state.
+    /// Creates the recorder of a period that begins in a given state.
     pub fn new(of: &'a Seen<'a>, state: &HybridState<f64>) -> Self {
         let Seen { system, layout: Layout { modes, .. }, measures, .. } = of;
         let in_modes = |name: &String| system.scalars(modes, name);
@@ -197,7 +198,7 @@ impl<'a> Recorder<'a> {
         self.take(mode, x);
     }
 
-    /// Processes a state at an end of a leg, which may be an extremum.
+    /// Includes the state at an end of a leg, which may be an extremum, in the extremes.
     fn take(&mut self, mode: usize, x: &[f64]) {
         for accumulator in &mut self.accumulators {
             if let Accumulator::Extremes { scalar, extremes, .. } = accumulator
@@ -208,7 +209,7 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    /// Returns the record of the period, which ended in this state.
+    /// Returns the record of the period that ended in the given state.
     pub fn finish(mut self, end: &HybridState<f64>, p: &[f64]) -> Period {
         self.take(end.mode, &end.x);
         if let Some(leg) = self.legs.last_mut() {
@@ -237,8 +238,8 @@ impl<'a> Recorder<'a> {
         Period { start: self.start, events: self.events, measures }
     }
 
-    /// The largest depth of motion beyond the surface of the event with the smallest approach
-    /// speed.
+    /// Returns the depth that the motion would reach beyond the surface at the event with the
+    /// smallest approach speed.
     fn penetration(&self, accumulator: &Accumulator, within: f64, p: &[f64]) -> f64 {
         match accumulator {
             Accumulator::Depth { slowest: Some(event), .. } => self.beyond(event, within, p),
@@ -247,8 +248,8 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    /// The depth that motion would reach beyond the surface of an event; NaN if it does not turn
-    /// back within a time.
+    /// Returns the depth that the motion would reach beyond the surface of an event if the surface
+    /// were absent; NaN if the motion does not turn back within the time `within`.
     fn beyond(&self, Slow { guard, at, .. }: &Slow, within: f64, p: &[f64]) -> f64 {
         let turn =
             virtual_point(self.of.system, (*guard, at.mode), (at.time, &at.x[..]), p, within);
@@ -256,7 +257,7 @@ impl<'a> Recorder<'a> {
     }
 }
 
-/// The value of a scalar at a fraction of a step.
+/// Returns the value of a scalar at a fraction of a time step.
 fn value_at<F: FieldIn<f64>>(watch: &ScalarOf, step: &mut Step<F, f64>, fraction: f64) -> f64 {
     let (time, p) = (step.time(fraction), step.flow().2);
     match fraction {

@@ -12,9 +12,9 @@ use crate::core::problem::{FieldIn, Forcing};
 use num_dual::Dual64;
 use std::ops::ControlFlow;
 
-/// The motion of a hybrid system, sampled once a forcing period.
+/// The motion of a hybrid system, sampled once every forcing period.
 ///
-/// Many trajectories are simulated in parallel by a [`Fleet`].
+/// A [`Fleet`] simulates many trajectories in parallel.
 ///
 /// ```
 /// use tangency::core::attractor::{AttractorSearch, StroboscopicMap, PeriodMap};
@@ -40,12 +40,12 @@ pub struct PeriodMap<'a> {
 }
 
 impl<'a> PeriodMap<'a> {
-    /// Creates the map of a system with the named measures: measures of the system, and
+    /// Creates the map of a system that records the named measures: measures of the system, or
     /// [`penetration`](crate::core::problem::Measure::Penetration).
     ///
     /// # Errors
-    /// [`StroboscopicError::NoMeasure`] if the system has no measure of a name, or a measure no
-    /// such scalar, [`StroboscopicError::Hybrid`] if a setting is invalid.
+    /// [`StroboscopicError::NoMeasure`] if the system has no measure of a given name, or no scalar
+    /// that a measure names; [`StroboscopicError::Hybrid`] if a setting is invalid.
     pub fn of(
         system: &'a dyn HybridEquations,
         settings: HybridSettings,
@@ -62,7 +62,7 @@ impl<'a> PeriodMap<'a> {
     }
 }
 
-/// The period of the forcing.
+/// Returns the period of the forcing.
 fn period<T: EventNumber>(system: &dyn HybridEquations, p: &[T]) -> Result<T, StroboscopicError> {
     match system.forcing() {
         Forcing::Periodic { .. } => Ok(system.period(p)),
@@ -150,18 +150,18 @@ impl StroboscopicMap for PeriodMap<'_> {
     }
 }
 
-/// The state of one of many trajectories during a period.
+/// A trajectory in the fleet during a forcing period.
 struct Sampled<'a> {
-    /// The time at which the period begins.
+    /// The time at which each period begins.
     phase: f64,
     p: Vec<f64>,
     recorder: Option<Recorder<'a>>,
 }
 
-/// Observes the periods of many trajectories.
+/// An observer of the periods of many trajectories.
 struct Sampler<'a, 'e> {
     seen: &'a Seen<'a>,
-    /// Whether a measure needs the steps of the integration.
+    /// Whether a measure must see every integration step.
     sees_steps: bool,
     sampled: Vec<Sampled<'a>>,
     each: &'e mut EachPeriod<'e>,
@@ -205,7 +205,7 @@ impl FleetObserver<f64> for Sampler<'_, '_> {
     }
 }
 
-/// Observes the tangent vectors of many trajectories.
+/// An observer of the tangent vectors of many trajectories.
 struct TangentSampler<'e> {
     phases: Vec<Dual64>,
     each: &'e mut EachTangent<'e>,

@@ -13,18 +13,18 @@ use num_dual::Dual64;
 use std::ops::ControlFlow;
 
 /// (H) The time, in units of the time scale, after which states are compared with earlier ones to
-/// detect rest.
+/// detect a motion at rest.
 const LOOK: f64 = 50.0;
-/// (D) The largest change of a state at rest over that time, in units of the states' scales: larger
-/// than the errors of flows.
+/// (D) The largest change of a state that counts as rest, over the time [`LOOK`], in units of the
+/// states' scales: larger than the errors of flows.
 const MOVED: f64 = 1e-9;
-/// (H) The default waiting time for a return, in units of the time scale.
+/// (H) The default longest waiting time for a return, in units of the time scale.
 const LONGEST: f64 = 10_000.0;
 
 /// The motion of an autonomous hybrid system, sampled just after every event of a given name: the
-/// Poincaré map at the event. A period is one return: cycles are counted in returns, and exponents
-/// are per return. Motion at rest is sampled after a time of 50, in units of the time scale: it
-/// counts as a cycle of one return without the event, and has no exponent.
+/// Poincaré map at the event. A period of a return map is one return: cycles are counted in
+/// returns, and exponents are per return. Motion at rest is sampled after 50 time scales; it counts
+/// as a cycle of one return without the sampling event, and its exponent is `None`.
 ///
 /// ```
 /// use tangency::core::attractor::{AttractorSearch, ReturnMap};
@@ -52,18 +52,20 @@ pub struct ReturnMap<'a> {
     real: HybridFlow<'a, f64>,
     dual: HybridFlow<'a, Dual64>,
     seen: Seen<'a>,
-    /// The number of the event at which motion is sampled.
+    /// The number of the event after which motion is sampled.
     event: usize,
-    /// The longest waiting time for the event, in units of the time scale.
+    /// The longest waiting time for the sampling event, in units of the time scale.
     longest: f64,
 }
 
 impl<'a> ReturnMap<'a> {
-    /// Creates the map of a system, with the named measures of every return to an event.
+    /// Creates the return map of a system for an event, and records the named measures of every
+    /// return.
     ///
     /// # Errors
-    /// [`StroboscopicError::Forced`] if the system has a forcing and is sampled by its period;
-    /// `NoMeasure` if it has no such event, or measure; `Hybrid` if a setting is invalid.
+    /// [`StroboscopicError::Forced`] if the system has a forcing, so that its period map must be
+    /// used; `NoMeasure` if the system has no such event or measure; `Hybrid` if a setting is
+    /// invalid.
     pub fn of(
         system: &'a dyn HybridEquations,
         settings: HybridSettings,
@@ -83,14 +85,15 @@ impl<'a> ReturnMap<'a> {
         })
     }
 
-    /// Sets the longest waiting time for the event, in units of the time scale: 10 000 by default.
+    /// Sets the longest waiting time for the sampling event, in units of the time scale: 10 000 by
+    /// default.
     pub fn waiting(mut self, longest: f64) -> Self {
         self.longest = longest;
         self
     }
 }
 
-/// Observes a motion until an event occurs.
+/// An observer of a motion that stops the simulation when an event occurs.
 struct Until<'s, R> {
     seen: &'s Seen<'s>,
     event: usize,
@@ -112,7 +115,8 @@ impl<T: EventNumber, R: HybridObserver<T>> HybridObserver<T> for Until<'_, R> {
     }
 }
 
-/// Follows a motion to the event without a record, and resets its time to 0 there.
+/// Advances a motion to the sampling event without a record, and then resets its time to the time
+/// at the start.
 fn advanced<'a, T: EventNumber>(
     flow: &mut HybridFlow<'a, T>,
     member: &mut Member<T>,
@@ -128,7 +132,7 @@ where
     came
 }
 
-/// Follows a motion to the event, or until it rests, for at most `longest` time scales.
+/// Advances a motion to the sampling event, or until it rests, for at most `longest` time scales.
 fn returned<'a, T: EventNumber, R: HybridObserver<T>>(
     flow: &mut HybridFlow<'a, T>,
     Member { state, p }: &mut Member<T>,
@@ -187,7 +191,8 @@ impl StroboscopicMap for ReturnMap<'_> {
         Ok(recorded)
     }
 
-    /// A return ends with its event.
+    /// Whether motion rests in a recorded period: a period without rest ends with the sampling
+    /// event.
     fn rests(&self, period: &Period) -> bool {
         period.events.is_empty()
     }

@@ -12,8 +12,8 @@ use num_dual::Dual64;
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
 
-/// The settings of the search for attractors: duration, and criteria for periodic motion. All times
-/// are in periods.
+/// The settings of the search for attractors: durations, and criteria for periodic motion. All
+/// durations of the search are numbers of periods.
 ///
 /// ```
 /// use tangency::core::attractor::AttractorSearch;
@@ -23,28 +23,28 @@ use std::ops::ControlFlow;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct AttractorSearch {
-    /// The length of the transient, which is not recorded.
+    /// The number of transient periods, which are not recorded.
     pub transient: usize,
-    /// The number of periods that are searched for a cycle, and recorded if the motion is not
-    /// periodic.
+    /// The number of periods in which the search looks for a cycle; they are recorded if the motion
+    /// is not periodic.
     pub recorded_periods: usize,
     /// The maximal number of periods in a cycle.
     pub max_period: usize,
-    /// The distance between states, in units of the largest state, below which a motion may be
-    /// periodic. The periodic point is then refined by Newton's method, and accepted if it is
-    /// stable.
+    /// The distance between two states, in units of the largest state, below which a motion may be
+    /// periodic. If a motion may be periodic, the periodic point is refined by Newton's method, and
+    /// accepted if it is stable.
     pub tolerance: f64,
-    /// The number of periods over which the exponent of a non-periodic motion is averaged; 0 for no
-    /// exponent.
+    /// The number of periods over which the exponent of a non-periodic motion is averaged; 0 if no
+    /// exponent is required.
     pub lyapunov_periods: usize,
-    /// Cancels the search between any two periods, without a result.
+    /// A token that cancels the search between any two periods, without a result.
     #[serde(skip)]
     pub cancel: CancelToken,
 }
 
 impl Default for AttractorSearch {
-    /// A transient of 300 periods, then 200 periods, up to 16 in a cycle, a tolerance of 1e-5,
-    /// exponents over 2000 periods.
+    /// The default settings: a transient of 300 periods, 200 recorded periods, at most 16 periods
+    /// in a cycle, a tolerance of 1e-5, and exponents over 2000 periods.
     fn default() -> Self {
         AttractorSearch {
             transient: 300,
@@ -57,49 +57,51 @@ impl Default for AttractorSearch {
     }
 }
 
-/// The attractor of a motion.
+/// The attractor to which a motion converges.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Attractor {
     /// The number of periods in a cycle; `None` if the motion did not repeat.
     pub periods: Option<usize>,
-    /// The periods of one cycle, or all recorded periods.
+    /// The records of the periods of one cycle, or of all recorded periods if the motion did not
+    /// repeat.
     pub records: Vec<Period>,
-    /// The events by name, with their number in a cycle (in a period, if there is no cycle):
-    /// infinite if they accumulate.
+    /// The name of each event, with the number of its occurrences in a cycle, or per period if the
+    /// motion did not repeat; infinite if the events accumulate.
     pub events: Vec<(String, f64)>,
-    /// The number of accumulations in a cycle (in a period, if there is no cycle).
+    /// The number of accumulations in a cycle, or per period if the motion did not repeat.
     pub accumulations: f64,
-    /// The largest Lyapunov exponent, per period; `None` if not requested, or if the motion rests
-    /// and its event does not occur.
+    /// The largest Lyapunov exponent per period; `None` if not required, or if the motion rests so
+    /// that its sampling event does not occur.
     pub exponent: Option<Exponent>,
     /// The last state.
     pub end: HybridState<f64>,
 }
 
 impl Attractor {
-    /// The number of times that an event occurred in a cycle (in a period, if there is no cycle).
+    /// Returns how often the named event occurs in a cycle, or per period if the motion did not
+    /// repeat.
     pub fn count(&self, event: &str) -> f64 {
         self.events.iter().find(|(name, _)| name == event).map_or(0.0, |(_, count)| *count)
     }
 }
 
-/// A motion during the search.
+/// A motion whose attractor is being searched for.
 struct Run {
     member: Member<f64>,
-    /// The number of transient periods so far.
+    /// The number of transient periods simulated so far.
     periods: usize,
     repetition: Repetition,
     records: Vec<Period>,
-    /// The number of records at which Newton's method is tried next.
+    /// The number of records at which Newton's method is tried again.
     next_try: usize,
-    /// The number of periods after which motion has repeated.
+    /// The number of periods after which motion seems to have repeated.
     candidate: Option<usize>,
-    /// The scales of the states.
+    /// The scales of the states in each mode.
     scales: StateScales,
     /// The size of the largest state at samples and events, in units of the scales.
     size: f64,
     exponent: Option<Exponent>,
-    /// A cycle, or the reason why the motion ended.
+    /// The cycle found, or the reason why the motion ended.
     outcome: Option<Result<Attractor, StroboscopicError>>,
 }
 
@@ -127,7 +129,7 @@ impl Run {
         }
     }
 
-    /// Records a period; returns false when motion may be periodic.
+    /// Records a period; returns false if the motion may be periodic.
     fn record(&mut self, period: Period, state: &HybridState<f64>) -> bool {
         let size = |state: &HybridState<f64>| self.scales.size(state.mode, &state.x);
         let events = period.events.iter().map(|event| size(&event.before));
@@ -139,7 +141,7 @@ impl Run {
         self.candidate.is_none()
     }
 
-    /// Refines the possible cycle of the motion by Newton's method.
+    /// Refines the candidate for a cycle by Newton's method.
     fn improve(&mut self, map: &mut dyn StroboscopicMap) {
         let Some(q) = self.candidate.take() else { return };
         if let Some(period) = self.records.last().filter(|period| map.rests(period)) {
@@ -170,21 +172,21 @@ impl Run {
     }
 }
 
-/// Converts a flag to a control flow: continue if true.
+/// Converts a flag to a control flow: `true` continues.
 fn proceed(goes_on: bool) -> ControlFlow<()> {
     if goes_on { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
 }
 
-/// The method by which trajectories are followed.
+/// The way in which trajectories are simulated: in parallel or one by one.
 struct Following<'m> {
     map: &'m mut dyn StroboscopicMap,
-    /// Whether trajectories are simulated in parallel.
+    /// Whether trajectories are simulated in parallel instead of one by one.
     abreast: bool,
     cancel: &'m CancelToken,
 }
 
 impl Following<'_> {
-    /// Advances the selected runs.
+    /// Advances the selected motions period by period.
     fn advance(
         &mut self,
         runs: &mut [Run],
@@ -229,7 +231,7 @@ impl Following<'_> {
         }
     }
 
-    /// Computes the exponents of motions that are not on a cycle.
+    /// Computes the Lyapunov exponents of motions that are not on a cycle.
     fn exponents(&mut self, periods: usize, runs: &mut [Run]) {
         let mut aperiodic: Vec<&mut Run> =
             runs.iter_mut().filter(|run| run.outcome.is_none()).collect();
@@ -257,7 +259,7 @@ impl AttractorSearch {
     /// ([`HybridSystem::initial_mode`](crate::core::hybrid::HybridSystem::initial_mode)).
     ///
     /// # Errors
-    /// [`StroboscopicError`] if the motion ends.
+    /// [`StroboscopicError`] if the motion ends before the search is complete.
     pub fn follow(
         &self,
         map: &mut dyn StroboscopicMap,
@@ -270,11 +272,11 @@ impl AttractorSearch {
         run.finish(map.layout())
     }
 
-    /// Follows many motions in parallel ([`StroboscopicMap::advance_all`]). The result of a motion
-    /// does not depend on the others, to the last bit.
+    /// Follows many motions in parallel ([`StroboscopicMap::advance_all`]). The result for each
+    /// motion is bitwise independent of the other motions.
     ///
     /// # Errors
-    /// For each motion, as for [`follow`](Self::follow).
+    /// Each motion has its own result, with the errors of [`follow`](Self::follow).
     pub fn follow_all(
         &self,
         map: &mut dyn StroboscopicMap,
@@ -310,7 +312,7 @@ fn periodic(
     Ok(Attractor { periods, records, events, accumulations, exponent, end: start.state })
 }
 
-/// Counts events by name, and accumulations, as means over a number of cycles.
+/// Counts the events of each name, and the accumulations, as means over a number of cycles.
 fn counts(layout: &Layout, records: &[Period], cycles: usize) -> (Vec<(String, f64)>, f64) {
     let all = || records.iter().flat_map(|period| &period.events);
     let mean = |count: usize| count as f64 / cycles.max(1) as f64;

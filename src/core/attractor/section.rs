@@ -7,8 +7,8 @@ use crate::core::problem::{FieldIn, Watch};
 use crate::core::scalar::Scalar;
 use std::ops::ControlFlow;
 
-/// A plane across the motion through a state, as a function that falls through zero where motion
-/// crosses the plane in the direction at that state.
+/// A plane across the motion at a given state, as a function that falls through zero where motion
+/// crosses the plane in the same direction as at that state.
 struct Across {
     base: Vec<f64>,
     normal: Vec<f64>,
@@ -31,12 +31,12 @@ pub(super) struct Section<T> {
     mode: usize,
     across: Across,
     roots: Roots<T>,
-    /// Whether the next step is the first one.
+    /// Whether the next integration step is the first one.
     begins: bool,
 }
 
-/// (R) A crossing within this fraction of the first step is the start itself, which may be off the
-/// section by rounding.
+/// (R) A crossing within this fraction of the first step is the start itself, which may lie off the
+/// section because of rounding.
 const AT_START: f64 = 1e-6;
 
 impl<T: EventNumber> Section<T> {
@@ -59,8 +59,8 @@ impl<T: EventNumber> Section<T> {
         Section { mode, across: Across { base: x.clone(), normal, scale }, roots, begins: true }
     }
 
-    /// Returns the state at which motion crosses the section in a step, up to the fraction `end` of
-    /// it.
+    /// Returns the state at which motion crosses the section in an integration step, up to the
+    /// fraction `end` of the step.
     pub fn crossing<F: FieldIn<T>>(
         &mut self,
         step: &mut Step<F, T>,

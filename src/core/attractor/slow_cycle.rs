@@ -1,4 +1,4 @@
-//! Slowly attracting cycles, computed by Newton's method from a motion that nearly repeats.
+//! Cycles that attract slowly, computed by Newton's method from a motion that nearly repeats.
 
 use super::repetition::{Repetition, StateScales};
 use super::section::Section;
@@ -13,18 +13,18 @@ use num_dual::Dual64;
 use std::ops::ControlFlow;
 
 /// (H) A motion whose smallest return distance is larger than this fraction of its size does not
-/// approach a cycle: it is chaotic, or still far away.
+/// approach a cycle: the motion is chaotic, or still far from the cycle.
 const NEARLY: f64 = 1e-3;
 
-/// The sampling of a motion.
+/// The way in which a motion is sampled.
 #[derive(Clone, Copy)]
 pub(super) enum Sampling<'a> {
-    /// Once a forcing period of this duration.
+    /// Sampling once every forcing period of this duration.
     Period(f64),
-    /// Just after every event of a guard in a mode, excluding accumulations, within a longest
-    /// waiting time.
+    /// Sampling just after every event of a guard in a mode, excluding accumulations, with a
+    /// longest waiting time.
     Event { guard: usize, mode: usize, longest: f64 },
-    /// On the section through a state, within a longest waiting time.
+    /// Sampling on the section through a state, with a longest waiting time.
     Section { longest: f64, scales: &'a StateScales },
 }
 
@@ -37,7 +37,7 @@ pub(super) struct SlowCycle<'a> {
 
 impl SlowCycle<'_> {
     /// Returns the stable cycle that the motion approaches, with its minimal period; `None` if
-    /// Newton's method finds none nearby with the events of the motion.
+    /// Newton's method does not find a cycle nearby with the same events as the motion.
     pub fn find(&self, flow: &mut HybridFlow<f64>, motion: &Repetition) -> Option<Cycle> {
         let (q, distance, size) = motion.nearest_return()?;
         if distance > NEARLY * size {
@@ -58,8 +58,8 @@ impl SlowCycle<'_> {
         self.cycle(flow, state, least, &motion.numbers(least)).filter(|_| approached)
     }
 
-    /// Advances a state to the next sample, on the section through `base` if motion is sampled on
-    /// sections.
+    /// Advances a state to the next sample; if motion is sampled on sections, the section passes
+    /// through `base`.
     fn advance<'f, T: EventNumber>(
         &self,
         flow: &mut HybridFlow<'f, T>,
@@ -92,7 +92,7 @@ impl SlowCycle<'_> {
         Some(())
     }
 
-    /// Whether a state repeats after `q` samples.
+    /// Whether the motion from a state returns to this state after `q` samples.
     fn closes(
         &self,
         flow: &mut HybridFlow<f64>,
@@ -108,7 +108,8 @@ impl SlowCycle<'_> {
         moved.is_some() && state.mode == mode && near()
     }
 
-    /// Returns the cycle of `q` samples from a state; `None` if its events differ.
+    /// Returns the cycle of `q` samples that begins in a state; `None` if its events differ from
+    /// the expected ones.
     fn cycle(
         &self,
         flow: &mut HybridFlow<f64>,

@@ -5,28 +5,30 @@ use super::repetition::StateScales;
 use crate::core::hybrid::Member;
 use crate::core::linalg::difference;
 
-/// (D) A periodic point has converged if Newton's steps are below this, in units of the largest
+/// (D) The longest Newton step at which a periodic point has converged, in units of the largest
 /// state: ten times the tolerance of flows.
 const CONVERGED: f64 = 1e-11;
 /// (H) The maximal number of Newton iterations; quadratic convergence needs four.
 const ROUNDS: usize = 8;
-/// (H) The largest distance of the periodic point from the motion, in units of the largest state.
+/// (H) The largest distance of the periodic point from the simulated motion, in units of the
+/// largest state.
 const NEAR: f64 = 0.03;
 
-/// (H) A motion of a smaller size, in units of the states' scales, counts as rest: a state that is
-/// carried by a support is zero at some phase and consists of rounding errors there.
+/// (H) The size, in units of the states' scales, below which a motion counts as rest: the state of
+/// a body that is carried by a support is zero at some phase and then consists of rounding errors.
 pub(super) const REST: f64 = 1e-6;
-/// (D) The largest drift of a neutral state in a cycle, as a fraction of the motion's size: the
-/// tolerance of repeating motion.
+/// (D) The largest drift of a neutral state in a cycle, as a fraction of the motion's size: equal
+/// to the tolerance of repeating motion.
 const DRIFT: f64 = 1e-5;
 
-/// (D) Periodic points closer to each other than this, in units of their size, are equal: Newton's
+/// (D) The distance, in units of their size, below which two periodic points are equal; Newton's
 /// method is more accurate.
 pub(super) const SAME: f64 = 1e-8;
 
-/// Computes the stable point of period `q` near a state of a motion of this size, in units of the
-/// scales, and its exponent, by Newton's method; `None` if no stable point is found nearby, or if
-/// the motion ends on the way. Neutral states, which the motion carries along, are unchanged.
+/// Computes the stable periodic point of period `q` near a state of a motion, and its exponent, by
+/// Newton's method; `size` is the size of the motion in units of the scales. Returns `None` if no
+/// stable point is found nearby, or if the motion ends within `q` periods. Newton's method leaves
+/// neutral states, which the motion carries along, unchanged.
 pub(super) fn stable_point(
     push: &mut PushForward,
     near: &Member<f64>,

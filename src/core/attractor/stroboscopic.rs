@@ -6,34 +6,37 @@ use crate::core::hybrid::{HybridState, Member};
 use num_dual::Dual64;
 use std::ops::ControlFlow;
 
-/// Called after a period of one of many trajectories, with its number, the period if recorded, and
-/// the state at its end. The result determines whether the trajectory continues.
+/// A callback after each period of one of many trajectories, which receives the number of the
+/// trajectory, the record of the period if requested, and the state at its end. The returned
+/// control flow determines whether the trajectory continues.
 pub type EachPeriod<'a> =
     dyn FnMut(usize, Option<Period>, &HybridState<f64>) -> ControlFlow<()> + 'a;
 
-/// Called after a period of one of many trajectories, with its number, state and tangent vector;
-/// may scale the tangent vector. The result determines whether the trajectory continues.
+/// A callback after each period of one of many trajectories, which receives the number of the
+/// trajectory and its state with the tangent vector; the callback may scale the tangent vector. The
+/// returned control flow determines whether the trajectory continues.
 pub type EachTangent<'a> = dyn FnMut(usize, &mut HybridState<Dual64>) -> ControlFlow<()> + 'a;
 
-/// The outcome of each of many trajectories.
+/// The outcome of each of many trajectories: `Ok`, or the error with which the trajectory ended.
 pub type Outcomes = Vec<Result<(), StroboscopicError>>;
 
 /// A map from state to state: a motion sampled stroboscopically, once a forcing period, or a
 /// discrete map.
 ///
-/// States belong to a hybrid system, and their time is the time of the sample; a discrete map has
-/// one mode, and its time is zero.
+/// States are states of a hybrid system, and their time is the time of the sample; the states of a
+/// discrete map have mode 0 and time zero.
 pub trait StroboscopicMap {
-    /// The names of modes, events and measures.
+    /// Returns the names of the modes, events and measures.
     fn layout(&self) -> &Layout;
 
-    /// Returns the initial state of a motion for a given state of a mode; by default the same
-    /// state.
+    /// Returns the initial state of a motion for a given state of a mode; the default
+    /// implementation returns the given state.
     fn initial(&self, state: HybridState<f64>, _p: &[f64]) -> HybridState<f64> {
         state
     }
 
-    /// The scales of a mode's states, used to compare motions; empty if all are 1, the default.
+    /// Returns the scales of a mode's states, which are used to compare motions; the default is
+    /// empty, so that all scales are 1.
     fn scales(&self, _mode: usize, _p: &[f64]) -> Vec<f64> {
         Vec::new()
     }
@@ -41,25 +44,26 @@ pub trait StroboscopicMap {
     /// Advances the motion by one period.
     ///
     /// # Errors
-    /// [`StroboscopicError`] if the motion ends before, here and below.
+    /// [`StroboscopicError`] if the motion ends before the end of the period.
     fn advance(&mut self, member: &mut Member<f64>) -> Result<(), StroboscopicError>;
 
     /// Advances the motion by one period and records it.
     fn record(&mut self, member: &mut Member<f64>) -> Result<Period, StroboscopicError>;
 
-    /// Advances the motion by one period with a tangent vector, the derivatives of the state: `v ↦
-    /// ∂F/∂x v`. Parameters have no derivatives.
+    /// Advances the motion by one period with a tangent vector `v`, stored in the derivatives of
+    /// the state: `v ↦ ∂F/∂x v`. The derivatives of the parameters are zero.
     fn push_forward(&mut self, member: &mut Member<Dual64>) -> Result<(), StroboscopicError>;
 
-    /// Whether motion rests in a recorded period, so that no search is needed. The steps of a
-    /// tangent vector are then not limited, and its growth is unknown. False by default.
+    /// Whether motion rests in a recorded period, so that the motion is at an attractor. If motion
+    /// rests, its tangent vectors can be advanced without limit, and their growth is unknown. False
+    /// by default.
     fn rests(&self, _period: &Period) -> bool {
         false
     }
 
-    /// Follows many trajectories period by period, each until `each` ends it. The result of a
-    /// trajectory does not depend on the others, to the last bit. By default they are followed one
-    /// by one.
+    /// Advances many trajectories period by period, each until `each` ends it. The result of each
+    /// trajectory is bitwise independent of the others. The default implementation simulates the
+    /// trajectories one by one.
     fn advance_all(
         &mut self,
         members: &mut [Member<f64>],
@@ -69,7 +73,8 @@ pub trait StroboscopicMap {
         advance_each(self, members, recorded, each)
     }
 
-    /// Follows many trajectories with a tangent vector each, as [`advance_all`](Self::advance_all).
+    /// Advances many trajectories, each with a tangent vector, as
+    /// [`advance_all`](Self::advance_all) advances states.
     fn push_forward_all(
         &mut self,
         members: &mut [Member<Dual64>],
@@ -79,7 +84,7 @@ pub trait StroboscopicMap {
     }
 }
 
-/// Follows trajectories one by one.
+/// Advances several trajectories one by one.
 pub(super) fn advance_each(
     map: &mut (impl StroboscopicMap + ?Sized),
     members: &mut [Member<f64>],
@@ -98,7 +103,7 @@ pub(super) fn advance_each(
     members.iter_mut().enumerate().map(follow).collect()
 }
 
-/// Follows trajectories with a tangent vector each, one by one.
+/// Advances several trajectories, each with a tangent vector, one by one.
 pub(super) fn push_forward_each(
     map: &mut (impl StroboscopicMap + ?Sized),
     members: &mut [Member<Dual64>],

@@ -10,18 +10,19 @@ use crate::core::scalar::{Chunk, Jet, Narrow};
 use num_dual::{Dual, Dual2, Dual64};
 use std::ops::ControlFlow;
 
-/// (R) Events that would accumulate within this time, in units of its scale, are not simulated:
-/// rounding errors would leave the last event times less accurate than their limit.
+/// (R) Events that would accumulate within this time, in units of the system's time scale, are not
+/// simulated: rounding errors would leave the last event times less accurate than their limit.
 const REST: f64 = 1e-3;
-/// (H) Events are simulated for at most this multiple of the expected time.
+/// (H) The longest simulation of accumulating events, as a multiple of the expected time of
+/// accumulation.
 const LONGEST: f64 = 1e3;
 
 /// A scalar type in which the map from an event to the accumulation of the subsequent events can be
 /// evaluated.
 pub(in crate::core) trait ChatterNumber: EventNumber {
-    /// Computes the accumulation of a guard's events, from a state just after one of them, within
-    /// about the `expected` time; `None` if they do not accumulate, and in scalar types without
-    /// simulation.
+    /// Computes the accumulation of a guard's events after about the `expected` time, from a state
+    /// just after one of these events; `None` if the events do not accumulate, or if the scalar
+    /// type does not support simulation.
     fn accumulated(
         _system: &dyn HybridEquations,
         _guard: usize,

@@ -1,4 +1,4 @@
-//! Virtual motion beyond a surface, as if the surface were absent.
+//! Virtual motion beyond a surface: the motion that would occur if the surface were absent.
 
 use super::erased::{EventNumber, FieldNumber, GuardNumber, HybridEquations};
 use super::leg::{GuardOf, Moment};
@@ -8,18 +8,20 @@ use crate::core::scalar::Scalar;
 use num_dual::Dual;
 use std::ops::ControlFlow;
 
-/// (H) The number of Newton iterations for the time: the first ones give its digits, each further one
-/// an order of derivatives.
+/// (H) The number of Newton iterations for the time of the virtual point: the first iterations
+/// converge to its value, and each further iteration makes one more order of its derivatives exact.
 const ROUNDS: usize = 4;
-/// (H) The last iteration changes the time by at most this fraction of the allowed time: an error of
-/// the time enters the value only quadratically.
+/// (H) The largest change of the time in the last Newton iteration, as a fraction of the allowed
+/// time: an error of the time changes the value of the guard only quadratically.
 const SETTLED: f64 = 1e-9;
-/// (D) The relative and absolute tolerance of the flow, the tightest one in use.
+/// (D) The relative and absolute tolerance of the flow, which is the smallest tolerance used in the
+/// crate.
 const TOLERANCE: f64 = 1e-13;
 
 /// Computes the **virtual point** of a motion that reaches a surface: the point at which the guard
-/// would be least if the motion continued in the same mode. Takes a time and state at the surface, and
-/// returns the time and state of the virtual point; `None` if the motion does not turn in time.
+/// would be minimal if the motion continued in the same mode. The arguments are a time and a state at
+/// the surface; the result is the time and the state of the virtual point, or `None` if the motion
+/// does not turn back within the time `within`.
 ///
 /// ```
 /// use tangency::core::hybrid::virtual_point;
@@ -59,7 +61,8 @@ where
     (step.real().abs() <= SETTLED * within).then_some((t, x))
 }
 
-/// The time after which a falling guard stops falling; `None` if the guard rises already.
+/// Returns the time after which a falling guard stops falling; zero if the guard already rises, and
+/// `None` if it keeps falling.
 fn first_turn<T: EventNumber>(at: Moment<T>, guard: usize, within: f64) -> Option<f64>
 where
     Dual<T>: GuardNumber,

@@ -1,54 +1,56 @@
 //! Complete chatter: accumulation of the events of one guard in a finite time.
 //!
-//! Between impacts on a surface that the motion is pressed against, with acceleration `−a`, the
-//! approach speeds `v_n` and the intervals `Δ_n = t_n − t_{n−1}` shrink by a ratio `r = v_n/v_{n−1}`
-//! that converges, so that the events accumulate near
+//! A motion is pressed against a surface with acceleration `−a`: between impacts, the approach
+//! speeds `v_n` and the intervals `Δ_n = t_n − t_{n−1}` shrink by a ratio `r = v_n/v_{n−1}` that
+//! converges, so that the events accumulate near
 //!
 //! ```text
-//!     E_n = t_n + Δ_n r/(1 − r),
+//!     E_n = t_n + Δ_n r/(1 − r).
 //! ```
 //!
-//! with an error that shrinks as `r^{2n}` if the acceleration varies. Two estimates give the better
-//! one `E_n' = E_n + (E_n − E_{n−1}) r²/(1 − r²)`, and two of the latter give
-//! `E_n' + (E_n' − E'_{n−1}) r³/(1 − r³)`, with an error like `r^{4n}`. The state at the accumulation
-//! is extrapolated in the same way.
+//! The error of `E_n` shrinks as `r^{2n}` if the acceleration varies. Two successive estimates give
+//! the better estimate `E_n' = E_n + (E_n − E_{n−1}) r²/(1 − r²)`, and two successive values of
+//! `E_n'` give the estimate `E_n' + (E_n' − E'_{n−1}) r³/(1 − r³)`, with an error like `r^{4n}`. The
+//! state at the accumulation is extrapolated by the same formulas.
 
 use crate::core::scalar::Scalar;
 
-/// (H) Chatter is extrapolated to its end if the ratios of successive intervals and of approach
-/// speeds differ by less than this fraction: they approach one limit.
+/// (H) Chatter is extrapolated to its accumulation if the ratio of successive intervals and the
+/// ratio of successive approach speeds differ by less than this fraction, since both ratios have
+/// the same limit.
 const AGREEMENT: f64 = 0.1;
-/// (H) Intervals shorter than this fraction of the tolerance count as zero: the events are
-/// simultaneous.
+/// (H) The fraction of the tolerance below which an interval between events counts as zero, so that
+/// the events are simultaneous.
 const INSTANT: f64 = 1e-5;
 
-/// The accumulation of a guard's events, if any.
+/// The accumulation of a guard's events, if the series of events ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Accumulation<T> {
-    /// No accumulation so far.
+    /// The events do not accumulate so far.
     None,
-    /// An accumulation at the last event itself, which is simultaneous with the previous one.
+    /// The events accumulate at the last event itself, which is simultaneous with the previous one.
     Here,
-    /// An accumulation at this time, in the state that the series stores.
+    /// The events accumulate at this time, in the state [`Series::limit`].
     At(T),
 }
 
-/// The last events of one guard.
+/// The last events of one guard, which may accumulate.
 #[derive(Clone, Debug)]
 pub(super) struct Series<T> {
-    /// The number of events in geometric succession.
+    /// The number of successive events in geometric progression.
     pub events: usize,
-    /// The time of the last event.
+    /// The time of the last event in the series.
     time: T,
     /// The last interval.
     pub interval: T,
-    /// The last approach speed.
+    /// The approach speed at the last event.
     speed: T,
-    /// The last ratio of approach speeds.
+    /// The ratio of the last two approach speeds.
     pub ratio: T,
-    /// The state before the last event.
+    /// The state just before the last event.
     state: Vec<T>,
-    /// The accumulation estimated from the events so far by each of the formulas: time and state.
+    /// The time and state of the accumulation, estimated from the events so far by each of the
+    /// three formulas.
     estimates: [(T, Vec<T>); 3],
     work: [(T, Vec<T>); 2],
 }
@@ -68,8 +70,8 @@ impl<T: Scalar> Series<T> {
         }
     }
 
-    /// Adds an event, given its time, the approach speed, and the state before it. A series whose
-    /// remainder is shorter than the tolerance ends here.
+    /// Adds an event, given its time, its approach speed, and the state before it. The series ends
+    /// at its accumulation if the remaining time is at most the tolerance.
     pub fn push(&mut self, time: T, speed: T, state: &[T], tolerance: f64) -> Accumulation<T> {
         let (interval, ratio) = (time - self.time, speed / self.speed);
         let known = self.events;
@@ -88,19 +90,19 @@ impl<T: Scalar> Series<T> {
         accumulation
     }
 
-    /// The state at the accumulation.
+    /// Returns the estimated state at the accumulation.
     pub fn limit(&self) -> &[T] {
         &self.estimates[2].1
     }
 
-    /// Whether an event continues the series.
+    /// Whether an event continues the geometric progression of the series.
     fn continues(&self, interval: T, ratio: T) -> bool {
         let r = ratio.real();
         let agrees = (interval / self.interval).real() - r;
         r > 0.0 && r < 1.0 && (self.events < 2 || agrees.abs() <= AGREEMENT * r)
     }
 
-    /// Estimates the accumulation by each formula for which there are enough events.
+    /// Estimates the accumulation by each formula for which the series contains enough events.
     fn estimate(&mut self, time: T, ratio: T, state: &[T]) {
         let Series { work: [new, old], estimates, .. } = self;
         (new.0, old.0) = (time, self.time);
@@ -122,12 +124,12 @@ impl<T: Scalar> Series<T> {
     }
 }
 
-/// The sum of all later terms of a geometric sequence, in units of this one.
+/// Returns the sum of all later terms of a geometric sequence, divided by the present term.
 fn rest<T: Scalar>(ratio: T) -> T {
     ratio / (T::one() - ratio)
 }
 
-/// The limit of a geometric sequence from its last two terms, with `rest = r/(1 − r)`.
+/// Returns the limit of a geometric sequence, given its last two terms and `rest = r/(1 − r)`.
 fn extrapolate<T: Scalar>(new: T, old: T, rest: T) -> T {
     new + (new - old) * rest
 }

@@ -1,23 +1,26 @@
-//! Detection of ever more frequent events, for example when a relay drives the motion to a state that
-//! is reached only after infinitely many switchings.
+//! Detection of ever more frequent events, for example in a system in which a relay drives the motion
+//! to a state that is reached only after infinitely many switchings.
 
-/// (H) The number of events in a window.
+/// (H) The number of successive events in a window.
 const WINDOW: usize = 4000;
-/// (H) A window counts as shorter if its length is less than this fraction of the previous one.
+/// (H) The ratio of a window's duration to the previous one below which the window counts as
+/// shorter.
 const SHORTER: f64 = 0.97;
-/// (H) The simulation ends after this number of successively shorter windows.
+/// (H) The number of successively shorter windows after which the simulation ends.
 const MOST: usize = 5;
-/// (H) Mean intervals above this, in units of the scale of time, are cheap to simulate.
+/// (H) The mean interval between events, in units of the time scale, above which events are not too
+/// frequent to be simulated.
 const SHORT: f64 = 1e-4;
 
-/// The frequency of events.
+/// A detector of too frequent events, which counts events in successive windows.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Crowd {
-    /// The last time at which time advanced, and the number of events since.
+    /// The time at which time last advanced between two events, and the number of events since
+    /// then.
     pub still: (f64, usize),
-    /// The start of the window.
+    /// The time at which the window starts.
     since: f64,
-    /// The number of events in the window.
+    /// The number of events in the window so far.
     count: usize,
     /// The duration of the previous window.
     before: f64,
@@ -26,12 +29,13 @@ pub(super) struct Crowd {
 }
 
 impl Crowd {
-    /// Starts counting at a time.
+    /// Creates a detector that starts counting at a given time.
     pub fn from(time: f64) -> Self {
         Crowd { still: (time, 0), since: time, count: 0, before: f64::INFINITY, shorter: 0 }
     }
 
-    /// Counts an event. Returns the mean interval of the last window if events become too frequent.
+    /// Counts an event. Returns the mean interval between events in the last window if events
+    /// become too frequent.
     pub fn push(&mut self, time: f64, unit: f64) -> Option<f64> {
         self.count += 1;
         if self.count < WINDOW {
@@ -44,7 +48,8 @@ impl Crowd {
         (shorter >= MOST && interval < SHORT * unit).then_some(interval)
     }
 
-    /// The least number of events before the simulation ends.
+    /// Returns the least number of events before the simulation can end because of too frequent
+    /// events.
     pub fn events() -> usize {
         MOST * WINDOW
     }
@@ -54,7 +59,8 @@ impl Crowd {
 mod tests {
     use super::Crowd;
 
-    /// The number of events after which the simulation ends, given the interval before each event.
+    /// Returns the number of events after which the simulation ends, given the interval before each
+    /// event.
     fn given_up(interval: impl Fn(usize) -> f64) -> Option<usize> {
         let (mut time, mut crowd) = (0.0, Crowd::from(0.0));
         (0..200_000).find(|n| {

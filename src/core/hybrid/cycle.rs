@@ -4,7 +4,7 @@ use super::erased::HybridEquations;
 use super::event::Event;
 use super::simulation::HybridState;
 
-/// A leg of a periodic motion: from just after one event to just before the next.
+/// A leg of a periodic motion, from just after one event to just before the next event.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CycleLeg {
     /// The mode.
@@ -13,31 +13,33 @@ pub struct CycleLeg {
     pub exit: Option<usize>,
     /// The duration.
     pub duration: f64,
-    /// The state at its start.
+    /// The state at the start of the leg.
     pub start: Vec<f64>,
-    /// The state at its end.
+    /// The state at the end of the leg.
     pub end: Vec<f64>,
-    /// Whether the leg represents the rest of a series of infinitely many events, up to their
-    /// accumulation. The state at its end is the one before the last event, in the mode of that event.
+    /// Whether the leg represents the rest of a series of infinitely many events, up to the
+    /// accumulation of the events. The state at the end of such a leg, before its accumulation, is the
+    /// state before the last event, in the mode of that event.
     pub accumulation: bool,
 }
 
-/// One cycle of a periodic motion, from just after an event on.
+/// One cycle of a periodic motion, which begins just after an event.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cycle {
-    /// The time at which the first leg begins; for a forced system it determines the phase.
+    /// The time at which the first leg begins; in a forced system this time determines the phase of
+    /// the forcing.
     pub start: f64,
-    /// The legs; the last one leads to the first.
+    /// The legs of the cycle in order; the last leg leads to the first.
     pub legs: Vec<CycleLeg>,
-    /// The number of forcing periods in a cycle; 1 without forcing.
+    /// The number of forcing periods in a cycle; 1 in a system without forcing.
     pub periods: usize,
-    /// The distance between start and return, as measured by
+    /// The distance between the start and the end of the cycle, in the units of
     /// [`CycleSearch::tolerance`](crate::core::attractor::CycleSearch::tolerance).
     pub distance: f64,
 }
 
 impl CycleLeg {
-    /// The leg between two events; the second one is delayed by `later`.
+    /// Creates the leg between two events; the time of the second event is delayed by `later`.
     fn between(from: &Event<f64>, to: &Event<f64>, later: f64) -> Self {
         CycleLeg {
             mode: from.next,
@@ -52,7 +54,7 @@ impl CycleLeg {
 
 impl Cycle {
     /// Creates a cycle from its events, given the states at its start and end, its duration and its
-    /// number of forcing periods. A cycle without events is one leg.
+    /// number of forcing periods. A cycle without events consists of one leg.
     pub(in crate::core) fn through(
         events: &[Event<f64>],
         (start, end): (&HybridState<f64>, Vec<f64>),
@@ -69,12 +71,12 @@ impl Cycle {
         Cycle { start: first.time, legs, periods, distance: 0.0 }
     }
 
-    /// The duration of the cycle.
+    /// Returns the duration of the cycle.
     pub fn duration(&self) -> f64 {
         self.legs.iter().map(|leg| leg.duration).sum()
     }
 
-    /// The number of events with this name, without accumulations.
+    /// Returns the number of events with this name in the cycle, without accumulations.
     pub fn count(&self, system: &dyn HybridEquations, name: &str) -> usize {
         let guards = system.guards();
         let named = |leg: &&CycleLeg| leg.exit.is_some_and(|exit| guards[exit].name == name);

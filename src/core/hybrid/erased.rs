@@ -1,7 +1,8 @@
-//! One object-safe trait for all hybrid systems.
+//! An object-safe trait that represents all hybrid systems.
 //!
-//! Users write a [`HybridSystem`] generically. Simulation, orbits and local maps use it through
-//! [`HybridEquations`], one scalar type at a time, and are therefore compiled once for all systems.
+//! Users implement [`HybridSystem`] generically for all scalar types. Simulation, orbits and local
+//! maps call a hybrid system through [`HybridEquations`], one scalar type at a time, and are
+//! therefore compiled once for all systems.
 
 use super::system::{Guard, HybridSystem, Mode, Passage, Scales};
 use super::tangency::Tangency;
@@ -18,15 +19,16 @@ use num_dual::{Dual, Dual2, Dual2_64, Dual64};
 
 /// A scalar type in which the fields of every hybrid system can be evaluated.
 pub trait FieldNumber: Scalar {
-    /// The fields of a system in this scalar type.
+    /// Returns the fields of a system, evaluated in this scalar type.
     fn fields(system: &dyn HybridEquations) -> &dyn Fields<Self>;
 
-    /// The fields with derivatives, if implicit schemes are supported in this scalar type.
+    /// Returns the fields with derivatives if implicit schemes are supported in this scalar type;
+    /// otherwise `None`.
     fn wide(_system: &dyn HybridEquations) -> Option<&dyn Fields<Wide<Self>>> {
         None
     }
 
-    /// The field of a mode; its own time begins at `start`.
+    /// Returns the field of a mode as a function of the time since `start`.
     fn in_mode(system: &dyn HybridEquations, mode: usize, start: Self) -> FieldRef<'_, Self> {
         let (fields, wide) = (Self::fields(system), Self::wide(system));
         FieldRef {
@@ -44,52 +46,54 @@ pub trait FieldNumber: Scalar {
 
 /// A scalar type in which the guards of every hybrid system can be evaluated.
 pub trait GuardNumber: Scalar {
-    /// The system in this scalar type.
+    /// Returns the guards of the system, evaluated in this scalar type.
     fn guards(system: &dyn HybridEquations) -> &dyn Guards<Self>;
 }
 
 /// A scalar type in which events of every hybrid system can be evaluated.
 pub trait EventNumber: FieldNumber + GuardNumber {
-    /// The system in this scalar type.
+    /// Returns the resets of the system, evaluated in this scalar type.
     fn resets(system: &dyn HybridEquations) -> &dyn Resets<Self>;
 }
 
 /// A scalar type in which the measures of every hybrid system can be evaluated.
 pub trait MeasureNumber: Scalar {
-    /// The system in this scalar type.
+    /// Returns the measures of the system, evaluated in this scalar type.
     fn measures(system: &dyn HybridEquations) -> &dyn Measures<Self>;
 }
 
 erased! {
-    /// The guards of a system in one scalar type.
+    /// The guards of a hybrid system, evaluated in one scalar type.
     pub trait Guards<T> of HybridSystem by GuardNumber::guards of HybridEquations {
-        /// Computes a guard in a mode; the guard is positive while the mode lasts.
+        /// Computes the value of a guard in a mode; the guard is positive while the mode lasts.
         fn guard as guard_in(guard: usize, mode: usize, t: T, x: &[T], p: &[T]) -> T;
     }
 }
 
 erased! {
-    /// The resets and the forcing of a system in one scalar type.
+    /// The resets and the forcing period of a hybrid system, evaluated in one scalar type.
     pub trait Resets<T> of HybridSystem by EventNumber::resets of HybridEquations {
-        /// Computes the state `after` an event between modes `(mode, next)`.
+        /// Computes the state `after` an event that leads from one mode to another, `(mode, next)`.
         fn reset as reset_in(
             guard: usize, modes: (usize, usize), t: T, x: &[T], p: &[T], after: &mut [T]
         ) -> ();
-        /// The period of a periodic forcing.
+        /// Returns the period of a periodic forcing.
         fn period as period_in(p: &[T]) -> T;
     }
 }
 
 erased! {
-    /// The measures of a system's cycles, its monitors and decision functions, in one scalar type.
+    /// The measures, monitors and decision functions of a hybrid system, evaluated in one scalar
+    /// type.
     pub trait Measures<T> of HybridSystem by MeasureNumber::measures of HybridEquations {
-        /// Computes the measure with this index, from the legs of a cycle of several periods.
+        /// Computes the measure with this index from the legs of a cycle, which lasts one or
+        /// several forcing periods.
         fn measure as measure_in(
             position: usize, legs: &[Passage<T>], periods: usize, p: &[T]
         ) -> T;
-        /// Computes a monitor in a mode.
+        /// Computes the value of a monitor in a mode.
         fn monitor as monitor_in(monitor: usize, mode: usize, t: T, x: &[T], p: &[T]) -> T;
-        /// Computes the function that selects one of the possible modes after an event.
+        /// Computes the decision function, which selects one of the possible modes after an event.
         fn decision as decision_in(
             position: usize, guard: usize, mode: usize, t: T, x: &[T], p: &[T]
         ) -> T;
@@ -97,7 +101,7 @@ erased! {
 }
 
 erased! {
-    /// The methods of a hybrid system in each scalar type that generic code needs.
+    /// The methods of a hybrid system, in each scalar type that generic code needs.
     pub trait InScalars;
 
     impl FieldNumber by WideFields for [
@@ -135,8 +139,8 @@ erased! {
 }
 
 erased! {
-    /// A hybrid system in the scalar types that simulation, orbits and local maps need. Implemented
-    /// by every [`HybridSystem`], which documents the methods.
+    /// A hybrid system in the scalar types that simulation, orbits and local maps need. Every
+    /// [`HybridSystem`] implements this trait; the methods are documented at [`HybridSystem`].
     pub trait HybridEquations: InScalars of HybridSystem {
         fn modes() -> Vec<Mode>;
         fn guards() -> Vec<Guard>;
@@ -162,19 +166,19 @@ erased! {
 }
 
 impl dyn HybridEquations + '_ {
-    /// Computes the field of a mode and writes it into `f`.
+    /// Computes the vector field of a mode and writes it into `f`.
     pub fn field<T: FieldNumber>(&self, mode: usize, t: T, x: &[T], p: &[T], f: &mut [T]) {
         T::fields(self).field_of(mode, t, x, p, f);
     }
 
-    /// Typical sizes of all states of a mode.
+    /// Returns the typical size of each state of a mode.
     pub(crate) fn sizes_of(&self, mode: usize, p: &[f64]) -> Vec<f64> {
         let mut sizes = self.scales_of(mode, p);
         sizes.resize(self.states_of(mode).len(), 1.0);
         sizes
     }
 
-    /// Computes a state or a monitor in a mode.
+    /// Computes an observable, which is a state or a monitor, in a mode.
     pub fn observe<T: MeasureNumber>(
         &self,
         observable: Observable,
@@ -189,7 +193,7 @@ impl dyn HybridEquations + '_ {
         }
     }
 
-    /// Rejects measures of scalars that the system does not have.
+    /// Returns an error if a measure refers to a scalar that the system does not have.
     pub(crate) fn check_measures(&self) -> Result<(), UnknownName> {
         let (modes, monitors) = (self.modes(), self.monitors());
         let scalars = distinct(modes.iter().flat_map(|mode| &mode.states).chain(&monitors));
@@ -202,7 +206,8 @@ impl dyn HybridEquations + '_ {
         Ok(())
     }
 
-    /// The scalar with this name in each of the system's modes: a state of the mode, or a monitor.
+    /// Returns the scalar with this name in each of the system's modes: a state of the mode, or a
+    /// monitor; `None` in modes without the scalar.
     pub fn scalars(&self, modes: &[Mode], name: &str) -> Vec<Option<Observable>> {
         let position = |names: &[String]| names.iter().position(|known| known == name);
         let monitor = position(&self.monitors()).map(Observable::Function);

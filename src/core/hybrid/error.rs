@@ -7,11 +7,11 @@ use crate::core::ode::SettingsError;
 #[derive(Clone, Debug, PartialEq, miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum HybridError {
-    /// A setting of the flow is invalid.
+    /// A setting of the simulation is invalid.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Settings(#[from] SettingsError),
-    /// The duration of a guard's change is not positive.
+    /// The shortest time in which a guard changes, given by the system, is not positive.
     #[error(
         "the shortest time in which the guard {guard} changes is {time} (`Guard::changing_in`), but must \
          be above 0"
@@ -22,10 +22,10 @@ pub enum HybridError {
         /// The duration.
         time: f64,
     },
-    /// The number of states or parameters differs from the mode's.
+    /// The number of states or parameters differs from the number that the mode requires.
     #[error("{found} {what} are given, but mode {mode} has {expected}")]
     Length {
-        /// The kind of numbers: `states` or `parameters`.
+        /// The quantities whose number is wrong: `states` or `parameters`.
         what: &'static str,
         /// The mode.
         mode: String,
@@ -34,7 +34,7 @@ pub enum HybridError {
         /// The required number.
         expected: usize,
     },
-    /// The mode does not exist.
+    /// The mode after an event, or at the start, does not exist.
     #[error(
         "at t = {time:.9e}, {after}the next mode is number {mode}, which does not exist: there are {modes} \
          modes, counted from 0"
@@ -44,15 +44,16 @@ pub enum HybridError {
         time: f64,
         /// The requested mode.
         mode: usize,
-        /// The number of modes.
+        /// The number of modes of the system.
         modes: usize,
-        /// The preceding event, in words; empty at the start.
+        /// A description of the preceding event; empty at the start of the motion.
         after: String,
     },
-    /// The duration is negative; resets have no inverse.
+    /// The duration of the simulation is negative, but motion cannot be simulated backwards since
+    /// resets have no inverse.
     #[error("a hybrid motion cannot be simulated for a duration of {0}: resets have no inverse")]
     Backward(f64),
-    /// A guard is negative at the start of its mode.
+    /// A guard is negative at the start of a mode.
     #[error(
         "at t = {time:.9e}, {after}mode {mode} begins with the guard {guard} = {value:.3e}, but lasts only \
          while its guards are positive"
@@ -65,12 +66,12 @@ pub enum HybridError {
         mode: String,
         /// The guard.
         guard: String,
-        /// The value of the guard.
+        /// The value of the negative guard.
         value: f64,
-        /// The preceding event, in words; empty at the start.
+        /// A description of the preceding event; empty at the start of the motion.
         after: String,
     },
-    /// An event between modes with different states has no reset.
+    /// An event leads to a mode with a different number of states, but its reset is not defined.
     #[error(
         "at t = {time:.9e} the event {guard} leads from mode {mode} with {before} states to mode {next} with \
          {after} states, but has no reset"
@@ -90,7 +91,7 @@ pub enum HybridError {
         /// The number of states of the mode after the event.
         after: usize,
     },
-    /// The flow of a mode ends early.
+    /// The integration of the flow of a mode ends early.
     #[error("in mode {mode} the motion ends: {source}")]
     #[diagnostic(forward(source))]
     Flow {
@@ -103,14 +104,15 @@ pub enum HybridError {
     #[error("the solution grows without bound: at t = {time:.9e}, {state} = {value:.3e}")]
     #[diagnostic(help("simulate a shorter time, or start elsewhere"))]
     Unbounded {
-        /// The time at which no further step succeeds.
+        /// The time at which the integration fails, because no further step succeeds.
         time: f64,
         /// The largest state.
         state: String,
-        /// Its value after the last step.
+        /// The value of the state that grows without bound, after the last step.
         value: f64,
     },
-    /// Events accumulate, and the guard names no mode for the motion after the accumulation.
+    /// Events accumulate, and the guard does not define a mode for the motion after the
+    /// accumulation.
     #[error(
         "events of guard {guard} accumulate at t = {time:.9e}: in mode {mode} {events} events occurred at \
          intervals that shrink by {ratio:.4}, the last one of {interval:.1e}"
@@ -119,18 +121,18 @@ pub enum HybridError {
     Accumulation {
         /// The time of the accumulation.
         time: f64,
-        /// The mode that the events end.
+        /// The mode in which the events accumulate.
         mode: String,
         /// The guard.
         guard: String,
-        /// The number of simulated events.
+        /// The number of simulated events before the accumulation.
         events: usize,
-        /// The ratio of successive approach speeds.
+        /// The ratio of the last two approach speeds.
         ratio: f64,
         /// The last interval.
         interval: f64,
     },
-    /// Events follow each other without an advance of time.
+    /// Too many events occur without an advance of time.
     #[error(
         "at t = {time:.9e} time does not advance: {events} events occurred within {span:.1e}, the last one of \
          guard {guard} in mode {mode}; no reset may lead to a state at which a guard immediately falls to \
@@ -143,12 +145,12 @@ pub enum HybridError {
         mode: String,
         /// The guard of the last event.
         guard: String,
-        /// The number of events.
+        /// The number of events that occurred without an advance of time.
         events: usize,
-        /// The time span of the events.
+        /// The time between the first and the last of these events.
         span: f64,
     },
-    /// Events become ever more frequent.
+    /// Events become ever more frequent, so that the simulation is abandoned.
     #[error(
         "at t = {time:.9e} events become ever more frequent: the intervals between the last {events} shrink to \
          {interval:.1e}; the last event belongs to guard {guard} in mode {mode}. The motion reaches a state \
@@ -164,7 +166,7 @@ pub enum HybridError {
         mode: String,
         /// The guard of the last event.
         guard: String,
-        /// The number of events.
+        /// The number of the last events, between which the intervals shrink.
         events: usize,
         /// The mean interval between the last events.
         interval: f64,

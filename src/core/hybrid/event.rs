@@ -5,10 +5,10 @@ use crate::core::problem::FieldIn;
 use crate::core::scalar::Scalar;
 use std::ops::ControlFlow;
 
-/// An event: the end of one mode and the beginning of the next.
+/// An event of a hybrid motion: the end of one mode and the beginning of the next.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Event<T> {
-    /// The guard that vanished.
+    /// The guard that vanished at the event.
     pub guard: usize,
     /// The time of the event, with its derivatives.
     pub time: T,
@@ -22,8 +22,7 @@ pub struct Event<T> {
     pub after: Vec<T>,
     /// The approach speed: the rate `−dh/dt` of the vanishing guard.
     pub approach: f64,
-    /// Whether the event represents the rest of a series of infinitely many events, at its
-    /// accumulation.
+    /// Whether the event represents the accumulation of a series of infinitely many events.
     pub accumulation: bool,
 }
 
@@ -42,14 +41,14 @@ impl<T: Scalar> Event<T> {
     }
 }
 
-/// An observer of a hybrid motion. A closure that takes an event observes events only; `()` observes
-/// nothing.
+/// An observer of a hybrid motion. A closure that takes an event is an observer of events only; `()`
+/// is an observer that ignores everything.
 pub trait HybridObserver<T: Scalar> {
-    /// Observes a step of the flow of a mode, from its start to the fraction `end`: 1, or less if an
-    /// event ended the step.
+    /// Observes an integration step in a mode, from the start of the step to the fraction `end`,
+    /// which is 1, or less if an event ended the step.
     fn step<F: FieldIn<T>>(&mut self, _mode: usize, _step: &mut Step<F, T>, _end: T) {}
 
-    /// Whether the motion ends with the last step, unless an event ended it.
+    /// Whether the observer ends the motion after a step that no event has ended.
     fn ends(&self) -> bool {
         false
     }
@@ -75,7 +74,7 @@ pub struct Piece {
     pub mode: usize,
     /// The times.
     pub times: Vec<f64>,
-    /// The states at these times.
+    /// The states at the recorded times.
     pub states: Vec<Vec<f64>>,
 }
 
@@ -97,7 +96,7 @@ pub struct Piece {
 pub struct History {
     /// The number of recorded states per step.
     samples: usize,
-    /// The pieces of the motion between events.
+    /// The pieces of the motion, each between two successive events.
     pub pieces: Vec<Piece>,
     /// The events.
     pub events: Vec<Event<f64>>,

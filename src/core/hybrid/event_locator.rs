@@ -1,4 +1,5 @@
-//! Event location within a step: the first guard that vanishes, and its place.
+//! Event location in an integration step: the first guard that vanishes, and the time at which it
+//! vanishes.
 
 use super::erased::{EventNumber, HybridEquations};
 use super::event::Event;
@@ -8,15 +9,16 @@ use crate::core::problem::{FieldIn, Watchable};
 use crate::core::scalar::Scalar;
 use std::ops::ControlFlow;
 
-/// (H) Events within this time, in units of its scale, count as simultaneous: their number is
-/// limited, so that motion with infinitely many events ends with an error.
+/// (H) The time, in units of the time scale, within which events count as simultaneous. The number
+/// of simultaneous events is limited, so that a motion with infinitely many events ends with an
+/// error.
 pub(super) const INSTANT: f64 = 1e-9;
 
-/// (R) Guards that vanish within this fraction of a step, the accuracy of a root, vanish
-/// simultaneously.
+/// (R) The fraction of a step within which several guards vanish simultaneously: the accuracy of a
+/// root.
 const TOGETHER: f64 = 1e-12;
 
-/// The end of a leg within a step.
+/// The end of a leg within an integration step.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LocatedEvent<T> {
     pub guard: usize,
@@ -24,41 +26,41 @@ pub(super) struct LocatedEvent<T> {
 }
 
 impl<T: Scalar> LocatedEvent<T> {
-    /// Creates an event at a given time, at which a flow ends; the guard is the remaining time.
+    /// Creates an event at a given time, which ends the flow; its guard is the remaining time.
     pub fn at_time(guard: usize) -> Self {
         LocatedEvent { guard, root: Root { fraction: T::one(), rate: -T::one() } }
     }
 }
 
-/// (H) The first step of a leg is at most this multiple of the previous leg: in chatter the legs
-/// become shorter and shorter, and a longer step could miss them.
+/// (H) The first step of a leg is at most this multiple of the previous leg's duration: in chatter
+/// the legs become shorter and shorter, and a longer step could miss them.
 const LEGS: f64 = 4.0;
 
-/// (R) A guard can lift off if it falls no faster than this at the start of a leg, in units of the
-/// scales.
+/// (R) The largest rate at which a guard that lifts off may fall at the start of a leg, in units of
+/// the scales.
 const RESTING: f64 = 1e-12;
 
-/// (H) The fractions of a step at which a guard that lifts off must be positive.
+/// (H) The fractions of a step at which a guard must be positive to count as lifting off.
 const LIFTED: [f64; 5] = [0.01, 0.03, 0.1, 0.3, 1.0];
 
-/// The search for the end of a leg in its steps.
+/// The search for the end of a leg in the integration steps of the leg.
 pub(super) struct EventLocator<'l, 'a, T> {
     pub system: &'a dyn HybridEquations,
     pub mode: usize,
     /// The watched guards.
     pub watched: &'l [usize],
     pub roots: &'l mut [Roots<T>],
-    /// The scales of the guards.
+    /// The scales of the guards of the mode.
     pub scales: &'l [f64],
-    /// Receives the time and state at the end of the leg.
+    /// The record that receives the time and state at the end of the leg.
     pub event: &'l mut Event<T>,
-    /// Receives the length of the step in which the leg ends.
+    /// The variable that receives the length of the step in which the leg ends.
     pub pace: &'l mut Option<f64>,
-    /// Real parts of the parameters.
+    /// The real parts of the parameters.
     pub p: &'l [f64],
-    /// The scale of time.
+    /// The time scale of the system.
     pub unit: f64,
-    /// The start time of the leg, and its largest duration.
+    /// The start time of the leg, and the longest duration of the leg.
     pub leg: (T, T),
 }
 
@@ -66,13 +68,13 @@ impl<'a, T: EventNumber> EventLocator<'_, 'a, T>
 where
     GuardOf<'a>: Watchable<T>,
 {
-    /// Finds the end of the leg in a step; `None` if the leg does not end there.
+    /// Returns the end of the leg if it lies in the step; `None` otherwise.
     pub fn locate<F: FieldIn<T>>(&mut self, step: &mut Step<F, T>) -> Option<LocatedEvent<T>> {
         let event = self.first(step).filter(|event| !self.lifts(event, step))?;
         self.arrive(step, event, step.length())
     }
 
-    /// Finds the end of the leg in a step that is known to end at the root of a guard.
+    /// Returns the end of the leg in a step that is known to end at the root of a guard.
     pub fn reach<F: FieldIn<T>>(
         &mut self,
         step: &mut Step<F, T>,
@@ -83,7 +85,8 @@ where
         self.arrive(step, LocatedEvent { guard, root }, whole * step.length())
     }
 
-    /// Stores the end of the leg; `length` is the length of the step without the event.
+    /// Stores the end of the leg; `length` is the length that the step would have without the
+    /// event.
     fn arrive<F: FieldIn<T>>(
         &mut self,
         step: &mut Step<F, T>,
@@ -99,9 +102,9 @@ where
         Some(located)
     }
 
-    /// Whether a guard that seems to fall at the very start of a leg has zero speed there and is then
-    /// positive: a body that leaves a support rises with the cube of time, and rounding errors
-    /// determine the initial sign.
+    /// Whether a guard that seems to fall at the start of a leg has zero rate there and is positive
+    /// afterwards. For example, the distance of a body that leaves a support grows with the cube of
+    /// time, and rounding errors determine its initial sign.
     fn lifts<F: FieldIn<T>>(&self, located: &LocatedEvent<T>, step: &mut Step<F, T>) -> bool {
         let (LocatedEvent { guard, root }, mode) = (located, self.mode);
         let begins = step.span().0 == 0.0 && root.fraction.real().abs() <= f64::EPSILON;
@@ -118,13 +121,13 @@ where
         })
     }
 
-    /// The watched function of a guard.
+    /// Returns a guard as a watched function.
     fn guard(&self, guard: usize) -> GuardOf<'a> {
         GuardOf { system: self.system, guard, mode: self.mode, scale: self.scales[guard] }
     }
 
-    /// The first guard that falls through zero in a step; of simultaneous ones, the first one
-    /// defined.
+    /// Returns the first guard that falls through zero in a step; of several simultaneous guards,
+    /// the first one defined.
     fn first<F: FieldIn<T>>(&mut self, step: &mut Step<F, T>) -> Option<LocatedEvent<T>> {
         let mut found: Option<LocatedEvent<T>> = None;
         for &guard in self.watched {

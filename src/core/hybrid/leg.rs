@@ -1,4 +1,4 @@
-//! Modes as vector fields; guards and other scalars as watched functions.
+//! Modes as vector fields, and guards and other scalars as functions watched along a trajectory.
 
 use super::erased::{FieldNumber, GuardNumber, HybridEquations, MeasureNumber};
 use super::scales::{guard_scale, time_scale, typical_scale};
@@ -42,7 +42,7 @@ impl<S: HybridSystem> VectorField for InMode<'_, S> {
     }
 }
 
-/// A time and a state of a motion in a mode.
+/// A time and a state of a motion, in a mode.
 #[derive(Clone, Copy)]
 pub(in crate::core) struct Moment<'a, T> {
     pub system: &'a dyn HybridEquations,
@@ -53,26 +53,26 @@ pub(in crate::core) struct Moment<'a, T> {
 }
 
 impl<T: GuardNumber> Moment<'_, T> {
-    /// The value of a guard.
+    /// Returns the value of a guard at this time and state.
     pub fn guard(self, guard: usize) -> T {
         self.system.guard(guard, self.mode, self.t, self.x, self.p)
     }
 }
 
 impl Moment<'_, f64> {
-    /// The scale of a guard.
+    /// Returns the scale of a guard, which is the size of its typical changes.
     pub fn scale(self, guard: usize) -> f64 {
         guard_scale(self.system, (guard, self.mode), (self.t, self.x), self.p)
     }
 
-    /// The scale of the rate of a guard.
+    /// Returns the scale of a guard's rate of change.
     pub fn usual_rate(self, guard: usize) -> f64 {
         self.scale(guard) / time_scale(self.system, self.p)
     }
 }
 
 impl<T: FieldNumber> Moment<'_, T> {
-    /// The rate of a guard along the motion, `dh/dt = h_t + h_x f`.
+    /// Returns the rate of change of a guard along the motion, `dh/dt = h_t + h_x f`.
     pub fn rate(self, guard: usize) -> T
     where
         Dual<T>: GuardNumber,
@@ -80,7 +80,7 @@ impl<T: FieldNumber> Moment<'_, T> {
         self.along(|moving| moving.guard(guard)).eps
     }
 
-    /// A function of time and states along the motion, with its time derivative.
+    /// Evaluates a function of time and state along the motion, with its time derivative.
     pub fn along(self, value: impl FnOnce(Moment<Dual<T>>) -> Dual<T>) -> Dual<T> {
         let Moment { system, mode, t, x, p } = self;
         let mut f = vec![T::zero(); x.len()];
@@ -91,7 +91,7 @@ impl<T: FieldNumber> Moment<'_, T> {
     }
 }
 
-/// One guard as a watched function along the flow of one of its modes.
+/// A guard as a watched function along the flow of one of its modes.
 pub struct GuardOf<'a> {
     /// The hybrid system.
     pub system: &'a dyn HybridEquations,
@@ -104,7 +104,8 @@ pub struct GuardOf<'a> {
 }
 
 impl<'a> GuardOf<'a> {
-    /// A guard with its scale for states at half their typical sizes.
+    /// Creates the watched function of a guard, with the guard's scale for states at half their
+    /// typical sizes.
     pub(in crate::core) fn typical(
         system: &'a dyn HybridEquations,
         guard: usize,

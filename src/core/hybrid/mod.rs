@@ -1,14 +1,14 @@
 //! Simulates hybrid systems: smooth motion in modes, interrupted by events.
 //!
-//! In each **mode** a state of the mode's own dimension follows a vector field, `x' = f_m(t, x, p)`,
-//! while the mode's **guards** `h_g(t, x, p)` are positive. When the first of the guards falls to
-//! zero, an **event** occurs: a **reset** `x⁺ = r_g(t, x, p)` maps the state to a state of the next
-//! mode. An impact is a reset of velocity; sticking is a mode (M. di Bernardo et al.,
+//! In each **mode** a state of the mode's own dimension evolves along a vector field, `x' = f_m(t,
+//! x, p)`, while the mode's **guards** `h_g(t, x, p)` are positive. When the first of the guards
+//! falls to zero, an **event** occurs: a **reset** `x⁺ = r_g(t, x, p)` maps the state to a state of
+//! the next mode. An impact is a reset of velocity; sticking is a mode (M. di Bernardo et al.,
 //! *Piecewise-smooth Dynamical Systems*, 2008).
 //!
-//! A [`HybridFlow`] simulates such motions from event to event. Of guards that vanish
-//! simultaneously, the one defined first counts. If the events of one guard accumulate (complete
-//! chatter), the motion continues from their accumulation.
+//! A [`HybridFlow`] simulates the motion of a hybrid system from event to event. If several guards
+//! vanish simultaneously, the event belongs to the guard that is defined first. If the events of
+//! one guard accumulate (complete chatter), the motion continues from their accumulation.
 //!
 //! A ball that falls from a height of 1 and rebounds with 0.8 of its speed bounces first at `t = 1`
 //! and comes to rest at `t = 9`, after infinitely many bounces:

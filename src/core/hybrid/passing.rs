@@ -18,7 +18,7 @@ impl<'a, T: EventNumber> HybridFlow<'a, T>
 where
     GuardOf<'a>: Watchable<T>,
 {
-    /// Passes an event, and a nearby accumulation of such events.
+    /// Processes an event, and the accumulation of such events if it is near.
     pub(super) fn land<O: HybridObserver<T>>(
         &mut self,
         LocatedEvent { guard, root }: LocatedEvent<T>,
@@ -55,17 +55,17 @@ where
         }
     }
 
-    /// The index of the event series of a guard in a mode.
+    /// Returns the index of the event series of a guard in a mode.
     pub(super) fn series_of(&self, guard: usize, mode: usize) -> usize {
         mode * self.guards.len() + guard
     }
 
-    /// Copies the real parts of the state before the event.
+    /// Copies the real parts of the state before the event to the record of the event.
     fn real_event(&mut self) {
         refill(&mut self.x, self.event.before.iter().map(T::real));
     }
 
-    /// Resets the state to the next mode and passes the event to the observer.
+    /// Applies the reset, switches to the next mode and passes the event to the observer.
     pub(super) fn pass<O: HybridObserver<T>>(
         &mut self,
         next: usize,
@@ -126,8 +126,8 @@ where
         Err(HybridError::Crowded { time, mode, guard, events, interval })
     }
 
-    /// Continues from the accumulation of the events of a guard, unless another event of its mode
-    /// comes first.
+    /// Continues the motion from the accumulation of a guard's events, unless another event of the
+    /// mode occurs earlier.
     pub(super) fn settle<O: HybridObserver<T>>(
         &mut self,
         accumulation: Accumulation<T>,
@@ -156,9 +156,10 @@ where
         self.pass(next, state, run)
     }
 
-    /// Writes the state at the accumulation of a series into the state before the event. There the
-    /// body is exactly at rest on the surface, which a truncated series would not give: a body in
-    /// contact keeps its distance until its release.
+    /// Writes the state at the accumulation of a series of events to the event record, as the state
+    /// before the event. At the accumulation, a body is exactly at rest on the surface. A truncated
+    /// series would leave a small distance, and a body in contact keeps its distance until its
+    /// release.
     fn rest(&mut self, series: usize, time: T, p: &[T]) {
         let Event { guard, mode, .. } = self.event;
         let limit = self.series[series].limit();
@@ -177,8 +178,8 @@ where
         );
     }
 
-    /// Whether another guard of the mode vanishes at the event; `x` holds the real parts of the state
-    /// before it.
+    /// Whether another guard of the mode vanishes at the event, where `x` holds the real parts of the
+    /// state before the event.
     fn another_vanishes(&self, time: f64) -> bool {
         let Event { guard, mode, .. } = self.event;
         let mut others = self.watched[mode].iter().filter(|g| **g != guard);
@@ -188,8 +189,8 @@ where
         })
     }
 
-    /// Whether another guard of the mode is negative at the accumulation; `x` holds the real parts of
-    /// the state there.
+    /// Whether another guard of the mode is negative at the accumulation, where `x` holds the real
+    /// parts of the state at the accumulation.
     fn another_comes_before(&self, time: f64) -> bool {
         let Event { guard, mode, .. } = self.event;
         let mut others = self.watched[mode].iter().filter(|g| **g != guard);

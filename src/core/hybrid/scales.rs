@@ -1,12 +1,12 @@
-//! Scales of a hybrid system, the units of its tolerances.
+//! The scales of a hybrid system, which are the units of its tolerances.
 
 use super::erased::HybridEquations;
 use super::system::Scales;
 use crate::core::problem::{Forcing, change_by};
 use num_dual::Dual64;
 
-/// The scale of time of a system: the system's own, or the time in which the phase of its forcing
-/// grows by 1, or 1.
+/// Returns the time scale of a system: the scale that the system defines, or else the time in which
+/// the phase of its forcing grows by 1, or 1 without forcing.
 pub(crate) fn time_scale(system: &dyn HybridEquations, p: &[f64]) -> f64 {
     let of_forcing = || match system.forcing() {
         Forcing::None => 1.0,
@@ -17,13 +17,14 @@ pub(crate) fn time_scale(system: &dyn HybridEquations, p: &[f64]) -> f64 {
     system.scales(p).time.filter(usable).or_else(unstated).unwrap_or(1.0)
 }
 
-/// Whether all scales of a system are 1; the scales of guards and other functions are then 1 as well.
+/// Whether all scales of a system are 1, so that the scales of its guards and other functions are
+/// also 1.
 pub(super) fn without_scales(system: &dyn HybridEquations, p: &[f64]) -> bool {
     let Scales { time, states } = system.scales(p);
     states.is_empty() && time.is_none_or(|time| time == 1.0)
 }
 
-/// The scale of a guard at a point.
+/// Returns the scale of a guard at a time and a state.
 pub(crate) fn guard_scale(
     system: &dyn HybridEquations,
     (guard, mode): (usize, usize),
@@ -33,8 +34,8 @@ pub(crate) fn guard_scale(
     scale_at(system, mode, place, p, |t, x, p| system.guard(guard, mode, t, x, p))
 }
 
-/// The scale of a decision function, given by its position after an event of a guard in a mode, for
-/// states at half their scales.
+/// Returns the scale of a decision function for states at half their scales; the function is given
+/// by its index after an event of a guard in a mode.
 pub(crate) fn decision_scale(
     system: &dyn HybridEquations,
     (position, guard, mode): (usize, usize, usize),
@@ -43,7 +44,7 @@ pub(crate) fn decision_scale(
     typical_scale(system, mode, p, |t, x, p| system.decision(position, guard, mode, t, x, p))
 }
 
-/// The scale of a function of a mode's states, for states at half their scales.
+/// Returns the scale of a function of a mode's states, evaluated at half the scales of the states.
 pub(super) fn typical_scale(
     system: &dyn HybridEquations,
     mode: usize,
@@ -58,7 +59,8 @@ pub(super) fn typical_scale(
     scale_at(system, mode, (0.0, &x), p, value)
 }
 
-/// The scale of a function at a point: its change when time and states change by their scales.
+/// Returns the scale of a function at a point: the change of the function when time and states
+/// change by their scales.
 fn scale_at(
     system: &dyn HybridEquations,
     mode: usize,

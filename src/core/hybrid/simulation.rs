@@ -17,15 +17,15 @@ use crate::core::problem::{Forcing, Watchable};
 use crate::core::scalar::Scalar;
 use std::ops::ControlFlow;
 
-/// (H) The largest step, as a fraction of the forcing's period: where a field vanishes, only the guards
-/// show how fast the system changes.
+/// (H) The largest integration step, as a fraction of the forcing's period: if a field vanishes, the
+/// integrator cannot see how fast the guards change.
 const PART_OF_PERIOD: f64 = 0.125;
 
-/// (H) The growth of a state, relative to its size at the start (at least 1), beyond which the failure
-/// of a step shows that the solution is unbounded.
+/// (H) The growth of a state, relative to its size at the start (at least 1), above which a failed
+/// integration step shows that the solution is unbounded.
 const GROWN: f64 = 1e6;
 
-/// Tolerances and limits of a hybrid motion.
+/// The tolerances and limits of a hybrid simulation.
 ///
 /// ```
 /// use tangency::core::hybrid::HybridSettings;
@@ -34,18 +34,18 @@ const GROWN: f64 = 1e6;
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct HybridSettings {
-    /// The settings of the flow in each mode.
+    /// The settings of the integration of the flow in each mode.
     pub flow: Settings,
-    /// Events that would accumulate within this time, in units of its scale, are not simulated one by
-    /// one: motion continues from their accumulation.
+    /// The time, in units of the time scale, within which events that accumulate are not simulated
+    /// one by one: motion then continues from their accumulation.
     pub accumulation: f64,
-    /// The largest number of simultaneous events.
+    /// The largest number of simultaneous events before the simulation ends with an error.
     pub at_once: usize,
 }
 
 impl Default for HybridSettings {
-    /// The default: the method of order 8 with a tolerance of 1e-12; accumulations within 1e-4; 1000
-    /// simultaneous events.
+    /// The default settings: the method of order 8 with a tolerance of 1e-12; accumulations within
+    /// 1e-4; at most 1000 simultaneous events.
     fn default() -> Self {
         HybridSettings { flow: Settings::default(), accumulation: 1e-4, at_once: 1000 }
     }
@@ -58,37 +58,37 @@ pub struct HybridState<T> {
     pub mode: usize,
     /// The time.
     pub time: T,
-    /// The states of the mode.
+    /// The values of the mode's states.
     pub x: Vec<T>,
 }
 
 impl<T: Copy> HybridState<T> {
-    /// The mode, the time and the states.
+    /// Returns the mode, the time and the states as a tuple.
     pub(super) fn place(&self) -> (usize, T, &[T]) {
         (self.mode, self.time, &self.x)
     }
 }
 
-/// The cost of a motion, and the number of events.
+/// The cost of a simulated motion, and the number of its events.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct HybridStatistics {
-    /// The cost of the flows.
+    /// The total cost of integrating the flows.
     pub flow: Statistics,
-    /// The number of events, accumulations included.
+    /// The number of events, including accumulations.
     pub events: usize,
-    /// The number of accumulations.
+    /// The number of accumulations of infinitely many events.
     pub accumulations: usize,
-    /// The number of events at which another guard of the mode vanished simultaneously: the one defined
-    /// first decides.
+    /// The number of events at which another guard of the mode vanished simultaneously; the event then
+    /// belongs to the guard that is defined first.
     pub together: usize,
 }
 
-/// A simulator of a hybrid system in one scalar type, with all buffers.
+/// A simulator of a hybrid system in one scalar type, with its buffers.
 ///
-/// An event is located at a guard's fall through zero, also inside steps, and its time is computed in the
-/// scalar type itself: time and state at the event carry derivatives, which the reset propagates.
-/// Derivatives of a motion through an event therefore agree with the saltation matrix, which is not
-/// formed.
+/// An event is located where a guard falls through zero, also inside integration steps. The time of the
+/// event is computed in the scalar type, so that time and state at the event carry derivatives, which the
+/// reset propagates. Derivatives of a motion through an event therefore agree with the saltation matrix,
+/// although this matrix is not computed.
 ///
 /// ```
 /// use num_dual::Dual64;
@@ -108,7 +108,7 @@ pub struct HybridFlow<'a, T: Scalar> {
     pub(super) system: &'a dyn HybridEquations,
     pub(super) modes: Vec<Mode>,
     pub(super) guards: Vec<Guard>,
-    /// The guards of each mode whose zeros are events.
+    /// The guards of each mode, except guards with events at given times.
     pub(super) watched: Vec<Vec<usize>>,
     pub(super) timed: Timed,
     pub(in crate::core) settings: HybridSettings,
@@ -119,17 +119,17 @@ pub struct HybridFlow<'a, T: Scalar> {
     /// The last events of each guard in each mode.
     pub(super) series: Vec<Series<T>>,
     pub(super) event: Event<T>,
-    /// The length of the step in which the last leg ended.
+    /// The length of the integration step in which the last leg ended.
     pub(super) pace: Option<f64>,
-    /// The scale of time.
+    /// The time scale of the system.
     pub(super) unit: f64,
-    /// Real parts of a state.
+    /// The real parts of a state.
     pub(super) x: Vec<f64>,
-    /// Real parts of the parameters.
+    /// The real parts of the parameters.
     pub(super) p: Vec<f64>,
 }
 
-/// A motion in progress: its end, and its cost so far.
+/// A motion in progress: its end time, its observer, and its cost so far.
 pub(super) struct Run<'a, T, O> {
     pub end: T,
     pub p: &'a [T],
@@ -145,8 +145,8 @@ where
     /// Creates a simulator of a system with these settings.
     ///
     /// # Errors
-    /// [`HybridError::Settings`] if a setting of the flow is invalid, [`HybridError::ChangesIn`] if the
-    /// duration of a guard's change is not positive.
+    /// [`HybridError::Settings`] if a setting of the integration is invalid, [`HybridError::ChangesIn`]
+    /// if the shortest time in which a guard changes is not positive.
     pub fn new(
         system: &'a dyn HybridEquations,
         settings: HybridSettings,
@@ -190,8 +190,8 @@ where
         self.system
     }
 
-    /// The initial state of a motion, given as a state of some mode, in the mode that the system selects
-    /// ([`HybridSystem::initial_mode`](super::system::HybridSystem::initial_mode)).
+    /// Returns the initial state of a motion, given as a state of some mode, in the mode that the system
+    /// selects ([`HybridSystem::initial_mode`](super::system::HybridSystem::initial_mode)).
     pub fn initial(&self, mut state: HybridState<T>, p: &[T]) -> HybridState<T> {
         let (mode, time) = (state.mode, state.time.real());
         // A wrong number of states is reported at the start of the motion.
@@ -203,13 +203,14 @@ where
         state
     }
 
-    /// Advances a state by a duration, through all events. The observer is called for all events and can
-    /// end the motion just after one, or with a step. If an error ends the motion, the state is the one
-    /// after the last event, or just before it if the event leads to no mode.
+    /// Advances a state by a duration, through all events within the duration. The observer is called at
+    /// every integration step and at every event, and can end the motion just after an event or at the
+    /// end of a step. If an error ends the motion, the state is set to the state after the last event,
+    /// or just before the last event if no mode follows that event.
     ///
     /// # Errors
-    /// [`HybridError`] if the motion ends early: its flow fails, a mode begins with a negative guard, or
-    /// events accumulate without a mode for the subsequent motion.
+    /// [`HybridError`] if the motion ends early: the integration of its flow fails, a mode begins with a
+    /// negative guard, or events accumulate without a mode for the subsequent motion.
     pub fn advance(
         &mut self,
         state: &mut HybridState<T>,
@@ -232,17 +233,18 @@ where
         Ok(statistics)
     }
 
-    /// Projects a state onto the invariant surface of its mode: deviations across the surface are lost.
+    /// Projects a state onto the invariant surface of its mode, so that deviations normal to the
+    /// surface are lost.
     pub(super) fn constrain(&self, HybridState { mode, time, x }: &mut HybridState<T>, p: &[T]) {
         if self.modes[*mode].on_surface {
             T::fields(self.system).constrain_of(*mode, *time, x, p);
         }
     }
 
-    /// Returns all events within a duration, in order.
+    /// Returns all events within a duration, in the order of time.
     ///
     /// # Errors
-    /// The errors of [`advance`](Self::advance).
+    /// The same errors as [`advance`](Self::advance).
     pub fn events(
         &mut self,
         state: &mut HybridState<T>,
@@ -257,7 +259,7 @@ where
         Ok(events)
     }
 
-    /// Starts a motion, or returns an error if that is impossible.
+    /// Starts a motion, or returns an error if the motion cannot start from the given state.
     pub(in crate::core) fn begin(
         &mut self,
         state: &HybridState<T>,
@@ -287,8 +289,8 @@ where
         self.inside(state, None)
     }
 
-    /// Returns an error for a state, just after an event or at the start, at which a guard of its mode is
-    /// negative.
+    /// Returns an error if a guard of the mode is negative for a state at the start of a motion or just
+    /// after an event.
     pub(super) fn inside(
         &mut self,
         state: &HybridState<T>,
@@ -308,7 +310,8 @@ where
         self.check_end(state.mode, time)
     }
 
-    /// Returns an error if the mode must not begin or end at this time and the state in `x`.
+    /// Returns an error if the mode must not begin or end at the given time and the state stored in
+    /// `x`.
     pub(super) fn check_end(&self, mode: usize, time: f64) -> Result<(), HybridError> {
         self.system.domain_at_ends(mode, time, &self.x, &self.p).map_err(|left| {
             let source = FlowError::OutOfDomain { time, left };
@@ -316,17 +319,17 @@ where
         })
     }
 
-    /// The words "after event …," for messages.
+    /// Returns the words "after event …," for error messages.
     pub(super) fn after(&self, event: usize) -> String {
         format!("after event {}, ", self.guards[event].name)
     }
 
-    /// The scale of a guard at the state in `x`.
+    /// Returns the scale of a guard at the state stored in `x`.
     pub(super) fn scale_of(&self, guard: usize, mode: usize, time: f64) -> f64 {
         guard_scale(self.system, (guard, mode), (time, &self.x), &self.p)
     }
 
-    /// Integrates the flow of one mode to its end, or to the end of the motion.
+    /// Integrates the flow of one mode up to the end of the mode, or to the end of the motion.
     pub(super) fn leg<O: HybridObserver<T>>(
         &mut self,
         state: &mut HybridState<T>,
@@ -409,7 +412,7 @@ where
         }
     }
 
-    /// Prepares the flow for a leg of at most this duration in a mode.
+    /// Prepares the integration of a leg of at most this duration in a mode.
     pub(super) fn prepare_leg(&mut self, mode: usize, left: f64) {
         let period = match self.system.forcing() {
             Forcing::None => f64::INFINITY,
@@ -424,7 +427,7 @@ where
     }
 }
 
-/// The sum of the costs of two flows.
+/// Returns the sum of the costs of two integrations.
 pub(super) fn sum(a: Statistics, b: Statistics) -> Statistics {
     Statistics {
         evaluations: a.evaluations + b.evaluations,
@@ -433,8 +436,9 @@ pub(super) fn sum(a: Statistics, b: Statistics) -> Statistics {
     }
 }
 
-/// Returns the error of a flow that fails where the solution has become large, for the only mode of a
-/// system without events. The states at the start and after the last step are given.
+/// Returns the error of an integration that fails because the solution has become large, if the
+/// system has a single mode and no events. The argument `ends` contains the states at the start and
+/// after the last step.
 fn unbounded<T: Scalar>(mode: &Mode, ends: [&[T]; 2], cause: &FlowError) -> Option<HybridError> {
     let (FlowError::StepTooSmall { time, .. } | FlowError::NotFinite { time, .. }) = cause else {
         return None;

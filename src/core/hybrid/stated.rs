@@ -1,6 +1,6 @@
 //! Macros that define hybrid systems by formulas of named states and parameters, mode by mode.
 
-/// The index of a name among the distinct names of a list.
+/// Returns the index of a name among the distinct names in a list.
 #[doc(hidden)]
 pub const fn number_of(name: &str, listed: &[&str]) -> usize {
     let (mut number, mut k) = (0, 0);
@@ -28,22 +28,24 @@ const fn same(a: &str, b: &str) -> bool {
 /// Defines a [`HybridSystem`](crate::core::hybrid::HybridSystem) mode by mode. The declared struct is
 /// `Clone`, `Copy` and `Debug`.
 ///
-/// The brackets contain the parameters, all or none of them with a default value, and after a semicolon
-/// a name for the time. Each mode lists its states in brackets. Within a mode,
-/// - `d/dt x = …;` is the rate of a state;
-/// - `event name: guard => next { x, v: … };` is an event: when the guard falls to zero, the mode
-///   `next` follows, from the states in braces. Without braces the state is unchanged. An event of
-///   several modes is written in each of them, under one name. Events are numbered in the order in
-///   which their names first appear;
-/// - `=> up { … } if f, down { … } if g, stick { … };` lists several possible next modes: the first one
-///   whose [decision](crate::core::hybrid::HybridSystem::decision) function is positive follows, and
-///   the last one if all are negative;
-/// - `accumulates to contact { … };` after an event names the mode that follows an accumulation of
-///   these events;
-/// - `event name.at(1): …` calls further methods of [`Guard`](crate::core::hybrid::Guard).
+/// The brackets after the struct's name contain the parameters, all or none of them with default
+/// values, and optionally, after a semicolon, a name for the time. Each mode lists its states in
+/// brackets after its name. Within a mode,
+/// - `d/dt x = …;` defines the rate of change of a state;
+/// - `event name: guard => next { x, v: … };` defines an event: when the guard falls to zero, the
+///   motion continues in the mode `next`, from the states in braces. If the braces are missing, the
+///   event leaves the state unchanged. An event that can occur in several modes is written in each
+///   mode, with the same name. Events are numbered in the order in which their names first appear;
+/// - `=> up { … } if f, down { … } if g, stick { … };` lists several possible next modes: the motion
+///   continues in the first mode whose [decision](crate::core::hybrid::HybridSystem::decision) function
+///   is positive, or in the last mode if all functions are negative;
+/// - `accumulates to contact { … };` after an event names the mode in which the motion continues
+///   after infinitely many such events in a finite time;
+/// - `event name.at(1): …` calls further methods of [`Guard`](crate::core::hybrid::Guard), here
+///   [`Guard::at`](crate::core::hybrid::Guard::at).
 ///
-/// Before the modes, local values and the `period` of a forcing can be given, as in
-/// [`vector_field!`](crate::vector_field), and after the modes, trait methods that the macro does not
+/// Before the modes, the macro accepts local values and the `period` of a forcing, as in
+/// [`vector_field!`](crate::vector_field); after the modes, it accepts trait methods that it does not
 /// generate.
 ///
 /// ```
@@ -68,8 +70,8 @@ const fn same(a: &str, b: &str) -> bool {
 /// assert_eq!(Ball.guards(), [Guard::new("bounce", [0]).accumulating_to(1)]);
 /// ```
 ///
-/// [`HybridSystem::decision`](crate::core::hybrid::HybridSystem::decision) has an example of an event
-/// with several possible next modes.
+/// The documentation of [`HybridSystem::decision`](crate::core::hybrid::HybridSystem::decision)
+/// contains an example of an event with several possible next modes.
 #[macro_export]
 macro_rules! hybrid_system {
     (
@@ -102,7 +104,7 @@ macro_rules! hybrid_system {
             const __EVENTS: &[&str] = &[$($(stringify!($event),)*)*];
 
             $(
-                /// The states of a mode.
+                /// The states of one mode, by name.
                 #[allow(non_camel_case_types, non_snake_case)]
                 struct $mode<T> {
                     $($state: T),+
@@ -286,7 +288,7 @@ macro_rules! hybrid_system {
     };
 }
 
-/// The index of an event.
+/// Returns the index of an event.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! __event {

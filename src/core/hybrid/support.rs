@@ -1,18 +1,19 @@
-//! Projection of states onto a surface, and onto states at rest on it.
+//! Projection of states onto a surface, and of states onto the set of states at rest on the
+//! surface.
 
 use super::erased::{EventNumber, HybridEquations};
 use super::leg::{GuardOf, Moment};
 use crate::core::problem::{WatchIn, Watchable, gradient};
 use num_dual::Dual;
 
-/// (H) The number of Newton iterations with real slopes: the first ones give digits, each further one
-/// an order of derivatives.
+/// (H) The number of Newton iterations with real gradients: the first iterations converge in value,
+/// and each further iteration makes one more order of derivatives exact.
 const ROUNDS: usize = 2;
-/// (H) The gradients of a guard and of its rate count as one condition if the squared sine of the
-/// angle between them is below this.
+/// (H) The squared sine of the angle between the gradients of a guard and of its rate, below which
+/// the two gradients count as parallel.
 const APART: f64 = 1e-6;
 
-/// A guard in a mode, at a time.
+/// The surface on which a guard vanishes in a mode, at a given time.
 #[derive(Clone, Copy)]
 pub(super) struct Surface<'a, T> {
     pub system: &'a dyn HybridEquations,
@@ -25,8 +26,9 @@ impl<'a, T: EventNumber> Surface<'a, T>
 where
     GuardOf<'a>: Watchable<T>,
 {
-    /// The smallest change, in units of the scales, that moves a state onto the surface, with its
-    /// derivatives; if `at_rest`, both the guard and its rate along the motion vanish afterwards.
+    /// Returns the smallest change, in units of the scales, that moves a state onto the surface,
+    /// with its derivatives; if `at_rest` is true, the guard's rate of change along the motion also
+    /// vanishes after the change.
     pub fn change(self, x: &[T], p: &[T], at_rest: bool) -> Vec<T> {
         let sizes = self.system.sizes_of(self.mode, &p.iter().map(T::real).collect::<Vec<_>>());
         let mut rested = x.to_vec();
@@ -56,7 +58,7 @@ where
         rested.iter().zip(x).map(|(rested, x)| *rested - *x).collect()
     }
 
-    /// The guard and its rate.
+    /// Returns the value of the guard and its rate of change along the motion.
     fn values(self, x: &[T], p: &[T]) -> [T; 2] {
         let Surface { system, guard, mode, t } = self;
         let mut f = vec![T::zero(); x.len()];
@@ -68,7 +70,7 @@ where
         [along.re, along.eps]
     }
 
-    /// The derivatives of the guard and of its rate with respect to the states.
+    /// Returns the gradients of the guard and of its rate of change with respect to the states.
     fn slopes(self, x: &[T], p: &[T]) -> [Vec<f64>; 2] {
         let Surface { system, guard, mode, t } = self;
         let [x, p] = [x, p].map(|v| v.iter().map(T::real).collect::<Vec<f64>>());

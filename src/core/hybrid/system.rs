@@ -5,20 +5,21 @@ use crate::core::failure::OutOfDomain;
 use crate::core::problem::{Forcing, Measure};
 use crate::core::scalar::{LaneWidth, Scalar};
 
-/// A mode of motion: a name and the names of its states, which can differ from mode to mode.
+/// A mode of motion: its name and the names of its states, which can differ from mode to mode.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Mode {
     /// The name of the mode.
     pub name: String,
-    /// The names of the mode's states. Modes that share a name share a quantity in diagrams.
+    /// The names of the mode's states. States of several modes with the same name represent one
+    /// quantity in diagrams.
     pub states: Vec<String>,
-    /// Whether motion in the mode stays on a surface, onto which
+    /// Whether motion in the mode stays on an invariant surface, onto which
     /// [`constrain`](HybridSystem::constrain) projects states.
     pub on_surface: bool,
 }
 
 impl Mode {
-    /// Creates a mode with states.
+    /// Creates a mode with the given name and states.
     pub fn new<S: Into<String>>(
         name: impl Into<String>,
         states: impl IntoIterator<Item = S>,
@@ -27,8 +28,9 @@ impl Mode {
         Mode { name: name.into(), states, on_surface: false }
     }
 
-    /// Declares that motion in the mode stays on a surface, as sliding motion does. Orbits that never
-    /// leave the mode close on that surface: deviations across it are lost.
+    /// Declares that motion in the mode stays on an invariant surface, as sliding motion does. A
+    /// periodic orbit that never leaves the mode must close only within the surface, since deviations
+    /// normal to the surface are lost.
     ///
     /// ```
     /// use tangency::core::hybrid::Mode;
@@ -40,36 +42,38 @@ impl Mode {
     }
 }
 
-/// A surface at which modes end.
+/// A guard: a function whose zeros are events, which end modes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Guard {
-    /// The name of the event.
+    /// The name of the events at the guard's zeros.
     pub name: String,
-    /// The modes that the event ends.
+    /// The modes that an event of this guard ends.
     pub modes: Vec<usize>,
-    /// The mode that follows an accumulation of events of this guard, infinitely many in a finite time
-    /// (complete chatter); `None` if no accumulation is expected.
+    /// The mode that follows an accumulation of events of this guard, that is, infinitely many events
+    /// in a finite time (complete chatter); `None` if no accumulation is expected.
     pub accumulates_to: Option<usize>,
-    /// The shortest time in which the guard changes, if shorter than the time scale of the field: an
-    /// upper bound of steps.
+    /// The shortest time in which the guard changes, which limits the integration step; `None` if
+    /// the guard does not change faster than the vector field.
     pub changes_in: Option<f64>,
-    /// The number of events in each period of the forcing, at equal intervals, for an event at given
-    /// times; the guard is then the [`time_left`]. 0 for an event at zeros of the guard.
+    /// The number of events of the guard in each period of the forcing, if the events occur at given
+    /// times at equal intervals; the guard is then the [`time_left`]. The number is 0 if the events
+    /// are at zeros of the guard.
     pub per_period: usize,
 }
 
 impl Guard {
-    /// Creates a guard of some modes: an impact is one event in all modes in which it can occur.
+    /// Creates a guard of some modes; for example, an impact is one event in all modes in which it
+    /// can occur.
     pub fn new(name: impl Into<String>, modes: impl IntoIterator<Item = usize>) -> Self {
         let (name, modes) = (name.into(), modes.into_iter().collect());
         Guard { name, modes, accumulates_to: None, changes_in: None, per_period: 0 }
     }
 
     /// Declares an event at given times, `per_period` times in each period of the forcing. The guard
-    /// must be the [`time_left`] until the nearest of these times.
+    /// must be the [`time_left`] until the nearest event time.
     ///
-    /// Flows stop exactly at these times, without a search. A motion that begins at one of them begins
-    /// just after the event.
+    /// Integration stops exactly at the event times, without a search for zeros. A motion that begins
+    /// at an event time begins just after the event.
     ///
     /// ```
     /// use tangency::core::hybrid::{Guard, time_left};
@@ -87,15 +91,16 @@ impl Guard {
         self.per_period > 0
     }
 
-    /// Sets the mode that follows an accumulation of events.
+    /// Sets the mode that follows an accumulation of events of this guard.
     pub fn accumulating_to(mut self, mode: usize) -> Self {
         self.accumulates_to = Some(mode);
         self
     }
 
-    /// Sets the shortest time in which the guard changes. Guards are evaluated in the steps of the
-    /// flow, which are as long as the field allows: without this bound, a faster guard, such as a
-    /// narrow slot that a slow body passes, is missed.
+    /// Sets the shortest time in which the guard changes, which limits the integration step. Guards
+    /// are evaluated once per integration step, whose length depends only on the vector field:
+    /// without this limit, zeros of a guard that changes faster are missed, for example at a narrow
+    /// slot that a slow body passes.
     ///
     /// ```
     /// use tangency::core::hybrid::Guard;
@@ -112,8 +117,9 @@ impl Guard {
     }
 }
 
-/// The time left until the nearest of the times `first + n·interval`, for all integers `n`; negative
-/// after that time. Used as the guard of an event [at given times](Guard::at).
+/// Returns the time left until the nearest of the times `first + n·interval`, for all integers `n`;
+/// the value is negative after that time. The function serves as the guard of an event [at given
+/// times](Guard::at).
 ///
 /// ```
 /// use tangency::core::hybrid::time_left;
@@ -125,9 +131,9 @@ pub fn time_left<T: Scalar>(t: T, first: T, interval: T) -> T {
     interval * nearest - passed
 }
 
-/// The scales of a hybrid system: typical sizes of times and states, by order of magnitude. Tolerances
-/// are relative to these sizes, so that a device of micrometres and microseconds can be described in
-/// metres and seconds.
+/// The scales of a hybrid system: typical sizes of its times and states, by order of magnitude.
+/// Tolerances are relative to the scales, so that a device of micrometres and microseconds can be
+/// described in metres and seconds.
 ///
 /// ```
 /// use tangency::core::hybrid::Scales;
@@ -136,54 +142,56 @@ pub fn time_left<T: Scalar>(t: T, first: T, interval: T) -> T {
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Scales {
-    /// The scale of time; by default the time in which the phase of the forcing grows by 1, and 1
-    /// without forcing.
+    /// The time scale; by default the time in which the phase of the forcing grows by 1, and 1 in a
+    /// system without forcing.
     pub time: Option<f64>,
-    /// Scales of states by name; 1 by default.
+    /// The scales of states, by the name of the state; 1 for states without an entry.
     pub states: Vec<(String, f64)>,
 }
 
 impl Scales {
-    /// Sets the scale of time.
+    /// Sets the time scale.
     pub fn time(mut self, scale: f64) -> Self {
         self.time = Some(scale);
         self
     }
 
-    /// Sets the scale of a state.
+    /// Sets the scale of a state, given by name.
     pub fn state(mut self, name: impl Into<String>, scale: f64) -> Self {
         self.states.push((name.into(), scale));
         self
     }
 
-    /// The scale of a state.
+    /// Returns the scale of a state, given by name.
     pub(super) fn of(&self, state: &str) -> f64 {
         self.states.iter().find(|(name, _)| name == state).map_or(1.0, |(_, scale)| *scale)
     }
 }
 
-/// One leg of a hybrid orbit, given by its ends.
+/// One leg of a hybrid orbit, represented by the states at its ends.
 #[derive(Clone, Copy, Debug)]
 pub struct Passage<'a, T> {
     /// The mode.
     pub mode: usize,
-    /// The guard at which the leg ends; `None` if it does not end.
+    /// The guard at which the leg ends; `None` if no event ends the leg.
     pub exit: Option<usize>,
-    /// The state at the start.
+    /// The state at the start of the leg.
     pub start: &'a [T],
-    /// The state at the end, before the event.
+    /// The state at the end of the leg, before the event.
     pub end: &'a [T],
 }
 
-/// A hybrid system: modes, guards and resets, written once; derivatives come from automatic
-/// differentiation. [`hybrid_system!`](crate::hybrid_system) defines a system mode by mode.
+/// A hybrid system: modes, guards and resets, written once for all scalar types; derivatives come
+/// from automatic differentiation. [`hybrid_system!`](crate::hybrid_system) defines a system mode
+/// by mode.
 ///
 /// A mode lasts while all its guards are positive. The first guard that falls to zero causes an event;
-/// of several simultaneous ones, the one defined first counts. From the state `x` just before the
-/// event, motion continues in the mode [`next_mode`](Self::next_mode), from the state computed by
-/// [`reset`](Self::reset). If several modes [`may_follow`](Self::may_follow), such as stick or slip,
-/// [`decision`](Self::decision) functions select one. Guards are numbered as in
-/// [`guards`](Self::guards), modes as in [`modes`](Self::modes).
+/// if several guards fall to zero simultaneously, the event belongs to the guard that is defined
+/// first. From the state `x` just before the event, motion continues in the mode
+/// [`next_mode`](Self::next_mode), from the state computed by [`reset`](Self::reset). If several modes
+/// are possible after an event ([`may_follow`](Self::may_follow)), for example stick or slip,
+/// [`decision`](Self::decision) functions select the next mode. Guards are numbered by their order in
+/// [`guards`](Self::guards), and modes by their order in [`modes`](Self::modes).
 ///
 /// ```
 /// use tangency::core::hybrid::{Guard, HybridSystem, Mode};
@@ -222,37 +230,43 @@ pub struct Passage<'a, T> {
 /// assert_eq!(after, [0.0, 1.6]);
 /// ```
 pub trait HybridSystem: Send + Sync {
-    /// The modes, with the names of their states.
+    /// Returns the modes, with the names of their states.
     fn modes(&self) -> Vec<Mode>;
 
-    /// The guards. Of several simultaneous ones, the first one listed is the event.
+    /// The guards. If several guards vanish simultaneously, the event belongs to the guard that is
+    /// listed first.
     fn guards(&self) -> Vec<Guard>;
 
-    /// The names of the parameters.
+    /// Returns the names of the parameters.
     fn parameters(&self) -> Vec<String>;
 
-    /// The default values of all parameters, in order; empty without default values.
+    /// Returns the default values of all parameters, in order; an empty list if the system has no
+    /// default values.
     fn defaults(&self) -> Vec<f64> {
         Vec::new()
     }
 
-    /// The mode in which a motion begins, given its initial state as a state of `mode`: by default
-    /// `mode`. If the state alone decides, for example by the side of a surface on which it lies,
-    /// another mode with the same states. Used by searches for cycles and attractors, and by scenes,
-    /// which give initial states in the first mode.
+    /// Returns the mode in which a motion begins, given its initial state as a state of `mode`; the
+    /// default is `mode`. If the state alone determines the mode, for example by the side of a
+    /// surface on which the state lies, an implementation returns another mode with the same states.
+    /// Searches for cycles and attractors call this method, and so do scenes, whose initial states
+    /// are states of the first mode.
     fn initial_mode(&self, mode: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
         mode
     }
 
-    /// Computes the field of a mode and writes it into `f` (of the same length as `x`).
+    /// Computes the vector field of a mode and writes it into `f`, which has the same length as
+    /// `x`.
     fn field<T: Scalar>(&self, mode: usize, t: T, x: &[T], p: &[T], f: &mut [T]);
 
-    /// Computes a guard in one of its modes; the guard is positive while the mode lasts.
+    /// Computes the value of a guard in one of its modes; the guard is positive while the mode
+    /// lasts.
     fn guard<T: Scalar>(&self, guard: usize, mode: usize, t: T, x: &[T], p: &[T]) -> T;
 
     /// Computes the state just after an event that leads from the first of two modes to the second,
-    /// and writes it into `after` (as long as the states of the second mode). By default the state is
-    /// unchanged if both modes have equally many states; otherwise a reset must be defined.
+    /// and writes it into `after`, whose length is the number of states of the second mode. By
+    /// default the state is unchanged if both modes have the same number of states; otherwise a reset
+    /// must be defined.
     fn reset<T: Scalar>(
         &self,
         _guard: usize,
@@ -269,21 +283,24 @@ pub trait HybridSystem: Send + Sync {
     }
 
     /// Projects a state of a mode onto the invariant surface of the mode by one step of Newton's
-    /// method; states on the surface, and derivatives along it, are unchanged. By default does
-    /// nothing. Called only for modes with [`Mode::on_surface`].
+    /// method, which leaves states on the surface, and derivatives along the surface, unchanged.
+    /// The default implementation leaves the state unchanged. The method is called only in modes
+    /// with [`Mode::on_surface`].
     fn constrain<T: Scalar>(&self, _mode: usize, _t: T, _x: &mut [T], _p: &[T]) {}
 
-    /// The possible next modes after an event in a mode, in the order in which
-    /// [`decision`](Self::decision) functions select them: the first one whose function is positive,
-    /// or the last one if all are negative. Empty by default: there are no decision functions.
+    /// Returns the possible next modes after an event in a mode, in the order in which
+    /// [`decision`](Self::decision) functions select a mode: the first mode whose function is
+    /// positive, or the last mode if all functions are negative. The list is empty by default: no
+    /// decision functions are used.
     fn may_follow(&self, _guard: usize, _mode: usize) -> Vec<usize> {
         Vec::new()
     }
 
-    /// Computes the function that selects a mode, by the mode's position among those that
-    /// [`may_follow`](Self::may_follow) an event. At its zeros motion changes, for example from slip
-    /// to stick, or from crossing to sliding. Along a branch of orbits these zeros are located as
-    /// grazings. Not called for the last mode.
+    /// Computes the decision function of a possible next mode after an event; the mode is given by
+    /// its index in [`may_follow`](Self::may_follow). The motion changes at zeros of a decision
+    /// function, for example from slip to stick, or from crossing to sliding. Along a branch of
+    /// orbits the zeros of decision functions are located as grazings. The last mode in the list has
+    /// no decision function.
     ///
     /// ```
     /// use tangency::prelude::*;
@@ -322,13 +339,14 @@ pub trait HybridSystem: Send + Sync {
         T::from(f64::NAN)
     }
 
-    /// The next mode after an event in a mode, given the state just before it: by default the mode
-    /// that the [`decision`](Self::decision) functions select, and the same mode if no modes
-    /// [`may_follow`](Self::may_follow). After an accumulation of events,
-    /// [`mode_after_accumulation`](Self::mode_after_accumulation) decides.
+    /// Returns the next mode after an event in a mode, given the state just before the event. By
+    /// default, the [`decision`](Self::decision) functions select the mode; without modes in
+    /// [`may_follow`](Self::may_follow), the mode does not change. After an accumulation of events,
+    /// [`mode_after_accumulation`](Self::mode_after_accumulation) determines the next mode.
     ///
     /// If this method is implemented without decision functions, its result is compared with the
-    /// itinerary at each point of a branch of orbits, and the place of a change is bracketed.
+    /// itinerary at each point of a branch of orbits, and the point at which the result changes is
+    /// bracketed.
     fn next_mode(&self, guard: usize, mode: usize, t: f64, x: &[f64], p: &[f64]) -> usize {
         let modes = self.may_follow(guard, mode);
         let Some((last, others)) = modes.split_last() else { return mode };
@@ -336,8 +354,8 @@ pub trait HybridSystem: Send + Sync {
         (0..others.len()).find(positive).map_or(*last, |k| others[k])
     }
 
-    /// The next mode after an accumulation of the events of a guard in a mode, given the state there:
-    /// by default [`Guard::accumulates_to`].
+    /// Returns the next mode after an accumulation of the events of a guard in a mode, given the
+    /// state at the accumulation; the default is [`Guard::accumulates_to`].
     fn mode_after_accumulation(
         &self,
         guard: usize,
@@ -349,8 +367,9 @@ pub trait HybridSystem: Send + Sync {
         self.guards()[guard].accumulates_to
     }
 
-    /// The standard name of a grazing at `(t, x)`, such as `grazing-sliding`, shown with the point
-    /// (`G`). By default the grazing has no name of its own.
+    /// Returns the standard name of a grazing bifurcation at `(t, x)`, such as `grazing-sliding`,
+    /// which is reported with the point (`G`). By default a grazing bifurcation has no specific
+    /// name.
     fn kind_of_tangency(
         &self,
         _tangency: Tangency,
@@ -361,59 +380,65 @@ pub trait HybridSystem: Send + Sync {
         None
     }
 
-    /// The widest registers in which [`field`](Self::field) and [`guard`](Self::guard) can be
-    /// evaluated for several motions together, each in a lane. Numbers must then not be compared or
-    /// converted to real parts, since one decision cannot be valid in all lanes; branches on modes and
-    /// guards are allowed. By default `None`: motions are simulated one by one.
+    /// Returns the widest vector registers in which [`field`](Self::field) and [`guard`](Self::guard)
+    /// can be evaluated for several motions together, one motion per lane. Code that is evaluated in
+    /// vector lanes must not compare numbers or convert them to real parts, since one comparison
+    /// cannot be valid in all lanes; branches on the mode and on the guard are allowed. The default is
+    /// `None`: motions are simulated one by one.
     ///
-    /// [`LaneWidth::compiled`] suits all such equations. [`LaneWidth::widest`] suits equations that
-    /// are inlined into code compiled for wide registers: `field`, `guard` and all functions that they
-    /// call are `#[inline(always)]`, and closures are called once. (Other equations give correct
-    /// results but take twice as long as in narrow lanes.)
+    /// [`LaneWidth::compiled`] is suitable for all equations that can be evaluated in lanes.
+    /// [`LaneWidth::widest`] is suitable for equations that are inlined into code compiled for wide
+    /// registers: `field`, `guard` and all functions that they call are `#[inline(always)]`, and each
+    /// closure is called at only one place. (Other equations give correct results but take twice as
+    /// long as in narrow lanes.)
     fn in_lanes(&self) -> Option<LaneWidth> {
         None
     }
 
-    /// The forcing; by default none.
+    /// Returns the kind of forcing; none by default.
     fn forcing(&self) -> Forcing {
         Forcing::None
     }
 
-    /// The period of a periodic [`forcing`](Self::forcing); for an autonomous system, the unit of time
-    /// in scenes.
+    /// Returns the period of a periodic [`forcing`](Self::forcing); in an autonomous system, the unit
+    /// of time in scenes.
     fn period<T: Scalar>(&self, _p: &[T]) -> T {
         T::one()
     }
 
-    /// Typical sizes of times and states, used as units of tolerances; needed if they are far from 1.
+    /// Returns the typical sizes of times and states, which are the units of tolerances; they must be
+    /// given if they are far from 1.
     fn scales(&self, _p: &[f64]) -> Scales {
         Scales::default()
     }
 
-    /// The names of monitors: further scalars of a motion. [`measures`](Self::measures) can refer to
-    /// monitors as to states.
+    /// Returns the names of monitors: further scalar functions of time and state along a motion.
+    /// [`measures`](Self::measures) can refer to monitors in the same way as to states.
     fn monitors(&self) -> Vec<String> {
         Vec::new()
     }
 
-    /// Computes a monitor in a mode, by its position among [`monitors`](Self::monitors).
+    /// Computes the value of a monitor in a mode; the monitor is given by its index in
+    /// [`monitors`](Self::monitors).
     fn monitor<T: Scalar>(&self, _monitor: usize, _mode: usize, _t: T, _x: &[T], _p: &[T]) -> T {
         T::from(f64::NAN)
     }
 
-    /// The measures, by name, that branches record for orbits, and sweeps for periods: by default the
-    /// extremes of every state, and the mean and extremes of every monitor ([`Measure::by_default`]).
+    /// Returns the named measures that branches record for orbits, and sweeps for periods; the
+    /// default is the extremes of every state, and the mean and extremes of every monitor
+    /// ([`Measure::by_default`]).
     fn measures(&self) -> Vec<(String, Measure)> {
         let states = self.modes().into_iter().flat_map(|mode| mode.states).collect();
         Measure::by_default(states, self.monitors())
     }
 
-    /// The names of states that start at zero in each mode; histories show their accumulated sum.
+    /// Returns the names of states that start at zero in each mode; histories show the sum
+    /// accumulated over all modes.
     fn cumulative_states(&self) -> Vec<String> {
         Vec::new()
     }
 
-    /// Computes the number with an index that [`Measure::Ends`] refers to, from the legs of a cycle of
+    /// Computes a measure of the kind [`Measure::Ends`], given its index, from the legs of a cycle of
     /// `periods` forcing periods.
     fn measure<T: Scalar>(
         &self,
@@ -425,16 +450,17 @@ pub trait HybridSystem: Send + Sync {
         T::zero()
     }
 
-    /// Rejects states outside the domain of a mode's field.
+    /// Returns an error for states outside the domain of a mode's vector field.
     fn domain(&self, _mode: usize, _x: &[f64], _p: &[f64]) -> Result<(), OutOfDomain> {
         Ok(())
     }
 
-    /// Rejects places at which a mode must not begin or end, for example on a surface that the sliding
-    /// field leaves. Called only there; [`domain`](Self::domain) is called at every step.
+    /// Returns an error for times and states at which a mode must not begin or end, for example on a
+    /// surface to which the sliding field is not tangent. The method is called only at the start and
+    /// end of a mode; [`domain`](Self::domain) is called at every integration step.
     ///
     /// # Errors
-    /// [`OutOfDomain`] with the quantity, its value and the remedy.
+    /// [`OutOfDomain`] with the name of the quantity, its value and the remedy.
     fn domain_at_ends(
         &self,
         _mode: usize,

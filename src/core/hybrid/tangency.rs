@@ -1,26 +1,26 @@
 //! Classification of grazings.
 
-/// The event that makes an orbit of a hybrid system graze; a system derives the standard name of the
-/// point from it.
+/// The kind of grazing of an orbit of a hybrid system, from which the system derives the standard
+/// name of the bifurcation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Tangency {
-    /// A leg in a mode touches a guard without passing it.
+    /// A leg in a mode touches the surface of a guard without crossing it.
     Touch {
         /// The guard.
         guard: usize,
         /// The mode.
         mode: usize,
     },
-    /// An event is reached with zero speed.
+    /// An event is reached with zero approach speed.
     Slow {
         /// The guard.
         guard: usize,
-        /// The mode that the event ends.
+        /// The mode before the event.
         mode: usize,
         /// The next mode.
         next: usize,
     },
-    /// A leg has zero duration.
+    /// A leg of the orbit has zero duration.
     Leg {
         /// The mode before the leg.
         before: usize,
@@ -29,13 +29,13 @@ pub enum Tangency {
         /// The mode after the leg.
         after: usize,
     },
-    /// An event starts to lead to another mode.
+    /// A decision function vanishes, so that an event starts to lead to another mode.
     Decision {
         /// The guard.
         guard: usize,
-        /// The mode that the event ends.
+        /// The mode before the event.
         mode: usize,
-        /// The next mode on the orbit.
+        /// The next mode after the event on the orbit.
         next: usize,
     },
 }

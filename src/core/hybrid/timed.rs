@@ -6,17 +6,19 @@ use super::event_locator::{INSTANT, LocatedEvent};
 use super::system::Guard;
 use crate::core::linalg::refill;
 
-/// The guards with events at given times.
+/// The guards whose events occur at given times.
 pub(super) struct Timed {
-    /// The guards of each mode, with the number of their events in a period.
+    /// The guards of each mode whose events occur at given times, with the number of their events
+    /// in a period.
     of_modes: Vec<Vec<(usize, usize)>>,
-    /// The last time of each guard's event; a motion begins just after the events at its start. Empty
-    /// if there are no events at given times.
+    /// The last time of each guard's event; since a motion begins just after the events at its start,
+    /// the initial value is the start time. The list is empty if the system has no events at given
+    /// times.
     pub fired: Vec<f64>,
 }
 
 impl Timed {
-    /// Collects the guards with events at given times.
+    /// Collects the guards whose events occur at given times.
     pub fn among(guards: &[Guard], modes: usize) -> Self {
         let timed = guards.iter().enumerate().filter(|(_, guard)| guard.is_timed());
         let timed: Vec<(usize, &Guard)> = timed.collect();
@@ -28,12 +30,12 @@ impl Timed {
         Timed { of_modes: (0..modes).map(of_mode).collect(), fired: vec![0.0; count] }
     }
 
-    /// Whether a mode ends at given times.
+    /// Whether a mode can end at given times.
     pub fn end(&self, mode: usize) -> bool {
         !self.of_modes[mode].is_empty()
     }
 
-    /// Begins a motion at a time.
+    /// Resets the event times to the start time of a motion.
     pub fn begin(&mut self, time: f64) {
         self.fired.fill(time);
     }
@@ -45,7 +47,7 @@ impl Timed {
         }
     }
 
-    /// Whether a motion has reached its end and all events at that time.
+    /// Whether a motion has reached its end time and processed all events at that time.
     pub fn is_over<T: EventNumber>(
         &self,
         system: &dyn HybridEquations,
@@ -56,8 +58,9 @@ impl Timed {
         (end - place.1).real() <= 0.0 && self.next(system, place, end, p).is_none()
     }
 
-    /// The next event up to an end, and the time until then; of several simultaneous events, the one
-    /// defined first. A time at which the event has occurred already is past.
+    /// Returns the guard of the next event at a given time before `end`, and the time left until the
+    /// event; if several events are simultaneous, the guard that is defined first. A time at which
+    /// the event of a guard has already occurred counts as past.
     pub fn next<T: EventNumber>(
         &self,
         system: &dyn HybridEquations,
@@ -85,8 +88,8 @@ impl Timed {
     }
 }
 
-/// Ends a leg at an immediate event. The state at the event is one Euler step away, which is exact for
-/// its derivatives.
+/// Ends a leg at an event that occurs immediately. The state at the event is computed by one Euler
+/// step, whose length is nearly zero, so that the step is exact for the derivatives of the state.
 pub(super) fn at_once<T: EventNumber>(
     system: &dyn HybridEquations,
     (guard, left): (usize, T),

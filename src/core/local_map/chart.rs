@@ -1,4 +1,4 @@
-//! Motion near a grazing point, computed on jets.
+//! The motion near a grazing point, computed with jets.
 
 use super::error::GrazingError;
 use super::point::{GrazingPoint, Surface};
@@ -17,22 +17,22 @@ use num_dual::Dual;
 pub struct MapSettings {
     /// The order of the polynomials, from 1 to 7.
     pub order: usize,
-    /// The relative tolerance of the flow over one turn, for all Taylor coefficients, relative to
-    /// the largest one.
+    /// The tolerance of the flow over one turn, for all Taylor coefficients, relative to the
+    /// largest coefficient.
     pub tolerance: f64,
-    /// Cancels the computation of a map.
+    /// A token that cancels the computation of a map.
     pub cancel: CancelToken,
 }
 
 impl Default for MapSettings {
-    /// Order 2, and a tolerance of 1e-13.
+    /// The default settings: order 2, and a tolerance of 1e-13.
     fn default() -> Self {
         MapSettings { order: 2, tolerance: 1e-13, cancel: CancelToken::default() }
     }
 }
 
-/// The input of a local map: the system at a grazing point with its section, and the positions of
-/// the parameters that deviate.
+/// The input of a local map: the system, a grazing point with its section, and the indices of the
+/// parameters that vary.
 #[derive(Clone, Copy)]
 pub(super) struct Source<'a> {
     pub system: &'a dyn HybridEquations,
@@ -43,13 +43,14 @@ pub(super) struct Source<'a> {
 }
 
 impl Source<'_> {
-    /// Returns the space of the polynomials: coordinates, then parameters.
+    /// Returns the space of the polynomials, whose variables are the coordinates followed by the
+    /// parameters.
     pub fn space(&self, order: usize) -> Result<&'static Space, GrazingError> {
         Ok(Space::of(self.section.coordinates.len() + self.parameters.len(), order)?)
     }
 }
 
-/// A mode, a time and a state.
+/// A mode, a time and a state of a motion.
 #[derive(Clone, Debug)]
 pub(super) struct Place<T> {
     pub mode: usize,
@@ -57,35 +58,38 @@ pub(super) struct Place<T> {
     pub x: Vec<T>,
 }
 
-/// The maximal number of Newton iterations (H): each doubles the digits of the real part, and the
-/// degree to which the series is correct. Four iterations reach 16 digits, three more the highest
-/// degree; the others allow for a poor start.
+/// The maximal number of Newton iterations (H): each iteration doubles the number of correct digits
+/// of the real part, and the degree to which the series is correct. Four iterations reach 16
+/// digits, and three more the highest degree; the remaining iterations allow for a poor initial
+/// guess.
 const ROUNDS: usize = 12;
-/// A step is rounding if it is smaller than this, relative to the largest step (R): about 50 ε.
+/// The size of a Newton step, relative to the largest step, below which the step is a rounding
+/// error (R): about 50 ε.
 const ROUNDING: f64 = 1e-14;
-/// A surface is reached if the last step is smaller than this, relative to the largest step (H):
-/// Newton's method converges quadratically, so that the next step would be rounding.
+/// The size of the last Newton step, relative to the largest step, below which a surface is reached
+/// (H): Newton's method converges quadratically, so that the next step would be a rounding error.
 pub(super) const REACHED: f64 = 1e-6;
 
-/// The section of a grazing point with parameters that are jets: points on the section, and motion
-/// from them.
+/// Coordinates on the section of a grazing point, with parameters that are jets; provides points on
+/// the section and the motion from these points.
 pub(super) struct Chart<'a, const C: usize> {
     pub source: Source<'a>,
-    /// The deviations of the coordinates, as variables.
+    /// The deviations of the coordinates from the grazing point, as independent variables of the
+    /// jets.
     pub deviations: Vec<Jet<C>>,
     p: Vec<Jet<C>>,
-    /// The unit of time per phase, `T(p)/phase of a period`.
+    /// The time per unit of phase, `T(p)/phase of a period`.
     unit: Jet<C>,
     /// The time scale.
     pub scale: f64,
     /// The phase of the grazing point.
     phase: f64,
-    /// The phase of a period of the forcing.
+    /// The phase of a whole period of the forcing.
     cycle: f64,
     states: Vec<usize>,
-    /// The flow for long times, with step control by all coefficients.
+    /// The integrator for long times, with step control by all Taylor coefficients.
     long: Flow<Jet<C>>,
-    /// The flow for times whose real part is nearly zero, in one step.
+    /// The integrator for times whose real part is nearly zero, which takes one step.
     short: Flow<Jet<C>>,
 }
 
@@ -121,7 +125,8 @@ where
         Ok(Chart { source, deviations, p, unit, scale, phase, cycle, states, long, short })
     }
 
-    /// Returns the point with these deviations of the coordinates, not yet on the section.
+    /// Returns the point whose coordinates deviate by the given amounts from the grazing point; the
+    /// point need not lie on the section.
     fn place(&self, deviations: &[Jet<C>]) -> Place<Jet<C>> {
         let Source { point, section, .. } = self.source;
         let x = point.x.iter().map(|x| Jet::from(*x)).collect();
@@ -135,13 +140,14 @@ where
         place
     }
 
-    /// Returns a place as a [`Moment`]: the system, mode, time and state, together with the
+    /// Returns a [`Moment`] with the mode, time and state of `place`, the system, and the
     /// parameters.
     pub fn at<'m>(&'m self, Place { mode, t, x }: &'m Place<Jet<C>>) -> Moment<'m, Jet<C>> {
         Moment { system: self.source.system, mode: *mode, t: *t, x, p: &self.p }
     }
 
-    /// Returns the point on the section with these deviations of the coordinates.
+    /// Returns the point on the section whose coordinates deviate by the given amounts from the
+    /// grazing point.
     pub fn on_section(&self, deviations: &[Jet<C>]) -> Place<Jet<C>> {
         let (mut place, section) = (self.place(deviations), self.source.section);
         let slope = section.slopes[1][1];
@@ -155,8 +161,8 @@ where
         place
     }
 
-    /// Returns the point on the section with a given value of the guard, and these deviations of
-    /// the other coordinates.
+    /// Returns the point on the section with a given value of the guard and given deviations of the
+    /// other coordinates.
     pub fn at_depth(&self, deviations: &[Jet<C>], guard: Jet<C>) -> Place<Jet<C>> {
         let mut place = self.place(deviations);
         let Source { point, section, .. } = self.source;
@@ -175,7 +181,7 @@ where
     }
 
     /// Returns the deviations of a point's coordinates from the coordinates of the grazing point
-    /// `periods` periods before.
+    /// `periods` forcing periods earlier.
     pub fn deviations_of(&self, place: &Place<Jet<C>>, periods: usize) -> Vec<Jet<C>> {
         let deviation = |coordinate: &Coordinate| match coordinate {
             Coordinate::State(i) => place.x[*i] - self.source.point.x[*i],
@@ -184,7 +190,8 @@ where
         self.source.section.coordinates.iter().map(deviation).collect()
     }
 
-    /// Advances a point by a time, which is `long` or has nearly no real part.
+    /// Advances a point along the motion by a time; `long` selects the integrator for times whose
+    /// real part is not nearly zero.
     pub fn advance(
         &mut self,
         place: &mut Place<Jet<C>>,
@@ -201,7 +208,8 @@ where
         Ok(())
     }
 
-    /// Moves a point near a surface onto it along the motion, by Newton's method for the time.
+    /// Moves a point near a surface onto the surface along the motion; Newton's method determines
+    /// the time.
     pub fn land(
         &mut self,
         place: &mut Place<Jet<C>>,
@@ -229,7 +237,7 @@ where
         })
     }
 
-    /// Applies the event of a guard, into a mode.
+    /// Applies the event of a guard to a point, which then lies in the mode `next`.
     pub fn pass(&self, place: &mut Place<Jet<C>>, guard: usize, next: usize) {
         let mut after = vec![Jet::from(0.0); self.states[next]];
         self.source.system.reset(guard, (place.mode, next), place.t, &place.x, &self.p, &mut after);

@@ -5,20 +5,20 @@ use crate::core::ode::SettingsError;
 use crate::core::problem::UnknownName;
 use crate::core::scalar::JetError;
 
-/// Reasons why a local map cannot be computed, or used.
+/// Reasons why a local map cannot be computed or used.
 #[derive(Clone, Debug, PartialEq, miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum GrazingError {
     /// The orbit, its linearisation or its multipliers cannot be computed, or no branch emanates
-    /// there.
+    /// from the point.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Failure(#[from] Failure),
-    /// The order or the number of variables is too high.
+    /// The order of the polynomials or the number of their variables is too high.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Jet(#[from] JetError),
-    /// A setting of the flow is invalid.
+    /// A setting of the integration is invalid.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Settings(#[from] SettingsError),
@@ -26,7 +26,7 @@ pub enum GrazingError {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Unknown(#[from] UnknownName),
-    /// A grazing point that does not belong to the system.
+    /// The grazing point does not belong to the system.
     #[error("the grazing point does not belong to the system: {0}")]
     Foreign(String),
     /// The number of deviations differs from the number of coordinates or parameters.
@@ -36,20 +36,20 @@ pub enum GrazingError {
         what: &'static str,
         /// The number of given deviations.
         found: usize,
-        /// The number of coordinates or parameters.
+        /// The number of coordinates or parameters of the map, as expected.
         expected: usize,
     },
-    /// The phase of a period is invalid.
+    /// The phase of a forcing period is invalid.
     #[error("the phase grows by {0} in a forcing period: the increment must be positive")]
     Phase(f64),
-    /// The order is 0.
+    /// The order of the map is 0, but must be at least 1.
     #[error("the order of a local map must be at least 1, not {0}")]
     Order(usize),
-    /// The order of the map is too low for the dynamics at the grazing.
+    /// The order of the map is too low for the dynamics near the grazing.
     #[error("a local map of order 1 cannot classify a grazing whose discontinuity map has no root")]
     #[diagnostic(help("take order 2 or more"))]
     NoRoot,
-    /// The grazed mode has too few states for coordinates on a section.
+    /// The grazed mode has too few independent states for coordinates on a section.
     #[error(
         "at the grazing point of guard `{guard}`, the guard and its rate do not determine two states of \
          mode `{mode}` (the two gradients are linearly dependent to {pivot:.1e}): a local map needs a \
@@ -61,10 +61,10 @@ pub enum GrazingError {
         guard: String,
         /// The mode.
         mode: String,
-        /// The part of the second gradient that is orthogonal to the first.
+        /// The part of the second gradient that is orthogonal to the first gradient.
         pivot: f64,
     },
-    /// The orbit does not graze at the point.
+    /// The orbit does not graze the guard's surface at the given point.
     #[error(
         "the orbit does not touch guard `{guard}` at t = {time:.9e}: the guard is {value:.1e} and its rate \
          {rate:.1e}, but both must vanish"
@@ -75,12 +75,12 @@ pub enum GrazingError {
         guard: String,
         /// The time.
         time: f64,
-        /// The value of the guard.
+        /// The value of the guard at the given point.
         value: f64,
-        /// The rate of the guard.
+        /// The rate of change of the guard along the motion.
         rate: f64,
     },
-    /// The guard has no quadratic minimum.
+    /// The guard has no quadratic minimum along the orbit.
     #[error(
         "guard `{guard}` has no quadratic minimum along the orbit at the grazing point, t = {time:.9e}: \
          the second derivative of the guard with respect to time is {curvature:.3e}, but must be positive"
@@ -102,7 +102,7 @@ pub enum GrazingError {
         /// The cause.
         source: FlowError,
     },
-    /// An event does not occur at the expected place.
+    /// An event of the orbit does not occur near its expected time.
     #[error(
         "the motion in mode `{mode}` does not reach {surface} near t = {time:.9e}: the last Newton step is {step:.1e}"
     )]
@@ -112,14 +112,14 @@ pub enum GrazingError {
     NotReached {
         /// The mode.
         mode: String,
-        /// The surface that is not reached.
+        /// The name of the surface that is not reached.
         surface: String,
         /// The time.
         time: f64,
-        /// The last change of the time.
+        /// The last change of the event's time in Newton's method.
         step: f64,
     },
-    /// Only the grazing orbit returns to the grazed surface immediately.
+    /// Near the grazing orbit, only this orbit itself returns to the grazed surface immediately.
     #[error(
         "the motion from the grazing point of guard `{touched}` ends immediately at guard `{back}`, but \
          near the grazing point \
@@ -127,11 +127,11 @@ pub enum GrazingError {
     )]
     #[diagnostic(help("use the same function for both guards"))]
     Apart {
-        /// The guard that the orbit grazes.
+        /// The name of the guard that the orbit grazes.
         touched: String,
-        /// The guard that ends the returning motion.
+        /// The name of the guard that ends the returning motion.
         back: String,
-        /// The distance of the surfaces, as a coefficient in units of the scales.
+        /// The distance between the two surfaces, as a coefficient in units of the scales.
         left: f64,
     },
     /// The orbit does not return to the grazing point.
@@ -143,7 +143,7 @@ pub enum GrazingError {
         "give the durations of the legs of the orbit, and locate the grazing (G) first"
     ))]
     NoReturn {
-        /// The coordinate with the largest deviation.
+        /// The coordinate whose deviation is the largest.
         coordinate: String,
         /// The deviation.
         missed: f64,
@@ -158,25 +158,25 @@ pub enum GrazingError {
     NotLocated {
         /// The released parameter.
         parameter: String,
-        /// The number of iterations.
+        /// The number of Newton iterations.
         iterations: usize,
         /// The remaining residual.
         residual: f64,
     },
-    /// The point is too far from grazing.
+    /// The local map is evaluated at a point too far from grazing.
     #[error(
         "the local map of order {order} is used too far from grazing: terms of the last order change the \
          image by {estimate:.1e} (allowed: {tolerance:.1e}) at a penetration of {penetration:.1e}"
     )]
     #[diagnostic(help("use a higher order, or a point closer to grazing"))]
     TooFar {
-        /// The order of the map.
+        /// The order of the local map.
         order: usize,
         /// The estimated error.
         estimate: f64,
         /// The allowed error.
         tolerance: f64,
-        /// The penetration, negative on the near side of the surface.
+        /// The penetration at the point; negative if the motion does not reach the surface.
         penetration: f64,
     },
 }

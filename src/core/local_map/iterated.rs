@@ -1,4 +1,4 @@
-//! The local map as a stroboscopic map.
+//! The local map as a stroboscopic map, whose attractors can be searched for.
 
 use super::error::GrazingError;
 use super::iteration::Iteration;
@@ -10,20 +10,20 @@ use crate::core::scalar::Scalar;
 use num_dual::Dual64;
 use std::sync::Arc;
 
-/// Iterates with larger deviations, in units of the coordinates' scales, have escaped (H): the
-/// polynomials hold for small deviations.
+/// The deviation of an iterate, in units of the coordinates' scales, above which the iterate has
+/// escaped (H): the polynomials are valid only for small deviations.
 const MOST: f64 = 1.0;
 
-/// The number of the only event: the virtual point lies beyond the surface.
+/// The number of the map's only event, which occurs if the virtual point lies beyond the surface.
 const IMPACT: usize = 0;
 
-/// The iterated local map, which gives the attractors near a grazing in a fraction of the time of a
-/// simulation.
+/// The iteration of a local map, which gives the attractors near a grazing in a fraction of the
+/// time that a simulation takes.
 ///
-/// States are deviations of the coordinates. The parameters are the parameters of the system, in
-/// the order of the given names; only the parameters of the map have an effect. A period in which
-/// the virtual point lies beyond the surface has the event `impact`, and the measure `penetration`
-/// is available.
+/// The states of the iterated map are deviations of the local map's coordinates from the grazing
+/// orbit. The parameters are the parameters of the system, in the order of the given names; only
+/// the parameters of the local map affect the result. If the virtual point lies beyond the surface,
+/// the period has the event `impact`; the only measure is `penetration`.
 ///
 /// ```
 /// use tangency::core::attractor::AttractorSearch;
@@ -46,14 +46,14 @@ const IMPACT: usize = 0;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct Iterated {
-    /// The positions of the map's parameters among all parameters.
+    /// The indices of the local map's parameters among all parameters.
     positions: Vec<usize>,
     layout: Layout,
     real: Moving<f64>,
     dual: Moving<Dual64>,
 }
 
-/// The map in one scalar type, with the deviations of its parameters.
+/// The map in one scalar type, with the deviations of its parameters from the grazing orbit.
 struct Moving<T> {
     iteration: Iteration<Arc<LocalMap>, T>,
     p: Vec<T>,
@@ -65,8 +65,8 @@ impl<T: Scalar> Moving<T> {
         Moving { iteration: Iteration::new(map, order), p: Vec::new() }
     }
 
-    /// Replaces a state by its image, and returns the penetration before. Rejects an image that is
-    /// too far from the grazing.
+    /// Replaces a state by its image, and returns the penetration at the original state. Returns an
+    /// error if the image is too far from the grazing.
     fn image(
         &mut self,
         positions: &[usize],
@@ -94,15 +94,15 @@ impl<T: Scalar> Moving<T> {
 }
 
 impl Iterated {
-    /// The name of the event: an iterate that passes through the surface.
+    /// The name of the event in which an iterate passes through the surface.
     pub const EVENT: &str = "impact";
 
-    /// Creates the iterated map. `parameters` are the names of the parameters passed to it; the
-    /// only measure is `penetration`.
+    /// Creates the iterated map of a local map. `parameters` are the names of all parameters of the
+    /// iterated map; the only possible measure is `penetration`.
     ///
     /// # Errors
-    /// [`GrazingError::Unknown`] if one of the map's parameters is not among them, or for another
-    /// measure.
+    /// [`GrazingError::Unknown`] if one of the local map's parameters is missing from `parameters`,
+    /// or if a measure is not `penetration`.
     pub fn of(
         map: LocalMap,
         parameters: &[String],

@@ -5,16 +5,17 @@ use super::map::LocalMap;
 use crate::core::scalar::{Monomials, Scalar};
 use std::ops::Deref;
 
-/// The iteration of a [`LocalMap`] in one scalar type, with all buffers: nothing is allocated after
-/// the first image.
+/// An evaluator of a [`LocalMap`] in one scalar type, with its buffers: after the first image, the
+/// iteration allocates no memory.
 ///
-/// A point has one component per coordinate of the map, and one parameter per deviating parameter.
+/// A point consists of one component per coordinate of the map, and the parameters are the
+/// deviations of the map's parameters.
 ///
-/// On dual numbers the iteration gives the Jacobian of the map, whose entries grow like `1/y` near
-/// grazing.
+/// With dual numbers the iteration computes the Jacobian of the map, whose entries grow like `1/y`
+/// near grazing.
 pub struct Iteration<M, T> {
     pub(super) map: M,
-    /// Terms of higher order are omitted.
+    /// The highest order of the terms that are evaluated.
     order: usize,
     monomials: Monomials<T>,
     place: Vec<T>,
@@ -26,14 +27,14 @@ impl LocalMap {
         self.iteration_to(self.space().order())
     }
 
-    /// Creates an iteration of the map without terms above an order.
+    /// Creates an iteration of the map that omits terms above a given order.
     pub fn iteration_to<T: Scalar>(&self, order: usize) -> Iteration<&Self, T> {
         Iteration::new(self, order)
     }
 
-    /// Returns the contribution of the highest order to the image of a point: an estimate of the
-    /// error of the map of the next lower order, and, if the series converges, a bound for the
-    /// error of this map.
+    /// Returns the contribution of the terms of highest order to the image of a point. The
+    /// contribution estimates the error of the map of the next lower order; if the series
+    /// converges, it bounds the error of the present map.
     pub fn error(&self, x: &[f64], p: &[f64]) -> f64 {
         let (mut image, mut lower) = (x.to_vec(), x.to_vec());
         self.iteration().apply(&mut image, p);
@@ -41,12 +42,12 @@ impl LocalMap {
         image.iter().zip(&lower).fold(0.0, |most, (a, b)| (a - b).abs().max(most))
     }
 
-    /// Computes the image of a point of the section, given deviations of its coordinates and of the
-    /// parameters.
+    /// Computes the image of a point on the section, given the deviations of its coordinates and of
+    /// the parameters.
     ///
     /// # Errors
     /// [`GrazingError::TooFar`] if the contribution of the highest order exceeds the tolerance,
-    /// [`GrazingError::Length`] for another number of deviations.
+    /// [`GrazingError::Length`] if the number of deviations is wrong.
     pub fn image(&self, x: &[f64], p: &[f64], tolerance: f64) -> Result<Vec<f64>, GrazingError> {
         let lengths = [
             ("coordinates", x.len(), self.coordinates().len()),
@@ -72,14 +73,15 @@ impl<M: Deref<Target = LocalMap>, T: Scalar> Iteration<M, T> {
         Iteration { map, order, monomials: Monomials::default(), place: Vec::new() }
     }
 
-    /// Computes the penetration `−h` at a point of the section, given deviations of its coordinates
-    /// and of the parameters.
+    /// Computes the penetration `−h` at a point on the section, given the deviations of its
+    /// coordinates and of the parameters.
     pub fn penetration(&mut self, x: &[T], p: &[T]) -> T {
         self.at(x, p);
         self.map.smooth.penetration.sum_to(self.order, &self.monomials)
     }
 
-    /// Replaces a point `x` of the section by its image, and returns the penetration.
+    /// Replaces a point `x` on the section by its image, and returns the penetration at the
+    /// original point.
     pub fn apply(&mut self, x: &mut [T], p: &[T]) -> T {
         let penetration = self.penetration(x, p);
         if penetration.real() > 0.0 {
@@ -92,21 +94,22 @@ impl<M: Deref<Target = LocalMap>, T: Scalar> Iteration<M, T> {
         penetration
     }
 
-    /// Applies `D`, then `P_smooth`, to the virtual point given by `y` (which may be negative) in
-    /// place of its normal coordinate, and the other coordinates. The image is written into `x`.
+    /// Applies `D`, then `P_smooth`, to a virtual point, which is given by `y` (possibly negative)
+    /// in place of its normal coordinate, and by its other coordinates. The image of the point is
+    /// written into `x`.
     pub(crate) fn apply_regular(&mut self, z: &[T], p: &[T], x: &mut [T]) {
         self.at(z, p);
         self.discontinue(x);
         self.apply_smooth(x, p);
     }
 
-    /// Replaces a point by its image under `P_smooth` only, whatever the penetration.
+    /// Replaces a point by its image under `P_smooth` alone, whatever the penetration.
     pub(super) fn apply_smooth(&mut self, x: &mut [T], p: &[T]) {
         self.at(x, p);
         self.follow(x);
     }
 
-    /// Computes the normal coordinate of the virtual point given by `y` and the other coordinates.
+    /// Computes the normal coordinate of the virtual point, given `y` and the other coordinates.
     pub(crate) fn entry(&mut self, z: &[T], p: &[T]) -> T {
         self.at(z, p);
         self.map.discontinuity.entry.sum_to(self.order, &self.monomials)

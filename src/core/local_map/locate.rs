@@ -9,15 +9,16 @@ use crate::core::linalg::{solved, unit};
 use crate::core::problem::position;
 use crate::core::scalar::Polynomial;
 
-/// The maximal number of Newton iterations for a grazing orbit (H).
+/// (H) The maximal number of Newton iterations for a grazing orbit.
 const ITERATIONS: usize = 12;
-/// Newton's method has converged if the orbit misses its start by less than this, in units of the
-/// scales (D): a hundred times the tolerance of the flow.
+/// (D) The largest distance, in units of the scales, by which an orbit may miss its start when
+/// Newton's method has converged: a hundred times the tolerance of the flow.
 const DONE: f64 = 1e-11;
 
 impl GrazingPoint {
-    /// Computes the nearest point to which a grazing orbit returns, with one released parameter, by
-    /// Newton's method on the linear local map. The orbit misses its start by at most 1e-11.
+    /// Computes the nearest grazing point to which the orbit returns, by Newton's method on the
+    /// linear local map; the named parameter is free. At the result, the orbit misses its start by
+    /// at most 1e-11.
     ///
     /// ```
     /// use tangency::core::local_map::GrazingPoint;
@@ -43,8 +44,8 @@ impl GrazingPoint {
     /// ```
     ///
     /// # Errors
-    /// [`GrazingError`]; [`NotLocated`](GrazingError::NotLocated) if the iteration does not
-    /// converge.
+    /// [`GrazingError`] if the linear map cannot be computed;
+    /// [`NotLocated`](GrazingError::NotLocated) if the iteration does not converge.
     pub fn located(
         &self,
         system: &dyn HybridEquations,

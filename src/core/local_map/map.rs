@@ -10,11 +10,11 @@ use crate::core::problem::position;
 use crate::core::scalar::{Polynomial, Space};
 use std::fmt::{Display, Formatter};
 
-/// The Poincaré map near a grazing orbit: `P = P_smooth ∘ D` on the section where the grazed guard
-/// has its minimum, in deviations from the grazing orbit.
+/// The Poincaré map near a grazing orbit: `P = P_smooth ∘ D` on the section on which the grazed
+/// guard is minimal along the motion, in terms of deviations from the grazing orbit.
 ///
-/// The coordinates are all states of the grazed mode except one (which the section determines)
-/// and, under forcing, the phase; the parameters are the requested ones.
+/// The coordinates are all states of the grazed mode except one, which the section determines, and
+/// under forcing also the phase; the parameters are those named at creation.
 ///
 /// ```
 /// use tangency::core::local_map::{GrazingPoint, LocalMap, MapSettings};
@@ -36,26 +36,26 @@ use std::fmt::{Display, Formatter};
 pub struct LocalMap {
     coordinates: Vec<String>,
     parameters: Vec<String>,
-    /// The coordinates and parameters of the grazing orbit.
+    /// The coordinates and parameters at the grazing point.
     origin: Vec<f64>,
-    /// Typical sizes of the coordinates.
+    /// The typical sizes of the coordinates.
     pub(super) scales: Vec<f64>,
     normal: usize,
     pub(super) smooth: Smooth,
     pub(super) discontinuity: Discontinuity,
 }
 
-/// The name of the coordinate for the time in units of the forcing period.
+/// The name of the coordinate that represents the time in units of the forcing period.
 pub const PHASE: &str = "phase";
 
 impl LocalMap {
-    /// Computes the local map of a system at a grazing point, with deviations of the named
-    /// parameters.
+    /// Computes the local map of a system at a grazing point, as a function of deviations of the
+    /// coordinates and of the named parameters.
     ///
     /// # Errors
-    /// [`GrazingError`] if the orbit does not touch quadratically at the point or does not return
-    /// to it, if no coordinates can be found, or if a name does not exist or the order is out of
-    /// range.
+    /// [`GrazingError`] if the orbit has no quadratic contact with the surface at the point or does
+    /// not return to the point, if no coordinates can be found, if a parameter does not exist, or
+    /// if the order is out of range.
     pub fn of(
         system: &dyn HybridEquations,
         point: &GrazingPoint,
@@ -87,51 +87,54 @@ impl LocalMap {
         Ok(LocalMap { coordinates, parameters, origin, scales, normal, smooth, discontinuity })
     }
 
-    /// The monomials of all polynomials: coordinates, then parameters.
+    /// Returns the monomials of all polynomials, whose variables are the coordinates followed by
+    /// the parameters.
     pub fn space(&self) -> &'static Space {
         self.penetration().space()
     }
 
-    /// The names of the coordinates.
+    /// Returns the names of the coordinates.
     pub fn coordinates(&self) -> &[String] {
         &self.coordinates
     }
 
-    /// The names of the parameters.
+    /// Returns the names of the parameters.
     pub fn parameters(&self) -> &[String] {
         &self.parameters
     }
 
-    /// The coordinates and parameters of the grazing orbit, from which all others deviate.
+    /// Returns the coordinates and parameters of the grazing orbit, from which deviations are
+    /// measured.
     pub fn origin(&self) -> (&[f64], &[f64]) {
         self.origin.split_at(self.coordinates.len())
     }
 
-    /// The position of the coordinate that `D` replaces by `y`.
+    /// Returns the index of the coordinate that `D` replaces by `y`.
     pub fn normal(&self) -> usize {
         self.normal
     }
 
-    /// `P_smooth`: the deviations of the coordinates after one turn.
+    /// Returns `P_smooth`: the deviations of the coordinates after one turn, ignoring the surface.
     pub fn smooth(&self) -> &[Polynomial] {
         &self.smooth.images
     }
 
-    /// The penetration `−h` on the section.
+    /// Returns the penetration `−h` as a polynomial on the section.
     pub fn penetration(&self) -> &Polynomial {
         &self.smooth.penetration
     }
 
-    /// `D`: the deviations of the coordinates as functions of `y` (in place of the normal
+    /// Returns `D`: the deviations of the coordinates as functions of `y` (in place of the normal
     /// coordinate), the other coordinates, and the parameters.
     pub fn discontinuity(&self) -> &[Polynomial] {
         &self.discontinuity.images
     }
 
     /// Returns the leading order of the difference between `D` and the identity, as a power of the
-    /// penetration: 1/2 at an impact, 3/2 where motion enters a field of another first derivative,
-    /// as at a soft stop (M. di Bernardo et al., *Piecewise-smooth Dynamical Systems*, 2008,
-    /// chapter 7). `None` if `D` is the identity up to the order of the map.
+    /// penetration. The power is 1/2 at an impact, and 3/2 if motion enters a vector field whose
+    /// first derivative differs, as at a soft stop (M. di Bernardo et al., *Piecewise-smooth
+    /// Dynamical Systems*, 2008, chapter 7). Returns `None` if `D` is the identity up to the order
+    /// of the map.
     ///
     /// ```
     /// # use tangency::core::local_map::{GrazingPoint, LocalMap, MapSettings};
@@ -148,18 +151,19 @@ impl LocalMap {
         self.discontinuity.power.map(|power| power as f64 / 2.0)
     }
 
-    /// The normal coordinate of the virtual point as a function of `y`, the other coordinates, and
-    /// the parameters.
+    /// Returns the normal coordinate of the virtual point as a function of `y`, the other
+    /// coordinates, and the parameters.
     pub fn entry(&self) -> &Polynomial {
         &self.discontinuity.entry
     }
 }
 
-/// The largest distance by which an orbit may miss its touch, in units of the scales (H). Only
-/// wrong input is rejected: durations of the wrong legs miss by order 1, a located orbit by 1e-11.
+/// (H) The largest distance, in units of the scales, by which an orbit may miss its grazing point
+/// after one turn. Only wrong input is rejected: an orbit with durations of the wrong legs misses
+/// the point by a distance of order 1, a located orbit by 1e-11.
 const RETURNS: f64 = 1e-3;
 
-/// Rejects an orbit that does not return to its touch.
+/// Returns an error if the orbit does not return to its grazing point.
 fn returns(smooth: &Smooth, section: &Section, coordinates: &[String]) -> Result<(), GrazingError> {
     let missed = smooth.images.iter().map(|image| image.coefficients()[0]);
     let parts = missed.zip(&section.scales).map(|(missed, scale)| (missed / scale, missed));
@@ -172,12 +176,12 @@ fn returns(smooth: &Smooth, section: &Section, coordinates: &[String]) -> Result
     }
 }
 
-/// Smaller coefficients are printed as zero: half a unit of the tenth decimal, the last one
-/// printed.
+/// The magnitude below which coefficients are printed as zero: half a unit of the tenth decimal,
+/// which is the last one printed.
 const LEAST: f64 = 5e-11;
 
-/// Prints a table for each of the two maps: a row for each monomial, a column for each coordinate
-/// of the image.
+/// Prints one table for `D` and one for `P_smooth`: a row for each monomial, and a column for each
+/// coordinate of the image.
 ///
 /// ```
 /// use tangency::core::local_map::{GrazingPoint, LocalMap, MapSettings};
@@ -245,7 +249,7 @@ impl LocalMap {
     }
 }
 
-/// Formats a monomial, such as `Δx²Δp`.
+/// Formats a monomial of the given variables, such as `Δx²Δp`.
 fn monomial(variables: &[String], exponents: &[u8]) -> String {
     let power = |(name, power): (&String, &u8)| match power {
         0 => String::new(),

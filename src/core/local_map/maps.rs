@@ -7,28 +7,30 @@ use crate::core::hybrid::{EventNumber, FieldNumber, GuardNumber};
 use crate::core::scalar::{Jet, Polynomial, Scalar};
 use num_dual::Dual;
 
-/// `P_smooth` in the coordinates, and the penetration `−h` on the section.
+/// The polynomials of `P_smooth` in the coordinates, and the penetration `−h` on the section.
 #[derive(Clone, Debug)]
 pub(super) struct Smooth {
     pub images: Vec<Polynomial>,
     pub penetration: Polynomial,
 }
 
-/// `D` in `y` and the other coordinates, and the normal coordinate of the virtual point.
+/// The polynomials of `D` in `y` and the other coordinates, and the normal coordinate of the
+/// virtual point.
 #[derive(Clone, Debug)]
 pub(super) struct Discontinuity {
     pub images: Vec<Polynomial>,
     pub entry: Polynomial,
-    /// The leading power of `y` in the difference between `D` and the identity; `None` if they
-    /// agree up to the order.
+    /// The leading power of `y` in the difference between `D` and the identity; `None` if `D` is
+    /// the identity up to the order of the polynomials.
     pub power: Option<usize>,
 }
 
-/// Smaller coefficients, relative to the scale and the largest one, are errors of the flow (D): the
-/// default tolerance of 1e-13, divided twice by `y`, leaves 1e-10 or less.
+/// (D) The magnitude of a coefficient, relative to the scale and the largest coefficient, below
+/// which the coefficient is an error of the flow: the default tolerance of 1e-13, divided twice by
+/// `y`, results in 1e-10 or less.
 const NEGLIGIBLE: f64 = 1e-9;
 
-/// Computes a map in a chart that can hold the jets of an order.
+/// Computes a map in a chart whose jets are large enough for the given order.
 macro_rules! in_chart {
     ($source:expr, $order:expr, $map:ident) => {{
         let space = $source.space($order)?;
@@ -40,18 +42,18 @@ macro_rules! in_chart {
 }
 
 impl Source<'_> {
-    /// The scales of all variables: coordinates, then parameters.
+    /// Returns the scales of all variables: coordinates, then parameters.
     fn sizes(&self) -> Vec<f64> {
         let parameters = self.parameters.iter().map(|_| 1.0);
         self.section.scales.iter().copied().chain(parameters).collect()
     }
 
-    /// The scale of the guard.
+    /// Returns the scale of the grazed guard.
     fn guard_scale(&self) -> f64 {
         self.point.guard_scale(self.system)
     }
 
-    /// The scale of `y`.
+    /// Returns the scale of `y`.
     fn depth(&self) -> f64 {
         self.guard_scale().sqrt()
     }
@@ -72,7 +74,7 @@ where
     Dual<Jet<C>>: FieldNumber + GuardNumber,
     Dual<Dual<Jet<C>>>: GuardNumber,
 {
-    /// Converts jets whose variables are in units of these sizes to polynomials.
+    /// Converts jets whose variables are in units of the given sizes to polynomials.
     fn polynomial(&self, jet: &Jet<C>, sizes: &[f64]) -> Result<Polynomial, GrazingError> {
         let space = self.source.space(self.source.settings.order)?;
         Ok(Polynomial::of(space, jet).in_sizes(sizes))
@@ -165,9 +167,10 @@ where
         Ok(of_y.map(|powers| usize::from(powers[normal])).min())
     }
 
-    /// Returns the time in units of `y`, to leading order, after which motion returns to a surface
-    /// that it has just left at a rate of order `y`, such as into a soft stop and out again. `None`
-    /// for a surface that motion approaches at a rate of order 1.
+    /// Returns the time `σ` in units of `y`, to leading order, after which motion returns to a
+    /// surface that it has just left at a rate of order `y`: for example, the time during which a
+    /// soft stop is compressed. Returns `None` for a surface that motion approaches at a rate of
+    /// order 1.
     fn back_on(&self, place: &Place<Jet<C>>, guard: usize) -> Option<f64> {
         let slow = TOUCHES * self.source.guard_scale() / self.scale;
         let rate = Surface::Turning(guard).moving(self.at(place));
@@ -176,9 +179,9 @@ where
         (rate.re.real().abs() <= slow).then(|| -2.0 * of_y / self.source.depth() / curvature)
     }
 
-    /// Moves a point onto the surface of a guard along the motion. The time is `y σ`, with `σ`
-    /// given to leading order, by Newton's method for `G(σ) = 0`, where `G = h/y²` and `dG/dσ =
-    /// (dh/dt)/y`.
+    /// Moves a point onto the surface of a guard along the motion. The time of the motion is `y σ`,
+    /// where `σ` is given to leading order and corrected by Newton's method for `G(σ) = 0`, with `G
+    /// = h/y²` and `dG/dσ = (dh/dt)/y`.
     fn move_onto(
         &mut self,
         place: &mut Place<Jet<C>>,

@@ -1,26 +1,27 @@
 //! Local maps near grazing orbits: discontinuity maps of any order.
 //!
-//! A periodic orbit grazes where it touches the surface `h = 0` of a guard without crossing it. On
-//! the section `Π` where motion is closest to the surface, `dh/dt = 0`, motion near the orbit is
-//! described by the map
+//! A periodic orbit grazes if it touches the surface `h = 0` of a guard without crossing the
+//! surface. On the section `Π`, defined by `dh/dt = 0`, where motion is closest to the surface,
+//! motion near the orbit is described by the map
 //!
 //! ```text
 //!     P = P_smooth ∘ D
 //! ```
 //!
-//! (A. B. Nordmark, *J. Sound Vib.* 145:279, 1991; M. di Bernardo et al., *Piecewise-smooth
-//! Dynamical Systems*, 2008, chapter 6): `P_smooth` follows the orbit for one turn, ignoring the
-//! surface, and the discontinuity map `D` takes the **virtual** point of `Π`, which motion would
-//! reach through the surface, to the point from which the actual motion continues. With the
-//! **penetration** `−h` at a virtual point, `D` depends on the square root `y = √(−h)` only, and is
-//! analytic in it. Both maps are computed as Taylor polynomials in coordinates, parameters and `y`
-//! on [jets](crate::core::scalar::Jet), from the equations of the system itself;
+//! The section and the two maps are described by A. B. Nordmark (*J. Sound Vib.* 145:279, 1991) and
+//! by M. di Bernardo et al. (*Piecewise-smooth Dynamical Systems*, 2008, chapter 6). The smooth map
+//! `P_smooth` follows the orbit for one turn and ignores the surface. The discontinuity map `D`
+//! maps the **virtual** point of `Π`, which motion would reach if the surface were absent, to the
+//! point from which the actual motion continues. The **penetration** at a virtual point is `−h`;
+//! `D` depends on the penetration only through its square root `y = √(−h)`, and is analytic in `y`.
+//! Both maps are computed as Taylor polynomials in coordinates, parameters and `y` with
+//! [jets](crate::core::scalar::Jet), from the equations of the system itself;
 //! `docs/concepts/grazing.md` explains the method.
 //!
-//! A [`GrazingPoint`] is the point at which an orbit grazes a guard; [`LocalMap`] is `P`, which can
-//! be iterated, differentiated and printed, and gives the scenario of the grazing
-//! ([`LocalMap::classified`]). A [`LocalOrbit`] is the problem of its fixed and periodic points,
-//! for continuation, and [`Iterated`] gives the attractors by brute force.
+//! A [`GrazingPoint`] is the point at which an orbit grazes a guard; [`LocalMap`] is the map `P`,
+//! which can be iterated, differentiated and printed, and which determines the scenario of the
+//! grazing ([`LocalMap::classified`]). A [`LocalOrbit`] is the continuation problem for fixed and
+//! periodic points of the local map, and [`Iterated`] finds the attractors of the map by iteration.
 
 mod chart;
 mod discrete;

@@ -9,22 +9,22 @@ use crate::core::failure::Failure;
 use crate::core::scalar::Scalar;
 use crate::core::system::Limit;
 
-/// The periodic points of a [`LocalMap`] with a given order of passes through the surface (impacts)
-/// and passes without it:
+/// The periodic points of a [`LocalMap`] with a given sequence of iterates with an impact, which
+/// pass through the surface, and iterates without an impact:
 ///
 /// ```text
 ///     ξ_{k+1} = P(ξ_k, p),    k = 0 … K − 1,    ξ_K = ξ_0
 /// ```
 ///
-/// where each point has a further unknown: at an impact `y_k`, which determines the normal
-/// coordinate of the virtual point `ξ_k`, and elsewhere the distance `h` from the surface. In these
-/// unknowns the equations are regular where an impact becomes a grazing, `y_k = 0`, and so is the
-/// linearisation with a multiplier: no entry grows like `1/y`.
+/// Each point has an additional unknown: at an impact `y_k`, which determines the normal coordinate
+/// of the virtual point `ξ_k`, and otherwise the distance `h` from the surface. In these unknowns
+/// the equations are regular if an impact becomes a grazing, `y_k = 0`, and so is the generalised
+/// eigenvalue problem for the multipliers: no entry grows like `1/y`.
 ///
 /// The problem is a boundary-value problem on segments without motion, so that all methods for
-/// periodic orbits apply: multipliers, stability, folds, period doublings, torus points, grazings,
-/// and the curves of such points. Coordinates and parameters are deviations from the grazing orbit,
-/// except parameters and monitors with [`in_place`](Self::in_place).
+/// periodic orbits apply: multipliers, stability, folds, period doublings, torus bifurcations,
+/// grazings, and the curves of these bifurcations. Coordinates and parameters are deviations from
+/// the grazing orbit, except parameters and monitors with [`in_place`](Self::in_place).
 ///
 /// ```
 /// use tangency::core::continuation::Continuation;
@@ -54,27 +54,28 @@ pub struct LocalOrbit {
     map: LocalMap,
     impacts: Vec<bool>,
     order: usize,
-    /// Whether parameters and monitors are values of the system instead of deviations.
+    /// Whether parameters and monitors are in units of the system instead of deviations from the
+    /// grazing orbit.
     in_place: bool,
 }
 
-/// Functions of the points: the smallest `y` at impacts, the smallest distance from the surface
-/// elsewhere, and the penetration of the impact with the smallest `y` or, without impacts, minus
-/// the distance.
+/// The indices of three functions of all points: the smallest `y` at impacts, the smallest distance
+/// from the surface at the other points, and the penetration of the impact with the smallest `y`
+/// or, without impacts, minus the distance.
 const DEPTH: usize = 0;
 const DISTANCE: usize = 1;
 const PENETRATION: usize = 2;
 
-/// The monitors of the ends of all iterates.
+/// The names of the monitors that depend on the ends of all iterates.
 const ENDS: [&str; 3] = ["penetration", "depth", "distance"];
 
-/// The name of the monitor for the largest value of a coordinate.
+/// Returns the name of the monitor for the largest value of a coordinate.
 fn largest(coordinate: &String) -> String {
     format!("max_{coordinate}")
 }
 
 impl LocalOrbit {
-    /// Returns the possible monitors of orbits in these coordinates.
+    /// Returns the names of the monitors of orbits with the given coordinates.
     ///
     /// ```
     /// use tangency::core::local_map::LocalOrbit;
@@ -92,33 +93,34 @@ impl LocalOrbit {
         LocalOrbit { map, impacts: impacts.to_vec(), order, in_place: false }
     }
 
-    /// Uses parameters and monitors of the system in place of deviations, for comparison with
-    /// branches of the flow. Coordinates among the unknowns remain deviations, which have more
-    /// digits.
+    /// Expresses parameters and monitors as values of the system instead of deviations, for
+    /// comparison with branches of the flow. Coordinates in the vector of unknowns remain
+    /// deviations, since deviations have more significant digits.
     pub fn in_place(mut self) -> Self {
         self.in_place = true;
         self
     }
 
-    /// Omits terms of the map above an order.
+    /// Omits the terms of the map above a given order.
     pub fn to_order(mut self, order: usize) -> Self {
         self.order = order;
         self
     }
 
-    /// Creates the problem as a system. Its unknowns are computed by
-    /// [`flowed`](crate::core::bvp::DiscretisedProblem::flowed) from the points and the `y` or
-    /// distance of each point.
+    /// Creates the system of equations for the periodic points. The unknowns of the system are
+    /// computed by [`flowed`](crate::core::bvp::DiscretisedProblem::flowed) from the points and the
+    /// additional unknown, `y` or distance, of each point.
     ///
     /// # Errors
-    /// [`BoundaryError`] if there is no iterate.
+    /// [`BoundaryError`] if the sequence of iterates is empty.
     pub fn system(self) -> Result<BoundarySystem, BoundaryError> {
         let meshes = self.impacts.iter().map(|_| Mesh::uniform(1)).collect();
         // Any method is exact on segments without motion.
         BoundarySystem::new(self, Shooting::default(), meshes)
     }
 
-    /// Iterates over the points, with whether each is an impact, and its further unknown.
+    /// Iterates over the points; each item contains a point, whether the point is an impact, and
+    /// its additional unknown.
     fn points<'a, T: Scalar>(
         &'a self,
         x: &'a [T],
@@ -129,8 +131,8 @@ impl LocalOrbit {
         points.zip(extras).map(|((x, impact), extra)| (x, *impact, *extra))
     }
 
-    /// Returns the orbit with the opposite pass, impact or no impact, at the point closest to the
-    /// surface; `None` if there is no such point.
+    /// Returns the orbit that differs at the point closest to the surface, where an impact is
+    /// replaced by a pass without impact, or the reverse; `None` if no such point exists.
     fn otherwise(
         &self,
         impact: bool,
@@ -277,8 +279,8 @@ impl Itineraries<ErasedProblem> for LocalOrbit {
         (first == second).then(half)
     }
 
-    /// Returns the orbit with an impact at the point where this orbit passes closest to the
-    /// surface.
+    /// Returns the orbit with an additional impact at the point where the present orbit passes
+    /// closest to the surface.
     fn emanating(
         &self,
         known: &[Trajectory],
@@ -292,8 +294,8 @@ impl Itineraries<ErasedProblem> for LocalOrbit {
         }
     }
 
-    /// Returns the orbit without this orbit's weakest impact, or with an impact at the point where
-    /// this orbit passes closest to the surface.
+    /// Returns the orbit beyond the grazing: without this orbit's weakest impact, or with an impact
+    /// at the point where this orbit passes closest to the surface.
     fn across(
         &self,
         known: &[Trajectory],

@@ -1,4 +1,5 @@
-//! Grazing points, at which an orbit touches a guard, and the surfaces there.
+//! Grazing points, at which an orbit touches the surface of a guard, and the surfaces at these
+//! points.
 
 use super::error::GrazingError;
 use crate::core::hybrid::{
@@ -8,13 +9,12 @@ use crate::core::orbit::Leg;
 use crate::core::problem::Forcing;
 use num_dual::Dual;
 
-/// An orbit touches a guard if the guard and its rate are no larger than this, in units of the
-/// scales (D): grazings are located to 1e-10 or better, and a transverse event has a rate of order
-/// 1.
+/// (D) The largest magnitude, in units of the scales, of the guard and of its rate at a grazing
+/// point: grazings are located to 1e-10 or better, and a transverse event has a rate of order 1.
 pub(super) const TOUCHES: f64 = 1e-8;
 
-/// A grazing point of an orbit: its time and state, the zero-length legs after an event
-/// there, and the legs by which the orbit returns.
+/// A grazing point of an orbit: its time and state, the zero-length legs after an event at the
+/// point, and the legs by which the orbit returns to the point.
 ///
 /// ```
 /// use tangency::core::local_map::GrazingPoint;
@@ -33,36 +33,35 @@ pub(super) const TOUCHES: f64 = 1e-8;
 pub struct GrazingPoint {
     /// The grazed guard.
     pub guard: usize,
-    /// The mode that the event would end.
+    /// The mode that an event of the guard would end.
     pub mode: usize,
-    /// The time of grazing (under forcing).
+    /// The time of grazing, relevant only under forcing.
     pub time: f64,
-    /// The state at grazing.
+    /// The state at the grazing point.
     pub x: Vec<f64>,
     /// All parameters.
     pub p: Vec<f64>,
-    /// The zero-length legs between the event of the guard and the resumption of motion in the
-    /// mode.
+    /// The zero-length legs between an event of the guard and the resumption of motion in the mode.
     pub following: Vec<Leg>,
-    /// The legs of the orbit from the grazing point to the next one, with their durations; the last
-    /// one ends at the grazing point.
+    /// The legs by which the orbit returns to the grazing point, with their durations; the last leg
+    /// ends at the grazing point.
     pub legs: Vec<(Leg, f64)>,
     /// The number of forcing periods of the orbit.
     pub periods: usize,
 }
 
 impl GrazingPoint {
-    /// Returns the grazing point as a moment of a system's motion.
+    /// Returns the grazing point as a [`Moment`] of a system's motion.
     pub(super) fn moment<'a>(&'a self, system: &'a dyn HybridEquations) -> Moment<'a, f64> {
         Moment { system, mode: self.mode, t: self.time, x: &self.x, p: &self.p }
     }
 
-    /// The scale of the grazed guard.
+    /// Returns the scale of the grazed guard.
     pub(super) fn guard_scale(&self, system: &dyn HybridEquations) -> f64 {
         guard_scale(system, (self.guard, self.mode), (self.time, &self.x), &self.p)
     }
 
-    /// Rejects a point at which the orbit does not touch.
+    /// Returns an error if the orbit does not touch the surface at the point.
     pub(super) fn touches(&self, system: &dyn HybridEquations) -> Result<(), GrazingError> {
         let touch = Surface::Guard(self.guard).moving(self.moment(system));
         let (value, rate, time) = (touch.re, touch.eps, self.time);
@@ -75,7 +74,8 @@ impl GrazingPoint {
         Err(GrazingError::NoTouch { guard, time, value, rate })
     }
 
-    /// Rejects a point whose numbers do not belong to a system.
+    /// Returns an error if the numbers of guards, modes, states or parameters in the grazing point
+    /// do not belong to the system.
     pub(super) fn check(&self, system: &dyn HybridEquations) -> Result<(), GrazingError> {
         if let Forcing::Periodic { phase } = system.forcing()
             && !(phase > 0.0 && phase.is_finite())
@@ -111,12 +111,12 @@ impl GrazingPoint {
     }
 }
 
-/// A surface in time and state.
+/// A surface in the space of time and states, given by a guard.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Surface {
-    /// The surface where a guard vanishes.
+    /// The surface on which a guard vanishes.
     Guard(usize),
-    /// The surface where the rate of a guard along the motion vanishes.
+    /// The surface on which the rate of change of a guard along the motion vanishes.
     Turning(usize),
 }
 
@@ -132,7 +132,8 @@ impl Surface {
         }
     }
 
-    /// Evaluates the function with its rate along the motion.
+    /// Evaluates the function that vanishes on the surface, with its rate of change along the
+    /// motion.
     pub fn moving<T: FieldNumber>(self, at: Moment<T>) -> Dual<T>
     where
         Dual<T>: FieldNumber + GuardNumber,
@@ -141,7 +142,7 @@ impl Surface {
         at.along(|moving| self.value(moving))
     }
 
-    /// The name of the surface, from the name of its guard.
+    /// Returns the name of the surface, formed from the name of its guard.
     pub fn name(self, system: &dyn HybridEquations) -> String {
         let (Surface::Guard(guard) | Surface::Turning(guard)) = self;
         let name = &system.guards()[guard].name;

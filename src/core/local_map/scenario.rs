@@ -1,21 +1,23 @@
-//! Classification of grazings: the scenario as a parameter changes.
+//! Classification of grazings by the scenario that occurs as a parameter changes.
 //!
 //! To first order the image of a virtual point is `N (D_z z + D_p p) + N_p p`, where `z` consists
-//! of the point's `y` and its other coordinates, `N` is the derivative of `P_smooth`, and `D_z` is
-//! the derivative of the discontinuity map, whose first column `β` is the derivative with respect
-//! to `y`. The virtual point itself is `E z + E_p p`, where the column of `y` in `E` is zero, since
-//! the penetration is `y²`. So the orbit with an impact is
+//! of the point's `y` and its other coordinates, `N` and `N_p` are the derivatives of `P_smooth`,
+//! and `D_z` and `D_p` are the derivatives of the discontinuity map; the first column `β` of `D_z`
+//! is the derivative with respect to `y`. The virtual point itself is `E z + E_p p`, where the
+//! column of `E` for `y` is zero, since the penetration is `y²`. Therefore the orbit with an impact
+//! is
 //!
 //! ```text
-//!     z = −(N D_z − E)⁻¹ (N D_p + N_p − E_p) p,
+//!     z = −(N D_z − E)⁻¹ (N D_p + N_p − E_p) p.
 //! ```
 //!
-//! which exists on the side where `y` is positive, and the orbit without impacts is `ξ = (I − N)⁻¹
-//! N_p p`, on the side where `h` is positive. One multiplier of the orbit with an impact grows like
-//! `[Nβ]_normal/(2y)` (A. B. Nordmark, *J. Sound Vib.* 145:279, 1991).
+//! The orbit with an impact exists on the side on which `y` is positive. The orbit without impacts
+//! is `ξ = (I − N)⁻¹ N_p p`, and it exists on the side on which `h` is positive. One multiplier of
+//! the orbit with an impact grows like `[Nβ]_normal/(2y)` (A. B. Nordmark, *J. Sound Vib.* 145:279,
+//! 1991).
 //!
-//! Where `β = 0`, as at a soft stop, the same equations hold with the penetration `y²` in place of
-//! `y`: the first column of `D_z` and `E` is then the derivative with respect to `y²`, and the
+//! If `β = 0`, as at a soft stop, the same equations hold with the penetration `y²` in place of
+//! `y`: the first column of `D_z` and of `E` is then the derivative with respect to `y²`, and the
 //! multipliers of the orbit with the event are the eigenvalues `μ` of `N D_z v = μ E v`.
 
 use super::error::GrazingError;
@@ -30,19 +32,19 @@ use std::fmt::{Display, Formatter};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Scenario {
-    /// I: an unstable orbit with an impact exists on the same side as the stable orbit without
-    /// impacts. Both end at the grazing, from where motion jumps away, mostly to a stable orbit
-    /// with an impact, with hysteresis.
+    /// Scenario I: an unstable orbit with an impact exists on the same side of the grazing as the
+    /// stable orbit without impacts. In scenario I both orbits end at the grazing, from which
+    /// motion jumps to another attractor, mostly a stable orbit with an impact, with hysteresis.
     Jump,
-    /// II: an orbit with an impact, unstable with a multiplier near `−∞`, exists on the other side:
-    /// the attractor changes continuously, mostly to a chaotic one.
+    /// Scenario II: an orbit with an impact, unstable with a multiplier near `−∞`, exists beyond
+    /// the grazing: the attractor changes continuously, mostly to a chaotic attractor.
     Continuous,
-    /// A stable orbit with the event exists on the other side, and the attractor persists. This
-    /// occurs if the discontinuity map is of order 3/2 or more ([`LocalMap::exponent`]), unless a
-    /// multiplier is 1.
+    /// A stable orbit with the event exists beyond the grazing, so that the attractor persists.
+    /// This scenario occurs if the discontinuity map is of order 3/2 or more
+    /// ([`LocalMap::exponent`]), unless a multiplier is 1.
     Persistent,
-    /// III: the orbit without impacts is unstable where it grazes, since it has passed a
-    /// bifurcation before: attractors do not reach the grazing, and motion jumps, mostly to chaos.
+    /// Scenario III: the orbit without impacts has lost its stability before it grazes: attractors
+    /// do not reach the grazing, and motion jumps, mostly to chaos.
     Unstable,
 }
 
@@ -65,25 +67,25 @@ pub struct Classification {
     /// The multipliers of the orbit without impacts at the grazing, which are the eigenvalues of
     /// `N`.
     pub multipliers: Spectrum,
-    /// The derivative of the distance `h` of the orbit without impacts by the parameter: the orbit
-    /// exists on the side where `h` increases from 0.
+    /// The derivative of the distance `h` of the orbit without impacts with respect to the
+    /// parameter: the orbit exists on the side on which `h` is positive.
     pub distance: f64,
-    /// The derivative with respect to the parameter of `y` of the orbit with an impact: the orbit
-    /// exists on the side where `y` increases from 0. The derivative of `y²` if the discontinuity
-    /// map has no root ([`LocalMap::exponent`]).
+    /// The derivative of `y` of the orbit with an impact with respect to the parameter: the orbit
+    /// exists on the side on which `y` is positive. If the discontinuity map has no square root
+    /// ([`LocalMap::exponent`]), the derivative of `y²` is used instead.
     pub depth: f64,
     /// The coefficient of the multiplier `growth/y` of the orbit with an impact, to leading order:
-    /// towards `+∞` in scenario I, towards `−∞` in II and beyond a fold (III). 0 if the
-    /// discontinuity map has no root.
+    /// the multiplier tends to `+∞` in scenario I, and to `−∞` in scenario II and beyond a fold
+    /// (III). The coefficient is 0 if the discontinuity map has no square root.
     pub growth: f64,
 }
 
-/// The derivative of a polynomial with respect to a variable at zero deviations.
+/// Returns the derivative of a polynomial with respect to a variable at zero deviations.
 fn slope(polynomial: &Polynomial, variable: usize) -> f64 {
     polynomial.coefficients()[1 + variable]
 }
 
-/// The coefficient of the square of a variable.
+/// Returns the coefficient of the square of a variable.
 fn second(polynomial: &Polynomial, variable: usize) -> f64 {
     let mut powers = vec![0; polynomial.space().variables()];
     powers[variable] = 2;
@@ -91,7 +93,7 @@ fn second(polynomial: &Polynomial, variable: usize) -> f64 {
 }
 
 impl LocalMap {
-    /// Classifies the grazing as a parameter increases.
+    /// Classifies the grazing as the named parameter increases.
     ///
     /// ```
     /// use tangency::core::local_map::{GrazingPoint, LocalMap, MapSettings, Scenario};
@@ -109,9 +111,10 @@ impl LocalMap {
     /// ```
     ///
     /// # Errors
-    /// [`GrazingError::Unknown`] for a parameter that does not deviate, [`GrazingError::Failure`]
-    /// where a multiplier of either orbit is 1: at codimension-two points. [`GrazingError::NoRoot`]
-    /// for a map of order 1 without a root.
+    /// [`GrazingError::Unknown`] if the parameter is not a variable of the map,
+    /// [`GrazingError::Failure`] if a multiplier of either orbit is 1, which occurs at
+    /// codimension-two points. [`GrazingError::NoRoot`] for a map of order 1 whose discontinuity
+    /// map has no square root.
     pub fn classified(&self, parameter: &str) -> Result<Classification, GrazingError> {
         let (n, normal) = (self.coordinates().len(), self.normal());
         let p = n + position("parameter", parameter, self.parameters())?;
@@ -155,7 +158,7 @@ impl LocalMap {
     }
 }
 
-/// Computes the eigenvalues `μ` of `A v = μ B v`.
+/// Computes the eigenvalues `μ` of the generalised problem `A v = μ B v`.
 fn spectrum(
     n: usize,
     a: impl Fn(usize, usize) -> f64,

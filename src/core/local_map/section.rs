@@ -9,42 +9,42 @@ use num_dual::Dual64;
 /// A coordinate on the section.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Coordinate {
-    /// A state of the grazed mode, by number.
+    /// A state of the grazed mode, given by its index.
     State(usize),
     /// The phase of the forcing.
     Phase,
 }
 
-/// The section `Π` of a grazing point: the coordinates are all states of the mode except one, and
-/// the phase.
+/// The section `Π` of a grazing point, whose coordinates are all states of the mode except one, and
+/// the phase of the forcing.
 ///
-/// The state with the largest part in the rate of the guard follows from the section's equation
-/// (`eliminated`), and the state with the largest part in the guard itself is replaced by `y`
+/// The state that contributes most to the rate of the guard follows from the section's equation
+/// (`eliminated`), and the state that contributes most to the guard itself is replaced by `y`
 /// (`normal`).
 #[derive(Clone, Debug)]
 pub(super) struct Section {
     pub eliminated: usize,
     pub normal: usize,
-    /// The derivatives `∂(h, dh/dt)/∂(normal, eliminated)`.
+    /// The derivatives `∂(h, dh/dt)/∂(normal, eliminated)` at the grazing point.
     pub slopes: [[f64; 2]; 2],
-    /// The second derivative `d²h/dt²`.
+    /// The second derivative `d²h/dt²` of the guard along the motion.
     pub curvature: f64,
     pub coordinates: Vec<Coordinate>,
     /// The scales of the coordinates.
     pub scales: Vec<f64>,
 }
 
-/// Two gradients are dependent if the part of one orthogonal to the other, relative to its length,
-/// is smaller than this (R): the section's coordinates then lose nine digits.
+/// (R) The smallest relative length of the part of one gradient orthogonal to another, below which
+/// the two gradients count as dependent: the section's coordinates then lose nine digits.
 const DEPENDENT: f64 = 1e-9;
 
-/// The position of the number with the largest modulus, excluding one position.
+/// Returns the index of the number with the largest modulus, excluding one index.
 fn largest(numbers: &[f64], except: Option<usize>) -> Option<usize> {
     let positions = (0..numbers.len()).filter(|i| Some(*i) != except);
     positions.max_by(|a, b| numbers[*a].abs().total_cmp(&numbers[*b].abs()))
 }
 
-/// Computes the gradient of a surface's function with respect to the states.
+/// Computes the gradient, with respect to the states, of the function that vanishes on a surface.
 fn gradient(surface: Surface, system: &dyn HybridEquations, point: &GrazingPoint) -> Vec<f64> {
     let p: Vec<Dual64> = point.p.iter().map(|p| Dual64::from(*p)).collect();
     let slope = |i: usize| {
@@ -55,7 +55,7 @@ fn gradient(surface: Surface, system: &dyn HybridEquations, point: &GrazingPoint
     (0..point.x.len()).map(slope).collect()
 }
 
-/// The time in which the phase of the forcing grows by 1; 1 without forcing.
+/// Returns the time in which the phase of the forcing grows by 1; 1 without forcing.
 pub(super) fn unit_of_phase<T: EventNumber>(system: &dyn HybridEquations, p: &[T]) -> T {
     match system.forcing() {
         Forcing::None => T::one(),
@@ -64,7 +64,8 @@ pub(super) fn unit_of_phase<T: EventNumber>(system: &dyn HybridEquations, p: &[T
 }
 
 impl Section {
-    /// Computes the section of a grazing point; under forcing the phase is a coordinate.
+    /// Computes the section of a grazing point; the phase is a coordinate if the system has a
+    /// forcing.
     pub fn of(system: &dyn HybridEquations, point: &GrazingPoint) -> Result<Self, GrazingError> {
         let (guard, turning) = (Surface::Guard(point.guard), Surface::Turning(point.guard));
         let mut sizes = system.scales_of(point.mode, &point.p);
@@ -105,7 +106,7 @@ impl Section {
         Ok(Section { eliminated, normal, slopes, curvature, coordinates, scales })
     }
 
-    /// The position of the normal state among the coordinates.
+    /// Returns the index of the normal state among the coordinates.
     pub fn normal_coordinate(&self) -> usize {
         self.coordinates.iter().position(|c| *c == Coordinate::State(self.normal)).unwrap_or(0)
     }

@@ -10,7 +10,8 @@ use crate::core::orbit::{
 use crate::core::system::{Solution, System};
 use std::any::Any;
 
-/// Returns the grazing point at the end of a leg, if the leg ends in a zero-speed event.
+/// Returns the grazing point at the end of a leg if the leg ends at an event with zero approach
+/// speed.
 fn ending(orbit: &KnownOrbit, leg: usize) -> Result<Option<GrazingPoint>, GrazingError> {
     let all = orbit.legs.all();
     let Leg { mode, exit: Some(guard), accumulates: false } = all[leg] else {
@@ -36,7 +37,7 @@ fn ending(orbit: &KnownOrbit, leg: usize) -> Result<Option<GrazingPoint>, Grazin
     Ok(Some(GrazingPoint { guard, mode, time, x, p, following, legs, periods }))
 }
 
-/// Returns the point at which an orbit touches a guard that it does not pass.
+/// Returns the point at which an orbit touches the surface of a guard without crossing it.
 fn touching(orbit: &KnownOrbit) -> Result<GrazingPoint, GrazingError> {
     let guess = emanating_at_touch(orbit, 0)?;
     let q = [orbit.p(), &guess.extras].concat();
@@ -51,11 +52,12 @@ fn touching(orbit: &KnownOrbit) -> Result<GrazingPoint, GrazingError> {
 }
 
 impl GrazingPoint {
-    /// Finds the point at which an orbit touches a guard without an event, or has a zero-speed
-    /// event, from the initial states of its legs, and its parameters and further unknowns.
+    /// Finds the point at which an orbit touches the surface of a guard without an event, or has an
+    /// event with zero approach speed, from the initial states of its legs, its parameters and its
+    /// further unknowns.
     ///
     /// # Errors
-    /// [`GrazingError::Failure`] if there is no such point.
+    /// [`GrazingError::Failure`] if the orbit has no such point.
     pub fn of(orbit: &HybridOrbit, starts: &[f64], q: &[f64]) -> Result<Self, GrazingError> {
         let OrbitLegs { layout, itinerary, .. } = orbit.legs();
         let states = |leg: usize| Trajectory::from(starts[layout.states(leg)].to_vec());
@@ -63,7 +65,7 @@ impl GrazingPoint {
         GrazingPoint::on(orbit.itineraries.known(&known, q))
     }
 
-    /// Finds the grazing point from the trajectories on the legs.
+    /// Finds the grazing point of an orbit whose trajectories on the legs are known.
     fn on(orbit: KnownOrbit) -> Result<Self, GrazingError> {
         for leg in 0..orbit.known.len() {
             if let Some(point) = ending(&orbit, leg)? {
@@ -73,9 +75,9 @@ impl GrazingPoint {
         touching(&orbit)
     }
 
-    /// Finds the grazing point at a special point of these orbits, on a branch (`G`) or on a curve
-    /// of grazings. The orbits resume its mesh and itinerary; for unstable motion, no leg is
-    /// integrated from one end to the other.
+    /// Finds the grazing point at a special point, labelled `G`, on a branch of orbits or on a
+    /// curve of grazings. The orbits use the mesh and itinerary of the special point; for unstable
+    /// motion, no leg is integrated from one end to the other.
     ///
     /// ```
     /// use tangency::core::bvp::{BoundarySystem, Mesh, Shooting};

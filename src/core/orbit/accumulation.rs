@@ -1,16 +1,17 @@
 //! Legs that represent infinitely many events, which accumulate in a finite time.
 //!
-//! Such a leg begins just after an event. Its states are constant, and it lasts until the following
-//! events accumulate. A simulation of these events gives the duration of the leg and the state at
-//! the start of the next leg, both with derivatives.
+//! A leg that represents infinitely many events begins just after the first of these events. The
+//! states of such a leg are constant, and the leg lasts until the following events accumulate. A
+//! simulation of the accumulating events gives the duration of the leg and the state at the start
+//! of the next leg, both with derivatives.
 
 use super::itinerary::Leg;
 use super::legs::OrbitLegs;
 use crate::core::failure::OutOfDomain;
 use crate::core::hybrid::{ChatterNumber, Event, HybridEquations, HybridState};
 
-/// Computes the accumulation that ends a leg, from the start time, duration and initial state of
-/// the leg.
+/// Computes the accumulation of events that ends a leg, given the start time, duration and initial
+/// state of the leg.
 pub(super) fn accumulation<T: ChatterNumber>(
     system: &dyn HybridEquations,
     leg: Leg,
@@ -22,12 +23,12 @@ pub(super) fn accumulation<T: ChatterNumber>(
     T::accumulated(system, leg.exit?, start, lasts.real(), p)
 }
 
-/// (D) Infinitely many events within this fraction of the orbit are simultaneous: the state at the
-/// end of the orbit is no more accurate.
+/// (D) The fraction of an orbit's duration within which infinitely many events are simultaneous:
+/// the accuracy of the state at the end of the orbit.
 const AT_ONCE: f64 = 1e-9;
 
-/// Rejects events that accumulate at their first one: the leg of the following events has zero
-/// length on every nearby orbit, and its duration has no derivatives.
+/// Returns an error if the events of a leg accumulate at the first of these events: the leg then
+/// has zero length on every nearby orbit, and its duration has no derivatives.
 pub(super) fn check_rebound(
     orbit: &OrbitLegs,
     leg: usize,

@@ -1,5 +1,5 @@
-//! Switching at a decision: where a decision function, which selects the mode after an event,
-//! vanishes, orbits emanate that continue in another mode.
+//! Branch switching at a decision: if a decision function, which selects the mode after an event,
+//! vanishes on an orbit, branches of orbits emanate that continue in another mode.
 
 use super::event_cascade::{Following, NUDGE, Onset, moved_state, nudged};
 use super::itinerary::Leg;
@@ -9,17 +9,17 @@ use crate::core::bvp::Guess;
 use crate::core::failure::Failure;
 use crate::core::hybrid::{HybridEquations, MeasureNumber, Moment, decision_scale};
 
-/// H: a branch emanates only if motion through the other mode leads to the starting state of the
-/// next leg, up to this fraction of the scales.
+/// H: the largest distance, as a fraction of the scales, between the start of the next leg and the
+/// state to which motion through the other mode leads, if a branch emanates.
 const CONTINUOUS: f64 = 1e-4;
 
 /// A decision at the end of a leg: the functions that select the mode after the event.
 pub(super) struct Decision {
     guard: usize,
     mode: usize,
-    /// The modes that may follow.
+    /// The modes that can follow the event.
     modes: Vec<usize>,
-    /// The mode that follows on this itinerary.
+    /// The mode that follows the event on this itinerary.
     next: usize,
 }
 
@@ -42,7 +42,7 @@ pub(super) fn decisions(legs: &OrbitLegs) -> impl Iterator<Item = Decision> + '_
 
 impl Decision {
     /// Returns the margin of the decision: positive if the event leads to the mode of the
-    /// itinerary, `None` if it never can.
+    /// itinerary, `None` if the event can never lead to this mode.
     pub(super) fn margin<T: MeasureNumber>(&self, at: Moment<T>) -> Option<T> {
         let Decision { modes, next, .. } = self;
         let least = |a: T, b: T| if b.real() < a.real() { b } else { a };
@@ -64,8 +64,9 @@ impl Decision {
         at.system.decision(k, self.guard, self.mode, at.t, at.x, at.p)
     }
 
-    /// Returns the first vanishing function whose sign change selects another mode, that mode, and
-    /// the sign of the function on the other side; `None` if no such function vanishes.
+    /// Returns the first vanishing function whose sign change selects another mode, together with
+    /// this mode and the sign that the function must have to select it; `None` if no such function
+    /// vanishes.
     fn otherwise(&self, at: Moment<f64>) -> Option<(usize, usize, f64)> {
         let Decision { modes, next: chosen, .. } = self;
         let vanishing =
@@ -80,20 +81,21 @@ impl Decision {
         (next != *chosen).then_some((k, next, if k == own { -1.0 } else { 1.0 }))
     }
 
-    /// The scale of the `k`-th decision function.
+    /// Returns the scale of the `k`-th decision function.
     fn scale(&self, k: usize, system: &dyn HybridEquations, p: &[f64]) -> f64 {
         decision_scale(system, (k, self.guard, self.mode), p)
     }
 
-    /// The smallest scale of the decision functions.
+    /// Returns the smallest scale of the decision functions.
     pub(super) fn least_scale(&self, system: &dyn HybridEquations, p: &[f64]) -> f64 {
         let scales = (0..self.modes.len() - 1).map(|k| self.scale(k, system, p));
         scales.fold(f64::INFINITY, f64::min)
     }
 }
 
-/// Returns the orbits on the other side of all vanishing decisions, with the zero-length legs to
-/// which their events lead there. `None` if no decision vanishes.
+/// Returns the orbits on which all vanishing decision functions have the opposite sign, with the
+/// zero-length legs to which the affected events then lead. Returns `None` if no decision function
+/// vanishes.
 pub(super) fn decided_otherwise(orbit: &KnownOrbit) -> Result<Option<Guess<OrbitLegs>>, Failure> {
     if decisions(orbit.legs).next().is_none() {
         return Ok(None);
@@ -123,15 +125,15 @@ pub(super) fn decided_otherwise(orbit: &KnownOrbit) -> Result<Option<Guess<Orbit
     Ok(Some(Guess { beside, ..guess }))
 }
 
-/// Whether the event of a zero-length leg has zero speed at time `t`.
+/// Whether the guard of the event that ends a zero-length leg has zero rate of change at time `t`.
 fn slow(orbit: &KnownOrbit, (leg, motion, _): &Lasting, t: f64) -> bool {
     let (system, x, p) = (orbit.system(), motion.start(), orbit.p());
     let at = Moment { system, mode: leg.mode, t, x, p };
     leg.exit.is_some_and(|guard| !at.has_speed(guard))
 }
 
-/// Returns the zero-length legs to insert after a leg whose decision vanishes, at the event and
-/// beside it; `None` if the decision does not vanish.
+/// Returns the zero-length legs to insert after a leg whose decision function vanishes, computed at
+/// the event and at a nearby event; `None` if the decision function does not vanish.
 fn inserted_after(orbit: &KnownOrbit, leg: usize) -> Result<Option<[Vec<Lasting>; 2]>, Failure> {
     let Some(decision) = decision_after(orbit.legs, leg) else { return Ok(None) };
     let (t, x) = orbit.end_of(leg)?;
@@ -146,8 +148,8 @@ fn inserted_after(orbit: &KnownOrbit, leg: usize) -> Result<Option<[Vec<Lasting>
     Ok(Some([legs, beside.legs]))
 }
 
-/// Rejects another mode after a leg if motion through that mode leads to a state other than the
-/// start of the next leg.
+/// Returns an error if motion through another mode after a leg leads to a state that differs from
+/// the start of the next leg.
 fn check_continuous(
     orbit: &KnownOrbit,
     (leg, other): (usize, usize),

@@ -1,4 +1,4 @@
-//! Event cascades: the zero-length legs that follow an event before motion resumes in a mode.
+//! Event cascades: the zero-length legs that follow an event until motion resumes in a given mode.
 
 use super::itinerary::Leg;
 use super::known_orbit::Lasting;
@@ -10,51 +10,53 @@ use crate::core::problem::gradient;
 use crate::core::scalar::Chunk;
 use num_dual::{Dual, Dual64};
 
-/// H: displacement of a guard's rate or of a decision function to either side of zero, in units of
-/// its scale, used to find the events that follow there.
+/// H: the displacement of a guard's rate or of a decision function to either side of zero, in units
+/// of its scale, at which the subsequent events are determined.
 pub(super) const NUDGE: f64 = 1e-6;
-/// H: a leg that lasts longer than this near the event, in units of the time scale, does not
-/// vanish at the event.
+/// H: the longest duration of a leg, in units of the time scale, near an event at which the leg
+/// vanishes.
 const AT_ONCE: f64 = 1e-2;
-/// H: a guard, or its rate, counts as zero if it is smaller than this, in units of its scale.
+/// H: the magnitude, in units of its scale, below which a guard or its rate counts as zero.
 const ZERO: f64 = 1e-9;
-/// H: a function varies with the states along a guard's surface if at least this fraction of its
-/// gradient is tangent to the surface.
+/// H: the smallest fraction of a function's gradient that must be tangent to a guard's surface if
+/// the function varies along the surface.
 const ACROSS: f64 = 1e-6;
-/// H: a reset at a grazing point leaves the state unchanged if it moves the state by less than
-/// this, in units of the scales.
+/// H: the largest change of a state by a reset at a grazing point, in units of the scales, at which
+/// the reset counts as continuous.
 pub(super) const UNMOVED: f64 = 1e-6;
-/// H: the maximal number of events of a cascade.
+/// H: the maximal number of events in a cascade.
 const MOST_LEGS: usize = 32;
 
-/// An event whose consequences depend on rounding, with a nearby event at which they do not.
+/// An event whose subsequent events depend on rounding errors, with a nearby event whose subsequent
+/// events do not.
 pub(super) struct Onset {
     pub guard: usize,
     pub mode: usize,
-    /// The next mode, if known; otherwise it is determined at the nearby event.
+    /// The next mode, if known; otherwise the system determines the next mode at the nearby event.
     pub next: Option<usize>,
-    /// Time and state at the event.
+    /// The time and state at the event.
     pub at: (f64, Vec<f64>),
-    /// Time and state at the nearby event.
+    /// The time and state at the nearby event.
     pub near: (f64, Vec<f64>),
 }
 
-/// The zero-length legs that follow an event, and the state in which motion resumes.
+/// The zero-length legs that follow an event, and the state from which motion then resumes in a
+/// mode.
 pub(super) struct Following {
     pub legs: Vec<Lasting>,
     pub state: Vec<f64>,
 }
 
 impl Following {
-    /// The modes and events of the legs.
+    /// Returns the modes and events of the zero-length legs.
     pub(super) fn itinerary(&self) -> impl Iterator<Item = Leg> + '_ {
         self.legs.iter().map(|(leg, ..)| *leg)
     }
 }
 
 impl Onset {
-    /// Computes the cascade until motion resumes in a mode, at the event and at the nearby event.
-    /// The nearby event determines the order of events.
+    /// Computes the event cascade until motion resumes in the mode `until`, at the event and at the
+    /// nearby event. The order of the events is determined at the nearby event.
     pub(super) fn following(
         self,
         orbits: &OrbitLegs,
@@ -72,8 +74,8 @@ impl Onset {
         })
     }
 
-    /// Computes the cascade until motion reaches a mode and a state, at the event and at the nearby
-    /// event; `None` if the cascade does not reach them.
+    /// Computes the event cascade until motion reaches a required mode and state, at the event and
+    /// at the nearby event; `None` if the cascade does not reach such a state.
     pub(super) fn following_until(
         self,
         orbits: &OrbitLegs,
@@ -114,7 +116,7 @@ impl Onset {
     }
 }
 
-/// The state a short time later, by the midpoint rule.
+/// Returns the state after a short time, computed by the midpoint rule.
 fn moved(Moment { system, mode, t, x, p }: Moment<f64>, duration: f64) -> Vec<f64> {
     let mut f = vec![0.0; x.len()];
     let step = |f: &[f64], h: f64| x.iter().zip(f).map(|(x, f)| x + h * f).collect::<Vec<_>>();
@@ -124,8 +126,9 @@ fn moved(Moment { system, mode, t, x, p }: Moment<f64>, duration: f64) -> Vec<f6
     step(&f, duration)
 }
 
-/// Returns the first guard of a mode to fall to zero immediately, and its time. Timed events of
-/// the guards in `come` have already occurred and are excluded.
+/// Returns the guard of a mode that is the first to fall to zero almost immediately, and the time
+/// until it does. Timed events of the guards in the list `come` have already occurred and are
+/// excluded.
 fn soonest(orbits: &OrbitLegs, at: Moment<f64>, come: &[usize]) -> Option<(f64, usize)> {
     let unit = time_scale(at.system, at.p);
     let falling = orbits.vanishing_in(at.mode).filter_map(|guard| {
@@ -140,8 +143,8 @@ fn soonest(orbits: &OrbitLegs, at: Moment<f64>, come: &[usize]) -> Option<(f64, 
 }
 
 /// Projects a state onto a guard's surface, to first order. The displacement, in units of the
-/// scales, is along the directions that the event's reset preserves (as where sliding ends), or
-/// along the gradient of the guard if the reset preserves none.
+/// scales, is along the directions that the event's reset preserves (for example at the end of
+/// sliding), or along the gradient of the guard if the reset does not preserve any direction.
 pub(super) fn onto(guard: usize, at: Moment<f64>) -> Vec<f64> {
     let Moment { system, mode, t, x, p } = at;
     let sizes = system.sizes_of(mode, p);
@@ -165,10 +168,11 @@ pub(super) fn onto(guard: usize, at: Moment<f64>) -> Vec<f64> {
     x.iter().zip(way.iter().zip(&sizes)).map(|(x, (n, size))| x - part * n * size).collect()
 }
 
-/// Returns a time and state near an event, still on the guard, at which a function is larger by
-/// `change`. The displacement is along the function's gradient with respect to the states, tangent
-/// to the guard; with respect to states and time if the states do not change the function. Returns
-/// the event itself if neither does.
+/// Returns a time and state near an event, still on the guard's surface, at which a function is
+/// larger by `change`. The displacement is along the part of the function's gradient with respect
+/// to the states that is tangent to the guard's surface, or with respect to states and time if the
+/// function does not vary with the states along the surface. Returns the event itself if the
+/// function varies neither with the states nor with time along the surface.
 pub(super) fn nudged(
     guard: usize,
     at: Moment<f64>,
@@ -204,8 +208,8 @@ pub(super) fn nudged(
     (time.first().copied().unwrap_or(t), moved)
 }
 
-/// Rejects a zero-speed event whose reset moves the state: orbits with the event are then not close
-/// to orbits without it.
+/// Returns an error if the reset of an event with zero approach speed changes the state: orbits
+/// with the event are then not close to orbits without it.
 pub(in crate::core) fn check_unmoved(
     orbits: &OrbitLegs,
     (mode, guard): (usize, usize),
@@ -222,7 +226,8 @@ pub(in crate::core) fn check_unmoved(
     )))
 }
 
-/// Returns the first state of a mode that moves by more than a fraction of its size, if any.
+/// Returns the index of the first state of a mode that changes by more than a fraction of its size,
+/// or `None`.
 pub(super) fn moved_state(
     system: &dyn HybridEquations,
     mode: usize,
@@ -237,7 +242,7 @@ pub(super) fn moved_state(
     states.into_iter().position(|(pair, size)| moves(pair, size))
 }
 
-/// Returns a guard along the motion, with its first three time derivatives.
+/// Returns the value of a guard along the motion, with its first three time derivatives.
 fn course(at: Moment<f64>, guard: usize) -> [f64; 4] {
     let Moment { system, mode, t, x, p } = at;
     let moving = |value: f64, rate: f64| {
@@ -254,8 +259,9 @@ fn course(at: Moment<f64>, guard: usize) -> [f64; 4] {
     [at.guard(guard), rate.re.re, rate.eps.re, rate.eps.eps[0]]
 }
 
-/// Returns the first time at which a non-negative function falls through zero, from its
-/// derivatives: 0 if the function is `zero` and its rate negative.
+/// Returns the first time at which a non-negative function falls through zero, given its value and
+/// derivatives; the time is 0 if the function is already zero, within the tolerance `zero`, and
+/// falls.
 fn falls([value, rate, second, third]: [f64; 4], zero: [f64; 2]) -> Option<f64> {
     // A zero at the current time is divided out.
     match value.abs() <= zero[0] {
@@ -265,8 +271,8 @@ fn falls([value, rate, second, third]: [f64; 4], zero: [f64; 2]) -> Option<f64> 
     }
 }
 
-/// Returns the first positive root at which a quadratic polynomial falls; its constant coefficient
-/// is not negative.
+/// Returns the first positive root at which a quadratic polynomial falls; the constant coefficient
+/// of the polynomial must not be negative.
 fn falling_root([c, b, a]: [f64; 3]) -> Option<f64> {
     let root = (b * b - 4.0 * a * c).sqrt();
     let time = if b < 0.0 { 2.0 * c / (root - b) } else { (b + root) / (-2.0 * a) };

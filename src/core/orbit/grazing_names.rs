@@ -10,13 +10,15 @@ use crate::core::bvp::Monitor;
 use crate::core::failure::Failure;
 use crate::core::hybrid::Tangency;
 
-/// An orbit touches several surfaces in one period, such as a symmetric orbit between two walls.
+/// The name of the grazing of an orbit that touches several surfaces in one period, such as a
+/// symmetric orbit between two walls.
 const DOUBLE: &str = "double grazing";
 
-/// Two events are simultaneous, and their order is reversed on the other side.
+/// The name of the grazing at which two events are simultaneous, so that their order changes along
+/// the branch.
 const BORDER_COLLISION: &str = "border collision";
 
-/// A tangency with its time and state.
+/// A grazing with its time and state.
 type Place = (Tangency, f64, Vec<f64>);
 
 /// Returns the standard name of the grazing at which a monitor vanishes.
@@ -46,7 +48,7 @@ pub(super) fn name_of_grazing(orbit: &KnownOrbit, monitor: &Monitor) -> Option<&
     kind.or(several.then_some(DOUBLE))
 }
 
-/// Returns the start of the first zero-length leg.
+/// Returns the start of the first zero-length leg of the orbit.
 fn vanished(orbit: &KnownOrbit) -> Option<Place> {
     let (legs, count) = (orbit.legs, orbit.legs.all().len());
     let leg = (0..count).find(|leg| !orbit.lasts(*leg))?;
@@ -55,7 +57,8 @@ fn vanished(orbit: &KnownOrbit) -> Option<Place> {
     Some((tangency, orbit.begins(leg), orbit.known[leg].start().to_vec()))
 }
 
-/// Returns the event with the smallest approach speed, or with the smallest decision margin.
+/// Returns the event with the smallest approach speed, or with the smallest decision margin, as
+/// `function` selects.
 fn at_event(orbit: &KnownOrbit, function: usize) -> Result<Option<Place>, Failure> {
     let mut least: Option<(f64, Place)> = None;
     for (leg, Leg { mode, exit, accumulates }) in orbit.legs.all().iter().copied().enumerate() {

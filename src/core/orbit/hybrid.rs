@@ -27,22 +27,22 @@ use std::sync::{Arc, OnceLock};
 ///     L_0 + … + L_{S−1} = q T(p)                    under forcing of period T
 /// ```
 ///
-/// The unknowns are the states, the start time `T_0` (under forcing), and the durations `L_s`.
-/// These equations are regular where an event becomes tangent: a leg may have zero length, and an
-/// impact may have zero speed. A branch of impacting orbits can therefore start at the grazing
-/// point.
+/// The unknowns are the states, the durations `L_s` and, under forcing, the start time `T_0`. These
+/// equations remain regular when an event becomes tangential: a leg may have zero length, and an
+/// impact may have zero speed. Since the equations are regular, a branch of impacting orbits can
+/// start at the grazing point.
 ///
-/// An orbit without events is one segment that closes after `q` forcing periods (or after an
-/// unknown period, with a phase condition).
+/// An orbit without events is one segment that closes after `q` forcing periods; without forcing
+/// the segment closes after an unknown period, with a phase condition.
 #[derive(Clone)]
 pub struct HybridOrbit {
     pub(in crate::core) itineraries: OrbitItineraries,
-    /// For each leg, whether it ends on the surface on which it begins; determined at the first
-    /// use.
+    /// For each leg, whether the leg ends on the surface on which it begins; computed when first
+    /// needed.
     returning: OnceLock<Vec<bool>>,
 }
 
-/// Conversion of a [`HybridSystem`], owned or shared, to the system of an orbit problem.
+/// Conversion of a [`HybridSystem`], owned or shared, to the system for an orbit problem.
 pub trait IntoHybrid {
     /// Converts the system to a shared trait object.
     fn into_hybrid(self) -> Arc<dyn HybridEquations>;
@@ -67,7 +67,7 @@ impl From<OrbitLegs> for HybridOrbit {
 }
 
 impl HybridOrbit {
-    /// Creates the orbit problem of a system with an itinerary.
+    /// Creates the orbit problem for a system and an itinerary.
     ///
     /// ```
     /// use tangency::core::orbit::{HybridOrbit, Itinerary, Leg};
@@ -77,27 +77,27 @@ impl HybridOrbit {
     /// ```
     ///
     /// # Errors
-    /// [`ItineraryError`] if the itinerary has no legs or no periods, or contains the number of a
-    /// mode or guard that does not exist.
+    /// [`ItineraryError`] if the itinerary has no legs or no periods, or if a mode or guard in it
+    /// does not exist.
     pub fn of(system: impl IntoHybrid, itinerary: Itinerary) -> Result<Self, ItineraryError> {
         let system = system.into_hybrid();
         itinerary.check(&system.modes(), &system.guards())?;
         Ok(OrbitLegs::new(system, itinerary, false).into())
     }
 
-    /// Records [`Measure::Penetration`](crate::core::problem::Measure::Penetration) as a monitor; 0
-    /// if motion would not turn back within a period.
+    /// Records [`Measure::Penetration`](crate::core::problem::Measure::Penetration) as a monitor,
+    /// which is 0 if motion beyond the surface would not turn back within a period.
     pub fn with_penetration(self) -> Self {
         let OrbitLegs { system, itinerary, .. } = self.itineraries.legs;
         OrbitLegs::new(system, itinerary, true).into()
     }
 
-    /// The legs of the orbits.
+    /// Returns the legs of the orbits.
     pub(in crate::core) fn legs(&self) -> &OrbitLegs {
         &self.itineraries.legs
     }
 
-    /// The itinerary of the orbits.
+    /// Returns the itinerary of the orbits.
     pub fn itinerary(&self) -> &Itinerary {
         &self.legs().itinerary
     }
@@ -127,7 +127,8 @@ where
         self.legs().duration(q)
     }
 
-    /// A leg ends where its guard vanishes, or lasts until the events of its guard accumulate.
+    /// Computes the equation at the end of a leg: its guard vanishes, or the leg lasts until the
+    /// events of its guard accumulate.
     fn segment_end_in(
         &self,
         segment: usize,
@@ -161,7 +162,8 @@ where
 }
 
 impl<T: GuardNumber + MeasureNumber> Watches<T> for HybridOrbit {
-    /// Watches the guards, followed by the system's monitors.
+    /// Evaluates a watched function; the watched functions are the guards, followed by the system's
+    /// monitors.
     fn watch_in(&self, Watched { segment, observable, .. }: Watched, t: T, x: &[T], q: &[T]) -> T {
         let OrbitLegs { system, layout, guards, .. } = self.legs();
         let (mode, t, p) = (self.legs().mode(segment), layout.begin(q) + t, layout.p(q));
@@ -240,7 +242,8 @@ impl Equations for HybridOrbit {
         self.itineraries.monitors.clone()
     }
 
-    /// Without guards, all orbits have the same itinerary.
+    /// Returns the alternative itineraries of the orbits; `None` for a system without guards, whose
+    /// orbits all have the same itinerary.
     fn itineraries(&self) -> Option<&dyn Itineraries<ErasedProblem>> {
         if self.legs().guards.is_empty() { None } else { Some(&self.itineraries) }
     }

@@ -8,10 +8,10 @@ use crate::core::problem::{UnknownName, position};
 pub struct Leg {
     /// The mode of the leg.
     pub mode: usize,
-    /// The guard at which the leg ends; `None` if the whole orbit has no event.
+    /// The guard at which the leg ends; `None` if the orbit has no events.
     pub exit: Option<usize>,
-    /// Whether the leg begins just after an event of this guard and represents the infinitely many
-    /// events that follow, up to their accumulation.
+    /// Whether the leg begins just after an event of the guard `exit` and represents the infinitely
+    /// many subsequent events, up to their accumulation.
     pub accumulates: bool,
 }
 
@@ -22,13 +22,13 @@ impl Leg {
     }
 }
 
-/// The itinerary of a hybrid orbit in one cycle: legs, each ended by an event, where the last event
-/// leads to the first leg; and, under forcing, the number of forcing periods in the cycle.
+/// The itinerary of a hybrid orbit in one cycle: its legs, each ended by an event, and the number
+/// of forcing periods in the cycle. The last event leads to the first leg.
 ///
-/// An itinerary is written as one word for each leg, `mode:event`, after a number of periods if
-/// there are several: `2* slip:rest stick:impact`. The itinerary of an orbit without events is the
-/// name of its mode. `flight:impact+` means infinitely many impacts after an earlier one, up to
-/// their accumulation.
+/// An itinerary is written as one word for each leg, `mode:event`; the number of periods precedes
+/// the words if it is not 1: `2* slip:rest stick:impact`. The itinerary of an orbit without events
+/// is the name of its mode. `flight:impact+` denotes infinitely many impacts after an earlier
+/// impact, up to their accumulation.
 ///
 /// ```
 /// use tangency::core::orbit::Itinerary;
@@ -43,50 +43,50 @@ impl Leg {
 pub struct Itinerary {
     /// The legs of one cycle.
     pub legs: Vec<Leg>,
-    /// The number of forcing periods in a cycle.
+    /// The number of forcing periods in a cycle of the orbit.
     pub periods: usize,
 }
 
-/// Suffix of an event's name: infinitely many of these events.
+/// The suffix of an event's name that denotes infinitely many of these events.
 const ALL: &str = "+";
 
 /// Reasons why an itinerary is invalid.
 #[derive(Clone, Debug, PartialEq, Eq, miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum ItineraryError {
-    /// The itinerary has no legs.
+    /// The itinerary does not contain any legs.
     #[error("the itinerary `{0}` has no legs")]
     #[diagnostic(help("write each leg as `mode:event`"))]
     Empty(String),
-    /// The number of forcing periods is 0.
+    /// The number of forcing periods of the itinerary is 0.
     #[error("the itinerary `{0}` has 0 forcing periods")]
     #[diagnostic(help("give at least one forcing period"))]
     Periods(String),
-    /// A mode or event of this name does not exist.
+    /// A mode or event that the itinerary names does not exist.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Unknown(#[from] UnknownName),
-    /// The number of a mode or guard is out of range.
+    /// The number of a mode or guard in the itinerary is out of range.
     #[error(
         "leg {leg} of the itinerary has {what} {number}, but the system has {count} (counted from 0)"
     )]
     Number {
         /// The leg.
         leg: usize,
-        /// Either `mode` or `guard`.
+        /// The kind of number that is out of range: `mode` or `guard`.
         what: &'static str,
-        /// The number of the mode or guard.
+        /// The number of the mode or guard that is out of range.
         number: usize,
         /// The number of modes or guards of the system.
         count: usize,
     },
-    /// A leg without an event, in an itinerary of several legs.
+    /// A leg has no event, although the itinerary has several legs.
     #[error("the leg `{0}` has no event: in an itinerary of several legs, each needs an event")]
     Endless(String),
 }
 
 impl Itinerary {
-    /// Creates the itinerary of an orbit in one mode without events.
+    /// Creates the itinerary of an orbit that stays in one mode without events.
     pub fn smooth(mode: usize, periods: usize) -> Self {
         Itinerary { legs: vec![Leg::new(mode, None)], periods }
     }
@@ -96,7 +96,7 @@ impl Itinerary {
         self.legs.iter().any(|leg| leg.exit.is_none())
     }
 
-    /// Checks that the itinerary has legs, and that their modes and guards exist.
+    /// Checks that the itinerary contains legs, and that their modes and guards exist.
     pub(super) fn check(&self, modes: &[Mode], guards: &[Guard]) -> Result<(), ItineraryError> {
         if self.legs.is_empty() {
             return Err(ItineraryError::Empty(String::new()));
@@ -115,13 +115,13 @@ impl Itinerary {
         Ok(())
     }
 
-    /// Returns the itinerary that repeats this cycle several times.
+    /// Returns the itinerary of the cycle repeated several times.
     pub(super) fn repeated(&self, times: usize) -> Self {
         Itinerary { legs: self.legs.repeat(times), periods: self.periods * times }
     }
 
-    /// Returns half of a cycle that consists of two equal halves; `None` for other cycles. Under
-    /// `forcing`, the number of periods is halved as well.
+    /// Returns the first half of a cycle that consists of two equal halves; `None` for other
+    /// cycles. If `forcing` is true, the number of forcing periods is also halved.
     pub(super) fn halved(&self, forcing: bool) -> Option<Self> {
         let (first, second) = self.legs.split_at(self.legs.len() / 2);
         let (legs, twice) = match first.is_empty() {
@@ -133,10 +133,10 @@ impl Itinerary {
         (twice && (even || !forcing)).then(|| Itinerary { legs: legs.to_vec(), periods })
     }
 
-    /// Parses an itinerary of a system.
+    /// Parses the text of an itinerary of a system.
     ///
     /// # Errors
-    /// [`ItineraryError`] if the text is not an itinerary of the system.
+    /// [`ItineraryError`] if the text is not a valid itinerary of the system.
     pub fn read(text: &str, system: &dyn HybridEquations) -> Result<Self, ItineraryError> {
         let (periods, words) = match text.split_once('*') {
             Some((periods, words)) => (periods.trim().parse().unwrap_or(0), words),
@@ -159,8 +159,8 @@ impl Itinerary {
         }
     }
 
-    /// Writes the itinerary with the system's names, in the format that [`read`](Self::read)
-    /// parses.
+    /// Writes the itinerary with the names of the system's modes and events, in the format that
+    /// [`read`](Self::read) parses.
     pub fn written(&self, system: &dyn HybridEquations) -> String {
         let (modes, guards) = (system.modes(), system.guards());
         let periods = (self.periods != 1).then(|| format!("{}*", self.periods));

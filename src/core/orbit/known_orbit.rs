@@ -1,4 +1,4 @@
-//! Orbits with the trajectories on their legs.
+//! Computed orbits, with the trajectories on their legs.
 
 use super::itinerary::{Itinerary, Leg};
 use super::legs::OrbitLegs;
@@ -6,15 +6,17 @@ use crate::core::bvp::{Guess, Trajectory};
 use crate::core::failure::Failure;
 use crate::core::hybrid::{HybridEquations, Moment, time_scale};
 
-/// H: an event with a smaller approach speed, in units of the scales, counts as a grazing.
+/// H: the approach speed of an event, in units of the scales, below which the event counts as a
+/// grazing.
 pub(super) const VANISHES: f64 = 1e-6;
 
-/// H: a shorter leg, in units of the time scale, has zero length. The speed at the end of a leg
-/// that begins at rest falls with the square of the leg's length: where the speed vanishes to
-/// 1e-12, the length vanishes to 1e-6.
+/// H: the duration of a leg, in units of the time scale, below which the leg has zero length. The
+/// speed at the end of a leg that begins at rest is proportional to the square of the leg's
+/// duration: if the speed vanishes to 1e-12, the duration vanishes to 1e-6.
 const NO_TIME: f64 = 1e-5;
 
-/// A computed orbit: its legs, the trajectory on each leg, and the numbers `q`.
+/// A computed orbit: its legs, the trajectory on each leg, and the vector `q` of parameters and
+/// further unknowns.
 #[derive(Clone, Copy)]
 pub(in crate::core) struct KnownOrbit<'a> {
     pub legs: &'a OrbitLegs,
@@ -36,22 +38,22 @@ impl<'a> KnownOrbit<'a> {
         self.legs.layout.p(self.q)
     }
 
-    /// The duration of a leg.
+    /// Returns the duration of a leg.
     pub fn length(&self, leg: usize) -> f64 {
         self.legs.duration(&self.legs.layout.numbers(leg, self.q))
     }
 
-    /// Whether a leg has a positive length, up to rounding.
+    /// Whether the duration of a leg is positive, up to rounding.
     pub fn lasts(&self, leg: usize) -> bool {
         self.length(leg).abs() > NO_TIME * time_scale(self.system(), self.p())
     }
 
-    /// The time at which a leg begins.
+    /// Returns the time at which a leg begins.
     pub fn begins(&self, leg: usize) -> f64 {
         self.legs.layout.time(leg, self.q)
     }
 
-    /// Returns a time and a state in the mode of a leg.
+    /// Returns the [`Moment`] of a time and a state in the mode of a leg.
     pub fn moment<'x>(&self, leg: usize, t: f64, x: &'x [f64]) -> Moment<'x, f64>
     where
         'a: 'x,
@@ -65,12 +67,13 @@ impl<'a> KnownOrbit<'a> {
         Ok((self.begins(leg) + length, self.state_on(leg, length)?))
     }
 
-    /// Returns the state at a time since the beginning of a leg.
+    /// Returns the state on a leg at a given time after the leg's beginning.
     pub fn state_on(&self, leg: usize, since: f64) -> Result<Vec<f64>, Failure> {
         self.on_motion(leg, &self.known[leg], since)
     }
 
-    /// Returns the state at a time since the beginning of a trajectory, with the field of a leg.
+    /// Returns the state on a trajectory at a given time after its beginning; the trajectory
+    /// follows the field of a leg.
     pub fn on_motion(
         &self,
         leg: usize,
@@ -86,7 +89,8 @@ impl<'a> KnownOrbit<'a> {
         (self.legs.all()[leg], self.known[leg].clone(), self.length(leg))
     }
 
-    /// Returns the orbits of the same system with these legs, starting at the time `begins`.
+    /// Returns an initial guess for orbits of the same system with the given legs, starting at the
+    /// time `begins`.
     pub(super) fn with_legs(&self, all: Vec<Lasting>, begins: f64) -> Guess<OrbitLegs> {
         // The start time comes first where it is an unknown.
         let mut extras: Vec<f64> = self.legs.layout.forced.then_some(begins).into_iter().collect();

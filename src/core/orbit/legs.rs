@@ -1,5 +1,5 @@
-//! The legs of hybrid orbits: a system, an itinerary, and the positions of each leg's states and
-//! numbers among the states and numbers of the orbit.
+//! The legs of hybrid orbits: a system, an itinerary, and the position of each leg's states and
+//! scalar unknowns in the vectors of the whole orbit.
 
 use super::itinerary::{Itinerary, Leg};
 use super::still::Still;
@@ -10,54 +10,56 @@ use crate::core::scalar::Scalar;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// (D) The exponent of the multiplier `e^(−LOST)` across the surface of a mode, for orbits that
-/// never leave the surface: zero up to rounding. The field alone preserves deviations from the
-/// surface, with a multiplier 1.
+/// (D) The exponent of the multiplier `e^(−LOST)` in the direction normal to the surface of a mode,
+/// for orbits that never leave the surface: the multiplier is zero up to rounding. The vector field
+/// alone would preserve deviations from the surface, with a multiplier 1.
 const LOST: f64 = 36.0;
 
-/// The positions of each leg's states and numbers among the states and numbers of an orbit. An
-/// orbit has the numbers `q = (p, e)`. The extra unknowns `e` are the start time (under forcing)
-/// and the durations of the legs; without events, the period or, under forcing, nothing.
+/// The position of each leg's states and scalar unknowns in the vectors of the whole orbit. The
+/// scalar unknowns of an orbit are the vector `q = (p, e)` of parameters `p` and extra unknowns
+/// `e`. The extra unknowns `e` are the durations of the legs and, under forcing, the start time.
+/// For an orbit without events, the only extra unknown is the period; under forcing the period is
+/// known.
 #[derive(Clone)]
 pub(in crate::core) struct LegLayout {
     parameters: usize,
     pub forced: bool,
     /// Whether the itinerary has no events.
     pub smooth: bool,
-    /// The offsets of each leg's states among the states of all legs, followed by the total number
-    /// of states.
+    /// The offset of each leg's states in the vector of the states of all legs, followed by the
+    /// total number of states.
     places: Vec<usize>,
 }
 
 impl LegLayout {
-    /// The range of a leg's states among the states of all legs.
+    /// Returns the range of a leg's states in the vector of the states of all legs.
     pub fn states(&self, leg: usize) -> Range<usize> {
         self.places[leg]..self.places[leg + 1]
     }
 
-    /// The parameters among the numbers `q`.
+    /// Returns the parameters in the vector `q`.
     pub fn p<'q, T>(&self, q: &'q [T]) -> &'q [T] {
         &q[..self.parameters]
     }
 
-    /// Whether the start time is an unknown.
+    /// Whether the start time is an unknown of the orbit.
     pub fn starts(&self) -> bool {
         self.forced && !self.smooth
     }
 
-    /// The durations among the numbers of an orbit.
+    /// Returns the durations of the legs in the vector `q` of an orbit.
     pub fn durations<'q, T>(&self, q: &'q [T]) -> &'q [T] {
         &q[self.parameters + usize::from(self.starts())..]
     }
 
-    /// The time at which a leg of an orbit with the numbers `q` begins.
+    /// Returns the time at which a leg begins, given the vector `q` of the orbit.
     pub fn time<T: Scalar>(&self, leg: usize, q: &[T]) -> T {
         let count = if self.smooth { 0 } else { leg + usize::from(self.forced) };
         q[self.parameters..][..count].iter().fold(T::zero(), |time, extra| time + *extra)
     }
 
-    /// The numbers of a leg: parameters, start time and duration. Without events, the numbers of
-    /// the orbit.
+    /// Returns the vector `q` of a single leg: parameters, start time and duration. If the
+    /// itinerary has no events, the result is the vector `q` of the orbit.
     pub fn numbers(&self, leg: usize, q: &[f64]) -> Vec<f64> {
         match self.smooth {
             true => q.to_vec(),
@@ -65,13 +67,13 @@ impl LegLayout {
         }
     }
 
-    /// The time at which a leg with the numbers `q` begins.
+    /// Returns the time at which a leg begins, given the leg's vector `q`.
     pub fn begin<T: Scalar>(&self, q: &[T]) -> T {
         if self.smooth { T::zero() } else { q[self.parameters] }
     }
 }
 
-/// The legs of the orbits of a hybrid system with an itinerary.
+/// The legs of the orbits that a hybrid system has with a given itinerary.
 #[derive(Clone)]
 pub(in crate::core) struct OrbitLegs {
     pub system: Arc<dyn HybridEquations>,
@@ -80,7 +82,7 @@ pub(in crate::core) struct OrbitLegs {
     pub guards: Vec<Guard>,
     pub parameters: Vec<String>,
     pub layout: LegLayout,
-    /// Whether the penetration is recorded.
+    /// Whether the penetration is recorded as a monitor.
     pub penetration: bool,
 }
 
@@ -96,7 +98,7 @@ impl OrbitLegs {
         OrbitLegs { system, itinerary, modes, guards, parameters, layout, penetration }
     }
 
-    /// Creates the legs of the same system's orbits with another itinerary.
+    /// Returns the legs of orbits of the same system with another itinerary.
     pub fn like(&self, itinerary: Itinerary) -> OrbitLegs {
         OrbitLegs::new(self.system.clone(), itinerary, self.penetration)
     }
@@ -111,13 +113,14 @@ impl OrbitLegs {
         &self.itinerary.legs
     }
 
-    /// The mode of a leg.
+    /// Returns the mode of a leg.
     pub fn mode(&self, leg: usize) -> usize {
         self.all()[leg].mode
     }
 
-    /// Iterates over the events of an orbit: the leg, its guard, and the time and state of the
-    /// event. Legs that end in an accumulation are skipped.
+    /// Iterates over the events of an orbit; each item contains the leg that the event ends, its
+    /// guard, and the time and state of the event. Legs that end at an accumulation of events are
+    /// skipped.
     pub fn events<'a, T: Scalar>(
         &'a self,
         ends: Ends<'a, T>,
@@ -134,29 +137,30 @@ impl OrbitLegs {
         })
     }
 
-    /// The mode that follows a leg.
+    /// Returns the mode that follows a leg.
     pub fn mode_after(&self, leg: usize) -> usize {
         self.mode((leg + 1) % self.all().len())
     }
 
-    /// The guards of a mode.
+    /// Returns the guards of a mode.
     pub fn guards_in(&self, mode: usize) -> impl Iterator<Item = usize> + '_ {
         let guards = self.guards.iter().enumerate();
         guards.filter(move |(_, guard)| guard.ends(mode)).map(|(k, _)| k)
     }
 
-    /// The guards of a mode whose events occur where the guard vanishes, not at given times.
+    /// Returns the guards of a mode whose events occur where the guard vanishes, excluding events
+    /// at given times.
     pub fn vanishing_in(&self, mode: usize) -> impl Iterator<Item = usize> + '_ {
         self.guards_in(mode).filter(|guard| !self.guards[*guard].is_timed())
     }
 
-    /// The guards of a mode whose events occur at given times.
+    /// Returns the guards of a mode whose events occur at given times.
     pub fn timed_in(&self, mode: usize) -> impl Iterator<Item = usize> + '_ {
         self.guards_in(mode).filter(|guard| self.guards[*guard].is_timed())
     }
 
-    /// The field on a leg with the numbers `q`, with time measured from the start of the leg. The
-    /// field is zero on a leg that ends in an accumulation.
+    /// Returns the vector field on a leg, given the leg's vector `q`; time is measured from the
+    /// start of the leg. The vector field is zero on a leg that ends at an accumulation of events.
     pub fn field_on<'a, T: ChatterNumber>(&'a self, leg: usize, q: &'a [T]) -> FieldRef<'a, T> {
         let (Leg { mode, accumulates, .. }, numbers) = (self.all()[leg], self.parameters.len());
         if accumulates {
@@ -167,7 +171,7 @@ impl OrbitLegs {
         FieldRef { numbers, attraction, ..T::in_mode(self.system(), mode, self.layout.begin(q)) }
     }
 
-    /// The duration of a leg with the numbers `q`.
+    /// Returns the duration of a leg, given the leg's vector `q`.
     pub fn duration<T: EventNumber>(&self, q: &[T]) -> T {
         match self.layout.smooth && self.layout.forced {
             true => self.cycle(self.layout.p(q)),
@@ -175,7 +179,7 @@ impl OrbitLegs {
         }
     }
 
-    /// The duration of a cycle under forcing.
+    /// Returns the duration of a cycle of a forced system.
     pub fn cycle<T: EventNumber>(&self, p: &[T]) -> T {
         self.system.period(p) * self.itinerary.periods as f64
     }

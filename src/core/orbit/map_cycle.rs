@@ -18,14 +18,15 @@ use std::sync::Arc;
 /// The cycles of a map: `x_{k+1} = f(x_k, p)`, `k = 0 … K − 1`, `x_K = x_0`; with `K = 1` its fixed
 /// points.
 ///
-/// The unknowns are the states of all iterates: for each state `K` values, for each array of states
-/// one group. The Jacobian
-/// is block-cyclic: a point costs O(K n³) in time and O(K n²) in memory.
+/// The unknowns are the states of all iterates: `K` values for each state, and one group for each
+/// array of states. The Jacobian is block-cyclic: a point on a branch costs O(K n³) in time and O(K
+/// n²) in memory.
 ///
-/// Cycles have everything that periodic orbits have: multipliers, folds, period doublings, torus
-/// (Neimark–Sacker) points, and the curves of them; from a period doubling a branch of cycles with
-/// twice as many iterates [emanates](crate::core::continuation::Continuation::switch). The monitors
-/// are the extremes of each state, and of each monitor of the map, over all iterates.
+/// Cycles of maps support the same computations as periodic orbits: multipliers, folds, period
+/// doublings, torus (Neimark–Sacker) bifurcations, and the curves of these bifurcations. A branch
+/// of cycles with twice as many iterates
+/// [emanates](crate::core::continuation::Continuation::switch) from a period doubling. The monitors
+/// are the extremes of each state, and of each monitor of the map, over all iterates of the cycle.
 ///
 /// ```
 /// use tangency::prelude::*;
@@ -52,24 +53,24 @@ pub struct MapCycle<M> {
     equations: Iterates<M>,
     names: Names,
     /// For each iterate, `n` rows of the `2n` derivatives with respect to `x_k` and `x_{k+1}`,
-    /// evaluated at `assembled`.
+    /// evaluated at the point `assembled`.
     blocks: Vec<f64>,
     /// The point at which the blocks were last assembled; empty if the assembly failed.
     assembled: Vec<f64>,
     cycle: Cycle,
-    /// The sizes of the states at both ends of the condensed chain; empty if unknown.
+    /// The typical sizes of the states at both ends of the condensed chain; empty if unknown.
     end_units: Vec<f64>,
     cancel: CancelToken,
     plain: Iterate<f64>,
     chunk: Iterate<Chunk>,
     first: Iterate<Dual64>,
-    /// Workspace for jets, allocated at the first use.
+    /// The workspace for jets, allocated at the first use.
     jets: Option<Iterate<Jet<ROOM>>>,
     nested: Iterate<Dual<Chunk>>,
     nested_twice: Iterate<Dual2<Chunk>>,
 }
 
-/// The equations of a cycle.
+/// The equations of a cycle of a map.
 struct Iterates<M> {
     map: Arc<M>,
     /// The number `n` of states and the number `K` of iterates.
@@ -77,17 +78,18 @@ struct Iterates<M> {
     count: usize,
 }
 
-/// (H) Iterates repeat if they agree to this tolerance, relative to the largest state; Newton's
-/// method then converges to the cycle.
+/// (H) The relative difference, in units of the largest state, below which iterates repeat;
+/// Newton's method then converges to the cycle.
 const REPEATS: f64 = 1e-6;
 
-/// (H) The halves of a cycle are equal, up to the error of a special point, if their difference is
-/// less than this fraction of the difference at the previous point. The sizes of states are no
-/// reference, since cycles may shrink to a fixed point at 0.
+/// (H) The ratio of the difference between the halves of a cycle to the difference at the previous
+/// point, below which the halves are equal, up to the error of a special point. The sizes of the
+/// states cannot serve as the unit of this difference, since cycles may shrink to a fixed point at
+/// 0.
 const SHRUNK: f64 = 1e-3;
 
-/// (H) The halves of a converged cycle are equal if they differ by less than this fraction of their
-/// size.
+/// (H) The relative difference between the halves of a converged cycle, in units of their size,
+/// below which the halves are equal.
 const TWICE: f64 = 1e-6;
 
 /// Buffers for the arguments and values of a map in one scalar type.
@@ -109,7 +111,7 @@ impl<T: Scalar> Iterate<T> {
         self.p.iter_mut().enumerate().for_each(|(j, p)| *p = parameter(j));
     }
 
-    /// Computes the next state from one given component by component.
+    /// Computes the image of a state whose components are given by a function.
     fn next<M: DiscreteMap>(&mut self, map: &M, state: impl Fn(usize) -> T) -> &[T] {
         self.x.iter_mut().enumerate().for_each(|(i, x)| *x = state(i));
         map.next(&self.x, &self.p, &mut self.next);
@@ -118,15 +120,15 @@ impl<T: Scalar> Iterate<T> {
 }
 
 impl<M: DiscreteMap> MapCycle<M> {
-    /// The longest cycle that [`settled`](Self::settled) searches for.
+    /// The maximal number of iterates of a cycle that [`settled`](Self::settled) searches for.
     pub const LONGEST: usize = 64;
 
-    /// Creates the problem of cycles with a given number of iterates, at least 1.
+    /// Creates the problem of cycles of a map with a given number of iterates, at least 1.
     pub fn of(map: M, iterates: usize) -> Self {
         Self::shared(Arc::new(map), iterates)
     }
 
-    /// Creates the problem of cycles of a shared map.
+    /// Creates the problem of cycles of a map that is shared with other problems.
     pub fn shared(map: Arc<M>, iterates: usize) -> Self {
         let (own, iterates) = (map.names(), iterates.max(1));
         let n = own.dimension();
@@ -157,11 +159,12 @@ impl<M: DiscreteMap> MapCycle<M> {
         }
     }
 
-    /// Iterates a state until it settles on a stable cycle after a transient, with at most
-    /// [`LONGEST`](Self::LONGEST) iterates, and returns the problem and the unknowns of that cycle.
+    /// Iterates the map from a state until the iterates repeat with a period of at most
+    /// [`LONGEST`](Self::LONGEST), after a transient, and returns the problem and the unknowns of
+    /// the stable cycle.
     ///
     /// # Errors
-    /// [`Failure::Mismatch`] if the iterates do not repeat.
+    /// [`Failure::Mismatch`] if the iterates do not repeat with such a period.
     pub fn settled(
         map: Arc<M>,
         start: &[f64],
@@ -207,10 +210,10 @@ impl<M: DiscreteMap> MapCycle<M> {
         )))
     }
 
-    /// Converts the states of a cycle, one iterate after another, to the unknowns.
+    /// Converts the states of a cycle, given iterate by iterate, to the vector of unknowns.
     ///
     /// # Panics
-    /// If there are not `n` states for each iterate.
+    /// If the length of `states` is not the number of iterates times the number `n` of states.
     pub fn unknowns(&self, states: &[f64]) -> Vec<f64> {
         let n = self.equations.states;
         let of_state = |i: usize| states.iter().skip(i).step_by(n);
@@ -220,13 +223,13 @@ impl<M: DiscreteMap> MapCycle<M> {
 }
 
 impl<M: DiscreteMap> Iterates<M> {
-    /// The position of a state after `k` iterates among the unknowns.
+    /// Returns the index of a state after `k` iterates in the vector of unknowns.
     fn at(&self, k: usize, state: usize) -> usize {
         state * self.count + k % self.count
     }
 
-    /// Evaluates part of the left sides `x_{k+1} − f(x_k, p)`, iterate by iterate, with `x = (z,
-    /// p)` given component by component.
+    /// Evaluates part of the residuals `x_{k+1} − f(x_k, p)`, iterate by iterate; a function
+    /// returns the components of the argument `x = (z, p)`.
     fn evaluate<T: Scalar>(
         &self,
         work: &mut Iterate<T>,
@@ -244,7 +247,7 @@ impl<M: DiscreteMap> Iterates<M> {
         }
     }
 
-    /// Evaluates the left sides on jets.
+    /// Evaluates the residuals with jets.
     fn on_jets(&self, work: &mut Iterate<Jet<ROOM>>, at: &Expansion) -> Vec<Jet<ROOM>> {
         let n = self.states;
         work.take_parameters(|j| at.argument(n * self.count + j));
@@ -257,8 +260,9 @@ impl<M: DiscreteMap> Iterates<M> {
         left
     }
 
-    /// Adds the gradient of a derivative of `wᵀ F` along `v` with respect to the unknowns and the
-    /// released parameters. The nonlinear part of `wᵀ F` is `−wᵀ f`.
+    /// Adds the gradient of the directional derivative of `wᵀ F` along `v`, with respect to the
+    /// unknowns and the released parameters. Only the nonlinear part of `wᵀ F`, which is `−wᵀ f`,
+    /// contributes to the gradient.
     fn add_gradient<T: Directional>(
         &self,
         work: &mut Iterate<T>,
@@ -289,8 +293,8 @@ impl<M: DiscreteMap> Iterates<M> {
         }
     }
 
-    /// Returns the scalar of a monitor, and 1 if the monitor is the scalar's maximum, −1 if it is the
-    /// minimum. A fixed point has each scalar once, as the maximum.
+    /// Returns the index of the scalar that a monitor refers to, and 1 if the monitor is the maximum
+    /// of the scalar, −1 if it is the minimum. A fixed point has one monitor per scalar, the maximum.
     fn scalar(&self, monitor: usize) -> (usize, f64) {
         match self.count {
             1 => (monitor, 1.0),
@@ -298,8 +302,8 @@ impl<M: DiscreteMap> Iterates<M> {
         }
     }
 
-    /// Returns the iterate at which a monitor takes its value, and that value. `state` is scratch
-    /// space.
+    /// Returns the iterate at which a monitor attains its value, and this value. The argument
+    /// `state` is scratch space.
     fn extreme(&self, monitor: usize, x: &[f64], state: &mut [f64]) -> (usize, f64) {
         let (scalar, sign) = self.scalar(monitor);
         let (z, p) = x.split_at(self.states * self.count);
@@ -319,7 +323,7 @@ impl<M: DiscreteMap> Iterates<M> {
 }
 
 impl<M: DiscreteMap> MapCycle<M> {
-    /// Computes the gradient of a monitor into `out`, which is zero on entry.
+    /// Computes the gradient of a monitor into `out`, which must be zero on entry.
     fn monitor_gradient(&mut self, monitor: usize, x: &[f64], out: &mut [f64]) {
         let (equations, work, dimension) =
             (&self.equations, &mut self.chunk, self.names.dimension());
@@ -507,8 +511,9 @@ impl<M: DiscreteMap + 'static> System for MapCycle<M> {
         finite(values, name, "a monitor must be finite wherever the map is")
     }
 
-    /// Accepts a cycle with any number of iterates. At a period doubling, branch switching repeats
-    /// the cycle twice; at the end of a branch of doubled cycles, it takes half of the cycle.
+    /// Resumes from a cycle with any number of iterates. At a period doubling, branch switching
+    /// repeats the cycle twice; at the end of a branch of doubled cycles, branch switching halves
+    /// the cycle.
     fn resume_from(&mut self, solution: &Solution) -> Result<Start, Failure> {
         let (n, length) = (self.equations.states, solution.state.len());
         if length == 0 || !length.is_multiple_of(n) {

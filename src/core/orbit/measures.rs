@@ -8,12 +8,13 @@ use crate::core::bvp::{Monitor, Watched};
 use crate::core::hybrid::Guard;
 use crate::core::problem::{Measure, Observable};
 
-/// The names of the monitors that are positive on admissible orbits.
+/// The names of the monitors that are positive on admissible orbits and vanish at grazings.
 pub(crate) const GRAZINGS: [&str; 5] = ["approach", "shortest", "decision", "distance", "spacing"];
 
-/// Functions of the states at the ends of legs: the smallest approach speed, the shortest duration,
-/// the penetration after the event with the smallest approach speed, the smallest decision margin,
-/// and the shortest time to a timed event. The system's own functions follow.
+/// The indices of functions of the states at the ends of legs: the smallest approach speed, the
+/// shortest duration, the penetration after the event with the smallest approach speed, the
+/// smallest decision margin, and the shortest time to a timed event. The functions that the system
+/// itself defines have the subsequent indices.
 pub(super) const APPROACH: usize = 0;
 pub(super) const SHORTEST: usize = 1;
 pub(super) const PENETRATION: usize = 2;
@@ -21,7 +22,8 @@ pub(super) const DECISION: usize = 3;
 pub(super) const SPACING: usize = 4;
 pub(super) const OWN: usize = 5;
 
-/// Returns the scalar on each segment that has one.
+/// Returns the segments on which a scalar exists, each with the watched function that represents
+/// the scalar.
 pub(super) fn on_segments(scalars: impl IntoIterator<Item = Option<Observable>>) -> Vec<Watched> {
     let all = scalars.into_iter().enumerate();
     all.filter_map(|(segment, observable)| Some(Watched::new(segment, observable?))).collect()
@@ -60,8 +62,8 @@ pub(super) fn monitors_of(legs: &OrbitLegs) -> Vec<(String, Monitor)> {
     monitors
 }
 
-/// The monitor of a measure. The watched functions are the guards, followed by the system's
-/// monitors.
+/// Returns the monitor that represents a measure. The watched functions are the guards, followed by
+/// the system's monitors.
 fn on_legs(legs: &OrbitLegs, measure: &Measure) -> Monitor {
     let numbered = |observable| match observable {
         Observable::Function(monitor) => Observable::Function(legs.guards.len() + monitor),
@@ -77,8 +79,8 @@ fn on_legs(legs: &OrbitLegs, measure: &Measure) -> Monitor {
     }
 }
 
-/// All guards along the legs, and whether each belongs to the event at the beginning or the end of
-/// its leg.
+/// Returns all guards along the legs, each with a flag whether the guard belongs to the event at
+/// the beginning or the end of its leg.
 fn watched_guards(legs: &OrbitLegs) -> Vec<Watched> {
     let (all, mut watched) = (legs.all(), Vec::new());
     for (s, leg) in all.iter().enumerate().filter(|(_, leg)| !leg.accumulates) {

@@ -3,11 +3,12 @@
 //! Orbits of vector fields ([`PeriodicOrbit`]) and of hybrid systems ([`HybridOrbit`]) are
 //! boundary-value problems; the cycles of maps ([`MapCycle`]) are zero problems.
 //!
-//! The period of an orbit is a multiple of the forcing period, a function of the parameters.
-//! Without forcing the period is an unknown, and the phase condition `∫ ⟨ẋ_ref, x − x_ref⟩ dτ = 0`
-//! aligns the orbit with its predecessor on the branch (E. J. Doedel, H. B. Keller and J. P.
-//! Kernévez, *Int. J. Bifurcation and Chaos* 1:745, 1991). Branches start at Hopf points, at saved
-//! orbits, or at stable orbits found by simulation ([`from_cycle`]).
+//! In a forced system, the period of an orbit is a multiple of the forcing period, which is a
+//! function of the parameters. Without forcing the period is an unknown, and the phase condition `∫
+//! ⟨ẋ_ref, x − x_ref⟩ dτ = 0` aligns the orbit with its predecessor on the branch (E. J. Doedel, H.
+//! B. Keller and J. P. Kernévez, *International Journal of Bifurcation and Chaos* 1:745, 1991).
+//! Branches start at Hopf points, at saved orbits, or at stable orbits found by simulation
+//! ([`from_cycle`]).
 //!
 //! ```
 //! use std::f64::consts::TAU;

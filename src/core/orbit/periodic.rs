@@ -8,14 +8,14 @@ use crate::core::failure::OutOfDomain;
 use crate::core::problem::{Measure, Names, Observable, VectorField};
 use crate::core::scalar::Scalar;
 
-/// The periodic orbits of a vector field, as a boundary-value problem of one segment:
+/// The periodic orbits of a vector field, as a boundary-value problem with one segment:
 ///
 /// ```text
 ///     x' = f(t, x, p),    x(0) − x(L) = 0,    L = q T(p)
 /// ```
 ///
-/// over `q` forcing periods. Without forcing the period `L` is an unknown, determined by a phase
-/// condition.
+/// The number of forcing periods is `q`. In a system without forcing, the period `L` is an unknown,
+/// determined by a phase condition.
 ///
 /// ```
 /// use tangency::core::bvp::{BoundarySystem, Collocation, Mesh};
@@ -43,7 +43,7 @@ impl<F: VectorField> PeriodicOrbit<F> {
         PeriodicOrbit { field, periods, names, forced }
     }
 
-    /// The parameters among the numbers `q`.
+    /// Returns the parameters in the vector of parameters and extra unknowns.
     fn own<'q, T>(&self, q: &'q [T]) -> &'q [T] {
         &q[..self.names.parameters.len()]
     }
@@ -90,7 +90,8 @@ impl<F: VectorField> BoundaryProblem for PeriodicOrbit<F> {
         self.field.scales(self.own(q))
     }
 
-    /// The period, and the measures that are defined for motion without events.
+    /// Returns the monitors: the period, and the measures that are defined for motion without
+    /// events.
     fn monitors(&self) -> Vec<(String, Monitor)> {
         let scalar = |name: &String| {
             let monitor = || self.names.monitor(name).map(Observable::Function);
@@ -107,8 +108,8 @@ impl<F: VectorField> BoundaryProblem for PeriodicOrbit<F> {
     }
 }
 
-/// Creates the system of periodic orbits of a vector field over one forcing period, with a given
-/// number of mesh intervals.
+/// Creates the system of equations for periodic orbits of a vector field over one forcing period,
+/// with a given number of mesh intervals.
 ///
 /// ```
 /// use tangency::core::bvp::{Collocation, Shooting};
@@ -147,7 +148,7 @@ impl<F: VectorField> BoundaryProblem for PeriodicOrbit<F> {
 /// ```
 ///
 /// # Errors
-/// [`BoundaryError`] if the field has no states, or there is no interval.
+/// [`BoundaryError`] if the vector field has no states, or if the number of mesh intervals is 0.
 pub fn periodic_orbits(
     field: impl VectorField + 'static,
     intervals: usize,

@@ -1,4 +1,4 @@
-//! Detection of discontinuous resets: the branch has no continuation beyond such a point.
+//! Detection of discontinuous resets, beyond which a branch of orbits cannot be continued.
 
 use super::event_cascade::{NUDGE, UNMOVED, moved_state};
 use super::known_orbit::KnownOrbit;
@@ -8,12 +8,12 @@ use crate::core::failure::Failure;
 use crate::core::hybrid::{Moment, time_scale};
 use crate::core::system::Jump;
 
-/// (R) The number of bisections: the last interval is below rounding even between points one
-/// minimal step apart.
+/// (R) The number of bisections: the last interval is smaller than the rounding error, even between
+/// points one minimal step apart.
 const HALVINGS: usize = 30;
 
-/// Returns the first discontinuity of a reset between two orbits, whose events are interpolated
-/// linearly.
+/// Returns the first discontinuity of a reset between two orbits; the states and times of their
+/// events are interpolated linearly.
 pub(super) fn jump_between(legs: &OrbitLegs, [from, to]: [(Ends<f64>, &[f64]); 2]) -> Option<Jump> {
     let pairs = legs.events(from.0, from.1).zip(legs.events(to.0, to.1));
     let jumps =
@@ -21,7 +21,7 @@ pub(super) fn jump_between(legs: &OrbitLegs, [from, to]: [(Ends<f64>, &[f64]); 2
     jumps.min_by(|a, b| a.share.total_cmp(&b.share))
 }
 
-/// Rejects an orbit with an event at which a reset is discontinuous.
+/// Returns an error if a reset is discontinuous at an event of the orbit.
 pub(super) fn check_resets(orbit: &KnownOrbit) -> Result<(), Failure> {
     for (leg, it) in orbit.legs.all().iter().enumerate() {
         let Some(guard) = it.exit.filter(|_| !it.accumulates) else { continue };
@@ -48,8 +48,7 @@ pub(super) fn check_resets(orbit: &KnownOrbit) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Returns the discontinuity between two states before the event, for the reset at the end of a
-/// leg.
+/// Returns the discontinuity of the reset at the end of a leg, between two states before the event.
 fn jump_of_reset(
     legs: &OrbitLegs,
     (leg, guard): (usize, usize),

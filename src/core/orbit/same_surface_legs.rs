@@ -1,9 +1,11 @@
 //! Legs that end on the surface on which they begin.
 //!
-//! Examples are a block that rocks on its other corner, and a soft stop that is pressed. Such a leg
-//! also satisfies `h = 0` at its end with zero duration. Where such a leg vanishes, orbits that
-//! have the leg cross orbits with the leg at zero duration, and the equations are singular. Divided
-//! by the duration, the equation is regular: the mean rate of the guard along the leg vanishes.
+//! Examples of such legs are the motion of a block that rocks on its other corner, and the contact
+//! with a soft stop while it is compressed. A leg that ends on the surface on which it begins also
+//! satisfies `h = 0` at its end if its duration is zero. If the duration of such a leg shrinks to
+//! zero, the branch of orbits with the leg crosses a branch of orbits on which the leg has zero
+//! duration, and the equations are singular. The equation `h = 0` divided by the duration is
+//! regular: it states that the mean rate of the guard along the leg vanishes.
 
 use super::legs::OrbitLegs;
 use crate::core::bvp::Ends;
@@ -12,17 +14,19 @@ use crate::core::linalg::dot;
 use crate::core::problem::gradient;
 use num_dual::Dual;
 
-/// H: for a leg shorter than this, in units of the time scale, the mean rate of the guard is its
-/// rate at mid-time. The quotient has an error of rounding / duration there, and the two differ by
-/// second order in the duration.
+/// H: the duration of a leg, in units of the time scale, below which the mean rate of the guard is
+/// evaluated as the guard's rate at mid-time. For such short legs, the quotient of guard and
+/// duration has a rounding error inversely proportional to the duration, and the rate at mid-time
+/// differs from the mean rate only to second order in the duration.
 const SHORT: f64 = 1e-8;
-/// R: two guards are the same function, up to sign and size, if their values and slopes differ by
-/// less than this, in units of the slopes: the rounding of a few thousand operations.
+/// R: the largest difference between the values and slopes of two guards, in units of the slopes,
+/// at which the guards are the same function up to a factor: the rounding error of a few thousand
+/// operations.
 const SAME: f64 = 1e-9;
 
-/// For each leg, whether its guard equals the guard of the preceding event, up to sign and size,
-/// after the reset. The guards are compared where the legs of a solution, or of a guess, end.
-/// `None` if a guard is not finite there.
+/// Returns for each leg whether its guard, after the reset, equals the guard of the preceding event
+/// up to a factor. The two guards are compared at the end of the preceding leg, in a solution or in
+/// an initial guess. Returns `None` if a guard is not finite at such an end.
 pub(super) fn begins_on_exit(legs: &OrbitLegs, ends: Ends<f64>, q: &[f64]) -> Option<Vec<bool>> {
     let count = legs.all().len();
     let begins = |leg: usize| {
@@ -41,8 +45,8 @@ pub(super) fn begins_on_exit(legs: &OrbitLegs, ends: Ends<f64>, q: &[f64]) -> Op
     (0..count).map(begins).collect()
 }
 
-/// Whether a guard, after the reset of the event at which another guard vanishes, equals that guard
-/// up to sign and size. `None` if one of them is not finite there.
+/// Whether a guard, evaluated after the reset of an event, equals the vanishing guard of the event
+/// up to a factor. Returns `None` if one of the two guards is not finite.
 fn same_guard(at: Moment<f64>, entry: usize, (next, exit): (usize, usize)) -> Option<bool> {
     let Moment { system, mode, t, x, p } = at;
     let mut sizes = system.sizes_of(mode, p);
@@ -72,8 +76,9 @@ fn same_guard(at: Moment<f64>, entry: usize, (next, exit): (usize, usize)) -> Op
     Some(ratio.is_finite() && size > 0.0 && apart.all(|apart| apart <= SAME * size))
 }
 
-/// Computes the mean rate of a guard along a leg that begins on its surface, from the end of the
-/// leg, in units of the time scale. For legs longer than that unit, returns the guard itself.
+/// Computes the mean rate of a guard along a leg that begins on the guard's surface, given the end
+/// of the leg, per unit of the time scale. For legs longer than the time scale, returns the value
+/// of the guard at the end instead.
 pub(super) fn mean_rate<T: EventNumber>(end: Moment<T>, guard: usize, duration: T) -> T
 where
     Dual<T>: GuardNumber,

@@ -1,4 +1,4 @@
-//! Orbit problems from simulated cycles.
+//! Orbit problems created from simulated cycles.
 
 use super::accumulation::check_rebound;
 use super::hybrid::{HybridOrbit, IntoHybrid};
@@ -10,19 +10,20 @@ use crate::core::failure::{Failure, one_line};
 use crate::core::hybrid::{Cycle, CycleLeg, Moment};
 use crate::core::problem::gradient;
 
-/// The minimal number of events in a series before an accumulation; a simulation needs as many to
-/// predict the accumulation and its time.
+/// The minimal number of events in a series before an accumulation; a simulation needs this number
+/// to predict the accumulation and its time.
 const SERIES: usize = 4;
-/// The minimal ratio of the duration of that series to the remaining time, which was not simulated.
+/// The minimal ratio of the duration of the simulated series to the remaining time until the
+/// accumulation.
 const LONGER: f64 = 30.0;
 
 impl HybridOrbit {
-    /// Creates the orbit problem with the itinerary of a simulated cycle, and that cycle as one
-    /// orbit. The last events before an accumulation become one leg.
+    /// Creates the orbit problem with the itinerary of a simulated cycle, and the cycle itself as
+    /// an initial guess. The last events before an accumulation are merged into one leg.
     ///
     /// # Errors
-    /// [`Failure`] if all events of the cycle accumulate, if they accumulate at their first one, if
-    /// a guard jumps through zero, or if the cycle belongs to another system.
+    /// [`Failure`] if all events of the cycle accumulate, if events accumulate at the first event
+    /// of their series, if a guard jumps through zero, or if the cycle belongs to another system.
     pub fn of_cycle(
         system: impl IntoHybrid,
         cycle: &Cycle,
@@ -52,10 +53,11 @@ impl HybridOrbit {
     }
 }
 
-/// Returns the periodic orbits of a system with the itinerary of a simulated cycle, with a number
-/// of intervals for each leg, and the unknowns `z` of that cycle, from which a branch can start.
+/// Returns the system of periodic orbits with the itinerary of a simulated cycle and the given
+/// number of mesh intervals per leg, and the vector `z` of unknowns of the cycle, from which a
+/// branch can start.
 ///
-/// The system is smooth or hybrid, autonomous or forced; a vector field is wrapped in
+/// The system can be smooth or hybrid, autonomous or forced; a vector field must be wrapped in
 /// [`Smooth`](super::smooth::Smooth).
 ///
 /// ```
@@ -83,8 +85,8 @@ impl HybridOrbit {
 /// ```
 ///
 /// # Errors
-/// [`Failure`] if all events of the cycle accumulate, if there is no interval, or if a leg leaves
-/// the domain of its field.
+/// [`Failure`] if all events of the cycle accumulate, if the number of mesh intervals is 0, or if a
+/// leg leaves the domain of its vector field.
 pub fn from_cycle(
     system: impl IntoHybrid,
     cycle: &Cycle,
@@ -95,8 +97,8 @@ pub fn from_cycle(
     HybridOrbit::of_cycle(system, cycle, p)?.discretised(p, method, intervals)
 }
 
-/// Returns the start time of the first leg, and the legs of a cycle; the legs of a series of events
-/// are merged with their accumulation.
+/// Returns the start time of the first leg, and the legs of a cycle, in which each series of
+/// accumulating events is merged into one leg.
 fn gathered(cycle: &Cycle) -> Result<(f64, Vec<CycleLeg>), Failure> {
     let (mut start, mut legs) = (cycle.start, cycle.legs.clone());
     let Some(last) = legs.iter().rposition(|leg| leg.accumulation) else {
@@ -119,7 +121,7 @@ fn gathered(cycle: &Cycle) -> Result<(f64, Vec<CycleLeg>), Failure> {
     }
 }
 
-/// Rejects guards that jump through zero: if a guard is not zero at its event, or all its
+/// Returns an error if a guard jumps through zero: if a guard is not zero at its event, or all its
 /// derivatives are zero, no equation determines the time of the event.
 fn check_guards(orbit: &OrbitLegs, cycle: &Cycle, p: &[f64]) -> Result<(), Failure> {
     let mut t = cycle.start;
@@ -145,8 +147,8 @@ fn check_guards(orbit: &OrbitLegs, cycle: &Cycle, p: &[f64]) -> Result<(), Failu
     Ok(())
 }
 
-/// Returns the first leg in the series before an accumulation: a leg that follows one of its
-/// events, from which on the intervals between events shrink.
+/// Returns the index of the first leg in the series before an accumulation: the leg follows an
+/// event of the series, and the intervals between all later events of the series shrink.
 fn begins(legs: &[CycleLeg], accumulation: &CycleLeg) -> usize {
     let (mut first, mut interval) = (legs.len(), accumulation.duration);
     let ended = (0..legs.len())

@@ -5,7 +5,7 @@ use crate::core::hybrid::{Guard, HybridSystem, Mode, Scales};
 use crate::core::problem::{Forcing, Measure, VectorField, forward};
 use crate::core::scalar::Scalar;
 
-/// A vector field as a hybrid system with one mode and no guards.
+/// The hybrid system with one mode and no guards that represents a vector field.
 ///
 /// ```
 /// use tangency::core::hybrid::HybridSystem;

@@ -4,7 +4,7 @@ use crate::core::failure::OutOfDomain;
 use crate::core::problem::{Domains, Fields};
 use crate::core::scalar::Scalar;
 
-/// The zero vector field.
+/// The vector field that is zero everywhere.
 pub(super) struct Still;
 
 impl Domains for Still {

@@ -1,6 +1,6 @@
-//! The itineraries of hybrid orbits, the grazings at which an itinerary changes, and the choice of
-//! the branches that emanate there: without vanished legs, across a decision, or with the event at
-//! a grazing point.
+//! The alternative itineraries of hybrid orbits, the grazings at which an itinerary changes, and
+//! the branches that emanate at grazings: without vanished legs, across a decision, or with the
+//! event at a grazing point.
 
 use super::accumulation::{accumulation, check_rebound};
 use super::decision_switching::{decided_otherwise, decisions};
@@ -20,11 +20,12 @@ use crate::core::failure::{Failure, one_line};
 use crate::core::hybrid::{GuardOf, Moment, time_scale};
 use crate::core::system::{Jump, Limit};
 
-/// H: the mode after an event is checked only if the approach speed is larger than this, in units
-/// of the scales.
+/// H: the smallest approach speed of an event, in units of the scales, at which the mode after the
+/// event is checked.
 const SURE: f64 = 1e-4;
 
-/// The itineraries of hybrid orbits: their legs, and the monitors that vanish at a limit.
+/// The itineraries of hybrid orbits: the legs of the present itinerary, and the monitors that
+/// vanish at its limits.
 #[derive(Clone)]
 pub(in crate::core) struct OrbitItineraries {
     pub legs: OrbitLegs,
@@ -39,7 +40,7 @@ impl From<OrbitLegs> for OrbitItineraries {
 }
 
 impl OrbitItineraries {
-    /// Returns an orbit of these legs with its trajectories.
+    /// Returns an orbit with the present legs and the given trajectories.
     pub(in crate::core) fn known<'a>(
         &'a self,
         known: &'a [Trajectory],
@@ -69,7 +70,8 @@ impl Itineraries<ErasedProblem> for OrbitItineraries {
         Some(self.legs.like(self.legs.itinerary.halved(self.legs.layout.forced)?).into_equations())
     }
 
-    /// Orbits without events over several periods, such as period-doubled orbits.
+    /// Returns the problem of orbits without events over several periods, such as period-doubled
+    /// orbits.
     fn spanning(&self, durations: f64, q: &[f64]) -> Option<(ErasedProblem, Vec<f64>)> {
         let (mut q, mut itinerary) = (q.to_vec(), self.legs.itinerary.clone());
         match self.legs.layout.forced {
@@ -82,7 +84,8 @@ impl Itineraries<ErasedProblem> for OrbitItineraries {
         Some((self.legs.like(itinerary).into_equations(), q))
     }
 
-    /// Under forcing, an orbit may start any number of periods later.
+    /// Returns the extra unknowns of the orbit that starts a number of legs later; in a forced
+    /// system, the start time is shifted by a multiple of the forcing period.
     fn rotated(&self, segments: usize, q: &[f64], near: &[f64]) -> Option<Vec<f64>> {
         let legs = self.legs.all();
         let same = |(s, leg): (usize, &Leg)| *leg == legs[(s + segments) % legs.len()];
@@ -99,8 +102,9 @@ impl Itineraries<ErasedProblem> for OrbitItineraries {
         Some(start.into_iter().chain(durations).collect())
     }
 
-    /// Returns the limits; each is relative to the scale of the guards, of their rates, of the
-    /// decisions, or of time. Guards are evaluated with states at half their scales.
+    /// Returns the limits of the itinerary; each limit is relative to the scale of the guards, of
+    /// their rates, of the decision functions, or of time. The scales of guards are evaluated at
+    /// half the scales of the states.
     fn limits(&self, p: &[f64]) -> Vec<Limit> {
         let (system, time) = (self.legs.system(), time_scale(self.legs.system(), p));
         let of_guards = |mode: usize| {
@@ -126,7 +130,7 @@ impl Itineraries<ErasedProblem> for OrbitItineraries {
     }
 
     /// Checks that every event and every accumulation leads to the next mode of the itinerary, and
-    /// that legs begin and end within the domain.
+    /// that each leg begins and ends within the domain of its mode.
     fn check_ends(&self, ends: Ends<f64>, q: &[f64]) -> Result<(), Failure> {
         let (layout, p) = (&self.legs.layout, self.legs.layout.p(q));
         let times = |s: usize| (layout.time(s, q), self.legs.duration(&layout.numbers(s, q)));
@@ -202,7 +206,8 @@ impl Itineraries<ErasedProblem> for OrbitItineraries {
     }
 }
 
-/// Checks the mode that follows an event. A tangent or virtual event is not checked.
+/// Checks that an event leads to the next mode of the itinerary. Events that are tangential or
+/// virtual are not checked.
 fn check_event(legs: &OrbitLegs, leg: usize, t: f64, x: &[f64], p: &[f64]) -> Result<(), Failure> {
     let Leg { mode, exit: Some(guard), .. } = legs.all()[leg] else { return Ok(()) };
     let at = Moment { system: legs.system(), mode, t, x, p };
@@ -220,8 +225,8 @@ fn check_event(legs: &OrbitLegs, leg: usize, t: f64, x: &[f64], p: &[f64]) -> Re
     )))
 }
 
-/// Rejects a leg whose events do not accumulate, accumulate immediately, or lead to a mode other
-/// than the itinerary's.
+/// Returns an error if the events of a leg do not accumulate, accumulate immediately, or lead to a
+/// mode that differs from the itinerary.
 fn check_accumulation(
     legs: &OrbitLegs,
     leg: usize,

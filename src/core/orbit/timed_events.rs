@@ -1,5 +1,5 @@
-//! Timed events on orbits: no leg may pass a timed event of its mode, and other events may be
-//! simultaneous with one.
+//! Timed events on orbits: a leg must not pass a timed event of its mode without ending, but other
+//! events may be simultaneous with timed events.
 
 use super::itinerary::Leg;
 use super::known_orbit::{KnownOrbit, VANISHES};
@@ -8,8 +8,9 @@ use crate::core::bvp::Ends;
 use crate::core::failure::Failure;
 use crate::core::hybrid::{EventNumber, Moment, time_scale};
 
-/// Returns the shortest time between an end of a leg and the timed event before or after the leg:
-/// negative if the leg passes one, infinite if all legs lead from one such event to the next.
+/// Returns the shortest time from a timed event before a leg to the start of the leg, or from the
+/// end of a leg to the next timed event. The result is negative if the leg passes a timed event,
+/// and infinite if all legs last from one timed event to the next.
 pub(super) fn spacing<T: EventNumber>(legs: &OrbitLegs, ends: Ends<T>, q: &[T]) -> T {
     let least = |a: T, b: T| if b.real() < a.real() { b } else { a };
     let (count, layout) = (legs.all().len(), &legs.layout);
@@ -37,10 +38,11 @@ pub(super) fn spacing<T: EventNumber>(legs: &OrbitLegs, ends: Ends<T>, q: &[T]) 
     legs.flat_map(of_leg).fold(T::from(f64::INFINITY), least)
 }
 
-/// Rejects orbits without events in a mode with timed events, and legs that pass a timed event.
+/// Returns an error for orbits without events in a mode with timed events, and for legs that pass a
+/// timed event.
 ///
 /// # Errors
-/// [`Failure::Mismatch`] with the mode and the event.
+/// [`Failure::Mismatch`] with the names of the mode and the event.
 pub(super) fn check_timed(legs: &OrbitLegs, ends: Ends<f64>, q: &[f64]) -> Result<(), Failure> {
     for leg in legs.all().iter().filter(|leg| leg.exit.is_none()) {
         if let Some(guard) = legs.timed_in(leg.mode).next() {
@@ -74,15 +76,15 @@ pub(super) fn has_spaces(legs: &OrbitLegs) -> bool {
 }
 
 impl OrbitLegs {
-    /// The time between two events of a guard with timed events.
+    /// Returns the time between two successive events of a guard with timed events.
     pub fn interval<T: EventNumber>(&self, guard: usize, p: &[T]) -> T {
         self.system.period(p) / self.guards[guard].per_period as f64
     }
 }
 
 impl KnownOrbit<'_> {
-    /// Whether a timed event of a leg's mode, or of the next mode, is simultaneous with another
-    /// event that ends the leg.
+    /// Whether a timed event of a leg's mode, or of the next mode, is simultaneous with the
+    /// different event that ends the leg.
     pub(super) fn collides(&self, leg: usize) -> bool {
         let (legs, end) = (self.legs, self.begins(leg) + self.length(leg));
         let (exit, unit) = (legs.all()[leg].exit, time_scale(self.system(), self.p()));

@@ -1,4 +1,4 @@
-//! Grazing points of an orbit: points at which a guard vanishes without an event.
+//! Grazing points of an orbit: points at which a guard vanishes without an event of its own.
 
 use super::known_orbit::{KnownOrbit, VANISHES};
 use crate::core::failure::Failure;
@@ -6,19 +6,19 @@ use crate::core::hybrid::{FieldNumber, GuardOf, time_scale};
 use crate::core::ode::{Extrema, Flow};
 use std::ops::ControlFlow;
 
-/// A point at which an orbit is closest to a guard.
+/// A point at which an orbit is closest to a guard's surface.
 pub(super) struct Touch {
     pub leg: usize,
     pub guard: usize,
-    /// The time since the beginning of the leg.
+    /// The time of the point since the beginning of the leg.
     pub since: f64,
-    /// The value of the guard.
+    /// The value of the guard at the point.
     pub value: f64,
     pub x: Vec<f64>,
 }
 
-/// Returns the grazing points of an orbit in order, or, if the orbit touches no guard, the point at
-/// which it is closest to one.
+/// Returns the grazing points of an orbit in the order of time; if the orbit does not graze any
+/// guard, returns the point at which the orbit is closest to a guard.
 pub(super) fn touches(orbit: &KnownOrbit) -> Result<Vec<Touch>, Failure> {
     let (legs, mut found) = (orbit.legs, Vec::<(Touch, f64)>::new());
     for leg in (0..legs.all().len()).filter(|leg| !legs.all()[*leg].accumulates) {
@@ -41,7 +41,7 @@ pub(super) fn touches(orbit: &KnownOrbit) -> Result<Vec<Touch>, Failure> {
     Ok(touches)
 }
 
-/// Returns the local minima of a guard, of scale `scale`, on a leg.
+/// Returns the local minima of a guard, whose scale is `scale`, on a leg.
 fn dips(orbit: &KnownOrbit, leg: usize, guard: usize, scale: f64) -> Result<Vec<Touch>, Failure> {
     let mut found = minima(orbit, leg, guard, scale)?;
     if !orbit.legs.layout.smooth {
@@ -55,7 +55,8 @@ fn dips(orbit: &KnownOrbit, leg: usize, guard: usize, scale: f64) -> Result<Vec<
     found.into_iter().map(touch).collect()
 }
 
-/// Returns the minima of a guard on a leg: times since the beginning of the leg, and values.
+/// Returns the minima of a guard on a leg: the time of each minimum since the beginning of the leg,
+/// and the value of the guard.
 fn minima(
     orbit: &KnownOrbit,
     leg: usize,

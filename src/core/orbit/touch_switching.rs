@@ -1,9 +1,11 @@
-//! Switching at a grazing point: the branches of orbits that have the event of the grazed guard.
+//! Branch switching at a grazing point, to the branches of orbits that have the event of the grazed
+//! guard.
 //!
-//! An orbit that touches a guard has no event there. Orbits that cross the guard have an event,
-//! which ends a leg, and possibly further legs that have zero length at the grazing point: an
-//! impact with zero speed, a slip of zero length. With these legs inserted, the grazing orbit is a
-//! regular point of the branch of orbits that have the event.
+//! An orbit that touches a guard's surface has no event at the grazing point. Orbits that cross the
+//! surface have an event, which ends a leg, and possibly further legs that have zero length at the
+//! grazing point: for example, an impact with zero speed or a slip phase of zero length. With these
+//! zero-length legs inserted, the grazing orbit is a regular point of the branch of orbits that
+//! have the event.
 
 use super::event_cascade::{Following, NUDGE, Onset, check_unmoved, nudged, onto};
 use super::itinerary::Leg;
@@ -15,38 +17,39 @@ use crate::core::bvp::{Guess, Trajectory};
 use crate::core::failure::Failure;
 use crate::core::hybrid::{Moment, time_scale};
 
-/// A new event on an orbit, at a grazing point.
+/// A new event that is inserted in an orbit at a grazing point.
 struct Passed {
     leg: usize,
     guard: usize,
-    /// The time of the event since the beginning of the leg.
+    /// The time of the new event since the beginning of the leg.
     since: f64,
-    /// The distance of the orbit from the guard.
+    /// The distance of the orbit from the guard's surface.
     distance: f64,
     following: Following,
 }
 
 impl Passed {
-    /// The time since the beginning of the leg at which the leg resumes.
+    /// Returns the time since the beginning of the interrupted leg at which the leg resumes after
+    /// the new event.
     fn resumed(&self) -> f64 {
         self.since + self.following.legs.iter().map(|(.., duration)| duration).sum::<f64>()
     }
 }
 
-/// H: the time from the event that gives the direction of a branch to the grazing point, in units
-/// of the time scale.
+/// H: the time from the new event to the grazing point, in units of the time scale, if the event is
+/// moved to determine the direction of a branch.
 const SOONER: f64 = 1e-3;
-/// H: ratio of the two times before the grazing point at which the error is compared; the error
-/// must fall with the square of the time.
+/// H: the ratio of two times before the grazing point at which the error is compared; the error
+/// must decrease as the square of the time.
 const NEARER: f64 = 4.0;
-/// H: only the first 8 simultaneous grazing points are combined into branches (2⁸ subsets); later
-/// ones are crossed by branch 0 only.
+/// H: the number of simultaneous grazing points that are combined into branches, with 2⁸ subsets;
+/// only branch 0 crosses the later grazing points.
 const MOST_TOUCHES: usize = 8;
-/// R: rounding of integrated motion: errors of the states, in units of their scales.
+/// R: the errors of states after an integrated motion, in units of the states' scales.
 const ROUNDING: f64 = 1e-11;
 
-/// The grazing points, of `count`, that the branch numbered `which` crosses: branch 0 crosses all,
-/// the next branches cross one each, then two each, and so on.
+/// Returns which of `count` grazing points the branch numbered `which` crosses: branch 0 crosses
+/// all points, the next branches cross one point each, then two points each, and so on.
 fn selection(count: usize, which: usize) -> Result<Vec<bool>, Failure> {
     if which == 0 {
         return Ok(vec![true; count]);
@@ -58,9 +61,9 @@ fn selection(count: usize, which: usize) -> Result<Vec<bool>, Failure> {
     Ok((0..count).map(|touch| touch < MOST_TOUCHES && bits >> touch & 1 == 1).collect())
 }
 
-/// Returns the orbits that emanate at grazing points: first those that cross all grazed guards,
-/// then those that cross some of them, in the order of [`selection`]. They start after the grazing
-/// point that is closest to its guard.
+/// Returns the orbits of a branch that emanates at grazing points: branch 0 crosses all grazed
+/// guards, and the further branches cross some of these guards, in the order of [`selection`]. The
+/// orbits start after the grazing point that is closest to its guard.
 pub(in crate::core) fn emanating_at_touch(
     orbit: &KnownOrbit,
     which: usize,
@@ -83,14 +86,14 @@ pub(super) fn with_touches(orbit: &KnownOrbit) -> Result<Guess<OrbitLegs>, Failu
     Ok(with_passed(orbit, touched(orbit)?.1))
 }
 
-/// Returns the grazing points of the orbit, and their events.
+/// Returns the grazing points of the orbit, and the new events at these points.
 fn touched(orbit: &KnownOrbit) -> Result<(Vec<Touch>, Vec<Passed>), Failure> {
     let touches = touches(orbit)?;
     let passed = touches.iter().map(|touch| passed(orbit, touch)).collect::<Result<_, _>>()?;
     Ok((touches, passed))
 }
 
-/// Inserts the legs of new events, at least one, into an orbit.
+/// Inserts the legs of one or more new events into an orbit.
 fn with_passed(orbit: &KnownOrbit, passed: Vec<Passed>) -> Guess<OrbitLegs> {
     let nearest = passed.iter().map(|it| it.distance).fold(f64::INFINITY, f64::min);
     let (mut all, mut first, mut begins) = (Vec::<Lasting>::new(), None, 0.0);
@@ -119,7 +122,8 @@ fn with_passed(orbit: &KnownOrbit, passed: Vec<Passed>) -> Guess<OrbitLegs> {
     orbit.with_legs(all, begins)
 }
 
-/// Converts a grazing point to an event. The cascade is determined at a small approach speed.
+/// Converts a grazing point to a new event on the orbit. The cascade of events that follows is
+/// determined at a small approach speed.
 fn passed(orbit: &KnownOrbit, touch: &Touch) -> Result<Passed, Failure> {
     let Touch { leg, guard, since, value, ref x } = *touch;
     let at = orbit.moment(leg, orbit.begins(leg) + since, x);
@@ -131,11 +135,12 @@ fn passed(orbit: &KnownOrbit, touch: &Touch) -> Result<Passed, Failure> {
     Ok(Passed { leg, guard, since, distance: value.abs(), following })
 }
 
-/// Returns the event shortly before a grazing point, on the same motion, if motion after the
-/// cascade continues as if no event had occurred: the branch then emanates in this direction, in
-/// which the equations are singular. Examples are the grazing of a surface that only stops the
-/// motion, and sliding up to the end of the sliding region. `None` if the event changes the motion,
-/// such as an impact.
+/// Returns an event shortly before a grazing point, on the same motion, if motion after the event
+/// cascade continues as if no event had occurred. The branch then emanates in the direction given
+/// by this earlier event, since the equations are singular in this direction. The event leaves the
+/// motion unchanged, for example, if motion grazes a surface that only stops it, or slides up to
+/// the end of the sliding region. Returns `None` if the event changes the motion, as an impact
+/// does.
 fn passed_sooner(orbit: &KnownOrbit, touch: &Touch, passed: &Passed) -> Option<Passed> {
     if passed.following.legs.is_empty() {
         return None;
@@ -153,8 +158,8 @@ fn passed_sooner(orbit: &KnownOrbit, touch: &Touch, passed: &Passed) -> Option<P
     (same && second_order).then_some(near)
 }
 
-/// Returns the event at the time `sooner` before a grazing point, and the distance between its
-/// cascade's end and the grazing motion, in units of the scales.
+/// Returns the event at the time `sooner` before a grazing point, and the distance between the end
+/// of its cascade and the grazing motion, in units of the scales.
 fn sooner(orbit: &KnownOrbit, touch: &Touch, sooner: f64) -> Option<(Passed, f64)> {
     let Touch { leg, guard, .. } = *touch;
     let since = Some(touch.since - sooner).filter(|since| *since > 0.0)?;
@@ -173,7 +178,7 @@ fn sooner(orbit: &KnownOrbit, touch: &Touch, sooner: f64) -> Option<(Passed, f64
     Some((passed, error))
 }
 
-/// The distance between two states in the mode of a moment, in units of the scales.
+/// Returns the distance between two states in the mode of a moment, in units of the scales.
 fn apart(at: Moment<f64>, a: &[f64], b: &[f64]) -> f64 {
     let sizes = at.system.sizes_of(at.mode, at.p);
     let differences = a.iter().zip(b).zip(sizes);

@@ -1,5 +1,5 @@
-//! Switching where legs vanish: the orbits without the zero-length legs of a grazing, and without
-//! events that are only touches there.
+//! Branch switching at vanishing legs, to the orbits without the zero-length legs of a grazing, and
+//! without the events that are only tangential at the grazing.
 
 use super::event_cascade::{Following, NUDGE, Onset, UNMOVED, check_unmoved, moved_state, nudged};
 use super::itinerary::{Itinerary, Leg};
@@ -9,7 +9,7 @@ use crate::core::bvp::{Guess, Trajectory};
 use crate::core::failure::Failure;
 use crate::core::hybrid::{Moment, time_scale};
 
-/// Returns the orbits without the legs, or the events, that vanish on this orbit.
+/// Returns the orbits without the legs or events that vanish on the given orbit.
 pub(super) fn without(orbit: &KnownOrbit) -> Result<Option<Guess<OrbitLegs>>, Failure> {
     if orbit.legs.layout.smooth {
         return Ok(None);
@@ -20,9 +20,9 @@ pub(super) fn without(orbit: &KnownOrbit) -> Result<Option<Guess<OrbitLegs>>, Fa
     }
 }
 
-/// Returns the orbits without the events that only graze a guard, after which motion continues
-/// unchanged in the same mode; the legs before and after each grazing point are joined. `None` if
-/// there is no such event.
+/// Returns the orbits without the events at which motion only grazes a guard's surface and
+/// continues unchanged in the same mode; the legs before and after each grazing point are joined.
+/// Returns `None` if the orbit has no such event.
 fn without_touches(orbit: &KnownOrbit) -> Result<Option<Guess<OrbitLegs>>, Failure> {
     let count = orbit.legs.all().len();
     let behind = (0..count).map(|leg| behind_touch(orbit, leg));
@@ -54,12 +54,12 @@ fn without_touches(orbit: &KnownOrbit) -> Result<Option<Guess<OrbitLegs>>, Failu
     Ok(Some(orbit.with_legs(all, begins)))
 }
 
-/// (H) The fraction of the period after the grazing point at which autonomous orbits without events
-/// start. The grazing point, the motion just before it, and the motion half a period later are then
-/// inside the segment.
+/// (H) The fraction of the period after the grazing point at which the segment of an autonomous
+/// orbit without events starts. With this fraction, the grazing point, the motion just before it,
+/// and the motion half a period later are inside the segment.
 const BEHIND: f64 = 0.38;
 
-/// Returns orbits without events from a motion of one period that begins with a given leg.
+/// Returns orbits without events, given a motion of one period that begins with a specified leg.
 fn without_events(
     orbit: &KnownOrbit,
     first: usize,
@@ -77,8 +77,8 @@ fn without_events(
     Ok(Guess { problem, trajectories: vec![trajectory], extras, beside: None })
 }
 
-/// Returns the leg after the grazing point at the end of this leg, without the zero-length legs
-/// between; `None` if the end is not a grazing point, or leads to another mode.
+/// Returns the leg after the grazing point at the end of the given leg, without the zero-length
+/// legs between the two legs; `None` if the end is not a grazing point, or leads to another mode.
 ///
 /// # Errors
 /// [`Failure::Undetermined`] if the reset at the grazing point is discontinuous.
@@ -103,10 +103,11 @@ fn behind_touch(orbit: &KnownOrbit, leg: usize) -> Result<Option<usize>, Failure
     Ok(next)
 }
 
-/// Returns the orbits without the zero-length legs: the events before these legs lead to the legs
-/// after them, or, at a border collision, other events do, which come first on the other side.
-/// `None` if there are no zero-length legs and no simultaneous events, or if no event leads past
-/// the zero-length legs (which then may vanish with a zero-speed event).
+/// Returns the orbits without the zero-length legs. The events before the zero-length legs then
+/// lead to the legs after them; at a border collision, these events are replaced by the events that
+/// come first on the other side. Returns `None` if the orbit has neither zero-length legs nor
+/// simultaneous events, or if no event leads past the zero-length legs (which can then vanish with
+/// an event of zero approach speed).
 fn without_vanished(orbit: &KnownOrbit) -> Result<Option<Guess<OrbitLegs>>, Failure> {
     let kept = kept(orbit);
     let Some(&Kept { leg: first, .. }) = kept.first() else { return Ok(None) };
@@ -140,23 +141,24 @@ fn without_vanished(orbit: &KnownOrbit) -> Result<Option<Guess<OrbitLegs>>, Fail
     ))
 }
 
-/// Whether events exchange their order where legs vanish: a border collision.
+/// Whether the grazing is a border collision, at which two events exchange their order and the leg
+/// between them vanishes.
 pub(super) fn is_border_collision(orbit: &KnownOrbit) -> bool {
     let mut changed = kept(orbit).into_iter().filter(|it| it.changes);
     changed.any(|it| exchanged(orbit, it.leg, it.next).is_some())
 }
 
-/// A leg of positive length.
+/// A leg of positive length that is kept in the new orbit.
 struct Kept {
     leg: usize,
-    /// The next leg of positive length.
+    /// The index of the next leg of positive length.
     next: usize,
-    /// Whether zero-length legs lie between the two legs, or a timed event is simultaneous with the
-    /// event of the leg.
+    /// Whether zero-length legs lie between this leg and the next, or a timed event is simultaneous
+    /// with the event that ends this leg.
     changes: bool,
 }
 
-/// Returns the legs of positive length.
+/// Returns the legs of positive length of an orbit.
 fn kept(orbit: &KnownOrbit) -> Vec<Kept> {
     let count = orbit.legs.all().len();
     let legs: Vec<usize> = (0..count).filter(|leg| orbit.lasts(*leg)).collect();
@@ -168,9 +170,10 @@ fn kept(orbit: &KnownOrbit) -> Vec<Kept> {
     pairs.map(pair).collect()
 }
 
-/// Returns the event that is simultaneous with the end of a leg, comes first on the other side, and
-/// leads to the start of a later leg: its guard, and the zero-length legs between. `None` if there
-/// is no such event.
+/// Returns the event that is simultaneous with the end of a leg, comes first on the other side of
+/// the border collision, and leads to the start of a later leg: its guard, and the zero-length legs
+/// from the event to the later leg. Returns `None` if no event exchanges its order with the end of
+/// the leg.
 fn exchanged(orbit: &KnownOrbit, leg: usize, next: usize) -> Option<(usize, Following)> {
     let all = orbit.legs.all();
     let Leg { mode, exit: Some(own), accumulates: false } = all[leg] else { return None };
@@ -195,7 +198,8 @@ fn exchanged(orbit: &KnownOrbit, leg: usize, next: usize) -> Option<(usize, Foll
     })
 }
 
-/// Whether the event that ends a leg has a nonzero speed and leads to the start of a later leg.
+/// Whether the event that ends a leg has a nonzero approach speed and leads directly to the start
+/// of a later leg.
 fn leads_past(orbit: &KnownOrbit, leg: usize, next: usize) -> bool {
     let Leg { mode, exit: Some(guard), accumulates: false } = orbit.legs.all()[leg] else {
         return false;
@@ -213,13 +217,13 @@ fn leads_past(orbit: &KnownOrbit, leg: usize, next: usize) -> bool {
 }
 
 impl Moment<'_, f64> {
-    /// Whether a guard is passed with a nonzero speed.
+    /// Whether a guard vanishes with a nonzero rate of change.
     pub(in crate::core) fn has_speed(self, guard: usize) -> bool {
         self.rate(guard).abs() > VANISHES * self.usual_rate(guard)
     }
 }
 
-/// Extends a leg by another one.
+/// Extends a leg by the trajectory and duration of another leg.
 pub(super) fn join(last: &mut Lasting, (leg, motion, duration): (Leg, Trajectory, f64)) {
     last.1.join(last.2, &motion);
     (last.0, last.2) = (leg, last.2 + duration);

@@ -1,8 +1,9 @@
-//! Generic user-defined models as implementations of object-safe traits.
+//! Generic user-defined models, converted to implementations of object-safe traits.
 //!
-//! A model trait cannot be a trait object, since its methods are generic over scalars. Its *face* in
-//! one scalar, such as `Guards<f64>`, can. An *erased trait* has faces in several scalars as
-//! supertraits. Generic code selects a face by a *number trait*, which these scalars implement:
+//! A model trait is not object-safe, since its methods are generic over scalar types. The *face* of
+//! a model trait in one scalar type, such as `Guards<f64>`, is object-safe. An *erased trait* has
+//! the faces in several scalar types as supertraits. Generic code selects a face through a *number
+//! trait*, which these scalar types implement:
 //!
 //! ```text
 //! pub trait GuardNumber: Scalar {
@@ -10,17 +11,18 @@
 //! }
 //! ```
 //!
-//! Number traits and faces with additional methods are written as ordinary Rust. [`erased!`]
-//! generates the code that repeats for each scalar or each method of a model trait.
+//! Number traits, and faces with additional methods, are written as ordinary Rust code. [`erased!`]
+//! generates the code that is the same for each scalar type or each method of a model trait.
 
 /// Declares the erased form of a model trait (`Statement`):
-/// - `pub trait InScalars;` with `impl Number by Face for [f64, …] { … }`: a trait that has the faces
-///   in each scalar of a list as supertraits, and the number traits of these scalars;
-/// - `impl Number for [f64, …] { … }`: a number trait without a face of its own;
-/// - `pub trait Erased: InScalars of Statement { fn … }`: the erased trait of every model, with the
-///   model's methods that are not generic;
-/// - `pub trait Face<T> of Statement by Number::select of Erased { fn … }`: the face of every model,
-///   and the generic methods of the erased trait, which select a face.
+/// - `pub trait InScalars;` with `impl Number by Face for [f64, …] { … }` declares a trait that has
+///   the faces in each scalar type of a list as supertraits, and implements the number traits for
+///   these scalar types;
+/// - `impl Number for [f64, …] { … }` implements a number trait without a face of its own;
+/// - `pub trait Erased: InScalars of Statement { fn … }` declares the erased trait of every model,
+///   with the model's methods that are not generic;
+/// - `pub trait Face<T> of Statement by Number::select of Erased { fn … }` declares the face of
+///   every model, and the generic methods of the erased trait, which select a face.
 macro_rules! erased {
     (
         $(#[$doc:meta])* pub trait $faces:ident;

@@ -1,53 +1,56 @@
-//! Extremes of a scalar along a motion, from its possible turning points.
+//! Extremes of a scalar along a motion, found from its possible turning points.
 
 use super::measure::Measure;
 
-/// A place on a motion, and the value of a scalar there.
+/// A point on a motion, and the value of a scalar at the point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::core) struct Sighting<P> {
     pub place: P,
     pub value: f64,
 }
 
-/// The extremes of one scalar on one leg of a motion. The scalar is monotone between visited places;
-/// places are visited in order, from the beginning of the leg to its end.
+/// The extremes of one scalar on one leg of a motion. The scalar is monotone between visited points,
+/// and the points are visited in order, from the beginning of the leg to its end.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::core) struct Extremes<P> {
     largest: Sighting<P>,
     smallest: Sighting<P>,
-    /// The value at the beginning of the leg.
+    /// The value of the scalar at the beginning of the leg.
     first: Option<f64>,
-    /// The place visited last; finally, the end of the leg.
+    /// The point visited last, which is finally the end of the leg.
     last: Option<Sighting<P>>,
-    /// The local minima inside the leg: the one to which the scalar falls from the beginning, the
-    /// least one between two maxima, and the one from which the scalar rises to the end.
+    /// The local minima inside the leg: the first minimum, to which the scalar falls from the
+    /// beginning; the least minimum between two maxima; and the last minimum, from which the scalar
+    /// rises to the end.
     leading: Option<Sighting<P>>,
     between: Option<Sighting<P>>,
     trailing: Option<Sighting<P>>,
     falling: bool,
     /// The typical size of the scalar.
     scale: f64,
-    /// The threshold for a fall or rise of the scalar.
+    /// The smallest change that counts as a fall or rise of the scalar.
     depth: f64,
-    /// The size of errors at the beginning.
+    /// The size of the scalar's errors at the beginning of the leg.
     error: f64,
-    /// Whether the scalar has been within `error` of zero since the beginning.
+    /// Whether the scalar has stayed within `error` of zero since the beginning of the leg.
     begins: bool,
-    /// Whether the scalar has risen before the last visited minimum, and whether it has risen at all.
+    /// Two flags: whether the scalar has risen before the last visited minimum, and whether the
+    /// scalar has risen at all.
     risen: [bool; 2],
 }
 
-/// (R) A scalar falls or rises if it changes by more than this, in units of its scale: about four
-/// thousand times the rounding error.
+/// (R) The smallest change, in units of the scalar's scale, that counts as a fall or rise: about
+/// four thousand times the rounding error.
 const DEPTH: f64 = 1e-12;
 
-/// (R) A leg begins on a surface if the guard is no larger than this, in units of its scale: well
-/// above the square root of the rounding error, the accuracy of a tangential contact.
+/// (R) The largest magnitude of a guard, in units of its scale, at which a leg begins on the
+/// guard's surface: well above the square root of the rounding error, which is the accuracy of a
+/// tangential contact.
 const ON: f64 = 1e-6;
 
 impl<P: Copy + Default> Extremes<P> {
-    /// Creates empty extremes. Changes smaller than `error`, in units of the scalar's typical size,
-    /// do not count.
+    /// Creates empty extremes. Changes of the scalar smaller than `error`, in units of its typical
+    /// size, are ignored.
     pub fn new(scale: f64, error: f64) -> Self {
         let nowhere = |value: f64| Sighting { place: P::default(), value };
         Extremes {
@@ -67,13 +70,13 @@ impl<P: Copy + Default> Extremes<P> {
         }
     }
 
-    /// Sets the error of values, in units of the scale: a scalar that vanishes at the beginning of
-    /// the leg has no minima until it exceeds the error.
+    /// Sets the error of the scalar's values, in units of its scale. A scalar that vanishes at the
+    /// beginning of the leg has no minima until it exceeds the error.
     pub fn known_to(self, error: f64) -> Self {
         Extremes { error: error * self.scale, ..self }
     }
 
-    /// Adds the next place of the leg.
+    /// Adds the next point of the leg.
     pub fn visit(&mut self, place: P, value: f64) {
         let here = Sighting { place, value };
         self.first.get_or_insert(value);
@@ -94,7 +97,8 @@ impl<P: Copy + Default> Extremes<P> {
         }
     }
 
-    /// When the scalar falls again, the stored minimum is confirmed as a minimum between two maxima.
+    /// Updates the local minima with the next value: if the scalar falls again, the stored minimum
+    /// lies between two maxima.
     fn visit_minimum(&mut self, last: Sighting<P>, value: f64) {
         let ([before, now], depth) = (&mut self.risen, self.depth);
         if value < last.value - depth
@@ -113,11 +117,12 @@ impl<P: Copy + Default> Extremes<P> {
         }
     }
 
-    /// The local minima that count as distances: those inside the leg, and the end of the leg.
-    /// `vanishes` flags a scalar that vanishes in the event that begins or ends the leg. For such a
-    /// scalar, neither the end nor a minimum reached monotonically from the beginning or before the
-    /// end counts, since that minimum is the event itself. A reset away from the surface, as in a
-    /// spiking neuron, begins a leg elsewhere.
+    /// Returns the local minima that count as distances: the minima inside the leg, and the end of
+    /// the leg. The flags `vanishes` state whether the scalar vanishes in the event that begins the
+    /// leg, and in the event that ends the leg. If the scalar vanishes in an event, neither the end
+    /// of the leg counts, nor a minimum reached monotonically from the beginning or before the end,
+    /// since such a minimum is the event itself. If a reset moves the state away from the surface,
+    /// as in a spiking neuron, the beginning of the leg is not the event.
     fn dips(&self, vanishes: [bool; 2]) -> impl Iterator<Item = Sighting<P>> {
         let [begins, ends] = vanishes;
         let begins = begins && self.first.is_none_or(|first| first.abs() <= ON * self.scale);
@@ -128,12 +133,12 @@ impl<P: Copy + Default> Extremes<P> {
     }
 }
 
-/// The extremes of a scalar over several legs.
+/// The extremes of a scalar over several legs of a motion.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::core) struct Overall<P> {
     largest: Option<Sighting<P>>,
     smallest: Option<Sighting<P>>,
-    /// The least local minimum.
+    /// The least local minimum over all legs.
     nearest: Option<Sighting<P>>,
 }
 
@@ -144,7 +149,8 @@ impl<P> Default for Overall<P> {
 }
 
 impl<P: Copy> Overall<P> {
-    /// Adds a leg; `vanishes` flags a scalar that vanishes in the events that begin and end the leg.
+    /// Adds the extremes of a leg; the flags `vanishes` state whether the scalar vanishes in the
+    /// events that begin and end the leg.
     pub fn take<Q: Copy + Default>(
         &mut self,
         leg: &Extremes<Q>,
@@ -166,7 +172,8 @@ impl<P: Copy> Overall<P> {
         }
     }
 
-    /// The values and factors whose weighted sum is a measure of extremes; empty for other measures.
+    /// Returns the extremes and their factors, whose weighted sum is a measure of extremes; empty
+    /// for a measure of another kind.
     pub fn terms<S, D>(&self, measure: &Measure<S, D>) -> [Option<(Sighting<P>, f64)>; 2] {
         let times = |factor: f64| move |sighting| (sighting, factor);
         let (largest, smallest) = (self.largest.map(times(1.0)), self.smallest);
@@ -181,7 +188,7 @@ impl<P: Copy> Overall<P> {
         }
     }
 
-    /// The value of a measure of extremes; 0 if no leg has the scalar.
+    /// Returns the value of a measure of extremes; 0 if the scalar is not defined on any leg.
     pub fn value<S, D>(&self, measure: &Measure<S, D>) -> f64 {
         self.terms(measure).iter().flatten().map(|(s, factor)| factor * s.value).sum()
     }

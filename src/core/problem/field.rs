@@ -11,11 +11,11 @@ use std::ops::Deref;
 /// The dependence of a vector field or a hybrid system on time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Forcing {
-    /// Time does not enter: the system is autonomous.
+    /// The system does not depend on time: it is autonomous.
     None,
     /// Time enters periodically.
     Periodic {
-        /// The growth of the forcing's phase in a period, usually 2π.
+        /// The increase of the forcing's phase in a period, usually 2π.
         phase: f64,
     },
 }
@@ -28,7 +28,8 @@ impl Forcing {
 }
 
 /// A vector field `f(t, x, p)` with named states and parameters: autonomous, or forced with a period.
-/// [`vector_field!`](crate::vector_field) defines a field by the rates of its states.
+/// [`vector_field!`](crate::vector_field) defines a vector field by formulas for the rates of its
+/// states.
 ///
 /// ```
 /// use std::f64::consts::TAU;
@@ -56,54 +57,59 @@ impl Forcing {
 /// assert_eq!(f, [2.0, 1.0 - 0.5 - 0.2]);
 /// ```
 pub trait VectorField: Send + Sync {
-    /// The names of the states and of the parameters; the number of states is the dimension.
+    /// Returns the names of the states and of the parameters; the number of states is the
+    /// dimension.
     fn names(&self) -> Names;
 
-    /// The default values of all parameters, in order; empty without default values.
+    /// Returns the default values of all parameters, in order; an empty list if the field has no
+    /// default values.
     fn defaults(&self) -> Vec<f64> {
         Vec::new()
     }
 
-    /// Computes the field `f(t, x, p)` and writes it into `f` (of the same length as `x`).
+    /// Computes the vector field `f(t, x, p)` and writes it into `f`, which has the same length as
+    /// `x`.
     fn field<T: Scalar>(&self, t: T, x: &[T], p: &[T], f: &mut [T]);
 
-    /// The forcing; by default none.
+    /// Returns the kind of forcing; none by default.
     fn forcing(&self) -> Forcing {
         Forcing::None
     }
 
-    /// The period of a periodic [`forcing`](Self::forcing); unused for autonomous fields.
+    /// Returns the period of a periodic [`forcing`](Self::forcing); unused in autonomous fields.
     fn period<T: Scalar>(&self, _p: &[T]) -> T {
         T::one()
     }
 
-    /// Computes a monitor, a further scalar of a motion, by its position in [`names`](Self::names).
-    /// [`measures`](Self::measures) can refer to monitors as to states.
+    /// Computes a monitor, which is a further scalar function of the motion, given its index in
+    /// [`names`](Self::names). [`measures`](Self::measures) can refer to monitors in the same way
+    /// as to states.
     fn monitor<T: Scalar>(&self, _monitor: usize, _t: T, _x: &[T], _p: &[T]) -> T {
         T::from(f64::NAN)
     }
 
-    /// The measures, by name, that branches record for equilibria and orbits, and sweeps for periods.
-    /// By default the extremes of every state, and the mean and extremes of every monitor
-    /// ([`Measure::by_default`]).
+    /// Returns the named measures that branches record for equilibria and orbits, and sweeps for
+    /// periods. The default measures are the extremes of every state, and the mean and extremes of
+    /// every monitor ([`Measure::by_default`]).
     fn measures(&self) -> Vec<(String, Measure)> {
         let names = self.names();
         Measure::by_default(names.elements().collect(), names.monitors)
     }
 
-    /// Typical sizes of the states, in their order, used as units of a flow's absolute tolerance;
-    /// needed if they are far from 1. By default all sizes are 1.
+    /// Returns the typical sizes of the states, in their order, which are the units of the
+    /// integrator's absolute tolerance; they must be given if they are far from 1. By default all
+    /// sizes are 1.
     fn scales(&self, _p: &[f64]) -> Vec<f64> {
         Vec::new()
     }
 
-    /// Rejects states outside the domain of the field.
+    /// Returns an error for states outside the domain of the field.
     fn domain(&self, _x: &[f64], _p: &[f64]) -> Result<(), OutOfDomain> {
         Ok(())
     }
 }
 
-/// Every shared or borrowed field is a field.
+/// Every shared or borrowed vector field also implements [`VectorField`].
 impl<F: Deref<Target: VectorField> + Send + Sync> VectorField for F {
     forward! { |self| (**self);
         fn names() -> Names;
@@ -118,13 +124,13 @@ impl<F: Deref<Target: VectorField> + Send + Sync> VectorField for F {
     }
 }
 
-/// The equilibria of an autonomous vector field, `f(x, p) = 0`, with the stability of its flow. (A
-/// forced field is evaluated at time 0.)
+/// The equilibria of an autonomous vector field, `f(x, p) = 0`, with their stability under its
+/// flow. (A forced field is evaluated at time 0.)
 ///
 /// The monitors of an equilibrium are the field's [`measures`](VectorField::measures) of a motion at
 /// rest: `max_x` and `min_x` of a state `x` are the state itself, so that equilibria and periodic
 /// orbits can be drawn in one diagram. Measures that need motion, such as
-/// [`Integral::Total`](super::measure::Integral::Total), are omitted.
+/// [`Integral::Total`](super::measure::Integral::Total), are not monitors of equilibria.
 ///
 /// ```
 /// use tangency::prelude::*;
@@ -144,7 +150,7 @@ impl<F: Deref<Target: VectorField> + Send + Sync> VectorField for F {
 pub struct Equilibria<F>(pub F);
 
 impl<F: VectorField> Equilibria<F> {
-    /// Computes the measures of an equilibrium, given the scalars there.
+    /// Returns the values of the measures at an equilibrium, given the values of the scalars.
     fn measured<T: Scalar>(&self, scalar: impl Fn(&str) -> T) -> impl Iterator<Item = (String, T)> {
         let measures = Measure::of_rest(self.0.measures()).into_iter();
         measures.filter_map(move |(name, measure)| {

@@ -1,51 +1,52 @@
-//! Measures of a motion: one description for branches, sweeps and equilibria.
+//! Measures of a motion, described in the same way for branches, sweeps and equilibria.
 
 use crate::core::scalar::Scalar;
 use std::collections::HashSet;
 use std::convert::Infallible;
 
-/// A measure: a number computed from a motion. It has the same meaning for an orbit along a branch
-/// and for a period of a sweep.
+/// A measure: a number computed from a motion. A measure has the same meaning for an orbit on a
+/// branch and for a period of a sweep.
 ///
-/// `S` is the type of a scalar of the motion. Users give the name of a state or of a monitor. A
-/// boundary-value problem gives the scalar on each of its segments, and surfaces `D` to which
-/// distances are measured ([`bvp::Monitor`](crate::core::bvp::Monitor)). Extremes include the
-/// interior and the ends of all legs whose mode has the scalar.
+/// The type parameter `S` is the type by which a measure refers to a scalar of the motion. In user
+/// code, `S` is the name of a state or of a monitor. In a boundary-value problem, `S` lists the
+/// segments on which the scalar is defined, and `D` lists the surfaces to which distances are
+/// measured ([`bvp::Monitor`](crate::core::bvp::Monitor)). Extremes are taken over the interior and
+/// the ends of all legs in whose mode the scalar is defined.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Measure<S = String, D = Infallible> {
-    /// The duration of the motion, in time.
+    /// The duration of the motion, in units of time.
     Duration,
-    /// The largest value of a scalar.
+    /// The largest value of a scalar over the motion.
     Maximum(S),
-    /// The smallest value of a scalar.
+    /// The smallest value of a scalar over the motion.
     Minimum(S),
     /// The difference between the largest and the smallest value of a scalar.
     Range(S),
-    /// The smallest local minimum inside a leg or at its end, or the maximum if there is no minimum:
-    /// a distance that vanishes where the motion touches a surface.
+    /// The smallest local minimum of a guard inside a leg or at its end, or the maximum of the guard
+    /// if it has no minimum: a distance that vanishes if the motion touches a surface.
     Distance(D),
-    /// The negative of [`Distance`](Self::Distance): the depth to which motion would penetrate an
-    /// absent surface.
+    /// The negative of [`Distance`](Self::Distance): the depth to which motion would pass beyond a
+    /// surface if the surface were absent.
     Penetration(D),
-    /// The largest value of a scalar at upward zero crossings of another one; 0 without such
+    /// The largest value of a scalar at the upward zero crossings of another scalar; 0 without such
     /// crossings.
     Rising {
-        /// The scalar that crosses zero upwards.
+        /// The scalar whose upward zero crossings are used.
         through: S,
-        /// The scalar that is evaluated.
+        /// The scalar that is evaluated at the crossings.
         value: S,
     },
-    /// A time integral of the sum of several scalars.
+    /// A time integral of a sum over one or several scalars.
     Integral(Integral, Vec<S>),
-    /// A number that the problem computes from the states at the ends of all legs, by its index
-    /// ([`HybridSystem::measure`](crate::core::hybrid::HybridSystem::measure),
+    /// A scalar that the problem computes from the states at the ends of all legs, given by its
+    /// index ([`HybridSystem::measure`](crate::core::hybrid::HybridSystem::measure),
     /// [`BoundaryProblem::of_ends`](crate::core::bvp::BoundaryProblem::of_ends)).
     Ends(usize),
 }
 
 impl<S, D> Measure<S, D> {
-    /// The scalars of the measure.
+    /// Returns the scalars to which the measure refers.
     pub(in crate::core) fn scalars(&self) -> Vec<&S> {
         match self {
             Measure::Maximum(s) | Measure::Minimum(s) | Measure::Range(s) => vec![s],
@@ -57,7 +58,7 @@ impl<S, D> Measure<S, D> {
 }
 
 impl<S> Measure<S> {
-    /// Converts the measure to another type of scalars.
+    /// Converts the measure to another type of references to scalars.
     ///
     /// ```
     /// use tangency::core::bvp::{Monitor, Watched};
@@ -83,7 +84,8 @@ impl<S> Measure<S> {
         }
     }
 
-    /// The value for a motion at rest, given the scalars; `None` for a measure that needs motion.
+    /// Returns the value of the measure for a motion at rest, given the values of the scalars;
+    /// `None` for a measure that needs motion.
     pub fn at_rest<T: Scalar>(&self, scalar: impl Fn(&S) -> T) -> Option<T> {
         match self {
             Measure::Maximum(name) | Measure::Minimum(name) => Some(scalar(name)),
@@ -100,25 +102,27 @@ impl<S> Measure<S> {
 }
 
 impl Measure {
-    /// The name of a measure of every hybrid system: the depth to which the motion penetrates the
-    /// surface of its slowest event, or would penetrate an absent surface. The value is the size of
-    /// the guard at the turning point ([`virtual_point`](crate::core::hybrid::virtual_point)).
-    /// Without events it is the negative of the smallest distance from a surface.
+    /// The name of a measure that every hybrid system has: the depth to which the motion would pass
+    /// beyond the surface at its slowest event if the surface were absent. The value of the
+    /// penetration is the magnitude of the guard at the turning point
+    /// ([`virtual_point`](crate::core::hybrid::virtual_point)). For a motion without events, the
+    /// penetration is the negative of the smallest distance from a surface.
     pub const PENETRATION: &str = "penetration";
 
-    /// The mean of a scalar over time.
+    /// Creates the measure of a scalar's mean over time.
     pub fn mean(scalar: impl Into<String>) -> Self {
         Measure::Integral(Integral::Mean, vec![scalar.into()])
     }
 
-    /// The L2 norm of several scalars ([`Integral::Norm`]); for all states, the norm that AUTO
-    /// records.
+    /// Creates the L2 norm of several scalars ([`Integral::Norm`]); for all states, the norm is the
+    /// one that AUTO records.
     pub fn norm<S: Into<String>>(scalars: impl IntoIterator<Item = S>) -> Self {
         Measure::Integral(Integral::Norm, scalars.into_iter().map(Into::into).collect())
     }
 
-    /// The measures recorded by default: the largest and smallest values of each state (`max_x`,
-    /// `min_x`), and for every monitor its mean, under the monitor's name, and its extremes.
+    /// Returns the measures that are recorded by default: the largest and the smallest value of
+    /// each state (`max_x`, `min_x`), and for every monitor its mean, under the monitor's name, and
+    /// its extremes.
     pub fn by_default(states: Vec<String>, monitors: Vec<String>) -> Vec<(String, Measure)> {
         let mut measures: Vec<(String, Measure)> = Vec::new();
         let extremes = |name: String| {
@@ -137,8 +141,8 @@ impl Measure {
         measures
     }
 
-    /// The measures of a motion at rest: a scalar with the extremes `max_x` and `min_x` has its
-    /// value, `x`, once.
+    /// Returns the measures of a motion at rest: a scalar whose extremes `max_x` and `min_x` are
+    /// measured has the same value at all times, which is listed once, under the name `x`.
     pub(in crate::core) fn of_rest(measures: Vec<(String, Measure)>) -> Vec<(String, Measure)> {
         let name = |name: String, measure: &Measure| match measure {
             Measure::Maximum(scalar) if name == largest(scalar) => scalar.clone(),
@@ -152,12 +156,12 @@ impl Measure {
     }
 }
 
-/// The name of the column with the largest value of a scalar.
+/// Returns the name of the column that contains the largest value of a scalar.
 fn largest(scalar: &str) -> String {
     format!("{MAX}{scalar}")
 }
 
-/// The name of the column with the smallest value of a scalar.
+/// Returns the name of the column that contains the smallest value of a scalar.
 fn smallest(scalar: &str) -> String {
     format!("{MIN}{scalar}")
 }
@@ -165,8 +169,9 @@ fn smallest(scalar: &str) -> String {
 const MAX: &str = "max_";
 const MIN: &str = "min_";
 
-/// The columns that show a quantity: the column of that name, if known; for an extreme of a scalar at
-/// rest, the scalar's column; for a scalar in motion, the columns of its largest and smallest values.
+/// Returns the names of the columns that show a quantity: the column with the quantity's name, if it
+/// exists; for an extreme of a scalar at rest, the scalar's column; for a scalar in motion, the
+/// columns of its largest and smallest values.
 pub(crate) fn columns_showing(name: &str, known: impl Fn(&str) -> bool) -> Vec<String> {
     if known(name) {
         return vec![name.into()];
@@ -178,20 +183,20 @@ pub(crate) fn columns_showing(name: &str, known: impl Fn(&str) -> bool) -> Vec<S
     }
 }
 
-/// The kind of time integral of scalars.
+/// The kind of time integral of one or several scalars.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Integral {
-    /// `∫ Σ h dt`.
+    /// The total `∫ Σ h dt`.
     Total,
-    /// The mean over time, `1/T ∫ Σ h dt`.
+    /// The mean over time, `1/T ∫ Σ h dt`, where `T` is the duration.
     Mean,
-    /// The L2 norm on the interval of scaled time, `(1/T ∫ Σ h² dt)^½`.
+    /// The L2 norm over the motion in scaled time, `(1/T ∫ Σ h² dt)^½`.
     Norm,
 }
 
 impl Integral {
-    /// The integrand for a scalar.
+    /// Returns the integrand for a scalar: the scalar itself or its square.
     pub(in crate::core) fn integrand<T: Scalar>(self, scalar: T) -> T {
         match self {
             Integral::Norm => scalar * scalar,
@@ -199,7 +204,8 @@ impl Integral {
         }
     }
 
-    /// Converts an integral over some duration to the measure; 0 for a zero duration.
+    /// Converts an integral over some duration to the value of the measure; the value is 0 if the
+    /// integral is 0, as for a zero duration.
     pub(in crate::core) fn of<T: Scalar>(self, sum: T, time: T) -> T {
         match self {
             Integral::Total => sum,
@@ -210,7 +216,7 @@ impl Integral {
     }
 }
 
-/// Returns the larger of two numbers; the first one can be missing.
+/// Returns the larger of two numbers, or the second number if the first is missing.
 pub(in crate::core) fn larger<T>(known: Option<T>, found: T, value: fn(&T) -> f64) -> Option<T> {
     match known {
         Some(known) if value(&known) >= value(&found) => Some(known),

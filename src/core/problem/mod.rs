@@ -1,9 +1,11 @@
-//! Defines the models of users: zero problems, vector fields, maps, potentials and measures.
+//! Traits and macros for the models that users define: zero problems, vector fields, maps,
+//! potentials and measures.
 //!
-//! A model implements one trait, such as [`ZeroProblem`], [`VectorField`] or [`DiscreteMap`], for
-//! any [`Scalar`](crate::core::scalar::Scalar), with the [`Names`] of its states and parameters;
-//! the macros [`zero_problem!`](crate::zero_problem) and [`vector_field!`](crate::vector_field)
-//! implement the trait from formulas. Continuation uses object-safe forms of these traits.
+//! A model implements one trait, such as [`ZeroProblem`], [`VectorField`] or [`DiscreteMap`],
+//! generically for all [`Scalar`](crate::core::scalar::Scalar) types, and returns the [`Names`] of
+//! its states and parameters; the macros [`zero_problem!`](crate::zero_problem) and
+//! [`vector_field!`](crate::vector_field) implement the trait from formulas. Continuation uses
+//! object-safe versions of the model traits.
 //!
 //! ```
 //! use tangency::prelude::*;

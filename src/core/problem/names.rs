@@ -22,22 +22,23 @@ use std::ops::Range;
 pub struct Group {
     /// The name of the unknown.
     pub name: String,
-    /// The number of components.
+    /// The number of components of the group.
     pub length: usize,
-    /// The first and the last value of each index of an array; empty if the group is not an array.
-    /// The last index changes fastest. On a mesh each element has one component per node.
+    /// The first and the last value of each index of an array; an empty list if the group is not an
+    /// array. The last index varies fastest. On a mesh, each element of the array has one component
+    /// per node.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub indices: Vec<[i64; 2]>,
 }
 
 impl Group {
-    /// Creates a group without indices.
+    /// Creates a group that is not an array.
     pub fn new(name: impl Into<String>, length: usize) -> Self {
         Group { name: name.into(), length, indices: Vec::new() }
     }
 
-    /// Groups states: an array whose elements `u[1]`, `u[2]`, … or `u[1,1]`, `u[1,2]`, … are
-    /// consecutive is one group; any other state is a group by itself.
+    /// Groups the names of states: an array whose elements `u[1]`, `u[2]`, … or `u[1,1]`, `u[1,2]`,
+    /// … are consecutive becomes one group; any other state is a group of one component.
     pub fn of_states(states: &[String]) -> Vec<Group> {
         let mut groups = Vec::new();
         for run in states.chunk_by(|a, b| array_of(a).is_some() && array_of(a) == array_of(b)) {
@@ -49,7 +50,8 @@ impl Group {
         groups
     }
 
-    /// The array with exactly these elements in this order; `None` if the names do not form an array.
+    /// Returns the array with exactly these elements in this order; `None` if the names do not form
+    /// an array.
     fn of_elements(elements: &[String]) -> Option<Group> {
         let (first, last) = (indices_of(elements.first()?)?, indices_of(elements.last()?)?);
         let indices = first.iter().zip(&last).map(|(first, last)| [*first, *last]).collect();
@@ -59,7 +61,7 @@ impl Group {
         (fits && group.elements().eq(elements.iter().cloned())).then_some(group)
     }
 
-    /// The number of elements; 1 unless the group is an array.
+    /// Returns the number of elements; 1 if the group is not an array.
     pub fn count(&self) -> usize {
         let range = |[first, last]: &[i64; 2]| match last < first {
             true => 0,
@@ -70,18 +72,19 @@ impl Group {
         self.indices.iter().map(range).fold(1, usize::saturating_mul)
     }
 
-    /// Puts the group on a mesh: each element has a value at each node.
+    /// Puts the group on a mesh, so that each element has one value per node.
     pub fn on_mesh(mut self, nodes: usize) -> Self {
         self.length = self.count() * nodes;
         self
     }
 
-    /// The names of the elements; for a group that is not an array, its own name.
+    /// Iterates over the names of the array's elements; if the group is not an array, the only item
+    /// is the name of the group.
     pub fn elements(&self) -> impl Iterator<Item = String> + use<'_> {
         (0..self.count()).map(|k| self.element(k))
     }
 
-    /// The name of an element, by its position.
+    /// Returns the name of an element, given its position in the array.
     fn element(&self, k: usize) -> String {
         if self.indices.is_empty() {
             return self.name.clone();
@@ -90,7 +93,7 @@ impl Group {
         format!("{}[{}]", self.name, values.join(","))
     }
 
-    /// The indices of an element, by its position.
+    /// Returns the indices of an element, given its position in the array.
     pub(crate) fn indices_at(&self, mut k: usize) -> Vec<i64> {
         let mut values = vec![0; self.indices.len()];
         for (value, [first, last]) in values.iter_mut().zip(&self.indices).rev() {
@@ -101,8 +104,8 @@ impl Group {
         values
     }
 
-    /// The components of the whole group, by its name, or of one element of the array, by the
-    /// element's name; `None` for any other name.
+    /// Returns the range of components of the whole group, given its name, or of one element of the
+    /// array, given the element's name; `None` for any other name.
     pub fn range(&self, name: &str) -> Option<Range<usize>> {
         if self.name == name {
             return Some(0..self.length);
@@ -121,12 +124,12 @@ impl Group {
     }
 }
 
-/// The name of an element's array, for example `u` for `u[1,2]`.
+/// Returns the name of an element's array, for example `u` for `u[1,2]`.
 fn array_of(element: &str) -> Option<&str> {
     Some(element.strip_suffix(']')?.split_once('[')?.0)
 }
 
-/// The indices of an element of an array.
+/// Returns the indices of an element of an array, given the element's name.
 fn indices_of(element: &str) -> Option<Vec<i64>> {
     let (_, indices) = element.strip_suffix(']')?.split_once('[')?;
     indices.split(',').map(|index| index.trim().parse().ok()).collect()
@@ -144,8 +147,8 @@ impl From<(&str, usize)> for Group {
     }
 }
 
-/// The names of a zero problem's unknowns, parameters and monitors, and default values of the
-/// parameters.
+/// The names of the unknowns, parameters and monitors of a zero problem, and the default values of
+/// its parameters.
 ///
 /// ```
 /// use tangency::core::problem::Names;
@@ -157,19 +160,21 @@ impl From<(&str, usize)> for Group {
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Names {
-    /// Groups of unknowns, in the order of `z`.
+    /// The groups of unknowns, in the order of `z`.
     pub unknowns: Vec<Group>,
-    /// Parameters, in the order of `p`.
+    /// The names of the parameters, in the order of `p`.
     pub parameters: Vec<String>,
-    /// Monitors: named scalars of the solution.
+    /// The names of the monitors, which are scalar functions of the solution.
     pub monitors: Vec<String>,
-    /// The default values of all parameters, in order; empty without default values.
+    /// The default values of all parameters, in order; an empty list if the problem has no default
+    /// values.
     #[serde(default)]
     pub defaults: Vec<f64>,
 }
 
 impl Names {
-    /// Creates names of unknowns (`"x"`, or `("u", 99)` for a field of 99 values) and of parameters.
+    /// Creates the names of unknowns (`"x"`, or `("u", 99)` for a field of 99 components) and of
+    /// parameters.
     pub fn new<G: Into<Group>, P: Into<String>>(
         unknowns: impl IntoIterator<Item = G>,
         parameters: impl IntoIterator<Item = P>,
@@ -194,27 +199,27 @@ impl Names {
         self
     }
 
-    /// The number of unknowns `n`.
+    /// Returns the number `n` of unknowns.
     pub fn dimension(&self) -> usize {
         self.unknowns.iter().map(|group| group.length).sum()
     }
 
-    /// The length of `x = (z, p)`.
+    /// Returns the length of the vector `x = (z, p)` of unknowns and parameters.
     pub fn length(&self) -> usize {
         self.dimension() + self.parameters.len()
     }
 
-    /// The position of a parameter among the parameters.
+    /// Returns the index of a parameter in the list of parameters; `None` if it does not exist.
     pub fn parameter(&self, name: &str) -> Option<usize> {
         self.parameters.iter().position(|parameter| parameter == name)
     }
 
-    /// The position in `z` of the first unknown of a group or of an array element.
+    /// Returns the position in `z` of the first unknown of a group, or of an array element.
     pub fn unknown(&self, name: &str) -> Option<usize> {
         self.range(name).map(|range| range.start)
     }
 
-    /// The range of unknowns of a group or of an array element.
+    /// Returns the range in `z` of the unknowns of a group, or of an array element.
     pub fn range(&self, name: &str) -> Option<Range<usize>> {
         let mut start = 0;
         self.unknowns.iter().find_map(|group| {
@@ -224,13 +229,14 @@ impl Names {
         })
     }
 
-    /// The names of all scalars and of the elements of all arrays.
+    /// Iterates over the names of all scalars and of the elements of all arrays.
     pub fn elements(&self) -> impl Iterator<Item = String> + use<'_> {
         self.unknowns.iter().flat_map(Group::elements)
     }
 
-    /// Typical sizes of groups from the sizes of their elements, in the order of [`elements`]; for an
-    /// array the largest size. Empty if no sizes are given.
+    /// Returns the typical size of each group, given the sizes of the elements in the order of
+    /// [`elements`]; the size of an array is the largest size of its elements. The result is empty if
+    /// no sizes are given.
     ///
     /// [`elements`]: Self::elements
     pub fn sizes_of_groups(&self, sizes: &[f64]) -> Vec<f64> {
@@ -239,13 +245,13 @@ impl Names {
         self.unknowns.iter().map_while(largest).collect()
     }
 
-    /// The position of a monitor among the monitors.
+    /// Returns the index of a monitor in the list of monitors; `None` if it does not exist.
     pub fn monitor(&self, name: &str) -> Option<usize> {
         self.monitors.iter().position(|monitor| monitor == name)
     }
 }
 
-/// The error for a name that does not exist; the help suggests the nearest of the existing names.
+/// The error for a name that does not exist; the help text suggests the most similar existing name.
 ///
 /// ```
 /// use tangency::Diagnostic;
@@ -258,11 +264,11 @@ impl Names {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("unknown {what} `{}`", shown(name))]
 pub struct UnknownName {
-    /// The kind of object: `column`, `scene`, `branch`.
+    /// The kind of object that the name should refer to, such as `column`, `scene` or `branch`.
     pub what: String,
     /// The name.
     pub name: String,
-    /// The names that exist.
+    /// The names of all existing objects of this kind.
     pub available: Vec<String>,
 }
 
@@ -273,7 +279,7 @@ impl Diagnostic for UnknownName {
 }
 
 impl UnknownName {
-    /// Creates the error for a name that is not among the available ones.
+    /// Creates the error for a name that is missing from the available names.
     pub fn new<S: Into<String>>(
         what: impl Into<String>,
         name: impl Into<String>,
@@ -283,7 +289,7 @@ impl UnknownName {
         UnknownName { what: what.into(), name: name.into(), available }
     }
 
-    /// Returns the probably intended name, and all known names.
+    /// Returns the help text: the name that was probably intended, and all existing names.
     pub fn remedy(&self) -> String {
         let UnknownName { name, available, .. } = self;
         let known = if available.is_empty() { "none".into() } else { listed(available) };
@@ -294,16 +300,16 @@ impl UnknownName {
     }
 }
 
-/// The names without repetitions, in the order of their first occurrence.
+/// Returns the names without repetitions, in the order of their first occurrence.
 pub(crate) fn distinct<'a>(names: impl IntoIterator<Item = &'a String>) -> Vec<&'a str> {
     let mut known = HashSet::new();
     names.into_iter().map(String::as_str).filter(|name| known.insert(*name)).collect()
 }
 
-/// The position of a name among the existing ones.
+/// Returns the position of a name in a list of existing names.
 ///
 /// # Errors
-/// [`UnknownName`] if the name does not exist.
+/// [`UnknownName`] if the name is missing from the list.
 pub fn position<S: AsRef<str>>(
     what: &str,
     name: &str,

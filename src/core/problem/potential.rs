@@ -1,4 +1,4 @@
-//! Gradients of derivatives of a residual that is itself the gradient of a potential.
+//! Gradients of derivatives of a residual that is the gradient of a potential.
 
 use super::names::Names;
 use crate::core::failure::Failure;
@@ -18,13 +18,13 @@ impl PotentialGradient {
         }
     }
 
-    /// Computes `∇(wᵀD)` with respect to the unknowns and the `released` parameters, for a
-    /// derivative `D` of `F = ∂Π/∂z` such as `F_x v`. `along(d, out)` computes the derivative of
-    /// `D` along `d`. Because mixed derivatives of `Π` commute, the derivative along `w` is the
-    /// gradient with respect to the unknowns.
+    /// Computes `∇(wᵀD)` with respect to the unknowns and the `released` parameters, where `D` is a
+    /// derivative of `F = ∂Π/∂z`, such as `F_x v`. The closure `along(d, out)` computes the
+    /// derivative of `D` along `d`. Since mixed derivatives of the potential `Π` commute, the
+    /// derivative of `D` along `w` equals the gradient of `wᵀD` with respect to the unknowns.
     ///
     /// # Errors
-    /// The errors of `along`.
+    /// The errors of the closure `along`.
     pub fn gradient(
         &mut self,
         w: &[f64],

@@ -1,43 +1,46 @@
-//! Vector fields in one scalar type, as flows evaluate them.
+//! Vector fields in one scalar type, the form in which integrators evaluate them.
 //!
-//! A [`VectorField`] is generic over scalars and cannot be a trait object. Where fields must share a
-//! type, they are used in one scalar at a time: [`FieldIn`] is the interface for a flow of numbers
-//! `T`, and [`FieldRef`] refers to one field of a collection through a pointer.
+//! A [`VectorField`] is generic over scalar types and cannot be a trait object. If different fields
+//! must have a common type, they are used in one scalar type at a time: [`FieldIn`] is the interface
+//! through which an integrator with numbers `T` evaluates a field, and [`FieldRef`] refers to one
+//! field of a collection through a pointer.
 
 use super::field::VectorField;
 use crate::core::failure::OutOfDomain;
 use crate::core::scalar::{DualChunk, Scalar};
 
 /// (H) The number of directions that implicit schemes differentiate in one pass: the width of a
-/// vector register. The number affects only the run time.
+/// vector register. The number of directions affects only the run time.
 pub(in crate::core) const WIDTH: usize = 4;
-/// Numbers with derivatives in [`WIDTH`] directions.
+/// A number with derivatives in [`WIDTH`] directions.
 pub(in crate::core) type Wide<T> = DualChunk<T, WIDTH>;
 
-/// A vector field in one scalar type, as a flow of such numbers evaluates it. Implemented by every
-/// [`VectorField`].
+/// A vector field in one scalar type, the form in which an integrator with numbers of this type
+/// evaluates the field. Every [`VectorField`] implements this trait.
 pub trait FieldIn<T: Scalar> {
-    /// The same field in real numbers.
+    /// The type of the same vector field with real numbers.
     type Real<'a>: FieldIn<f64>
     where
         Self: 'a;
 
-    /// The same field in real numbers.
+    /// Returns the same vector field with real numbers.
     fn real(&self) -> Self::Real<'_>;
 
-    /// Computes the field `f(t, x, p)` and writes it into `f`.
+    /// Computes the vector field `f(t, x, p)` and writes it into `f`.
     fn slope(&self, t: T, x: &[T], p: &[T], f: &mut [T]);
 
-    /// Computes the field with four derivatives, for the Jacobians of implicit schemes.
+    /// Computes the vector field with its derivatives in four directions, for the Jacobians of
+    /// implicit schemes.
     fn wide_slope(&self, t: Wide<T>, x: &[Wide<T>], p: &[Wide<T>], f: &mut [Wide<T>]);
 
-    /// Rejects states outside the domain of the field.
+    /// Returns an error for states outside the domain of the field.
     fn domain(&self, x: &[f64], p: &[f64]) -> Result<(), OutOfDomain>;
 
-    /// Typical sizes of the states, used as units of the absolute tolerance; empty if all are 1.
+    /// Returns the typical sizes of the states, which are the units of the absolute tolerance; an
+    /// empty list if all sizes are 1.
     fn state_scales(&self, p: &[f64]) -> Vec<f64>;
 
-    /// The name of a state.
+    /// Returns the name of a state, given its index.
     fn state_name(&self, state: usize) -> String;
 }
 
@@ -74,30 +77,31 @@ impl<F: VectorField, T: Scalar> FieldIn<T> for F {
     }
 }
 
-/// The domains of numbered fields, and the names and sizes of their states.
+/// The domains of the vector fields in a numbered collection, and the names and sizes of their
+/// states.
 pub trait Domains {
-    /// Rejects states outside the domain of a field.
+    /// Returns an error for states outside the domain of one of the fields.
     fn domain_of(&self, index: usize, x: &[f64], p: &[f64]) -> Result<(), OutOfDomain>;
 
-    /// Typical sizes of a field's states; empty if all are 1.
+    /// Returns the typical sizes of a field's states; an empty list if all sizes are 1.
     fn scales_of(&self, index: usize, p: &[f64]) -> Vec<f64>;
 
-    /// The names of a field's states.
+    /// Returns the names of a field's states.
     fn states_of(&self, index: usize) -> Vec<String>;
 }
 
-/// Numbered vector fields in one scalar type: the fields of a boundary-value problem's segments, or
-/// of a hybrid system's modes.
+/// A numbered collection of vector fields in one scalar type: the fields on the segments of a
+/// boundary-value problem, or in the modes of a hybrid system.
 pub trait Fields<T>: Domains {
-    /// Computes one of the fields at `(t, x, p)` and writes it into `f`.
+    /// Computes the vector field with the given index at `(t, x, p)` and writes it into `f`.
     fn field_of(&self, index: usize, t: T, x: &[T], p: &[T], f: &mut [T]);
 
-    /// Projects a state onto the surface that is invariant under one of the fields; by default motion
-    /// is free, and the state is unchanged.
+    /// Projects a state onto the surface that is invariant under one of the fields; the default
+    /// implementation, for a field without such a surface, leaves the state unchanged.
     fn constrain_of(&self, _index: usize, _t: T, _x: &mut [T], _p: &[T]) {}
 }
 
-/// Adds to a field the attraction, at a given rate, to its invariant surface.
+/// Adds a term to a field that attracts motion to the field's invariant surface at a given rate.
 fn attract<T: Scalar>(
     fields: &dyn Fields<T>,
     (index, rate): (usize, T),
@@ -111,18 +115,20 @@ fn attract<T: Scalar>(
     }
 }
 
-/// Numbered vector fields in one scalar type and with derivatives, for explicit and implicit schemes.
+/// A numbered collection of vector fields in one scalar type, and in the same type with derivatives,
+/// for explicit and implicit schemes.
 pub trait WideFields<T>: Fields<T> + Fields<Wide<T>> {}
 
 impl<T, F: Fields<T> + Fields<Wide<T>>> WideFields<T> for F {}
 
-/// A change of time for motions of a duration `T`: the time that has passed is `T θ(s)` at the changed time
-/// `T s`, with `θ(s) = φ s/((1 − φ)(1 − s) + φ s)`. The share `φ` of the duration has passed at `s = 1/2`.
+/// A transformation of time for motions of duration `T`: the original time at the transformed time `T s` is
+/// `T θ(s)`, with `θ(s) = φ s/((1 − φ)(1 − s) + φ s)`. At `s = 1/2`, the fraction `φ` of the duration has
+/// passed.
 #[derive(Clone, Copy, Debug)]
 pub struct Pace<T> {
     /// The duration `T`.
     pub duration: T,
-    /// The share `φ`, between 0 and 1.
+    /// The fraction `φ` of the duration that has passed at `s = 1/2`; between 0 and 1.
     pub share: T,
 }
 
@@ -132,12 +138,12 @@ impl<T: Scalar> Pace<T> {
         self.share * s / self.divisor(s)
     }
 
-    /// Returns the `s` at which `θ(s)` is a given part of the duration.
+    /// Returns the value of `s` at which `θ(s)` equals a given fraction of the duration.
     pub(in crate::core) fn place(self, passed: T) -> T {
         Pace { share: T::one() - self.share, ..self }.passed(passed)
     }
 
-    /// Returns `θ'(s)` at the changed time `T s`.
+    /// Returns `θ'(s)` at the transformed time `T s`.
     pub(in crate::core) fn rate(self, t: T) -> T {
         let divisor = self.divisor(t / self.duration);
         self.share * (T::one() - self.share) / (divisor * divisor)
@@ -152,43 +158,44 @@ impl<T: Scalar> Pace<T> {
     }
 }
 
-/// Multiplies an autonomous field by the rate of a change of time.
+/// Multiplies an autonomous vector field by the rate of a transformation of time.
 fn at_pace<T: Scalar>(pace: Pace<T>, t: T, f: &mut [T]) {
     let rate = pace.rate(t);
     f.iter_mut().for_each(|f| *f *= rate);
 }
 
-/// One field of a collection, with the time at which its own time is zero.
+/// One vector field of a collection, together with the time of the collection at which the field's
+/// own time is zero.
 #[derive(Clone, Copy)]
 pub struct FieldRef<'a, T: Scalar> {
     /// The collection.
     pub fields: &'a dyn Fields<T>,
-    /// The same collection with derivatives, if implicit schemes are supported.
+    /// The same collection of fields with derivatives, if implicit schemes are supported.
     pub wide: Option<&'a dyn Fields<Wide<T>>>,
-    /// The same collection in real numbers.
+    /// The same collection of fields with real numbers.
     pub real: &'a dyn WideFields<f64>,
-    /// The index of the field.
+    /// The index of the field in the collection.
     pub index: usize,
     /// The time of the collection at which the field's own time is zero.
     pub start: T,
-    /// The number of leading parameters on which the field depends.
+    /// The number of leading parameters on which the vector field depends.
     pub numbers: usize,
-    /// The rate of attraction to the field's invariant surface; `None` for the field alone, which
-    /// preserves the distance from the surface.
+    /// The rate of attraction to the field's invariant surface; `None` for the field without
+    /// attraction, which preserves the distance from the surface.
     pub attraction: Option<T>,
-    /// The change of time in which an autonomous field is stated.
+    /// The transformation of time that is applied to an autonomous field.
     pub pace: Option<Pace<T>>,
 }
 
 impl<'a, T: Scalar> FieldRef<'a, T> {
-    /// Creates a reference to a field that exists in all scalar types.
+    /// Creates a reference to a vector field that can be evaluated in all scalar types.
     pub(in crate::core) fn of<F: WideFields<T> + WideFields<f64>>(field: &'a F) -> Self {
         let start = T::zero();
         let (wide, attraction, pace) = (Some(field as _), None, None);
         FieldRef { fields: field, wide, real: field, index: 0, start, numbers: 0, attraction, pace }
     }
 
-    /// The parameters on which the field depends.
+    /// Returns the parameters on which the field depends.
     #[inline]
     fn own<'p, S>(&self, p: &'p [S]) -> &'p [S] {
         &p[..self.numbers.min(p.len())]

@@ -1,6 +1,6 @@
 //! Macros that define vector fields and zero problems by formulas of named states and parameters.
 
-/// Declares a struct, as a unit struct if no fields are given.
+/// Declares a struct, or a unit struct if no fields are given.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! __structure {
@@ -8,7 +8,8 @@ macro_rules! __structure {
     ([$($head:tt)*] { $($fields:tt)* }) => { $($head)* { $($fields)* } };
 }
 
-/// Asserts that the number of defaults equals the number of parameters, or is zero.
+/// Asserts at compile time that the number of default values equals the number of parameters, or is
+/// zero.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! __defaults {
@@ -24,7 +25,7 @@ macro_rules! __defaults {
     };
 }
 
-/// The names of states, parameters and monitors.
+/// Creates the names of the states, parameters and monitors.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! __names {
@@ -37,7 +38,7 @@ macro_rules! __names {
     };
 }
 
-/// Binds names to the first values of a slice.
+/// Binds variables to the first elements of a slice.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! __values {
@@ -48,7 +49,8 @@ macro_rules! __values {
     };
 }
 
-/// The forcing with a period; its phase grows by 2π unless another number is given.
+/// Defines the forcing and its period; the phase grows by 2π in a period unless another number is
+/// given.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! __forcing {
@@ -63,13 +65,13 @@ macro_rules! __forcing {
     };
 }
 
-/// Defines a [`VectorField`](crate::core::problem::VectorField) by the rates of its states. The declared
-/// struct is `Clone`, `Copy` and `Debug`.
+/// Defines a [`VectorField`](crate::core::problem::VectorField) by formulas for the rates of its states.
+/// The declared struct is `Clone`, `Copy` and `Debug`.
 ///
-/// The brackets contain the states; after a semicolon the parameters, all or none of them with a default
-/// value; after another semicolon a name for the time. Rates can be given in any order. Numeric literals
-/// are written on the right, as in `x * 3.0 + 1.0`, or as `T::constant(3.0)`, since `x` can be a dual
-/// number of the type `T`.
+/// The brackets after the struct's name contain, separated by semicolons: the states; the parameters,
+/// all or none of them with default values; and optionally a name for the time. The rates of the states
+/// can be given in any order. A numeric literal must be the right operand, as in `x * 3.0 + 1.0`, or be
+/// converted, as in `T::constant(3.0)`, since `x` can be a dual number of the type `T`.
 ///
 /// ```
 /// use tangency::prelude::*;
@@ -88,10 +90,10 @@ macro_rules! __forcing {
 /// # Ok::<(), tangency::core::continuation::TraceError>(())
 /// ```
 ///
-/// After the rates follow, in this order and all optional, the `period` of a forcing (its phase grows by
-/// 2π in a period, or by another number, as in `period = T::one(), phase = 1.0`), monitors, and trait
-/// methods that the macro does not generate. Fields of the struct that are `Copy` can be used by their
-/// names.
+/// The rates can be followed, in this order, by the `period` of a forcing, by monitors, and by trait
+/// methods that the macro does not generate; all three are optional. The phase of the forcing grows in a
+/// period by 2π, or by another number, as in `period = T::one(), phase = 1.0`. Formulas can refer to
+/// fields of the struct by their names if these fields are `Copy`.
 ///
 /// ```
 /// use std::f64::consts::TAU;
@@ -205,13 +207,13 @@ macro_rules! vector_field {
     };
 }
 
-/// Defines a [`ZeroProblem`](crate::core::problem::ZeroProblem) by the formulas that vanish, one for each
-/// unknown and in the order of the unknowns, which matters if the formulas are the rates of a motion. The
-/// declared struct is `Clone`, `Copy` and `Debug`.
+/// Defines a [`ZeroProblem`](crate::core::problem::ZeroProblem) by its residuals, one formula for each
+/// unknown in the order of the unknowns; the order affects the stability if the formulas are the rates of
+/// a motion. The declared struct is `Clone`, `Copy` and `Debug`.
 ///
-/// The brackets contain the unknowns, and after a semicolon the parameters, all or none of them with a
-/// default value. Local values, monitors, fields and further methods are written as in
-/// [`vector_field!`](crate::vector_field).
+/// The brackets after the struct's name contain the unknowns and, after a semicolon, the parameters,
+/// all or none of them with default values. Local values, monitors, struct fields and further methods
+/// are written in the same way as in [`vector_field!`](crate::vector_field).
 ///
 /// ```
 /// use tangency::prelude::*;
@@ -230,7 +232,7 @@ macro_rules! vector_field {
 /// # Ok::<(), tangency::core::continuation::TraceError>(())
 /// ```
 ///
-/// The numbers of formulas and unknowns must agree:
+/// The number of formulas must equal the number of unknowns:
 ///
 /// ```compile_fail
 /// tangency::zero_problem! {

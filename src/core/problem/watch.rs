@@ -1,14 +1,14 @@
-//! Scalars watched along a trajectory.
+//! Scalars that are watched along a trajectory for extrema and zeros.
 //!
-//! Extrema and zeros of a scalar `h(t, x(t), p)` give the largest value of a state, the smallest
-//! distance of a motion from a surface, and the points where the motion meets the surface.
-//! Derivatives of `h` along the motion come from dual numbers.
+//! The extrema and zeros of a scalar `h(t, x(t), p)` give, for example, the largest value of a
+//! state, the smallest distance of a motion from a surface, and the points at which the motion
+//! reaches the surface. Derivatives of `h` along the motion come from dual numbers.
 
 use crate::core::scalar::Scalar;
 use num_dual::{Dual, Dual2, Dual2_64, Dual64};
 
-/// A scalar `h(t, x, p)` of a trajectory, written once; derivatives come from automatic
-/// differentiation.
+/// A scalar `h(t, x, p)` along a trajectory, written once for all scalar types; derivatives come
+/// from automatic differentiation.
 ///
 /// ```
 /// use tangency::core::scalar::Scalar;
@@ -24,22 +24,23 @@ use num_dual::{Dual, Dual2, Dual2_64, Dual64};
 /// assert_eq!(State(1).value(0.0, &[0.0, 1.0], &[2.0]), 1.0);
 /// ```
 pub trait Watch {
-    /// Computes `h(t, x, p)`.
+    /// Computes the value of `h(t, x, p)`.
     fn value<T: Scalar>(&self, t: T, x: &[T], p: &[T]) -> T;
 
-    /// The size of a typical change of `h`, used as the unit of tolerances; for a state, the flow
-    /// supplies the size.
+    /// Returns the size of a typical change of `h`, which is the unit of tolerances; if `h` is a
+    /// state, the integrator supplies the size.
     fn scale(&self) -> f64 {
         1.0
     }
 
-    /// The watched state, if `h` is just a state: its slopes are known without an evaluation.
+    /// Returns the index of the watched state if `h` is a state, whose derivatives are then known
+    /// without an evaluation.
     fn state(&self) -> Option<usize> {
         None
     }
 }
 
-/// The negative `−h` of a watched scalar, which falls where the scalar rises.
+/// The negative `−h` of a watched scalar, which falls when the scalar rises.
 pub(in crate::core) struct Opposite<'w, W>(pub &'w W);
 
 impl<T: Scalar, W: WatchIn<T>> WatchIn<T> for Opposite<'_, W> {
@@ -54,18 +55,18 @@ impl<W: Watchable<f64>> Watchable<f64> for Opposite<'_, W> {
     }
 }
 
-/// A scalar of a trajectory, by index.
+/// A scalar along a trajectory, given by its index: a state or a function.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Observable {
     /// A state.
     State(usize),
-    /// A function of time, states and parameters that the problem defines.
+    /// A function of time, states and parameters that the problem defines, given by its index.
     Function(usize),
 }
 
 impl Observable {
-    /// The index of the state, if the scalar is a state.
+    /// Returns the index of the state if the scalar is a state; `None` otherwise.
     pub fn state(self) -> Option<usize> {
         match self {
             Observable::State(i) => Some(i),
@@ -88,9 +89,9 @@ impl Watch for State {
     }
 }
 
-/// A watched scalar in one number type. Implemented by every [`Watch`].
+/// A watched scalar in one scalar type. Every [`Watch`] implements this trait.
 pub trait WatchIn<T> {
-    /// Computes `h(t, x, p)`.
+    /// Computes the value of `h(t, x, p)`.
     fn value_in(&self, t: T, x: &[T], p: &[T]) -> T;
 }
 
@@ -100,14 +101,15 @@ impl<W: Watch, T: Scalar> WatchIn<T> for W {
     }
 }
 
-/// A watched scalar as a flow of numbers `T` evaluates it, with slopes and curvatures along the flow.
+/// A watched scalar in the form in which an integrator with numbers `T` evaluates it, with slopes and
+/// curvatures along the flow.
 pub trait Watchable<T: Scalar>:
     WatchIn<f64> + WatchIn<Dual64> + WatchIn<Dual2_64> + WatchIn<Dual<T>> + WatchIn<Dual2<T>>
 {
-    /// The size of a typical change, unless the scalar is a state.
+    /// Returns the size of a typical change of the scalar, if the scalar is not a state.
     fn size(&self) -> f64;
 
-    /// The watched state, if the scalar is just a state.
+    /// Returns the index of the watched state if the scalar is a state.
     fn state_index(&self) -> Option<usize> {
         None
     }
@@ -123,8 +125,8 @@ impl<W: Watch, T: Scalar> Watchable<T> for W {
     }
 }
 
-/// The change of a function at a point when time and states change by their scales; 1 if that change
-/// is zero or not finite.
+/// Returns the change of a function at a point when time and states change by their scales; 1 if
+/// this change is zero or not finite.
 pub(in crate::core) fn change_by(
     (time, states): (f64, &[f64]),
     place: (f64, &[f64]),
@@ -137,8 +139,8 @@ pub(in crate::core) fn change_by(
     if scale.is_finite() && scale > 0.0 { scale } else { 1.0 }
 }
 
-/// The derivatives of a function of time, states and parameters with respect to the states and to
-/// time.
+/// Returns the derivatives of a function of time, states and parameters, with respect to the states
+/// and with respect to time.
 pub(in crate::core) fn gradient(
     (t, x): (f64, &[f64]),
     p: &[f64],

@@ -1,33 +1,38 @@
-//! Zero problems as users define them: `F(z, p) = 0`.
+//! Zero problems `F(z, p) = 0` as users define them.
 //!
 //! A **[`ZeroProblem`]** is a residual generic over [`Scalar`], with named unknowns `z ∈ ℝⁿ` and
-//! parameters `p ∈ ℝᵐ`. Derivatives come from automatic differentiation.
+//! parameters `p ∈ ℝᵐ`. Derivatives of the residual come from automatic differentiation.
 
 use super::names::{Group, Names};
 use crate::core::failure::OutOfDomain;
 use crate::core::scalar::Scalar;
 
-/// The dynamics near an equilibrium that the residual describes, which defines "stable".
+/// The dynamics near an equilibrium that the residual represents; they determine the criterion of
+/// stability.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Dynamics {
-    /// `z' = F(z, p)`: stable if every eigenvalue of `F_z` has a negative real part.
+    /// The flow `z' = F(z, p)`: an equilibrium is stable if every eigenvalue of `F_z` has a
+    /// negative real part.
     #[default]
     Flow,
-    /// `F = ∇Π`, the gradient of a potential: stable if the Hessian `F_z` is positive definite.
+    /// The gradient of a potential, `F = ∇Π`: an equilibrium is stable if the Hessian `F_z` is
+    /// positive definite.
     Potential,
-    /// `M(z) z'' = −F(z, p)` with `M` near a positive definite matrix that makes `F` nearly the
-    /// gradient of a potential: stable if every eigenvalue of `F_z` has a positive real part.
+    /// The second-order dynamics `M(z) z'' = −F(z, p)`, where `M` is close to a positive definite
+    /// matrix for which `F` is nearly the gradient of a potential: an equilibrium is stable if
+    /// every eigenvalue of `F_z` has a positive real part.
     SecondOrder,
-    /// The unknowns describe a periodic orbit: stable if every Floquet multiplier except the trivial
-    /// one lies inside the unit circle.
+    /// A periodic orbit, which the unknowns represent: the orbit is stable if every Floquet
+    /// multiplier except the trivial one lies inside the unit circle.
     Periodic,
-    /// The residual describes no dynamics: stability is not reported.
+    /// The residual does not represent any dynamics, so that stability is not reported.
     None,
 }
 
-/// A zero problem as users define it: `F(z, p) = 0`, written once; derivatives come from automatic
-/// differentiation. [`zero_problem!`](crate::zero_problem) defines one by formulas.
+/// A zero problem `F(z, p) = 0` as users define it, written once for all scalar types; derivatives
+/// come from automatic differentiation. [`zero_problem!`](crate::zero_problem) defines a zero
+/// problem by formulas.
 ///
 /// ```
 /// use tangency::core::problem::{Names, ZeroProblem};
@@ -47,49 +52,51 @@ pub enum Dynamics {
 /// assert!(r[0].abs() < 1e-16);
 /// ```
 pub trait ZeroProblem: Send + Sync {
-    /// The names of unknowns, parameters and monitors; the number of unknowns is the dimension.
+    /// Returns the names of the unknowns, parameters and monitors; the number of unknowns is the
+    /// dimension.
     fn names(&self) -> Names;
 
-    /// The default values of all parameters, in order; empty without default values.
+    /// Returns the default values of all parameters, in order; an empty list if the problem has no
+    /// default values.
     fn defaults(&self) -> Vec<f64> {
         Vec::new()
     }
 
-    /// Computes the residual `F(z, p)` and writes it into `r` (of the same length as `z`).
+    /// Computes the residual `F(z, p)` and writes it into `r`, which has the same length as `z`.
     fn residual<T: Scalar>(&self, z: &[T], p: &[T], r: &mut [T]);
 
     /// Computes the monitors and writes them into `values`, in the order of [`Names::monitors`].
     fn monitors<T: Scalar>(&self, _z: &[T], _p: &[T], _values: &mut [T]) {}
 
-    /// Typical sizes of the groups of unknowns, in their order; needed if unknowns can be zero and
-    /// their sizes are far from the others. By default the sizes are determined at the start of a
-    /// branch.
+    /// Returns the typical sizes of the groups of unknowns, in their order; the sizes must be given
+    /// if unknowns can be zero and their sizes differ strongly. By default the sizes of the
+    /// unknowns are determined at the start of a branch.
     fn scales(&self, _p: &[f64]) -> Vec<f64> {
         Vec::new()
     }
 
-    /// Rejects values outside the domain of the equations.
+    /// Returns an error for unknowns and parameters outside the domain of the equations.
     ///
     /// # Errors
-    /// [`OutOfDomain`] with the quantity, its value and the domain. A residual that is not finite is
-    /// rejected in any case.
+    /// [`OutOfDomain`] with the name of the quantity, its value and the domain. A residual that is
+    /// not finite always counts as outside the domain.
     fn domain(&self, _z: &[f64], _p: &[f64]) -> Result<(), OutOfDomain> {
         Ok(())
     }
 
-    /// The dynamics near an equilibrium that the residual describes.
+    /// Returns the dynamics near an equilibrium that the residual represents.
     fn dynamics(&self) -> Dynamics {
         Dynamics::Flow
     }
 
-    /// Curves that are stored with special points and drawn for them.
+    /// Returns the curves that are stored with special points and drawn for them.
     fn profiles(&self, _z: &[f64], _p: &[f64]) -> Vec<Profile> {
         Vec::new()
     }
 }
 
-/// A curve that belongs to a solution and is drawn for special points: a mode shape along a line, a
-/// field, a time history.
+/// A curve that belongs to a solution and is drawn for special points, such as a mode shape along a
+/// line, a discretised field, or a time history.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Profile {
@@ -101,16 +108,16 @@ pub struct Profile {
     pub points: Vec<[f64; 2]>,
 }
 
-/// (H) Arrays with fewer components are listed instead of drawn.
+/// (H) The least number of components of an array that is drawn; shorter arrays are listed.
 const LEAST: usize = 8;
 
 impl Profile {
-    /// The name of the abscissa for arrays of unknowns.
+    /// The name of the abscissa for arrays of unknowns, which are drawn over their index.
     pub const INDEX: &'static str = "index";
-    /// The prefix of the names of phase responses, followed by the name of the perturbed state.
+    /// The prefix of the names of phase responses, which precedes the name of the perturbed state.
     pub const PHASE_RESPONSE: &'static str = "phase_response_";
 
-    /// The perturbed state of a phase response.
+    /// Returns the name of the perturbed state if the curve is a phase response.
     ///
     /// ```
     /// use tangency::core::problem::Profile;
@@ -121,9 +128,10 @@ impl Profile {
         self.name.strip_prefix(Self::PHASE_RESPONSE)
     }
 
-    /// Curves of discretised fields: arrays of one index over their index, and groups of several
-    /// components without indices over their position, from 1. Of more than a thousand components
-    /// every second, third, … is kept.
+    /// Returns the curves of discretised fields: arrays with one index are drawn over this index,
+    /// and groups of several components without indices over the position of the component, from 1.
+    /// If a curve has more than a thousand components, only every second, third, … component is
+    /// kept.
     ///
     /// ```
     /// use tangency::core::problem::{Group, Profile};
@@ -157,21 +165,21 @@ impl Profile {
     }
 }
 
-/// An array of two indices that belongs to a solution, and is drawn as a map for special points.
+/// An array with two indices that belongs to a solution, and is drawn as a map for special points.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PlaneField {
     /// The name of the array.
     pub name: String,
-    /// The stored values of the first and of the second index.
+    /// The stored values of the first index and of the second index.
     pub along: [Vec<i64>; 2],
-    /// The values of the array; the second index changes fastest.
+    /// The stored values of the array; the second index varies fastest.
     pub values: Vec<f64>,
 }
 
 impl PlaneField {
-    /// The arrays of two indices among some unknowns. Of more than 64 values of an index every second,
-    /// third, … is kept, and the last one.
+    /// Returns the arrays with two indices among the given groups of unknowns. If an index has more
+    /// than 64 values, only every second, third, … value and the last value are kept.
     ///
     /// ```
     /// use tangency::core::problem::{Group, PlaneField};
@@ -212,7 +220,8 @@ const MOST_IN_PLANE: usize = 64;
 /// (H) The largest number of components that a profile of an array stores.
 const MOST: usize = 1000;
 
-/// At most `most` of `count` positions: the first, others at equal distances, and the last.
+/// Selects at most `most` of `count` positions: the first and the last position, and positions at
+/// equal distances between them.
 fn thinned(count: usize, most: usize) -> impl Iterator<Item = usize> + Clone {
     let step = count.saturating_sub(1).div_ceil(most.max(2) - 1).max(1);
     let last = (count > 0 && !(count - 1).is_multiple_of(step)).then(|| count - 1);

@@ -1,7 +1,8 @@
-//! One object-safe trait for all zero problems.
+//! An object-safe trait that represents all zero problems.
 //!
-//! Users write a [`ZeroProblem`] generically. [`Dense`](crate::core::system::Dense) uses it through
-//! [`ZeroEquations`], one scalar type at a time, and is therefore compiled once for all problems.
+//! Users implement [`ZeroProblem`] generically for all scalar types.
+//! [`Dense`](crate::core::system::Dense) calls a zero problem through [`ZeroEquations`], one scalar
+//! type at a time, and is therefore compiled once for all problems.
 
 use super::erasure::erased;
 use super::names::Names;
@@ -10,34 +11,34 @@ use crate::core::failure::OutOfDomain;
 use crate::core::scalar::{Chunk, Jet, Scalar, Traced};
 use num_dual::{Dual, Dual2, Dual64};
 
-/// The capacity of jets for center manifolds, up to 126 coefficients (order 5 in 4 variables); the
-/// fields of hybrid systems use the same capacity.
+/// The capacity of the jets for center manifolds: at most 126 coefficients are used (order 5 in 4
+/// variables). The fields of hybrid systems use jets of the same capacity.
 pub(in crate::core) const ROOM: usize = 128;
 
 /// A scalar type in which every zero problem can be evaluated.
 pub trait ZeroNumber: Scalar {
-    /// The problem in this scalar type.
+    /// Returns the residual of a zero problem, evaluated in this scalar type.
     fn functions(problem: &dyn ZeroEquations) -> &dyn ZeroFunctions<Self>;
 }
 
 /// A scalar type in which the monitors of every zero problem can be evaluated.
 pub trait MonitorNumber: Scalar {
-    /// The monitors in this scalar type.
+    /// Returns the monitors of a zero problem, evaluated in this scalar type.
     fn monitored(problem: &dyn ZeroEquations) -> &dyn ZeroMonitors<Self>;
 }
 
 erased! {
-    /// The residual of a zero problem in one scalar type.
+    /// The residual of a zero problem, evaluated in one scalar type.
     pub trait ZeroFunctions<T> of ZeroProblem by ZeroNumber::functions of ZeroEquations {
-        /// Computes the residual and writes it into `r`.
+        /// Computes the residual of the zero problem and writes it into `r`.
         fn residual as residual_in(z: &[T], p: &[T], r: &mut [T]) -> ();
     }
 }
 
 erased! {
-    /// The monitors of a zero problem in one scalar type.
+    /// The monitors of a zero problem, evaluated in one scalar type.
     pub trait ZeroMonitors<T> of ZeroProblem by MonitorNumber::monitored of ZeroEquations {
-        /// Computes the monitors and writes them into `values`.
+        /// Computes the monitors of the zero problem and writes them into `values`.
         fn monitors as monitors_in(z: &[T], p: &[T], values: &mut [T]) -> ();
     }
 }
@@ -57,8 +58,8 @@ erased! {
 }
 
 erased! {
-    /// A zero problem in the scalar types that its derivatives need. Implemented by every
-    /// [`ZeroProblem`], which documents the methods.
+    /// A zero problem in the scalar types that are needed for its derivatives. Every
+    /// [`ZeroProblem`] implements this trait; the methods are documented at [`ZeroProblem`].
     pub trait ZeroEquations: InScalars of ZeroProblem {
         fn names() -> Names;
         fn defaults() -> Vec<f64>;
@@ -69,12 +70,13 @@ erased! {
     }
 }
 
-/// A zero problem in numbers that record their computation. Implemented by every [`ZeroProblem`].
+/// A zero problem evaluated with numbers that record the operations of the computation. Every
+/// [`ZeroProblem`] implements this trait.
 pub trait TracedEquations: ZeroEquations {
-    /// Computes the residual and writes it into `r`.
+    /// Computes the residual of the zero problem and writes it into `r`.
     fn traced_residual(&self, z: &[Traced], p: &[Traced], r: &mut [Traced]);
 
-    /// Computes the monitors and writes them into `values`.
+    /// Computes the monitors of the zero problem and writes them into `values`.
     fn traced_monitors(&self, z: &[Traced], p: &[Traced], values: &mut [Traced]);
 }
 

@@ -1,4 +1,4 @@
-//! Derivatives in several directions together: dual numbers with a chunk of derivatives.
+//! Derivatives in several directions together, by dual numbers with several derivatives.
 
 use super::Scalar;
 use super::number::{number_of_reals, operations, signed_by_reals};
@@ -8,19 +8,20 @@ use std::fmt::{Display, Formatter};
 use std::ops::Neg;
 use wide::f64x4;
 
-/// (H) The number of directions that one pass differentiates: one to two vector registers, chosen by
-/// measurement. The number affects only the run time.
+/// (H) The number of directions that are differentiated in one pass: one to two vector registers,
+/// chosen by measurement. The number of directions affects only the run time.
 pub const CHUNK: usize = 8;
-/// Dual numbers with derivatives in [`CHUNK`] directions.
+/// A dual number with derivatives in [`CHUNK`] directions.
 pub type Chunk = DualChunk<f64, CHUNK>;
-/// Numbers with half a chunk of derivatives, for small problems.
+/// A dual number with half as many derivatives as [`Chunk`], for small problems.
 pub(in crate::core) type Narrow = DualChunk<f64, 4>;
 
-/// A dual number with derivatives in `W` directions: a [`Scalar`], compared by its real part.
+/// A dual number with derivatives in `W` directions; it is a [`Scalar`] and is compared by its real
+/// part.
 ///
-/// This type replaces `num_dual::DualSVec` in inner loops: without an `Option` in every number, a
-/// product takes a few vector instructions. Elementary functions take their slopes from
-/// [`num_dual::Dual`].
+/// This type replaces `num_dual::DualSVec` in inner loops: since a number does not contain an
+/// `Option`, a product takes a few vector instructions. The derivatives of elementary functions are
+/// computed by [`num_dual::Dual`].
 ///
 /// ```
 /// use num_dual::DualNum;
@@ -45,7 +46,8 @@ impl<T: Scalar, const W: usize> DualChunk<T, W> {
         DualChunk { re, eps: [T::zero(); W] }
     }
 
-    /// Creates the variable `x` in the unit direction `direction`; a constant beyond the width.
+    /// Creates the variable `x`, whose derivative is 1 in the direction `direction`; the result is
+    /// a constant if `direction` is at least `W`.
     #[inline(always)]
     pub fn seeded(x: T, direction: usize) -> Self {
         // All parts are stored together: loading the chunk as vectors would stall after the store of
@@ -54,7 +56,8 @@ impl<T: Scalar, const W: usize> DualChunk<T, W> {
         DualChunk { re: x, eps: std::array::from_fn(part) }
     }
 
-    /// Applies a function to the number, given its value and slope at the real part.
+    /// Applies a function to the number by the chain rule, given the function's value and slope at
+    /// the real part.
     #[inline(always)]
     fn chained(&self, function: Dual<T>) -> Self {
         let Dual { re, eps: slope } = function;
@@ -75,13 +78,13 @@ impl<T: Scalar, const W: usize> DualChunk<T, W> {
         }
     }
 
-    /// The real part with a derivative of 1.
+    /// Returns the real part as a dual number with the derivative 1.
     #[inline(always)]
     fn unit(&self) -> Dual<T> {
         Dual::new(self.re, T::one())
     }
 
-    /// Applies a function to every part of the number.
+    /// Applies a function to the real part and to every derivative.
     #[inline(always)]
     fn mapped(&self, part: impl Fn(T) -> T) -> Self {
         of_parts::<T, _>(
@@ -96,7 +99,7 @@ impl<T: Scalar, const W: usize> DualChunk<T, W> {
         )
     }
 
-    /// Combines the parts of two numbers; `re` is the new real part.
+    /// Combines the derivatives of two numbers by a function; `re` is the real part of the result.
     #[inline(always)]
     fn combined(&self, other: &Self, re: T, part: impl Fn(T, T) -> T) -> Self {
         of_parts::<T, _>(
@@ -127,15 +130,16 @@ impl<T: Scalar, const W: usize> DualChunk<T, W> {
     }
 }
 
-/// Computes the derivatives in all directions.
+/// Creates an array of derivatives by calling a function for each direction.
 #[inline(always)]
 fn parts<T: Copy, const W: usize>(mut part: impl FnMut(usize) -> T) -> [T; W] {
     // A single derivative in lanes is computed in place, with the instructions of the caller.
     if W == 1 { [part(0); W] } else { std::array::from_fn(part) }
 }
 
-/// Runs an operation on all parts. The operation is inlined if the parts are real, and compiled once
-/// if they are nested numbers, whose operations would otherwise enlarge every caller.
+/// Runs an operation on all derivatives of a number. The operation is inlined if the derivatives are
+/// real. It is compiled once if they are nested dual numbers, whose operations would otherwise
+/// enlarge every caller.
 #[inline(always)]
 fn of_parts<T: Scalar, R>(operation: impl FnOnce() -> R) -> R {
     #[inline(never)]
@@ -145,9 +149,10 @@ fn of_parts<T: Scalar, R>(operation: impl FnOnce() -> R) -> R {
     if T::NDERIV == 0 { operation() } else { once(operation) }
 }
 
-/// Computes `a y + b x`. Real numbers use explicit vector instructions: for numbers in memory, the
-/// compiler otherwise loads the last part together with the real part that follows, and the load
-/// waits until both are stored.
+/// Computes the weighted sum `a y + b x` in every component. For real numbers the function uses
+/// explicit vector instructions: for numbers in memory, the compiler otherwise loads the last
+/// derivative together with the real part that follows it, and this load waits until both are
+/// stored.
 #[inline(always)]
 fn weighted<T: Scalar, const W: usize>((a, y): (&[T; W], T), (b, x): (&[T; W], T)) -> [T; W] {
     #[inline(always)]
@@ -183,7 +188,8 @@ fn weighted_reals<const W: usize>(
     }
 }
 
-/// Creates the variable `x` in the direction `direction` if the chunk from `start` on contains it.
+/// Creates the variable `x`, whose derivative is 1 in the direction `direction` if the chunk that
+/// begins at the direction `start` contains this direction; otherwise the result is a constant.
 pub(crate) fn seeded<T: Scalar, const W: usize>(
     x: T,
     direction: usize,
@@ -192,16 +198,19 @@ pub(crate) fn seeded<T: Scalar, const W: usize>(
     DualChunk::seeded(x, direction.wrapping_sub(start))
 }
 
-/// A number with a chunk of derivatives, and with higher derivatives along one more direction.
+/// A number with derivatives in a chunk of directions, and with higher derivatives along one more
+/// direction.
 pub(crate) trait Directional: Scalar {
-    /// Adds the component `component` along the direction to a seeded value.
+    /// Adds the derivative `component` along the additional direction to a number with derivatives
+    /// in a chunk of directions.
     fn along(seeded: Chunk, component: f64) -> Self;
 
-    /// The derivative of the highest order along the direction; for order 0, the value itself.
+    /// Returns the derivative of the highest order along the additional direction; for order 0, the
+    /// number itself.
     fn derivative(&self) -> &Chunk;
 }
 
-/// Order 0: no derivatives along the direction.
+/// The implementation for order 0, without derivatives along the additional direction.
 impl Directional for Chunk {
     #[inline]
     fn along(seeded: Chunk, _: f64) -> Self {
@@ -268,7 +277,7 @@ impl<T: Scalar, const W: usize> Display for DualChunk<T, W> {
 
 signed_by_reals!([T: Scalar, const W: usize] DualChunk<T, W>);
 
-/// Functions of one number by the chain rule.
+/// Implements functions of one number by the chain rule.
 macro_rules! chained {
     ($($function:ident $(($argument:ident: $kind:ty))?),* $(,)?) => {$(
         #[inline]

@@ -1,8 +1,10 @@
 //! Macros for the `num_dual` and `num_traits` operations that all scalars of this crate share.
 
-/// Implements comparison by real parts, constants, sums, products and conversions for a scalar.
+/// Implements comparison by real parts, constants, sums, products and conversions for a scalar
+/// type.
 ///
-/// `real` gives the real part, used for comparison; `constant` makes a number from a real one.
+/// The argument `real` returns the real part of a number, which is used for comparison; the
+/// argument `constant` converts a real number to the scalar type.
 macro_rules! number_of_reals {
     ([$($generics:tt)*] $type:ty, real: $real:expr, constant: $constant:expr) => {
         impl<$($generics)*> PartialEq for $type {
@@ -118,7 +120,7 @@ macro_rules! number_of_reals {
     };
 }
 
-/// Implements the absolute value and the sign of a scalar by its real part.
+/// Implements the absolute value and the sign of a scalar type by means of the real part.
 macro_rules! signed_by_reals {
     ([$($generics:tt)*] $type:ty) => {
         impl<$($generics)*> num_traits::Signed for $type {
@@ -145,7 +147,8 @@ macro_rules! signed_by_reals {
     };
 }
 
-/// Implements every operation from its assigning form, with another number and with a real number.
+/// Implements every arithmetic operation by means of its assigning form, for two numbers and for a
+/// number and a real number.
 macro_rules! operations {
     (one [$($generics:tt)*] $type:ty, |$a:ident, $b:ident|
         $operation:ident $method:ident, $assign:ident $assigning:ident = $with_number:expr, $with_real:expr

@@ -1,4 +1,5 @@
-//! Numbers that record their computation, for sparsity patterns and for gradients in one pass.
+//! Numbers that record the operations of a computation, to determine sparsity patterns, and
+//! gradients in one pass.
 
 use super::number::{number_of_reals, operations, signed_by_reals};
 use num_dual::{Dual64, DualNum};
@@ -6,34 +7,35 @@ use std::cell::RefCell;
 use std::fmt::{Display, Formatter};
 use std::ops::Neg;
 
-/// The node of numbers that do not depend on any input.
+/// The node of a number that does not depend on any input.
 const CONSTANT: u32 = u32::MAX;
 
-/// A number with its position in the record of its thread: a [`Scalar`](super::Scalar), compared by
-/// its real part.
+/// A number with its position in the record of operations of the current thread; it is a
+/// [`Scalar`](super::Scalar) and is compared by its real part.
 ///
-/// Each operation is recorded with its slopes. A backward pass through the record gives the gradient
-/// of a weighted sum of results by all inputs, at a cost independent of the number of inputs (reverse
-/// mode; A. Griewank and A. Walther, *Evaluating Derivatives*, SIAM 2008, ch. 3).
+/// Each operation is recorded together with its partial derivatives. A backward pass through the
+/// record computes the gradient of a weighted sum of results with respect to all inputs, at a cost
+/// independent of the number of inputs (reverse mode; A. Griewank and A. Walther, *Evaluating
+/// Derivatives*, SIAM 2008, ch. 3).
 #[derive(Clone, Copy, Debug)]
 pub struct Traced {
     re: f64,
     node: u32,
 }
 
-/// An operation: its operands and the slopes with respect to them.
+/// A recorded operation: its operands, and its derivatives with respect to the operands.
 #[derive(Clone, Copy, Debug)]
 struct Operation {
     operands: [u32; 2],
     slopes: [f64; 2],
 }
 
-/// The operations since the record began, and scratch space for the backward pass.
+/// The operations since the beginning of the record, and scratch space for the backward pass.
 #[derive(Default)]
 struct Record {
     operations: Vec<Operation>,
     slopes: Vec<f64>,
-    /// For each node, the result from which it was last reached.
+    /// For each node, the last result from which a search has reached the node.
     reached: Vec<u32>,
     stack: Vec<u32>,
 }
@@ -103,24 +105,25 @@ impl Record {
 }
 
 impl Traced {
-    /// Begins a new record and discards the previous one.
+    /// Begins a new record for the thread and discards the previous record.
     pub(in crate::core) fn begin() {
         RECORD.with_borrow_mut(|record| record.operations.clear());
     }
 
-    /// Creates an input. All inputs are created in their order before any computation.
+    /// Creates an input. All inputs must be created in their order before any computation.
     pub(in crate::core) fn input(value: f64) -> Self {
         let node = RECORD.with_borrow_mut(|record| record.add([CONSTANT; 2], [0.0; 2]));
         Traced { re: value, node }
     }
 
-    /// Computes the gradient of a weighted sum of results with respect to the first inputs.
+    /// Computes the gradient of a weighted sum of results with respect to the first inputs of the
+    /// record.
     pub(in crate::core) fn gradient(results: impl Iterator<Item = (Traced, f64)>, out: &mut [f64]) {
         RECORD.with_borrow_mut(|record| record.gradient(results, out));
     }
 
-    /// Returns the pairs (result, input) for which a result depends on one of the first inputs;
-    /// `None` if the search takes more than `most` steps.
+    /// Returns all pairs (result, input) in which the result depends on the input, for the first
+    /// inputs; `None` if the search takes more than `most` steps.
     pub(in crate::core) fn places(
         results: &[Traced],
         inputs: usize,
@@ -133,13 +136,13 @@ impl Traced {
         Traced { re, node: CONSTANT }
     }
 
-    /// Records a function of this number, with its slope.
+    /// Records a function of this number, with the derivative of the function.
     #[inline]
     fn of_one(&self, re: f64, slope: f64) -> Self {
         self.of_two(&Traced::constant(0.0), re, [slope, 0.0])
     }
 
-    /// Records a function of two numbers, with its slopes.
+    /// Records a function of two numbers, with its partial derivatives.
     #[inline]
     fn of_two(&self, other: &Self, re: f64, slopes: [f64; 2]) -> Self {
         let operands = [self.node, other.node];
@@ -199,7 +202,7 @@ impl Display for Traced {
 
 signed_by_reals!([] Traced);
 
-/// Functions of one number by the chain rule.
+/// Implements functions of one number by the chain rule.
 macro_rules! chained {
     ($($function:ident $(($argument:ident: $kind:ty))?),* $(,)?) => {$(
         #[inline]

@@ -1,4 +1,5 @@
-//! Filippov systems: two fields, a switching surface between them, and sliding on it.
+//! Filippov systems: two vector fields, separated by a switching surface, and sliding motion on the
+//! surface.
 
 mod modes;
 mod normal;
@@ -30,17 +31,17 @@ impl Side {
     }
 }
 
-/// The names of modes and of the event on the surface. An event that ends sliding has the name of the
-/// next mode.
+/// The names of the modes and of the event at the switching surface. An event that ends sliding is
+/// named after the next mode.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FilippovNames {
-    /// Motion above the surface.
+    /// The name of the mode above the surface.
     pub above: String,
-    /// Motion below the surface.
+    /// The name of the mode below the surface.
     pub below: String,
-    /// Motion on the surface.
+    /// The name of the mode of sliding on the surface.
     pub sliding: String,
-    /// The event at which motion reaches the surface.
+    /// The name of the event at which motion reaches the surface.
     pub surface: String,
 }
 
@@ -53,15 +54,15 @@ impl FilippovNames {
 }
 
 impl Default for FilippovNames {
-    /// The names `above`, `below`, `sliding` and `surface`.
+    /// Returns the default names `above`, `below`, `sliding` and `surface`.
     fn default() -> Self {
         FilippovNames::new("above", "below", "sliding", "surface")
     }
 }
 
-/// A Filippov system: a field on each side of a surface `h(t, x, p) = 0`, and sliding on the
-/// surface where both fields point towards it. [`Filippov`] converts it to a hybrid system: the
-/// normal velocities `L_f h = h_t + h_x f` of the two fields, computed by automatic
+/// A Filippov system: a vector field on each side of a surface `h(t, x, p) = 0`, and sliding on the
+/// surface where both fields point towards it. [`Filippov`] converts the system to a hybrid system,
+/// in which the normal velocities `L_f h = h_t + h_x f` of the two fields, computed by automatic
 /// differentiation, determine sliding, crossing and the end of sliding.
 ///
 /// ```
@@ -92,79 +93,82 @@ impl Default for FilippovNames {
 /// assert_eq!((next(0.3), next(-0.7)), (Filippov::<Belt>::SLIDING, Filippov::<Belt>::ABOVE));
 /// ```
 pub trait FilippovSystem: Send + Sync {
-    /// The names of the states, shared by all modes.
+    /// Returns the names of the states, which are the same in all modes.
     fn states(&self) -> Vec<String>;
 
     /// The names of the parameters.
     fn parameters(&self) -> Vec<String>;
 
-    /// The default values of all parameters, in order; empty without default values.
+    /// Returns the default values of all parameters, in order; an empty list if the system has no
+    /// default values.
     fn defaults(&self) -> Vec<f64> {
         Vec::new()
     }
 
-    /// The names of modes and events.
+    /// Returns the names of the modes and of the event at the surface.
     fn names(&self) -> FilippovNames {
         FilippovNames::default()
     }
 
-    /// The switching surface: a function that vanishes on it, positive above and negative below.
-    /// Its gradient must not vanish there.
+    /// Computes the function that defines the switching surface: zero on the surface, positive
+    /// above it and negative below it. The gradient of this function must not vanish on the
+    /// surface.
     fn surface<T: Scalar>(&self, t: T, x: &[T], p: &[T]) -> T;
 
-    /// Computes the field on a side, also used on the surface, into `f` (of the same length as
-    /// `x`).
+    /// Computes the vector field on a side of the surface, including the surface itself, into `f`,
+    /// which has the same length as `x`.
     fn field<T: Scalar>(&self, side: Side, t: T, x: &[T], p: &[T], f: &mut [T]);
 
-    /// Computes the field of sliding motion and writes it into `f`: by default Filippov's
-    /// [`convex_combination`] of the two fields. A different field must keep motion on the surface:
-    /// its normal velocity `h_t + h_x f` must vanish there, which is checked at the start and end
-    /// of sliding.
+    /// Computes the field of sliding motion and writes it into `f`; the default is Filippov's
+    /// [`convex_combination`] of the two fields. An overriding field must be tangent to the
+    /// surface: its normal velocity `h_t + h_x f` must vanish on the surface, which is checked at
+    /// the start and end of sliding.
     fn sliding<T: Scalar>(&self, t: T, x: &[T], p: &[T], f: &mut [T]) {
         convex_combination(self, t, x, p, f);
     }
 
-    /// A function that is positive while sliding cannot leave to a side: by default the speed at
-    /// which the field of that side approaches the surface ([`held_by_field`]). Sliding ends at its
-    /// zero; a motion that reaches the surface from the other side crosses if the function is
-    /// negative. Static friction larger than kinetic friction prolongs sliding.
+    /// Computes a function that is positive while sliding motion cannot leave the surface to the
+    /// given side; the default is the speed at which the field of that side approaches the surface
+    /// ([`held_by_field`]). Sliding ends at a zero of this function; a motion that reaches the
+    /// surface from the other side crosses it if the function is negative. An overriding function
+    /// can model static friction larger than kinetic friction, which prolongs sliding.
     fn holds<T: Scalar>(&self, side: Side, t: T, x: &[T], p: &[T]) -> T {
         held_by_field(self, side, t, x, p)
     }
 
-    /// The forcing; by default none.
+    /// Returns the kind of forcing; none by default.
     fn forcing(&self) -> Forcing {
         Forcing::None
     }
 
-    /// The period of a periodic [`forcing`](Self::forcing); for an autonomous system, the unit of
-    /// time in scenes.
+    /// Returns the period of a periodic [`forcing`](Self::forcing); in an autonomous system, the
+    /// unit of time in scenes.
     fn period<T: Scalar>(&self, _p: &[T]) -> T {
         T::one()
     }
 
-    /// Typical sizes of times and states; needed if they are far from 1.
+    /// Returns the typical sizes of times and states, which must be given if they are far from 1.
     fn scales(&self, _p: &[f64]) -> Scales {
         Scales::default()
     }
 
-    /// The names of monitors.
+    /// Returns the names of the monitors.
     fn monitors(&self) -> Vec<String> {
         Vec::new()
     }
 
-    /// Computes a monitor, by its position among [`monitors`](Self::monitors).
+    /// Computes the value of a monitor, given its index in [`monitors`](Self::monitors).
     fn monitor<T: Scalar>(&self, _monitor: usize, _t: T, _x: &[T], _p: &[T]) -> T {
         T::from(f64::NAN)
     }
 
-    /// The measures that are recorded for orbits: by default the extremes of every state, and the
-    /// mean and extremes of every monitor.
+    /// Returns the measures that are recorded for orbits; the default is the extremes of every
+    /// state, and the mean and extremes of every monitor.
     fn measures(&self) -> Vec<(String, Measure)> {
         Measure::by_default(self.states(), self.monitors())
     }
 
-    /// Rejects states outside the domain of the fields.
+    /// Returns an error for states outside the domain of the fields.
     fn domain(&self, _x: &[f64], _p: &[f64]) -> Result<(), OutOfDomain> {
         Ok(())
     }

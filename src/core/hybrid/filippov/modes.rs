@@ -11,18 +11,19 @@ use crate::core::ode::NEGATIVE;
 use crate::core::problem::{Forcing, Measure, forward};
 use crate::core::scalar::Scalar;
 
-/// The hybrid system of a [`FilippovSystem`].
+/// The hybrid system that represents a [`FilippovSystem`].
 ///
-/// Its modes are above, below and on the surface, all with the same states. The event on the surface
-/// leads across it, or to sliding. Sliding ends where one of the fields leaves the surface; that
-/// event has the name of the mode on that side.
+/// The hybrid system has three modes, above, below and on the surface, all with the same states. The
+/// event at the surface leads either across the surface or to sliding. Sliding ends when one of the
+/// fields starts to point away from the surface; the event that ends sliding is named after the mode
+/// on the side of that field.
 #[derive(Clone, Copy, Debug)]
 pub struct Filippov<S>(pub S);
 
 /// The event at which motion reaches the surface from either side.
 const SURFACE: usize = 0;
-/// (R) A sliding field is off the surface if its normal velocity exceeds this, in units of the terms
-/// of that velocity; a smaller one is the rounding error of given constants.
+/// (R) The normal velocity above which a sliding field is not tangent to the surface, in units of
+/// the terms of that velocity; a smaller normal velocity is a rounding error of given constants.
 const OFF: f64 = 1e-6;
 
 impl<S> Filippov<S> {
@@ -30,10 +31,10 @@ impl<S> Filippov<S> {
     pub const ABOVE: usize = 0;
     /// The mode below the surface.
     pub const BELOW: usize = 1;
-    /// The mode on the surface.
+    /// The mode of sliding on the surface.
     pub const SLIDING: usize = 2;
 
-    /// The mode on a side.
+    /// Returns the mode on a side of the surface.
     fn mode(side: Side) -> usize {
         match side {
             Side::Above => Self::ABOVE,
@@ -41,12 +42,12 @@ impl<S> Filippov<S> {
         }
     }
 
-    /// The side of a mode, or of an exit from sliding, which has the same number.
+    /// Returns the side with the number of a mode, or of an event that ends sliding.
     fn side(number: usize) -> Side {
         if number == Self::ABOVE { Side::Above } else { Side::Below }
     }
 
-    /// The side to which an exit from sliding leads.
+    /// Returns the side to which motion leaves the surface at an event that ends sliding.
     fn exit(guard: usize) -> Side {
         Self::side(guard - 1)
     }
@@ -76,9 +77,9 @@ impl<S: FilippovSystem> HybridSystem for Filippov<S> {
         vec![Guard::new(surface, [Self::ABOVE, Self::BELOW]), exit(above), exit(below)]
     }
 
-    /// The mode of the side on which the state lies. On the surface, motion slides if it is held on
-    /// both sides, and leaves to the side on which it is not held; if it can leave to both sides, the
-    /// given mode is kept.
+    /// Returns the mode in which motion starts: the mode of the side on which the state lies. On the
+    /// surface, motion slides if neither field leaves the surface. If one field leaves the surface,
+    /// motion leaves to the side of that field; if both fields leave it, the given mode is kept.
     fn initial_mode(&self, mode: usize, t: f64, x: &[f64], p: &[f64]) -> usize {
         let (height, scale) =
             (self.0.surface(t, x, p), guard_scale(self, (SURFACE, mode), (t, x), p));
@@ -110,7 +111,8 @@ impl<S: FilippovSystem> HybridSystem for Filippov<S> {
         }
     }
 
-    /// Projects the state onto the surface at the start and end of sliding, which removes drift.
+    /// Computes the state after an event; at the start and end of sliding the state is projected
+    /// onto the surface, which removes drift.
     fn reset<T: Scalar>(
         &self,
         _guard: usize,
@@ -128,7 +130,7 @@ impl<S: FilippovSystem> HybridSystem for Filippov<S> {
         }
     }
 
-    /// Projects the state onto the surface in the sliding mode.
+    /// Projects the state onto the surface if the mode is sliding.
     fn constrain<T: Scalar>(&self, mode: usize, t: T, x: &mut [T], p: &[T]) {
         if mode == Self::SLIDING {
             let scales = self.0.scales(&p.iter().map(T::real).collect::<Vec<_>>());
@@ -144,7 +146,7 @@ impl<S: FilippovSystem> HybridSystem for Filippov<S> {
         }
     }
 
-    /// The speed at which the field on the other side leaves the surface.
+    /// Computes the speed at which the field on the other side leaves the surface.
     fn decision<T: Scalar>(
         &self,
         _position: usize,
@@ -157,7 +159,8 @@ impl<S: FilippovSystem> HybridSystem for Filippov<S> {
         -self.0.holds(Self::side(mode).other(), t, x, p)
     }
 
-    /// The names of di Bernardo et al. (SIAM Review 50:629, 2008).
+    /// Returns the name of a grazing or sliding bifurcation, after di Bernardo et al. (SIAM Review
+    /// 50:629, 2008).
     fn kind_of_tangency(
         &self,
         tangency: Tangency,
@@ -201,7 +204,7 @@ impl<S: FilippovSystem> HybridSystem for Filippov<S> {
         self.0.domain(x, p)
     }
 
-    /// Checks that the sliding field is tangent to the surface.
+    /// Checks at the ends of a sliding leg that the sliding field is tangent to the surface.
     fn domain_at_ends(&self, mode: usize, t: f64, x: &[f64], p: &[f64]) -> Result<(), OutOfDomain> {
         if mode != Self::SLIDING {
             return Ok(());

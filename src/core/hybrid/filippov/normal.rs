@@ -1,11 +1,12 @@
-//! Normal velocities of fields at the surface, and the sliding field.
+//! The normal velocities of the vector fields at the switching surface, and the sliding field.
 
 use super::{FilippovSystem, Side};
 use crate::core::problem::gradient;
 use crate::core::scalar::Scalar;
 use num_dual::Dual;
 
-/// Computes the rate `h_t + h_x f` of the surface's function along a direction `(1, f)`.
+/// Computes the rate of change `h_t + h_x f` of the surface's function `h` along a vector field
+/// `f`.
 fn lie_derivative<S: FilippovSystem + ?Sized, T: Scalar>(
     system: &S,
     (t, x, p): (T, &[T], &[T]),
@@ -16,8 +17,8 @@ fn lie_derivative<S: FilippovSystem + ?Sized, T: Scalar>(
     system.surface(Dual::new(t, T::one()), &x, &p).eps
 }
 
-/// The speed at which the field of a side approaches the surface, from its normal velocity
-/// `L_f h = h_t + h_x f`; negative if the field leaves the surface.
+/// Computes the speed at which the field of a side approaches the surface, from its normal velocity
+/// `L_f h = h_t + h_x f`; the speed is negative if the field leaves the surface.
 pub fn held_by_field<S: FilippovSystem + ?Sized, T: Scalar>(
     system: &S,
     side: Side,
@@ -34,9 +35,10 @@ pub fn held_by_field<S: FilippovSystem + ?Sized, T: Scalar>(
     }
 }
 
-/// Computes Filippov's sliding field, the convex combination `(L⁻ f⁺ − L⁺ f⁻)/(L⁻ − L⁺)` of the
-/// fields `f⁺` above and `f⁻` below that is tangent to the surface, with the normal velocities `L±`,
-/// and writes it into `f`. The field is not finite where both velocities vanish.
+/// Computes Filippov's sliding field and writes it into `f`. The sliding field is the convex
+/// combination `(L⁻ f⁺ − L⁺ f⁻)/(L⁻ − L⁺)` of the fields `f⁺` above and `f⁻` below that is tangent
+/// to the surface, where `L±` are their normal velocities. The sliding field is not finite where
+/// both normal velocities vanish.
 pub fn convex_combination<S: FilippovSystem + ?Sized, T: Scalar>(
     system: &S,
     t: T,
@@ -54,7 +56,7 @@ pub fn convex_combination<S: FilippovSystem + ?Sized, T: Scalar>(
     }
 }
 
-/// The normal velocity of sliding motion, and the sizes of the terms in its sum.
+/// Returns the normal velocity of sliding motion, and the size of the terms in its sum.
 pub(super) fn sliding_velocity<S: FilippovSystem + ?Sized>(
     system: &S,
     (t, x, p): (f64, &[f64], &[f64]),
@@ -66,8 +68,8 @@ pub(super) fn sliding_velocity<S: FilippovSystem + ?Sized>(
     terms.fold([0.0, 0.0], |[sum, size], term| [sum + term, size + term.abs()])
 }
 
-/// Projects a state near the surface onto it by one Newton step, in units of the states' sizes. For a
-/// state on the surface, derivatives along the surface are unchanged.
+/// Projects a state near the surface onto the surface by one Newton step, in units of the states'
+/// sizes. For a state on the surface, the projection leaves derivatives along the surface unchanged.
 pub(super) fn project<S: FilippovSystem + ?Sized, T: Scalar>(
     system: &S,
     (t, x, p): (T, &mut [T], &[T]),

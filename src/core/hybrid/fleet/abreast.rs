@@ -1,4 +1,4 @@
-//! Batched steps of members, for any registers.
+//! Batched integration steps of several motions, generic in the vector registers.
 
 use crate::core::hybrid::erased::{EventNumber, FieldNumber, GuardNumber, HybridEquations};
 use crate::core::hybrid::leg::GuardOf;
@@ -9,8 +9,8 @@ use crate::core::scalar::{
 
 /// A scalar type for the simulation of many motions: `f64`, or `Dual64` with derivatives.
 pub trait FleetNumber: EventNumber {
-    /// Creates a batch of flows in registers of a given width, by an explicit method; `None` if the
-    /// processor does not have the registers.
+    /// Creates a batch of flows for an explicit method, in vector registers of a given width;
+    /// `None` if the processor does not have these registers.
     fn abreast(width: LaneWidth, settings: &Settings) -> Option<Box<dyn Abreast<Self>>>;
 }
 
@@ -29,10 +29,10 @@ where
     }
 }
 
-/// A batch of flows in modes of a hybrid system.
+/// A batch of flows in the modes of a hybrid system.
 pub trait Abreast<T>: LaneSteps<T> {
-    /// Tries a step of the flows in the lanes, which are in one mode; returns the errors, in units of
-    /// the tolerance, and the forecasts for guards.
+    /// Tries an integration step of the flows in the lanes, all in one mode; returns the error of
+    /// each flow, in units of the tolerance, and the forecasts for guards.
     fn attempt(
         &mut self,
         system: (&dyn HybridEquations, usize),

@@ -20,18 +20,19 @@ use crate::core::problem::{FieldIn, Watchable};
 use crate::core::scalar::{LaneWidth, MOST_LANES, Scalar};
 use std::ops::ControlFlow;
 
-/// (H) The number of motions in progress: in a system with a few modes, most of them share a mode with
-/// others. The number affects only the run time.
+/// (H) The number of motions in progress; in a system with a few modes, most motions then share their
+/// mode with others. The number of motions in progress affects only the run time.
 const UNDER_WAY: usize = 64;
 
 /// An observer of many motions, identified by their indices.
 pub trait FleetObserver<T: Scalar> {
-    /// Whether steps are observed as well, which makes batched steps slower.
+    /// Whether the observer also observes integration steps, which makes batched steps slower.
     fn sees_steps(&self) -> bool {
         false
     }
 
-    /// Observes a step of a member, like [`HybridObserver::step`](super::event::HybridObserver::step).
+    /// Observes an integration step of a member, in the same way as
+    /// [`HybridObserver::step`](super::event::HybridObserver::step).
     fn step<F: FieldIn<T>>(
         &mut self,
         _member: usize,
@@ -44,8 +45,8 @@ pub trait FleetObserver<T: Scalar> {
     /// Observes an event of a member.
     fn event(&mut self, _member: usize, _event: &Event<T>) {}
 
-    /// Called when the duration of a member has passed. The member continues for the same duration from
-    /// the possibly modified state, or ends.
+    /// Observes the end of a member's duration. If the method returns `Continue`, the member continues
+    /// for the same duration from the possibly modified state; otherwise it ends.
     fn arrived(
         &mut self,
         member: usize,
@@ -54,15 +55,15 @@ pub trait FleetObserver<T: Scalar> {
     ) -> ControlFlow<()>;
 }
 
-/// A simulation of many members, motions of one system, each independent of the others: the result for a
-/// member is bit-identical for all sets and orders of members.
+/// A simulation of many motions of one system, its members, each independent of the others: the result
+/// for a member is bit-identical for all sets and orders of members.
 ///
-/// Results agree with [`HybridFlow`] up to rounding errors, for `f64` and for `Dual64`. Several
-/// members in the same mode are advanced together, and their guards are checked together for being
-/// clear of zero; a member with a guard that could vanish is examined separately.
-/// [`in_lanes`](super::system::HybridSystem::in_lanes) declares that a system's equations can be
-/// evaluated in lanes. Otherwise, and with an implicit method, members are simulated one after
-/// another.
+/// Results agree with [`HybridFlow`] up to rounding errors, both for `f64` and for `Dual64`.
+/// Several members in the same mode are advanced together by vector instructions. One test shows
+/// for all of them which guards stay clear of zero; a member with a guard that could vanish is
+/// examined separately. [`in_lanes`](super::system::HybridSystem::in_lanes) declares that a
+/// system's equations can be evaluated in lanes. If the system's equations cannot be evaluated in
+/// lanes, or if the integration method is implicit, members are simulated one after another.
 ///
 /// ```
 /// use std::ops::ControlFlow;
@@ -92,9 +93,9 @@ pub trait FleetObserver<T: Scalar> {
 pub struct Fleet<'a, T: FleetNumber> {
     worker: HybridFlow<'a, T>,
     stepper: Option<Box<dyn Abreast<T>>>,
-    /// The forecasts for the guards of a mode in the last step.
+    /// The forecasts for the guards of a mode in the last integration step.
     forecasts: Vec<EventForecast>,
-    /// The guards that need a separate search.
+    /// The guards that need a separate search for zeros in the last integration step.
     candidates: Vec<usize>,
     slots: Vec<Slot<T>>,
 }
@@ -106,7 +107,7 @@ where
     /// Creates a simulation of a system with these settings.
     ///
     /// # Errors
-    /// [`HybridError::Settings`] if a setting of the flow is invalid.
+    /// [`HybridError::Settings`] if a setting of the simulation is invalid.
     pub fn new(
         system: &'a dyn HybridEquations,
         settings: HybridSettings,
@@ -114,11 +115,11 @@ where
         Self::with(system, settings, system.in_lanes())
     }
 
-    /// Creates a simulation in the lanes of other registers than the system's, for comparison. If these
-    /// registers are unavailable, members are simulated one after another.
+    /// Creates a simulation whose vector registers differ from the system's choice, for comparison. If
+    /// the vector registers are unavailable, members are simulated one after another.
     ///
     /// # Errors
-    /// The errors of [`new`](Self::new).
+    /// The same errors as [`new`](Self::new).
     pub fn in_lanes(
         system: &'a dyn HybridEquations,
         settings: HybridSettings,
@@ -138,16 +139,17 @@ where
         Ok(Fleet { worker, stepper, forecasts, candidates, slots })
     }
 
-    /// The number of members that step together; 1 if they are simulated one after another.
+    /// Returns the number of members that are advanced together; 1 if members are simulated one
+    /// after another.
     pub fn lanes(&self) -> usize {
         self.stepper.as_ref().map_or(1, |stepper| stepper.lanes())
     }
 
-    /// Advances every member by its duration, repeatedly as long as the observer continues. If an error
-    /// ends the motion of a member, its state is the one after its last event.
+    /// Advances every member by its duration, repeatedly while the observer continues. If an error ends
+    /// the motion of a member, the state of the member is the state after its last event.
     ///
     /// # Errors
-    /// For each member the errors of [`HybridFlow::advance`].
+    /// Every member has its own result, with the errors of [`HybridFlow::advance`].
     pub fn advance(
         &mut self,
         members: &mut [Member<T>],
@@ -183,9 +185,9 @@ where
     }
 }
 
-/// The slots waiting in each mode, the free slots, and the results of the members.
+/// The slots waiting in each mode, the free slots, and the results of the members that have ended.
 struct Scheduler<'m, T> {
-    /// The slots, by the mode of their members.
+    /// The slots waiting for a step, grouped by the mode of their members.
     queues: Vec<Vec<usize>>,
     free: Vec<usize>,
     members: &'m mut [Member<T>],
@@ -193,7 +195,8 @@ struct Scheduler<'m, T> {
 }
 
 impl<T: Scalar> Scheduler<'_, T> {
-    /// The mode with the most waiting members, and as many of these as fit into the lanes.
+    /// Returns the mode with the most waiting members, and as many of these members as there are
+    /// lanes.
     fn longest(&mut self, lanes: usize) -> Option<(usize, [usize; MOST_LANES], usize)> {
         let modes = self.queues.iter_mut().enumerate().filter(|(_, queue)| !queue.is_empty());
         let (mode, queue) = modes.max_by_key(|(_, queue)| queue.len())?;
@@ -204,7 +207,8 @@ impl<T: Scalar> Scheduler<'_, T> {
         Some((mode, abreast, count))
     }
 
-    /// Queues a member in its mode, or returns it to the list of members if it has ended.
+    /// Queues a member in its mode, or returns the member to the list of members if its motion has
+    /// ended.
     fn go_on(&mut self, number: usize, slot: &Slot<T>, outcome: Outcome) {
         if let Ok(ControlFlow::Continue(())) = outcome {
             self.queues[slot.state.mode].push(number);

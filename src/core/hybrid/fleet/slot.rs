@@ -1,4 +1,4 @@
-//! Slots of members in progress.
+//! Slots, which store the members in progress.
 
 use super::member::Member;
 use crate::core::hybrid::chatter::Series;
@@ -10,21 +10,21 @@ use crate::core::ode::{LaneState, Sign};
 use crate::core::scalar::Scalar;
 use std::ops::ControlFlow;
 
-/// The slot of a member in progress.
+/// A slot, which stores one member in progress.
 pub(super) struct Slot<T: Scalar> {
     pub member: usize,
     pub duration: T,
-    /// The state at the start of the member's leg.
+    /// The state at the start of the member's present leg.
     pub state: HybridState<T>,
     pub p: Vec<T>,
-    /// Real parts of the parameters.
+    /// The real parts of the member's parameters.
     pub real_p: Vec<f64>,
     pub end: T,
     pub statistics: HybridStatistics,
     pub crowd: Crowd,
     pub series: Vec<Series<T>>,
     pub pace: Option<f64>,
-    /// The last time of each event at given times.
+    /// The last time at which each timed event of the member occurred.
     pub fired: Vec<f64>,
     pub lane_state: LaneState<T>,
     /// The known signs of the guards of the member's mode.
@@ -58,18 +58,19 @@ impl<T: Scalar> Slot<T> {
     }
 }
 
-/// The next action for a member.
+/// The next action for a member of a fleet.
 #[derive(Clone, Copy)]
 pub(super) enum Next {
     /// The duration begins.
     Start,
     /// A leg begins.
     Leg,
-    /// A leg is simulated separately.
+    /// The next leg is simulated separately from other members.
     Alone,
-    /// The duration has passed.
+    /// The duration of the member has passed.
     Finish,
 }
 
-/// The outcome of an action for a member: it continues in the lanes, or has ended.
+/// The outcome of an action for a member: the member continues in the lanes, or its motion has
+/// ended.
 pub(super) type Outcome = Result<ControlFlow<()>, HybridError>;

@@ -1,4 +1,4 @@
-//! The actions for members between batched steps.
+//! The actions for members of a fleet between batched integration steps.
 
 use super::slot::{Next, Outcome, Slot};
 use super::{Fleet, FleetNumber, FleetObserver};
@@ -35,7 +35,7 @@ impl<'a, T: FleetNumber> Fleet<'a, T>
 where
     GuardOf<'a>: Watchable<T>,
 {
-    /// Performs the actions of a member that are not batched.
+    /// Performs the actions of a member that are not batched, until its next batched step.
     pub(super) fn go(
         &mut self,
         number: usize,
@@ -74,7 +74,7 @@ where
         }
     }
 
-    /// Runs an action of the worker for a member.
+    /// Runs an action for a member on the solver that simulates single motions.
     fn work<O: FleetObserver<T>, R>(
         &mut self,
         number: usize,
@@ -120,7 +120,7 @@ where
         })
     }
 
-    /// Starts a batched leg of a member; `false` if that is impossible.
+    /// Starts a batched leg of a member; returns `false` if the leg cannot be batched.
     fn sets_out(&mut self, number: usize) -> bool {
         let Fleet { worker, stepper, slots, .. } = self;
         let Slot { state, p, real_p, end, pace, lane_state, signs, .. } = &mut slots[number];
@@ -138,7 +138,7 @@ where
             && worker.flow.set_out(&field, span, &state.x, p, lane_state).is_ok()
     }
 
-    /// Tries a step of members in one mode.
+    /// Tries an integration step of several members in one mode.
     pub(super) fn attempt(&mut self, mode: usize, abreast: &[usize]) -> [f64; MOST_LANES] {
         let Fleet { worker, stepper, forecasts, slots, .. } = self;
         let Some(stepper) = stepper else { return [f64::NAN; MOST_LANES] };
@@ -150,7 +150,8 @@ where
         stepper.attempt((worker.system, mode), guards, settings, forecasts)
     }
 
-    /// Evaluates the step of a lane: accepts or rejects it, and detects the end of a leg.
+    /// Evaluates the integration step of a lane: accepts or rejects the step, and detects the end
+    /// of a leg.
     pub(super) fn classify(
         &mut self,
         mode: usize,
@@ -186,7 +187,8 @@ where
         self.go(number, Next::Leg, observer)
     }
 
-    /// Returns the end of a lane's leg in its step, or `None`; breaks if a shorter step is needed.
+    /// Returns the end of a lane's leg if it lies in the lane's step, or `None`; breaks if a
+    /// shorter step is needed.
     fn landing(
         &mut self,
         mode: usize,
@@ -208,7 +210,7 @@ where
         }
     }
 
-    /// Continues after an accepted step in which no leg ends.
+    /// Continues the motion of a lane after an accepted step in which its leg does not end.
     fn go_on(
         &mut self,
         mode: usize,
@@ -232,7 +234,7 @@ where
         self.go(number, Next::Finish, observer)
     }
 
-    /// Passes the step of a lane, up to this fraction, to the observer.
+    /// Passes the integration step of a lane, up to the given fraction, to the observer.
     fn show(
         &mut self,
         mode: usize,
@@ -250,7 +252,7 @@ where
         }
     }
 
-    /// Finds the guards, by their positions in their mode, that can vanish in the step of a lane.
+    /// Selects the guards that can vanish in the step of a lane, by their indices in their mode.
     fn screen(&mut self, lane: usize, number: usize) {
         let Fleet { forecasts, candidates, slots, .. } = self;
         candidates.clear();
@@ -264,13 +266,15 @@ where
         }
     }
 
-    /// Aims the next step of a lane at the zero of a guard, if that zero is unique.
+    /// Shortens the next step of a lane so that it ends at the zero of a guard, if that zero is
+    /// unique.
     fn aim(&mut self, watched: usize, lane: usize, number: usize) -> bool {
         let Slot { lane_state, .. } = &mut self.slots[number];
         lane_state.aim(watched, &self.forecasts[watched], lane).is_some()
     }
 
-    /// Searches for the end of a leg in the step of one lane by a worker.
+    /// Searches for the end of a leg in the step of one lane on the solver that simulates single
+    /// motions.
     fn look<R>(
         &mut self,
         mode: usize,
@@ -313,7 +317,7 @@ where
         self.look(mode, of, |locator, step| locator.locate(step))
     }
 
-    /// Ends the leg of one lane at the root at which its step was aimed.
+    /// Ends the leg of one lane at the root of a guard at which the integration step was aimed.
     fn reach(
         &mut self,
         mode: usize,

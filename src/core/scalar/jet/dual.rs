@@ -1,4 +1,4 @@
-//! The `num_dual` traits for jets, so that equations can be evaluated on them.
+//! The `num_dual` traits for jets, so that equations can be evaluated with jets.
 
 use super::number::Jet;
 use super::powers::{by_quotient, by_squares};
@@ -11,7 +11,7 @@ use std::fmt::{Display, Formatter};
 number_of_reals!([const C: usize] Jet<C>, real: |x: &Jet<C>| x.c[0], constant: Jet::constant);
 signed_by_reals!([const C: usize] Jet<C>);
 
-/// Writes the constant term, then the number of the other coefficients.
+/// Writes the constant term, followed by the number of the other coefficients.
 impl<const C: usize> Display for Jet<C> {
     fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
         self.c[0].fmt(f)?;
@@ -84,7 +84,7 @@ impl<const C: usize> DualNum for Jet<C> {
 
 impl<const C: usize> Jet<C> {
     /// Computes the spherical Bessel function `j_n`, `n ≤ 2`, by its power series near 0 (DLMF
-    /// 10.53.1) and in closed form elsewhere (DLMF 10.49.3).
+    /// 10.53.1) and by its closed form otherwise (DLMF 10.49.3).
     fn spherical_bessel(&self, n: i32) -> Self {
         let x = *self;
         if x.c[0].abs() < 1.0 {

@@ -1,21 +1,22 @@
-//! Jets: truncated Taylor series in several variables, as scalars.
+//! Jets: truncated Taylor series in several variables, as a scalar type.
 //!
-//! A jet of order `N` in the variables `ε = (ε₁, …, ε_V)` is a polynomial `a(ε) = Σ a_α ε^α`,
-//! `|α| ≤ N`, with `a_α = ∂^α a(0)/α!`. Jets are added and multiplied like polynomials, and terms of
-//! higher degree are dropped. With `a = a₀ + h`, where `h` has no constant term, a function `f` of a
-//! jet is the finite sum
+//! A jet of order `N` in the variables `ε = (ε₁, …, ε_V)` is a polynomial `a(ε) = Σ a_α ε^α`, `|α| ≤
+//! N`, with `a_α = ∂^α a(0)/α!`. Jets are added and multiplied in the same way as polynomials, and
+//! terms of degree higher than `N` are dropped. With `a = a₀ + h`, where `h` has no constant term, a
+//! function `f` of the jet `a` is the following finite sum:
 //!
 //! ```text
-//!     f(a) = Σ_{k ≤ N} f⁽ᵏ⁾(a₀)/k! hᵏ,
+//!     f(a) = Σ_{k ≤ N} f⁽ᵏ⁾(a₀)/k! hᵏ.
 //! ```
 //!
-//! whose coefficients come from the recurrences of univariate series (R. E. Moore, *Interval
-//! Analysis*, 1966; A. Griewank and A. Walther, *Evaluating Derivatives*, 2nd ed. 2008, chapter 13).
-//! A [`Jet`] is a [`Scalar`](super::Scalar): fields, guards, resets and flows, written once, are
-//! evaluated on jets and return their Taylor polynomials. The size of a jet is a binomial coefficient
-//! in the order, whereas nested dual numbers grow exponentially. Scalars are `Copy`, so a jet's
-//! capacity is a compile-time constant: hybrid systems are compiled for two capacities, since a
-//! single one would make each small jet 8 kB.
+//! The coefficients of the sum are computed by the recurrences of univariate Taylor series (R. E.
+//! Moore, *Interval Analysis*, 1966; A. Griewank and A. Walther, *Evaluating Derivatives*, 2nd ed.
+//! 2008, chapter 13). A [`Jet`] is a [`Scalar`](super::Scalar): fields, guards, resets and flows,
+//! written once for all scalar types, can be evaluated with jets, and the results are their Taylor
+//! polynomials. The number of a jet's coefficients is a binomial coefficient of the order and the
+//! number of variables, whereas the size of nested dual numbers grows exponentially with the order.
+//! Since scalars are `Copy`, the capacity of a jet is a compile-time constant. Hybrid systems are
+//! compiled for two capacities, because with a single capacity each small jet would also occupy 8 kB.
 
 mod dual;
 mod number;

@@ -5,11 +5,12 @@ use crate::core::scalar::number::operations;
 use num_dual::DualNum;
 use std::ops::Neg;
 
-/// A truncated Taylor series with a capacity of `C` coefficients: a
-/// [`Scalar`](crate::core::scalar::Scalar), compared by its constant term.
+/// A truncated Taylor series with a capacity of `C` coefficients; it is a
+/// [`Scalar`](crate::core::scalar::Scalar) and is compared by its constant term.
 ///
-/// A jet made from a real number has no variables; combining it with another jet gives it that jet's
-/// variables. All jets of an expression must belong to one [`Space`].
+/// A jet converted from a real number is a constant without variables; the result of an operation
+/// with another jet has the variables of that jet. All jets of an expression must belong to one
+/// [`Space`].
 ///
 /// ```
 /// use num_dual::DualNum;
@@ -27,9 +28,9 @@ use std::ops::Neg;
 /// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Jet<const C: usize> {
-    /// The coefficients; entries beyond the space are zero.
+    /// The coefficients; entries after the last coefficient of the space are zero.
     pub(super) c: [f64; C],
-    /// The space of the monomials; `None` for a constant.
+    /// The space of the jet's monomials; `None` for a constant.
     pub(super) space: Option<&'static Space>,
 }
 
@@ -44,7 +45,8 @@ impl<const C: usize> Jet<C> {
     /// Creates the variable `value + ε_k`.
     ///
     /// # Errors
-    /// [`JetError`] if the space has more coefficients than the capacity, or no variable `k`.
+    /// [`JetError`] if the space has more coefficients than the capacity, or if the variable `k`
+    /// does not exist.
     pub fn variable(space: &'static Space, k: usize, value: f64) -> Result<Self, JetError> {
         let (variables, order, coefficients) = (space.variables(), space.order(), space.len());
         if coefficients > C {
@@ -60,12 +62,14 @@ impl<const C: usize> Jet<C> {
         Ok(jet)
     }
 
-    /// The coefficients, in the order of the monomials of the space; a single one for a constant.
+    /// Returns the coefficients, in the order of the monomials of the space; a constant has a
+    /// single coefficient.
     pub fn coefficients(&self) -> &[f64] {
         &self.c[..self.space.map_or(1, Space::len)]
     }
 
-    /// The coefficient of the monomial with these powers of the variables; 0 beyond the order.
+    /// Returns the coefficient of the monomial with these powers of the variables; 0 for monomials
+    /// above the order of the jet.
     pub fn coefficient(&self, exponents: &[u8]) -> f64 {
         let Some(space) = self.space else {
             return if exponents.iter().all(|power| *power == 0) { self.c[0] } else { 0.0 };
@@ -73,13 +77,13 @@ impl<const C: usize> Jet<C> {
         space.position(exponents).map_or(0.0, |k| self.c[k])
     }
 
-    /// The largest absolute value of the coefficients.
+    /// Returns the largest absolute value of the coefficients.
     pub fn size(&self) -> f64 {
         self.coefficients().iter().fold(0.0, |most, c| c.abs().max(most))
     }
 
-    /// Divides the jet by a variable. Terms without the variable are dropped; the terms of the
-    /// highest degree of the quotient are unknown and set to zero.
+    /// Divides the jet by one of its variables. Terms without the variable are dropped; the
+    /// quotient's terms of the highest degree are unknown and are set to zero.
     pub fn divided_by(&self, variable: usize) -> Self {
         let Some(space) = self.space else { return Jet::constant(0.0) };
         let mut quotient = Jet { space: self.space, ..Jet::constant(0.0) };
@@ -91,7 +95,7 @@ impl<const C: usize> Jet<C> {
         quotient
     }
 
-    /// The common space of both jets; a constant has no space.
+    /// Returns the common space of two jets; a constant belongs to every space.
     fn joined(&self, other: &Self) -> Option<&'static Space> {
         debug_assert!(
             self.space.is_none()
@@ -151,7 +155,7 @@ impl<const C: usize> Jet<C> {
     }
 }
 
-/// Creates the jet with these coefficients.
+/// Creates the jet with the given coefficients.
 ///
 /// # Errors
 /// [`JetError`] if the space has more coefficients than the capacity.

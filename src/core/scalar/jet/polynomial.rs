@@ -28,7 +28,8 @@ pub struct Polynomial {
 }
 
 impl Polynomial {
-    /// Converts a jet to a polynomial of a space with the same variables, dropping higher orders.
+    /// Converts a jet to a polynomial in a space with the same variables, and drops the terms above
+    /// the order of the space.
     pub fn of<const C: usize>(space: &'static Space, jet: &Jet<C>) -> Self {
         let mut coefficients = jet.coefficients().to_vec();
         coefficients.resize(space.len(), 0.0);
@@ -44,7 +45,7 @@ impl Polynomial {
         self
     }
 
-    /// Replaces each coefficient by a function of its exponents and its old value.
+    /// Replaces each coefficient by a function of its exponents and its present value.
     pub(crate) fn with(mut self, coefficient: impl Fn(&[u8], f64) -> f64) -> Self {
         for (k, c) in self.coefficients.iter_mut().enumerate() {
             *c = coefficient(self.space.exponents(k), *c);
@@ -57,17 +58,18 @@ impl Polynomial {
         self.space
     }
 
-    /// All coefficients, in the order of the monomials.
+    /// Returns all coefficients, in the order of the monomials.
     pub fn coefficients(&self) -> &[f64] {
         &self.coefficients
     }
 
-    /// The coefficient of the monomial with these powers of the variables; 0 beyond the order.
+    /// Returns the coefficient of the monomial with these powers of the variables; 0 for monomials
+    /// above the order of the polynomial.
     pub fn coefficient(&self, exponents: &[u8]) -> f64 {
         self.space.position(exponents).map_or(0.0, |k| self.coefficients[k])
     }
 
-    /// Sums the terms up to an order, given the values of the monomials.
+    /// Returns the sum of the terms up to a given order, given the values of the monomials.
     pub fn sum_to<T: Scalar>(&self, order: usize, monomials: &Monomials<T>) -> T {
         let end = self.space.of_degree(order.min(self.space.order())).end;
         let terms = self.coefficients[..end].iter().zip(&monomials.values);
@@ -75,8 +77,8 @@ impl Polynomial {
     }
 }
 
-/// The values of all monomials of a space at one point, shared by all polynomials that are evaluated
-/// there.
+/// The values of all monomials of a space at one point, which are used by all polynomials that are
+/// evaluated at this point.
 #[derive(Clone, Debug)]
 pub struct Monomials<T> {
     values: Vec<T>,
@@ -89,14 +91,15 @@ impl<T> Default for Monomials<T> {
 }
 
 impl<T: Scalar> Monomials<T> {
-    /// Computes the values at a point.
+    /// Computes the values of all monomials at a point.
     pub fn at(space: &Space, x: &[T]) -> Self {
         let mut monomials = Monomials::default();
         monomials.update(space, x);
         monomials
     }
 
-    /// Recomputes the values at a point with as many components as the space has variables.
+    /// Recomputes the values of all monomials at another point; the number of components of the
+    /// point is the number of variables of the space.
     pub fn update(&mut self, space: &Space, x: &[T]) {
         self.values.clear();
         self.values.push(T::one());

@@ -1,8 +1,9 @@
-//! Powers and polar angles of any scalar, from products and functions of one variable.
+//! Integer powers and polar angles for any scalar type, computed from products and functions of one
+//! variable.
 
 use crate::core::scalar::Scalar;
 
-/// Computes `aⁿ` by repeated squaring, without divisions for `n ≥ 0`.
+/// Computes `aⁿ` by repeated squaring; for `n ≥ 0` the computation does not use divisions.
 #[inline(never)]
 pub(crate) fn by_squares<T: Scalar>(a: &T, n: i32, recip: fn(&T) -> T) -> T {
     if n == 0 {
@@ -23,7 +24,8 @@ pub(crate) fn by_squares<T: Scalar>(a: &T, n: i32, recip: fn(&T) -> T) -> T {
     if n < 0 { recip(&power) } else { power }
 }
 
-/// Computes the polar angle of `(x, y)` from whichever of `y/x` and `x/y` is at most 1 in size.
+/// Computes the polar angle of `(x, y)` from the quotient `y/x` or `x/y` whose magnitude is at most
+/// 1.
 #[inline(never)]
 pub(crate) fn by_quotient<T: Scalar>(y: &T, x: &T, [recip, atan]: [fn(&T) -> T; 2]) -> T {
     let near = match y.real().abs() <= x.real().abs() {

@@ -1,10 +1,10 @@
-//! Taylor series of the elementary functions of a real number, by name.
+//! Taylor series of the elementary functions at a real number, one function per name.
 
 use super::taylor;
 use super::taylor::Series;
 use std::f64::consts::{LN_2, LN_10};
 
-/// Defines functions of a real number `a` that return their Taylor series at `a`.
+/// Defines functions that return the Taylor series of an elementary function at a real number `a`.
 macro_rules! series {
     ($a:ident: $($function:ident = $series:expr;)*) => {$(
         pub fn $function($a: f64) -> Series {

@@ -3,45 +3,45 @@
 use std::collections::BTreeMap;
 use std::sync::{Mutex, OnceLock, PoisonError};
 
-/// The highest order of a jet. Up to this order, flows by the method of order 8 are exact for
-/// durations without a real part.
+/// The highest order of a jet. Up to this order, integration by the method of order 8 is exact for
+/// durations whose real part is zero.
 pub(crate) const MOST_ORDER: usize = 8;
 
 /// The largest number of coefficients of a jet.
 const MOST_COEFFICIENTS: usize = 1024;
 
-/// The reason why a jet cannot be made.
+/// The reason why a jet cannot be created.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum JetError {
-    /// The order is too high, or the jet has too many coefficients.
+    /// The order of the jet is too high, or the jet has too many coefficients.
     #[error(
         "a jet of order {order} in {variables} variables has {coefficients} coefficients, but at most {most}, \
          up to order {MOST_ORDER}, are supported"
     )]
     #[diagnostic(help("use a lower order or fewer variables"))]
     TooLarge {
-        /// The number of variables.
+        /// The number of variables of the jet.
         variables: usize,
         /// The order.
         order: usize,
-        /// The number of coefficients.
+        /// The number of coefficients that the jet would have.
         coefficients: usize,
-        /// The largest allowed number of coefficients.
+        /// The largest possible number of coefficients.
         most: usize,
     },
-    /// The variable does not exist.
+    /// The variable does not exist in the space of the jet.
     #[error("a jet in {variables} variables has no variable {variable}")]
     NoVariable {
-        /// The number of variables.
+        /// The number of variables of the space.
         variables: usize,
         /// The requested variable.
         variable: usize,
     },
 }
 
-/// The monomials of jets of one order in a given number of variables: all `ε^α` with `|α| ≤ N`, by
-/// rising degree, and within a degree by falling powers of the first variable.
+/// The monomials of jets of one order in a given number of variables: all `ε^α` with `|α| ≤ N`,
+/// sorted by increasing degree, and for equal degrees by decreasing powers of the first variable.
 ///
 /// ```
 /// use tangency::core::scalar::Space;
@@ -54,13 +54,15 @@ pub enum JetError {
 pub struct Space {
     variables: usize,
     order: usize,
-    /// The exponents, one monomial after the other.
+    /// The exponents of all monomials, stored one monomial after another.
     exponents: Vec<u8>,
-    /// The position at which each degree begins; the last entry is the number of monomials.
+    /// The position of the first monomial of each degree; the last entry is the number of
+    /// monomials.
     degrees: Vec<usize>,
-    /// The products `ε^α ε^β = ε^γ`, as positions `(α, β, γ)`.
+    /// The products `ε^α ε^β = ε^γ`, stored as positions `(α, β, γ)` of monomials.
     pub(crate) products: Vec<[u16; 3]>,
-    /// Each monomial except the first as the product of an earlier monomial and a variable.
+    /// For each monomial except the first, an earlier monomial and a variable whose product is the
+    /// monomial.
     pub(crate) factors: Vec<(u16, u16)>,
 }
 
@@ -70,12 +72,12 @@ impl std::fmt::Debug for Space {
     }
 }
 
-/// The binomial coefficient `n` over `k`, saturated at the largest integer.
+/// Returns the binomial coefficient `n` over `k`, saturated at the largest integer.
 fn binomial(n: usize, k: usize) -> usize {
     (1..=k).fold(1, |product: usize, i| product.saturating_mul(n - k + i) / i)
 }
 
-/// Appends the exponents of all monomials of one degree.
+/// Appends the exponents of all monomials of one degree to a list.
 fn of_degree(variables: usize, degree: usize, prefix: &mut Vec<u8>, out: &mut Vec<u8>) {
     if variables == 1 {
         out.extend_from_slice(prefix);
@@ -90,11 +92,11 @@ fn of_degree(variables: usize, degree: usize, prefix: &mut Vec<u8>, out: &mut Ve
 }
 
 impl Space {
-    /// Returns the space of jets of an order in `variables` variables (at least one). Each space is
-    /// created once per program.
+    /// Returns the space of jets of a given order in `variables` variables (at least one variable).
+    /// Each space is created at its first use and shared by the whole program.
     ///
     /// # Errors
-    /// [`JetError::TooLarge`] beyond order 8 or 1024 coefficients.
+    /// [`JetError::TooLarge`] if the order exceeds 8, or the number of coefficients exceeds 1024.
     pub fn of(variables: usize, order: usize) -> Result<&'static Space, JetError> {
         static KNOWN: OnceLock<Mutex<BTreeMap<(usize, usize), &'static Space>>> = OnceLock::new();
         let coefficients = binomial(variables.saturating_add(order), order.min(variables));
@@ -121,7 +123,7 @@ impl Space {
         space
     }
 
-    /// Tabulates the products, sorted by the resulting monomial.
+    /// Tabulates the products of monomials, sorted by the resulting monomial.
     fn multiply(&mut self) {
         let monomials: Vec<&[u8]> = self.exponents.chunks(self.variables).collect();
         let numbers = monomials.iter().enumerate().map(|(k, monomial)| (*monomial, k as u16));
@@ -145,7 +147,7 @@ impl Space {
         (self.products, self.factors) = (products, factors);
     }
 
-    /// The number of variables.
+    /// Returns the number of variables.
     pub fn variables(&self) -> usize {
         self.variables
     }
@@ -155,18 +157,19 @@ impl Space {
         self.order
     }
 
-    /// The number of monomials, equal to the number of coefficients of a jet.
+    /// Returns the number of monomials, which is the number of coefficients of a jet.
     #[allow(clippy::len_without_is_empty, reason = "the constant is always there")]
     pub fn len(&self) -> usize {
         self.degrees[self.order + 1]
     }
 
-    /// The powers of the variables in a monomial.
+    /// Returns the powers of the variables in a monomial.
     pub fn exponents(&self, monomial: usize) -> &[u8] {
         &self.exponents[monomial * self.variables..(monomial + 1) * self.variables]
     }
 
-    /// The positions of the monomials of one degree; empty beyond the order.
+    /// Returns the positions of the monomials of one degree; an empty range if the degree exceeds
+    /// the order.
     pub(crate) fn of_degree(&self, degree: usize) -> std::ops::Range<usize> {
         match self.degrees.get(degree..degree + 2) {
             Some(ends) => ends[0]..ends[1],
@@ -174,7 +177,8 @@ impl Space {
         }
     }
 
-    /// The position of the monomial with these powers of the variables.
+    /// Returns the position of the monomial with these powers of the variables; `None` if the
+    /// degree exceeds the order.
     pub fn position(&self, exponents: &[u8]) -> Option<usize> {
         if exponents.len() != self.variables {
             return None;

@@ -1,4 +1,5 @@
-//! The `num_dual` traits for numbers in lanes, so that equations can be evaluated on them.
+//! The `num_dual` traits for numbers in the lanes of a register, so that equations can be evaluated
+//! with such numbers.
 
 use super::Lanes;
 use super::register::Register;
@@ -31,7 +32,7 @@ impl<R: Register> Signed for Lanes<R> {
     }
 }
 
-/// Implements functions that apply the real function to each lane.
+/// Implements functions that apply the function of real numbers to each lane.
 macro_rules! by_lane {
     ($($function:ident $(($argument:ident: $kind:ty))?),* $(,)?) => {$(
         fn $function(&self $(, $argument: $kind)?) -> Self {

@@ -1,8 +1,8 @@
-//! Numbers side by side in the lanes of a vector register, so that several flows of one field take a
-//! step simultaneously.
+//! Numbers in the lanes of a vector register, with which several flows of one vector field take an
+//! integration step simultaneously.
 //!
-//! Every lane is computed independently of the others, to the last bit: results do not depend on
-//! which flows share a register, nor on the width of registers.
+//! The result in each lane is bitwise independent of the other lanes: results depend neither on the
+//! flows that share a register, nor on the width of registers.
 
 mod dual;
 mod register;
@@ -20,22 +20,22 @@ use num_dual::Dual64;
 use std::fmt::{Display, Formatter};
 use std::ops::Neg;
 
-/// Numbers side by side, each with one derivative. (Operations of `num_dual::Dual` are too long for
-/// compilers to inline automatically.)
+/// Dual numbers in the lanes of a vector register, each with one derivative. (Operations of
+/// `num_dual::Dual` are too long for compilers to inline automatically.)
 pub type DualLanes<R> = DualChunk<Lanes<R>, 1>;
 
-/// A scalar type whose values are computed several at a time, side by side in registers `R`.
+/// A scalar type that can be evaluated in the lanes of registers `R`, several numbers at a time.
 pub trait InLanes<R: Register>: Scalar {
-    /// The scalars of all lanes.
+    /// The type that contains the scalars of all lanes.
     type Wide: Scalar;
 
-    /// Puts scalars side by side, one per lane.
+    /// Combines several scalars into one number with one scalar per lane.
     fn gather(each: &[Self; MOST_LANES]) -> Self::Wide;
 
-    /// The scalar of one lane.
+    /// Returns the scalar in one lane.
     fn lane(wide: &Self::Wide, lane: usize) -> Self;
 
-    /// The real parts of all lanes.
+    /// Returns the real parts of the scalars in all lanes.
     fn reals(wide: &Self::Wide) -> Lanes<R>;
 }
 
@@ -78,19 +78,20 @@ impl<R: Register> InLanes<R> for Dual64 {
     }
 }
 
-/// Numbers side by side. Arithmetic and elementary functions act on each lane separately. A
-/// comparison, or a decision by the real part, has one result for all lanes and uses the first lane.
+/// Real numbers in the lanes of a vector register. Arithmetic operations and elementary functions
+/// are applied to each lane separately. A comparison, or a branch on the real part, has one result
+/// for all lanes, which is determined by the first lane.
 #[derive(Clone, Copy, Debug)]
 pub struct Lanes<R: Register>(R::Vector);
 
 impl<R: Register> Lanes<R> {
-    /// Fills all lanes with one number.
+    /// Creates a number with the same value in all lanes.
     #[inline(always)]
     pub fn splat(value: f64) -> Self {
         Lanes(R::Vector::splat(R::instructions(), value))
     }
 
-    /// The numbers of the lanes, padded with zeros.
+    /// Returns the numbers in the lanes, padded with zeros.
     #[inline(always)]
     pub fn each(self) -> [f64; MOST_LANES] {
         let mut each = [0.0; MOST_LANES];
@@ -98,18 +99,18 @@ impl<R: Register> Lanes<R> {
         each
     }
 
-    /// The number in the first lane.
+    /// Returns the number in the first lane.
     #[inline(always)]
     fn first(self) -> f64 {
         self.0[0]
     }
 
-    /// Applies a function without a vector form, lane by lane.
+    /// Applies a function that has no vector implementation, lane by lane.
     fn map(self, function: impl Fn(f64) -> f64) -> Self {
         self.map_lanes(|_, x| function(x))
     }
 
-    /// Applies a function of the lane's index and its number, lane by lane.
+    /// Applies a function of the lane's index and of the number in the lane, lane by lane.
     #[inline(always)]
     fn map_lanes(self, function: impl Fn(usize, f64) -> f64) -> Self {
         let Lanes(mut x) = self;
@@ -117,26 +118,26 @@ impl<R: Register> Lanes<R> {
         Lanes(x)
     }
 
-    /// The larger number in each lane.
+    /// Returns the larger of two numbers in each lane.
     #[inline(always)]
     pub fn most(self, other: Self) -> Self {
         Lanes(self.0.max(other.0))
     }
 
-    /// The smaller number in each lane.
+    /// Returns the smaller of two numbers in each lane.
     #[inline(always)]
     pub fn least(self, other: Self) -> Self {
         Lanes(self.0.min(other.0))
     }
 
-    /// A bit mask of the lanes in which this number is larger than the other one.
+    /// Returns a bit mask of the lanes in which this number is larger than the other number.
     #[inline(always)]
     pub fn exceeds(self, other: Self) -> u32 {
         self.0.simd_gt(other.0).to_bitmask() as u32
     }
 }
 
-/// Takes the first numbers of an array, one per lane.
+/// Converts the first elements of an array to numbers in lanes, one element per lane.
 impl<R: Register> From<&[f64; MOST_LANES]> for Lanes<R> {
     #[inline(always)]
     fn from(values: &[f64; MOST_LANES]) -> Self {

@@ -1,9 +1,9 @@
 //! Vector registers, selected at run time.
 //!
-//! A program is compiled for every processor of its target, and so can use only the narrowest
-//! registers by default. Wider registers have number types of their own. Code in these numbers that
-//! is called through [`in_registers`] is compiled with the instructions of those registers; such
-//! types are used only on processors that have the registers.
+//! A program is compiled for every processor of its target, and can therefore use only the
+//! narrowest registers by default. Each wider kind of registers has its own number types. Code that
+//! uses such number types and is called through [`in_registers`] is compiled with the instructions
+//! of the wider registers; these number types are used only on processors that have the registers.
 
 use self::target::{Middle, Narrow, Wide, middle, narrow, wide};
 #[cfg(feature = "scene")]
@@ -16,13 +16,13 @@ use num_dual::{Dual, Dual2};
 use std::any::TypeId;
 use std::fmt::{Debug, Display, Formatter};
 
-/// The registers of x86-64.
+/// The vector registers of x86-64.
 #[cfg(target_arch = "x86_64")]
 mod target {
     use fearless_simd::Level;
     pub use fearless_simd::x86::{Avx2 as Middle, Avx512 as Wide, Sse2 as Narrow};
 
-    /// The baseline registers, known at compile time.
+    /// The baseline registers, which are known at compile time.
     #[inline(always)]
     pub fn narrow(_level: Level) -> Option<Narrow> {
         Level::baseline().as_sse2()
@@ -39,7 +39,7 @@ mod target {
     }
 }
 
-/// The registers of other targets: the same on all processors of a target.
+/// The vector registers of other targets, which are the same on all processors of a target.
 #[cfg(not(target_arch = "x86_64"))]
 mod target {
     #[cfg(not(target_arch = "aarch64"))]
@@ -68,34 +68,37 @@ mod target {
     }
 }
 
-/// The largest number of lanes.
+/// The largest number of lanes of any register.
 pub const MOST_LANES: usize = 8;
 
-/// A kind of vector registers.
+/// A kind of vector registers, such as 256-bit registers.
 pub trait Register: Copy + Debug + Send + Sync + 'static {
-    /// The instructions for these registers.
+    /// The type that represents the instructions for these registers.
     type Simd: Simd;
-    /// A vector of numbers that fills one register or a few; a longer vector would spill to memory.
+    /// A vector of numbers that occupies one register or a few registers; a longer vector would
+    /// spill to memory.
     type Vector: SimdFloat<Self::Simd, Element = f64>;
-    /// The number of lanes.
+    /// The number of lanes of the vector.
     const LANES: usize = <Self::Vector as SimdBase<Self::Simd>>::LEN;
-    /// The name of the registers.
+    /// The width that names this kind of registers.
     const WIDTH: LaneWidth;
 
-    /// The instructions, if the level includes them.
+    /// Returns the instructions for these registers if the instruction level of the processor
+    /// includes them.
     fn of(level: Level) -> Option<Self::Simd>;
 
     /// The instructions.
     ///
     /// # Panics
-    /// If the processor does not have them.
+    /// If the processor does not have these registers.
     #[inline(always)]
     fn instructions() -> Self::Simd {
         Self::of(Level::new()).unwrap_or_else(|| unreachable!("lanes are chosen by the processor"))
     }
 }
 
-/// Declares kinds of registers, each by its instructions, its vector of numbers and its availability.
+/// Declares kinds of registers, each given by its instructions, its vector of numbers and its
+/// availability.
 macro_rules! registers {
     ($($(#[$doc:meta])* $register:ident: $simd:ty, $vector:ty, $of:expr;)*) => {
         $(
@@ -116,8 +119,8 @@ macro_rules! registers {
         )*
 
         /// The width of the vector registers in which batches of motions advance. The default is the
-        /// widest one that the processor has at run time. The width affects only the run time;
-        /// results are bit-identical.
+        /// widest kind of registers that the processor has at run time. The width affects only the
+        /// run time: results are bit-identical for all widths.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
         pub enum LaneWidth {
             $($(#[$doc])* $register,)*
@@ -132,7 +135,7 @@ macro_rules! registers {
                 }
             }
 
-            /// The number of lanes.
+            /// Returns the number of lanes.
             pub fn lanes(self) -> usize {
                 match self {
                     $(LaneWidth::$register => $register::LANES,)*
@@ -145,24 +148,24 @@ macro_rules! registers {
 registers! {
     /// The registers that every processor of the target has.
     Baseline: Narrow, f64x4<Narrow>, narrow;
-    /// Registers of 256 bits, of x86-64-v3 with AVX2.
+    /// Registers of 256 bits, on processors of level x86-64-v3 with AVX2.
     Avx2: Middle, f64x4<Middle>, middle;
-    /// Registers of 512 bits, of processors with the AVX-512 of Ice Lake or Zen 4.
+    /// Registers of 512 bits, on processors with the AVX-512 instructions of Ice Lake or Zen 4.
     Avx512: Wide, f64x8<Wide>, wide;
 }
 
 impl LaneWidth {
-    /// The widest registers of the processor.
+    /// Returns the widest registers of the processor.
     pub fn widest() -> Self {
         Self::all_in(Level::new()).last().unwrap_or(LaneWidth::Baseline)
     }
 
-    /// The widest registers for which the whole program is compiled.
+    /// Returns the widest registers for which the whole program is compiled.
     pub fn compiled() -> Self {
         Self::all_in(Level::baseline()).last().unwrap_or(LaneWidth::Baseline)
     }
 
-    /// All registers of the processor, the narrowest ones first.
+    /// Iterates over all registers of the processor, from the narrowest to the widest.
     pub fn available() -> impl Iterator<Item = Self> {
         Self::all_in(Level::new())
     }
@@ -183,9 +186,9 @@ impl Display for LaneWidth {
     }
 }
 
-/// A scalar for which generic code is compiled with the registers of its lanes.
+/// A scalar type for which generic code is compiled with the registers of its lanes.
 pub trait Registered: Scalar {
-    /// The registers; `None` for numbers that are not in lanes.
+    /// The registers of the lanes; `None` for scalar types without lanes.
     const WIDTH: Option<LaneWidth> = None;
 }
 
@@ -211,10 +214,11 @@ impl<T: Registered> Registered for Dual2<T> {
     const WIDTH: Option<LaneWidth> = T::WIDTH;
 }
 
-/// Evaluates a closure in numbers `T`; numbers in lanes use the instructions of their registers.
-/// Functions that are not inlined into the closure are compiled without these instructions, which is
-/// correct but slow, so closures are `#[inline(always)]`. Each closure is called in one place only,
-/// so that compilers inline most of its callees.
+/// Evaluates a closure that computes with numbers of type `T`; numbers in lanes use the instructions
+/// of their registers. Functions that are not inlined into the closure are compiled without these
+/// instructions, which gives correct but slow code; therefore closures must be `#[inline(always)]`.
+/// Each closure is called in only one place, so that compilers inline most of the functions that it
+/// calls.
 #[inline(always)]
 pub(in crate::core) fn in_registers<T: Registered, X>(evaluate: impl FnOnce() -> X) -> X {
     // The width is known at code generation: other branches are not compiled.
@@ -227,9 +231,10 @@ pub(in crate::core) fn in_registers<T: Registered, X>(evaluate: impl FnOnce() ->
     }
 }
 
-/// Evaluates a closure with AVX2 instructions if the processor has them, for loops over plain numbers
-/// that compilers vectorise. Sums keep their order, so that results are bit-identical. All
-/// callees are `#[inline(always)]`.
+/// Evaluates a closure with AVX2 instructions if the processor has them; useful for loops over plain
+/// numbers that compilers vectorise. The terms of sums are added in the same order with and without
+/// AVX2, so that results are bit-identical. All functions that the closure calls must be
+/// `#[inline(always)]`.
 #[cfg(feature = "scene")]
 #[inline(always)]
 pub(crate) fn with_avx2<X>(evaluate: impl FnOnce() -> X) -> X {
@@ -239,8 +244,8 @@ pub(crate) fn with_avx2<X>(evaluate: impl FnOnce() -> X) -> X {
     }
 }
 
-/// Evaluates a closure like [`in_registers`], for any scalar type. All callees are
-/// `#[inline(always)]`.
+/// Evaluates a closure in the same way as [`in_registers`], for any scalar type. All functions that
+/// the closure calls must be `#[inline(always)]`.
 #[cfg(feature = "scene")]
 #[inline(always)]
 pub(crate) fn in_registers_of<T: Scalar, X>(evaluate: impl FnOnce() -> X) -> X {
@@ -254,7 +259,7 @@ pub(crate) fn in_registers_of<T: Scalar, X>(evaluate: impl FnOnce() -> X) -> X {
     evaluate()
 }
 
-/// Whether a number type holds lanes of registers `R`.
+/// Whether a number type consists of lanes of registers `R`.
 #[cfg(feature = "scene")]
 #[inline(always)]
 fn is_in<T: Scalar, R: Register>() -> bool {

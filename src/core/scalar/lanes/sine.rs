@@ -1,17 +1,19 @@
-//! Sine and cosine side by side.
+//! Sine and cosine of numbers in the lanes of a vector register.
 
 use super::Lanes;
 use super::register::Register;
 use fearless_simd::{ExtractToken, Select, Simd, SimdBase, SimdMask};
 
-/// (R) Numbers up to this size are reduced to rounding error: their quarter turns have 16 bits, so
-/// that the product with the first part of π/2 is exact.
+/// (R) The largest magnitude of an argument that is reduced to `|x| ≤ π/4` with an error of
+/// rounding size: the number of quarter turns then has 16 bits, so that its product with the first
+/// part of π/2 is exact.
 const LARGEST: f64 = 1e5;
-/// Adding this number rounds to an integer.
+/// A number whose addition and subtraction rounds another number to an integer.
 const ROUNDING: f64 = 6_755_399_441_055_744.0;
-/// π/2 in two parts; the first one has 33 bits.
+/// The value π/2 as the sum of two parts, the first of 33 bits.
 const HALF_PI: [f64; 2] = [1.570_796_326_734_125_6, 6.077_100_506_506_192e-11];
-/// Coefficients of `(sin x − x)/x³` in powers of `x²` for `|x| ≤ π/4`, highest first (fdlibm).
+/// The coefficients of `(sin x − x)/x³` in powers of `x²` for `|x| ≤ π/4`, from the highest power
+/// (fdlibm).
 const SINE: [f64; 6] = [
     1.589_690_995_211_55e-10,
     -2.505_076_025_340_686_3e-8,
@@ -20,7 +22,8 @@ const SINE: [f64; 6] = [
     8.333_333_333_322_49e-3,
     -1.666_666_666_666_663_2e-1,
 ];
-/// Coefficients of `(cos x − 1 + x²/2)/x⁴` in powers of `x²` for `|x| ≤ π/4`, highest first.
+/// The coefficients of `(cos x − 1 + x²/2)/x⁴` in powers of `x²` for `|x| ≤ π/4`, from the highest
+/// power.
 const COSINE: [f64; 6] = [
     -1.135_964_755_778_819_5e-11,
     2.087_572_321_298_175e-9,
@@ -39,13 +42,14 @@ fn polynomial<R: Register>(coefficients: &[f64; 6], x: R::Vector) -> R::Vector {
     rest.iter().fold(x * *first + *second, |sum, c| sum * x + *c)
 }
 
-/// The nearest integer, for numbers far below [`ROUNDING`].
+/// Returns the nearest integer to each number; the numbers must be far smaller than [`ROUNDING`].
 #[inline(always)]
 fn rounded<R: Register>(x: R::Vector) -> R::Vector {
     x + ROUNDING - ROUNDING
 }
 
-/// Returns a mask of the lanes that are reduced to rounding error, and sine and cosine in them.
+/// Returns a mask of the lanes whose arguments are small enough for an accurate reduction, and the
+/// sine and cosine, which are valid in these lanes.
 #[inline(always)]
 fn reduced<R: Register>(x: R::Vector) -> (Mask<R>, [R::Vector; 2]) {
     let quarters = rounded::<R>(x * std::f64::consts::FRAC_2_PI);
@@ -67,7 +71,7 @@ fn reduced<R: Register>(x: R::Vector) -> (Mask<R>, [R::Vector; 2]) {
 }
 
 impl<R: Register> Lanes<R> {
-    /// Computes sine and cosine, to about one unit in the last place.
+    /// Computes the sine and cosine in each lane, to about one unit in the last place.
     pub(super) fn circular(self) -> (Self, Self) {
         // The closure is vectorised separately, since compilers do not inline it into a caller.
         let (near, [sine, cosine]) = self.0.token().vectorize(
