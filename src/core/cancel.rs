@@ -1,9 +1,9 @@
 //! Cancels long computations from outside, for example by Ctrl-C.
 //!
-//! A [`CancelToken`] belongs to the settings of flows, searches and branches. Flows check it before
-//! every step, systems of equations before every assembly, every interval and every block of a
-//! factorisation, and sweeps between periods, on all threads. Cancelled work fails immediately with
-//! [`Cancelled`]; a branch keeps its points and ends with
+//! A [`CancelToken`] belongs to the settings of flows, searches and branches. Flows check the token
+//! before every step; systems of equations check it before every assembly, every interval and every
+//! block of a factorisation; sweeps check it between periods, on all threads. Cancelled work fails
+//! immediately with [`Cancelled`]; a branch keeps its points and ends with
 //! [`End::Interrupted`](crate::core::continuation::End::Interrupted).
 //!
 //! ```
@@ -46,7 +46,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 #[derive(Clone, Debug, Default)]
 pub struct CancelToken(Arc<AtomicBool>);
 
-/// The work was cancelled.
+/// The error of a computation that its [`CancelToken`] cancelled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, miette::Diagnostic, thiserror::Error)]
 #[error("cancelled")]
 pub struct Cancelled;
@@ -57,12 +57,12 @@ impl CancelToken {
         self.0.store(true, Ordering::Relaxed);
     }
 
-    /// Whether the work was cancelled.
+    /// Whether the computation was cancelled.
     pub fn is_cancelled(&self) -> bool {
         self.0.load(Ordering::Relaxed)
     }
 
-    /// Returns an error if the work was cancelled.
+    /// Returns an error if the computation was cancelled.
     ///
     /// # Errors
     /// [`Cancelled`].
@@ -78,7 +78,7 @@ impl From<Arc<AtomicBool>> for CancelToken {
     }
 }
 
-/// All tokens compare equal, so that settings that differ only in their tokens are equal.
+/// All tokens compare equal, so that two settings are equal if only their tokens differ.
 impl PartialEq for CancelToken {
     fn eq(&self, _other: &Self) -> bool {
         true

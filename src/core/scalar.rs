@@ -38,11 +38,11 @@ pub use traced::Traced;
 
 use num_dual::DualNum;
 
-/// A real number or a dual number of any depth: what residuals, monitors and fields are generic
-/// over.
+/// A real number or a dual number of any depth: residuals, monitors and fields are generic over
+/// this trait.
 ///
 /// Implemented for every `Copy` type of [`num_dual`] over `f64`, and for `f64` itself.
-/// Comparisons see real parts only; `%` panics; the derivative of `√x` at 0 is not finite.
+/// Comparisons use only real parts; `%` panics; the derivative of `√x` at 0 is not finite.
 ///
 /// ```
 /// use tangency::core::scalar::Scalar;
@@ -55,7 +55,7 @@ use num_dual::DualNum;
 pub trait Scalar: DualNum<Primitive = f64> + Copy + Send + Sync {
     /// The real part: the number itself, without any derivative.
     fn real(&self) -> f64;
-    /// A constant: all derivatives are zero.
+    /// A constant: a number whose derivatives are all zero.
     fn constant(value: f64) -> Self {
         Self::from(value)
     }
