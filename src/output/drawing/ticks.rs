@@ -1,13 +1,13 @@
-//! Ticks of an axis at round numbers.
+//! Chooses the ticks of an axis at round numbers.
 
 use crate::output::error::FigureError;
 use crate::output::number::significant;
 use crate::output::units;
 
-/// An axis: its range, its ticks and their labels.
+/// An axis with its range, its ticks and the labels of the ticks.
 #[derive(Debug, PartialEq)]
 pub(super) struct Ticks {
-    /// The range, a little wider than the data.
+    /// The range of the axis, which is slightly wider than the data.
     pub(super) range: [f64; 2],
     /// The ticks within the range, with their labels.
     pub(super) ticks: Vec<(f64, String)>,
@@ -17,8 +17,8 @@ pub(super) struct Ticks {
 }
 
 impl Ticks {
-    /// Returns the ticks of a linear or a logarithmic axis with some data, and perhaps with chosen
-    /// ends.
+    /// Returns the ticks of a linear or logarithmic axis for given data; one or both ends of the
+    /// axis can be prescribed.
     pub(super) fn of(
         [low, high]: [f64; 2],
         ends: [Option<f64>; 2],
