@@ -1,4 +1,4 @@
-//! Distinct names for documents.
+//! Chooses distinct names for documents.
 
 use super::document::Document;
 
@@ -6,7 +6,8 @@ use super::document::Document;
 const MOST_SETTINGS: usize = 3;
 
 /// Returns a name for each of several documents: the settings in which they differ, such as `c =
-/// 0.8`, or else their given names. Parameters that vary along a branch are ignored.
+/// 0.8`, or their given names if these settings do not distinguish them. Settings are ignored if
+/// they are parameters that vary along a branch.
 pub(super) fn distinguished(documents: &[(&str, &Document)]) -> Vec<String> {
     let given = || documents.iter().map(|(name, _)| (*name).to_owned()).collect::<Vec<_>>();
     let keys = differing(documents);
@@ -37,7 +38,7 @@ pub(super) fn differing<'a>(documents: &[(&str, &'a Document)]) -> Vec<&'a str> 
     keys.filter(|key| !varies(key) && differs(key)).collect()
 }
 
-/// Returns a setting of a document.
+/// Returns the value of a document's setting.
 pub(super) fn setting<'a>(document: &'a Document, key: &str) -> Option<&'a str> {
     document.settings.iter().find(|(known, _)| known == key).map(|(_, value)| value.as_str())
 }

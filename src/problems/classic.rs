@@ -112,7 +112,8 @@ impl BoundaryProblem for Bratu {
     }
 }
 
-/// Exponential decay `x' = −rate·x`, `x(0) = 1`, for a unit of time: `x = e^{−rate t}`.
+/// Exponential decay `x' = −rate·x`, `x(0) = 1`, over one unit of time, with the solution `x =
+/// e^{−rate t}`.
 ///
 /// ```
 /// use tangency::core::bvp::{BoundaryProblem, Ends};

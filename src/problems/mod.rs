@@ -1,4 +1,4 @@
-//! Ready-made problems: the equations of devices, and classic test problems.
+//! Predefined problems: the equations of devices, and classic test problems.
 //!
 //! | module | problems |
 //! |---|---|

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::channel;
 use std::time::Duration;
 
-/// The size limits of input files. Larger files are rejected before they fill the memory.
+/// The size limits of input files. Files above the limits are rejected before they fill the memory.
 ///
 /// ```
 /// use tangency::output::SizeLimit;
@@ -76,7 +76,8 @@ pub(crate) fn text_of(path: &Path, bytes: Vec<u8>) -> Result<String, FileError> 
     })
 }
 
-/// Opens a path that is not a regular file, with a time limit: opening a FIFO waits for a writer.
+/// Opens a path that is not a regular file, with a time limit, since opening a FIFO blocks until a
+/// process writes to it.
 fn open_patiently(path: &Path) -> std::io::Result<File> {
     let (sender, receiver) = channel();
     let path = PathBuf::from(path);

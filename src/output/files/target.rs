@@ -9,8 +9,8 @@ use std::path::{Path, PathBuf};
 /// which a symbolic link leads.
 ///
 /// # Errors
-/// [`FileError::Special`] for any other existing file: a rename would replace a device by a regular
-/// file.
+/// [`FileError::Special`] for any other existing file, since renaming would replace a device by a
+/// regular file.
 pub(crate) fn target(path: &Path) -> Result<PathBuf, FileError> {
     let failed = |source| FileError::Write { path: path.into(), source };
     let special = |kind| FileError::Special { path: path.into(), kind };

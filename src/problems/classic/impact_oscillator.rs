@@ -13,11 +13,13 @@ use std::f64::consts::TAU;
 ///     x' = v,    v' = A cos ωt − x − c v;    v⁺ = −e v⁻ at x = d
 /// ```
 ///
-/// in the mode *flight*. Accumulating impacts lead into the mode *contact*, in which the mass rests
-/// against the stop while the contact force `A cos ωt − d` is positive.
+/// in the mode *flight* (motion away from the stop). Accumulating impacts lead into the mode
+/// *contact*, in which the mass rests against the stop while the contact force `A cos ωt − d` is
+/// positive.
 ///
-/// States `displacement`, `velocity` (in flight only); parameters `amplitude` A, `frequency` ω,
-/// `restitution` e, `damping` c, `clearance` d; guards `impact` and `leave`.
+/// The states are `displacement` and `velocity` (in flight only); the parameters are `amplitude` A,
+/// `frequency` ω, `restitution` e, `damping` c and `clearance` d; the guards are `impact` and
+/// `leave`.
 ///
 /// ```
 /// use tangency::core::hybrid::HybridSystem;
@@ -45,9 +47,9 @@ impl ImpactOscillator {
     pub const FLIGHT: usize = 0;
     /// The mode of rest against the stop.
     pub const CONTACT: usize = 1;
-    /// The guard of flight.
+    /// The guard of the mode *flight*: the impact on the stop.
     pub const IMPACT: usize = 0;
-    /// The guard of contact.
+    /// The guard of the mode *contact*: the end of the contact.
     pub const LEAVE: usize = 1;
 }
 
