@@ -2,9 +2,9 @@
 //!
 //! A [`CancelToken`] belongs to the settings of flows, searches and branches. Flows check the token
 //! before every step; systems of equations check it before every assembly, every interval and every
-//! block of a factorisation; sweeps check it between periods, on all threads. Cancelled work fails
-//! immediately with [`Cancelled`]; a branch keeps its points and ends with
-//! [`End::Interrupted`](crate::core::continuation::End::Interrupted).
+//! block of a factorisation; sweeps check it between periods, on all threads. A cancelled
+//! computation fails immediately with [`Cancelled`]; a cancelled branch keeps its points and ends
+//! with [`End::Interrupted`](crate::core::continuation::End::Interrupted).
 //!
 //! ```
 //! use tangency::core::continuation::{Continuation, End, Settings, Traced};
@@ -28,7 +28,7 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// A request to stop, shared by all clones of the token.
+/// A request to stop a computation, shared by all clones of the token.
 ///
 /// ```
 /// use tangency::core::cancel::{CancelToken, Cancelled};
@@ -52,7 +52,7 @@ pub struct CancelToken(Arc<AtomicBool>);
 pub struct Cancelled;
 
 impl CancelToken {
-    /// Cancels permanently all work that holds a clone of this token.
+    /// Cancels permanently all computations that hold a clone of this token.
     pub fn cancel(&self) {
         self.0.store(true, Ordering::Relaxed);
     }
@@ -71,7 +71,7 @@ impl CancelToken {
     }
 }
 
-/// Creates a token from a flag that, for example, a signal handler sets.
+/// Creates a token from a flag, for example a flag that a signal handler sets.
 impl From<Arc<AtomicBool>> for CancelToken {
     fn from(flag: Arc<AtomicBool>) -> Self {
         CancelToken(flag)

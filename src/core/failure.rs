@@ -17,8 +17,8 @@
 use super::cancel::Cancelled;
 use miette::Diagnostic;
 
-/// A pivot counts as zero if it is smaller than this fraction of the largest pivot of an equilibrated
-/// matrix, or of the largest entry of its row.
+/// A pivot of a factorisation counts as zero if it is smaller than this fraction of the largest
+/// pivot of an equilibrated matrix, or of the largest entry of its row.
 pub(in crate::core) const SINGULAR: f64 = 1e-15;
 
 /// Returns the message of an error with its help, in one line: `message; help`.
@@ -65,7 +65,7 @@ impl OutOfDomain {
     }
 }
 
-/// The reason why a trajectory ends early.
+/// The error of a trajectory that ended early, with the reason.
 #[derive(Clone, Debug, PartialEq, miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum FlowError {
@@ -121,7 +121,7 @@ pub enum FlowError {
         /// The size of the last step, in units of time.
         step: f64,
     },
-    /// Stability, not accuracy, limits the steps of an explicit method.
+    /// Stability, not accuracy, limits the step size of an explicit method.
     #[error(
         "at t = {time:.9e} the field is stiff: a step of {step:.1e} times the fastest rate of the field \
          is {product:.1}, the limit of stability"
@@ -138,7 +138,7 @@ pub enum FlowError {
 }
 
 impl FlowError {
-    /// Whether an explicit method failed because the field is stiff, or possibly stiff.
+    /// Whether an explicit method failed because the field is stiff or possibly stiff.
     pub fn is_stiff(&self) -> bool {
         matches!(self, FlowError::Stiff { .. } | FlowError::TooManySteps { .. })
     }
@@ -163,7 +163,7 @@ pub enum Failure {
         /// The remedy.
         remedy: String,
     },
-    /// A matrix is singular to 16 digits.
+    /// A matrix is singular to working accuracy (16 digits).
     #[error(
         "the matrix is singular: one pivot is {pivot:.1e}, and the largest pivot is {largest:.1e}"
     )]
@@ -231,7 +231,7 @@ pub enum Failure {
         /// The number of other branches that begin or cross at the special point.
         count: usize,
     },
-    /// A solution, position or setting does not fit the problem.
+    /// A solution, a position or a setting does not fit the problem.
     #[error("{0}")]
     Mismatch(String),
 }
@@ -276,7 +276,8 @@ pub(in crate::core) fn unusable(pivot: f64, largest: f64) -> Failure {
     }
 }
 
-/// Returns an error if a number is not finite; `name` gives the name of the number at a position.
+/// Returns an error if a number in a list is not finite; `name` gives the name of the number at a
+/// position.
 pub(crate) fn finite(
     numbers: &[f64],
     name: impl FnOnce(usize) -> String,
@@ -288,7 +289,7 @@ pub(crate) fn finite(
     }
 }
 
-/// The position of the first number that is not finite.
+/// The position of the first number in a list that is not finite.
 pub(in crate::core) fn not_finite(numbers: &[f64]) -> Option<usize> {
     let any = numbers.iter().fold(false, |any, number| any | !number.is_finite());
     if any { numbers.iter().position(|number| !number.is_finite()) } else { None }

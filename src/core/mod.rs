@@ -5,7 +5,7 @@
 //! | [`scalar`] | the numbers on which equations are evaluated: reals, dual numbers, jets |
 //! | [`problem`] | models that users define: zero problems, vector fields, maps, their names and measures |
 //! | [`system`] | the interface of zero problems to continuation, with dense or sparse matrices |
-//! | [`linalg`] | bordered matrices, chains of intervals, Floquet multipliers |
+//! | [`linalg`] | linear algebra: bordered matrices, chains of intervals, Floquet multipliers |
 //! | [`bifurcation`] | defining systems, test functions and normal forms of special points |
 //! | [`continuation`] | branches: continuation steps, location of events, branch switching |
 //! | [`ode`] | integration of vector fields |
@@ -16,7 +16,7 @@
 //! | [`local_map`] | local maps near grazing orbits |
 //! | [`manifold`] | stable and unstable manifolds of saddles of maps |
 //! | [`attractor`] | attractors by simulation: cycles, Lyapunov exponents, crises |
-//! | `sweep` (feature `scene`) | attractors over grids of parameters, on all cores |
+//! | `sweep` (feature `scene`) | parameter sweeps: attractors over grids of parameters, on all cores |
 //! | [`numerics`] | quadrature, interpolation, bracketed roots |
 //! | [`cancel`], [`failure`], [`spelling`] | cancellation of computations; errors of evaluations and solves; suggestions for unknown names |
 //!

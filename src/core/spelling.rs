@@ -1,7 +1,8 @@
-//! Suggests the known name nearest to an unknown one, and shortens long names in messages.
+//! Suggests the known name that is most similar to an unknown name, and shortens long names in
+//! messages.
 //!
-//! Names are compared by the number of edits, with swaps of neighbours as one edit (F. J. Damerau,
-//! *Commun. ACM* 7:171, 1964).
+//! Names are compared by the number of edits, where a swap of neighbouring letters is one edit (F.
+//! J. Damerau, *Commun. ACM* 7:171, 1964).
 //!
 //! ```
 //! use tangency::core::spelling::suggest;
@@ -9,9 +10,9 @@
 //! assert_eq!(suggest("voltage", ["load", "gap"]), None);
 //! ```
 
-/// Returns the candidate nearest to a mistyped name: the one with the fewest insertions, deletions,
-/// replacements and swaps of neighbours (ignoring case), if their number is at most a third of the
-/// name's length. A name that differs by one edit is always accepted.
+/// Returns the candidate most similar to a mistyped name: the one with the fewest insertions,
+/// deletions, replacements and swaps of neighbouring letters (ignoring case), if their number is at
+/// most a third of the name's length. A name that differs by one edit is always accepted.
 ///
 /// ```
 /// use tangency::core::spelling::suggest;

@@ -64,12 +64,13 @@ pub struct Refinement {
     pub x: Vec<f64>,
 }
 
-/// A function of `x` whose gradient a [`System`] computes.
+/// A scalar function of `x` whose gradient a [`System`] computes.
 #[derive(Clone, Copy, Debug)]
 pub enum Functional<'a> {
     /// `wᵀ F_x[v]`, given `w` (one weight for each equation) and `v` (of the same length as `x`).
     First(&'a [f64], &'a [f64]),
-    /// `wᵀ F_xx[v, v]`, given `w` and `v`.
+    /// `wᵀ F_xx[v, v]`, given `w` (one weight for each equation) and `v` (of the same length as
+    /// `x`).
     Second(&'a [f64], &'a [f64]),
     /// The monitor at this position among all monitors.
     Monitor(usize),
@@ -81,10 +82,10 @@ pub enum Functional<'a> {
 /// derivatives and gradients do not allocate memory, except for the vectors that a problem returns
 /// (scales of its states).
 pub trait System: Send {
-    /// The names of unknowns, parameters and monitors.
+    /// The names of the unknowns, parameters and monitors of the system.
     fn names(&self) -> &Names;
 
-    /// Computes `F(x)` and writes it into `r`.
+    /// Computes the residual `F(x)` and writes it into `r`.
     ///
     /// # Errors
     /// [`Failure`] if the equations are undefined at `x` or a component of the residual is not
@@ -176,7 +177,7 @@ pub trait System: Send {
 
     /// Returns the Taylor coefficients of `F(z + W(ξ), p)`, in the order of the monomials of a
     /// space, for a polynomial `W` with the coefficients `terms` (each of the same length as `z`).
-    /// The constant term of `W` is zero. The default implementation uses
+    /// The constant term of the polynomial `W` is zero. The default implementation uses
     /// [`derivative`](System::derivative), so the order is at most 3.
     ///
     /// # Errors
@@ -258,7 +259,7 @@ pub trait System: Send {
         None
     }
 
-    /// The interface for solutions with events; `None` if solutions have no events.
+    /// The interface of the system for solutions with events; `None` if solutions have no events.
     fn events(&mut self) -> Option<&mut dyn OrbitEvents> {
         None
     }
@@ -268,7 +269,7 @@ pub trait System: Send {
 pub trait Discretised {
     /// Returns the same problem on a finer discretisation, which is used for the final correction
     /// of special points; the change of a special point is the share of the discretisation in its
-    /// `error`. `None` if no finer discretisation is available.
+    /// `error`. `None` if the system has no finer discretisation.
     fn refined(&mut self, x: &[f64]) -> Option<Refinement>;
 
     /// Sets the accuracy of subsequent evaluations, assemblies and factorisations.
@@ -415,8 +416,8 @@ pub struct Deviation {
     pub lengthening: f64,
 }
 
-/// (R) A change of the period along a deviation below this fraction of the period is a rounding
-/// error.
+/// (R) The fraction of the period below which a change of the period along a deviation counts as a
+/// rounding error.
 const SAME_PERIOD: f64 = 1e-9;
 
 impl Default for Deviation {
@@ -453,11 +454,11 @@ pub struct Approach {
 /// The accuracy with which a discretisation is evaluated, and the token that cancels evaluations.
 #[derive(Clone, Copy, Debug)]
 pub struct Effort<'a> {
-    /// The error (in units of the unknowns' sizes) tolerated in residuals, matrices and monitors
-    /// during iterations that only approach a solution; 0 for full accuracy.
+    /// The error, in units of the sizes of the unknowns, that is tolerated in residuals, matrices
+    /// and monitors during iterations that only approach a solution; 0 for full accuracy.
     pub error: f64,
-    /// Whether gradients are as accurate as residuals: sensitivities require this accuracy, fast
-    /// convergence of Newton's method does not.
+    /// Whether gradients are as accurate as residuals: sensitivities require accurate gradients,
+    /// fast convergence of Newton's method does not.
     pub exact_gradients: bool,
     /// The token that cancels evaluations, assemblies and factorisations of the discretisation.
     pub cancel: &'a CancelToken,
@@ -501,9 +502,9 @@ pub struct Traits {
     pub amplitude: Option<f64>,
     /// The period of a cycle, if the period is an unknown and not prescribed by a forcing.
     pub free_period: Option<f64>,
-    /// The number of nontrivial Floquet multipliers of a smooth orbit, whose product is positive:
-    /// the flow of a vector field preserves orientation. `None` for solutions other than smooth
-    /// orbits.
+    /// The number of nontrivial Floquet multipliers of a smooth orbit; their product is positive,
+    /// because the flow of a vector field preserves orientation. `None` for solutions other than
+    /// smooth orbits.
     pub smooth_multipliers: Option<usize>,
     /// The minimum over the segments of the largest state on a segment, in units of the states'
     /// scales; tolerances are relative to these scales. Segments on which the states are constant

@@ -69,7 +69,7 @@ pub(super) fn clip(figure: &mut Figure, ranges: [[f64; 2]; 2]) {
     figure.tiles.retain(|tile| inside(&tile.at));
 }
 
-/// Removes points that logarithmic axes cannot show.
+/// Removes the points of a figure that logarithmic axes cannot show.
 pub(super) fn keep_positive(figure: &mut Figure) {
     let axes = figure.logarithmic;
     let shown = |at: &[f64; 2]| (0..2).all(|k| !axes[k] || at[k] > 0.0);

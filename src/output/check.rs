@@ -8,7 +8,7 @@ use crate::core::continuation::{Branch, End, Sensitivity, Slopes, SpecialPoint, 
 use crate::core::problem::PlaneField;
 use std::collections::HashSet;
 
-/// The result of checking a part of a document.
+/// The result of checking a part of a document: an error for an invalid value.
 type Checked = Result<(), Invalid>;
 
 /// Checks a document: its format tag, unique names without control characters, lists of the right

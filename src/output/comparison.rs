@@ -1,5 +1,5 @@
-//! Comparison of documents: finds special points that appeared, disappeared or moved, as `tangency
-//! compare` does.
+//! Comparison of documents, as in the command `tangency compare`: finds special points that
+//! appeared, disappeared or moved.
 
 use super::document::Document;
 use super::number::significant;

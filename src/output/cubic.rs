@@ -41,8 +41,8 @@ fn slopes(slopes: Option<&Slopes>, columns: [usize; 2]) -> Option<([f64; 2], f64
 
 /// Returns the vertices of the curve between two successive points of a branch, excluding these two
 /// points. The result is empty if derivatives are unknown, or if a column is not smooth between the
-/// points, for example if a maximum jumps to another peak. `ranges` are the lengths of the columns'
-/// ranges.
+/// points, for example if a maximum jumps to another peak. `ranges` contains the lengths of the
+/// ranges of the two columns.
 pub(super) fn between(from: &Knot, to: &Knot, ranges: [f64; 2]) -> Vec<[f64; 2]> {
     let (Some((first, begin)), Some((last, end))) = (from.slopes, to.slopes) else {
         return Vec::new();
@@ -93,7 +93,7 @@ impl Axis {
     }
 }
 
-/// Returns the angle between two directions; 0 if one of them is zero.
+/// Returns the angle between two directions; 0 if one of the directions is zero.
 fn angle(a: [f64; 2], b: [f64; 2]) -> f64 {
     (a[0] * b[1] - a[1] * b[0]).atan2(a[0] * b[0] + a[1] * b[1]).abs()
 }

@@ -38,16 +38,16 @@ pub struct Document {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Plot {
-    /// The column on the horizontal axis; by default, the first varied parameter.
+    /// The column on the horizontal axis; by default the first varied parameter.
     pub x: Option<String>,
-    /// The column on the vertical axis; by default, the first monitor (on a curve of special
+    /// The column on the vertical axis; by default the first monitor (for a curve of special
     /// points, the second varied parameter).
     pub y: Option<String>,
     /// The labels of columns on axes, with units: `("load", "load V² (1)")`. The label of a column
     /// without an entry is its name.
     pub labels: Vec<(String, String)>,
-    /// Additional panels, as pairs of columns for the horizontal and the vertical axis. Branches
-    /// that do not contain both columns of a panel are omitted from it.
+    /// Additional panels of diagrams, as pairs of columns for the horizontal and the vertical axis.
+    /// Branches that do not contain both columns of a panel are omitted from it.
     pub panels: Vec<(String, String)>,
     /// Additional panels in plots of parameter sweeps, as pairs of columns for the horizontal and
     /// the vertical axis.
@@ -232,7 +232,7 @@ impl Document {
         }
     }
 
-    /// Returns the value of a setting.
+    /// Returns the value of a setting of the document.
     pub fn setting(&self, name: &str) -> Option<&str> {
         self.settings.iter().find(|(key, _)| key == name).map(|(_, value)| value.as_str())
     }
@@ -240,7 +240,7 @@ impl Document {
     /// Returns the branch with the given name.
     ///
     /// # Errors
-    /// [`UnknownName`] with the names of the existing branches.
+    /// [`UnknownName`] with the names of the existing branches, if no branch has the given name.
     pub fn branch(&self, name: &str) -> Result<&Branch, UnknownName> {
         let names = self.branches.iter().map(|branch| &branch.name);
         Ok(&self.branches[position("branch", name, names)?])

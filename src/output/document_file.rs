@@ -11,7 +11,8 @@ use ron::ser::PrettyConfig;
 use std::path::Path;
 
 impl Document {
-    /// Serializes the document as RON, one line per point, every number with all its digits.
+    /// Serializes the document as RON, with one line for each point, and every number with all its
+    /// digits.
     ///
     /// # Errors
     /// [`FormatError::Invalid`] if the text could not be parsed again because of a number that is
@@ -32,7 +33,8 @@ impl Document {
     /// Parses a document from its RON text.
     ///
     /// # Errors
-    /// [`FormatError`] with line and column, or with branch, point and column of an invalid value.
+    /// [`FormatError`] with the line and column of a syntax error, or with the branch, point and
+    /// column of an invalid value.
     ///
     /// ```
     /// use tangency::output::Document;
@@ -46,7 +48,7 @@ impl Document {
         Ok(document)
     }
 
-    /// Saves the document atomically.
+    /// Saves the document to a file atomically.
     ///
     /// # Errors
     /// [`FileError::Write`] if the file cannot be written, [`FileError::Format`] if the written

@@ -38,7 +38,7 @@ pub enum FileError {
     )]
     #[diagnostic(help("name a text file; `tangency plot` draws archives of sweeps (.npz)"))]
     NoText {
-        /// The path of the file.
+        /// The path of the file that is not text.
         path: PathBuf,
         /// The position of the first invalid byte, counted from 0.
         at: usize,
@@ -70,7 +70,7 @@ pub enum FileError {
         /// The reason.
         source: FormatError,
     },
-    /// The output is a device, a FIFO or a folder, which is not replaced.
+    /// The output path is a device, a FIFO or a folder, which is never replaced.
     #[error("{} is {kind}, and only regular files and symbolic links to them are replaced", path.display())]
     #[diagnostic(help("choose another place with --out"))]
     Special {
@@ -116,7 +116,7 @@ pub enum FileError {
     #[error("{} does not have an extension of a known format", path.display())]
     #[diagnostic(help("known: {}", known.join(", ")))]
     Ending {
-        /// The path of the file.
+        /// The path of the file with the unknown extension.
         path: PathBuf,
         /// The known extensions.
         known: &'static [&'static str],
@@ -186,7 +186,7 @@ pub enum FormatError {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Invalid(#[from] Invalid),
-    /// The archive of a sweep is damaged, or is not an archive.
+    /// The file of a sweep is damaged, or is not a NumPy archive.
     #[error("not a file of sweeps ({reason})")]
     #[diagnostic(help("give a file saved by a sweep, or repeat the sweep"))]
     Archive {
@@ -221,7 +221,7 @@ pub enum UnknownPoint {
     Label {
         /// The requested label.
         label: usize,
-        /// The existing labels, as `BRANCH/LABEL`.
+        /// The existing labels of special points, as `BRANCH/LABEL`.
         known: Vec<String>,
     },
     /// Several branches have the requested label.
@@ -266,7 +266,7 @@ pub enum FigureError {
     #[error("branch `{branch}` has no monitor to draw")]
     #[diagnostic(help("choose the column for y: {}", available.join(", ")))]
     NoMonitor {
-        /// The name of the branch.
+        /// The name of the branch that has no monitor.
         branch: String,
         /// The names of the existing columns.
         available: Vec<String>,
@@ -296,22 +296,23 @@ pub enum FigureError {
     /// A coordinate is NaN or infinite.
     #[error("`{series}` cannot be drawn: its point {index} is ({}, {})", at[0], at[1])]
     NotFinite {
-        /// The name of the series or the label of the mark.
+        /// The name of the series, or the label of the mark, with the coordinate that cannot be
+        /// drawn.
         series: String,
-        /// The index of the point, counted from 0.
+        /// The index of the point that cannot be drawn, counted from 0.
         index: usize,
-        /// The coordinates of the point.
+        /// The coordinates of the point that cannot be drawn.
         at: [f64; 2],
     },
     /// A coordinate is zero or negative, but its axis is logarithmic.
     #[error("point {index} of `{series}` is at ({}, {}), which a logarithmic axis cannot show", at[0], at[1])]
     #[diagnostic(help("remove the point, or use a linear axis"))]
     NotPositive {
-        /// The name of the curve or mark.
+        /// The name of the curve or mark with the coordinate that cannot be drawn.
         series: String,
-        /// The index of the point, counted from 0.
+        /// The index of the point that cannot be drawn, counted from 0.
         index: usize,
-        /// The coordinates of the point.
+        /// The coordinates of the point that cannot be drawn.
         at: [f64; 2],
     },
     /// The width of the range of values on an axis exceeds the range of floating-point numbers.
@@ -322,10 +323,10 @@ pub enum FigureError {
         /// The largest value.
         high: f64,
     },
-    /// The figure has no points.
+    /// The figure contains no points.
     #[error("there is nothing to draw in the figure `{title}`: it has no points")]
     Empty {
-        /// The title of the figure.
+        /// The title of the figure without points.
         title: String,
     },
     /// The width of a picture is not between the smallest and the largest allowed width.

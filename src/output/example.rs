@@ -1,4 +1,4 @@
-//! A branch in closed form, for documentation and tests.
+//! An example branch in closed form, for documentation and tests.
 
 use crate::core::continuation::{Branch, End, Point, Settings, SpecialPoint};
 use crate::core::system::Kind;

@@ -125,11 +125,11 @@ pub enum Style {
     Thin,
     /// A dotted line.
     Dotted,
-    /// A dot at every point, without a line.
+    /// A dot at every point of the curve, without a line.
     Dots,
     /// A dot at every point, and a line through the dots.
     DottedLine,
-    /// The smallest visible spot at every point.
+    /// The smallest visible spot at every point of the curve.
     Specks,
     /// A larger, paler spot at every point; these spots are drawn before the small spots of other
     /// curves.
@@ -241,7 +241,7 @@ impl Figure {
         distinct(self.series.iter().map(|series| &series.name))
     }
 
-    /// Returns the smallest and largest `x` and `y` of all points.
+    /// Returns the ranges of `x` and `y` over all points of the figure.
     ///
     /// # Errors
     /// [`FigureError::NotFinite`] with the place of a coordinate that is NaN or infinite,

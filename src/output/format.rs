@@ -24,13 +24,13 @@ pub enum Format {
     Svg,
     /// A pixel picture.
     Png,
-    /// All points of branches or sweeps, or histories, as comma-separated values.
+    /// All points of branches, the points of sweeps, or histories, as comma-separated values.
     Csv,
     /// A vector picture for printing.
     Pdf,
     /// An interactive page.
     Html,
-    /// A whole document, as JSON.
+    /// A complete document, as JSON.
     Json,
     /// The tables of a report, in Markdown.
     Markdown,
@@ -54,7 +54,7 @@ const VIEWS: &[(Format, &str)] = &[
 const ENDINGS: &[&str] = &[".svg", ".png", ".pdf", ".html", ".csv", ".npz", ".json"];
 
 impl Format {
-    /// Returns the format of a picture or table, by the extension of its name.
+    /// Returns the format of a picture or table, given the extension of its file name.
     ///
     /// # Errors
     /// [`FileError::Ending`] for unknown or missing extensions.

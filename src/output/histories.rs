@@ -80,8 +80,8 @@ fn rows(courses: &[Course]) -> (Vec<String>, Vec<Row>) {
 
 /// Writes the histories of all branches as comma-separated values: `branch`, `time`, and every
 /// state by name. Two rows with the same time contain the states just before and just after an
-/// event; a cell is empty if the state does not exist in the mode. Numbers have 15 significant
-/// digits.
+/// event; a cell is empty if the state does not exist in the mode. Numbers in the table have 15
+/// significant digits.
 ///
 /// ```
 /// use tangency::scene::{Scene, execute};

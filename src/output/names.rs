@@ -2,7 +2,7 @@
 
 use super::document::Document;
 
-/// The largest number of differing settings in the name of a document.
+/// The largest number of settings in the name of a document.
 const MOST_SETTINGS: usize = 3;
 
 /// Returns a name for each of several documents: the settings in which they differ, such as `c =
@@ -23,7 +23,8 @@ pub(super) fn distinguished(documents: &[(&str, &Document)]) -> Vec<String> {
     if names.iter().enumerate().any(repeated) { given() } else { names }
 }
 
-/// Returns the settings in which documents differ, except for parameters that vary along a branch.
+/// Returns the names of the settings in which documents differ, except for parameters that vary
+/// along a branch.
 pub(super) fn differing<'a>(documents: &[(&str, &'a Document)]) -> Vec<&'a str> {
     let Some((_, first)) = documents.first() else { return Vec::new() };
     let varies = |key: &str| {

@@ -4,7 +4,8 @@
 //! in version 1, four from version 2 on, little-endian), and the header itself. The header is a
 //! Python dictionary, such as `{'descr': '<f8', 'fortran_order': False, 'shape': (3,), }`, followed
 //! by blanks and a line break, so that the numbers begin at a multiple of 64 bytes (R. Kern, *NumPy
-//! Enhancement Proposal 1*, 2007; `numpy.lib.format`). Files are written in version 1.
+//! Enhancement Proposal 1*, 2007; `numpy.lib.format`). Files are written in version 1 of the
+//! format.
 
 const MAGIC: &[u8] = b"\x93NUMPY";
 

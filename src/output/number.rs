@@ -2,7 +2,8 @@
 
 /// Formats a number rounded to the given number of significant digits, in the shortest form that
 /// keeps these digits: as a decimal number between 1e-5 and 10^`digits`, in scientific notation
-/// otherwise. Trailing zeros are omitted. `digits` is clamped to 1 to 17.
+/// otherwise. Trailing zeros are omitted. The number `digits` is restricted to the range
+/// from 1 to 17.
 ///
 /// ```
 /// use tangency::output::significant;

@@ -64,7 +64,7 @@ pub(super) fn page(
     Ok(page + rest)
 }
 
-/// Escapes a text for HTML.
+/// Escapes the special characters of HTML in a text.
 fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;")
 }
@@ -157,10 +157,10 @@ struct PagePoint<'a> {
     kind: String,
     meaning: &'a str,
     event: &'a str,
-    /// The index of the preceding point of the branch.
+    /// The index of the point of the branch that precedes the special point.
     after: usize,
     converged: bool,
-    /// The error of the continuation parameter.
+    /// The estimated error of the continuation parameter at the special point.
     error: f64,
     values: Vec<f64>,
     unstable: Option<usize>,

@@ -279,7 +279,7 @@ fn swept_label(plot: &Plot, column: &str) -> String {
 }
 
 /// Returns a figure of the special points of a document's branches against a setting in which the
-/// branches differ. Branches without that setting are omitted.
+/// branches differ. Branches for which that setting is not recorded are omitted.
 fn special_points_against(document: &Document, against: &Against) -> Figure {
     let Against { kind, setting, column } = against;
     let label = document.plot.label(column);

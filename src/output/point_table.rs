@@ -63,7 +63,7 @@ pub enum Columns<'a> {
     Named(&'a [&'a str]),
 }
 
-/// The content of a cell.
+/// The content of a cell of a table.
 #[derive(Clone, Debug, PartialEq)]
 enum Cell {
     Text(String),
@@ -144,10 +144,10 @@ impl Column {
 /// name, in the order of their first occurrence, then `error`, the estimated absolute error of the
 /// continuation parameter, `unstable`, the number of unstable eigenvalues or multipliers,
 /// `converged` (if `false`, no digit is reliable, and the error is missing), and `multiplicity`,
-/// the number of simultaneously critical eigenvalues or pairs. Numbers have 15 significant digits.
-/// A cell is empty if a branch does not contain the column, and `unstable` is `?` if multipliers
-/// are not determined. The title of a parameter or monitor is prefixed if another column has the
-/// same name, for example `parameter error` or `monitor error`.
+/// the number of simultaneously critical eigenvalues or pairs. Numbers in the table have 15
+/// significant digits. A cell is empty if a branch does not contain the column, and `unstable` is
+/// `?` if multipliers are not determined. The title of a parameter or monitor is prefixed if
+/// another column has the same name, for example `parameter error` or `monitor error`.
 ///
 /// ```
 /// let table = tangency::output::csv(&[tangency::output::example_branch()]);
@@ -214,7 +214,8 @@ impl PointTable {
         PointTable { rows, columns: columns.into_iter().map(|column| column.title).collect() }
     }
 
-    /// Returns the table as comma-separated values. Numbers have 15 significant digits.
+    /// Returns the table as comma-separated values. Numbers in the table have 15 significant
+    /// digits.
     pub fn csv(&self) -> String {
         let line = |cells: Vec<String>| {
             cells.iter().map(|cell| quoted(cell)).collect::<Vec<_>>().join(",") + "\n"
@@ -229,7 +230,8 @@ impl PointTable {
         std::iter::once(self.columns.clone()).chain(rows)
     }
 
-    /// Returns the table as lines with aligned columns. Numbers have 10 significant digits.
+    /// Returns the table as lines with aligned columns. Numbers in these lines have 10 significant
+    /// digits.
     pub fn screen(&self) -> String {
         let lines: Vec<Vec<String>> = self.lines(SHOWN).collect();
         let letters = |cell: &String| cell.chars().count();
@@ -329,7 +331,7 @@ fn derivatives(documents: &[(&str, &Document)], kinds: &[Kind]) -> Vec<String> {
     names
 }
 
-/// Returns the columns that distinguish the points of several documents.
+/// Returns the columns by which the points of several documents can be distinguished.
 fn places(documents: &[(&str, &Document)]) -> Vec<Column> {
     let file = (documents.len() > 1).then(|| Column::any(FILE));
     file.into_iter().chain(differing(documents).into_iter().map(Column::setting)).collect()

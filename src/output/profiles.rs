@@ -54,7 +54,7 @@ impl Shown<'_> {
 
     /// Returns the time at which the drawn histories begin if the phase of an orbit is free: the
     /// time of the first reset, or of the maximum of the first state. Histories that begin just
-    /// after an event are not shifted.
+    /// after an event keep their start.
     fn begin(&self) -> Option<f64> {
         let free = has_free_period(self.branch)
             && self.histories().all(|history| returns(&history.points));

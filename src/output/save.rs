@@ -64,8 +64,8 @@ pub struct Results<'a> {
     pub panel: Option<&'a str>,
     /// The title of pictures; by default the title of the first document.
     pub title: Option<&'a str>,
-    /// The lower and upper ends of the horizontal and the vertical axis of the first panel, and of
-    /// further panels with the same axis; by default all data are shown.
+    /// The chosen lower and upper ends of the horizontal and the vertical axis, for the first panel
+    /// and for further panels with the same axis; by default all data are shown.
     pub ends: [[Option<f64>; 2]; 2],
 }
 
@@ -77,7 +77,7 @@ pub enum RenderError {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Figure(#[from] FigureError),
-    /// The data cannot be written.
+    /// The data cannot be written in the format.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Format(#[from] FormatError),

@@ -1,4 +1,4 @@
-//! The summary of a branch in one sentence.
+//! Summarises a branch in one sentence.
 
 use super::number::significant;
 use crate::core::continuation::{Branch, End};
@@ -25,7 +25,7 @@ pub struct Summary<'a>(pub &'a Branch);
 /// The number of significant digits of numbers in the summary.
 const DIGITS: usize = 6;
 
-/// The maximum number of intervals of stability that are listed.
+/// The maximum number of intervals of stability that the summary lists.
 const MOST: usize = 3;
 
 impl fmt::Display for Summary<'_> {
@@ -150,7 +150,7 @@ fn number(value: f64) -> String {
     significant(value, DIGITS)
 }
 
-/// Describes why a branch ends.
+/// Describes the reason why a branch ends.
 fn reason(end: &End) -> String {
     match end {
         End::ParameterBound { .. } => "bound".into(),

@@ -1,4 +1,4 @@
-//! The symbols of special points: one for each kind in a picture.
+//! The symbols of special points: each kind has its own symbol in a picture.
 
 use super::figure::{Figure, Symbol};
 use crate::core::system::Kind;

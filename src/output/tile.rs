@@ -1,4 +1,4 @@
-//! Coloured rectangles of a figure.
+//! Tiles: coloured rectangles of a figure.
 
 /// A coloured rectangle.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,7 +15,7 @@ pub struct Tile {
     pub meaning: String,
 }
 
-/// A family of colours.
+/// The hue of a tile: a family of colours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Hue {

@@ -1,4 +1,4 @@
-//! Zeros of functions of one variable.
+//! Finds zeros of functions of one variable.
 
 /// The limits of an iteration for a root.
 pub(crate) struct Limits {

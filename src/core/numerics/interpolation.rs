@@ -1,4 +1,4 @@
-//! Polynomials through values at nodes.
+//! Lagrange polynomials through values at nodes.
 
 use super::quadrature::gauss_legendre;
 use crate::core::scalar::Scalar;
@@ -11,7 +11,7 @@ pub(crate) fn lagrange<T: Scalar>(nodes: &[f64], j: usize, s: T) -> T {
 }
 
 /// `m! / Π_{i≠j} (s_j − s_i)`: the weights of the values at the nodes in the `m`-th derivative of
-/// the polynomial through them.
+/// the interpolating polynomial.
 pub(crate) fn highest_derivative(places: &[f64]) -> Vec<f64> {
     let factorial: f64 = (1..places.len()).map(|k| k as f64).product();
     let product = |j: usize| -> f64 {

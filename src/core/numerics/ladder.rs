@@ -1,7 +1,7 @@
 //! Ladders of successively finer discretisations, and error estimates for quantities computed on
 //! their rungs.
 //!
-//! Each problem defines a finer discretisation in one place
+//! Each problem defines its next finer discretisation in one place
 //! ([`Discretised::refined`](crate::core::system::Discretised::refined)). The final correction of a
 //! special point uses the next finer discretisation after the one of its branch. A scene chooses
 //! the cheapest sufficiently accurate discretisation from a [`ladder`], which contains the same
@@ -9,8 +9,9 @@
 //! corrections of special points and the choice of scenes estimate errors from the changes between
 //! rungs, by [`error_of_last`].
 
-/// Extends a ladder from the given rungs, up to `most` rungs in total. Each further rung refines
-/// the last rung but one, so that two rungs lead from a discretisation to its refinement.
+/// Extends a ladder of discretisations from the given rungs, up to `most` rungs in total. Each
+/// further rung refines the last rung but one, so that two rungs lead from a discretisation to its
+/// refinement.
 ///
 /// ```
 /// use tangency::core::numerics::ladder;

@@ -104,8 +104,8 @@ pub fn execute(
 /// (H) The minimal number of strands (chains of dependent runs) whose runs are simulated in
 /// parallel lanes: fewer strands leave too many lanes empty.
 const LEAST_ABREAST: usize = 4;
-/// (H) The maximum number of strands (chains of dependent runs) in a batch: an interruption loses
-/// the unfinished runs of a batch.
+/// (H) The maximum number of strands (chains of dependent runs) in a batch; if the sweep is
+/// interrupted, the unfinished runs of a batch are lost.
 const MOST_ABREAST: usize = 64;
 
 /// Returns the number of strands in a batch, such that the number of batches is the number of

@@ -4,7 +4,8 @@ use super::plan::PlanError;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::num::NonZeroUsize;
 
-/// The part of a sweep that one process executes: part `number` of `of` parts, counted from 1.
+/// The part of a sweep that one process executes: part number `number` of the `of` parts, counted
+/// from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Part {
     /// The number of the part, counted from 1.

@@ -5,16 +5,17 @@ use crate::core::hybrid::HybridState;
 use serde::{Deserialize, Serialize};
 use std::num::NonZeroUsize;
 
-/// (H) The maximal number of runs of one sweep: all results are kept in memory and written
-/// repeatedly.
+/// (H) The maximal number of runs of one sweep, limited because all results are kept in memory and
+/// written repeatedly.
 pub(crate) const MOST_RUNS: usize = 4_000_000;
 /// (H) The maximal number of periods of the transient, and of the average for a Lyapunov exponent;
 /// a larger number is probably a mistake.
 const MOST_PERIODS: usize = 1_000_000_000;
-/// (H) The maximal number of recorded periods of one run; all recorded periods are kept in memory.
+/// (H) The maximal number of recorded periods of one run, limited because all recorded periods are
+/// kept in memory.
 const MOST_RECORDED: usize = 1_000_000;
 
-/// The quantity that varies along an axis.
+/// The quantity that varies along an axis of the grid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
     /// A parameter, given by its position among the parameters.
@@ -23,7 +24,7 @@ pub enum Quantity {
     State(usize),
 }
 
-/// Equally spaced values of a quantity.
+/// An axis of the grid: equally spaced values of a quantity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Axis {
     /// The quantity.
@@ -106,7 +107,7 @@ pub struct Plan {
     /// The number of strands into which the axis is divided if each run starts where the preceding
     /// run ended; each strand begins at the plan's starting state.
     pub strands: usize,
-    /// The settings of the search for attractors.
+    /// The settings of the search for the attractor of each run.
     pub search: AttractorSearch,
     /// The settings of a search for the crisis of each run's attractor, if any.
     pub crisis: Option<CrisisSearch>,
@@ -174,7 +175,7 @@ pub enum PlanError {
     #[error("part {number} of {of} does not exist")]
     #[diagnostic(help("count parts from 1"))]
     Part {
-        /// The number of the part.
+        /// The number of the part that does not exist.
         number: usize,
         /// The number of parts of the sweep.
         of: usize,

@@ -29,12 +29,12 @@ pub struct Dense<P> {
 }
 
 impl<P: ZeroProblem + 'static> Dense<P> {
-    /// Creates the system of a problem.
+    /// Creates the system of a zero problem.
     pub fn new(problem: P) -> Self {
         Dense::shared(Arc::new(problem))
     }
 
-    /// Creates the system of a shared problem.
+    /// Creates the system of a zero problem in shared ownership.
     pub fn shared(problem: Arc<P>) -> Self {
         Dense { system: ZeroSystem::structured(problem.clone(), Matrices::Dense), problem }
     }
@@ -104,7 +104,7 @@ pub struct Sparse<P> {
 }
 
 impl<P: ZeroProblem + 'static> Sparse<P> {
-    /// Creates the system of a problem.
+    /// Creates the system of a zero problem.
     pub fn new(problem: P) -> Self {
         let problem = Arc::new(problem);
         Sparse { system: ZeroSystem::structured(problem.clone(), Matrices::Sparse), problem }

@@ -42,7 +42,7 @@ impl<'a> Expansion<'a> {
     /// space.
     ///
     /// # Errors
-    /// [`Failure`] if a coefficient is not finite.
+    /// [`Failure`] if a Taylor coefficient is not finite.
     pub fn images(&self, left: &[Jet<ROOM>]) -> Result<Vec<Vec<f64>>, Failure> {
         let of = |k: usize| -> Vec<f64> {
             left.iter().map(|r| r.coefficients().get(k).copied().unwrap_or(0.0)).collect()
@@ -54,7 +54,7 @@ impl<'a> Expansion<'a> {
     }
 }
 
-/// The highest order of derivatives that every system supports.
+/// The highest order of the directional derivatives that every system supports.
 const MOST_ORDER: usize = 3;
 
 /// Computes the Taylor coefficients of `F(z + W(ξ)) = F + F_z[W] + F_zz[W, W]/2 + F_zzz[W, W, W]/6`.

@@ -65,7 +65,8 @@ impl Kind {
 
 impl Kind {
     /// Creates a kind with the given letters and meaning, for example for a user-defined event.
-    /// Documents with points of an unknown kind ([`is_known`](Kind::is_known)) cannot be saved.
+    /// Documents that contain points of an unknown kind (see [`is_known`](Kind::is_known)) cannot
+    /// be saved.
     ///
     /// ```
     /// use tangency::core::system::Kind;
@@ -82,7 +83,7 @@ impl Kind {
         self.letters
     }
 
-    /// The meaning of the letters, in words.
+    /// The meaning of the letters of the kind, in words.
     pub fn meaning(self) -> &'static str {
         self.meaning
     }

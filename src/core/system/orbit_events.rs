@@ -19,8 +19,8 @@ pub trait OrbitEvents {
     /// events is undecided at a limit.
     ///
     /// # Errors
-    /// [`Failure::Mismatch`] names the event whose outcome differs from the assumed order of
-    /// events; [`Failure::OutOfDomain`] if the equations are undefined at the solution.
+    /// [`Failure::Mismatch`], with the name of the event whose outcome differs from the assumed
+    /// order of events; [`Failure::OutOfDomain`] if the equations are undefined at the solution.
     fn check(&self, x: &[f64]) -> Result<(), Failure>;
 
     /// Returns the first discontinuity of an event's reset between one solution and another; `None`
@@ -72,7 +72,7 @@ pub struct Jump {
 pub struct Limit {
     /// The position of the monitor among all monitors.
     pub monitor: usize,
-    /// The typical size of the monitor, to which tolerances are relative.
+    /// The typical size of the monitor; tolerances are relative to this size.
     pub scale: f64,
     /// Whether the limit belongs to an event that occurs on the solutions, such as the speed of an
     /// impact. All other limits are distances to surfaces that solutions do not reach.

@@ -19,7 +19,7 @@ pub struct Solution {
     pub mesh: Vec<f64>,
     /// The unknowns.
     pub state: Vec<f64>,
-    /// All parameters, in the order of the system of the new branch.
+    /// The values of all parameters, in the order of the system of the new branch.
     pub parameters: Vec<f64>,
     /// The direction of the solution's branch, if known: a component for each unknown (of the same
     /// length as `state`), and a component for each parameter (of the same length as `parameters`).
@@ -43,7 +43,7 @@ pub struct Solution {
     pub beside: Option<f64>,
 }
 
-/// The initial data of a curve.
+/// The initial data from which a curve is computed.
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
 pub enum Initial<'s> {
@@ -85,7 +85,7 @@ pub struct Start {
     /// A direction `(z, p)` of the start, if known: the direction of the curve, or at a branch
     /// point the direction of the incoming branch.
     pub direction: Option<Vec<f64>>,
-    /// The location of the start relative to the branch.
+    /// The type of the start, which states where it lies relative to the branch.
     pub site: Site,
     /// Whether the branch is traced to one side only, because both sides consist of the same
     /// solutions.
@@ -94,7 +94,7 @@ pub struct Start {
     pub angle: Option<f64>,
 }
 
-/// The location of a start relative to a branch.
+/// The type of a start, which states where it lies relative to the branch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Site {

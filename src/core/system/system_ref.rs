@@ -1,4 +1,4 @@
-//! Borrowed or owned systems.
+//! References to systems that are either borrowed or owned.
 
 use super::System;
 use std::ops::{Deref, DerefMut};

@@ -43,7 +43,7 @@ pub(crate) struct ZeroSystem {
     matrices: Matrices,
     names: Names,
     jacobian: Jacobian,
-    /// The point at which `jacobian` was assembled last; empty after a failure.
+    /// The point at which the Jacobian was assembled last; empty after a failed assembly.
     assembled: Vec<f64>,
     plain: Work<f64>,
     chunk: Work<Chunk>,

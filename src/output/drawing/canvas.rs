@@ -13,12 +13,12 @@ use std::collections::BTreeSet;
 /// The number of backend pixels per unit of an SVG.
 const FINENESS: f64 = 10.0;
 
-/// The pixels of a PNG per millimetre: 300 dots per inch.
+/// The number of pixels of a PNG per millimetre, for 300 dots per inch.
 const DENSITY: f64 = 300.0 / 25.4;
 /// The number of backend pixels along each side of a pixel of the PNG; averaging the backend pixels
 /// smooths edges.
 const SMOOTHING: u32 = 3;
-/// The longest side of a PNG, in pixels.
+/// The largest allowed side length of a PNG, in pixels.
 const LONGEST: f64 = 16_384.0;
 
 /// The side lengths of the smaller and the larger size of spots, in units of the canvas.
@@ -30,7 +30,7 @@ pub(super) const TEXT: f64 = 12.0;
 
 /// The colour of text and axes.
 pub(super) const INK: RGBColor = RGBColor(38, 38, 38);
-/// The colour of text that is less important than the curves.
+/// The colour of secondary text, which is less important than the curves.
 pub(super) const LIGHT: RGBColor = RGBColor(110, 110, 110);
 /// The colour of grid lines.
 pub(super) const FAINT: RGBColor = RGBColor(228, 228, 228);
@@ -340,7 +340,7 @@ pub(super) fn text_width(text: &str, size: f64) -> f64 {
     widths.sum::<f64>() * size
 }
 
-/// Cuts a line into dashes. Dashes follow the corners of the line.
+/// Divides a line into dashes. Dashes follow the corners of the line.
 fn dashes(points: &[[f64; 2]], lengths: [f64; 2]) -> Vec<Vec<[f64; 2]>> {
     let mut dashes = Vec::new();
     let mut dash: Vec<[f64; 2]> = points.first().copied().into_iter().collect();

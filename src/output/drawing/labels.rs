@@ -45,12 +45,12 @@ pub(super) struct Room {
     frame: Rectangle,
     /// The rectangles that marks and labels occupy.
     taken: Vec<Rectangle>,
-    /// Points on all curves, about three units apart.
+    /// The points of all curves, sampled about three units apart.
     curves: Vec<[f64; 2]>,
 }
 
 impl Room {
-    /// Creates the free space within a frame.
+    /// Creates the free space for labels within a frame.
     pub fn new(frame: Rectangle) -> Self {
         Room { frame, taken: Vec::new(), curves: Vec::new() }
     }

@@ -25,7 +25,7 @@ const NAMED_AT_CURVES: usize = 4;
 pub(super) struct Layout<'a> {
     panels: Vec<Panel<'a>>,
     legend: Legend<'a>,
-    /// The title above all panels.
+    /// The title that is drawn above all panels.
     title: Option<&'a str>,
     width: f64,
     /// The vertical position of the lower end of the panels.

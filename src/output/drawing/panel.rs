@@ -21,7 +21,7 @@ const ABOVE_WITH_TITLE: f64 = 46.0;
 /// and the name of the horizontal axis.
 const RIGHT: f64 = 20.0;
 const BELOW: f64 = 48.0;
-/// The distance between ticks, in units.
+/// The approximate distance between ticks, in units.
 const BETWEEN_TICKS: [f64; 2] = [85.0, 58.0];
 
 /// The number of points above which a curve that is not a branch is smoothed.
@@ -52,7 +52,7 @@ pub(super) struct Panel<'a> {
     room: Room,
 }
 
-/// Writes a title centred above a given width.
+/// Writes a title that is centred above a rectangle of a given width.
 pub(super) fn heading(canvas: &Canvas, title: &str, [x, y]: [f64; 2], width: f64) -> Painted {
     let size = TITLE * ((width - 60.0) / text_width(title, TITLE).max(1.0)).min(1.0);
     canvas.text(title, [x + width / 2.0, y + 20.0], size, Anchor::Middle)
@@ -176,7 +176,7 @@ impl<'a> Panel<'a> {
         }
     }
 
-    /// Removes the names of curves.
+    /// Removes the names of curves from the panel.
     pub fn forget_names(&mut self) {
         self.room.release(self.names.len());
         self.names.clear();

@@ -104,7 +104,7 @@ pub(super) fn curve(
     }
 }
 
-/// The colours of symbols.
+/// The colours of symbols of special points.
 const RED: RGBColor = RGBColor(213, 60, 0);
 const BLUE: RGBColor = RGBColor(0, 72, 140);
 const YELLOW: RGBColor = RGBColor(200, 140, 0);

@@ -11,7 +11,7 @@ pub(super) struct Ticks {
     pub(super) range: [f64; 2],
     /// The ticks within the range, with their labels.
     pub(super) ticks: Vec<(f64, String)>,
-    /// The exponent of the power of ten that multiplies all labels, a multiple of 3.
+    /// The exponent of the power of ten that multiplies all labels of the axis, a multiple of 3.
     exponent: i32,
     logarithmic: bool,
 }
@@ -80,7 +80,7 @@ impl Ticks {
         }
     }
 
-    /// Returns about `count` ticks for data between two values.
+    /// Returns about `count` ticks of a linear axis for data between two values.
     fn new([low, high]: [f64; 2], ends: [Option<f64>; 2], count: f64) -> Result<Self, FigureError> {
         let range = widened([low, high], ends);
         let width = range[1] - range[0];

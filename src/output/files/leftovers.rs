@@ -1,4 +1,4 @@
-//! Temporary files: their names, and the detection of files left by killed runs.
+//! Temporary files: their names, and the detection of temporary files left by killed runs.
 //!
 //! A file `NAME` is first written as `.NAME.PROCESS.tmp` in the same folder, and the writer keeps
 //! this temporary file locked. The operating system releases a lock when its process ends for any

@@ -1,4 +1,4 @@
-//! A lock for each result, so that two runs do not write the same files.
+//! A lock for each result, which prevents two runs from writing the same files.
 
 use super::leftovers::is_at;
 use crate::output::error::FileError;
@@ -18,7 +18,7 @@ pub(crate) struct Lock {
 const ATTEMPTS: usize = 100;
 
 impl Lock {
-    /// Locks a result in an existing folder.
+    /// Locks a result in an existing folder, if no other process holds the lock.
     ///
     /// # Errors
     /// [`FileError::Locked`] if another process holds the lock, [`FileError::Write`] if the folder

@@ -30,12 +30,12 @@ pub fn write_atomically(
 /// Writes the files of one result, each completely or not at all. Each file is written as a
 /// temporary file in the folder of its target, then all files are renamed in direct succession:
 /// after a failure or a kill all targets are unchanged, unless the process ends between two
-/// renames. Missing folders are created. Symbolic links to regular files are followed. Temporary
-/// files of killed writers are removed.
+/// renames. Missing folders of the targets are created. If a target is a symbolic link to a regular
+/// file, that file is replaced. Temporary files that killed writers left are removed.
 ///
 /// # Errors
 /// [`FileError::Write`] with the path, if a folder cannot be created or written to;
-/// [`FileError::Special`] for a device or any other file that is not regular.
+/// [`FileError::Special`] if a target exists and is not a regular file, for example a device.
 ///
 /// ```
 /// let folder = tempfile::tempdir()?;

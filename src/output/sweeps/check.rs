@@ -75,7 +75,7 @@ impl SweepTable {
         }
     }
 
-    /// Returns the number of a run, if it is valid.
+    /// Returns the number of a run as an integer, if it is valid.
     pub(super) fn run_number(&self, value: f64) -> Result<usize, String> {
         let run = value as usize;
         match run < self.total && run as f64 == value {

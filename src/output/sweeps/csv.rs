@@ -1,4 +1,4 @@
-//! Sweeps as comma-separated values.
+//! Writes sweeps as comma-separated values.
 
 use super::table::{Row, SweepTable, Sweeps};
 use crate::core::problem::distinct;
@@ -37,7 +37,7 @@ pub(in crate::output) fn csv(sweeps: &[Sweeps]) -> String {
 }
 
 impl SweepTable {
-    /// Writes the points of a run.
+    /// Writes the recorded points of a run.
     fn write(&self, csv: &mut Csv, (run, row): (usize, &Row), axes: &[&str], columns: &[&str]) {
         let number = |value: Option<f64>| match value {
             Some(value) if !value.is_nan() => significant(value, 15),

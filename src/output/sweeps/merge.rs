@@ -71,7 +71,7 @@ impl MergeError {
     }
 }
 
-/// Merges the parts of a sweep.
+/// Merges the parts of a sweep into the complete sweep.
 ///
 /// # Errors
 /// [`MergeError`] if the parts do not form a complete sweep.

@@ -31,7 +31,7 @@ pub struct Sweeps {
     pub sweeps: Vec<SweepTable>,
 }
 
-/// The results of a run, as numbers.
+/// The results of a run, as a row of numbers.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Row {
     /// The result of the run in each column of runs.

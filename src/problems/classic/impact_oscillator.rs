@@ -7,13 +7,13 @@ use crate::core::scalar::Scalar;
 use std::f64::consts::TAU;
 
 /// The forced linear impact oscillator (S. W. Shaw and P. J. Holmes, *J. Sound Vib.* 90:129, 1983):
-/// a mass on a spring with a stop, with displacement `x ≤ d` and velocity `v`,
+/// a mass on a spring with a stop. Its displacement `x ≤ d` and velocity `v` satisfy
 ///
 /// ```text
 ///     x' = v,    v' = A cos ωt − x − c v;    v⁺ = −e v⁻ at x = d
 /// ```
 ///
-/// in the mode *flight* (motion away from the stop). Accumulating impacts lead into the mode
+/// in the mode *flight* (motion away from the stop). Accumulating impacts lead to the mode
 /// *contact*, in which the mass rests against the stop while the contact force `A cos ωt − d` is
 /// positive.
 ///
@@ -41,7 +41,7 @@ use std::f64::consts::TAU;
 pub struct ImpactOscillator;
 
 impl ImpactOscillator {
-    /// The default values of the parameters.
+    /// The default values of the oscillator's parameters.
     pub const DEFAULTS: [f64; 5] = [0.05, 1.0, 0.8, 0.1, 1.0];
     /// The mode of motion away from the stop.
     pub const FLIGHT: usize = 0;

@@ -34,10 +34,11 @@ use crate::core::scalar::{LaneWidth, Scalar};
 /// in contact with the stopper if it is pressed against the stopper, either by the force or because
 /// friction brakes the frame. (The force alone never presses the block against the back stopper.)
 ///
-/// Every mode has the state `displacement`, and all modes without contact have `velocity`. Modes in
-/// which the frame slips also have the states `frame_velocity` and `frame_displacement`; the latter
-/// is measured from the start of the mode and does not appear in the equations. The forcing has the
-/// period `π/ω` because the force is proportional to the square of the voltage.
+/// Every mode has the state `displacement`, and all modes without contact also have the state
+/// `velocity`. Modes in which the frame slips also have the states `frame_velocity` and
+/// `frame_displacement`; the latter is measured from the start of the mode and does not appear in
+/// the equations. The forcing has the period `π/ω` because the force is proportional to the square
+/// of the voltage.
 ///
 /// ```
 /// use tangency::core::hybrid::HybridSystem;
@@ -54,7 +55,7 @@ use crate::core::scalar::{LaneWidth, Scalar};
 pub struct Actuator;
 
 impl Actuator {
-    /// The default values of the parameters.
+    /// The default values of the actuator's parameters.
     pub const DEFAULTS: [f64; 9] = [0.24, 0.5, 0.5, 0.8, 0.04, 0.4, 0.27, 5.0, 9.81];
     /// The mode in which the frame is at rest and the block moves.
     pub const STICK: usize = 0;
@@ -100,8 +101,8 @@ impl Actuator {
         mode >= Self::CONTACT
     }
 
-    /// Returns the displacement and velocity of the block, and the velocity of the frame, in a
-    /// mode.
+    /// Returns the displacement and velocity of the block and the velocity of the frame, from the
+    /// states of a mode.
     #[inline(always)]
     fn motion<T: Scalar>(mode: usize, x: &[T]) -> [T; 3] {
         match (Self::touches(mode), Self::slips(mode)) {
@@ -136,7 +137,7 @@ impl Actuator {
         [-restitution * u, v + (restitution + 1.0) * u / parameters.mass()]
     }
 
-    /// Returns the mode without contact that follows for a given velocity of the frame.
+    /// Returns the mode without contact that follows an event, given the velocity of the frame.
     fn of_velocity(velocity: f64, r: f64, parameters: &Parameters<f64>) -> usize {
         if velocity > 0.0 {
             Self::FORWARD

@@ -32,7 +32,7 @@ use std::f64::consts::PI;
 pub struct Block;
 
 impl Block {
-    /// The default values of the parameters.
+    /// The default values of the block's parameters.
     pub const DEFAULTS: [f64; 3] = [0.01, 0.45, 0.04];
 }
 

@@ -18,7 +18,7 @@ pub(super) const NAMES: [&str; 9] = [
 /// The actuator's parameters, accessible by name.
 pub(super) struct Parameters<'a, T>(&'a [T]);
 
-/// Declares an accessor for each parameter.
+/// Declares an accessor method for each parameter.
 macro_rules! named {
     ($($name:ident: $position:literal)*) => {
         impl<T: Scalar> Parameters<'_, T> {

@@ -19,7 +19,7 @@ use faer::linalg::matmul::{matmul, triangular};
 use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
 use faer::{Accum, MatMut, MatRef, Par};
 
-/// The assembled matrix and its workspace.
+/// The assembled Hessian and the workspace of its assembly.
 pub(super) struct Assembly {
     /// The Hessian `F_q`, stored column by column.
     pub matrix: Vec<f64>,

@@ -10,9 +10,9 @@
 //! ```
 //!
 //! The scaling gives `∫ b_j^(m) b_k^(m) dξ = δ_jk`, so that stiffness matrices are close to
-//! diagonal at every order. Values are computed by the recurrence of Legendre polynomials, not from
-//! powers of `ξ` (which lose all digits by order 50). Appendix B of Zhao's dissertation gives the
-//! same functions in powers of `ξ`.
+//! diagonal at every order. Values are computed by the recurrence of Legendre polynomials, because
+//! powers of `ξ` lose all digits by order 50. Appendix B of Zhao's dissertation gives the same
+//! functions in powers of `ξ`.
 
 use super::edges::{InPlane, Support};
 use super::tensor::{Rule, moments};
@@ -145,11 +145,11 @@ impl Basis {
         Basis { functions, integrals, boundary, degree, mix: None }
     }
 
-    /// Replaces the functions by the modes of a beam with the same ends, which span the same space:
-    /// `⟨F_i F_k⟩` and `⟨F_i" F_k"⟩` are both diagonal. In a basis of products of these functions,
-    /// the stiffness matrix of a plate is nearly diagonal, so the eigenvalues of the scaled matrix
-    /// characterise the plate. (In the basis of polynomials, the condition number of the matrix is
-    /// 1e6 with ten functions, and inverse iteration yields noise.)
+    /// Replaces the functions by the modes of a beam with the same supports, which span the same
+    /// space: `⟨F_i F_k⟩` and `⟨F_i" F_k"⟩` are both diagonal. In a basis of products of these
+    /// functions, the stiffness matrix of a plate is nearly diagonal, so the eigenvalues of the
+    /// scaled matrix characterise the plate. (In the basis of polynomials, the condition number of
+    /// the matrix is 1e6 with ten functions, and inverse iteration yields noise.)
     ///
     /// The first function is the lowest beam mode; all functions are positive next to `ξ = 1`. The
     /// basis is unchanged if the eigenproblem has no solution because values are not finite.
@@ -322,9 +322,9 @@ fn twice(p: &[f64], k: usize) -> f64 {
 /// `(function, point)` at `function · points + point`.
 #[derive(Clone, Debug, Default)]
 pub struct Table {
-    /// The number of nodes.
+    /// The number of nodes of the table.
     pub points: usize,
-    /// The number of functions.
+    /// The number of functions in the table.
     pub functions: usize,
     /// The values.
     pub values: Vec<f64>,

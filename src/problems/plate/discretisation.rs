@@ -11,14 +11,14 @@ use super::tensor::{Product, Rule, means, moments, pairs};
 use super::terms::Theory;
 use crate::core::failure::OutOfDomain;
 
-/// The description of a plate for [`Ritz::new`](super::Ritz::new).
+/// The description of a plate from which [`Ritz::new`](super::Ritz::new) creates the model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RitzSettings {
     /// The supports of the edges against deflection.
     pub supports: Supports,
     /// The supports of the edges against in-plane displacements.
     pub in_plane: InPlane,
-    /// The theory: bending only, or stretching as well.
+    /// The theory: bending only, or bending and stretching.
     pub theory: Theory,
     /// The numbers of functions; by default suitable numbers for `aspect`.
     pub orders: Option<Orders>,
@@ -73,7 +73,7 @@ pub(super) struct LoadRule {
     pub tables: [Table; 2],
     /// The products `f_i f_k`, `i ≤ k`, at the nodes.
     pub squares: [Vec<f64>; 2],
-    /// The largest deflection at which the rule is accurate to 1e-11.
+    /// The largest deflection at which the load rule is accurate to 1e-11.
     pub largest: f64,
 }
 
@@ -100,7 +100,7 @@ pub(super) struct Membrane {
 pub(super) struct Discretisation {
     pub settings: RitzSettings,
     pub orders: Orders,
-    /// The directions in which only symmetric displacements are considered.
+    /// Flags for the two directions: whether only symmetric displacements are considered.
     pub symmetric: [bool; 2],
     pub transverse: [Basis; 2],
     pub lines: [LineMoments; 2],

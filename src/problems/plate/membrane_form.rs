@@ -18,7 +18,8 @@ pub(super) struct Field {
     pub slopes: [Vec<f64>; 2],
 }
 
-/// The stretching energy of a deflection `w = Σ a_i φ_i`, with in-plane displacements eliminated:
+/// The stretching energy of a deflection `w = Σ a_i φ_i` after elimination of the in-plane
+/// displacements:
 ///
 /// ```text
 /// U = 6α₁² Σ_ij Σ_kl a_i a_j A_(ij)(kl) a_k a_l,    A_(ij)(kl) = ⟨ε_ij : C : ε_kl⟩ − B_ijᵀ K_uv⁻¹ B_kl

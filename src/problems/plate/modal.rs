@@ -1,4 +1,5 @@
-//! The modal reduced-order model of section 3.3: a plate expanded in the modes of the flat plate.
+//! The modal reduced-order model of section 3.3 of Zhao's dissertation: a plate expanded in the
+//! modes of the flat plate.
 //!
 //! The deflection is `w = Σ q_i φ_i`, where `φ_i` are the lowest modes of the flat plate without
 //! loads, with the mean square 1 over the plate. The potential energy per area is

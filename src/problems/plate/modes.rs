@@ -42,7 +42,7 @@ pub(super) fn extreme(entries: impl Iterator<Item = f64>) -> f64 {
     entries.fold(0.0, |most, entry| if entry.abs() > most.abs() { entry } else { most })
 }
 
-/// The mass matrix and the workspace of its eigenproblem.
+/// The mass matrix, and the workspace of the eigenproblem `K v = ω² M v`.
 pub(super) struct Eigenproblem {
     mass: Vec<f64>,
     factor: Vec<f64>,
@@ -141,7 +141,8 @@ impl Eigenproblem {
         }
     }
 
-    /// Factors `K + σM` with the smallest `σ` of a ladder that makes it positive definite.
+    /// Factors `K + σM` with the smallest shift `σ` in a list of increasing shifts for which the
+    /// matrix is positive definite.
     fn factor_shifted(&mut self, stiffness: &[f64]) -> bool {
         let n = self.values.len();
         self.shift = 100.0;

@@ -1,4 +1,4 @@
-//! The in-plane problem for a given deflection: `K_uv s = −r(w)`.
+//! The in-plane problem for a given deflection `w`: `K_uv s = −r(w)`.
 //!
 //! The displacements are `u = Σ U_k(ξ) U_l(ζ)`, and `v` has the same form. The stiffness matrix of
 //! plane stress on the plate (the mean over the plate, `x = (1 + ξ)/2`, `y = α(1 + ζ)/2`) is a sum

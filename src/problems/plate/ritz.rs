@@ -113,7 +113,8 @@ impl Ritz {
         self.model.orders
     }
 
-    /// Returns `x = (z, p)` of the flat plate, with all parameters at their defaults.
+    /// Returns the point `x = (z, p)` of the flat plate, with all parameters at their default
+    /// values.
     pub fn at_rest(&self) -> Vec<f64> {
         let mut x = vec![0.0; self.model.unknowns()];
         x.extend_from_slice(self.model.settings.units.defaults());

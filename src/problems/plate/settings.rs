@@ -20,7 +20,7 @@ pub enum Model {
     /// The full Ritz model, in integrated Legendre functions.
     #[default]
     Ritz,
-    /// A reduced-order model on the lowest modes of the flat plate.
+    /// A reduced-order model in the lowest modes of the flat plate.
     Modal,
     /// The stress-function model in sines of a simply supported plate (section 3.2).
     Sine,
@@ -43,7 +43,7 @@ pub struct PlateSettings {
     pub model: Model,
     /// The number of modes of the models `modal` and `sine`.
     pub modes: usize,
-    /// The projection of the models `modal` and `sine`.
+    /// The projection of the equation of motion in the models `modal` and `sine`.
     pub projection: Projection,
     /// The numbers of functions of the model `ritz`; by default the numbers that the accuracy
     /// requires.

@@ -27,7 +27,7 @@ pub(super) fn local(
     sums
 }
 
-/// Returns the values of all products of functions at a point.
+/// Returns the values of all products of transverse functions at a point of the plate.
 pub(super) fn products(
     model: &Discretisation,
     at: [f64; 2],
@@ -41,7 +41,7 @@ pub(super) fn products(
     }
 }
 
-/// Evaluates the functions of each direction at a point.
+/// Evaluates the transverse functions of each direction at a point of the plate.
 fn evaluate<'a>(
     model: &Discretisation,
     at: [f64; 2],

@@ -56,7 +56,7 @@ pub struct SineSettings {
     /// [`InPlane::Straight`]: no mean normal force ("movable" in section 3.2), so that `p_x = p_y = 0`.
     /// Other in-plane supports are rejected.
     pub in_plane: InPlane,
-    /// The theory, linear or von Kármán's.
+    /// The theory: linear, or von Kármán's.
     pub theory: Theory,
     /// The projection.
     pub projection: Projection,
@@ -171,7 +171,7 @@ impl SinePlate {
         Ok(SinePlate { settings, sines })
     }
 
-    /// Returns the wave numbers `(m, n)` of the unknowns, in order.
+    /// Returns the wave numbers `(m, n)` of all unknowns, in the order of the unknowns.
     pub fn modes(&self) -> Vec<(usize, usize)> {
         self.sines.modes.iter().map(|&(k, l)| (2 * k + 1, 2 * l + 1)).collect()
     }
@@ -280,7 +280,7 @@ impl ZeroProblem for SinePlate {
         self.settings.projection.dynamics()
     }
 
-    /// Returns the deflection and the first mode shape along the centre line.
+    /// Returns profiles of the deflection and of the first mode shape along the centre line.
     fn profiles(&self, z: &[f64], p: &[f64]) -> Vec<Profile> {
         profile::with_lowest_mode(self, z, p, |z, x| self.deflection(z, x, 0.5))
     }

@@ -31,14 +31,14 @@ const MOST: usize = 512;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Ends {
-    /// Simply supported: `w = w'' = 0`. The functions are `sin kπx` with odd `k`; convergence is
-    /// algebraic because `w''''` does not vanish at the ends (the error of the load at pull-in
+    /// Simply supported ends: `w = w'' = 0`. The functions are `sin kπx` with odd `k`; convergence
+    /// is algebraic because `w''''` does not vanish at the ends (the error of the load at pull-in
     /// falls with the seventh power of the number of functions: 6e-9 for 5 functions, 4e-11 for
     /// 10).
     #[default]
     Supported,
-    /// Clamped: `w = w' = 0`. The functions are twice integrated Legendre polynomials, orthogonal
-    /// in bending; convergence is exponential.
+    /// Clamped ends: `w = w' = 0`. The functions are twice integrated Legendre polynomials,
+    /// orthogonal in bending; convergence is exponential.
     Clamped,
 }
 
@@ -47,7 +47,7 @@ pub enum Ends {
 pub struct StripSettings {
     /// The number of functions, from 1 to 512.
     pub functions: usize,
-    /// The support of both ends.
+    /// The support of both ends of the strip.
     pub ends: Ends,
     /// The number of Gauss points on the half interval; by default the number of functions plus 32.
     pub quadrature_points: Option<usize>,
@@ -59,7 +59,7 @@ impl Default for StripSettings {
     }
 }
 
-/// An electrically actuated strip expanded in `N` functions.
+/// An electrically actuated strip whose deflection is expanded in `N` functions.
 ///
 /// This [`ZeroProblem`] has the unknowns `w` (`N` coefficients of the deflection over the gap), the
 /// parameters `load` (`λ`, eq. 3.17) and `gap_ratio` (`α₁ = d/h`), and the dimensionless monitors
@@ -218,7 +218,7 @@ impl ZeroProblem for Strip {
         Dynamics::Potential
     }
 
-    /// Returns the deflection and the first mode shape along the strip.
+    /// Returns profiles of the deflection and of the first mode shape along the strip.
     fn profiles(&self, z: &[f64], p: &[f64]) -> Vec<Profile> {
         profile::with_lowest_mode(self, z, p, |z, x| self.deflection(z, x))
     }
@@ -234,7 +234,7 @@ enum Functions {
 }
 
 impl Functions {
-    /// Returns all functions and their slopes at `0 ≤ x ≤ 1`.
+    /// Returns the values and slopes of all functions at `0 ≤ x ≤ 1`.
     fn at(&self, x: f64) -> Vec<[f64; 2]> {
         match self {
             Functions::Sines(count) => {

@@ -42,7 +42,7 @@ fn differentiate<T: Directional>(
     out.iter_mut().zip(&work.r).for_each(|(out, r)| *out = r.mixed());
 }
 
-/// Returns the unknowns of the same deflection in a larger space of polynomials.
+/// Returns the unknowns of the same deflection in a larger polynomial space.
 fn prolonged(from: &Discretisation, to: &Discretisation, z: &[f64]) -> Vec<f64> {
     // For one direction, expresses functions of the coarse basis by functions of the fine basis,
     // `(coarse, fine)`.
@@ -302,7 +302,7 @@ impl System for Ritz {
         Ok(())
     }
 
-    /// Returns the deflection and the first mode shape along the centre line.
+    /// Returns profiles of the deflection and of the first mode shape along the centre line.
     fn profiles(&mut self, x: &[f64]) -> Vec<Profile> {
         let modes = self.modes(x, 1).ok();
         let shape = modes.as_ref().and_then(|modes| modes.shapes.first());

@@ -41,7 +41,7 @@ pub(super) fn add_force<T: Scalar>(form: &[f64], q: &[T], stiffness: T, r: &mut 
     }
 }
 
-/// Adds `Σ_P row_P ∂s_P/∂q_k` to `out`.
+/// Adds the product `Σ_P row_P ∂s_P/∂q_k` to `out`, for all `k`.
 pub(super) fn add_product_slopes(row: &[f64], q: &[f64], out: &mut [f64]) {
     let mut row = row.iter();
     for i in 0..q.len() {

@@ -22,7 +22,7 @@ use crate::problems::plate::{domain, monitors, profile};
 /// it allows for rounding of `b/a`.
 const SAME: f64 = 1e-12;
 
-/// A plate expanded in `N` modes of the flat plate.
+/// The model of a plate whose deflection is expanded in `N` modes of the flat plate.
 ///
 /// This [`ZeroProblem`] has the unknowns `w` (the `N` coefficients `q_i`, deflection over gap), the
 /// parameters of [`Units`](crate::problems::plate::Units) and the monitors of [all
@@ -52,7 +52,7 @@ const SAME: f64 = 1e-12;
 pub struct Modal {
     settings: ModalSettings,
     plate: Ritz,
-    /// The coefficients of the modes in the unknowns of `plate`.
+    /// The coefficients of the modes in the unknowns of the full model `plate`.
     shapes: Vec<Vec<f64>>,
     pub(super) linear: Linear,
     pub(super) projected: Projected,
@@ -225,7 +225,7 @@ impl ZeroProblem for Modal {
         self.settings.projection.dynamics()
     }
 
-    /// Returns the deflection and the first mode shape along the centre line.
+    /// Returns profiles of the deflection and of the first mode shape along the centre line.
     fn profiles(&self, z: &[f64], p: &[f64]) -> Vec<Profile> {
         profile::with_lowest_mode(self, z, p, |z, x| self.deflection(z, x, 0.5))
     }

@@ -7,7 +7,7 @@ use crate::problems::plate::terms::Projection;
 /// The largest number of modes, limited because the matrix `A` contains about N⁴/4 entries.
 pub const MOST_MODES: usize = 40;
 
-/// The settings of a [`Modal`](super::Modal).
+/// The settings of a [`Modal`](super::Modal) model of a plate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ModalSettings {
     /// The settings of the plate: supports, in-plane supports, theory, units, symmetry, and the

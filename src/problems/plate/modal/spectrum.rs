@@ -23,7 +23,7 @@ const BEYOND: usize = 6;
 /// are needed because stresses contain products of slopes.
 const IN_PLANE_BEYOND: usize = 6;
 
-/// The lowest modes of the flat plate.
+/// The lowest modes of the flat plate, in the unknowns of a full plate model.
 pub(super) struct FlatModes {
     /// The full plate model in whose unknowns the modes are expressed.
     pub plate: Ritz,
@@ -35,10 +35,10 @@ pub(super) struct FlatModes {
 }
 
 impl FlatModes {
-    /// Computes the modes that the settings request. If the settings do not contain numbers of
-    /// functions, the discretisations of a ladder are tried until two agree; otherwise the modes
-    /// for the given numbers of functions must agree with the modes of the next finer
-    /// discretisation.
+    /// Computes the modes of the flat plate that the settings request. If the settings do not
+    /// contain numbers of functions, the discretisations of a ladder are tried until two agree;
+    /// otherwise the modes for the given numbers of functions must agree with the modes of the next
+    /// finer discretisation.
     pub fn new(settings: &ModalSettings) -> Result<FlatModes, PlateError> {
         let asked = settings.modes;
         let mut orders = settings.plate.orders.unwrap_or_else(|| first_rung(settings));

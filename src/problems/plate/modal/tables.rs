@@ -14,7 +14,7 @@ pub(super) struct Nodes {
 }
 
 impl Nodes {
-    /// Tabulates all modes at the nodes of a rule.
+    /// Tabulates all modes at the nodes of a quadrature rule.
     pub fn new(plate: &Ritz, shapes: &[Vec<f64>], rules: &[Rule; 2], aspect: f64) -> Nodes {
         let fields: Vec<_> = (shapes.iter())
             .map(|shape| plate.field(shape, [&rules[0].nodes, &rules[1].nodes]))

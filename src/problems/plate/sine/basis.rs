@@ -23,7 +23,7 @@ pub(super) fn ordered_modes(count: usize) -> Vec<(usize, usize)> {
 /// 1].
 #[derive(Clone, Debug)]
 pub(super) struct Grid {
-    /// The number of odd wave numbers in use.
+    /// The number of odd wave numbers that are used.
     pub width: usize,
     /// The Gauss points in (0, ½).
     pub points: Vec<f64>,

@@ -14,7 +14,7 @@ use std::f64::consts::PI;
 pub(super) struct Sines {
     /// `((m−1)/2, (n−1)/2)`.
     pub modes: Vec<(usize, usize)>,
-    /// The stress function; `None` in linear theory.
+    /// The stress function of the plate; `None` in linear theory.
     pub airy: Option<Airy>,
     pub grid: Grid,
     /// Whether the edges are immovable, so that deflection stretches the plate.
@@ -227,8 +227,8 @@ impl<T: Scalar> Line<T> {
         }
     }
 
-    /// Returns `L(w) − κΦ(w,F)` at point `x` of the line, for uniform forces `[tension_x,
-    /// tension_y]`.
+    /// Returns `L(w) − κΦ(w,F)` at point `x` of the line `η = const`, for the uniform forces
+    /// `[tension_x, tension_y]`.
     fn force(&self, grid: &Grid, x: usize, [tension_x, tension_y]: [T; 2]) -> T {
         let (in_x, slope_in_x) = (grid.sines(x), grid.cosines(x));
         let w_yy = dot(&self.w_yy[..grid.width], in_x);
