@@ -1,10 +1,10 @@
 //! Cancels long computations from outside, for example by Ctrl-C.
 //!
-//! A [`CancelToken`] belongs to the settings of flows, searches and branches. Flows check it before
-//! every step, systems of equations before every assembly, every interval and every block of a
-//! factorisation, and sweeps between periods, on all threads. Cancelled work fails immediately with
-//! [`Cancelled`]; a branch keeps its points and ends with
-//! [`End::Interrupted`](crate::core::continuation::End::Interrupted).
+//! A [`CancelToken`] belongs to the settings of flows, searches and branches. Flows check the token
+//! before every step; systems of equations check it before every assembly, every interval and every
+//! block of a factorisation; sweeps check it between periods, on all threads. A cancelled
+//! computation fails immediately with [`Cancelled`]; a cancelled branch keeps its points and ends
+//! with [`End::Interrupted`](crate::core::continuation::End::Interrupted).
 //!
 //! ```
 //! use tangency::core::continuation::{Continuation, End, Settings, Traced};
@@ -28,7 +28,7 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// A request to stop, shared by all clones of the token.
+/// A request to stop a computation, shared by all clones of the token.
 ///
 /// ```
 /// use tangency::core::cancel::{CancelToken, Cancelled};
@@ -46,23 +46,23 @@ use std::sync::atomic::{AtomicBool, Ordering};
 #[derive(Clone, Debug, Default)]
 pub struct CancelToken(Arc<AtomicBool>);
 
-/// The work was cancelled.
+/// The error of a computation that its [`CancelToken`] cancelled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, miette::Diagnostic, thiserror::Error)]
 #[error("cancelled")]
 pub struct Cancelled;
 
 impl CancelToken {
-    /// Cancels permanently all work that holds a clone of this token.
+    /// Cancels permanently all computations that hold a clone of this token.
     pub fn cancel(&self) {
         self.0.store(true, Ordering::Relaxed);
     }
 
-    /// Whether the work was cancelled.
+    /// Whether the computation was cancelled.
     pub fn is_cancelled(&self) -> bool {
         self.0.load(Ordering::Relaxed)
     }
 
-    /// Returns an error if the work was cancelled.
+    /// Returns an error if the computation was cancelled.
     ///
     /// # Errors
     /// [`Cancelled`].
@@ -71,14 +71,14 @@ impl CancelToken {
     }
 }
 
-/// Creates a token from a flag that, for example, a signal handler sets.
+/// Creates a token from a flag, for example a flag that a signal handler sets.
 impl From<Arc<AtomicBool>> for CancelToken {
     fn from(flag: Arc<AtomicBool>) -> Self {
         CancelToken(flag)
     }
 }
 
-/// All tokens compare equal, so that settings that differ only in their tokens are equal.
+/// All tokens compare equal, so that two settings are equal if only their tokens differ.
 impl PartialEq for CancelToken {
     fn eq(&self, _other: &Self) -> bool {
         true

@@ -17,8 +17,8 @@
 use super::cancel::Cancelled;
 use miette::Diagnostic;
 
-/// A pivot counts as zero if it is smaller than this fraction of the largest pivot of an equilibrated
-/// matrix, or of the largest entry of its row.
+/// A pivot of a factorisation counts as zero if it is smaller than this fraction of the largest
+/// pivot of an equilibrated matrix, or of the largest entry of its row.
 pub(in crate::core) const SINGULAR: f64 = 1e-15;
 
 /// Returns the message of an error with its help, in one line: `message; help`.
@@ -32,8 +32,8 @@ pub fn one_line(error: &dyn Diagnostic) -> String {
     error.help().map_or(error.to_string(), |help| format!("{error}; {help}"))
 }
 
-/// Implements `Debug` as the message with its help, which is what a program prints whose `main`
-/// returns the error.
+/// Implements `Debug` as the message with its help: a program whose `main` returns the error prints
+/// this text.
 macro_rules! debug_is_message {
     ($($error:ty),* $(,)?) => {$(
         impl std::fmt::Debug for $error {
@@ -50,11 +50,11 @@ pub(crate) use debug_is_message;
 #[error("{quantity} = {value:.6e} is outside the domain of the equations")]
 #[diagnostic(help("{remedy}"))]
 pub struct OutOfDomain {
-    /// The name of the quantity with the offending value.
+    /// The name of the quantity whose value is outside its domain.
     pub quantity: String,
     /// The offending value.
     pub value: f64,
-    /// The domain, or the remedy.
+    /// The domain of the quantity, or a remedy.
     pub remedy: String,
 }
 
@@ -65,7 +65,7 @@ impl OutOfDomain {
     }
 }
 
-/// The reason why a trajectory ends early.
+/// The error of a trajectory that ended early, with the reason.
 #[derive(Clone, Debug, PartialEq, miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum FlowError {
@@ -78,7 +78,7 @@ pub enum FlowError {
         /// The quantity that left its domain.
         left: OutOfDomain,
     },
-    /// The work was cancelled.
+    /// The computation was cancelled.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Cancelled(#[from] Cancelled),
@@ -88,9 +88,9 @@ pub enum FlowError {
     NotFinite {
         /// The time.
         time: f64,
-        /// The name of the state.
+        /// The name of the state that is not finite.
         state: String,
-        /// The value that is not finite.
+        /// The value of the state that is not finite.
         value: f64,
     },
     /// The step size became too small for the tolerance: the solution or a derivative of the field is
@@ -102,7 +102,7 @@ pub enum FlowError {
     StepTooSmall {
         /// The time.
         time: f64,
-        /// The step, in units of time.
+        /// The step size that is too large for the tolerance, in units of time.
         step: f64,
     },
     /// The flow took more steps than allowed.
@@ -116,12 +116,12 @@ pub enum FlowError {
     TooManySteps {
         /// The time.
         time: f64,
-        /// The number of steps.
+        /// The number of steps that the flow took.
         steps: usize,
-        /// The last step, in units of time.
+        /// The size of the last step, in units of time.
         step: f64,
     },
-    /// Stability, not accuracy, limits the steps of an explicit method.
+    /// Stability, not accuracy, limits the step size of an explicit method.
     #[error(
         "at t = {time:.9e} the field is stiff: a step of {step:.1e} times the fastest rate of the field \
          is {product:.1}, the limit of stability"
@@ -130,15 +130,15 @@ pub enum FlowError {
     Stiff {
         /// The time.
         time: f64,
-        /// The step, in units of time.
+        /// The size of the step at the limit of stability, in units of time.
         step: f64,
-        /// The estimate of `h |λ|`.
+        /// The estimate of `h |λ|`: the step size times the fastest rate of the field.
         product: f64,
     },
 }
 
 impl FlowError {
-    /// Whether an explicit method failed because the field is stiff, or possibly stiff.
+    /// Whether an explicit method failed because the field is stiff or possibly stiff.
     pub fn is_stiff(&self) -> bool {
         matches!(self, FlowError::Stiff { .. } | FlowError::TooManySteps { .. })
     }
@@ -152,18 +152,18 @@ pub enum Failure {
     #[error(transparent)]
     #[diagnostic(transparent)]
     OutOfDomain(#[from] OutOfDomain),
-    /// A number that must be finite is not.
+    /// A number that must be finite is infinite or NaN.
     #[error("{quantity} = {value:.6e} is not finite")]
     #[diagnostic(help("{remedy}"))]
     NotFinite {
-        /// The name of the number.
+        /// The name of the number that is not finite.
         quantity: String,
         /// The number.
         value: f64,
         /// The remedy.
         remedy: String,
     },
-    /// A matrix is singular to 16 digits.
+    /// A matrix is singular to working accuracy (16 digits).
     #[error(
         "the matrix is singular: one pivot is {pivot:.1e}, and the largest pivot is {largest:.1e}"
     )]
@@ -174,34 +174,34 @@ pub enum Failure {
         /// The largest pivot.
         largest: f64,
     },
-    /// A trajectory ends early.
+    /// A trajectory ended early.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Flow(#[from] FlowError),
-    /// The work was cancelled.
+    /// The computation was cancelled.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Cancelled(#[from] Cancelled),
-    /// Deviations, and rounding errors with them, grow so much over a segment that too few digits are
-    /// left.
+    /// Deviations grow so much over a segment of shooting, and rounding errors grow with them, that
+    /// too few digits are left.
     #[error(
         "deviations and rounding errors grow by {0:.1e} over a segment, which leaves too few digits"
     )]
     #[diagnostic(help("use more segments, or the collocation method"))]
     Growth(f64),
-    /// A segment of a trial solution lasts longer than the limit.
+    /// A segment of a trial solution lasts longer than allowed: Newton's iteration diverges.
     #[error(
         "a segment of a trial solution lasts {duration:.3e}, longer than the limit of {longest:.3e} (ten times \
          the last solution): Newton's iteration diverges"
     )]
     #[diagnostic(help("take smaller steps"))]
     Astray {
-        /// The duration of the segment.
+        /// The duration of the segment of the trial solution.
         duration: f64,
         /// The longest duration.
         longest: f64,
     },
-    /// The iteration for these eigenvalues or Floquet multipliers did not converge.
+    /// The iteration for eigenvalues or Floquet multipliers did not converge.
     #[error(
         "the {0} do not converge: the matrix possibly has entries that are not finite, or of very different \
          sizes"
@@ -213,13 +213,14 @@ pub enum Failure {
          unit circle: the point is not a Hopf or torus point, but possibly a neutral saddle"
     )]
     NoComplexPair,
-    /// The equations do not determine the requested result at this point; the text gives the reason.
+    /// The equations do not determine the requested result at this point; the message gives the
+    /// reason.
     #[error("{0}")]
     Undetermined(String),
-    /// The system or problem does not support the request.
+    /// The system or problem does not support the requested operation.
     #[error("{0}")]
     Unsupported(String),
-    /// The index of a branch is too large.
+    /// The requested index of a branch at a special point is too large.
     #[error(
         "there is no other branch with index {which}: {count} other branches begin or cross here, \
          numbered from 0"
@@ -227,10 +228,10 @@ pub enum Failure {
     NoBranch {
         /// The requested index.
         which: usize,
-        /// The number of other branches that begin or cross there.
+        /// The number of other branches that begin or cross at the special point.
         count: usize,
     },
-    /// A solution, position or setting does not fit the problem.
+    /// A solution, a position or a setting does not fit the problem.
     #[error("{0}")]
     Mismatch(String),
 }
@@ -247,7 +248,7 @@ impl Failure {
         Failure::NoBranch { which, count }
     }
 
-    /// Adds the place at which the quantity has its value to the error.
+    /// Adds to the error the place at which the quantity has its value.
     pub(in crate::core) fn at(mut self, place: std::fmt::Arguments) -> Self {
         if let Failure::OutOfDomain(OutOfDomain { quantity, .. })
         | Failure::NotFinite { quantity, .. } = &mut self
@@ -267,7 +268,7 @@ fn of_singular(pivot: f64) -> &'static str {
     }
 }
 
-/// Creates the error for a pivot that vanishes, relative to the largest one, or is NaN.
+/// Creates the error for a pivot that is NaN, or that vanishes relative to the largest pivot.
 pub(in crate::core) fn unusable(pivot: f64, largest: f64) -> Failure {
     match pivot.is_nan() {
         true => Failure::not_finite("a pivot", pivot, "all entries of the matrix must be finite"),
@@ -275,7 +276,8 @@ pub(in crate::core) fn unusable(pivot: f64, largest: f64) -> Failure {
     }
 }
 
-/// Returns an error if a number is not finite; `name` gives the name of the number at a position.
+/// Returns an error if a number in a list is not finite; `name` gives the name of the number at a
+/// position.
 pub(crate) fn finite(
     numbers: &[f64],
     name: impl FnOnce(usize) -> String,
@@ -287,18 +289,18 @@ pub(crate) fn finite(
     }
 }
 
-/// The position of the first number that is not finite.
+/// The position of the first number in a list that is not finite.
 pub(in crate::core) fn not_finite(numbers: &[f64]) -> Option<usize> {
     let any = numbers.iter().fold(false, |any, number| any | !number.is_finite());
     if any { numbers.iter().position(|number| !number.is_finite()) } else { None }
 }
 
-/// The remedy for derivatives that are not finite.
+/// The help of the errors for derivatives that are not finite.
 pub(in crate::core) const DIFFERENTIABLE: &str =
     "the residual must be differentiable here (√ at 0 is not)";
 
-/// Returns an error if a component of a gradient, by an unknown or a released parameter, is infinite
-/// or NaN.
+/// Returns an error if a component of a gradient, with respect to an unknown or a released
+/// parameter, is infinite or NaN.
 pub(crate) fn finite_gradient(
     gradient: &[f64],
     dimension: usize,
@@ -313,7 +315,7 @@ pub(crate) fn finite_gradient(
     })
 }
 
-/// Creates the error for a derivative of an order that no system provides.
+/// Creates the error for a derivative of an order that systems do not provide.
 pub(crate) fn unknown_order(order: usize) -> Failure {
     Failure::Unsupported(format!("derivatives of order {order} are not supported"))
 }

@@ -3,11 +3,11 @@
 //! | module | purpose |
 //! |---|---|
 //! | [`scalar`] | the numbers on which equations are evaluated: reals, dual numbers, jets |
-//! | [`problem`] | models of users: zero problems, vector fields, maps, their names and measures |
-//! | [`system`] | zero problems as continuation uses them, with dense or sparse matrices |
-//! | [`linalg`] | bordered matrices, chains of intervals, Floquet multipliers |
+//! | [`problem`] | models that users define: zero problems, vector fields, maps, their names and measures |
+//! | [`system`] | the interface of zero problems to continuation, with dense or sparse matrices |
+//! | [`linalg`] | linear algebra: bordered matrices, chains of intervals, Floquet multipliers |
 //! | [`bifurcation`] | defining systems, test functions and normal forms of special points |
-//! | [`continuation`] | branches: steps, events, switching |
+//! | [`continuation`] | branches: continuation steps, location of events, branch switching |
 //! | [`ode`] | integration of vector fields |
 //! | [`bvp`] | boundary-value problems by collocation or shooting |
 //! | [`hybrid`] | hybrid and Filippov systems, and their simulation |
@@ -16,11 +16,11 @@
 //! | [`local_map`] | local maps near grazing orbits |
 //! | [`manifold`] | stable and unstable manifolds of saddles of maps |
 //! | [`attractor`] | attractors by simulation: cycles, Lyapunov exponents, crises |
-//! | `sweep` (feature `scene`) | attractors over grids of parameters, on all cores |
+//! | `sweep` (feature `scene`) | parameter sweeps: attractors over grids of parameters, on all cores |
 //! | [`numerics`] | quadrature, interpolation, bracketed roots |
-//! | [`cancel`], [`failure`], [`spelling`] | cancellation of computations; the reasons of failures; suggestions for unknown names |
+//! | [`cancel`], [`failure`], [`spelling`] | cancellation of computations; errors of evaluations and solves; suggestions for unknown names |
 //!
-//! A problem becomes a system, and a system has branches:
+//! A user's problem is wrapped as a system, and branches of solutions of the system are computed:
 //!
 //! ```
 //! use tangency::core::{continuation::Continuation, system::{Dense, Kind}};

@@ -1,8 +1,8 @@
 //! Defines the numbers on which equations are evaluated: reals, dual numbers and jets.
 //!
-//! Equations are written once, generic over [`Scalar`]; evaluated on `f64` they give values, on
-//! dual numbers derivatives, and on a [`Jet`] Taylor polynomials (A. Griewank and A. Walther,
-//! *Evaluating Derivatives*, 2nd ed. 2008).
+//! Equations are written once, generic over [`Scalar`]: evaluation on `f64` yields values,
+//! evaluation on dual numbers yields derivatives, and evaluation on a [`Jet`] yields Taylor
+//! polynomials (A. Griewank and A. Walther, *Evaluating Derivatives*, 2nd ed. 2008).
 //!
 //! ```
 //! use tangency::core::scalar::Scalar;
@@ -38,11 +38,11 @@ pub use traced::Traced;
 
 use num_dual::DualNum;
 
-/// A real number or a dual number of any depth: what residuals, monitors and fields are generic
-/// over.
+/// A real number or a dual number of any depth: residuals, monitors and fields are generic over
+/// this trait.
 ///
-/// Implemented for every `Copy` type of [`num_dual`] over `f64`, and for `f64` itself.
-/// Comparisons see real parts only; `%` panics; the derivative of `√x` at 0 is not finite.
+/// The trait is implemented for every `Copy` type of [`num_dual`] over `f64`, and for `f64` itself.
+/// Comparisons use only real parts; `%` panics; the derivative of `√x` at 0 is not finite.
 ///
 /// ```
 /// use tangency::core::scalar::Scalar;
@@ -53,9 +53,9 @@ use num_dual::DualNum;
 /// assert!(slope.abs() < 1e-15, "the parallel-plate actuator folds at u = 1/3");
 /// ```
 pub trait Scalar: DualNum<Primitive = f64> + Copy + Send + Sync {
-    /// The real part: the number itself, without any derivative.
+    /// The real part of a number: its value without derivatives.
     fn real(&self) -> f64;
-    /// A constant: all derivatives are zero.
+    /// A constant: a number whose derivatives are all zero.
     fn constant(value: f64) -> Self {
         Self::from(value)
     }

@@ -1,7 +1,8 @@
-//! Suggests the known name nearest to an unknown one, and shortens long names in messages.
+//! Suggests the known name that is most similar to an unknown name, and shortens long names in
+//! messages.
 //!
-//! Names are compared by the number of edits, with swaps of neighbours as one edit (F. J. Damerau,
-//! *Commun. ACM* 7:171, 1964).
+//! Names are compared by the number of edits, where a swap of neighbouring letters is one edit (F.
+//! J. Damerau, *Commun. ACM* 7:171, 1964).
 //!
 //! ```
 //! use tangency::core::spelling::suggest;
@@ -9,9 +10,9 @@
 //! assert_eq!(suggest("voltage", ["load", "gap"]), None);
 //! ```
 
-/// Returns the candidate nearest to a mistyped name: the one with the fewest insertions, deletions,
-/// replacements and swaps of neighbours (ignoring case), if their number is at most a third of the
-/// name's length. One edit is always allowed.
+/// Returns the candidate most similar to a mistyped name: the one with the fewest insertions,
+/// deletions, replacements and swaps of neighbouring letters (ignoring case), if their number is at
+/// most a third of the name's length. A name that differs by one edit is always accepted.
 ///
 /// ```
 /// use tangency::core::spelling::suggest;
@@ -31,19 +32,19 @@ pub fn suggest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) ->
         .map(|(_, candidate)| candidate)
 }
 
-/// The maximum number of letters of a name in a message.
+/// The maximum number of characters of a name in a message.
 const SHOWN: usize = 60;
-/// The maximum number of letters of a list of names in a message.
+/// The maximum number of characters of a list of names in a message.
 const LISTED: usize = 240;
 
-/// Returns whether a letter is invisible or changes the direction of others: control characters and
-/// directional formatting.
+/// Returns whether a character is invisible or changes the direction of neighbouring characters:
+/// control characters and directional formatting.
 pub(crate) fn is_hidden(letter: char) -> bool {
     let is_mark = matches!(letter, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{feff}');
     is_mark || letter.is_control()
 }
 
-/// Formats a name or a value for messages: invisible letters are escaped, and long texts are
+/// Formats a name or a value for messages: invisible characters are escaped, and long texts are
 /// shortened.
 pub(crate) fn shown(text: &str) -> String {
     let plain = |letter: char| match is_hidden(letter) {
@@ -54,7 +55,8 @@ pub(crate) fn shown(text: &str) -> String {
     text.chars().take(SHOWN).map(plain).collect::<String>() + cut
 }
 
-/// Formats a list of names for messages: as many as fit, and the number of the others.
+/// Formats a list of names for messages: the first names up to the maximum length, and the number
+/// of omitted names.
 pub(crate) fn listed<S: AsRef<str>>(names: &[S]) -> String {
     let mut list = String::new();
     for name in names {

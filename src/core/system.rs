@@ -1,14 +1,15 @@
-//! Defines zero problems `F(z, p) = 0` as continuation uses them: residuals, derivatives, solves.
+//! Defines the interface of zero problems `F(z, p) = 0` to continuation: residuals, derivatives,
+//! solves.
 //!
 //! A **[`System`]** is the object-safe `f64` interface of a zero problem. Continuation, defining
-//! systems and the location of events use nothing else, so a problem with structure (condensed
-//! unknowns, collocation blocks) implements the trait directly; [`Dense`] and [`Sparse`] implement
-//! the trait for any [`ZeroProblem`](crate::core::problem::ZeroProblem), by forward-mode dual
-//! numbers.
+//! systems and the location of events use only this interface, so a problem with structure
+//! (condensed unknowns, collocation blocks) implements the trait directly; [`Dense`] and [`Sparse`]
+//! implement the trait for any [`ZeroProblem`](crate::core::problem::ZeroProblem), by forward-mode
+//! dual numbers.
 //!
-//! Throughout, `x = (z, p)` is one vector: the `n` unknowns, then *all* parameters, held or
-//! released, in the order of their names. A direction in which a derivative is taken is such a
-//! vector as well.
+//! Throughout this module, `x = (z, p)` is one vector: the `n` unknowns, then *all* parameters,
+//! held or released, in the order of their names. A direction in which a derivative is taken is
+//! also a vector of the length of `x`.
 //!
 //! ```
 //! use tangency::core::system::{Dense, System};
@@ -57,48 +58,50 @@ use crate::core::scalar::Space;
 
 /// A zero problem on a finer discretisation, and a point on that discretisation.
 pub struct Refinement {
-    /// The finer system; its parameters and monitors have the same names.
+    /// The system on the finer discretisation; its parameters and monitors have the same names.
     pub system: Box<dyn System>,
-    /// The point `x = (z, p)`, carried over to the finer system.
+    /// The point `x = (z, p)`, transferred to the finer discretisation.
     pub x: Vec<f64>,
 }
 
-/// A function of `x` whose gradient a [`System`] computes.
+/// A scalar function of `x` whose gradient a [`System`] computes.
 #[derive(Clone, Copy, Debug)]
 pub enum Functional<'a> {
     /// `wᵀ F_x[v]`, given `w` (one weight for each equation) and `v` (of the same length as `x`).
     First(&'a [f64], &'a [f64]),
-    /// `wᵀ F_xx[v, v]`, given `w` and `v`.
+    /// `wᵀ F_xx[v, v]`, given `w` (one weight for each equation) and `v` (of the same length as
+    /// `x`).
     Second(&'a [f64], &'a [f64]),
-    /// The monitor at this position.
+    /// The monitor at this position among all monitors.
     Monitor(usize),
 }
 
-/// The interface of a zero problem to continuation: object-safe, in `f64`.
+/// The object-safe interface of a zero problem to continuation, in `f64`.
 ///
-/// Implementations own their buffers: after a first call, residual, assembly, factorisation,
-/// derivatives and gradients allocate nothing except the vectors that a problem returns (scales of
-/// its states).
+/// Implementations own their buffers: after a first call, the residual, assembly, factorisation,
+/// derivatives and gradients do not allocate memory, except for the vectors that a problem returns
+/// (scales of its states).
 pub trait System: Send {
-    /// The names of unknowns, parameters and monitors.
+    /// The names of the unknowns, parameters and monitors of the system.
     fn names(&self) -> &Names;
 
-    /// Computes `F(x)` and writes it into `r`.
+    /// Computes the residual `F(x)` and writes it into `r`.
     ///
     /// # Errors
-    /// [`Failure`] where the equations are undefined at `x` or a component is not finite.
+    /// [`Failure`] if the equations are undefined at `x` or a component of the residual is not
+    /// finite.
     fn residual(&mut self, x: &[f64], r: &mut [f64]) -> Result<(), Failure>;
 
-    /// Evaluates `F_z` at `x` and keeps it for [`factor`](System::factor) and
+    /// Evaluates `F_z` at `x` and stores the matrix for [`factor`](System::factor) and
     /// [`spectrum`](System::spectrum). Defining systems, monitors and Newton's method each request
-    /// `F_z` at the same `x`: a second call at this `x` should cost no more than its comparison
-    /// with the `x` of the first call.
+    /// `F_z` at the same `x`: a second call at the same `x` should cost no more than the comparison
+    /// of the two vectors.
     ///
     /// # Errors
     /// [`Failure`] as for [`residual`](System::residual).
     fn assemble(&mut self, x: &[f64]) -> Result<(), Failure>;
 
-    /// Factors a form of the assembled `F_z` within a border (of width 0 or more) and writes the
+    /// Factors a form of the assembled `F_z` with a border of width 0 or more, and writes the
     /// factors into `into`.
     ///
     /// # Errors
@@ -110,8 +113,8 @@ pub trait System: Send {
     /// directions (each of the same length as `x`) and writes it into `out`.
     ///
     /// # Errors
-    /// [`Failure`] outside the domain, where the derivative is not finite, or for another number of
-    /// directions.
+    /// [`Failure`] if `x` is outside the domain, the derivative is not finite, or the number of
+    /// directions is not 1, 2 or 3.
     fn derivative(
         &mut self,
         x: &[f64],
@@ -121,11 +124,11 @@ pub trait System: Send {
 
     /// Computes the gradient of a functional with respect to `x` and writes it into `out` (of the
     /// same length as `x`): the components of all unknowns, and the components of the parameters
-    /// listed in `released`. The components of other parameters are unspecified.
+    /// listed in `released`. The components of parameters that are not released are unspecified.
     ///
     /// # Errors
-    /// [`Failure`] as for [`derivative`](System::derivative) and [`monitors`](System::monitors), or
-    /// where the functional is not differentiable.
+    /// The errors of [`derivative`](System::derivative) and [`monitors`](System::monitors), and
+    /// [`Failure`] if the functional is not differentiable at `x`.
     fn gradient(
         &mut self,
         x: &[f64],
@@ -134,7 +137,7 @@ pub trait System: Send {
         out: &mut [f64],
     ) -> Result<(), Failure>;
 
-    /// Returns the derivative of a monitor at `x` along a direction, which has the length of `x`.
+    /// Returns the derivative of a monitor at `x` along a direction of the length of `x`.
     ///
     /// # Errors
     /// [`Failure`] as for [`gradient`](System::gradient).
@@ -149,14 +152,14 @@ pub trait System: Send {
         Ok(dot(&gradient[..n], &direction[..n]) + released.sum::<f64>())
     }
 
-    /// The motion that the residual describes.
+    /// The type of dynamics that the residual describes.
     fn dynamics(&self) -> Dynamics;
 
-    /// Returns the eigenvalues that decide stability, from the assembled `F_z`: at least the
-    /// requested number. `None` if the residual describes no motion.
+    /// Returns at least the requested number of the eigenvalues that decide stability, computed
+    /// from the assembled `F_z`. `None` if the residual does not describe dynamics.
     ///
     /// # Errors
-    /// [`Failure::Undetermined`] where the equations do not determine the eigenvalues: the point is
+    /// [`Failure::Undetermined`] if the equations do not determine the eigenvalues: the point is
     /// marked, and test functions that depend on eigenvalues are inactive. [`Failure::Eigenvalues`]
     /// if the computation of the eigenvalues fails.
     fn spectrum(
@@ -165,17 +168,17 @@ pub trait System: Send {
         request: SpectrumRequest,
     ) -> Result<Option<Spectrum>, Failure>;
 
-    /// Computes the values of monitors at a solution, from the monitor at the position `first`: one
+    /// Computes consecutive monitors at a solution, from the monitor at the position `first`, one
     /// for each element of `values`.
     ///
     /// # Errors
-    /// [`Failure`] if one of these monitors is undefined at `x`.
+    /// [`Failure`] if one of the requested monitors is undefined at `x`.
     fn monitors(&mut self, x: &[f64], first: usize, values: &mut [f64]) -> Result<(), Failure>;
 
-    /// Returns the Taylor coefficients of `F(z + W(ξ), p)`, by the monomials of a space, for a
-    /// polynomial `W` with the coefficients `terms` (each of the same length as `z`). The constant
-    /// term of `W` is zero. The default follows from [`derivative`](System::derivative), so the
-    /// order is at most 3.
+    /// Returns the Taylor coefficients of `F(z + W(ξ), p)`, in the order of the monomials of a
+    /// space, for a polynomial `W` with the coefficients `terms` (each of the same length as `z`).
+    /// The constant term of the polynomial `W` is zero. The default implementation uses
+    /// [`derivative`](System::derivative), so the order is at most 3.
     ///
     /// # Errors
     /// [`Failure::Unsupported`] for a higher order, and as for [`derivative`](System::derivative).
@@ -188,8 +191,9 @@ pub trait System: Send {
         expansion::by_derivatives(self, x, space, terms)
     }
 
-    /// Returns the size of a deviation `d` (of the same length as `x`), the period of the solution,
-    /// and the derivative of the period along `d`. The default is for equilibria.
+    /// Returns the size of a deviation `d` from a solution (`d` has the length of `x`), the period
+    /// of the solution, and the derivative of the period along `d`. The default implementation is
+    /// valid for equilibria.
     ///
     /// # Errors
     /// [`Failure`] if the equations are undefined at the solution.
@@ -198,17 +202,17 @@ pub trait System: Send {
         Ok(Deviation { square, ..Deviation::default() })
     }
 
-    /// Returns typical sizes of the groups of unknowns at parameters `p`; empty if all are 1.
+    /// Returns typical sizes of the groups of unknowns at parameters `p`; empty if all sizes are 1.
     fn unknown_scales(&self, _p: &[f64]) -> Vec<f64> {
         Vec::new()
     }
 
-    /// Returns the curves that are saved with special points and drawn for them.
+    /// Returns the curves that are saved and drawn for special points.
     fn profiles(&mut self, _x: &[f64]) -> Vec<Profile> {
         Vec::new()
     }
 
-    /// The meaning of the unknowns, which is saved with the unknowns.
+    /// The description of the unknowns, which is saved with them.
     fn representation(&self) -> Representation {
         Representation::default()
     }
@@ -218,23 +222,24 @@ pub trait System: Send {
         Traits::default()
     }
 
-    /// Whether [`spectrum`](System::spectrum) itself factors the matrix assembled last, so that the
-    /// matrix factored before can belong to another point. By default false.
+    /// Whether [`spectrum`](System::spectrum) factors the last assembled matrix, so that factors
+    /// from an earlier call of `factor` can belong to another point. By default false.
     fn factors_for_eigenvalues(&self) -> bool {
         false
     }
 
-    /// Describes the results so far that are uncertain, in a text that is saved with the branch;
-    /// `None` if all are certain.
+    /// Describes the uncertainties of the results so far, in a text that is saved with the branch;
+    /// `None` if all results are certain.
     fn doubts(&self) -> Option<String> {
         None
     }
 
-    /// Prepares the start of a branch from a saved solution: by default a solution with the same
-    /// unknowns. A discretisation can change its mesh, and thereby the number of its unknowns.
+    /// Prepares the start of a branch from a saved solution: by default, the solution must have the
+    /// same unknowns. A discretisation can change its mesh for the start, and thereby the number of
+    /// its unknowns.
     ///
     /// # Errors
-    /// [`Failure`] if this system cannot start there.
+    /// [`Failure`] if this system cannot start a branch from the saved solution.
     fn resume_from(&mut self, solution: &Solution) -> Result<Start, Failure> {
         let n = self.names().dimension();
         if solution.state.len() != n {
@@ -249,42 +254,43 @@ pub trait System: Send {
         Ok(Start::point(z, tangent))
     }
 
-    /// The system as a discretisation; `None` if the equations are exact.
+    /// The system as a discretisation; `None` if its equations are exact.
     fn discretised(&mut self) -> Option<&mut dyn Discretised> {
         None
     }
 
-    /// The interface for solutions with events; `None` if solutions have no events.
+    /// The interface of the system for solutions with events; `None` if solutions have no events.
     fn events(&mut self) -> Option<&mut dyn OrbitEvents> {
         None
     }
 }
 
-/// A system that discretises equations: refinement, and a mesh that can adapt along a branch.
+/// A system that discretises equations, with refinement and a mesh that can adapt along a branch.
 pub trait Discretised {
-    /// Returns the same problem on a finer discretisation: the final correction of special points
-    /// uses it, and the difference is the discretisation's share of their `error`. `None` if no
-    /// finer discretisation is available.
+    /// Returns the same problem on a finer discretisation, which is used for the final correction
+    /// of special points; the change of a special point is the share of the discretisation in its
+    /// `error`. `None` if the system has no finer discretisation.
     fn refined(&mut self, x: &[f64]) -> Option<Refinement>;
 
-    /// Sets the effort of subsequent evaluations, assemblies and factorisations.
+    /// Sets the accuracy of subsequent evaluations, assemblies and factorisations.
     fn set_effort(&mut self, _effort: Effort) {}
 
-    /// Returns an independent copy of the system; `None` for systems that branches do not change.
+    /// Returns an independent copy of the system; `None` for systems that do not change along
+    /// branches.
     fn duplicate(&self) -> Option<Box<dyn System>> {
         None
     }
 
     /// Whether a periodic solution consists of two equal halves, so that its minimal period is half
-    /// its period, but the neighbouring solution `beside` does not.
+    /// its period, but the neighbouring solution `beside` does not consist of two equal halves.
     fn repeats(&mut self, _x: &[f64], _beside: &[f64]) -> bool {
         false
     }
 
     /// Returns the unknowns of a saved solution on the present mesh. A periodic solution can begin
-    /// at any phase: an autonomous solution is shifted to the phase of the solution accepted last;
-    /// a forced solution gives one image for each period of the forcing that it lasts, at times
-    /// near the times of the solution `near`.
+    /// at any phase: an autonomous solution is shifted to the phase of the last accepted solution;
+    /// for a solution that lasts several periods of a forcing, one shifted solution is returned for
+    /// each period, at times near the times of the solution `near`.
     ///
     /// # Errors
     /// [`Failure`] if the saved solution does not belong to this problem.
@@ -292,15 +298,15 @@ pub trait Discretised {
         Ok(Vec::new())
     }
 
-    /// Updates a phase condition and a mesh along the branch: called at its start, and at each
-    /// accepted point. `x` and the `directions` (each of the length of `z` or longer) are carried
-    /// over to a new mesh with the same number of intervals.
+    /// Updates a phase condition and a mesh along the branch; called at the start of the branch and
+    /// at each accepted point. `x` and the `directions` (each of the length of `z` or longer) are
+    /// transferred to a new mesh with the same number of intervals.
     fn on_accepted(&mut self, _x: &mut [f64], _directions: &mut [&mut [f64]]) {}
 
-    /// Returns the phase response of a cycle, as profiles over time.
+    /// Returns the phase response of a cycle, as functions of time.
     ///
     /// # Errors
-    /// [`Failure`] for solutions without a phase, and where the equations do not determine the
+    /// [`Failure`] if the solution does not have a phase, or the equations do not determine the
     /// response.
     fn phase_response(&mut self, _x: &[f64]) -> Result<Vec<Profile>, Failure> {
         Err(Failure::Unsupported(
@@ -308,20 +314,20 @@ pub trait Discretised {
         ))
     }
 
-    /// Returns the approach of a cycle with a free period to an equilibrium; `None` for other
+    /// Measures how close a cycle with a free period is to an equilibrium; `None` for other
     /// solutions.
     fn approach(&mut self, _x: &[f64]) -> Option<Approach> {
         None
     }
 
-    /// Returns the system of homoclinic orbits, and an orbit from which to start: near a saved
-    /// cycle, or the saved homoclinic orbit of a curve to be continued. The orbit near a cycle
-    /// begins and ends at the distance `radius` from the equilibrium, in units of the cycle's
-    /// extents; a saved orbit keeps its distances. Where the monitor `homoclinic_gap` vanishes the
-    /// orbit is homoclinic.
+    /// Returns the system of homoclinic orbits, and an initial orbit: an orbit near a saved cycle,
+    /// or the saved homoclinic orbit of a curve that is continued. The orbit near a cycle begins
+    /// and ends at the distance `radius` from the equilibrium, in units of the extents of the
+    /// cycle; a saved orbit keeps its end distances. The orbit is homoclinic where the monitor
+    /// `homoclinic_gap` vanishes.
     ///
     /// # Errors
-    /// [`Failure`] if no homoclinic orbit is near.
+    /// [`Failure`] if no homoclinic orbit is found nearby.
     fn homoclinic(&self, _solution: &Solution, _radius: f64) -> Result<Emanating, Failure> {
         Err(Failure::Unsupported(
             "homoclinic orbits start from a cycle near a homoclinic orbit".into(),
@@ -329,12 +335,12 @@ pub trait Discretised {
     }
 
     /// Returns a long cycle near the homoclinic orbit with which a curve of homoclinic orbits
-    /// begins at a Bogdanov–Takens point, with the two released parameters changed. The amplitude
-    /// is a fraction of the size of the equilibrium, or less where the normal form limits it, times
-    /// a factor.
+    /// begins at a Bogdanov–Takens point; the two released parameters are changed accordingly. The
+    /// amplitude of the cycle is a fraction of the size of the equilibrium, or less if the normal
+    /// form limits the amplitude, times a factor.
     ///
     /// # Errors
-    /// [`Failure`] if the normal form is degenerate, or the parameters do not unfold it.
+    /// [`Failure`] if the normal form is degenerate, or the released parameters do not unfold it.
     fn beside_takens(
         &self,
         _point: &Solution,
@@ -343,8 +349,8 @@ pub trait Discretised {
         Err(Failure::Unsupported("homoclinic orbits are solutions of a flow".into()))
     }
 
-    /// Returns to the mesh of an earlier solution of this system, regardless of the number of
-    /// intervals with which the branch began.
+    /// Restores the mesh of an earlier solution of this system, whatever number of intervals the
+    /// branch began with.
     ///
     /// # Errors
     /// [`Failure`] if the solution does not belong to this problem.
@@ -352,16 +358,16 @@ pub trait Discretised {
         Ok(())
     }
 
-    /// Whether a solution needs another number of mesh intervals to keep the mesh error below
-    /// `target`, or far fewer intervals would suffice.
+    /// Whether a solution needs more mesh intervals to keep the mesh error below `target`, or far
+    /// fewer intervals would suffice.
     fn needs_fit(&mut self, _x: &[f64], _target: f64) -> bool {
         false
     }
 
-    /// Adapts the number of mesh intervals to a solution: more intervals where the estimated mesh
-    /// error exceeds `target`, and fewer, but not below the initial number, where far fewer would
-    /// suffice. Returns whether the mesh changed: then `x` and the `directions` (each of the length
-    /// of `z` or longer) are carried over to the new unknowns, and `x` must be corrected.
+    /// Adapts the number of mesh intervals to a solution: more intervals if the estimated mesh
+    /// error exceeds `target`; fewer, but not fewer than initially, if far fewer would suffice.
+    /// Returns whether the mesh changed: if so, `x` and the `directions` (each of the length of `z`
+    /// or longer) are transferred to the new unknowns, and `x` must be corrected.
     fn fit(&mut self, _x: &mut Vec<f64>, _directions: &mut [&mut Vec<f64>], _target: f64) -> bool {
         false
     }
@@ -371,8 +377,8 @@ pub trait Discretised {
 /// orbits.
 pub(crate) const HOMOCLINIC_GAP: &str = "homoclinic_gap";
 
-/// The monitors of homoclinic orbits that describe the equilibrium: the real parts of the leading
-/// eigenvalues, and their sum.
+/// The names of the monitors of homoclinic orbits that describe the equilibrium: the real parts of
+/// the leading eigenvalues, and their sum.
 pub(crate) const HOMOCLINIC_RATES: [&str; 3] =
     ["leading_unstable", "leading_stable", "saddle_quantity"];
 
@@ -387,31 +393,31 @@ pub(crate) const HOMOCLINIC_TESTS: [(&str, Kind); 5] = [
 ];
 
 /// (D) The smallest distance from the equilibrium at which homoclinic orbits begin and end, in
-/// units of their extents: the error of the parameter is a power, at least the second, of the
-/// distance.
+/// units of the extents of the orbit: the error of the parameter is proportional to the square, or
+/// a higher power, of this distance.
 pub(crate) const HOMOCLINIC_RADIUS: f64 = 1e-5;
 
 /// A deviation from a solution.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Deviation {
-    /// The sum of the squares of the deviation's states: integrated over the period of an orbit, or
-    /// averaged over the iterates of a cycle of a map. States of orbits are compared at equal times
-    /// since the orbit's start.
+    /// The sum of the squares of the components of the deviation, integrated over the period of an
+    /// orbit, or averaged over the iterates of a cycle of a map. The states of two orbits are
+    /// compared at equal times after the starts of the orbits.
     pub square: f64,
-    /// The inner product of the deviation's states with the velocity, integrated over the period,
-    /// where the start time is free: for an autonomous orbit with events. 0 otherwise.
+    /// The inner product of the deviation with the velocity, integrated over the period, if the
+    /// start time of the orbit is free, as for an autonomous orbit with events; otherwise 0.
     pub along: f64,
-    /// The square of the velocity, integrated over the period, where the start time is free. 0
-    /// otherwise.
+    /// The square of the velocity, integrated over the period, if the start time of the orbit is
+    /// free; otherwise 0.
     pub motion: f64,
     /// The period of the solution; 1 for equilibria and maps.
     pub period: f64,
-    /// The derivative of the period along the deviation.
+    /// The derivative of the period of the solution along the deviation.
     pub lengthening: f64,
 }
 
-/// (R) A change of the period along a deviation below this fraction of the period is a rounding
-/// error.
+/// (R) The fraction of the period below which a change of the period along a deviation counts as a
+/// rounding error.
 const SAME_PERIOD: f64 = 1e-9;
 
 impl Default for Deviation {
@@ -422,49 +428,55 @@ impl Default for Deviation {
 }
 
 impl Deviation {
-    /// Returns `square` of the same deviation if the orbit starts later by `shift`.
+    /// Returns `square` of the same deviation if the deviating orbit starts later by `shift`.
     pub fn square_after(&self, shift: f64) -> f64 {
         self.square - shift * (2.0 * self.along - shift * self.motion)
     }
 
-    /// Returns the derivative of the period along the deviation; `None` if it is a rounding error.
+    /// Returns the derivative of the period along the deviation; `None` if the derivative is a
+    /// rounding error.
     pub(crate) fn changes_period(&self) -> Option<f64> {
         Some(self.lengthening).filter(|change| change.abs() > SAME_PERIOD * self.period)
     }
 }
 
-/// The approach of a cycle to an equilibrium.
+/// The closeness of a cycle to an equilibrium.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Approach {
-    /// The estimated distance from the nearest equilibrium, relative to the extents.
+    /// The estimated distance of the cycle from the nearest equilibrium, relative to the extents of
+    /// the cycle.
     pub distance: f64,
-    /// The largest minus the smallest value of each state of each segment.
+    /// The extents of the cycle: the largest minus the smallest value of each state on each
+    /// segment.
     pub extents: Vec<f64>,
 }
 
-/// The accuracy with which a discretisation is evaluated, and a cancel token.
+/// The accuracy with which a discretisation is evaluated, and the token that cancels evaluations.
 #[derive(Clone, Copy, Debug)]
 pub struct Effort<'a> {
-    /// The error (in units of the unknowns' sizes) tolerated in residuals, matrices and monitors
-    /// during iterations that only approach a solution; 0 for full accuracy.
+    /// The error, in units of the sizes of the unknowns, that is tolerated in residuals, matrices
+    /// and monitors during iterations that only approach a solution; 0 for full accuracy.
     pub error: f64,
-    /// Whether gradients are as accurate as residuals: sensitivities require this accuracy, fast
-    /// convergence of Newton's method does not.
+    /// Whether gradients are as accurate as residuals: sensitivities require accurate gradients,
+    /// fast convergence of Newton's method does not.
     pub exact_gradients: bool,
-    /// The token that cancels evaluations, assemblies and factorisations.
+    /// The token that cancels evaluations, assemblies and factorisations of the discretisation.
     pub cancel: &'a CancelToken,
 }
 
-/// The meaning of the unknowns of a discretised solution: saved with branches and special points.
+/// The description of the unknowns of a discretised solution, saved with branches and special
+/// points.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Representation {
-    /// The events that solutions pass, in words; empty if all solutions pass the same events.
+    /// The sequence of events on solutions, in words; empty if the events of all solutions are the
+    /// same.
     pub itinerary: String,
-    /// The method: its name, and any settings on which the meaning of the unknowns depends.
+    /// The name of the discretisation method, with any settings on which the meaning of the
+    /// unknowns depends.
     pub method: String,
-    /// The mesh on which the unknowns are values; empty without a mesh.
+    /// The mesh on which the unknowns are given; empty if the discretisation has no mesh.
     pub mesh: Vec<f64>,
-    /// Whether solutions are interpolated between these values, as in collocation.
+    /// Whether solutions are interpolated between the values on the mesh, as in collocation.
     pub interpolated: bool,
 }
 
@@ -478,24 +490,25 @@ impl Representation {
 /// The properties of a solution that its discretisation determines.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Traits {
-    /// The estimated relative error that the mesh causes; 0 without a mesh.
+    /// The estimated relative error that the mesh causes; 0 if the discretisation has no mesh.
     pub mesh_error: f64,
-    /// The factor by which rounding errors grow inside the assembled discretisation, as deviations
-    /// grow over a segment of shooting. Newton corrections no larger than this factor times the
+    /// The factor by which rounding errors grow in the assembled discretisation, for example as
+    /// deviations grow over a segment of shooting. Newton corrections below this factor times the
     /// rounding error are noise.
     pub growth: f64,
     /// The amplitude of a cycle about its mean, relative to the amplitude of the last accepted cycle.
-    /// The sign changes where a family of cycles passes through an equilibrium. `None` if cycles
-    /// cannot shrink to equilibria.
+    /// The sign of the relative amplitude changes where a family of cycles passes through an
+    /// equilibrium. `None` if cycles of this system cannot shrink to equilibria.
     pub amplitude: Option<f64>,
-    /// The period of a cycle, if the period is free and not prescribed by a forcing.
+    /// The period of a cycle, if the period is an unknown and not prescribed by a forcing.
     pub free_period: Option<f64>,
-    /// The number of nontrivial Floquet multipliers of a smooth orbit, whose product is positive:
-    /// the flow of a vector field preserves orientation. `None` for other solutions.
+    /// The number of nontrivial Floquet multipliers of a smooth orbit; their product is positive,
+    /// because the flow of a vector field preserves orientation. `None` for solutions other than
+    /// smooth orbits.
     pub smooth_multipliers: Option<usize>,
-    /// The smallest, over the segments, of the largest state on a segment, in units of the states'
-    /// scales: tolerances are relative to these scales. Segments without motion do not count;
-    /// infinite if no segment counts.
+    /// The minimum over the segments of the largest state on a segment, in units of the states'
+    /// scales; tolerances are relative to these scales. Segments on which the states are constant
+    /// do not count; infinite if no segment counts.
     pub least_size: f64,
 }
 

@@ -1,18 +1,19 @@
-//! Scales and ranges of axes: values of a column as they are, or as deviations from a special
-//! point.
+//! Scales and ranges of axes: an axis shows the values of a column, or their deviations from a
+//! special point.
 
 use super::document::{Deviation, Document};
 use super::error::FigureError;
 use super::figure::{Figure, Series, Style};
 
-/// The scale of a column: values as they are, or deviations from a special point.
+/// The scale of a column on an axis: the values themselves, or their deviations from a special
+/// point.
 pub(super) struct Scale<'a>(Option<(&'a Deviation, f64)>);
 
 impl<'a> Scale<'a> {
-    /// The scale that shows values as they are.
+    /// The scale that shows the values of a column unchanged.
     pub const PLAIN: Scale<'static> = Scale(None);
 
-    /// Returns the scale of a column in a document.
+    /// Returns the scale of a column on the axes of a document's diagrams.
     pub fn of(document: &'a Document, column: &str) -> Result<Self, FigureError> {
         let meant = |deviation: &&Deviation| deviation.column == column;
         let Some(deviation) = document.plot.deviations.iter().find(meant) else {
@@ -29,18 +30,18 @@ impl<'a> Scale<'a> {
         Ok(Scale(Some((deviation, value.ok_or_else(missing)?))))
     }
 
-    /// Returns whether values are shown as they are.
+    /// Returns whether the scale shows values unchanged.
     pub fn is_plain(&self) -> bool {
         self.0.is_none()
     }
 
-    /// Returns the number shown for a value.
+    /// Returns the number that the axis shows for a value of the column.
     pub fn shown(&self, value: f64) -> f64 {
         self.0.map_or(value, |(deviation, at)| deviation.shown(value, at))
     }
 }
 
-/// Cuts off the parts of a figure outside the given ranges.
+/// Removes the parts of a figure outside the given ranges of its axes.
 pub(super) fn clip(figure: &mut Figure, ranges: [[f64; 2]; 2]) {
     if ranges.iter().flatten().all(|end| end.is_infinite()) {
         return;
@@ -68,7 +69,7 @@ pub(super) fn clip(figure: &mut Figure, ranges: [[f64; 2]; 2]) {
     figure.tiles.retain(|tile| inside(&tile.at));
 }
 
-/// Removes points that logarithmic axes cannot show.
+/// Removes the points of a figure that logarithmic axes cannot show.
 pub(super) fn keep_positive(figure: &mut Figure) {
     let axes = figure.logarithmic;
     let shown = |at: &[f64; 2]| (0..2).all(|k| !axes[k] || at[k] > 0.0);
@@ -89,8 +90,8 @@ pub(super) fn keep_positive(figure: &mut Figure) {
     figure.walls.retain(|wall| !axes[wall.axis] || wall.at > 0.0);
 }
 
-/// Returns a part of a series: its points, each with the origin of the nearest point of the whole
-/// series.
+/// Returns a part of a series, where each point of the part gets the origin of the nearest point of
+/// the whole series.
 fn part_of(whole: &Series, piece: Piece) -> Series {
     let (points, numbers): (Vec<[f64; 2]>, Vec<usize>) = piece.into_iter().unzip();
     let origins = numbers.iter().filter_map(|number| whole.origins.get(*number).copied());
@@ -98,10 +99,10 @@ fn part_of(whole: &Series, piece: Piece) -> Series {
     Series { name, style, points, origins }
 }
 
-/// The points of a piece of a line, each with the index of the nearest point of the whole line.
+/// The points of a part of a line, each with the index of the nearest point of the whole line.
 type Piece = Vec<([f64; 2], usize)>;
 
-/// Returns the pieces of a line inside the given ranges.
+/// Returns the parts of a line inside the given ranges.
 fn pieces(points: &[[f64; 2]], ranges: [[f64; 2]; 2]) -> Vec<Piece> {
     let mut pieces: Vec<Piece> = vec![Vec::new()];
     for (number, pair) in points.windows(2).enumerate() {
@@ -123,7 +124,7 @@ fn pieces(points: &[[f64; 2]], ranges: [[f64; 2]; 2]) -> Vec<Piece> {
     pieces
 }
 
-/// Returns the part of a segment inside the given ranges (Liang and Barsky).
+/// Returns the part of a line segment inside the given ranges (algorithm of Liang and Barsky).
 fn part(a: [f64; 2], b: [f64; 2], ranges: [[f64; 2]; 2]) -> Option<[f64; 2]> {
     let (mut from, mut to) = (0.0_f64, 1.0_f64);
     for k in 0..2 {

@@ -8,11 +8,11 @@ use crate::core::continuation::{Branch, End, Sensitivity, Slopes, SpecialPoint, 
 use crate::core::problem::PlaneField;
 use std::collections::HashSet;
 
-/// The result of checking a part of a document.
+/// The result of checking a part of a document: an error for an invalid value.
 type Checked = Result<(), Invalid>;
 
-/// Checks a document: its tag, unique names without control characters, lists of the right length,
-/// and finite numbers.
+/// Checks a document: its format tag, unique names without control characters, lists of the right
+/// length, and finite numbers.
 pub(super) fn document(document: &Document) -> Result<(), FormatError> {
     if document.format != FORMAT {
         return Err(FormatError::Version { found: document.format.clone() });
@@ -86,7 +86,7 @@ fn branch(branch: &Branch) -> Checked {
     })
 }
 
-/// Checks the slopes of a point, if any.
+/// Checks the derivatives of the columns at a point, if the point contains derivatives.
 fn slopes(place: &str, branch: &Branch, slopes: Option<&Slopes>) -> Checked {
     let Some(Slopes { position, columns }) = slopes else { return Ok(()) };
     finite(&format!("{place}, position"), *position)?;

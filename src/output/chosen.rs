@@ -18,13 +18,13 @@ use std::fmt;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Chosen {
-    /// The requested relative error.
+    /// The requested relative error of special points.
     pub accuracy: f64,
-    /// The chosen settings, by name.
+    /// The names and values of the chosen settings.
     pub settings: Vec<(String, String)>,
-    /// The estimated largest relative error of special points.
+    /// The estimated largest relative error of any special point.
     pub estimate: f64,
-    /// The special point with the largest error.
+    /// The special point with the largest estimated error.
     pub of: String,
 }
 

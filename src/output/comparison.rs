@@ -1,5 +1,5 @@
-//! Comparison of documents: finds special points that appeared, disappeared or moved, as `tangency
-//! compare` does.
+//! Comparison of documents, as in the command `tangency compare`: finds special points that
+//! appeared, disappeared or moved.
 
 use super::document::Document;
 use super::number::significant;
@@ -11,23 +11,23 @@ use std::fmt;
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Difference {
-    /// A branch that only one document has.
+    /// A branch that exists in only one of the two documents.
     Branch {
         /// The name of the branch.
         branch: String,
-        /// Whether the new document has it.
+        /// Whether the branch is in the new document rather than the old one.
         new: bool,
     },
-    /// A parameter that is constant along a branch, with another value.
+    /// A parameter that is constant along a branch, and differs between the two documents.
     Parameter {
         /// The name of the branch.
         branch: String,
         /// The parameter.
         name: String,
-        /// The old and the new value.
+        /// The value of the parameter in the old document, and the value in the new document.
         values: [f64; 2],
     },
-    /// A special point that only one document has.
+    /// A special point that exists in only one of the two documents.
     Point {
         /// The branch of the special point.
         branch: String,
@@ -35,26 +35,27 @@ pub enum Difference {
         kind: Kind,
         /// The continuation parameter, and its value at the point.
         at: (String, f64),
-        /// Whether the new document has it.
+        /// Whether the special point is in the new document rather than the old one.
         new: bool,
     },
-    /// A special point with another value in a column.
+    /// A special point whose value in a column differs between the two documents.
     Value {
         /// The branch of the special point.
         branch: String,
         /// The kind of the special point.
         kind: Kind,
-        /// The continuation parameter, and its old value at the point.
+        /// The name of the continuation parameter, and its value at the point in the old document.
         at: (String, f64),
-        /// The column: the continuation parameter, another parameter, a monitor or another number
-        /// of the point.
+        /// The name of the column that differs: the continuation parameter, another parameter, a
+        /// monitor or another number of the point.
         column: String,
-        /// The old and the new value.
+        /// The value of the column in the old document, and the value in the new document.
         values: [f64; 2],
         /// The allowed difference.
         allowed: f64,
     },
-    /// A special point with another property.
+    /// A special point with a property, such as its stability, that differs between the two
+    /// documents.
     Property {
         /// The branch of the special point.
         branch: String,
@@ -62,9 +63,9 @@ pub enum Difference {
         kind: Kind,
         /// The continuation parameter, and its value at the point.
         at: (String, f64),
-        /// The name of the property.
+        /// The name of the property that differs.
         property: &'static str,
-        /// The old and the new value.
+        /// The property in the old document, and the property in the new document.
         values: [String; 2],
     },
 }
@@ -106,23 +107,24 @@ impl fmt::Display for Difference {
     }
 }
 
-/// The relative rounding error, allowed in addition to stated errors.
+/// The relative rounding error by which values may differ in addition to their stated errors.
 const ROUNDING: f64 = 1e-12;
 
-/// The allowed difference of a column without a stated error, relative to its largest value along
-/// both branches.
+/// The allowed difference between two documents in a column without a stated error, relative to the
+/// largest value of the column along both branches.
 const COLUMNS: f64 = 1e-6;
 
-/// The largest distance, relative to the largest value, at which two points are compared as the
-/// same point.
+/// The largest distance between a point of the old and a point of the new document, relative to the
+/// largest value, at which both are compared as the same special point.
 const FAR: f64 = 0.2;
 
 /// Returns the differences of a new document from an old one: branches are matched by name, special
-/// points of a branch by kind and place. The continuation parameter may differ by the sum of both
-/// stated errors, every other column by 10⁻⁶ of its largest value along the branches. For a point
-/// that has not converged only the brackets are compared. A constant parameter that differs is
-/// reported first, once for each branch. Regular points, and the number of points
-/// of a branch, are ignored.
+/// points of a branch by kind and position. The continuation parameter may differ by the sum of the
+/// stated errors of the two documents, every other column by 10⁻⁶ of its largest value along the
+/// branches. If one of two matched points has not converged, only their brackets are compared. A
+/// constant parameter whose value differs is reported before the special points, once for each
+/// branch. Points that were saved on request (`RG`) and the number of points of a branch are not
+/// compared.
 ///
 /// ```
 /// use tangency::output::{Document, compare, example_branch};
@@ -152,7 +154,7 @@ pub fn compare(old: &Document, new: &Document) -> Vec<Difference> {
     found
 }
 
-/// Returns the differences of two branches.
+/// Returns the differences between two branches of the same name.
 fn of_branches(old: &Branch, new: &Branch) -> Vec<Difference> {
     let constant = constants(old, new);
     let names: Vec<&str> = constant.iter().map(|(name, _)| name.as_str()).collect();
@@ -181,7 +183,8 @@ fn of_branches(old: &Branch, new: &Branch) -> Vec<Difference> {
     found
 }
 
-/// Returns the parameters that are constant along both branches and differ, with their values.
+/// Returns the parameters that are constant along both branches and have different values, with
+/// these values.
 fn constants(old: &Branch, new: &Branch) -> Vec<(String, [f64; 2])> {
     let value = |branch: &Branch, name: &str| {
         let column = branch.parameters.iter().position(|known| known == name)?;
@@ -195,7 +198,7 @@ fn constants(old: &Branch, new: &Branch) -> Vec<(String, [f64; 2])> {
     values.filter(|(_, values)| differ(values)).collect()
 }
 
-/// Returns the special points to compare.
+/// Returns the special points of a branch that are compared: all points except the kind `RG`.
 fn counted(branch: &Branch) -> impl Iterator<Item = &SpecialPoint> {
     branch.special.iter().filter(|point| point.kind != Kind::RG)
 }
@@ -205,25 +208,26 @@ fn alone(branch: &Branch, point: &SpecialPoint, new: bool) -> Difference {
     Difference::Point { branch, kind, at, new }
 }
 
-/// Returns the continuation parameter and its value at a point.
+/// Returns the name of the continuation parameter and its value at a special point.
 fn place(branch: &Branch, point: &SpecialPoint) -> (String, f64) {
     let name = branch.released.first().cloned().unwrap_or_default();
     let value = branch.column(&name).and_then(|column| point.value(column));
     (name, value.unwrap_or(f64::NAN))
 }
 
-/// Two branches of the same name.
+/// Two branches of the same name, from the old and the new document.
 #[derive(Clone, Copy)]
 struct Both<'a> {
     old: &'a Branch,
     new: &'a Branch,
-    /// The parameters that are constant along both and differ, which are reported once.
+    /// The parameters that are constant along each branch but differ between the two branches; each
+    /// is reported once.
     constant: &'a [&'a str],
 }
 
 impl Both<'_> {
-    /// Returns the columns of the two branches, with the values at two points and the largest value
-    /// along the branches.
+    /// Returns the columns of the two branches, with the values at two given points and the largest
+    /// value along the branches.
     fn columns<'b>(
         self,
         point: &'b SpecialPoint,
@@ -245,14 +249,14 @@ impl Both<'_> {
         })
     }
 
-    /// Returns the largest distance of two points in a column, relative to the largest value in the
-    /// column.
+    /// Returns the largest distance between two points in any column, relative to the largest value
+    /// in the column.
     fn distance(self, point: &SpecialPoint, there: &SpecialPoint) -> f64 {
         let parts = self.columns(point, there).filter(|(.., size)| *size > 0.0);
         parts.map(|(_, [a, b], size)| (a - b).abs() / size).fold(0.0, f64::max)
     }
 
-    /// Returns the differences of two matching points.
+    /// Returns the differences between two matching special points.
     fn differences(self, point: &SpecialPoint, there: &SpecialPoint) -> Vec<Difference> {
         let (at, branch, kind) = (place(self.old, point), self.old.name.clone(), point.kind);
         let value = |column: &str, values: [f64; 2], allowed: f64| {
@@ -290,8 +294,8 @@ impl Both<'_> {
     }
 }
 
-/// Returns the allowed difference of two points that have not converged: infinite if their brackets
-/// overlap.
+/// Returns the allowed difference between two points that have not both converged: infinite if
+/// their brackets overlap, otherwise 0.
 fn gap(point: &SpecialPoint, there: &SpecialPoint) -> f64 {
     let ends = |point: &SpecialPoint| {
         let [a, b] = point.bracket;
@@ -301,7 +305,7 @@ fn gap(point: &SpecialPoint, there: &SpecialPoint) -> f64 {
     if b < c || d < a { 0.0 } else { f64::INFINITY }
 }
 
-/// Returns the properties of a point other than numbers.
+/// Returns the properties of a point that are not numbers.
 fn properties(point: &SpecialPoint) -> [(&'static str, String); 4] {
     let unstable = match (point.unstable, &point.undetermined) {
         (Some(count), _) => count.to_string(),

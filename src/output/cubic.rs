@@ -1,30 +1,32 @@
-//! Curves between the points of a branch: cubics with the values and slopes of its columns.
+//! Smooth curves between the points of a branch: cubics that interpolate the values and derivatives
+//! of two columns.
 
 use crate::core::continuation::{Point, Slopes, SpecialPoint};
 
-/// The largest turn of a cubic between two of its vertices, in radians, with the two columns scaled
-/// by the lengths of their ranges.
+/// The largest angle by which a cubic turns between two of its vertices, in radians, where each of
+/// the two columns is scaled by the length of its range.
 const TURN: f64 = 0.1;
 
-/// The maximum number of parts of a cubic.
+/// The maximum number of segments by which a cubic is approximated.
 const MOST: f64 = 16.0;
 
-/// A point of a branch in two columns.
+/// A point of a branch, given by its values and derivatives in two columns.
 #[derive(Clone, Copy)]
 pub(super) struct Knot {
     values: [f64; 2],
-    /// The derivatives with respect to the position, and the position.
+    /// The derivatives of the two columns with respect to the position along the branch, and the
+    /// position of the point.
     slopes: Option<([f64; 2], f64)>,
 }
 
 impl Knot {
-    /// Returns the knot at a point, if it has values in both columns.
+    /// Returns the knot at a point of a branch, if the point has values in both columns.
     pub fn of_point(point: &Point, columns: [usize; 2]) -> Option<Self> {
         let values = [point.value(columns[0])?, point.value(columns[1])?];
         Some(Knot { values, slopes: slopes(point.slopes.as_ref(), columns) })
     }
 
-    /// Returns the knot at a special point, if it has values in both columns.
+    /// Returns the knot at a special point, if the point has values in both columns.
     pub fn of_special(point: &SpecialPoint, columns: [usize; 2]) -> Option<Self> {
         let values = [point.value(columns[0])?, point.value(columns[1])?];
         Some(Knot { values, slopes: slopes(point.slopes.as_ref(), columns) })
@@ -37,9 +39,10 @@ fn slopes(slopes: Option<&Slopes>, columns: [usize; 2]) -> Option<([f64; 2], f64
     Some(([of(columns[0])?, of(columns[1])?], slopes.position))
 }
 
-/// Returns the vertices between two successive points of a branch, excluding the two points. The
-/// result is empty if slopes are unknown, or if a column is not smooth between the points, for
-/// example if a maximum jumps to another peak. `ranges` are the lengths of the columns' ranges.
+/// Returns the vertices of the curve between two successive points of a branch, excluding these two
+/// points. The result is empty if derivatives are unknown, or if a column is not smooth between the
+/// points, for example if a maximum jumps to another peak. `ranges` contains the lengths of the
+/// ranges of the two columns.
 pub(super) fn between(from: &Knot, to: &Knot, ranges: [f64; 2]) -> Vec<[f64; 2]> {
     let (Some((first, begin)), Some((last, end))) = (from.slopes, to.slopes) else {
         return Vec::new();
@@ -60,8 +63,8 @@ pub(super) fn between(from: &Knot, to: &Knot, ranges: [f64; 2]) -> Vec<[f64; 2]>
     (1..parts).map(at).collect()
 }
 
-/// A column between two points: its values, and its derivatives with respect to the fraction of the
-/// way.
+/// A column between two points: its values at both points, and its derivatives with respect to the
+/// fraction of the way from the first to the second point.
 struct Axis {
     values: [f64; 2],
     slopes: [f64; 2],
@@ -72,17 +75,17 @@ impl Axis {
         self.values[1] - self.values[0]
     }
 
-    /// Returns whether the cubic follows the column: whether its third derivative, `h³ f‴`, is
-    /// small compared with the changes over the step. Slopes at both ends do not reveal a jump
-    /// between them, and the slopes of a square root near its zero would make the cubic leave the
-    /// values at both ends.
+    /// Returns whether the cubic approximates the column: whether its third derivative, `h³ f‴`, is
+    /// small compared with the changes over the step. The test is necessary because derivatives at
+    /// both ends do not reveal a jump between them, and because near a zero of a square root the
+    /// cubic would leave the range of the two end values.
     fn is_smooth(&self) -> bool {
         let [a, b] = self.slopes;
         let change = self.change();
         (a + b - 2.0 * change).abs() <= 0.5 * a.abs().max(b.abs()).max(change.abs())
     }
 
-    /// Returns the value at a fraction of the way.
+    /// Returns the value of the cubic at a fraction of the way from the first to the second point.
     fn at(&self, t: f64) -> f64 {
         let ([a, b], [c, d]) = (self.values, self.slopes);
         let (u, v) = (t * t, t * t * t);
@@ -90,7 +93,7 @@ impl Axis {
     }
 }
 
-/// Returns the angle between two directions; 0 if one of them is zero.
+/// Returns the angle between two directions; 0 if one of the directions is zero.
 fn angle(a: [f64; 2], b: [f64; 2]) -> f64 {
     (a[0] * b[1] - a[1] * b[0]).atan2(a[0] * b[0] + a[1] * b[1]).abs()
 }

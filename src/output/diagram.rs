@@ -1,4 +1,4 @@
-//! Branches as a figure: stable parts solid, unstable parts dashed, special points marked.
+//! Draws branches as a figure: stable parts solid, unstable parts dashed, special points marked.
 
 use super::axis::{Scale, clip, keep_positive};
 use super::cubic::{Knot, between};
@@ -13,25 +13,28 @@ use crate::core::continuation::{Branch, End, Point, SpecialPoint};
 use crate::core::problem::UnknownName;
 use crate::core::system::Kind;
 
-/// The name of the period of orbits: of the column, and of the unknown if the period is free.
+/// The name `period`, both of the column with the period of orbits and of the unknown if the period
+/// is free.
 pub(super) const PERIOD: &str = "period";
 
-/// Draws the diagram of all branches of some documents. Within a single document each branch has
-/// its own colour; with several documents each document has one colour and its given name. The
-/// first document gives title, axes and labels; `x` and `y` name other columns, and several columns
-/// may share the vertical axis. By default the axes are the continuation parameter and the first
-/// state.
+/// Draws the diagram of all branches of one or several documents. In the diagram of a single
+/// document each branch has its own colour; in the diagram of several documents all branches of a
+/// document have one colour and the document's given name. The first document determines the title,
+/// axes and labels; `x` and `y` choose other columns for the axes, and several columns may share
+/// the vertical axis. By default the axes are the continuation parameter and the first state.
 ///
-/// Every curve is drawn through its special points, and changes between solid (stable) and dashed
-/// (unstable) exactly there. On the axis of a state, orbits are drawn twice: by the state's largest
-/// and by its smallest value. Branches that lack a column are left out. So are curves of special
-/// points in axes other than their two parameters, and branches of solutions in the axes of two
-/// parameters if such curves exist.
+/// Every curve passes through its special points, and changes between solid (stable) and dashed
+/// (unstable) exactly at special points. If an axis shows a state, each branch of orbits is drawn
+/// twice: with the largest and with the smallest value of the state along the orbit. Branches that
+/// do not contain a column of the axes are omitted. Curves of special points are drawn only in the
+/// axes of their two parameters; in these axes, branches of solutions are omitted if such curves
+/// exist.
 ///
 /// # Errors
 /// [`FigureError::UnknownColumn`] with the existing columns, [`FigureError::NoMonitor`] if no
-/// column is chosen and the branch has no monitor, [`FigureError::NoOrigin`] without the special
-/// point from which deviations are measured, [`FigureError::Empty`] without a branch.
+/// column is chosen and the branch has no monitor, [`FigureError::NoOrigin`] if the special point
+/// from which deviations are measured does not exist, [`FigureError::Empty`] if the documents
+/// contain no branch.
 ///
 /// ```
 /// use tangency::output::{Document, diagram, example_branch};
@@ -87,8 +90,9 @@ pub fn diagram(
     Ok(figure)
 }
 
-/// Returns the curves and marks of all drawn branches, for any axes: only their order, styles and
-/// origins are used. Both coordinates are the continuation parameter.
+/// Returns the curves and marks of all drawn branches, independent of the axes, for uses that need
+/// only the order, styles and origins of curves and marks. Both coordinates of the returned points
+/// are the continuation parameter.
 pub(super) fn spine(documents: &[(&str, &Document)]) -> Figure {
     let mut figure = Figure::default();
     for Named { name, branch, place } in &named(documents) {
@@ -102,7 +106,8 @@ pub(super) fn spine(documents: &[(&str, &Document)]) -> Figure {
     figure
 }
 
-/// Hides the mark of a branch that starts at a special point of another branch.
+/// Hides the mark at the start of a branch if a special point with another mark is at the same
+/// position.
 fn hide_starts(figure: &mut Figure) {
     // An invalid figure is reported when it is drawn.
     let Ok([x, y]) = figure.extent() else { return };
@@ -120,11 +125,12 @@ fn hide_starts(figure: &mut Figure) {
     });
 }
 
-/// (H) The number of user points with the same label above which the labels are replaced by an
-/// axis.
+/// (H) The number of user points with the same label above which their labels are omitted if an
+/// axis shows the column.
 const REPEATED: usize = 3;
 
-/// Removes the label `gap = 1` from user points if three or more have it, and an axis shows `gap`.
+/// Removes the labels such as `gap = 1` from user points if three or more user points have them and
+/// an axis shows `gap`.
 fn hide_repeated(figure: &mut Figure, axes: &[&str]) {
     let of_axis = |mark: &Mark| {
         let column = mark.label.split_once(" = ").map(|(column, _)| column);
@@ -139,32 +145,32 @@ fn hide_repeated(figure: &mut Figure, axes: &[&str]) {
     }
 }
 
-/// A branch to draw.
+/// A branch that a diagram draws.
 #[derive(Clone)]
 struct Named<'a> {
     name: String,
     branch: &'a Branch,
-    /// The positions of the document, and of the branch in the document.
+    /// The position of the document among the documents, and of the branch in the document.
     place: [usize; 2],
 }
 
-/// Returns the default axes of the diagram; `None` without a branch.
+/// Returns the default axes of the diagram; `None` if the documents contain no branch.
 pub(super) fn usual_axes(documents: &[(&str, &Document)]) -> Option<[String; 2]> {
     let branches = named(documents);
     let (x, y) = axes(first_of(&branches)?, &documents.first()?.1.plot, None, &[]).ok()?;
     Some([x.to_owned(), y[0].to_owned()])
 }
 
-/// Returns the branch that gives the default axes: the first branch of solutions.
+/// Returns the branch that determines the default axes: the first branch of solutions.
 fn first_of<'a>(branches: &[Named<'a>]) -> Option<&'a Branch> {
     let solutions = branches.iter().find(|named| named.branch.condition.is_none());
     solutions.or(branches.first()).map(|named| named.branch)
 }
 
-/// Returns the branches that the given axes show.
+/// Returns the branches that are drawn in the given axes.
 ///
 /// # Errors
-/// [`FigureError::UnknownColumn`] if no branch has the columns.
+/// [`FigureError::UnknownColumn`] if no branch contains the columns.
 fn living_in<'a>(
     branches: &[Named<'a>],
     x: &str,
@@ -193,7 +199,7 @@ fn living_in<'a>(
 }
 
 impl Named<'_> {
-    /// Adds the branch to a figure in two columns, if it has them.
+    /// Adds the branch to a figure with two columns as axes, if the branch contains both columns.
     fn add_to(
         &self,
         figure: &mut Figure,
@@ -224,9 +230,9 @@ impl Named<'_> {
     }
 }
 
-/// Returns the branches with their names. In a single document, names are unique and describe the
-/// kind of special points of a curve; with several documents, branches have the names of the
-/// documents, each with one colour.
+/// Returns the branches with the names that the diagram shows. In a diagram of a single document,
+/// names are unique, and the name of a curve of special points describes their kind; in a diagram
+/// of several documents, each branch has the name and colour of its document.
 fn named<'a>(documents: &[(&str, &'a Document)]) -> Vec<Named<'a>> {
     let mut document_names: Vec<String> = Vec::new();
     for (name, _) in documents {
@@ -287,21 +293,21 @@ fn axes<'a>(
     Ok((x, vec![y]))
 }
 
-/// Returns the branches of a document to draw.
+/// Returns the branches of a document that are drawn.
 pub(super) fn drawn_of(document: &Document) -> impl Iterator<Item = &Branch> {
     let curves = &document.plot.curves;
     document.branches.iter().filter(|it| curves.is_empty() || curves.contains(&it.name))
 }
 
-/// Returns whether a branch has orbits whose period is an unknown, directly or as the sum of
-/// durations.
+/// Returns whether the solutions of a branch are orbits whose period is an unknown, either itself
+/// or as a sum of durations.
 pub(super) fn has_free_period(branch: &Branch) -> bool {
     let any = |known: fn(&str) -> bool| branch.unknowns.iter().any(|group| known(&group.name));
     let durations = any(|name| name.starts_with("duration[")) && !any(|name| name == "start");
     branch.column(PERIOD).is_some() && (any(|name| name == PERIOD) || durations)
 }
 
-/// Returns the first recorded quantity other than the period: for orbits, the first state.
+/// Returns the first recorded quantity other than the period; for orbits it is the first state.
 fn first_quantity(branch: &Branch) -> Option<&str> {
     let mut others = branch.monitors.iter().map(String::as_str).filter(|name| *name != PERIOD);
     let first = others.next().or(branch.monitors.first().map(String::as_str))?;
@@ -310,7 +316,7 @@ fn first_quantity(branch: &Branch) -> Option<&str> {
     Some(state.filter(has_least).unwrap_or(first))
 }
 
-/// Returns the columns that show a quantity, at least one.
+/// Returns the one or more columns that show a quantity.
 fn columns(branch: &Branch, name: &str) -> Result<Vec<usize>, FigureError> {
     let columns = branch.columns_showing(name);
     if columns.is_empty() {
@@ -320,27 +326,29 @@ fn columns(branch: &Branch, name: &str) -> Result<Vec<usize>, FigureError> {
     Ok(columns)
 }
 
-/// A branch, drawn in two of its columns.
+/// A branch, drawn with two of its columns as axes.
 struct Curve<'a> {
     name: &'a str,
     branch: &'a Branch,
-    /// The positions of the document, and of the branch in the document.
+    /// The position of the document among the documents, and of the branch in the document.
     place: [usize; 2],
     plot: &'a Plot,
-    /// The columns of the two axes, their scales, and the shifts added to the shown values.
+    /// The columns on the two axes, the scales of these columns, and the shifts added to the shown
+    /// values.
     columns: [usize; 2],
     scales: &'a [Scale<'a>; 2],
     shift: [f64; 2],
 }
 
 impl Curve<'_> {
-    /// Adds the curve with its marks: as cubics between the points, or as the points alone.
+    /// Adds the curve and its marks to a figure: either cubics between the points, or the points
+    /// connected by lines.
     fn add_to(&self, figure: &mut Figure, cubic: bool) {
         figure.series.extend(self.pieces(cubic));
         self.add_marks(figure);
     }
 
-    /// Returns the pieces of the curve, each of one style.
+    /// Returns the pieces of the curve, each with one line style.
     fn pieces(&self, cubic: bool) -> Vec<Series> {
         let mut pieces = Pieces { name: self.name, series: Vec::new() };
         let [document, branch] = self.place;
@@ -383,7 +391,7 @@ impl Curve<'_> {
         pieces.series.into_iter().filter(|piece| !piece.points.is_empty()).collect()
     }
 
-    /// Returns the lengths of the ranges of the two columns.
+    /// Returns the lengths of the ranges of the two columns along the branch.
     fn ranges(&self) -> [f64; 2] {
         self.columns.map(|column| {
             let values = self.branch.points.iter().filter_map(|point| point.value(column));
@@ -394,7 +402,7 @@ impl Curve<'_> {
         })
     }
 
-    /// Adds the marks of the special points.
+    /// Adds the marks of the special points to a figure.
     fn add_marks(&self, figure: &mut Figure) {
         let Curve { plot, .. } = *self;
         let [document, branch] = self.place;
@@ -420,7 +428,7 @@ impl Curve<'_> {
         }));
     }
 
-    /// Adds the numbers of unstable directions on the two sides.
+    /// Adds the numbers of unstable directions on the two sides of the curve to a figure.
     fn add_regions(&self, figure: &mut Figure) {
         let beside = |Region { points: [first, last], sides }: Region| {
             let points = self.branch.points.get(first..=last).unwrap_or_default().iter();
@@ -430,8 +438,8 @@ impl Curve<'_> {
         figure.beside.extend(regions(self.branch, self.columns).into_iter().map(beside));
     }
 
-    /// Returns whether a special point is merely the end of the branch at a bound; such ends are
-    /// not marked.
+    /// Returns whether a special point is only the end of the branch at a bound of a parameter or
+    /// monitor; such ends are not marked.
     fn is_bound(&self, special: &SpecialPoint) -> bool {
         let all = &self.branch.special;
         let ends = [all.first(), all.last()].into_iter().zip(&self.branch.ends);
@@ -442,7 +450,7 @@ impl Curve<'_> {
         special.kind == Kind::EP && ends.into_iter().any(at_bound)
     }
 
-    /// Returns a point on the axes, if it has a value on both.
+    /// Returns a point in the coordinates of the axes, if the point has values for both axes.
     fn at(&self, value: impl Fn(usize) -> Option<f64>) -> Option<[f64; 2]> {
         let on = |axis: usize| {
             Some(self.scales[axis].shown(value(self.columns[axis])?) + self.shift[axis])
@@ -451,8 +459,8 @@ impl Curve<'_> {
     }
 }
 
-/// Returns the event of a user's point, with the prefix of the unit on the axis of its column: `gap =
-/// 2 µm`.
+/// Returns the event of a user-defined point, with the unit prefix of the axis that shows its
+/// column: `gap = 2 µm`.
 pub(super) fn event(plot: &Plot, special: &SpecialPoint) -> String {
     let parts = special.event.split_once(" = ");
     let shown = parts.and_then(|(column, value)| {
@@ -462,14 +470,14 @@ pub(super) fn event(plot: &Plot, special: &SpecialPoint) -> String {
     shown.unwrap_or_else(|| special.event.clone())
 }
 
-/// The pieces of a curve, each of one style.
+/// The pieces of a curve, each with one line style.
 struct Pieces<'a> {
     name: &'a str,
     series: Vec<Series>,
 }
 
 impl Pieces<'_> {
-    /// Continues to a point, and from there in a given style.
+    /// Extends the curve to a point, and sets the line style that begins at this point.
     fn vertex(&mut self, at: [f64; 2], origin: Origin, style: Style) {
         let same = self.style() == style;
         let begun = || Series::with_origins(self.name, style, [(at, origin)]);
@@ -486,7 +494,7 @@ impl Pieces<'_> {
         }
     }
 
-    /// Leaves a gap before the next point.
+    /// Inserts a gap before the next point of the curve.
     fn interrupt(&mut self) {
         if self.series.last().is_some_and(|last| !last.points.is_empty()) {
             self.series.push(Series::new(self.name, self.style(), []));
@@ -498,12 +506,12 @@ impl Pieces<'_> {
     }
 }
 
-/// Returns the meanings of the styles of branches and profiles.
+/// Returns the line styles of branches and profiles with their meanings.
 pub(super) fn stability() -> Vec<(Style, String)> {
     vec![(Style::Solid, "stable".into()), (Style::Dashed, "unstable".into())]
 }
 
-/// Returns the style of a branch at a point.
+/// Returns the line style of a branch at a point.
 fn style_of(point: &Point) -> Style {
     match (point.admissible, &point.undetermined) {
         (false, _) => Style::Thin,
@@ -512,7 +520,7 @@ fn style_of(point: &Point) -> Style {
     }
 }
 
-/// Returns the style for a number of unstable eigenvalues.
+/// Returns the line style for a number of unstable eigenvalues.
 pub(super) fn style(unstable: Option<usize>) -> Style {
     match unstable {
         Some(1..) => Style::Dashed,

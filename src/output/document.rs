@@ -1,4 +1,4 @@
-//! Documents: branches, the settings they were computed with, and their plots.
+//! Documents: branches with the settings of their computation, and their plots.
 
 use super::chosen::Chosen;
 use super::error::UnknownPoint;
@@ -8,28 +8,29 @@ use crate::core::problem::{UnknownName, position};
 use crate::core::system::Kind;
 use serde::{Deserialize, Serialize};
 
-/// Branches with the settings they were computed with and their default plot.
+/// A collection of branches with the settings of their computation and their default plot.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Document {
     /// Always [`FORMAT`].
     pub format: String,
-    /// The title, in words.
+    /// The title of the document, in words.
     pub title: String,
-    /// The settings that the branches were computed with, by unique name: the scene, its terms, the
+    /// The settings of the computation of the branches, by unique name: the scene, its terms, the
     /// number of its modes.
     #[serde(default)]
     pub settings: Vec<(String, String)>,
-    /// The settings that were chosen for an accuracy.
+    /// The settings that were chosen to achieve a requested accuracy.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub chosen: Option<Chosen>,
     /// The default plot of the branches.
     #[serde(default)]
     pub plot: Plot,
-    /// Settings of single branches that differ: a branch's name, and its own settings by name.
+    /// Settings that differ for single branches: the name of each such branch, and its own settings
+    /// by name.
     #[serde(default)]
     pub differences: Vec<(String, Vec<(String, String)>)>,
-    /// The branches; their names are unique.
+    /// The branches of the document; their names are unique.
     pub branches: Vec<Branch>,
 }
 
@@ -37,70 +38,74 @@ pub struct Document {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Plot {
-    /// The column on the horizontal axis; by default, the first varied parameter.
+    /// The column on the horizontal axis; by default the first varied parameter.
     pub x: Option<String>,
-    /// The column on the vertical axis; by default, the first monitor (on a curve of special
+    /// The column on the vertical axis; by default the first monitor (for a curve of special
     /// points, the second varied parameter).
     pub y: Option<String>,
-    /// The labels of axes that show a column, with units: `("load", "load V² (1)")`. A column
-    /// without an entry is shown by its name.
+    /// The labels of columns on axes, with units: `("load", "load V² (1)")`. The label of a column
+    /// without an entry is its name.
     pub labels: Vec<(String, String)>,
-    /// Additional panels, as pairs of columns for the horizontal and the vertical axis. Branches
-    /// that lack one of the columns are left out.
+    /// Additional panels of diagrams, as pairs of columns for the horizontal and the vertical axis.
+    /// Branches that do not contain both columns of a panel are omitted from it.
     pub panels: Vec<(String, String)>,
-    /// Additional panels in plots of sweeps.
+    /// Additional panels in plots of parameter sweeps, as pairs of columns for the horizontal and
+    /// the vertical axis.
     pub swept: Vec<(String, String)>,
-    /// The kinds of profiles to draw, as pairs (abscissa, ordinate): `("displacement", "velocity")`
-    /// is the phase portrait, `("time", "velocity")` a time history. By default all.
+    /// The profiles to draw for each special point, as pairs (abscissa, ordinate):
+    /// `("displacement", "velocity")` is the phase portrait, `("time", "velocity")` a time history.
+    /// By default all.
     pub profiles: Vec<(String, String)>,
     /// The special points whose profiles are drawn, as `LABEL` or `BRANCH/LABEL`; by default a
-    /// selection.
+    /// selection is drawn.
     pub points: Vec<String>,
-    /// The branches that diagrams show, by name; by default all.
+    /// The names of the branches that diagrams show; by default all branches.
     pub curves: Vec<String>,
-    /// Numbers added to a column of a branch in diagrams, to compare curves of different height:
-    /// branch, column, shift.
+    /// Numbers that diagrams add to a column of a branch, to compare curves of different height:
+    /// name of the branch, name of the column, number.
     pub shifts: Vec<(String, String, f64)>,
-    /// Columns that are shown as deviations from a special point, or as roots of deviations.
+    /// The columns that diagrams show as deviations from a special point, or as roots of such
+    /// deviations.
     pub deviations: Vec<Deviation>,
-    /// The range of a column that is shown, in the numbers of its axis: column, low, high.
+    /// The shown ranges of columns, in the numbers of the axis: column, lower end, upper end.
     pub ranges: Vec<(String, f64, f64)>,
-    /// The columns with logarithmic axes; an axis of several columns is logarithmic if all of them
-    /// are named. Points where the column is zero or negative are not shown.
+    /// The columns with logarithmic axes; an axis of several columns is logarithmic if all its
+    /// columns are named. Points with a zero or negative value in such a column are not drawn.
     pub logarithmic: Vec<String>,
-    /// Whether curves of bifurcations in two parameters are labelled with the numbers of unstable
-    /// directions on the two sides.
+    /// Whether curves of bifurcations in two parameters are labelled on both sides with the number
+    /// of unstable directions.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub regions: bool,
     /// Parts of the diagram that are enlarged in separate panels; their ranges are in the units of
     /// the axes.
     pub enlargements: Vec<Enlargement>,
-    /// Plots of special points of all branches against a setting in which the branches differ.
+    /// Plots of special points from all branches against a setting in which the branches differ.
     pub against: Vec<Against>,
 }
 
-/// A part of a diagram: its ranges on both axes.
+/// A part of a diagram, given by its ranges on both axes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Enlargement {
-    /// The range on the horizontal axis.
+    /// The range of the part on the horizontal axis.
     pub x: [f64; 2],
-    /// The range on the vertical axis.
+    /// The range of the part on the vertical axis.
     pub y: [f64; 2],
 }
 
-/// A column that diagrams show as its deviation from a special point: `V − V*` for an orbit that
-/// grazes at `V*`, or `√(V − V*)`, which straightens curves that emanate there like a square root.
+/// A column that diagrams show as its deviation from the value at a special point: `V − V*` for an
+/// orbit that grazes at `V*`, or `√(V − V*)`, which straightens curves that emanate from the
+/// special point like a square root.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Deviation {
-    /// The column to show as a deviation.
+    /// The column that is shown as a deviation.
     pub column: String,
-    /// The branch with the special point.
+    /// The branch that contains the special point.
     pub branch: String,
-    /// The kind of the special point; the first one of the branch is used.
+    /// The kind of the special point; the first special point of this kind on the branch is used.
     pub kind: Kind,
-    /// The power of the deviation that is shown, with the sign of the deviation.
+    /// The power of the absolute deviation that is shown, with the sign of the deviation.
     #[serde(default = "one")]
     pub power: f64,
 }
@@ -110,7 +115,8 @@ fn one() -> f64 {
 }
 
 impl Deviation {
-    /// Returns the number shown for a value, given the value at the special point.
+    /// Returns the number that an axis shows for a value of the column, given the value at the
+    /// special point.
     ///
     /// ```
     /// use tangency::core::system::Kind;
@@ -125,17 +131,17 @@ impl Deviation {
     }
 }
 
-/// Special points of one kind against a setting in which branches differ: pull-in against the
-/// number of modes. Branches that also differ in other settings form a separate series for each
-/// combination of these.
+/// A plot of the special points of one kind against a setting in which branches differ, for example
+/// pull-in against the number of modes. Branches that also differ in other settings form a separate
+/// series for each combination of these settings.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Against {
-    /// The kind of special point; the first one of each branch is used.
+    /// The kind of the special points; the first special point of this kind on each branch is used.
     pub kind: Kind,
-    /// The setting on the horizontal axis, a number.
+    /// The name of the numerical setting on the horizontal axis.
     pub setting: String,
-    /// The parameter or monitor for the vertical axis.
+    /// The name of the parameter or monitor on the vertical axis.
     pub column: String,
 }
 
@@ -146,8 +152,8 @@ impl Plot {
         entry.map_or(column, |(_, label)| label)
     }
 
-    /// Returns the plot restricted to some branches, without the parts that concern other branches
-    /// or columns.
+    /// Returns the plot restricted to the given branches, without the parts that concern other
+    /// branches or columns.
     ///
     /// ```
     /// use tangency::output::{Plot, example_branch};
@@ -194,7 +200,7 @@ impl Plot {
         own
     }
 
-    /// Returns the range of a column that is shown.
+    /// Returns the range of a column that the plot shows.
     pub(super) fn range(&self, column: &str) -> [f64; 2] {
         let given = self.ranges.iter().find(|(name, ..)| name == column);
         given.map_or([f64::NEG_INFINITY, f64::INFINITY], |(_, low, high)| [*low, *high])
@@ -205,7 +211,7 @@ impl Plot {
         self.logarithmic.iter().any(|name| name == column)
     }
 
-    /// Returns the number added to a column of a branch.
+    /// Returns the number that the plot adds to a column of a branch.
     pub(super) fn shift(&self, branch: &str, column: &str) -> f64 {
         let meant = |entry: &&(String, String, f64)| entry.0 == branch && entry.1 == column;
         self.shifts.iter().find(meant).map_or(0.0, |(_, _, shift)| *shift)
@@ -226,26 +232,26 @@ impl Document {
         }
     }
 
-    /// Returns the value of a setting.
+    /// Returns the value of a setting of the document.
     pub fn setting(&self, name: &str) -> Option<&str> {
         self.settings.iter().find(|(key, _)| key == name).map(|(_, value)| value.as_str())
     }
 
-    /// Returns the branch with a name.
+    /// Returns the branch with the given name.
     ///
     /// # Errors
-    /// [`UnknownName`] with the names of the existing branches.
+    /// [`UnknownName`] with the names of the existing branches, if no branch has the given name.
     pub fn branch(&self, name: &str) -> Result<&Branch, UnknownName> {
         let names = self.branches.iter().map(|branch| &branch.name);
         Ok(&self.branches[position("branch", name, names)?])
     }
 
-    /// Returns the special point with a label, on a named branch or on the only branch that has the
-    /// label.
+    /// Returns the special point with a label, on a named branch, or on the only branch that
+    /// contains the label.
     ///
     /// # Errors
-    /// [`UnknownPoint`] if the branch or the label does not exist, or if several branches have the
-    /// label.
+    /// [`UnknownPoint`] if the branch or the label does not exist, or if several branches contain
+    /// the label.
     ///
     /// ```
     /// use tangency::output::{Document, example_branch};

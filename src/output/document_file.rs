@@ -1,4 +1,4 @@
-//! Documents as RON files.
+//! Reads and writes documents as RON files.
 
 use super::check;
 use super::document::Document;
@@ -11,11 +11,12 @@ use ron::ser::PrettyConfig;
 use std::path::Path;
 
 impl Document {
-    /// Serializes the document as RON, one line per point, every number with all its digits.
+    /// Serializes the document as RON, with one line for each point, and every number with all its
+    /// digits.
     ///
     /// # Errors
-    /// [`FormatError::Invalid`] if the text could not be read back: a number that is not finite, a
-    /// list of the wrong length, a duplicate name.
+    /// [`FormatError::Invalid`] if the text could not be parsed again because of a number that is
+    /// not finite, a list of the wrong length, or a duplicate name.
     pub fn to_ron(&self) -> Result<String, FormatError> {
         check::document(self)?;
         let pretty = PrettyConfig::new()
@@ -29,10 +30,11 @@ impl Document {
         Ok(text)
     }
 
-    /// Parses a document from its RON.
+    /// Parses a document from its RON text.
     ///
     /// # Errors
-    /// [`FormatError`] with line and column, or with branch, point and column of an invalid value.
+    /// [`FormatError`] with the line and column of a syntax error, or with the branch, point and
+    /// column of an invalid value.
     ///
     /// ```
     /// use tangency::output::Document;
@@ -46,11 +48,11 @@ impl Document {
         Ok(document)
     }
 
-    /// Saves the document atomically.
+    /// Saves the document to a file atomically.
     ///
     /// # Errors
-    /// [`FileError::Write`] if the file cannot be written, [`FileError::Format`] if it could not be
-    /// read back.
+    /// [`FileError::Write`] if the file cannot be written, [`FileError::Format`] if the written
+    /// document could not be read again.
     pub fn save(&self, path: impl AsRef<Path>) -> Result<(), FileError> {
         let path = path.as_ref();
         write_atomically(path, self.to_ron().map_err(|source| FileError::format(path, source))?)
@@ -59,8 +61,8 @@ impl Document {
     /// Loads a document.
     ///
     /// # Errors
-    /// [`FileError::Read`] if the file cannot be read, [`FileError::Format`] if it is not a
-    /// document, [`FileError::TooLarge`] beyond [`SizeLimit::default`].
+    /// [`FileError::Read`] if the file cannot be read, [`FileError::Format`] if the file is not a
+    /// document, [`FileError::TooLarge`] if the file is larger than [`SizeLimit::default`].
     ///
     /// ```
     /// use tangency::output::{Document, example_branch};
@@ -75,7 +77,7 @@ impl Document {
         Document::load_within(SizeLimit::default(), path)
     }
 
-    /// Loads a document of a limited size.
+    /// Loads a document from a file of limited size.
     ///
     /// # Errors
     /// As [`load`](Self::load); [`FileError::TooLarge`].
@@ -86,7 +88,8 @@ impl Document {
     }
 }
 
-/// Classifies a text that could not be parsed: foreign, of another version, truncated or invalid.
+/// Classifies a text that could not be parsed: not a document, of another version, truncated, or
+/// invalid.
 fn explain(text: &str, error: &ron::error::SpannedError) -> FormatError {
     let (line, column) = (error.span.start.line, error.span.start.col);
     let known = remedy(&error.code).map_or(String::new(), |known| format!("; {known}"));
@@ -102,7 +105,7 @@ fn explain(text: &str, error: &ron::error::SpannedError) -> FormatError {
     }
 }
 
-/// Returns the tag of a text that may have errors elsewhere.
+/// Returns the format tag of a text that may contain errors after the tag.
 fn tag(text: &str) -> Option<&str> {
     let start = text.find("\"tangency/")? + 1;
     text[start..].split('"').next()

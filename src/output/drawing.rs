@@ -1,8 +1,8 @@
-//! Figures as SVG, PDF and PNG pictures.
+//! Draws figures as SVG, PDF and PNG pictures.
 //!
-//! The backends of plotters round to whole pixels, so everything is drawn on a [canvas] of finer
-//! ones. Its charts do not support sizing a legend or keeping labels off the curves, so only its
-//! elements are used.
+//! The backends of the plotters library round to whole pixels, so everything is drawn on a [canvas]
+//! with finer pixels. The charts of the plotters library do not support sizing a legend or keeping
+//! labels off the curves, so only its basic elements are used.
 
 mod backend;
 mod canvas;
@@ -30,15 +30,16 @@ pub const COLUMN: f64 = 84.0;
 /// The width of a journal's page, in millimetres.
 pub const PAGE: f64 = 170.0;
 
-/// Draws figures as the panels of one picture, of a width in millimetres: as many side by side as
-/// are at least 70 mm wide. The first panel is wider if the rows would not be full. Text has 7.5
-/// points for every width. Several panels have letters, and the title of the first one, if no other
-/// has any, is above all. The names of up to four curves are next to the curves; a legend below all
-/// panels explains everything else.
+/// Draws figures as the panels of one picture with a width in millimetres: each row contains as
+/// many panels of at least 70 mm width as possible. The first panel is wider if otherwise a row
+/// would be incomplete. The text size is 7.5 points for every width of the picture. If the picture
+/// has several panels, each has a letter, and the title of the first panel is above all panels if
+/// no other panel has a title. The names of up to four curves are written next to the curves; a
+/// legend below all panels explains everything else.
 ///
 /// # Errors
-/// [`FigureError`] if a coordinate is not finite, there is nothing to draw, or the width is not
-/// between 40 and 1000.
+/// [`FigureError`] if a coordinate is not finite, the figures contain nothing to draw, or the width
+/// is not between 40 and 1000.
 ///
 /// ```
 /// use tangency::output::{COLUMN, Figure, Series, Style, draw};
@@ -70,10 +71,12 @@ pub fn pdf(figures: &[Figure], width: f64) -> Result<Vec<u8>, FigureError> {
     canvas::pdf(layout.size(), width, |canvas: &Canvas| layout.draw(canvas))
 }
 
-/// Draws the picture of [`draw`] as PNG, with 300 pixels per inch. No system fonts are needed.
+/// Draws the picture of [`draw`] as a PNG file, with 300 pixels per inch. The PNG is drawn without
+/// system fonts.
 ///
 /// # Errors
-/// As [`draw`]; [`FigureError::Drawing`] if a side would have more than 16 384 pixels.
+/// The errors of [`draw`], and [`FigureError::Drawing`] if a side would have more than 16 384
+/// pixels.
 ///
 /// ```
 /// use tangency::output::{COLUMN, Figure, Series, Style, png};

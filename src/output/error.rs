@@ -32,24 +32,24 @@ pub enum FileError {
         /// The message of the operating system.
         source: std::io::Error,
     },
-    /// The file is not a text file.
+    /// The content of the file is not text.
     #[error(
         "{} is not a text file: byte {at} is not UTF-8", path.display()
     )]
     #[diagnostic(help("name a text file; `tangency plot` draws archives of sweeps (.npz)"))]
     NoText {
-        /// The path of the file.
+        /// The path of the file that is not text.
         path: PathBuf,
-        /// The first invalid byte, counted from 0.
+        /// The position of the first invalid byte, counted from 0.
         at: usize,
     },
-    /// The output path is not a folder.
+    /// The output path exists, but is not a folder.
     #[error("{} is {kind}, not a folder", path.display())]
     #[diagnostic(help("choose a folder with --out"))]
     NoFolder {
         /// The path.
         path: PathBuf,
-        /// The kind of the existing file.
+        /// The kind of the existing file at the output path.
         kind: &'static str,
     },
     /// The name of a result is too long.
@@ -58,7 +58,7 @@ pub enum FileError {
     LongName {
         /// The name of the result.
         name: String,
-        /// The maximum length in bytes.
+        /// The maximum length of the name in bytes.
         most: usize,
     },
     /// The file was read, but is not a document.
@@ -70,16 +70,16 @@ pub enum FileError {
         /// The reason.
         source: FormatError,
     },
-    /// The output is a device, a FIFO or a folder, which is not replaced.
+    /// The output path is a device, a FIFO or a folder, which is never replaced.
     #[error("{} is {kind}, and only regular files and symbolic links to them are replaced", path.display())]
     #[diagnostic(help("choose another place with --out"))]
     Special {
         /// The path.
         path: PathBuf,
-        /// The kind of the existing file.
+        /// The kind of the existing file at the output path.
         kind: &'static str,
     },
-    /// The file exceeds the size limit.
+    /// The file is larger than the size limit.
     #[error(
         "{} is larger than the limit of {} MB", path.display(), limit / 1_000_000
     )]
@@ -87,7 +87,7 @@ pub enum FileError {
     TooLarge {
         /// The path of the file.
         path: PathBuf,
-        /// The size limit in bytes.
+        /// The size limit of the file in bytes.
         limit: u64,
     },
     /// The input is a FIFO to which no process writes.
@@ -96,10 +96,10 @@ pub enum FileError {
     Silent {
         /// The path.
         path: PathBuf,
-        /// The kind of the existing file.
+        /// The kind of the existing input file.
         kind: &'static str,
     },
-    /// Another run writes the same result.
+    /// Another process is writing the same result.
     #[error(
         "another run{} is writing {}", process.map_or(String::new(), |id| format!(", process {id},")), path.display()
     )]
@@ -109,19 +109,19 @@ pub enum FileError {
     Locked {
         /// The path of the result, without extensions.
         path: PathBuf,
-        /// The id of the process, if known.
+        /// The id of the writing process, if known.
         process: Option<u32>,
     },
-    /// The extension of a file is not a known format.
+    /// The extension of a file does not belong to a known format.
     #[error("{} does not have an extension of a known format", path.display())]
     #[diagnostic(help("known: {}", known.join(", ")))]
     Ending {
-        /// The path of the file.
+        /// The path of the file with the unknown extension.
         path: PathBuf,
         /// The known extensions.
         known: &'static [&'static str],
     },
-    /// The name of a file is invalid as the name of a result.
+    /// The name of a file cannot be the name of a result because it contains control characters.
     #[error("the name of the file {} contains control characters", quoted(&path.to_string_lossy()))]
     #[diagnostic(help("rename the file"))]
     Name {
@@ -144,40 +144,40 @@ impl FileError {
 #[derive(Clone, Debug, PartialEq, miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum FormatError {
-    /// The text has no tag of this toolkit.
+    /// The text does not begin with a format tag of this toolkit.
     #[error("not a tangency document (line {line}, column {column}: {reason})")]
     #[diagnostic(help("give a file saved by a trace"))]
     Foreign {
         /// The line of the first error, counted from 1.
         line: usize,
-        /// The column, counted from 1.
+        /// The column of the first error, counted from 1.
         column: usize,
-        /// The description of the error.
+        /// The description of the first error.
         reason: String,
     },
-    /// The document has another version of the format.
+    /// The document was written in another version of the format.
     #[error("the document's format is `{found}`, but this program reads `{FORMAT}`")]
     #[diagnostic(help(
         "repeat the trace, or read the document with the program that saved the document"
     ))]
     Version {
-        /// The tag of the document.
+        /// The format tag of the document.
         found: String,
     },
-    /// The text is truncated.
+    /// The text ends before the document is complete.
     #[error("the document ends prematurely at line {line}, column {column}; the file is truncated")]
     #[diagnostic(help("copy the file again, or repeat the trace"))]
     Truncated {
-        /// The line, counted from 1.
+        /// The line at which the text ends, counted from 1.
         line: usize,
-        /// The column, counted from 1.
+        /// The column at which the text ends, counted from 1.
         column: usize,
     },
-    /// The document has an invalid form.
+    /// The text of the document cannot be parsed.
     #[error("line {}, column {}: {reason}{place}", place.line.unwrap_or(1), place.column)]
     #[diagnostic(help("correct the document, or repeat the trace"))]
     Syntax {
-        /// The position, with the text of the line.
+        /// The position of the error, with the text of the line.
         place: Box<Place>,
         /// The reason.
         reason: String,
@@ -186,20 +186,20 @@ pub enum FormatError {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Invalid(#[from] Invalid),
-    /// The archive of a sweep is damaged, or is not an archive.
+    /// The file of a sweep is damaged, or is not a NumPy archive.
     #[error("not a file of sweeps ({reason})")]
     #[diagnostic(help("give a file saved by a sweep, or repeat the sweep"))]
     Archive {
         /// The reason.
         reason: String,
     },
-    /// An archive unpacks to more than the size limit.
+    /// The unpacked content of an archive exceeds the size limit.
     #[error(
         "the archive unpacks to more than the limit of {} MB", limit / 1_000_000
     )]
     #[diagnostic(help("raise the limit with --max-size"))]
     Unpacked {
-        /// The size limit in bytes.
+        /// The size limit of the unpacked content in bytes.
         limit: u64,
     },
     /// The document or the archive cannot be serialized.
@@ -221,7 +221,7 @@ pub enum UnknownPoint {
     Label {
         /// The requested label.
         label: usize,
-        /// The existing labels, as `BRANCH/LABEL`.
+        /// The existing labels of special points, as `BRANCH/LABEL`.
         known: Vec<String>,
     },
     /// Several branches have the requested label.
@@ -230,10 +230,10 @@ pub enum UnknownPoint {
     Ambiguous {
         /// The requested label.
         label: usize,
-        /// The candidates, as `BRANCH/LABEL`.
+        /// The points with the requested label, as `BRANCH/LABEL`.
         candidates: Vec<String>,
     },
-    /// A name of an invalid form.
+    /// The name of a special point does not have the form `LABEL` or `BRANCH/LABEL`.
     #[error("`{0}` is not of the form LABEL or BRANCH/LABEL, for example 2 or orbits/2")]
     Form(String),
 }
@@ -242,20 +242,20 @@ pub enum UnknownPoint {
 #[derive(Clone, PartialEq, miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum FigureError {
-    /// A branch lacks a column.
+    /// A branch does not contain a requested column.
     #[error("branch `{branch}`: {source}")]
     #[diagnostic(forward(source))]
     UnknownColumn {
         /// The name of the branch.
         branch: String,
-        /// The requested column and the existing ones.
+        /// The name of the requested column, and the names of the existing columns.
         source: UnknownName,
     },
-    /// No branch and no sweep has a column.
+    /// No branch and no sweep contains a requested column.
     #[error(transparent)]
     #[diagnostic(transparent)]
     NoColumn(UnknownName),
-    /// No figure has an axis for a column that should be logarithmic.
+    /// No figure has an axis for the columns that should be logarithmic.
     #[error("no axis shows only {}", names.join(", "))]
     #[diagnostic(help("name all columns of an axis, or omit the logarithm"))]
     NotLogarithmic {
@@ -266,12 +266,12 @@ pub enum FigureError {
     #[error("branch `{branch}` has no monitor to draw")]
     #[diagnostic(help("choose the column for y: {}", available.join(", ")))]
     NoMonitor {
-        /// The name of the branch.
+        /// The name of the branch that has no monitor.
         branch: String,
         /// The names of the existing columns.
         available: Vec<String>,
     },
-    /// The special point is missing from which a column's deviations are measured.
+    /// The special point from which the deviations of a column are measured does not exist.
     #[error(
         "`{column}` should be shown as its deviation from the first {kind} of `{branch}`, but the branch has no \
          {kind}"
@@ -280,41 +280,42 @@ pub enum FigureError {
     NoOrigin {
         /// The column.
         column: String,
-        /// The kind of special point.
+        /// The kind of the missing special point.
         kind: Kind,
-        /// The name of the branch.
+        /// The name of the branch that does not contain the special point.
         branch: String,
     },
-    /// A point whose profiles should be drawn does not exist.
+    /// A special point whose profiles should be drawn does not exist.
     #[error(transparent)]
     #[diagnostic(transparent)]
     UnknownPoint(#[from] UnknownPoint),
-    /// No point has a profile that should be drawn.
+    /// No special point has a profile of a requested kind.
     #[error(transparent)]
     #[diagnostic(transparent)]
     UnknownProfile(UnknownName),
     /// A coordinate is NaN or infinite.
     #[error("`{series}` cannot be drawn: its point {index} is ({}, {})", at[0], at[1])]
     NotFinite {
-        /// The name of the series or the label of the mark.
+        /// The name of the series, or the label of the mark, with the coordinate that cannot be
+        /// drawn.
         series: String,
-        /// The index of the point, counted from 0.
+        /// The index of the point that cannot be drawn, counted from 0.
         index: usize,
-        /// The coordinates of the point.
+        /// The coordinates of the point that cannot be drawn.
         at: [f64; 2],
     },
-    /// A coordinate that a logarithmic axis cannot show.
+    /// A coordinate is zero or negative, but its axis is logarithmic.
     #[error("point {index} of `{series}` is at ({}, {}), which a logarithmic axis cannot show", at[0], at[1])]
     #[diagnostic(help("remove the point, or use a linear axis"))]
     NotPositive {
-        /// The name of the curve or mark.
+        /// The name of the curve or mark with the coordinate that cannot be drawn.
         series: String,
-        /// The index of the point, counted from 0.
+        /// The index of the point that cannot be drawn, counted from 0.
         index: usize,
-        /// The coordinates of the point.
+        /// The coordinates of the point that cannot be drawn.
         at: [f64; 2],
     },
-    /// The range of values exceeds the range of numbers.
+    /// The width of the range of values on an axis exceeds the range of floating-point numbers.
     #[error("the values from {low:e} to {high:e} span too wide a range for an axis")]
     TooWide {
         /// The smallest value.
@@ -322,28 +323,28 @@ pub enum FigureError {
         /// The largest value.
         high: f64,
     },
-    /// The figure has no points.
+    /// The figure contains no points.
     #[error("there is nothing to draw in the figure `{title}`: it has no points")]
     Empty {
-        /// The title of the figure.
+        /// The title of the figure without points.
         title: String,
     },
-    /// The width of a picture is out of range.
+    /// The width of a picture is not between the smallest and the largest allowed width.
     #[error("the width of a picture must be between {} and {} mm, but is {width} \
              mm", range.start(), range.end())]
     Width {
-        /// The width, in millimetres.
+        /// The requested width, in millimetres.
         width: f64,
         /// The allowed widths.
         range: std::ops::RangeInclusive<f64>,
     },
-    /// The font of a picture lacks a letter.
+    /// The font of a picture does not contain a character.
     #[error("the font of PNG lacks the letter `{letter}` in `{text}`")]
     #[diagnostic(help("draw an SVG, which uses the viewer's fonts, or change the text"))]
     Letter {
         /// The missing letter.
         letter: char,
-        /// The text with the missing letter.
+        /// The text that contains the missing character.
         text: String,
     },
     /// No panel has the requested letter.
@@ -354,7 +355,7 @@ pub enum FigureError {
         /// The existing letters.
         known: String,
     },
-    /// The drawing library failed.
+    /// The drawing library reported an error.
     #[error("drawing failed: {0}")]
     Drawing(String),
 }

@@ -1,11 +1,11 @@
-//! A branch in closed form, for documentation and tests.
+//! An example branch in closed form, for documentation and tests.
 
 use crate::core::continuation::{Branch, End, Point, Settings, SpecialPoint};
 use crate::core::system::Kind;
 
 /// Returns the branch of the parallel-plate actuator, `load = u (1 − u)²` for `0 ≤ u ≤ 0.8`: stable
-/// up to its fold at `u = 1/3`, `load = 4/27`, unstable beyond it. It needs no solver, so that the
-/// output of branches can be shown and tested separately.
+/// up to its fold at `u = 1/3`, `load = 4/27`, unstable beyond the fold. The branch is computed
+/// without a solver, so that its output can be shown and tested separately.
 ///
 /// ```
 /// let branch = tangency::output::example_branch();

@@ -1,4 +1,4 @@
-//! Contour maps of fields: arrays of two indices at special points.
+//! Contour maps of fields: arrays with two indices that are saved at special points.
 
 use super::document::{Document, Plot};
 use super::error::FigureError;
@@ -8,14 +8,14 @@ use super::profiles::{Shown, shown};
 use super::tile::{Hue, Tile};
 use crate::core::problem::{PlaneField, distinct};
 
-/// The maximum number of levels of a map, equal to the number of shades.
+/// The maximum number of levels of a map, which is also the number of shades.
 const LEVELS: usize = 9;
-/// The significant digits of levels in the legend.
+/// The number of significant digits of levels in the legend.
 const DIGITS: usize = 6;
 
-/// Returns a map of each field of each shown point, as [`figures`](super::figures) describes. The
-/// maps of one array have the same levels. A document that chooses kinds of profiles shows no
-/// fields.
+/// Returns a contour map for each field of each shown special point, as [`figures`](super::figures)
+/// describes. All maps of fields with the same name have the same levels. No fields are shown if
+/// the document chooses kinds of profiles.
 pub(super) fn fields(documents: &[(&str, &Document)]) -> Result<Vec<Figure>, FigureError> {
     let Some((_, Document { plot, .. })) = documents.first() else { return Ok(Vec::new()) };
     if !plot.profiles.is_empty() {
@@ -34,7 +34,7 @@ pub(super) fn fields(documents: &[(&str, &Document)]) -> Result<Vec<Figure>, Fig
     Ok(figures)
 }
 
-/// Returns the map of a field at a point.
+/// Returns the contour map of a field at a special point.
 fn map(plot: &Plot, shown: &Shown, field: &PlaneField, levels: &Levels) -> Figure {
     let label = plot.label(&field.name);
     let title = format!("{label} at {}", shown.name);
@@ -53,7 +53,7 @@ fn map(plot: &Plot, shown: &Shown, field: &PlaneField, levels: &Levels) -> Figur
     figure
 }
 
-/// Returns the ends of the cell around an index: half-way to its neighbours.
+/// Returns the ends of the cell around an index, which are half-way to the neighbouring indices.
 fn ends(along: &[i64], k: usize) -> [f64; 2] {
     let at = along[k] as f64;
     let half = |other: Option<&i64>| other.map(|other| 0.5 * (*other as f64 - at));
@@ -69,7 +69,7 @@ fn middle(along: &[i64], k: usize) -> f64 {
     0.5 * (low + high)
 }
 
-/// Returns the widths of the cells around indices.
+/// Returns the widths of the cells around all indices.
 fn widths(along: &[i64]) -> Vec<f64> {
     let width = |k| {
         let [low, high] = ends(along, k);
@@ -78,16 +78,16 @@ fn widths(along: &[i64]) -> Vec<f64> {
     (0..along.len()).map(width).collect()
 }
 
-/// Levels at multiples of a step.
+/// Levels of a contour map at multiples of a step.
 struct Levels {
     step: f64,
-    /// The number of the first level, and the number of levels.
+    /// The multiple of the step at the first level, and the number of levels.
     first: f64,
     count: usize,
 }
 
 impl Levels {
-    /// Returns the levels of some fields; `None` if they have no values.
+    /// Returns the common levels of some fields; `None` if the fields contain no values.
     fn of<'a>(fields: impl Iterator<Item = &'a PlaneField>) -> Option<Self> {
         let values = fields.flat_map(|field| &field.values);
         let range = values.fold(None, |range: Option<[f64; 2]>, value| {
@@ -105,7 +105,7 @@ impl Levels {
         Some(Levels { step, first, count: count.min(LEVELS) })
     }
 
-    /// Returns the shade of a value, and its meaning.
+    /// Returns the shade of a value, and the meaning of the shade for the legend.
     fn level(&self, label: &str, value: f64) -> (usize, String) {
         let k = ((value / self.step).floor() - self.first).clamp(0.0, (self.count - 1) as f64);
         let shade = (LEVELS - 1) * k as usize / (self.count - 1).max(1);

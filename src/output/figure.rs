@@ -1,10 +1,10 @@
-//! Figures: curves and marks before they are drawn.
+//! Figures: curves and marks that are ready to draw.
 
 use super::error::FigureError;
 use super::tile::Tile;
 use crate::core::problem::distinct;
 
-/// Curves and marks in one pair of axes.
+/// Curves and marks that share one pair of axes.
 ///
 /// ```
 /// use tangency::output::{Figure, Series, Style, PAGE, draw};
@@ -20,50 +20,51 @@ use crate::core::problem::distinct;
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Figure {
-    /// The title; may be empty.
+    /// The title of the figure; may be empty.
     pub title: String,
     /// The label of the horizontal axis, with its unit.
     pub x_label: String,
     /// The label of the vertical axis, with its unit.
     pub y_label: String,
-    /// The curves. Curves of the same name are pieces of one curve: they share a colour and an
-    /// entry in the legend.
+    /// The curves. The curves; those with the same name are pieces of one curve, and share a colour
+    /// and an entry in the legend.
     pub series: Vec<Series>,
     /// The marks.
     pub marks: Vec<Mark>,
-    /// Texts on the two sides of curves.
+    /// The texts beside curves, on their two sides.
     pub beside: Vec<Beside>,
-    /// The meanings of line styles, if any: `(Dashed, "unstable")`.
+    /// The line styles with their meanings, if any: `(Dashed, "unstable")`.
     pub styles: Vec<(Style, String)>,
     /// Coloured rectangles drawn before all curves, as a background.
     pub tiles: Vec<Tile>,
-    /// Labels at 0, 1, 2, … on the vertical axis instead of numbers; empty for numbers.
+    /// The labels at 0, 1, 2, … on the vertical axis; if empty, the axis is labelled with numbers.
     pub y_names: Vec<String>,
-    /// Walls that reset the motion, on axes that show the coordinate that they bound.
+    /// Walls at which the motion is reset, on axes that show the coordinate that the wall bounds.
     pub walls: Vec<Wall>,
-    /// Whether each of the two axes is logarithmic. All coordinates on such an axis must be
+    /// Whether each of the two axes is logarithmic. All coordinates on a logarithmic axis must be
     /// positive.
     pub logarithmic: [bool; 2],
-    /// The lower and the upper end of each of the two axes; by default the ends of the data, with a
-    /// margin.
+    /// The lower and the upper end of each of the two axes; by default an end follows from the
+    /// data, with a margin.
     pub ends: [[Option<f64>; 2]; 2],
 }
 
 /// A curve, or a piece of a curve.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Series {
-    /// The name in the legend; the legend lists curves if there is more than one name.
+    /// The name of the curve in the legend; the legend lists curves if the figure contains more
+    /// than one name.
     pub name: String,
     /// The drawing style.
     pub style: Style,
     /// The points `[x, y]` in the units of the axes.
     pub points: Vec<[f64; 2]>,
-    /// The data of each point; empty for curves without data. A vertex between two points of a
-    /// branch has the data of the first one.
+    /// The origin of each point; empty for curves without origins. A vertex that was interpolated
+    /// between two points of a branch has the origin of the first of them.
     pub origins: Vec<Origin>,
 }
 
-/// Texts on the two sides of a part of a curve, such as numbers of regions.
+/// Texts beside a part of a curve, on its two sides, such as numbers of unstable directions.
 ///
 /// ```
 /// use tangency::output::{Beside, COLUMN, Figure, Series, Style, draw};
@@ -86,13 +87,13 @@ pub struct Beside {
     pub sides: [String; 2],
 }
 
-/// The data of a drawn point.
+/// The origin of a drawn point in the drawn results.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Origin {
     /// A point of a branch.
     Point {
-        /// The position of the document among those drawn.
+        /// The position of the document among the drawn documents.
         document: usize,
         /// The position of the branch in the document.
         branch: usize,
@@ -101,14 +102,14 @@ pub enum Origin {
     },
     /// A special point of a branch.
     Special {
-        /// The position of the document among those drawn.
+        /// The position of the document among the drawn documents.
         document: usize,
         /// The position of the branch in the document.
         branch: usize,
         /// The label of the special point.
         label: usize,
     },
-    /// A run of the sweep that has the curve's name.
+    /// A run of the sweep whose name is the name of the curve.
     Run(usize),
 }
 
@@ -124,39 +125,40 @@ pub enum Style {
     Thin,
     /// A dotted line.
     Dotted,
-    /// A dot at every point, without a line.
+    /// A dot at every point of the curve, without a line.
     Dots,
-    /// A dot at every point, and a line through them.
+    /// A dot at every point, and a line through the dots.
     DottedLine,
-    /// The smallest visible spot at every point.
+    /// The smallest visible spot at every point of the curve.
     Specks,
-    /// A larger, paler spot at every point, drawn before the specks of other curves.
+    /// A larger, paler spot at every point; these spots are drawn before the small spots of other
+    /// curves.
     Blots,
 }
 
 /// A wall along a line of constant `x` or `y`, hatched on its far side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wall {
-    /// The axis whose coordinate is constant: 0 for `x`, 1 for `y`.
+    /// The axis on which the wall is at a constant coordinate: 0 for `x`, 1 for `y`.
     pub axis: usize,
     /// The coordinate.
     pub at: f64,
-    /// The solid side: 1 towards larger coordinates, −1 towards smaller ones.
+    /// The hatched side of the wall: 1 towards larger coordinates, −1 towards smaller coordinates.
     pub side: f64,
 }
 
 /// A marked point.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mark {
-    /// The position, in the units of the axes.
+    /// The position of the mark, in the units of the axes.
     pub at: [f64; 2],
-    /// The text next to the mark.
+    /// The text next to the mark, its label.
     pub label: String,
-    /// The name for the legend.
+    /// The meaning of the mark in the legend.
     pub meaning: String,
     /// The appearance.
     pub symbol: Symbol,
-    /// The special point, for marks of special points.
+    /// The special point that the mark shows, if any.
     pub origin: Option<Origin>,
 }
 
@@ -206,9 +208,10 @@ pub enum Symbol {
     OpenPentagon,
     /// A white hexagon with a brown outline.
     OpenHexagon,
-    /// A gray ring, for a point that may not exist: it does not count for the extent of a figure.
+    /// A gray ring, for a point that may not exist; the point does not count for the extent of a
+    /// figure.
     Doubtful,
-    /// Only the label, a number.
+    /// No symbol: only the label, which is a number.
     Number,
 }
 
@@ -238,12 +241,12 @@ impl Figure {
         distinct(self.series.iter().map(|series| &series.name))
     }
 
-    /// Returns the smallest and largest `x` and `y` of all points.
+    /// Returns the ranges of `x` and `y` over all points of the figure.
     ///
     /// # Errors
     /// [`FigureError::NotFinite`] with the place of a coordinate that is NaN or infinite,
-    /// [`FigureError::NotPositive`] for one that a logarithmic axis cannot show,
-    /// [`FigureError::Empty`] if there are no points.
+    /// [`FigureError::NotPositive`] for a coordinate that a logarithmic axis cannot show,
+    /// [`FigureError::Empty`] if the figure contains no points.
     ///
     /// ```
     /// use tangency::output::{Figure, Series, Style};
@@ -290,7 +293,7 @@ impl Series {
         Series { name, style, points, origins: Vec::new() }
     }
 
-    /// Creates a named curve through points, each with its data.
+    /// Creates a named curve through points, each with its origin.
     pub(super) fn with_origins(
         name: impl Into<String>,
         style: Style,

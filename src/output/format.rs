@@ -16,28 +16,28 @@ use std::path::{Path, PathBuf};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Format {
-    /// Branches with all their data, or the data of a report, as RON.
+    /// All data of branches, or the data of a report, as RON.
     Ron,
-    /// Sweeps or histories, as an archive of arrays for NumPy.
+    /// Sweeps or histories, as an archive of NumPy arrays.
     Npz,
     /// A vector picture.
     Svg,
     /// A pixel picture.
     Png,
-    /// All points of branches or sweeps, or histories, as comma-separated values.
+    /// All points of branches, the points of sweeps, or histories, as comma-separated values.
     Csv,
-    /// A vector picture for print.
+    /// A vector picture for printing.
     Pdf,
     /// An interactive page.
     Html,
-    /// A whole document, as JSON.
+    /// A complete document, as JSON.
     Json,
     /// The tables of a report, in Markdown.
     Markdown,
 }
 
-/// Data formats with their file extensions: first data, then the formats to which files can be
-/// converted.
+/// Data formats with their file extensions; the data formats of results come first, then the
+/// formats to which files can be converted.
 const DATA: [(Format, &str); 3] =
     [(Format::Ron, "ron"), (Format::Npz, "npz"), (Format::Markdown, "md")];
 const VIEWS: &[(Format, &str)] = &[
@@ -50,11 +50,11 @@ const VIEWS: &[(Format, &str)] = &[
     (Format::Json, "json"),
 ];
 
-/// The extensions of pictures and tables.
+/// The extensions of pictures and tables, in lists.
 const ENDINGS: &[&str] = &[".svg", ".png", ".pdf", ".html", ".csv", ".npz", ".json"];
 
 impl Format {
-    /// Returns the format of a picture or table, by the extension of its name.
+    /// Returns the format of a picture or table, given the extension of its file name.
     ///
     /// # Errors
     /// [`FileError::Ending`] for unknown or missing extensions.
@@ -66,7 +66,7 @@ impl Format {
             .ok_or_else(|| FileError::Ending { path: path.into(), known: ENDINGS })
     }
 
-    /// Returns the file extension.
+    /// Returns the file extension of the format.
     ///
     /// ```
     /// use tangency::output::Format;
@@ -77,7 +77,7 @@ impl Format {
         known.map_or("", |(_, ending)| ending)
     }
 
-    /// Returns the file of a result in this format: `out/lorenz` becomes `out/lorenz.ron`, and
+    /// Returns the path of a result in this format: `out/lorenz` becomes `out/lorenz.ron`, and
     /// `out/a=0.5` becomes `out/a=0.5.ron`.
     pub fn file(self, stem: &Path) -> PathBuf {
         let mut name = stem.as_os_str().to_os_string();
@@ -85,7 +85,7 @@ impl Format {
         name.into()
     }
 
-    /// Returns whether the file is a picture.
+    /// Returns whether files of this format are pictures.
     pub(super) fn is_picture(self) -> bool {
         match self {
             Format::Svg | Format::Png | Format::Pdf | Format::Html => true,

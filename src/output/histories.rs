@@ -1,5 +1,5 @@
-//! Simulated histories, and profiles of special points, as tables: comma-separated values, and
-//! arrays for NumPy.
+//! Tables of simulated histories and of profiles of special points: comma-separated values, and
+//! NumPy arrays.
 
 use super::document::Document;
 use super::npz::Npz;
@@ -9,9 +9,9 @@ use super::table::{Csv, quoted};
 use crate::core::continuation::{Branch, SpecialPoint};
 use crate::core::problem::{Profile, distinct};
 
-/// Profiles over one abscissa, with their branch and label.
+/// A set of profiles over the same abscissa, with their branch and label.
 struct Course<'a> {
-    /// The branch, and for one of several special points its label.
+    /// The name of the branch and, if several special points are written, the label of the point.
     place: Vec<String>,
     curves: Vec<&'a Profile>,
 }
@@ -22,14 +22,14 @@ impl<'a> Course<'a> {
         Course { place, curves: all.filter(|profile| profile.along == along).collect() }
     }
 
-    /// Returns the histories of a document, a course for each branch.
+    /// Returns the histories of a document, one course (set of profiles) for each branch.
     fn histories(document: &'a Document) -> Vec<Self> {
         let of = |branch: &'a Branch| Course::new(vec![branch.name.clone()], &branch.special, TIME);
         document.branches.iter().map(of).collect()
     }
 
-    /// Returns the profiles of special points over time, or over their first abscissa if they have
-    /// no histories.
+    /// Returns the profiles of special points over time, or over their first abscissa if no point
+    /// has profiles over time.
     fn of_points(points: &[Shown<'a>]) -> (&'a str, Vec<Self>) {
         let mut known = points.iter().flat_map(|shown| &shown.point.profiles);
         let along = known.clone().find(|profile| profile.along == TIME).or(known.next());
@@ -42,15 +42,16 @@ impl<'a> Course<'a> {
     }
 }
 
-/// The values at a place of a course; NaN for states that a mode lacks.
+/// The ordinates of a course (set of profiles) at one abscissa; NaN for states that do not exist in
+/// the mode.
 struct Row {
     course: usize,
     at: f64,
     state: Vec<f64>,
 }
 
-/// Returns the names of all ordinates, and the rows of all courses. Two rows with the same time are
-/// just before and just after an event.
+/// Returns the names of all ordinates, and the rows of all courses (sets of profiles). Two rows
+/// with the same time contain the states just before and just after an event.
 fn rows(courses: &[Course]) -> (Vec<String>, Vec<Row>) {
     let names = distinct(courses.iter().flat_map(|course| &course.curves).map(|it| &it.name));
     let mut rows = Vec::new();
@@ -78,8 +79,9 @@ fn rows(courses: &[Course]) -> (Vec<String>, Vec<Row>) {
 }
 
 /// Writes the histories of all branches as comma-separated values: `branch`, `time`, and every
-/// state by name. Two rows with the same time are just before and just after an event; a cell is
-/// empty if a mode lacks the state. Numbers have 15 significant digits.
+/// state by name. Two rows with the same time contain the states just before and just after an
+/// event; a cell is empty if the state does not exist in the mode. Numbers in the table have 15
+/// significant digits.
 ///
 /// ```
 /// use tangency::scene::{Scene, execute};
@@ -96,7 +98,7 @@ pub fn histories(document: &Document) -> String {
 }
 
 /// Writes the profiles of special points as comma-separated values: `branch`, `label`, the abscissa
-/// (time, if there is any), and every ordinate by name.
+/// (time if any profile is a history), and every ordinate by name.
 pub(super) fn of_points(points: &[Shown]) -> String {
     let (along, courses) = Course::of_points(points);
     table(&["branch", "label", along], &courses)
@@ -114,15 +116,16 @@ fn table(first: &[&str], courses: &[Course]) -> String {
     table.0
 }
 
-/// Returns the histories as an archive of arrays: `time` and every state by name, NaN where a mode
-/// lacks the state. With several branches, each array name is preceded by the name of its branch,
-/// as in `r/time`.
+/// Returns the histories as an archive of NumPy arrays: `time` and every state by name, with NaN
+/// where the state does not exist in the mode. If the document contains several branches, each
+/// array name is preceded by the name of its branch, as in `r/time`.
 pub(super) fn arrays(document: &Document) -> Result<Vec<u8>, String> {
     archive(TIME, &Course::histories(document))
 }
 
-/// Returns the profiles of special points as an archive of arrays, with the columns of
-/// [`of_points`]. With several points, each array name is preceded by branch and label, `r/2/time`.
+/// Returns the profiles of special points as an archive of NumPy arrays, with the columns of
+/// [`of_points`]. For several special points, each array name is preceded by the branch and the
+/// label, as in `r/2/time`.
 pub(super) fn arrays_of_points(points: &[Shown]) -> Result<Vec<u8>, String> {
     let (along, courses) = Course::of_points(points);
     archive(along, &courses)

@@ -1,6 +1,7 @@
-//! Output of results: documents in RON, tables of special points, diagrams in SVG.
+//! Output of results: documents in RON, tables of special points, diagrams in SVG, PDF, PNG and
+//! HTML.
 //!
-//! This module is independent of problems: it uses only
+//! This module is independent of the problem: it uses only
 //! [`Branch`](crate::core::continuation::Branch)es.
 //!
 //! ```

@@ -1,12 +1,13 @@
-//! Distinct names for documents.
+//! Chooses distinct names for documents.
 
 use super::document::Document;
 
-/// The largest number of differing settings in the name of a document.
+/// The largest number of settings in the name of a document.
 const MOST_SETTINGS: usize = 3;
 
 /// Returns a name for each of several documents: the settings in which they differ, such as `c =
-/// 0.8`, or else their given names. Parameters that vary along a branch are ignored.
+/// 0.8`, or their given names if these settings do not distinguish them. Settings are ignored if
+/// they are parameters that vary along a branch.
 pub(super) fn distinguished(documents: &[(&str, &Document)]) -> Vec<String> {
     let given = || documents.iter().map(|(name, _)| (*name).to_owned()).collect::<Vec<_>>();
     let keys = differing(documents);
@@ -22,7 +23,8 @@ pub(super) fn distinguished(documents: &[(&str, &Document)]) -> Vec<String> {
     if names.iter().enumerate().any(repeated) { given() } else { names }
 }
 
-/// Returns the settings in which documents differ, except for parameters that vary along a branch.
+/// Returns the names of the settings in which documents differ, except for parameters that vary
+/// along a branch.
 pub(super) fn differing<'a>(documents: &[(&str, &'a Document)]) -> Vec<&'a str> {
     let Some((_, first)) = documents.first() else { return Vec::new() };
     let varies = |key: &str| {
@@ -37,7 +39,7 @@ pub(super) fn differing<'a>(documents: &[(&str, &'a Document)]) -> Vec<&'a str> 
     keys.filter(|key| !varies(key) && differs(key)).collect()
 }
 
-/// Returns a setting of a document.
+/// Returns the value of a document's setting.
 pub(super) fn setting<'a>(document: &'a Document, key: &str) -> Option<&'a str> {
     document.settings.iter().find(|(known, _)| known == key).map(|(_, value)| value.as_str())
 }

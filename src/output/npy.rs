@@ -1,25 +1,26 @@
-//! Columns in NumPy's format of arrays (`.npy`).
+//! Arrays in NumPy's file format (`.npy`), each with one column of numbers.
 //!
 //! A file begins with `\x93NUMPY`, two bytes for the version, the length of the header (two bytes
-//! in version 1, four from version 2 on, little-endian), and the header itself: a Python
-//! dictionary, such as `{'descr': '<f8', 'fortran_order': False, 'shape': (3,), }`, with blanks and
-//! a line break, so that the numbers after it begin at a multiple of 64 bytes (R. Kern, *NumPy
-//! Enhancement Proposal 1*, 2007; `numpy.lib.format`). Files are written in version 1.
+//! in version 1, four from version 2 on, little-endian), and the header itself. The header is a
+//! Python dictionary, such as `{'descr': '<f8', 'fortran_order': False, 'shape': (3,), }`, followed
+//! by blanks and a line break, so that the numbers begin at a multiple of 64 bytes (R. Kern, *NumPy
+//! Enhancement Proposal 1*, 2007; `numpy.lib.format`). Files are written in version 1 of the
+//! format.
 
 const MAGIC: &[u8] = b"\x93NUMPY";
 
-/// The alignment of the first number, in bytes.
+/// The alignment of the first number in the file, in bytes.
 const ALIGNMENT: usize = 64;
 
-/// A number of a column.
+/// A type of numbers in a column.
 pub(super) trait Element: Sized {
-    /// NumPy's name of the type.
+    /// NumPy's name of the number type.
     const TYPE: &str;
-    /// The number of bytes.
+    /// The number of bytes of one number.
     const SIZE: usize;
-    /// Appends the number's bytes.
+    /// Appends the bytes of the number to a file's content.
     fn write(self, bytes: &mut Vec<u8>);
-    /// Returns the number with the given bytes, [`SIZE`](Self::SIZE) of them.
+    /// Returns the number with the given [`SIZE`](Self::SIZE) bytes.
     fn read(bytes: &[u8]) -> Self;
 }
 
@@ -49,7 +50,7 @@ impl Element for f64 {
     }
 }
 
-/// The error of a file that is not a column of the required numbers.
+/// The error of a file that is not a column of numbers of the required type.
 #[derive(Debug, miette::Diagnostic, thiserror::Error)]
 pub(super) enum ColumnError {
     #[error("the entry is not an array in NumPy's format")]
@@ -64,7 +65,7 @@ pub(super) enum ColumnError {
     Length { stated: usize, size: usize, bytes: usize },
 }
 
-/// Returns the file of a column.
+/// Returns the content of a file with a column of numbers.
 pub(super) fn to_npy<T: Element>(values: impl Iterator<Item = T>) -> Vec<u8> {
     let mut numbers = Vec::new();
     values.for_each(|value| value.write(&mut numbers));
@@ -79,10 +80,10 @@ pub(super) fn to_npy<T: Element>(values: impl Iterator<Item = T>) -> Vec<u8> {
     bytes
 }
 
-/// Returns the numbers of a column.
+/// Returns the numbers of a column from the content of its file.
 ///
 /// # Errors
-/// [`ColumnError`] if the file is not a complete array of one axis with numbers of this type.
+/// [`ColumnError`] if the file is not a complete one-dimensional array with numbers of this type.
 pub(super) fn from_npy<T: Element>(bytes: &[u8]) -> Result<Vec<T>, ColumnError> {
     let (header, numbers) = parts(bytes).ok_or(ColumnError::Format)?;
     let found = value(header, "descr").and_then(|text| text.strip_prefix('\''));
@@ -102,7 +103,7 @@ pub(super) fn from_npy<T: Element>(bytes: &[u8]) -> Result<Vec<T>, ColumnError> 
     Ok(numbers.chunks_exact(T::SIZE).map(T::read).collect())
 }
 
-/// Returns the header of a file, and the bytes after it.
+/// Returns the header of a file, and the bytes after the header.
 fn parts(bytes: &[u8]) -> Option<(&str, &[u8])> {
     let rest = bytes.strip_prefix(MAGIC)?;
     let (version, rest) = rest.split_at_checked(2)?;
@@ -114,7 +115,7 @@ fn parts(bytes: &[u8]) -> Option<(&str, &[u8])> {
     Some((std::str::from_utf8(header).ok()?, numbers))
 }
 
-/// Returns the value of a key in a header.
+/// Returns the text of the entry with a given key in a header.
 fn value<'a>(header: &'a str, key: &str) -> Option<&'a str> {
     let (_, rest) = header.split_once(&format!("'{key}'"))?;
     Some(rest.trim_start().strip_prefix(':')?.trim_start())

@@ -1,11 +1,11 @@
-//! Archives of arrays for NumPy.
+//! Archives of NumPy arrays.
 
 use super::npy::{Element, to_npy};
 use std::io::{Cursor, Write};
 use zip::ZipWriter;
 use zip::write::SimpleFileOptions;
 
-/// An archive being written.
+/// An archive that is being written.
 pub(super) struct Npz(ZipWriter<Cursor<Vec<u8>>>);
 
 impl Npz {
@@ -13,7 +13,7 @@ impl Npz {
         Npz(ZipWriter::new(Cursor::new(Vec::new())))
     }
 
-    /// Adds an array of one axis.
+    /// Adds a one-dimensional array to the archive.
     pub fn add<T: Element>(
         &mut self,
         name: &str,

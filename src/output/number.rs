@@ -1,8 +1,9 @@
 //! Numbers as text.
 
 /// Formats a number rounded to the given number of significant digits, in the shortest form that
-/// keeps them: plain between 1e-5 and 10^`digits`, scientific otherwise. Trailing zeros are
-/// omitted. `digits` is clamped to 1 to 17.
+/// keeps these digits: as a decimal number between 1e-5 and 10^`digits`, in scientific notation
+/// otherwise. Trailing zeros are omitted. The number `digits` is restricted to the range
+/// from 1 to 17.
 ///
 /// ```
 /// use tangency::output::significant;
@@ -33,7 +34,8 @@ pub fn significant(value: f64, digits: usize) -> String {
     format!("{value:.decimals$}")
 }
 
-/// Returns the number of significant digits of a value that its error leaves certain.
+/// Returns the number of significant digits of a value that are certain, given the error of the
+/// value.
 pub(super) fn certain_digits(value: f64, error: f64) -> usize {
     if error == 0.0 {
         return 17;

@@ -1,7 +1,7 @@
-//! Results as an interactive page: one HTML file that needs no network.
+//! Results as an interactive page: one HTML file that works without a network.
 //!
-//! The page is drawn by Plotly 4.1.1 (`assets/plotly-gl3d.min.js`, licence in the same folder) from
-//! the figures of the pictures and the values of the documents, which the file contains as JSON.
+//! Plotly 4.1.1 (`assets/plotly-gl3d.min.js`, licence in the same folder) draws the page from the
+//! figures of the pictures and the values of the documents, which the HTML file contains as JSON.
 
 use super::diagram::spine;
 use super::document::{Document, Plot};
@@ -21,7 +21,7 @@ const LOOK: &str = include_str!("page/page.css");
 const CODE: &str = include_str!("page/page.js");
 const PLOTLY: &str = include_str!("../../assets/plotly-gl3d.min.js");
 
-/// Returns the page of some named documents and their figures.
+/// Returns the interactive page of named documents and their figures.
 ///
 /// # Errors
 /// [`FigureError`] if a figure cannot be drawn.
@@ -64,24 +64,24 @@ pub(super) fn page(
     Ok(page + rest)
 }
 
-/// Escapes a text for HTML.
+/// Escapes the special characters of HTML in a text.
 fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;")
 }
 
-/// All data of the page.
+/// All data that the page contains.
 #[derive(Serialize)]
 struct Data<'a> {
     title: &'a str,
     colours: Vec<String>,
-    /// The columns with logarithmic axes.
+    /// The names of the columns with logarithmic axes.
     logarithmic: &'a [String],
-    /// The meaning of texts on the sides of curves.
+    /// The meaning of the texts beside curves.
     regions: &'static str,
     documents: Vec<PageDocument<'a>>,
     panels: Vec<Panel<'a>>,
-    /// The curves and marks of all branches. The page takes their coordinates from the columns that
-    /// the reader chooses.
+    /// The curves and marks of all branches, without coordinates for particular axes. The page
+    /// takes the coordinates of these curves and marks from the columns that the reader chooses.
     spine: Panel<'a>,
 }
 
@@ -89,8 +89,8 @@ struct Data<'a> {
 struct PageDocument<'a> {
     name: &'a str,
     settings: &'a [(String, String)],
-    /// The labels of columns and of the abscissae of profiles, for columns that are shown as they
-    /// are.
+    /// The labels of the columns and of the abscissae of profiles, for columns whose values are
+    /// shown unchanged.
     labels: BTreeMap<&'a str, &'a str>,
     branches: Vec<PageBranch<'a>>,
 }
@@ -120,9 +120,9 @@ struct PageBranch<'a> {
     warnings: &'a [String],
     released: &'a [String],
     columns: Vec<&'a str>,
-    /// The names of axes, and the columns that show each.
+    /// The names of axes, each with the columns that an axis of this name shows.
     shows: BTreeMap<&'a str, Vec<usize>>,
-    /// The values column by column; null for missing values.
+    /// The values of all points, column by column; null for missing values.
     values: Vec<Vec<Option<f64>>>,
     unstable: Vec<Option<usize>>,
     admissible: Vec<bool>,
@@ -157,10 +157,10 @@ struct PagePoint<'a> {
     kind: String,
     meaning: &'a str,
     event: &'a str,
-    /// The index of the preceding point of the branch.
+    /// The index of the point of the branch that precedes the special point.
     after: usize,
     converged: bool,
-    /// The error of the continuation parameter.
+    /// The estimated error of the continuation parameter at the special point.
     error: f64,
     values: Vec<f64>,
     unstable: Option<usize>,
@@ -203,7 +203,7 @@ impl<'a> PageProfile<'a> {
     }
 }
 
-/// A figure as the page draws it.
+/// A figure in the form that the page reads.
 #[derive(Serialize)]
 pub(crate) struct Panel<'a> {
     title: &'a str,
@@ -216,10 +216,10 @@ pub(crate) struct Panel<'a> {
     beside: Vec<PageBeside<'a>>,
     tiles: Vec<PageTile<'a>>,
     heights: &'a [String],
-    /// The axis of each wall, and its coordinate there.
+    /// The axis on which each wall is at a constant coordinate, and the coordinate of the wall.
     walls: Vec<(usize, f64)>,
     logarithmic: [bool; 2],
-    /// The chosen ends of both axes.
+    /// The chosen lower and upper end of each of the two axes.
     ends: [[Option<f64>; 2]; 2],
 }
 
@@ -262,7 +262,7 @@ struct Curve<'a> {
     name: &'a str,
     style: String,
     points: &'a [[f64; 2]],
-    /// The origin of each point: a branch, and a point or a label on the branch.
+    /// The origin of each point: a document, a branch, and a point or a label on the branch.
     from: Vec<Place>,
 }
 
@@ -275,8 +275,8 @@ fn curve(series: &Series) -> Curve<'_> {
     }
 }
 
-/// A document, a branch, and a point, or a special point by its negative label; for a sweep, only
-/// the run.
+/// The origin of a point: a document, a branch, and a point of the branch, or a special point by
+/// its negative label; for a sweep, only the run.
 #[derive(Serialize)]
 #[serde(untagged)]
 enum Place {
@@ -305,7 +305,7 @@ struct PageMark<'a> {
     from: Option<Place>,
 }
 
-/// Texts on the left and on the right of a part of a curve.
+/// Texts beside a part of a curve, on its left and on its right.
 #[derive(Serialize)]
 struct PageBeside<'a> {
     curve: &'a str,

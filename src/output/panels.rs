@@ -15,21 +15,22 @@ use crate::core::continuation::Branch;
 use crate::core::problem::UnknownName;
 use std::collections::BTreeSet;
 
-/// Returns the figures of some documents: the diagram, its enlargements and the additional panels
-/// that the first document names, panels for curves of special points that these do not show, and
-/// one figure for each kind of profile (mode shapes, time histories, phase portraits) and each
-/// field of special points. If the first document names neither axes nor panels, orbits with a free
-/// period have a panel of the period. [`Plot::profiles`] and [`Plot::points`] of the first document
-/// choose among profiles and points. By default they are a phase portrait and a time history of up
-/// to three different orbits, or the profiles of the user points and, for comparison, of the first
-/// end. If `x` or `y` is given, only the diagram in these columns is returned.
+/// Returns the figures of one or several documents: the diagram, its enlargements, the additional
+/// panels that the first document defines, panels for curves of special points that no other panel
+/// shows, and one figure for each kind of profile (mode shapes, time histories, phase portraits)
+/// and for each field of special points. If the first document defines neither axes nor panels, a
+/// panel of the period is added for orbits with a free period. [`Plot::profiles`] and
+/// [`Plot::points`] of the first document select the profiles and the points. By default, the
+/// figures show a phase portrait and a time history of up to three different orbits, or the
+/// profiles of the user points and, for comparison, of the first end of the branch. If `x` or `y`
+/// is given, only the diagram with these columns is returned.
 ///
 /// [`Plot::profiles`]: super::Plot::profiles
 /// [`Plot::points`]: super::Plot::points
 ///
 /// # Errors
-/// As [`diagram`]; [`FigureError::UnknownPoint`] and [`FigureError::UnknownProfile`] for points and
-/// profiles that do not exist.
+/// The errors of [`diagram`]; [`FigureError::UnknownPoint`] and [`FigureError::UnknownProfile`] for
+/// points and profiles that do not exist.
 ///
 /// ```
 /// use tangency::output::{Document, example_branch, figures};
@@ -103,7 +104,7 @@ pub fn figures(
     Ok(figures)
 }
 
-/// Rejects logarithmic axes of unknown columns.
+/// Rejects logarithmic axes for columns that do not exist.
 fn check_logarithmic(
     plot: &Plot,
     documents: &[(&str, &Document)],
@@ -122,7 +123,7 @@ fn check_logarithmic(
     Err(FigureError::NoColumn(UnknownName::new("column", unknown, known)))
 }
 
-/// Rejects logarithmic axes that no figure has.
+/// Rejects the choice of logarithmic axes if no figure has a logarithmic axis.
 fn check_axes(plot: Option<&Plot>, figures: &[Figure]) -> Result<(), FigureError> {
     let names = plot.map_or(&[][..], |plot| &plot.logarithmic);
     let has = figures.iter().any(|figure| figure.logarithmic != [false; 2]);
@@ -132,8 +133,8 @@ fn check_axes(plot: Option<&Plot>, figures: &[Figure]) -> Result<(), FigureError
     }
 }
 
-/// Removes ranges and enlargements that contain no branch of a document: a restarted scene has only
-/// one branch.
+/// Removes ranges and enlargements that do not contain any branch of a document, for example
+/// because a restarted scene has only one branch.
 pub(crate) fn drop_empty_parts(document: &mut Document) {
     let drawn = |document: &Document| diagram(&[("", document)], None, &[]);
     if drawn(document).is_ok_and(|whole| whole.extent().is_err()) {
@@ -147,8 +148,8 @@ pub(crate) fn drop_empty_parts(document: &mut Document) {
     });
 }
 
-/// Returns the panels added by default: of a free period, if the first document does not define its
-/// plot, and of curves of special points that no other panel shows.
+/// Returns the panels that are added by default: a panel of the free period, if the first document
+/// does not define its plot, and panels of curves of special points that no other panel shows.
 fn usual_panels(documents: &[(&str, &Document)], plot: &Plot) -> Vec<(String, String)> {
     let Some([x, y]) = usual_axes(documents) else { return Vec::new() };
     let branches = || documents.iter().flat_map(|(_, document)| drawn_of(document));
@@ -169,7 +170,7 @@ fn usual_panels(documents: &[(&str, &Document)], plot: &Plot) -> Vec<(String, St
     panels
 }
 
-/// Returns whether a document has only simulated histories, without varied parameters.
+/// Returns whether a document contains only simulated histories, without varied parameters.
 pub(super) fn of_histories(document: &Document) -> bool {
     let in_time = |branch: &Branch| {
         let mut profiles = branch.special.iter().flat_map(|point| &point.profiles);
@@ -178,8 +179,8 @@ pub(super) fn of_histories(document: &Document) -> bool {
     !document.branches.is_empty() && document.branches.iter().all(in_time)
 }
 
-/// Rejects a diagram, and panels, in columns that the branches of a document do not have. The
-/// branches need no points yet, so that errors are reported before the computation.
+/// Rejects a diagram or panels whose columns the branches of a document do not contain. The
+/// branches may still be empty, so that errors are reported before the computation.
 pub(crate) fn check_columns(document: &Document) -> Result<(), FigureError> {
     let mut plain = document.clone();
     // Special points are not known yet.
@@ -193,8 +194,8 @@ pub(crate) fn check_columns(document: &Document) -> Result<(), FigureError> {
     Ok(())
 }
 
-/// Returns the branches of documents and the results of sweeps in one figure. With sweeps, a column
-/// need not belong to all of them.
+/// Returns the branches of documents and the results of sweeps in one diagram. If sweeps are drawn,
+/// a column of the axes need not exist in all branches and sweeps.
 fn together(
     documents: &[(&str, &Document)],
     sweeps: &[Sweeps],
@@ -264,8 +265,8 @@ fn together(
     Ok(figure)
 }
 
-/// Returns the label of a column of sweeps. A state at an event has the label of the state:
-/// `velocity at impact (m/s)` for `impact.v`.
+/// Returns the label of a column that sweeps show. A state at an event gets the label of the state
+/// and the name of the event: `velocity at impact (m/s)` for `impact.v`.
 fn swept_label(plot: &Plot, column: &str) -> String {
     let label = plot.label(column);
     match column.split_once('.').filter(|_| label == column) {
@@ -277,8 +278,8 @@ fn swept_label(plot: &Plot, column: &str) -> String {
     }
 }
 
-/// Returns the special points of a document's branches against a setting in which the branches
-/// differ. Branches without that setting are omitted.
+/// Returns a figure of the special points of a document's branches against a setting in which the
+/// branches differ. Branches for which that setting is not recorded are omitted.
 fn special_points_against(document: &Document, against: &Against) -> Figure {
     let Against { kind, setting, column } = against;
     let label = document.plot.label(column);

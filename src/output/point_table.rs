@@ -1,4 +1,4 @@
-//! Special points of many documents in one table, as in `tangency table`.
+//! Special points of many documents in one table, as in the command `tangency table`.
 
 use super::document::Document;
 use super::names::{differing, setting};
@@ -9,8 +9,8 @@ use crate::core::problem::{UnknownName, distinct};
 use crate::core::system::Kind;
 use std::cmp::Ordering;
 
-/// Special points of some kinds, of all branches of some documents: one row for each. Documents are
-/// sorted by the settings in which they differ.
+/// A table of the special points of given kinds on all branches of some documents, with one row for
+/// each point. The rows are sorted by the settings in which the documents differ.
 ///
 /// ```
 /// use tangency::core::system::Kind;
@@ -35,34 +35,35 @@ pub struct PointTable {
     rows: Vec<Vec<Cell>>,
 }
 
-/// The special points and columns of a table.
+/// The selection of special points and columns for a table.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Selection<'a> {
-    /// The kinds of points; empty for all.
+    /// The kinds of the special points in the table; empty for all kinds.
     pub kinds: &'a [Kind],
     /// The columns.
     pub columns: Columns<'a>,
-    /// Whether to append the columns of all sensitivities, such as `dload/dgap`, unless the columns
-    /// name some of them.
+    /// Whether to append the columns of all sensitivities, such as `dload/dgap`, unless the
+    /// selected columns contain a sensitivity.
     pub sensitivities: bool,
 }
 
 /// The columns of a table of special points.
 #[derive(Clone, Copy, Debug, Default)]
 pub enum Columns<'a> {
-    /// The settings in which the documents differ, place and kind, the varied parameters, the
-    /// monitors and the error.
+    /// The settings in which the documents differ, the branch, label and kind of each point, the
+    /// varied parameters, the monitors and the error.
     #[default]
     Usual,
-    /// All columns of [`csv`]; with several documents, after `file` and the settings in which they
-    /// differ.
+    /// All columns of [`csv`]; if the table contains several documents, `file` and the settings in
+    /// which they differ come first.
     All,
-    /// Settings of documents, parameters, monitors and numbers of points by name, `file`, `branch`,
-    /// `label`, `kind`, `error`, `unstable`, `converged`, `multiplicity`, and sensitivities.
+    /// The named columns: settings of documents, parameters, monitors and numbers of points by
+    /// name, `file`, `branch`, `label`, `kind`, `error`, `unstable`, `converged`, `multiplicity`,
+    /// and sensitivities.
     Named(&'a [&'a str]),
 }
 
-/// The content of a cell.
+/// The content of a cell of a table.
 #[derive(Clone, Debug, PartialEq)]
 enum Cell {
     Text(String),
@@ -70,7 +71,7 @@ enum Cell {
 }
 
 impl Cell {
-    /// Creates a cell from a setting: its number, or its text.
+    /// Creates a cell from a setting: a number if the setting is a number, otherwise a text.
     fn of(text: &str) -> Self {
         text.parse().map_or_else(|_| Cell::Text(text.to_owned()), Cell::Number)
     }
@@ -83,17 +84,18 @@ impl Cell {
     }
 }
 
-/// The significant digits of numbers: in files, and on a screen.
+/// The significant digits of numbers in files, and of numbers on a screen.
 const DIGITS: usize = 15;
 const SHOWN: usize = 10;
 
-/// The columns of every point, before and after the numbers that depend on the system.
+/// The columns that every point has: the columns before, and the columns after the numbers that
+/// depend on the system.
 const PLACE: [&str; 3] = ["branch", "label", "kind"];
 const QUALITY: [&str; 4] = ["error", "unstable", CONVERGED, "multiplicity"];
 const FILE: &str = "file";
 const CONVERGED: &str = "converged";
 
-/// A special point with its branch and document.
+/// A special point with its branch and its document.
 struct Found<'a> {
     file: &'a str,
     document: Option<&'a Document>,
@@ -101,17 +103,18 @@ struct Found<'a> {
     point: &'a SpecialPoint,
 }
 
-/// A column: its title, the name of its values, and their source.
+/// A column: its title, the name of its values, and the source of its values.
 struct Column {
     title: String,
     name: String,
     source: Source,
 }
 
-/// The source of values.
+/// The source of the values of a column.
 #[derive(Clone, Copy, PartialEq)]
 enum Source {
-    /// Numbers of points, monitors, parameters, settings, and sensitivities, in this order.
+    /// The value with this name, from the first source that contains the name: numbers of points,
+    /// monitors, parameters, settings, sensitivities.
     Any,
     Parameters,
     Monitors,
@@ -127,7 +130,7 @@ impl Column {
         Column::new(name, name, Source::Any)
     }
 
-    /// Creates the column of a setting in which documents differ.
+    /// Creates the column of a setting in which the documents differ.
     fn setting(name: &str) -> Self {
         match PLACE.contains(&name) || QUALITY.contains(&name) || name == FILE {
             true => Column::new(format!("setting {name}"), name, Source::Settings),
@@ -136,15 +139,15 @@ impl Column {
     }
 }
 
-/// Writes the special points of several branches as comma-separated values: `branch,label,kind`,
-/// every parameter, then every monitor and every number of special points by name, in the order of
-/// their first occurrence, then `error`, the estimated absolute error of the continuation
-/// parameter, `unstable`, the number of unstable eigenvalues or multipliers, `converged` (if
-/// `false`, no digit is reliable, and the error is missing), and `multiplicity`, the number of
-/// simultaneously critical eigenvalues or pairs. Numbers have 15 significant digits. A cell is
-/// empty if a branch lacks the column, and `unstable` is `?` if multipliers are not determined. A
-/// parameter or monitor with the name of another column is called `parameter error`, for example,
-/// or `monitor error`.
+/// Writes the special points of several branches as comma-separated values. The columns are
+/// `branch,label,kind`, every parameter, then every monitor and every number of special points by
+/// name, in the order of their first occurrence, then `error`, the estimated absolute error of the
+/// continuation parameter, `unstable`, the number of unstable eigenvalues or multipliers,
+/// `converged` (if `false`, no digit is reliable, and the error is missing), and `multiplicity`,
+/// the number of simultaneously critical eigenvalues or pairs. Numbers in the table have 15
+/// significant digits. A cell is empty if a branch does not contain the column, and `unstable` is
+/// `?` if multipliers are not determined. The title of a parameter or monitor is prefixed if
+/// another column has the same name, for example `parameter error` or `monitor error`.
 ///
 /// ```
 /// let table = tangency::output::csv(&[tangency::output::example_branch()]);
@@ -158,11 +161,11 @@ pub fn csv(branches: &[Branch]) -> String {
 }
 
 impl PointTable {
-    /// Collects special points of documents. If a listed point has not converged, the column
-    /// `converged` is added, except with [`Columns::All`].
+    /// Collects the special points of documents into a table. If a point of the table has not
+    /// converged, the column `converged` is added, except with [`Columns::All`].
     ///
     /// # Errors
-    /// [`UnknownName`] for a column that no document has.
+    /// [`UnknownName`] for a column that does not exist in any document.
     pub fn of(
         documents: &[(&str, &Document)],
         Selection { kinds, columns, sensitivities }: Selection,
@@ -211,7 +214,8 @@ impl PointTable {
         PointTable { rows, columns: columns.into_iter().map(|column| column.title).collect() }
     }
 
-    /// Returns the table as comma-separated values. Numbers have 15 significant digits.
+    /// Returns the table as comma-separated values. Numbers in the table have 15 significant
+    /// digits.
     pub fn csv(&self) -> String {
         let line = |cells: Vec<String>| {
             cells.iter().map(|cell| quoted(cell)).collect::<Vec<_>>().join(",") + "\n"
@@ -219,14 +223,15 @@ impl PointTable {
         self.lines(DIGITS).map(line).collect()
     }
 
-    /// Returns the titles, and the rows with numbers of the given digits.
+    /// Returns the titles of the columns, and the rows with numbers of the given digits.
     fn lines(&self, digits: usize) -> impl Iterator<Item = Vec<String>> {
         let rows = self.rows.iter();
         let rows = rows.map(move |row| row.iter().map(|cell| cell.written(digits)).collect());
         std::iter::once(self.columns.clone()).chain(rows)
     }
 
-    /// Returns the table as aligned lines. Numbers have 10 significant digits.
+    /// Returns the table as lines with aligned columns. Numbers in these lines have 10 significant
+    /// digits.
     pub fn screen(&self) -> String {
         let lines: Vec<Vec<String>> = self.lines(SHOWN).collect();
         let letters = |cell: &String| cell.chars().count();
@@ -241,7 +246,7 @@ impl PointTable {
     }
 }
 
-/// Returns all columns of some points, after the given first columns.
+/// Returns all columns of a list of points, after the given first columns.
 fn complete(first: Vec<Column>, found: &[Found]) -> Vec<Column> {
     let mut parameters = distinct(found.iter().flat_map(|found| &found.branch.parameters));
     // A parameter in which documents differ is among the first columns.
@@ -267,7 +272,7 @@ fn complete(first: Vec<Column>, found: &[Found]) -> Vec<Column> {
     columns
 }
 
-/// Returns the special points of a branch.
+/// Returns the special points of a branch for a table.
 fn found<'a>(
     file: &'a str,
     document: Option<&'a Document>,
@@ -276,7 +281,7 @@ fn found<'a>(
     branch.special.iter().map(move |point| Found { file, document, branch, point })
 }
 
-/// Returns the special points of documents, of some or all kinds.
+/// Returns the special points of documents, of given kinds or of all kinds.
 fn chosen<'a>(documents: &[(&'a str, &'a Document)], kinds: &[Kind]) -> Vec<Found<'a>> {
     let mut documents = documents.to_vec();
     let keys = differing(&documents);
@@ -298,7 +303,7 @@ fn chosen<'a>(documents: &[(&'a str, &'a Document)], kinds: &[Kind]) -> Vec<Foun
     branches.filter(|found| kinds.is_empty() || kinds.contains(&found.point.kind)).collect()
 }
 
-/// Returns the names of all columns.
+/// Returns the names of all columns of a table.
 fn known<'a>(documents: &[(&str, &'a Document)]) -> Vec<&'a str> {
     let documents = || documents.iter().map(|(_, document)| *document);
     let branches = || documents().flat_map(|document| &document.branches);
@@ -313,7 +318,7 @@ fn known<'a>(documents: &[(&str, &'a Document)]) -> Vec<&'a str> {
     known
 }
 
-/// Returns the names of all sensitivities of special points of some kinds.
+/// Returns the names of all sensitivities of special points of the given kinds.
 fn derivatives(documents: &[(&str, &Document)], kinds: &[Kind]) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     for found in chosen(documents, kinds) {
@@ -326,13 +331,13 @@ fn derivatives(documents: &[(&str, &Document)], kinds: &[Kind]) -> Vec<String> {
     names
 }
 
-/// Returns the columns that distinguish the points of several documents.
+/// Returns the columns by which the points of several documents can be distinguished.
 fn places(documents: &[(&str, &Document)]) -> Vec<Column> {
     let file = (documents.len() > 1).then(|| Column::any(FILE));
     file.into_iter().chain(differing(documents).into_iter().map(Column::setting)).collect()
 }
 
-/// Returns the default columns.
+/// Returns the default columns of a table.
 fn usual<'a>(documents: &[(&str, &'a Document)], found: &[Found<'a>]) -> Vec<Column> {
     let mut columns = places(documents);
     let keys = differing(documents);
@@ -368,7 +373,7 @@ impl Found<'_> {
         cell.unwrap_or(Cell::Text(String::new()))
     }
 
-    /// Returns the cell of a column that every point has.
+    /// Returns the content of a column that exists for every point.
     fn own(&self, name: &str) -> Option<Cell> {
         let Found { file, branch, point, .. } = self;
         Some(Cell::Text(match name {
@@ -399,7 +404,7 @@ impl Found<'_> {
             .or_else(|| of(parameters, &point.parameters, Source::Monitors))
     }
 
-    /// Returns the derivative of a varied parameter with respect to another one.
+    /// Returns the derivative of a varied parameter with respect to another parameter.
     fn derivative(&self, name: &str) -> Option<f64> {
         let mut all = self.derivatives();
         all.find(|(own, _)| own == name).map(|(_, slope)| slope)
@@ -413,7 +418,7 @@ impl Found<'_> {
         })
     }
 
-    /// Returns a setting of the document, or of the branch.
+    /// Returns the value of a setting of the document or of the branch.
     fn setting(&self, name: &str) -> Option<&str> {
         let Found { document, branch, .. } = self;
         let Document { differences, settings, .. } = (*document)?;

@@ -10,26 +10,27 @@ use crate::core::continuation::{Branch, SpecialPoint};
 use crate::core::problem::{Profile, UnknownName, distinct};
 use crate::core::system::Kind;
 
-/// The maximum numbers of curves in a figure of points chosen by default: for orbits, and for other
+/// The maximum number of curves in a figure of points chosen by default, for orbits, and for other
 /// solutions.
 const MOST_ORBITS: usize = 3;
 const MOST_CURVES: usize = 8;
-/// The smallest relative difference of a measure between two different orbits, in units of its
-/// range over all orbits.
+/// The relative difference of a measure, in units of its range over all orbits, above which two
+/// orbits count as different.
 const ALIKE: f64 = 0.05;
-/// The largest relative distance between the ends of a closed history, in units of its range.
+/// The relative distance between the ends of a history, in units of its range, below which the
+/// history counts as closed.
 const RETURNS: f64 = 1e-6;
 
 /// The kinds of special points whose solutions are shown by default.
 const SHOWN: [Kind; 6] = [Kind::LP, Kind::PD, Kind::TR, Kind::BP, Kind::G, Kind::UZ];
 
-/// The name that selects all points.
+/// The name that selects all special points with profiles.
 pub(super) const ALL: &str = "all";
 
-/// A special point of a branch, and the name of its curve.
+/// A special point whose profiles are shown, and the name of its curve.
 pub(super) struct Shown<'a> {
     pub name: String,
-    /// The branch, after its document if there are several.
+    /// The name of the branch, preceded by the name of its document if several documents are drawn.
     pub place: String,
     branch: &'a Branch,
     pub point: &'a SpecialPoint,
@@ -45,14 +46,15 @@ impl Shown<'_> {
         is_array(self.point)
     }
 
-    /// Returns the histories of states.
+    /// Returns the time histories of the states.
     fn histories(&self) -> impl Iterator<Item = &Profile> {
         let is_history = |it: &&Profile| it.along == TIME && it.kicked().is_none();
         self.point.profiles.iter().filter(is_history)
     }
 
-    /// Returns the start of histories if the phase of an orbit is free: the first reset, or the
-    /// maximum of the first state. Histories that begin just after an event are not shifted.
+    /// Returns the time at which the drawn histories begin if the phase of an orbit is free: the
+    /// time of the first reset, or of the maximum of the first state. Histories that begin just
+    /// after an event keep their start.
     fn begin(&self) -> Option<f64> {
         let free = has_free_period(self.branch)
             && self.histories().all(|history| returns(&history.points));
@@ -65,7 +67,7 @@ impl Shown<'_> {
         resets.min_by(f64::total_cmp).or_else(crest)
     }
 
-    /// Returns a profile as curves: smooth pieces, and dotted resets between them.
+    /// Returns a profile as curves: smooth pieces, and dotted lines for the resets between them.
     fn series(&self, profile: &Profile) -> Vec<Series> {
         let points = match self.begin().filter(|_| profile.along == TIME) {
             Some(begin) => begun_at(begin, &profile.points),
@@ -97,9 +99,9 @@ impl Shown<'_> {
         series
     }
 
-    /// Returns the reset between the end and the start of an orbit with events, in a phase
-    /// portrait. The horizontal coordinate must not change there, because winding angles are not
-    /// reset.
+    /// Returns the reset between the end and the start of an orbit with events, as a line in a
+    /// phase portrait. A line is returned only if the horizontal coordinate does not change at the
+    /// reset, because winding angles are not reset.
     fn closing(&self, profile: &Profile) -> Option<[[f64; 2]; 2]> {
         let [first, last] = [*profile.points.first()?, *profile.points.last()?];
         let is_orbit = self.is_orbit() && !self.branch.itinerary.is_empty();
@@ -111,7 +113,8 @@ impl Shown<'_> {
     }
 }
 
-/// The smallest relative distance between points at the same time that counts as a reset.
+/// The relative distance between two points at the same time above which they are the two ends of a
+/// reset.
 const JUMP: f64 = 1e-6;
 
 fn range(values: impl Iterator<Item = f64>) -> f64 {
@@ -120,7 +123,8 @@ fn range(values: impl Iterator<Item = f64>) -> f64 {
     high - low
 }
 
-/// Returns the points before resets of a state: the next point has the same time and another value.
+/// Returns the points just before resets of a state: points whose successor has the same time and
+/// another value.
 fn jumps(times: &[[f64; 2]], points: &[[f64; 2]]) -> Vec<usize> {
     let ranges = [0, 1].map(|k| range(points.iter().map(|at| at[k])));
     let moves =
@@ -129,7 +133,7 @@ fn jumps(times: &[[f64; 2]], points: &[[f64; 2]]) -> Vec<usize> {
     pairs.filter(|k| times[*k][0] == times[k + 1][0] && moves(*k)).collect()
 }
 
-/// Returns whether a history ends where it begins.
+/// Returns whether the last value of a history equals its first value.
 fn returns(points: &[[f64; 2]]) -> bool {
     let [Some(first), Some(last)] = [points.first(), points.last()] else {
         return false;
@@ -137,9 +141,9 @@ fn returns(points: &[[f64; 2]]) -> bool {
     (last[1] - first[1]).abs() <= RETURNS * range(points.iter().map(|at| at[1]))
 }
 
-/// Shifts a periodic history to begin at a given time; at a reset, after the reset. A history that
-/// jumps between its end and its start, such as a phase response at an event without a reset, keeps
-/// the jump.
+/// Shifts a periodic history such that it begins at a given time; at the time of a reset, the
+/// history begins after the reset. A history that jumps between its end and its start keeps the
+/// jump, for example a phase response at an event without a reset.
 fn begun_at(time: f64, points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let [Some(first), Some(last)] = [points.first(), points.last()] else { return Vec::new() };
     let after = points.iter().rposition(|at| at[0] == time);
@@ -151,11 +155,11 @@ fn begun_at(time: f64, points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     points[begin..].iter().map(|point| at(point, 0.0)).chain(rest).collect()
 }
 
-/// The abscissa of histories.
+/// The abscissa of time histories.
 pub(super) const TIME: &str = "time";
 
-/// Returns the points whose profiles and fields are shown: those named by the first document, or
-/// the default ones.
+/// Returns the special points whose profiles and fields are shown: the points that the first
+/// document names, or the default points.
 pub(super) fn shown<'a>(documents: &[(&str, &'a Document)]) -> Result<Vec<Shown<'a>>, FigureError> {
     match documents.first().map(|(_, document)| &document.plot.points) {
         Some(points) if !points.is_empty() => named(documents, points),
@@ -214,8 +218,8 @@ pub(super) fn profiles(documents: &[(&str, &Document)]) -> Result<Vec<Figure>, F
     chosen(figures, &plot.profiles)
 }
 
-/// Adds an empty series for every point that a figure lacks, so that a point has the same colour in
-/// all figures.
+/// Adds an empty series to a figure for every point without a curve in it, so that each point has
+/// the same colour in all figures.
 fn keep_colours(shown: &[Shown], figures: &mut [(&Profile, Figure)]) {
     for (_, figure) in figures {
         let mut drawn = std::mem::take(&mut figure.series);
@@ -239,9 +243,10 @@ fn ordinate(plot: &Plot, profile: &Profile) -> String {
     }
 }
 
-/// Returns the walls of phase portraits, each with the state that it bounds: motion is reset along
-/// a line of constant state, and does not go beyond the line. At least two different resets are
-/// needed, because any state may be largest at the only reset of an orbit.
+/// Returns the walls in phase portraits, each with the state that it bounds: at a wall, the motion
+/// is reset along a line of constant state, and the state does not go beyond the line. A wall
+/// requires at least two different resets on its line, because at the only reset of an orbit any
+/// state may be largest.
 fn walls(figures: &[(&Profile, Figure)]) -> Vec<(String, Wall)> {
     let mut walls: Vec<(String, Wall)> = Vec::new();
     for (profile, figure) in figures.iter().filter(|(profile, _)| profile.along != TIME) {
@@ -274,8 +279,9 @@ fn walls(figures: &[(&Profile, Figure)]) -> Vec<(String, Wall)> {
     walls
 }
 
-/// Returns the figures of the requested kinds of profiles, in that order; by default all. A phase
-/// response, which a setting requests, is always shown.
+/// Returns the figures of the requested kinds of profiles, in the requested order; by default all
+/// figures. The figure of a phase response is always included, since a setting requests the
+/// response.
 fn chosen(
     mut figures: Vec<(&Profile, Figure)>,
     kinds: &[(String, String)],
@@ -326,7 +332,8 @@ fn usual<'a>(documents: &[(&str, &'a Document)]) -> Vec<Shown<'a>> {
     }
 }
 
-/// Returns the first few different orbits; ends of branches come last.
+/// Returns the first few orbits that differ from each other; orbits at ends of branches are
+/// considered last.
 fn different(mut orbits: Vec<Shown>) -> Vec<Shown> {
     orbits.sort_by_key(|shown| matches!(shown.point.kind, Kind::EP | Kind::MX));
     let of = |shown: &Shown, name: &str| shown.point.value(shown.branch.column(name)?);
@@ -359,17 +366,17 @@ fn different(mut orbits: Vec<Shown>) -> Vec<Shown> {
     chosen
 }
 
-/// Returns whether a point has profiles or fields.
+/// Returns whether a special point has profiles or fields.
 fn has_curves(point: &SpecialPoint) -> bool {
     !(point.profiles.is_empty() && point.fields.is_empty())
 }
 
-/// Returns whether the profiles of a point are arrays of unknowns.
+/// Returns whether the profiles of a special point are arrays of unknowns.
 fn is_array(point: &SpecialPoint) -> bool {
     !point.fields.is_empty() || point.profiles.iter().any(|profile| profile.along == Profile::INDEX)
 }
 
-/// Returns the points of a branch whose profiles are shown by default.
+/// Returns the special points of a branch whose profiles are shown by default.
 fn interesting(branch: &Branch) -> Vec<&SpecialPoint> {
     let special = || branch.special.iter();
     let users = || special().filter(|point| point.kind == Kind::UZ);
@@ -388,8 +395,8 @@ fn interesting(branch: &Branch) -> Vec<&SpecialPoint> {
     }
 }
 
-/// Returns the points named as `LABEL` or `BRANCH/LABEL`, in all documents that have them; or all
-/// points with profiles.
+/// Returns the special points named as `LABEL` or `BRANCH/LABEL`, in all documents that contain
+/// them, or all points with profiles.
 pub(super) fn named<'a>(
     documents: &[(&str, &'a Document)],
     names: &[String],
@@ -439,7 +446,8 @@ pub(super) fn named<'a>(
     Ok(shown)
 }
 
-/// Returns the branch of a point, after its document if there are several.
+/// Returns the name of the branch of a special point, preceded by the name of its document if
+/// several documents are drawn.
 fn place(documents: &[(&str, &Document)], document: &str, branch: &Branch) -> String {
     match documents.len() {
         1 => branch.name.clone(),
@@ -447,8 +455,8 @@ fn place(documents: &[(&str, &Document)], document: &str, branch: &Branch) -> St
     }
 }
 
-/// Returns the name of a point's curve: branch, label, kind (or the user's event), and the
-/// continuation parameter.
+/// Returns the name of the curve for a special point: branch, label, kind (or the user-defined
+/// event), and the continuation parameter.
 fn name(plot: &Plot, place: &str, branch: &Branch, point: &SpecialPoint) -> String {
     let kind = match point.kind {
         Kind::UZ => event(plot, point),

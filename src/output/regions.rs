@@ -1,20 +1,22 @@
-//! Labels of regions: the numbers of unstable directions on the two sides of curves in two
-//! parameters.
+//! Labels of parameter regions: the numbers of unstable directions on the two sides of a
+//! bifurcation curve in two parameters.
 
 use crate::core::continuation::{Branch, Stretch};
 
-/// The labels of a stretch of a curve in two columns.
+/// The labels on both sides of a stretch of a curve in the plane of two columns.
 pub(super) struct Region {
-    /// The positions of the first and the last point on the branch.
+    /// The positions of the first and the last point of the stretch on the branch.
     pub points: [usize; 2],
-    /// The texts on the left and on the right, in the direction from the first point to the last.
+    /// The texts on the left and on the right of the curve, in the direction from the first point
+    /// to the last.
     pub sides: [String; 2],
 }
 
-/// The meaning of the texts.
+/// The meaning of the texts beside curves, for the legend.
 pub(super) const MEANING: &str = "(n)\u{2002}unstable directions, (0+1) of two solutions, (–) none";
 
-/// Returns the regions of a curve, if the columns of both axes are its two parameters.
+/// Returns the labelled stretches of a bifurcation curve, if the columns of the two axes are the
+/// two parameters of the curve.
 pub(super) fn regions(branch: &Branch, columns: [usize; 2]) -> Vec<Region> {
     let released: Vec<Option<usize>> =
         branch.released.iter().map(|name| branch.column(name)).collect();
@@ -33,7 +35,8 @@ pub(super) fn regions(branch: &Branch, columns: [usize; 2]) -> Vec<Region> {
     branch.stretches.iter().map(region).collect()
 }
 
-/// Returns the numbers of unstable directions of the solutions on one side, such as `(0+1)`.
+/// Returns the text for one side of a curve: the numbers of unstable directions of the solutions on
+/// this side, such as `(0+1)`.
 fn text(counts: &[usize]) -> String {
     if counts.is_empty() {
         return "(–)".into();

@@ -1,4 +1,4 @@
-//! Rendering of results into files of all formats, and saving them together.
+//! Rendering of results in all file formats, and saving of several files together.
 
 use super::axis::clip;
 use super::document::Document;
@@ -21,14 +21,15 @@ debug_is_message!(SaveError);
 
 /// A result that can be rendered in several formats.
 pub trait Render {
-    /// Returns the content of the file in one format.
+    /// Returns the content of the result's file in one format.
     ///
     /// # Errors
-    /// [`RenderError`] for results that cannot be drawn or written, and for an unsuitable format.
+    /// [`RenderError`] if the results cannot be drawn or written, or the format is unsuitable for
+    /// them.
     fn render(&self, format: Format) -> Result<Vec<u8>, RenderError>;
 }
 
-/// The results of a command, rendered together.
+/// The results of a command, which are rendered together.
 ///
 /// ```
 /// use tangency::output::{Document, Format, Render, Results, example_branch};
@@ -42,26 +43,29 @@ pub trait Render {
 /// ```
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Results<'a> {
-    /// Documents, each with a name that distinguishes its branches. In pictures, documents are
-    /// named by the settings in which they differ, such as `c = 0.8`, if these are few.
+    /// The documents, each with a name that distinguishes its branches from the branches of other
+    /// documents. In pictures, documents are named by the settings in which they differ, such as `c
+    /// = 0.8`, if the number of these settings is small.
     pub documents: &'a [(&'a str, &'a Document)],
     /// The sweeps.
     pub sweeps: &'a [Sweeps],
-    /// The column on the horizontal axis of the only diagram; by default the documents' choice.
+    /// The column on the horizontal axis; if it is given, only one diagram is drawn; by default the
+    /// columns follow from the documents.
     pub x: Option<&'a str>,
-    /// The columns on the vertical axis; empty for the documents' choice.
+    /// The columns on the vertical axis; if empty, the documents determine them.
     pub y: &'a [&'a str],
-    /// The special points whose profiles are drawn, or written, as `LABEL` or `BRANCH/LABEL`; empty
-    /// for the documents' choice, and for tables of branches.
+    /// The special points whose profiles are drawn or written, as `LABEL` or `BRANCH/LABEL`; if
+    /// empty, pictures show the points that the documents choose, and tables contain the points of
+    /// the branches.
     pub points: &'a [String],
-    /// The width of pictures in millimetres; [`PAGE`] by default.
+    /// The width of pictures in millimetres; by default [`PAGE`].
     pub width: Option<f64>,
-    /// The letter of the only panel to draw; all by default.
+    /// The letter of the only panel that is drawn; by default all panels are drawn.
     pub panel: Option<&'a str>,
-    /// The title of pictures; the first document's by default.
+    /// The title of pictures; by default the title of the first document.
     pub title: Option<&'a str>,
-    /// The lower and upper ends of the horizontal and the vertical axis of the first panel, and of
-    /// further panels with the same axis; by default all data are shown.
+    /// The chosen lower and upper ends of the horizontal and the vertical axis, for the first panel
+    /// and for further panels with the same axis; by default all data are shown.
     pub ends: [[Option<f64>; 2]; 2],
 }
 
@@ -73,11 +77,11 @@ pub enum RenderError {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Figure(#[from] FigureError),
-    /// The data cannot be written.
+    /// The data cannot be written in the format.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Format(#[from] FormatError),
-    /// The format is unsuitable.
+    /// The format is unsuitable for the results.
     #[error("{0}")]
     Unsuited(&'static str),
 }
@@ -90,26 +94,28 @@ pub enum SaveError {
     #[error(transparent)]
     #[diagnostic(transparent)]
     File(#[from] FileError),
-    /// The picture cannot be drawn. All other files are saved.
+    /// The picture cannot be drawn, but all other files are saved. Files other than pictures are
+    /// saved despite this error.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Figure(#[from] FigureError),
-    /// The format is unsuitable.
+    /// The format is unsuitable for the results.
     #[error("{}: {reason}", path.display())]
     Unsuited {
-        /// The path of the file.
+        /// The path of the file that was not written.
         path: PathBuf,
-        /// The rule that the result violates.
+        /// The rule of the format that the result violates.
         reason: &'static str,
     },
 }
 
-/// Saves results as `STEM.EXTENSION` in some formats, together, and returns the paths. If a picture
-/// cannot be drawn, the other files are saved, and an outdated picture is removed.
+/// Saves results as `STEM.EXTENSION` in the given formats, writing all files together, and returns
+/// the paths. If a picture cannot be drawn, the other files are saved, and an outdated picture is
+/// removed.
 ///
 /// # Errors
-/// [`SaveError`]; after [`SaveError::Figure`] all files but pictures are saved, after any other
-/// error none.
+/// [`SaveError`]; after [`SaveError::Figure`] all files except pictures are saved, after any other
+/// error no file is saved.
 ///
 /// ```no_run
 /// use std::path::Path;
@@ -145,12 +151,12 @@ pub fn save(
 }
 
 impl Results<'_> {
-    /// Returns the names of the documents in pictures.
+    /// Returns the names of the documents that pictures show.
     fn names(&self) -> Vec<String> {
         distinguished(self.documents)
     }
 
-    /// Returns the figures to draw.
+    /// Returns the figures that the picture contains.
     fn figures(&self) -> Result<Vec<Figure>, FigureError> {
         let names = self.names();
         let first = self.documents.first().filter(|_| !self.points.is_empty());
@@ -180,8 +186,8 @@ impl Results<'_> {
         Ok(figures)
     }
 
-    /// Cuts panels off at the chosen ends of their axes: the first panel, and further ones with the
-    /// same axis, except for enlargements.
+    /// Restricts panels to the chosen ends of their axes: the first panel, and further panels with
+    /// the same axis, except for enlargements.
     fn set_ends(&self, figures: &mut [Figure]) {
         let plots = self.documents.iter().map(|(_, document)| &document.plot);
         let plot = plots.chain(self.sweeps.iter().map(|sweeps| &sweeps.plot)).next();
@@ -207,7 +213,7 @@ impl Results<'_> {
         }
     }
 
-    /// Returns the special points whose profiles are written.
+    /// Returns the special points whose profiles are written to a table.
     fn shown(&self) -> Result<Vec<Shown<'_>>, RenderError> {
         let shown = named(self.documents, self.points)?;
         match shown.iter().any(|shown| !shown.point.profiles.is_empty()) {
@@ -218,8 +224,8 @@ impl Results<'_> {
         }
     }
 
-    /// Returns the profiles of the named points; without named points, all points of the branches,
-    /// or the histories if there is nothing else.
+    /// Returns the table of the profiles of the named special points; if no points are named, the
+    /// table of all points of the branches, or the histories if the document contains nothing else.
     fn csv(&self) -> Result<String, RenderError> {
         match self.documents {
             [] if !self.sweeps.is_empty() => Ok(of_sweeps(self.sweeps)),
@@ -233,7 +239,7 @@ impl Results<'_> {
     }
 }
 
-/// Returns a whole document as JSON.
+/// Returns a complete document as JSON.
 fn json(document: &Document) -> Result<Vec<u8>, FormatError> {
     serde_json::to_vec(document).map_err(|error| FormatError::Unwritable(error.to_string()))
 }

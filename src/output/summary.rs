@@ -1,12 +1,12 @@
-//! The summary of a branch in one sentence.
+//! Summarises a branch in one sentence.
 
 use super::number::significant;
 use crate::core::continuation::{Branch, End};
 use crate::core::system::Kind;
 use std::fmt;
 
-/// The summary of a branch in one sentence: its range, its ends with their reasons, and its
-/// stability. Unexpected ends are explained at the end.
+/// The summary of a branch in one sentence: its range, its ends with the reasons for them, and its
+/// stability. Unexpected ends are explained in the last part of the summary.
 ///
 /// ```
 /// use tangency::output::{Summary, example_branch};
@@ -22,10 +22,10 @@ use std::fmt;
 #[derive(Clone, Copy, Debug)]
 pub struct Summary<'a>(pub &'a Branch);
 
-/// The significant digits of numbers.
+/// The number of significant digits of numbers in the summary.
 const DIGITS: usize = 6;
 
-/// The maximum number of intervals of stability that are listed.
+/// The maximum number of intervals of stability that the summary lists.
 const MOST: usize = 3;
 
 impl fmt::Display for Summary<'_> {
@@ -69,8 +69,8 @@ impl fmt::Display for Summary<'_> {
 }
 
 impl Summary<'_> {
-    /// Returns reasons to doubt the branch: special points that have not converged, and unexpected
-    /// ends.
+    /// Returns the reasons to doubt the branch: special points that have not converged, and
+    /// unexpected ends.
     ///
     /// ```
     /// use tangency::output::{Summary, example_branch};
@@ -89,13 +89,14 @@ impl Summary<'_> {
         open.chain(ends).collect()
     }
 
-    /// Returns the continuation parameter at a point.
+    /// Returns the value of the continuation parameter at a point.
     fn value(&self, index: usize) -> f64 {
         let column = self.0.released.first().and_then(|name| self.0.column(name));
         column.and_then(|column| self.0.points[index].value(column)).unwrap_or(f64::NAN)
     }
 
-    /// Returns the continuation parameter where stability changes between a point and the next one.
+    /// Returns the value of the continuation parameter where stability changes between a point and
+    /// the next one.
     fn boundary(&self, index: usize) -> f64 {
         let changes = |kind| !matches!(kind, Kind::EP | Kind::UZ | Kind::MX | Kind::ND);
         let mut special = self.0.special.iter().filter(|point| point.after == index);
@@ -105,7 +106,8 @@ impl Summary<'_> {
         value.unwrap_or_else(|| self.value(index))
     }
 
-    /// Describes where the branch is stable; `None` if stability does not apply.
+    /// Describes the intervals in which the branch is stable; `None` if its solutions have no
+    /// stability.
     fn stability(&self) -> Option<String> {
         let points = &self.0.points;
         let stable = |index: usize| points[index].unstable == Some(0) && points[index].admissible;
@@ -148,7 +150,7 @@ fn number(value: f64) -> String {
     significant(value, DIGITS)
 }
 
-/// Describes why a branch ends.
+/// Describes the reason why a branch ends.
 fn reason(end: &End) -> String {
     match end {
         End::ParameterBound { .. } => "bound".into(),

@@ -1,9 +1,10 @@
-//! The symbols of special points: one for each kind in a picture.
+//! The symbols of special points: each kind has its own symbol in a picture.
 
 use super::figure::{Figure, Symbol};
 use crate::core::system::Kind;
 
-/// Returns the usual symbol of a kind. Related kinds share a symbol.
+/// Returns the default symbol of a kind of special points. Related kinds have the same default
+/// symbol.
 pub(super) fn symbol(kind: Kind) -> Symbol {
     match kind {
         Kind::LP => Symbol::Disc,
@@ -27,7 +28,7 @@ pub(super) fn symbol(kind: Kind) -> Symbol {
     }
 }
 
-/// The symbols of further kinds with the same usual symbol.
+/// The symbols for further kinds whose default symbol is already used by another kind.
 const FURTHER: [Symbol; 10] = [
     Symbol::FourStar,
     Symbol::OpenTriangle,
@@ -41,7 +42,7 @@ const FURTHER: [Symbol; 10] = [
     Symbol::OpenHexagon,
 ];
 
-/// Returns the symbols for further kinds with a usual symbol, similar ones first.
+/// Returns the alternatives to a default symbol, similar symbols first.
 fn others(symbol: Symbol) -> impl Iterator<Item = Symbol> {
     let similar: &[Symbol] = match symbol {
         Symbol::Star => &[Symbol::FourStar, Symbol::OpenStar, Symbol::SixStar],
@@ -52,8 +53,8 @@ fn others(symbol: Symbol) -> impl Iterator<Item = Symbol> {
     similar.iter().copied().chain(FURTHER)
 }
 
-/// Gives every kind of special point in the panels of a picture its own symbol: the first kind keeps
-/// the usual symbol. Kinds share a symbol only if all symbols are taken.
+/// Gives every kind of special point in the panels of a picture its own symbol: the first kind with
+/// a default symbol keeps it. Kinds share a symbol only if all symbols are in use.
 pub(super) fn distinguish(figures: &mut [Figure]) {
     let mut taken: Vec<(String, Symbol)> = Vec::new();
     for mark in figures.iter_mut().flat_map(|figure| &mut figure.marks) {

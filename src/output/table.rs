@@ -1,14 +1,16 @@
-//! Tables: whole branches as comma-separated values, special points as lines on a screen.
+//! Tables of results: complete branches as comma-separated values, special points as lines on a
+//! screen.
 
 use super::document::Document;
 use super::number::{certain_digits, significant};
 use crate::core::continuation::{Branch, Number, Point, SpecialPoint};
 use crate::core::problem::distinct;
 
-/// Writes all points of the branches of some documents as comma-separated values: `branch`,
-/// `point`, counted from 0, every parameter and monitor by name, `unstable`, and `admissible`. With
-/// several documents, the first column, `file`, has their names. Numbers have 15 significant digits; a cell is empty if a branch lacks the column, and `unstable` is `?` if
-/// multipliers are not determined.
+/// Writes all points of the branches of some documents as comma-separated values: `branch`, `point`
+/// (counted from 0), every parameter and monitor by name, `unstable`, and `admissible`. If the
+/// table contains several documents, the first column, `file`, contains their names. Numbers have
+/// 15 significant digits; a cell is empty if a branch does not contain the column, and `unstable`
+/// is `?` if multipliers are not determined.
 ///
 /// ```
 /// use tangency::output::{Document, example_branch, table};
@@ -50,9 +52,9 @@ pub fn table<'a>(documents: &[(&'a str, &'a Document)]) -> String {
 pub(super) struct Csv(pub String);
 
 impl Csv {
-    /// Creates a table without rows: the given columns before and after the columns of parameters
-    /// and monitors. A parameter or monitor with the name of another column is prefixed by
-    /// `parameter` or `monitor`.
+    /// Creates a table without rows, with given columns before and after the columns of parameters
+    /// and monitors. The title of a parameter or monitor is prefixed by `parameter` or `monitor` if
+    /// another column has the same name.
     pub fn new(first: &[&str], parameters: &[&str], monitors: &[&str], last: &[&str]) -> Self {
         let own = || first.iter().chain(last);
         let parameter = |name: &&str| match own().any(|own| own == name) {
@@ -76,7 +78,7 @@ impl Csv {
     }
 }
 
-/// Returns the cells of some columns.
+/// Returns the contents of a row in the given columns.
 fn cells<'a>(
     columns: &'a [&str],
     names: &'a [String],
@@ -91,8 +93,8 @@ fn cell(column: &str, names: &[String], values: &[f64]) -> String {
     value.map_or(String::new(), |value| significant(*value, 15))
 }
 
-/// Formats a number of unstable eigenvalues; empty if stability does not apply, and a question mark
-/// if it is not determined.
+/// Formats a number of unstable eigenvalues; the text is empty if the solution has no stability,
+/// and a question mark if the number is not determined.
 pub(super) fn count(unstable: Option<usize>, undetermined: &Option<String>) -> String {
     match (unstable, undetermined) {
         (Some(count), _) => count.to_string(),
@@ -101,7 +103,7 @@ pub(super) fn count(unstable: Option<usize>, undetermined: &Option<String>) -> S
     }
 }
 
-/// Replaces the separator of comma-separated values.
+/// Replaces the separator of comma-separated values in a text.
 ///
 /// ```
 /// assert_eq!(tangency::output::separated("a,\"b,c\",d;e\n", ';'), "a;\"b,c\";\"d;e\"\n");
@@ -124,7 +126,7 @@ pub fn separated(csv: &str, separator: char) -> String {
     out + &cell
 }
 
-/// Quotes a name that would otherwise break the table (RFC 4180).
+/// Puts a name in quotes if it would otherwise break the table (RFC 4180).
 pub(super) fn quoted(name: &str) -> String {
     if name.contains([',', '"', '\n', '\r']) {
         format!("\"{}\"", name.replace('"', "\"\""))
@@ -133,10 +135,10 @@ pub(super) fn quoted(name: &str) -> String {
     }
 }
 
-/// Aligned lines for a screen, optionally of a given width in letters, one for each special point:
-/// its label, its kind, the number of unstable eigenvalues or multipliers (`?` if they are not
-/// determined), the varied parameters, the monitors. Columns that do not fit are left out, the last
-/// ones first.
+/// Aligned lines for a screen, optionally of a given width in characters, one line for each special
+/// point: its label, its kind, the number of unstable eigenvalues or multipliers (`?` if they are
+/// not determined), the varied parameters, the monitors. Columns that do not fit into the width are
+/// omitted, from the last column on.
 ///
 /// ```
 /// use tangency::output::{Screen, example_branch};
@@ -152,21 +154,22 @@ pub(super) fn quoted(name: &str) -> String {
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Screen {
-    /// The columns of a point, and their names.
+    /// The shown columns of a point: their positions and names.
     columns: Vec<(usize, String)>,
-    /// The number of columns that do not fit.
+    /// The number of columns that do not fit into the width of the screen.
     omitted: usize,
-    /// The width in letters.
+    /// The width of the screen, in characters.
     width: usize,
 }
 
-/// The largest number of letters of a number with 12 significant digits.
+/// The largest number of characters of a number with 12 significant digits.
 const WIDTH: usize = 18;
-/// The letters of label, kind and stability, and of the number of omitted columns.
+/// The number of characters for label, kind and stability, and the number of characters for the
+/// number of omitted columns.
 const FIRST: usize = 22;
 const MORE: usize = 5;
 
-/// Returns the letters of a column, including the space before it.
+/// Returns the number of characters of a column, including the space before it.
 fn width_of((_, name): &(usize, String)) -> usize {
     2 + name.chars().count().max(WIDTH).min(usize::from(u16::MAX))
 }
@@ -176,8 +179,8 @@ fn number(value: Option<f64>) -> String {
 }
 
 impl Screen {
-    /// Creates the lines of a branch, finished or not, for a screen of an optional width in
-    /// letters.
+    /// Creates the lines of a branch, whether or not it is finished, for a screen with an optional
+    /// width in characters.
     pub fn of(branch: &Branch, width: Option<usize>) -> Self {
         let names = branch.released.iter().chain(&branch.monitors);
         let column = |name: &String| Some((branch.column(name)?, name.clone()));
@@ -195,20 +198,20 @@ impl Screen {
         Screen { columns, omitted: all - kept, width }
     }
 
-    /// Returns the names above the columns, and the number of omitted columns.
+    /// Returns the header line: the names of the columns, and the number of omitted columns.
     pub fn header(&self) -> String {
         let names = self.assemble([" label", "kind", "unstable"], |(_, name)| name.clone());
         if self.omitted == 0 { names } else { format!("{names}  +{}", self.omitted) }
     }
 
-    /// Returns the line of one point of the branch.
+    /// Returns the line for one point of the branch.
     pub fn point(&self, point: &Point) -> String {
         let unstable = count(point.unstable, &point.undetermined);
         self.assemble(["      ", "", &unstable], |(column, _)| number(point.value(*column)))
     }
 
-    /// Returns the line of one special point, with its standard name and its numbers; a point that
-    /// has not converged is marked.
+    /// Returns the line for one special point, with its standard name and its numbers; the line of
+    /// a point that has not converged is marked.
     pub fn line(&self, point: &SpecialPoint) -> String {
         let label = format!("{:>6}", point.label);
         let unstable = count(point.unstable, &point.undetermined);

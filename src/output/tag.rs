@@ -1,4 +1,4 @@
-//! The tag of documents.
+//! The format tag of documents.
 
-/// The tag of documents, with the version of the format.
+/// The format tag of documents, which contains the version of the format.
 pub const FORMAT: &str = "tangency/1";

@@ -1,21 +1,21 @@
-//! Coloured rectangles of a figure.
+//! Tiles: coloured rectangles of a figure.
 
 /// A coloured rectangle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tile {
-    /// The middle, in the units of the axes.
+    /// The centre of the rectangle, in the units of the axes.
     pub at: [f64; 2],
-    /// The width and height.
+    /// The width and height of the rectangle, in the units of the axes.
     pub size: [f64; 2],
     /// The hue.
     pub hue: Hue,
-    /// The shade, counted from 0, which distinguishes tiles of one hue.
+    /// The index of the shade, counted from 0, which distinguishes rectangles of one hue.
     pub shade: usize,
-    /// The meaning, in words, for the legend.
+    /// The meaning of the colour, in words, for the legend.
     pub meaning: String,
 }
 
-/// A family of colours.
+/// The hue of a tile: a family of colours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Hue {
@@ -25,19 +25,20 @@ pub enum Hue {
     Blue,
     /// Yellow to orange.
     Yellow,
-    /// Dark red to purple.
+    /// Colours from dark red to purple.
     Red,
-    /// Nine levels of a field, from pale yellow over green to dark blue.
+    /// Colours of nine levels of a field, from pale yellow over green to dark blue.
     Level,
 }
 
 impl Tile {
-    /// Returns two opposite corners.
+    /// Returns two opposite corners of the rectangle.
     pub(super) fn corners(&self) -> [[f64; 2]; 2] {
         [-0.5, 0.5].map(|part| [0, 1].map(|k| self.at[k] + part * self.size[k]))
     }
 
-    /// Adds the tile to other tiles; neighbours along an axis with the same meaning are merged.
+    /// Adds the tile to a list of tiles; neighbouring tiles along an axis with the same meaning are
+    /// merged.
     ///
     /// ```
     /// use tangency::output::{Hue, Tile};
@@ -65,7 +66,7 @@ impl Tile {
     }
 }
 
-/// Returns the smallest distance between different values; `None` if all are equal.
+/// Returns the smallest distance between different values; `None` if all values are equal.
 ///
 /// ```
 /// assert_eq!(tangency::output::spacing([0.0, 2.0, 1.5].into_iter()), Some(0.5));

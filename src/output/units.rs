@@ -2,15 +2,15 @@
 
 use super::number::significant;
 
-/// Units that take prefixes, and the prefixes by exponent. Lengths and times have no prefixes for
-/// large values.
+/// The units that take prefixes, and the prefixes by exponent. Units of length and time take only
+/// prefixes for small values.
 const UNITS: [&str; 12] = ["m", "s", "V", "A", "N", "Pa", "Hz", "J", "W", "F", "C", "g"];
 const PREFIXES: [(i32, &str); 8] =
     [(-12, "p"), (-9, "n"), (-6, "µ"), (-3, "m"), (3, "k"), (6, "M"), (9, "G"), (12, "T")];
 const ONLY_SMALLER: [&str; 2] = ["m", "s"];
 
-/// Returns the exponent, a multiple of 3, of the power of ten that is written once for numbers up to
-/// a largest one; 0 for numbers of usual size.
+/// Returns the exponent, a multiple of 3, of the power of ten that is a common factor of all
+/// numbers up to a largest one; 0 if the numbers are readable without a factor.
 pub(super) fn exponent(largest: f64) -> i32 {
     match largest {
         ..1e-2 | 1e5.. => 3 * (largest.log10() / 3.0).floor() as i32,
@@ -18,24 +18,25 @@ pub(super) fn exponent(largest: f64) -> i32 {
     }
 }
 
-/// Returns the words and the unit of a label: `gap` and `m` of `gap (m)`. Labels of several columns
-/// have no single unit.
+/// Returns the text and the unit of a label: `gap` and `m` for `gap (m)`. `None` for a label of
+/// several columns, which has no single unit.
 pub(super) fn parts(label: &str) -> Option<(&str, &str)> {
     let parts = label.strip_suffix(')').and_then(|label| label.rsplit_once('('));
     let (words, unit) = parts.filter(|(words, _)| !words.contains(['(', ',']))?;
     Some((words.strip_suffix(' ')?, unit))
 }
 
-/// Returns a unit with the prefix of a power of ten, `µm` for `m` and −6; `None` if the unit does
-/// not take this prefix.
+/// Returns a unit with the prefix for a power of ten, for example `µm` for `m` and the exponent −6;
+/// `None` if the unit does not take this prefix.
 pub(super) fn prefixed(unit: &str, exponent: i32) -> Option<String> {
     let takes = UNITS.contains(&unit) && (exponent < 0 || !ONLY_SMALLER.contains(&unit));
     let (_, prefix) = PREFIXES.iter().find(|(known, _)| takes && *known == exponent)?;
     Some(format!("{prefix}{unit}"))
 }
 
-/// Writes a number with the prefix that an axis up to this number has: `2 µm` for `2e-6` with the
-/// label `gap (m)`; `None` for a number of usual size, and without a unit that takes prefixes.
+/// Writes a number with a prefixed unit, as on an axis up to this number: `2 µm` for `2e-6` with
+/// the label `gap (m)`; `None` for a number that is readable without a prefix, and for a label
+/// without a unit that takes prefixes.
 pub(super) fn with_prefix(value: f64, label: &str) -> Option<String> {
     let (_, unit) = parts(label)?;
     let exponent = exponent(value.abs());

@@ -1,12 +1,12 @@
-//! Names and texts from files: their allowed contents, and their form in messages.
+//! Checks names and texts from files, and formats them for messages.
 
 use crate::core::spelling::is_hidden;
 
-/// An invalid value in a document.
+/// The error of an invalid value in a document.
 #[derive(Clone, Debug, PartialEq, Eq, miette::Diagnostic, thiserror::Error)]
 #[error("{place} is {found}, but {rule}")]
 pub struct Invalid {
-    /// The place: branch, point or label, column.
+    /// The place of the value: branch, point or label, column.
     pub place: String,
     /// The value.
     pub found: String,
@@ -14,33 +14,34 @@ pub struct Invalid {
     pub rule: String,
 }
 
-/// The maximum number of letters of a quoted text.
+/// The maximum number of characters of a quoted text.
 const QUOTED: usize = 60;
 
-/// Formats a text for a message: in quotes, control characters escaped, and shortened if long.
+/// Formats a text for a message: in quotes, with control characters escaped, and shortened if the
+/// text is long.
 pub(crate) fn quoted(text: &str) -> String {
     let cut = if text.chars().nth(QUOTED).is_some() { "…" } else { "" };
     format!("{:?}{cut}", text.chars().take(QUOTED).collect::<String>())
 }
 
-/// The maximum number of letters in a line of a message.
+/// The maximum number of characters in a line of a message.
 #[cfg(feature = "cli")]
 const LINE: usize = 380;
-/// The number of letters kept at the end of a shortened line.
+/// The number of characters kept at the end of a shortened line.
 #[cfg(feature = "cli")]
 const END: usize = 120;
 /// The maximum number of lines in a message.
 #[cfg(feature = "cli")]
 const LINES: usize = 20;
-/// The length of the longest word that is not cut.
+/// The number of characters of the longest word that is never divided.
 #[cfg(feature = "cli")]
 const WORD: usize = 40;
-/// The largest number of digits of a number that is written in full.
+/// The largest number of digits with which a number is written in full.
 #[cfg(feature = "cli")]
 const DIGITS: usize = 25;
 
-/// Formats a message for a terminal: control characters except line ends are escaped, long numbers
-/// are written with powers of ten, and long lines are shortened in the middle.
+/// Formats a message for a terminal: control characters except line breaks are escaped, long
+/// numbers are written with powers of ten, and long lines are shortened in the middle.
 #[cfg(feature = "cli")]
 pub(crate) fn printable(message: &str) -> String {
     let lines = message.split('\n').take(LINES).map(|line| shortened(&with_powers(&escaped(line))));
@@ -56,7 +57,7 @@ fn escaped(line: &str) -> String {
     line.chars().map(show).collect()
 }
 
-/// Rewrites numbers of many digits in a line as `1e300`.
+/// Rewrites numbers of many digits in a line in scientific notation, such as `1e300`.
 #[cfg(feature = "cli")]
 fn with_powers(line: &str) -> String {
     let is_digit = |letter: char| letter.is_ascii_digit() || letter == '.';
@@ -90,21 +91,22 @@ fn shortened(line: &str) -> String {
     format!("{} … {}", text(&letters[..first]), text(&letters[last..]))
 }
 
-/// Rejects a name or title that would move the cursor of a terminal, or make a picture ill-formed.
+/// Rejects a name or title that would move the cursor of a terminal, or make a picture file
+/// invalid.
 pub(crate) fn text(place: &str, text: &str) -> Result<(), Invalid> {
     require(!text.contains(is_hidden), place, text, "must not contain control characters")
 }
 
-/// Rejects a name that contains a folder: the name of a result must be a single component of a
-/// path.
+/// Rejects a name that contains a folder, since the name of a result must be a single component of
+/// a path.
 pub(crate) fn component(place: &str, name: &str) -> Result<(), Invalid> {
     text(place, name)?;
     let rule = "must be a plain file name, without a folder";
     require(is_plain(name), place, name, rule)
 }
 
-/// Rejects a name that would escape from the folder into which an archive with entries of this name
-/// is unpacked.
+/// Rejects a name of an archive entry that would place the unpacked file outside the destination
+/// folder.
 pub(crate) fn entry(place: &str, name: &str) -> Result<(), Invalid> {
     text(place, name)?;
     let rule =

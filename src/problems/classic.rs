@@ -2,10 +2,10 @@
 //!
 //! | problem | equations |
 //! |---|---|
-//! | [`ParallelPlate`], [`Hyperbola`] | equations in one unknown: a fold, and two branches that nearly cross |
-//! | [`Lure`], [`Isothermal`] | vector fields: a Hopf point and period doublings (R. Seydel, *Practical Bifurcation and Stability Analysis*, example 7.8) |
-//! | [`ProtheroRobinson`] | a stiff vector field (A. Prothero and A. Robinson, 1974) |
-//! | [`ImpactOscillator`] | a hybrid system (S. W. Shaw and P. J. Holmes, 1983) |
+//! | [`ParallelPlate`], [`Hyperbola`] | equations in one unknown: an equation with a fold, and an equation whose two branches nearly cross |
+//! | [`Lure`], [`Isothermal`] | vector fields with a Hopf point and period doublings (R. Seydel, *Practical Bifurcation and Stability Analysis*, example 7.8) |
+//! | [`ProtheroRobinson`] | a stiff vector field, the Prothero–Robinson equation (1974) |
+//! | [`ImpactOscillator`] | a hybrid system, the forced impact oscillator (S. W. Shaw and P. J. Holmes, 1983) |
 //! | [`Bratu`], [`Decay`] | boundary-value problems |
 //!
 //! ```
@@ -71,8 +71,8 @@ vector_field! {
     }
 }
 
-/// Bratu's problem `u'' + λeᵘ = 0`, `u(0) = u(1) = 0`, as `u' = v, v' = −λeᵘ`. Its fold is at
-/// `λ = 8θ²/cosh²θ` with `θ tanh θ = 1`.
+/// Bratu's problem `u'' + λeᵘ = 0`, `u(0) = u(1) = 0`, as the first-order system `u' = v, v' =
+/// −λeᵘ`. The fold of Bratu's problem is at `λ = 8θ²/cosh²θ` with `θ tanh θ = 1`.
 ///
 /// ```
 /// use tangency::core::bvp::BoundaryProblem;
@@ -112,7 +112,8 @@ impl BoundaryProblem for Bratu {
     }
 }
 
-/// Exponential decay `x' = −rate·x`, `x(0) = 1`, for a unit of time: `x = e^{−rate t}`.
+/// Exponential decay `x' = −rate·x`, `x(0) = 1`, over one unit of time, with the solution `x =
+/// e^{−rate t}`.
 ///
 /// ```
 /// use tangency::core::bvp::{BoundaryProblem, Ends};

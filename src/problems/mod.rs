@@ -1,10 +1,10 @@
-//! Ready-made problems: the equations of devices, and classic test problems.
+//! Predefined problems: the equations of devices, and classic test problems.
 //!
 //! | module | problems |
 //! |---|---|
 //! | [`classic`] | test problems from the literature: folds, Hopf points, boundary-value problems, impacts |
 //! | `mita` (feature `scene`) | Mita's impact microactuator, a hybrid system with dry friction |
-//! | `plate` (feature `scene`) | electrically actuated microplates, as in `tangency trace plate-device` |
+//! | `plate` (feature `scene`) | electrically actuated microplates, as in the command `tangency trace plate-device` |
 //!
 //! ```
 //! use tangency::core::problem::ZeroProblem;

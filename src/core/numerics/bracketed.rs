@@ -1,15 +1,16 @@
-//! Zeros of functions of one variable.
+//! Finds zeros of functions of one variable.
 
-/// The limits of an iteration.
+/// The limits of an iteration for a root.
 pub(crate) struct Limits {
-    /// The largest number of rounds.
+    /// The largest number of iterations.
     pub rounds: usize,
-    /// The size of a move below which the iteration has converged.
+    /// The iteration has converged if the root estimate moves by less than this size.
     pub moved: f64,
 }
 
-/// Finds a zero of a function between two places; `sign` is the function's sign at the first one.
-/// Uses Newton's method from a guess, with value and rate, kept inside the bracket by bisection.
+/// Finds a zero of a function between two points; `sign` is the sign of the function at the first
+/// point. Uses Newton's method from an initial guess, with the function's value and derivative;
+/// bisection keeps the iterates inside the bracket.
 #[inline]
 pub(crate) fn bracketed_zero(
     [mut low, mut high]: [f64; 2],

@@ -1,16 +1,17 @@
-//! Polynomials through values at nodes.
+//! Lagrange polynomials through values at nodes.
 
 use super::quadrature::gauss_legendre;
 use crate::core::scalar::Scalar;
 
-/// Evaluates the Lagrange polynomial `ℓ_j(s) = Π_{i≠j} (s − s_i)/(s_j − s_i)` of these nodes.
+/// Evaluates the Lagrange polynomial `ℓ_j(s) = Π_{i≠j} (s − s_i)/(s_j − s_i)` of the given nodes
+/// `s_i`.
 pub(crate) fn lagrange<T: Scalar>(nodes: &[f64], j: usize, s: T) -> T {
     let others = (0..nodes.len()).filter(|i| *i != j);
     others.fold(T::one(), |product, i| product * ((s - nodes[i]) / (nodes[j] - nodes[i])))
 }
 
 /// `m! / Π_{i≠j} (s_j − s_i)`: the weights of the values at the nodes in the `m`-th derivative of
-/// the polynomial through them.
+/// the interpolating polynomial.
 pub(crate) fn highest_derivative(places: &[f64]) -> Vec<f64> {
     let factorial: f64 = (1..places.len()).map(|k| k as f64).product();
     let product = |j: usize| -> f64 {
@@ -19,7 +20,7 @@ pub(crate) fn highest_derivative(places: &[f64]) -> Vec<f64> {
     (0..places.len()).map(|j| factorial / product(j)).collect()
 }
 
-/// The weights of the interpolatory quadrature through places between 0 and 1: the integrals of the
+/// The weights of the interpolatory quadrature with nodes between 0 and 1: the integrals of the
 /// Lagrange polynomials.
 pub(crate) fn node_weights(places: &[f64]) -> Vec<f64> {
     let (points, weights) = gauss_legendre(places.len());

@@ -1,13 +1,17 @@
-//! Ladders of discretisations, and error estimates for values on their rungs.
+//! Ladders of successively finer discretisations, and error estimates for quantities computed on
+//! their rungs.
 //!
-//! Each problem defines a finer discretisation in one place
-//! ([`Discretised::refined`](crate::core::system::Discretised::refined)). Special points are refined
-//! by it, from the discretisation of their branch. A scene chooses the cheapest sufficiently accurate
-//! discretisation from the [`ladder`] of the same rungs, with an additional rung between each two and
-//! coarser rungs below. Both estimate errors from the changes between rungs, by [`error_of_last`].
+//! Each problem defines its next finer discretisation in one place
+//! ([`Discretised::refined`](crate::core::system::Discretised::refined)). The final correction of a
+//! special point uses the next finer discretisation after the one of its branch. A scene chooses
+//! the cheapest sufficiently accurate discretisation from a [`ladder`], which contains the same
+//! discretisations, one more rung between each two of them, and coarser rungs below them. The
+//! corrections of special points and the choice of scenes estimate errors from the changes between
+//! rungs, by [`error_of_last`].
 
-/// Extends a ladder from the given rungs, up to `most` rungs in total. Each further rung is the finer
-/// discretisation of the last but one: a step to the finer discretisation is two rungs.
+/// Extends a ladder of discretisations from the given rungs, up to `most` rungs in total. Each
+/// further rung refines the last rung but one, so that two rungs lead from a discretisation to its
+/// refinement.
 ///
 /// ```
 /// use tangency::core::numerics::ladder;
@@ -24,14 +28,15 @@ pub fn ladder<D>(mut rungs: Vec<D>, most: usize, finer: impl Fn(&D) -> Option<D>
     rungs
 }
 
-/// Estimates the error of the last of several values of a number, on rungs of growing accuracy;
-/// infinite for a single value.
+/// Estimates the error of the last of several approximations of a number, computed on rungs of
+/// growing accuracy; infinite for a single approximation.
 ///
-/// A single change `d` bounds the error of the finer value if each rung at least halves it. With two
-/// changes, further changes are assumed to shrink by the same ratio `ρ ≤ ½`: their sum is
-/// `d(ρ + ρ² + …) = dρ/(1 − ρ)`, and the estimate is four times this sum. Ratios are bounded below by
-/// 0.1, and changes by a hundredth of the previous change: spectral convergence can become algebraic
-/// at a corner singularity, and changes pass zero where errors change sign.
+/// A single change `d` bounds the error of the finer approximation if each rung at least halves the
+/// error. With two changes, further changes are assumed to shrink by the same ratio `ρ ≤ ½`: their
+/// sum is `d(ρ + ρ² + …) = dρ/(1 − ρ)`, and the estimate is four times this sum. Ratios are bounded
+/// below by 0.1, and changes by a hundredth of the previous change, because spectral convergence
+/// can become algebraic at a corner singularity, and changes pass through zero where errors change
+/// sign.
 ///
 /// ```
 /// use tangency::core::numerics::error_of_last;
@@ -53,9 +58,10 @@ pub fn error_of_last(values: &[f64]) -> f64 {
     }
 }
 
-/// Estimates the error of the first of such values: four thirds of the largest distance of any value
-/// from the last one, plus the error of the last one. (The first distance, and the last change, can
-/// be small by accident.)
+/// Estimates the error of the first of several approximations of a number, computed on rungs of
+/// growing accuracy: four thirds of the largest distance of any approximation from the last one,
+/// plus the error of the last one. (The distance of the first approximation from the last one, and
+/// the last change, can be small by accident.)
 pub fn error_of_first(values: &[f64]) -> f64 {
     let last = values.last().copied().unwrap_or(f64::NAN);
     let far = values.iter().map(|value| (value - last).abs()).fold(0.0, f64::max);

@@ -1,7 +1,7 @@
 //! Gauss–Legendre quadrature.
 
-/// Computes the nodes in (−1, 1), ascending, and the weights of the `n`-point Gauss–Legendre rule,
-/// exact for polynomials of degree `2n − 1`.
+/// Computes the nodes in (−1, 1), in ascending order, and the weights of the `n`-point
+/// Gauss–Legendre rule, which is exact for polynomials of degree `2n − 1`.
 ///
 /// Newton's iteration on the three-term recurrence of `P_n` starts from the asymptotic nodes
 /// `cos(π(i + 3/4)/(n + 1/2))`; nodes are accurate to an ulp, weights to a few ulps.

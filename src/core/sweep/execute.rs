@@ -7,32 +7,34 @@ use crate::core::hybrid::{HybridState, Member};
 use rayon::prelude::*;
 use std::sync::mpsc::{Sender, channel};
 
-/// The result of a run.
+/// The result of a run of a sweep.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Found {
-    /// The number of the run.
+    /// The number of the run in its sweep.
     pub run: usize,
-    /// The values on the axes.
+    /// The values of the varied quantities in this run, one for each axis.
     pub values: Vec<f64>,
-    /// The attractor, or the reason why none was found; in a search for a crisis, the last
-    /// attractor before it.
+    /// The attractor of the run, or the reason why no attractor was found; in a search for a
+    /// crisis, the last attractor before the crisis.
     pub attractor: Result<Attractor, StroboscopicError>,
-    /// The location of a crisis, if searched for and found: parameters at which motion is on the
-    /// attractor, and off it.
+    /// The location of a crisis, if one was searched for and found: parameter values between which
+    /// the attractor is destroyed, the first with motion on the attractor and the second with
+    /// motion that leaves it.
     pub crisis: Option<[f64; 2]>,
 }
 
-/// Called for each finished run.
+/// A function that is called for each finished run.
 pub type Visit<'a> = dyn FnMut(Found) + 'a;
 
-/// Creates a stroboscopic map.
+/// A function that creates a stroboscopic map.
 pub type Make<'a> =
     dyn Fn() -> Result<Box<dyn StroboscopicMap + 'a>, StroboscopicError> + Sync + 'a;
 
-/// Executes all unfinished runs of a part of a plan: `done(run)` is the state in which a finished
-/// run ended (`None` inside if it failed). `make` creates the map, once for each batch of strands;
-/// `p` contains the parameters that do not vary. The search's token cancels between any two periods
-/// of every run, on all threads; unfinished runs are discarded.
+/// Executes all unfinished runs of a part of a plan: `done(run)` is `None` for an unfinished run,
+/// and otherwise the state in which the run ended (`None` inside if the run failed). `make` creates
+/// the map, once for each batch of strands (chains of dependent runs); `p` contains the parameters
+/// that do not vary. The cancel token of the search can cancel every run between two periods, on
+/// all threads; unfinished runs are discarded.
 ///
 /// ```
 /// use tangency::core::attractor::{AttractorSearch, StroboscopicError, StroboscopicMap, PeriodMap};
@@ -55,8 +57,8 @@ pub type Make<'a> =
 /// ```
 ///
 /// # Errors
-/// [`PlanError`] if the plan or the part is invalid, or threads cannot be started. Runs that fail
-/// are reported like others.
+/// [`PlanError`] if the plan or the part is invalid, or threads cannot be started. Failed runs are
+/// reported like successful runs.
 pub fn execute(
     plan: &Plan,
     part: Part,
@@ -99,20 +101,22 @@ pub fn execute(
     Ok(())
 }
 
-/// (H) The minimal number of strands whose runs are simulated in parallel lanes: fewer leave too
-/// many lanes empty.
+/// (H) The minimal number of strands (chains of dependent runs) whose runs are simulated in
+/// parallel lanes: fewer strands leave too many lanes empty.
 const LEAST_ABREAST: usize = 4;
-/// (H) The maximum number of strands (chains of dependent runs) in a batch: an interruption loses
-/// the unfinished runs of a batch.
+/// (H) The maximum number of strands (chains of dependent runs) in a batch; if the sweep is
+/// interrupted, the unfinished runs of a batch are lost.
 const MOST_ABREAST: usize = 64;
 
-/// Returns the batch size for a division into as many batches as threads, or several times as many.
+/// Returns the number of strands in a batch, such that the number of batches is the number of
+/// threads or a multiple of it.
 fn batch_size(strands: usize, threads: usize) -> usize {
     let rounds = strands.div_ceil(threads * MOST_ABREAST).max(1);
     strands.div_ceil(threads * rounds).max(LEAST_ABREAST)
 }
 
-/// The outcome of a run: an attractor, and the crisis if searched for.
+/// The outcome of a run: an attractor, and the location of a crisis if one was searched for and
+/// found.
 type Outcome = (Result<Attractor, StroboscopicError>, Option<[f64; 2]>);
 
 /// The data shared by all batches of strands.
@@ -125,8 +129,8 @@ struct Batch<'a, 'm> {
 }
 
 impl<'m> Batch<'_, 'm> {
-    /// Executes the runs of strands: the first runs of all strands, then the second ones, and so
-    /// on.
+    /// Executes the runs of strands (chains of dependent runs): the first runs of all strands, then
+    /// the second runs, and so on.
     fn follow(&self, strands: &[Vec<usize>], sender: &Sender<Found>) {
         let longest = strands.iter().map(Vec::len).max().unwrap_or(0);
         let mut before: Vec<Option<HybridState<f64>>> = vec![None; strands.len()];
@@ -156,14 +160,15 @@ impl<'m> Batch<'_, 'm> {
         }
     }
 
-    /// Returns the start of a run, after the preceding run of its strand.
+    /// Returns the starting state and the parameters of a run, given the final state of the
+    /// preceding run of its strand.
     fn start(&self, run: usize, before: Option<HybridState<f64>>) -> Member<f64> {
         let (p, start) = self.plan.setting(run, self.p);
         let followed = self.plan.order != Order::Anew;
         Member { state: before.filter(|_| followed).unwrap_or(start), p }
     }
 
-    /// Returns the outcomes of runs that begin simultaneously.
+    /// Returns the outcomes of runs that are simulated together.
     fn outcomes(
         &self,
         map: &mut Result<Box<dyn StroboscopicMap + 'm>, StroboscopicError>,

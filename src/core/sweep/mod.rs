@@ -1,17 +1,18 @@
 //! Parameter sweeps: computes the attractor for each combination of parameter values and initial
 //! states, on all cores.
 //!
-//! A [`Plan`] lists **runs**: one for each start and each point of a grid over parameters, or over
-//! initial states. Each run is followed until its attractor is known
-//! ([`AttractorSearch`](crate::core::attractor::AttractorSearch)). Runs start anew, or in the last
-//! state of the preceding run, up or down the parameter; such chains of runs are **strands**, which
-//! are independent of each other.
+//! A [`Plan`] lists **runs**: one run for each starting state and each point of a grid over
+//! parameters or initial states. Each run is simulated until its attractor is known
+//! ([`AttractorSearch`](crate::core::attractor::AttractorSearch)). Each run starts from the plan's
+//! initial state, or from the last state of the preceding run, in ascending or descending order of
+//! the parameter; a chain of runs that depend on each other is a **strand**, and strands are
+//! independent of each other.
 //!
-//! The result of a run depends on its strand only: it is bit-identical for any number of
+//! The result of a run depends only on its strand: results are bit-identical for any number of
 //! threads, whether or not the sweep was interrupted and resumed, and whether it was executed as a
 //! whole or in [`Part`]s.
 //!
-//! [`execute`] computes the runs of a plan:
+//! [`execute`] computes the runs of a plan, as in this example:
 //!
 //! ```
 //! use tangency::core::attractor::{AttractorSearch, PeriodMap};

@@ -1,17 +1,18 @@
-//! Distribution of strands to the parts of a sweep.
+//! Distribution of the strands (chains of dependent runs) of a sweep among its parts.
 
 use super::plan::PlanError;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::num::NonZeroUsize;
 
-/// The part of a sweep that one process executes: part `number` of `of` parts, counted from 1.
+/// The part of a sweep that one process executes: part number `number` of the `of` parts, counted
+/// from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Part {
-    /// The number of the part, from 1 on.
+    /// The number of the part, counted from 1.
     pub number: usize,
-    /// The number of parts.
+    /// The number of parts of the sweep.
     pub of: usize,
-    /// The number of threads; by default rayon's default, the number of cores.
+    /// The number of threads; by default the number of cores, as in rayon.
     pub threads: Option<NonZeroUsize>,
 }
 
@@ -19,7 +20,7 @@ impl Part {
     /// The whole sweep.
     pub const WHOLE: Part = Part { number: 1, of: 1, threads: None };
 
-    /// Checks that the part exists.
+    /// Checks that the number of the part is between 1 and the number of parts.
     pub(super) fn check(self) -> Result<(), PlanError> {
         let Part { number, of, .. } = self;
         match number == 0 || number > of {
@@ -28,9 +29,10 @@ impl Part {
         }
     }
 
-    /// Returns the part of a sweep that follows sweeps with `strands` strands in all. Strands are
-    /// assigned to parts in turn, and the turn continues from sweep to sweep: otherwise the first
-    /// parts would get all strands of small sweeps.
+    /// Returns the equivalent part of a sweep that is executed after other sweeps with `strands`
+    /// strands (chains of dependent runs) in total. Strands are assigned to parts in turn, and the
+    /// next sweep continues with the next part: otherwise the first parts would get all strands of
+    /// small sweeps.
     ///
     /// ```
     /// use tangency::core::sweep::Part;
@@ -42,7 +44,7 @@ impl Part {
     /// ```
     ///
     /// # Errors
-    /// [`PlanError::Part`] if the part does not exist.
+    /// [`PlanError::Part`] if the number of the part is not between 1 and the number of parts.
     pub fn after(self, strands: usize) -> Result<Part, PlanError> {
         self.check()?;
         let (place, shift) = (self.number - 1, strands % self.of);
@@ -50,8 +52,8 @@ impl Part {
         Ok(Part { number: place + 1, ..self })
     }
 
-    /// Creates a thread pool if the number of threads is set, with at most one thread for each
-    /// strand.
+    /// Creates a thread pool if the number of threads is set; the pool has at most one thread for
+    /// each strand.
     pub(super) fn pool(self, strands: usize) -> Result<Option<ThreadPool>, PlanError> {
         let pool = |threads: NonZeroUsize| {
             let threads = threads.min(NonZeroUsize::new(strands).unwrap_or(NonZeroUsize::MIN));

@@ -1,29 +1,30 @@
-//! Plans of sweeps: the runs, and their order.
+//! Plans of sweeps: the list of runs, and the order of the runs.
 
 use crate::core::attractor::{AttractorSearch, CrisisSearch, CrisisSearchError};
 use crate::core::hybrid::HybridState;
 use serde::{Deserialize, Serialize};
 use std::num::NonZeroUsize;
 
-/// (H) The maximal number of runs of one sweep: all results are kept in memory and written
-/// repeatedly.
+/// (H) The maximal number of runs of one sweep, limited because all results are kept in memory and
+/// written repeatedly.
 pub(crate) const MOST_RUNS: usize = 4_000_000;
-/// (H) The maximal length of the transient, and of the average of an exponent; more would be a
-/// mistake.
+/// (H) The maximal number of periods of the transient, and of the average for a Lyapunov exponent;
+/// a larger number is probably a mistake.
 const MOST_PERIODS: usize = 1_000_000_000;
-/// (H) The maximal number of recorded periods of one run; all recorded periods are kept in memory.
+/// (H) The maximal number of recorded periods of one run, limited because all recorded periods are
+/// kept in memory.
 const MOST_RECORDED: usize = 1_000_000;
 
-/// The quantity that varies along an axis.
+/// The quantity that varies along an axis of the grid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
-    /// A parameter, by its position.
+    /// A parameter, given by its position among the parameters.
     Parameter(usize),
-    /// An initial state, by its position in the mode.
+    /// The initial value of a state variable, given by its position in the mode.
     State(usize),
 }
 
-/// Equally spaced values of a quantity.
+/// An axis of the grid: equally spaced values of a quantity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Axis {
     /// The quantity.
@@ -32,28 +33,28 @@ pub struct Axis {
     pub low: f64,
     /// The last value.
     pub high: f64,
-    /// The number of values.
+    /// The number of values on the axis.
     pub count: usize,
 }
 
 impl Axis {
-    /// The value number `k`, counted from 0.
+    /// Returns value number `k` of the axis, counted from 0.
     pub fn value(&self, k: usize) -> f64 {
         spaced([self.low, self.high], self.count, k)
     }
 }
 
-/// The value number `k`, counted from 0, of `count` values from `low` to `high`.
+/// Returns value number `k`, counted from 0, of `count` equally spaced values from `low` to `high`.
 pub(crate) fn spaced([low, high]: [f64; 2], count: usize, k: usize) -> f64 {
     let last = count.saturating_sub(1).max(1);
     if k == last { high } else { low + (high - low) * k as f64 / last as f64 }
 }
 
-/// The starting states of runs.
+/// The choice of the starting states of runs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Order {
-    /// All runs begin at the start.
+    /// All runs begin at the starting state of the plan.
     #[default]
     Anew,
     /// Each run begins where the preceding run ended, from the first value of the parameter to the
@@ -65,8 +66,8 @@ pub enum Order {
 }
 
 impl Order {
-    /// The number of runs of a strand if `points` points are divided into strands; the last one may
-    /// have fewer.
+    /// Returns the number of runs in a strand (chain of dependent runs) if `points` grid points are
+    /// divided into strands; the last strand may contain fewer runs.
     fn strand_length(self, points: usize, strands: usize) -> usize {
         match self {
             Order::Anew => 1,
@@ -74,14 +75,15 @@ impl Order {
         }
     }
 
-    /// The numbers of runs of the strands into which `points` points are divided, in order.
+    /// Returns the numbers of runs in the strands (chains of dependent runs) into which `points`
+    /// grid points are divided, in order.
     pub fn strand_lengths(self, points: usize, strands: usize) -> impl Iterator<Item = usize> {
         let length = self.strand_length(points, strands);
         (0..points).step_by(length).map(move |first| length.min(points - first))
     }
 }
 
-/// Runs over a grid, from one or several starts.
+/// A plan of runs over a grid, from one or several starting states.
 ///
 /// ```
 /// use tangency::core::{attractor::AttractorSearch, hybrid::HybridState, sweep::{Axis, Order, Plan, Quantity}};
@@ -100,50 +102,51 @@ pub struct Plan {
     pub axes: Vec<Axis>,
     /// The starts.
     pub starts: Vec<HybridState<f64>>,
-    /// The starting states of runs.
+    /// The choice of the starting states of runs.
     pub order: Order,
-    /// The number of strands, each from its start, into which the axis is divided if runs follow
-    /// each other.
+    /// The number of strands into which the axis is divided if each run starts where the preceding
+    /// run ended; each strand begins at the plan's starting state.
     pub strands: usize,
-    /// The settings of the search for attractors.
+    /// The settings of the search for the attractor of each run.
     pub search: AttractorSearch,
     /// The settings of a search for the crisis of each run's attractor, if any.
     pub crisis: Option<CrisisSearch>,
 }
 
-/// Reasons why a plan is invalid.
+/// The reasons why a plan is invalid.
 #[derive(Clone, Debug, PartialEq, miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum PlanError {
-    /// An axis, the starts or the strands are empty.
+    /// An axis has no values, or the plan has no starting states or no strands.
     #[error("a sweep needs at least one value on every axis, one start and one strand; {0} is 0")]
     Nothing(&'static str),
-    /// The number of runs is too large.
+    /// The number of runs exceeds the maximum of one sweep.
     #[error("{counts} are more than {MOST_RUNS} runs, the maximum of one sweep")]
     #[diagnostic(help("take fewer values on an axis, or several sweeps"))]
     TooMany {
-        /// The counts whose product is too large.
+        /// The counts of axis values and starting states whose product is too large.
         counts: String,
     },
-    /// A length is out of range.
+    /// A setting that gives a number of periods is out of range.
     #[error("`{name}` = {value} must be between {low} and {high}")]
     Length {
-        /// The name of the length.
+        /// The name of the setting.
         name: &'static str,
         /// The given length.
         value: usize,
-        /// The smallest allowed length.
+        /// The smallest allowed number of periods.
         low: usize,
-        /// The largest allowed length.
+        /// The largest allowed number of periods.
         high: usize,
     },
-    /// Runs cannot follow each other on this grid.
+    /// Runs cannot start where the preceding run ended on this grid, which varies several
+    /// quantities or an initial state.
     #[error(
         "runs can follow each other only along one parameter: with {0} axes, or along an initial state, use the \
          order `anew`"
     )]
     Followed(usize),
-    /// An end of an interval is not finite.
+    /// An end of the interval of an axis is not finite.
     #[error("an axis from {low} to {high} has no values")]
     #[diagnostic(help("choose finite ends"))]
     Interval {
@@ -157,30 +160,30 @@ pub enum PlanError {
     Quantity {
         /// The axis.
         axis: usize,
-        /// Either `parameter` or `state`.
+        /// Either `parameter` or `state`: the kind of quantity that the axis varies.
         what: &'static str,
-        /// The position of the parameter or state.
+        /// The position of the missing parameter or state.
         position: usize,
-        /// The number of parameters, or of states of the shortest start.
+        /// The number of parameters, or the smallest number of states of any starting state.
         count: usize,
     },
     /// A setting of the search for a crisis is invalid.
     #[error(transparent)]
     #[diagnostic(transparent)]
     CrisisSearch(#[from] CrisisSearchError),
-    /// The part does not exist.
+    /// The number of the part is not between 1 and the number of parts.
     #[error("part {number} of {of} does not exist")]
     #[diagnostic(help("count parts from 1"))]
     Part {
-        /// The number of the part.
+        /// The number of the part that does not exist.
         number: usize,
-        /// The number of parts.
+        /// The number of parts of the sweep.
         of: usize,
     },
-    /// The threads cannot be started.
+    /// The requested threads cannot be started.
     #[error("{threads} threads cannot be started: {cause}")]
     Threads {
-        /// The number of threads.
+        /// The requested number of threads.
         threads: NonZeroUsize,
         /// The reason.
         cause: String,
@@ -188,7 +191,7 @@ pub enum PlanError {
 }
 
 impl Plan {
-    /// The number of runs.
+    /// The number of runs of the plan.
     pub fn runs(&self) -> usize {
         self.starts.len() * self.points()
     }
@@ -198,7 +201,7 @@ impl Plan {
         self.axes.iter().map(|axis| axis.count).product()
     }
 
-    /// Rejects plans with too many runs, and lengths that are out of range.
+    /// Rejects plans with too many runs, and numbers of periods that are out of range.
     fn check_sizes(&self) -> Result<(), PlanError> {
         let counts = || self.axes.iter().map(|axis| axis.count).chain([self.starts.len()]);
         let runs = counts().try_fold(1_usize, usize::checked_mul);
@@ -220,12 +223,12 @@ impl Plan {
         }
     }
 
-    /// The index of a run's start.
+    /// The index of the starting state of a run.
     pub fn start(&self, run: usize) -> usize {
         run / self.points()
     }
 
-    /// The values of a run on the axes.
+    /// The values of the varied quantities in a run, one for each axis.
     pub fn values(&self, run: usize) -> Vec<f64> {
         let mut rest = run % self.points();
         let mut values: Vec<f64> = Vec::new();
@@ -237,8 +240,8 @@ impl Plan {
         values
     }
 
-    /// The parameters and the start of a run of a checked plan, given the parameters that do not
-    /// vary.
+    /// The parameters and the starting state of a run of a checked plan, given the parameters that
+    /// do not vary.
     pub fn setting(&self, run: usize, p: &[f64]) -> (Vec<f64>, HybridState<f64>) {
         let (mut p, mut state) = (p.to_vec(), self.starts[self.start(run)].clone());
         for (axis, value) in self.axes.iter().zip(self.values(run)) {
@@ -250,7 +253,7 @@ impl Plan {
         (p, state)
     }
 
-    /// Rejects axes of parameters and states that do not exist.
+    /// Rejects axes whose parameter or state does not exist.
     fn check_quantities(&self, parameters: usize) -> Result<(), PlanError> {
         let states = self.starts.iter().map(|start| start.x.len()).min().unwrap_or(0);
         for (axis, Axis { quantity, .. }) in self.axes.iter().enumerate() {
@@ -265,7 +268,7 @@ impl Plan {
         Ok(())
     }
 
-    /// Returns the strands, as lists of consecutive runs.
+    /// Returns the strands (chains of dependent runs), as lists of consecutive runs.
     pub fn strand_list(&self) -> Vec<Vec<usize>> {
         let points = self.points();
         let length = self.order.strand_length(points, self.strands);
@@ -279,10 +282,10 @@ impl Plan {
         (0..self.starts.len()).flat_map(of_start).collect()
     }
 
-    /// Checks the plan for a system with this number of parameters.
+    /// Checks the plan for a system with the given number of parameters.
     ///
     /// # Errors
-    /// [`PlanError`] names the invalid setting.
+    /// A [`PlanError`] that names the invalid setting.
     pub fn check(&self, parameters: usize) -> Result<(), PlanError> {
         let counts = self.axes.iter().map(|axis| (axis.count, "a count"));
         let others = [(self.starts.len(), "the number of starts"), (self.strands, "`strands`")];

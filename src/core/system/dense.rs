@@ -1,4 +1,4 @@
-//! Zero problems as systems, with dense or sparse matrices.
+//! Implements [`System`] for zero problems, with dense or sparse matrices.
 
 use super::zero_system::{Matrices, ZeroSystem};
 use super::{Functional, Representation, System};
@@ -8,10 +8,11 @@ use crate::core::problem::{Dynamics, Names, Profile, ZeroProblem};
 use crate::core::scalar::Space;
 use std::sync::Arc;
 
-/// A [`ZeroProblem`] as a [`System`]: `F_z` is dense, and every derivative comes from evaluating the
-/// residual on dual numbers: `⌈n/8⌉` passes for the Jacobian, one for a directional derivative (two
-/// for a third derivative along three different directions), `⌈(n + m)/8⌉` nested passes for a
-/// gradient (for [`Dynamics::Potential`] problems one, and one for each released parameter).
+/// A [`ZeroProblem`] as a [`System`] with a dense matrix `F_z`. All derivatives are evaluations of
+/// the residual on dual numbers: `⌈n/8⌉` passes for the Jacobian, one for a directional derivative
+/// (two for a third derivative along three different directions), and `⌈(n + m)/8⌉` nested passes
+/// for a gradient (for [`Dynamics::Potential`] problems one pass, and one for each released
+/// parameter).
 ///
 /// ```
 /// use tangency::core::system::{Dense, System};
@@ -28,18 +29,19 @@ pub struct Dense<P> {
 }
 
 impl<P: ZeroProblem + 'static> Dense<P> {
-    /// Creates the system of a problem.
+    /// Creates the system of a zero problem.
     pub fn new(problem: P) -> Self {
         Dense::shared(Arc::new(problem))
     }
 
-    /// Creates the system of a shared problem.
+    /// Creates the system of a zero problem in shared ownership.
     pub fn shared(problem: Arc<P>) -> Self {
         Dense { system: ZeroSystem::structured(problem.clone(), Matrices::Dense), problem }
     }
 
-    /// Computes `F_z` by a function of the problem, for residuals whose Jacobian is a sum of constant
-    /// tables. The result must agree with the derivative of the residual by dual numbers.
+    /// Uses a function of the problem to compute `F_z`, for residuals whose Jacobian is a sum of
+    /// constant tables. The result of the function must agree with the derivative of the residual
+    /// by dual numbers.
     #[must_use]
     pub fn tabulated(mut self, jacobian: fn(&P, &[f64], &[f64], &mut [f64])) -> Self {
         let problem = self.problem.clone();
@@ -52,20 +54,22 @@ impl<P: ZeroProblem + 'static> Dense<P> {
         &self.problem
     }
 
-    /// Writes the assembled `F_z` as a dense matrix, one column after the other (`n × n`).
+    /// Writes the assembled `F_z` as a dense `n × n` matrix, column by column.
     pub fn jacobian(&self, out: &mut [f64]) {
         self.system.jacobian(out);
     }
 }
 
-/// A [`ZeroProblem`] as a [`System`] whose `F_z` is sparse, as for a discretised partial differential
-/// equation: each equation depends on few unknowns. Time and memory grow only slightly faster than
-/// the number of unknowns.
+/// A [`ZeroProblem`] as a [`System`] whose `F_z` is sparse: each equation depends on few unknowns,
+/// as in a discretised partial differential equation. Time and memory grow only slightly faster
+/// than linearly in the number of unknowns.
 ///
-/// The pattern is found at the first point, by numbers that record the computation of the residual.
-/// Each assembly is compared with a directional derivative: the pattern grows when equations with
-/// comparisons depend on further unknowns. Columns without a common row are differentiated together:
-/// `⌈c/8⌉` passes for a Jacobian with `c` colors. Only the rightmost eigenvalues are computed.
+/// The sparsity pattern of `F_z` is determined at the first point, by evaluating the residual on
+/// numbers that record its computation. Each assembly of `F_z` is compared with a directional
+/// derivative: the pattern is extended if an equation that contains comparisons depends on further
+/// unknowns. Columns without a common row have the same color and are differentiated together: a
+/// Jacobian with `c` colors takes `⌈c/8⌉` passes. Only the rightmost eigenvalues of a sparse `F_z`
+/// are computed.
 ///
 /// ```
 /// use tangency::core::continuation::{Continuation, Settings};
@@ -100,7 +104,7 @@ pub struct Sparse<P> {
 }
 
 impl<P: ZeroProblem + 'static> Sparse<P> {
-    /// Creates the system of a problem.
+    /// Creates the system of a zero problem.
     pub fn new(problem: P) -> Self {
         let problem = Arc::new(problem);
         Sparse { system: ZeroSystem::structured(problem.clone(), Matrices::Sparse), problem }
@@ -112,7 +116,7 @@ impl<P: ZeroProblem + 'static> Sparse<P> {
     }
 }
 
-/// Delegates all methods to the inner system.
+/// Delegates all methods of [`System`] to the inner system.
 macro_rules! delegated {
     ($system:ident) => {
         impl<P: ZeroProblem + 'static> System for $system<P> {

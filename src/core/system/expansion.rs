@@ -6,7 +6,7 @@ use crate::core::problem::ROOM;
 use crate::core::scalar::jet::jet_of;
 use crate::core::scalar::{Jet, Space};
 
-/// The arguments `z + W(ξ)` and the parameters as jets.
+/// The arguments `z + W(ξ)` and the parameters `p` as jets.
 pub(in crate::core) struct Expansion<'a> {
     space: &'static Space,
     x: &'a [f64],
@@ -14,11 +14,11 @@ pub(in crate::core) struct Expansion<'a> {
 }
 
 impl<'a> Expansion<'a> {
-    /// Creates an expansion about `x`, for a polynomial `W` with coefficients of the same length as
-    /// `z`.
+    /// Creates an expansion about `x`, for a polynomial `W` whose coefficients have the same length
+    /// as `z`.
     ///
     /// # Errors
-    /// [`Failure::Unsupported`] if the coefficients exceed the capacity of jets.
+    /// [`Failure::Unsupported`] if the number of coefficients exceeds the capacity of jets.
     pub fn new(
         x: &'a [f64],
         space: &'static Space,
@@ -28,7 +28,7 @@ impl<'a> Expansion<'a> {
         Ok(Expansion { space, x, terms })
     }
 
-    /// A component of `x = (z, p)`.
+    /// A component of `x = (z, p)`, as a jet.
     pub fn argument(&self, i: usize) -> Jet<ROOM> {
         let Expansion { space, x, terms } = self;
         if terms.first().is_none_or(|term| i >= term.len()) {
@@ -38,10 +38,11 @@ impl<'a> Expansion<'a> {
             .unwrap_or_else(|_| Jet::constant(f64::NAN))
     }
 
-    /// Collects the Taylor coefficients of left-hand sides, by the monomials of the space.
+    /// Returns the Taylor coefficients of the left-hand sides, in the order of the monomials of the
+    /// space.
     ///
     /// # Errors
-    /// [`Failure`] if a coefficient is not finite.
+    /// [`Failure`] if a Taylor coefficient is not finite.
     pub fn images(&self, left: &[Jet<ROOM>]) -> Result<Vec<Vec<f64>>, Failure> {
         let of = |k: usize| -> Vec<f64> {
             left.iter().map(|r| r.coefficients().get(k).copied().unwrap_or(0.0)).collect()
@@ -53,13 +54,13 @@ impl<'a> Expansion<'a> {
     }
 }
 
-/// The highest order of derivatives that every system supports.
+/// The highest order of the directional derivatives that every system supports.
 const MOST_ORDER: usize = 3;
 
 /// Computes the Taylor coefficients of `F(z + W(ξ)) = F + F_z[W] + F_zz[W, W]/2 + F_zzz[W, W, W]/6`.
 ///
 /// # Errors
-/// [`Failure::Unsupported`] for an order above 3, and the errors of [`System::derivative`].
+/// [`Failure::Unsupported`] for an order above 3, or the errors of [`System::derivative`].
 pub(super) fn by_derivatives<S: System + ?Sized>(
     system: &mut S,
     x: &[f64],
@@ -95,7 +96,7 @@ pub(super) fn by_derivatives<S: System + ?Sized>(
     Ok(images)
 }
 
-/// All choices of one to three of `count` terms, in ascending order, with repetitions.
+/// All selections of one to three of `count` terms, in ascending order, with repetitions.
 fn choices(count: usize) -> Vec<Vec<usize>> {
     let mut all: Vec<Vec<usize>> = vec![Vec::new()];
     let mut start = 0;
@@ -112,7 +113,8 @@ fn choices(count: usize) -> Vec<Vec<usize>> {
     all.split_off(1)
 }
 
-/// The number of identical orders of a choice: the product of the factorials of its multiplicities.
+/// The number of permutations that leave a selection of terms unchanged: the product of the
+/// factorials of the multiplicities.
 fn repetitions(chosen: &[usize]) -> f64 {
     let (mut product, mut run) = (1.0, 0.0);
     for (k, t) in chosen.iter().enumerate() {

@@ -10,19 +10,19 @@ use crate::core::problem::{Dynamics, ZeroEquations};
 use crate::core::scalar::{CHUNK, Chunk, seeded};
 use faer::{MatRef, Side};
 
-/// A function that writes `F_z(z, p)`, one column after the other.
+/// A function that writes `F_z(z, p)`, column by column.
 pub(super) type Tabulated = Box<dyn Fn(&[f64], &[f64], &mut [f64]) + Send>;
 
 /// The assembled `F_z`.
 pub(super) enum Jacobian {
-    /// Chosen at the first assembly.
+    /// The kind of matrix is not yet known: it is chosen at the first assembly.
     Unknown,
     Dense(DenseJacobian),
     Sparse(Box<SparseJacobian>),
 }
 
 impl Jacobian {
-    /// The entries, in the storage order of the matrix.
+    /// The entries of the matrix, in storage order.
     pub fn entries(&self) -> &[f64] {
         match self {
             Jacobian::Unknown => &[],
@@ -31,7 +31,7 @@ impl Jacobian {
         }
     }
 
-    /// The row and column of an entry.
+    /// The row and column of entry number `k` of the matrix.
     pub fn place(&self, k: usize, n: usize) -> [usize; 2] {
         match self {
             Jacobian::Sparse(sparse) => sparse.place(k),
@@ -39,7 +39,7 @@ impl Jacobian {
         }
     }
 
-    /// Writes the matrix, one column after the other.
+    /// Writes the matrix, column by column.
     pub fn write(&self, out: &mut [f64]) {
         match self {
             Jacobian::Sparse(sparse) => {
@@ -54,7 +54,7 @@ impl Jacobian {
         }
     }
 
-    /// Factors a form of the matrix within a border.
+    /// Factors a form of the matrix, bordered by additional rows and columns.
     pub fn factor(&self, form: Form, border: Border, into: &mut Factors) -> Result<(), Failure> {
         match (form, self) {
             (Form::Antiperiodic, _) => Err(Failure::Unsupported(
@@ -72,7 +72,7 @@ impl Jacobian {
         }
     }
 
-    /// Computes the eigenvalues of the motion, the rightmost first.
+    /// Computes the eigenvalues that decide the stability of the solution, the rightmost first.
     pub fn spectrum(
         &mut self,
         dynamics: Dynamics,
@@ -86,24 +86,24 @@ impl Jacobian {
     }
 }
 
-/// `F_z` with all of its entries, one column after the other.
+/// A dense matrix `F_z`, stored column by column.
 pub(super) struct DenseJacobian {
     entries: Vec<f64>,
     tabulated: Option<Tabulated>,
 }
 
 impl DenseJacobian {
-    /// Creates a matrix for `n` unknowns.
+    /// Creates a dense matrix for `n` unknowns.
     pub fn new(n: usize) -> Self {
         DenseJacobian { entries: vec![0.0; n * n], tabulated: None }
     }
 
-    /// Creates a matrix for `n` unknowns that a function computes.
+    /// Creates a dense matrix for `n` unknowns, whose entries are computed by a function.
     pub fn tabulated(n: usize, function: Tabulated) -> Self {
         DenseJacobian { tabulated: Some(function), ..Self::new(n) }
     }
 
-    /// Computes `F_z` by its function or by dual numbers.
+    /// Computes `F_z` by the problem's function, or by dual numbers if the problem has no function.
     pub fn differentiate(
         &mut self,
         chunk: &mut Work<Chunk>,
@@ -124,7 +124,7 @@ impl DenseJacobian {
         }
     }
 
-    /// Computes all eigenvalues of the motion.
+    /// Computes all eigenvalues that decide the stability of the solution.
     fn spectrum(&self, dynamics: Dynamics) -> Result<Spectrum, Failure> {
         let n = self.entries.len().isqrt();
         let unknown = Failure::Eigenvalues("eigenvalues");
@@ -151,8 +151,8 @@ impl DenseJacobian {
     }
 }
 
-/// Whether a matrix is exactly symmetric, as for a discretised self-adjoint operator: its eigenvalues
-/// are then much cheaper.
+/// Whether a matrix is exactly symmetric, as for a discretised self-adjoint operator; eigenvalues
+/// of symmetric matrices are much cheaper.
 fn symmetric(matrix: &[f64], n: usize) -> bool {
     (0..n).all(|j| (0..j).all(|i| matrix[j * n + i] == matrix[i * n + j]))
 }

@@ -17,9 +17,9 @@ pub struct Kind {
     meaning: &'static str,
 }
 
-/// The kinds of special points that are not bifurcations.
+/// Declares the kinds of special points that are not bifurcations.
 impl Kind {
-    /// `EP`: an end point of the branch, or its start.
+    /// `EP`: an end point of the branch, or the start of the branch.
     pub const EP: Kind = Kind::new("EP", "end point");
     /// `G`: a grazing: the solution touches a surface.
     pub const G: Kind = Kind::new("G", "grazing");
@@ -64,8 +64,9 @@ impl Kind {
 }
 
 impl Kind {
-    /// Creates a kind with these letters and this meaning, for example for a user-defined event.
-    /// Documents with points of an unknown kind ([`is_known`](Kind::is_known)) cannot be saved.
+    /// Creates a kind with the given letters and meaning, for example for a user-defined event.
+    /// Documents that contain points of an unknown kind (see [`is_known`](Kind::is_known)) cannot
+    /// be saved.
     ///
     /// ```
     /// use tangency::core::system::Kind;
@@ -77,12 +78,12 @@ impl Kind {
         Kind { letters, meaning }
     }
 
-    /// The letters of the kind.
+    /// The letters of the kind, such as `LP`.
     pub fn letters(self) -> &'static str {
         self.letters
     }
 
-    /// The meaning of the letters, in words.
+    /// The meaning of the letters of the kind, in words.
     pub fn meaning(self) -> &'static str {
         self.meaning
     }
@@ -100,7 +101,8 @@ impl std::fmt::Display for Kind {
     }
 }
 
-/// Serialises a kind as an enumeration's variant: `LP`, without quotation marks if the format permits.
+/// Serialises a kind as the variant of an enumeration, for example `LP`, without quotation marks if
+/// the format permits.
 impl Serialize for Kind {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.serialize_unit_variant("Kind", 0, self.letters)

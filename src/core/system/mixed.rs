@@ -1,14 +1,14 @@
 //! Mixed derivatives along two and three directions.
 //!
-//! The mixed derivatives are parts of numbers that gradients need as well: `F_xx[v, w]` is the
-//! derivative of `F_x[v]` along `w`, and `F_xxx[v, v, w]` the derivative of `F_xx[v, v]`. A chunk
-//! carries `w` in its first direction.
+//! The mixed derivatives are by-products of the numbers that gradients need: `F_xx[v, w]` is the
+//! derivative of `F_x[v]` along `w`, and `F_xxx[v, v, w]` is the derivative of `F_xx[v, v]` along
+//! `w`. A chunk (a dual number with several directions) carries `w` in its first direction.
 
 use crate::core::failure::Failure;
 use crate::core::scalar::{Chunk, Directional};
 
-/// Creates an argument with its components of `v`, the direction of all derivatives but one, and of
-/// `w`.
+/// Creates a component of the argument, given the components of `v`, the direction of all
+/// derivatives but the last, and of `w`, the direction of the last derivative.
 #[inline]
 pub(in crate::core) fn moving<T: Directional>(x: f64, v: f64, w: f64) -> T {
     let mut seeded = Chunk::of(x);
@@ -16,15 +16,16 @@ pub(in crate::core) fn moving<T: Directional>(x: f64, v: f64, w: f64) -> T {
     T::along(seeded, v)
 }
 
-/// Extracts the mixed derivative of a number.
+/// Extracts the mixed derivative from a dual number.
 #[inline]
 pub(in crate::core) fn mixed<T: Directional>(number: &T) -> f64 {
     number.derivative().eps[0]
 }
 
-/// Computes `F_xxx[d, e, f]` into `out`, from `F_xxx[v, v, w]`: one evaluation if two directions are
-/// equal, otherwise two, since `4 F_xxx[d, e, f] = F_xxx[d+e, d+e, f] − F_xxx[d−e, d−e, f]`. `d` and
-/// `e` are scaled to the same size for the latter.
+/// Computes `F_xxx[d, e, f]` into `out`, from evaluations of `F_xxx[v, v, w]`: one evaluation if
+/// two of the directions are equal, otherwise two evaluations, since `4 F_xxx[d, e, f] = F_xxx[d+e,
+/// d+e, f] − F_xxx[d−e, d−e, f]`. If all directions differ, `d` and `e` are scaled to the same
+/// size.
 ///
 /// # Errors
 /// The errors of `derivative(v, w, out)`.

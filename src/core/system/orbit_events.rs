@@ -1,95 +1,100 @@
-//! Solutions with events, and the branches that emanate where they cease to be admissible.
+//! Solutions with events, and the branches that emanate at the limits of admissible solutions.
 
 use super::System;
 use crate::core::failure::Failure;
 
-/// Solutions with events, orbits or equilibria of a mode: the admissible solutions, and the
-/// solutions that emanate where a solution ceases to be admissible.
+/// A system whose solutions (orbits, or equilibria of a mode) can have events: which solutions are
+/// admissible, and which solutions emanate where a solution ceases to be admissible.
 ///
 /// *Limits* are monitors that are positive on admissible solutions. Where a limit vanishes,
-/// branches of solutions with other events emanate, and the branch ends unless the caller continues
-/// it beyond the limit.
+/// branches of solutions with other events emanate, and the present branch ends unless the caller
+/// continues it beyond the limit.
 pub trait OrbitEvents {
     /// Returns the limits at parameters `p`.
     fn limits(&self, p: &[f64]) -> Vec<Limit>;
 
     /// Checks the order of events, which the equations do not determine: a branch must not start
-    /// where another event would follow, and its points with another order are marked. Not called
-    /// where a limit vanishes, since the order is undecided at a limit.
+    /// from a solution at which another event would occur first, and points of the branch with
+    /// another order are marked. `check` is not called where a limit vanishes, since the order of
+    /// events is undecided at a limit.
     ///
     /// # Errors
-    /// [`Failure::Mismatch`] names the event whose outcome differs from the assumed order of
-    /// events; [`Failure::OutOfDomain`] if the equations are undefined at the solution.
+    /// [`Failure::Mismatch`], with the name of the event whose outcome differs from the assumed
+    /// order of events; [`Failure::OutOfDomain`] if the equations are undefined at the solution.
     fn check(&self, x: &[f64]) -> Result<(), Failure>;
 
-    /// Returns the first jump of a reset between one solution and another; `None` if no reset
-    /// jumps.
+    /// Returns the first discontinuity of an event's reset between one solution and another; `None`
+    /// if all resets are continuous between the solutions.
     fn jump_between(&self, _solutions: [&[f64]; 2]) -> Option<Jump> {
         None
     }
 
-    /// The standard name of the solution `(z, p)` at which the limit with this monitor vanishes;
-    /// `None` if the solution does not have a standard name.
+    /// The standard name of the bifurcation at the solution `(z, p)` at which the limit with this
+    /// monitor vanishes; `None` if the bifurcation does not have a standard name.
     fn name_of_limit(&self, monitor: usize, x: &[f64]) -> Option<&'static str>;
 
-    /// Returns the orbit at a limit in the system on the other side: the system of orbits without
-    /// the vanishing event if this system `passes` that event, otherwise with the event. `None` if
-    /// that system is unknown.
+    /// Returns the orbit at a limit, as a solution of the system on the other side of the limit:
+    /// the system of orbits without the vanishing event if orbits of this system pass that event
+    /// (`passes`), otherwise the system of orbits with the event. `None` if the system on the other
+    /// side of the limit is unknown.
     ///
     /// # Errors
-    /// [`Failure`] if the computation of that system or orbit fails.
+    /// [`Failure`] if the computation of the system or orbit on the other side of the limit fails.
     fn across(&mut self, x: &[f64], passes: bool) -> Result<Option<Across<'_>>, Failure>;
 
-    /// Returns the start of a branch that emanates at a limit, with the index `which` from 0.
+    /// Returns the start of a branch that emanates at a limit; `which` is the index of the branch,
+    /// counted from 0.
     ///
     /// # Errors
-    /// [`Failure`] if no such branch is known.
+    /// [`Failure`] if no branch with this index is known.
     fn emanating(&self, x: &[f64], which: usize) -> Result<Emanating, Failure>;
 }
 
-/// A discontinuity of a reset between one solution and another.
+/// A discontinuity of an event's reset between one solution and another.
 #[derive(Clone, Debug, PartialEq, miette::Diagnostic, thiserror::Error)]
 #[error(
     "the reset of the event `{event}` jumps: after the event, {state} changes from {:.6e} to \
      {:.6e}", states[0], states[1]
 )]
 pub struct Jump {
-    /// The position of the jump between the two solutions, from 0 to 1.
+    /// The position of the discontinuity between the two solutions, from 0 to 1.
     pub share: f64,
     /// The event.
     pub event: String,
-    /// The state that jumps most.
+    /// The name of the state with the largest jump.
     pub state: String,
-    /// The values of that state after the event: before the jump, and beyond the jump.
+    /// The values of the jumping state after the event, on the two sides of the discontinuity.
     pub states: [f64; 2],
 }
 
 /// A monitor that is positive on admissible solutions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limit {
-    /// The position of the monitor.
+    /// The position of the monitor among all monitors.
     pub monitor: usize,
-    /// The typical size of the monitor, to which tolerances are relative.
+    /// The typical size of the monitor; tolerances are relative to this size.
     pub scale: f64,
-    /// Whether the limit belongs to an event that solutions pass, for example the speed of an
-    /// impact. All other limits are distances to surfaces that solutions do not pass.
+    /// Whether the limit belongs to an event that occurs on the solutions, such as the speed of an
+    /// impact. All other limits are distances to surfaces that solutions do not reach.
     pub passes: bool,
 }
 
-/// A solution at a limit, in the system of the orbits on the other side.
+/// A solution at a limit of admissible solutions, in the system of the orbits on the other side of
+/// the limit.
 pub struct Across<'a> {
-    /// The system of these orbits.
+    /// The system of the orbits on the other side of the limit.
     pub system: &'a mut dyn System,
-    /// The solution, as `x = (z, p)` of that system.
+    /// The solution at the limit, as `x = (z, p)` of the system on the other side.
     pub x: &'a [f64],
 }
 
 /// The start of a branch that emanates at a limit.
 pub struct Emanating {
-    /// The system of its solutions.
+    /// The system of the solutions on the emanating branch.
     pub system: Box<dyn System>,
-    /// The unknowns `z` of the solution at the limit in that system.
+    /// The unknowns `z` of the solution at the limit, in the system of the emanating branch.
     pub z: Vec<f64>,
-    /// The direction `(z, p)` of the branch, on one side only, where the equations are singular.
+    /// The direction `(z, p)` of the emanating branch, if the equations are singular at the limit;
+    /// the branch is then traced only to this side.
     pub along: Option<Vec<f64>>,
 }

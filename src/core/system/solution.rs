@@ -2,37 +2,40 @@
 
 use super::kind::Kind;
 
-/// A saved solution from which a branch is to start. The branch can have another discretisation, and even
-/// another system.
+/// A saved solution from which a branch is to start. The new branch can use another discretisation
+/// than the saved solution, and even another system.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Solution {
-    /// The kind of special point.
+    /// The kind of special point of the saved solution.
     pub kind: Kind,
-    /// The bifurcation that its branch continues; `None` on a branch of ordinary solutions.
+    /// The bifurcation that the branch of the saved solution continues; `None` if it is a branch of
+    /// ordinary solutions.
     pub condition: Option<Kind>,
-    /// The itinerary of the solution, if solutions can differ in it.
+    /// The itinerary of the solution, if solutions of its system can have different itineraries.
     pub itinerary: String,
     /// The discretisation method, as in [`Branch::method`](crate::core::continuation::Branch::method).
     pub method: String,
-    /// The mesh on which the unknowns are values; empty without a mesh.
+    /// The mesh on which the unknowns are given; empty if the solution has no mesh.
     pub mesh: Vec<f64>,
     /// The unknowns.
     pub state: Vec<f64>,
-    /// All parameters, in the order of the system of the new branch.
+    /// The values of all parameters, in the order of the system of the new branch.
     pub parameters: Vec<f64>,
     /// The direction of the solution's branch, if known: a component for each unknown (of the same
     /// length as `state`), and a component for each parameter (of the same length as `parameters`).
     pub tangent: Option<(Vec<f64>, Vec<f64>)>,
-    /// The difference between the parameters for which `state` solves the equations on its mesh and
-    /// `parameters`, which are refined on finer meshes (of the same length as `parameters`); `None` if zero.
+    /// The difference between the parameters for which `state` solves the equations on its own mesh
+    /// and `parameters`, which were refined on finer meshes (of the same length as `parameters`);
+    /// `None` if the difference is zero.
     pub mesh_shift: Option<Vec<f64>>,
-    /// The number of critical eigenvalues, or pairs, at a special point; 0 if unknown.
+    /// The number of critical eigenvalues, or of critical pairs, at a special point; 0 if unknown.
     pub multiplicity: usize,
     /// The frequency of a Hopf point, if known.
     pub frequency: Option<f64>,
-    /// The estimated error of the continued parameter.
+    /// The estimated error of the continuation parameter at the solution.
     pub error: f64,
-    /// The index of the other branch to switch to, counted from 0; `None` to stay on this branch.
+    /// The index of the other branch to which to switch, counted from 0; `None` to stay on the
+    /// branch of the saved solution.
     pub switch: Option<usize>,
     /// At a point of codimension two, the amplitude of the cycle or doubled orbit with which a curve of
     /// special orbits starts, as a fraction of the size of the equilibrium or orbit; `None` for other
@@ -40,13 +43,13 @@ pub struct Solution {
     pub beside: Option<f64>,
 }
 
-/// The initial data of a curve.
+/// The initial data from which a curve is computed.
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
 pub enum Initial<'s> {
-    /// Unknowns, or a guess of unknowns.
+    /// The unknowns of a solution, or a guess of the unknowns.
     Unknowns(&'s [f64]),
-    /// A solution with its parameters.
+    /// A saved solution with its parameters.
     Solution(&'s Solution),
 }
 
@@ -79,25 +82,26 @@ impl<'s> From<&'s Solution> for Initial<'s> {
 pub struct Start {
     /// The unknowns `z`.
     pub z: Vec<f64>,
-    /// A direction `(z, p)`, if known: the direction of the curve, or at a branch point the direction of
-    /// the incoming branch.
+    /// A direction `(z, p)` of the start, if known: the direction of the curve, or at a branch
+    /// point the direction of the incoming branch.
     pub direction: Option<Vec<f64>>,
-    /// The location of the start relative to the branch.
+    /// The type of the start, which states where it lies relative to the branch.
     pub site: Site,
-    /// Whether the branch is traced to one side only, because the two sides are the same.
+    /// Whether the branch is traced to one side only, because both sides consist of the same
+    /// solutions.
     pub one_sided: bool,
-    /// The angle of the critical Floquet multipliers, if known.
+    /// The angle of the critical Floquet multipliers at the start, if known.
     pub angle: Option<f64>,
 }
 
-/// The location of a start relative to a branch.
+/// The type of a start, which states where it lies relative to the branch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Site {
-    /// A point of the curve, or a guess of one.
+    /// A point of the curve, or a guess of a point.
     Point,
-    /// A regular point of the branch to which the solution leads, such as the orbit of half the period at
-    /// the end of a branch of doubled orbits.
+    /// A regular point of the branch to which the saved solution leads, such as the orbit of half
+    /// the period at the end of a branch of doubled orbits.
     OtherBranch,
     /// A branch point, whose tangents solve the algebraic bifurcation equations.
     BranchPoint,
@@ -107,8 +111,8 @@ pub enum Site {
     /// A guess near a point at which the equations are singular: the guess is corrected perpendicular to
     /// the known direction, which is the direction of the curve.
     Beside,
-    /// A limit of admissible solutions, from which the branch emanates; if the equations are singular
-    /// there, in the known direction and to that side only.
+    /// A limit of admissible solutions, from which the branch emanates; if the equations are
+    /// singular at the limit, the branch emanates only to one side, in the known direction.
     Limit,
 }
 
@@ -118,8 +122,9 @@ impl Start {
         Start { z, direction, site: Site::Point, one_sided: false, angle: None }
     }
 
-    /// The known direction, if it belongs to the new curve: at a singular or nearby start always, at a
-    /// limit for a curve of `solutions`, elsewhere if the start was found on the same curve.
+    /// The known direction, if it belongs to the new curve: at a start of the site `Singular` or
+    /// `Beside` always; at a `Limit` if the curve consists of `solutions`; elsewhere if the start
+    /// was found on the same curve.
     pub(crate) fn direction(&self, same_curve: bool, solutions: bool) -> Option<&Vec<f64>> {
         let known = match self.site {
             Site::Point | Site::OtherBranch | Site::BranchPoint => same_curve,

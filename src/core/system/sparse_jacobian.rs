@@ -10,34 +10,37 @@ use crate::core::problem::{Dynamics, TracedEquations, ZeroEquations};
 use crate::core::scalar::{CHUNK, Chunk, Traced, seeded};
 use std::sync::Arc;
 
-/// (H) A sparse matrix is used if it takes at most this fraction of the products of a dense one.
+/// (H) A sparse matrix is used if its factorisation takes at most this fraction of the
+/// multiplications of a dense factorisation.
 const PAYS: f64 = 0.25;
 
-/// (R) The directional derivative must agree with the matrix product to this fraction of their terms.
+/// (R) The directional derivative must agree with the matrix-vector product to this fraction of the
+/// sizes of the summed terms.
 const AGREES: f64 = 1e-9;
 
 /// A sparse `F_z`.
 pub(super) struct SparseJacobian {
     elimination: Arc<Elimination>,
-    /// The color of each column: an equation depends on at most one unknown of a color.
+    /// The color of each column: no equation depends on two unknowns of the same color.
     colors: Vec<usize>,
     count: usize,
     entries: Vec<f64>,
     /// A generic direction.
     probe: Vec<f64>,
-    /// The product of the matrix with the probe, and the sizes of its terms.
+    /// The product of the matrix with the probe direction, and the sizes of the summed terms.
     products: [Vec<f64>; 2],
     leading: Leading,
-    /// The number of uncertain counts of unstable eigenvalues.
+    /// The number of points at which the count of unstable eigenvalues is uncertain.
     uncertain: usize,
 }
 
 impl SparseJacobian {
-    /// (H) Below this size dense matrices are always at least as fast.
+    /// (H) The number of unknowns below which dense matrices are always at least as fast as sparse
+    /// ones.
     pub const LEAST: usize = 48;
 
-    /// Creates the matrix of a problem, with its pattern at `x`; `None` if that takes more than
-    /// `most` steps.
+    /// Creates the sparse matrix of a problem, with its pattern at `x`; `None` if the residual
+    /// takes more than `most` recorded operations.
     pub fn traced(problem: &dyn TracedEquations, x: &[f64], most: usize) -> Option<Self> {
         let n = problem.names().dimension();
         Some(Self::of(Pattern::of_places(n, &places(problem, x, most)?)))
@@ -62,7 +65,7 @@ impl SparseJacobian {
         &self.elimination.pattern
     }
 
-    /// Whether the matrix costs less than a dense one.
+    /// Whether the factorisation of the sparse matrix costs less than a dense factorisation.
     pub fn pays(&self) -> bool {
         let n = self.colors.len() as f64;
         self.elimination.products() <= PAYS * n * n * n / 3.0
@@ -72,7 +75,7 @@ impl SparseJacobian {
         &self.entries
     }
 
-    /// The row and column of an entry.
+    /// The row and column of entry number `k` of the matrix.
     pub fn place(&self, k: usize) -> [usize; 2] {
         self.pattern().place(k)
     }
@@ -102,12 +105,13 @@ impl SparseJacobian {
         }
     }
 
-    /// The direction along which the matrix is compared with a directional derivative.
+    /// The probe: a direction along which the matrix is compared with a directional derivative.
     pub fn probe(&self) -> &[f64] {
         &self.probe
     }
 
-    /// Whether derivatives along the probe agree with the products of the matrix with the probe.
+    /// Whether directional derivatives along the probe agree with the products of the matrix with
+    /// the probe.
     pub fn agrees(&mut self, derivatives: impl Iterator<Item = f64>) -> bool {
         let [products, sizes] = &mut self.products;
         products.fill(0.0);
@@ -126,7 +130,8 @@ impl SparseJacobian {
         })
     }
 
-    /// Adds the places on which the residual depends at `x`. Returns whether any were added.
+    /// Extends the pattern by the entries on which the residual depends at `x`. Returns whether any
+    /// entries were added.
     pub fn widen(&mut self, problem: &dyn TracedEquations, x: &[f64]) -> bool {
         let own = (0..self.entries.len()).map(|k| self.place(k));
         let Some(mut all) = places(problem, x, usize::MAX) else { return false };
@@ -140,7 +145,7 @@ impl SparseJacobian {
         wider
     }
 
-    /// Factors a form of the matrix within a border.
+    /// Factors a form of the matrix, bordered by additional rows and columns.
     pub fn factor(&self, form: Form, border: Border, into: &mut Factors) -> Result<(), Failure> {
         match form {
             Form::Oscillation(omega) => {
@@ -154,7 +159,8 @@ impl SparseJacobian {
         }
     }
 
-    /// Computes the rightmost eigenvalues of the motion: all unstable ones, and as many as requested.
+    /// Computes the rightmost eigenvalues that decide stability: all unstable ones, and at least
+    /// the requested number.
     pub fn spectrum(
         &mut self,
         dynamics: Dynamics,
@@ -168,7 +174,7 @@ impl SparseJacobian {
         Ok(spectrum)
     }
 
-    /// A message if counts of unstable eigenvalues are uncertain.
+    /// A message if the counts of unstable eigenvalues are uncertain at any point.
     pub fn doubts(&self) -> Option<String> {
         let count = self.uncertain;
         (count > 0).then(|| {
@@ -186,7 +192,8 @@ impl SparseJacobian {
         self.count + released.len()
     }
 
-    /// The direction of a component of `x`; a component without a direction has the largest number.
+    /// The number of the direction of a component of `x`; components without a direction have the
+    /// largest number.
     pub fn seed(&self, i: usize, released: &[usize]) -> usize {
         let n = self.colors.len();
         match self.colors.get(i) {
@@ -198,8 +205,8 @@ impl SparseJacobian {
         }
     }
 
-    /// Computes the gradient of a weighted sum of numbers, one for each equation, in the directions
-    /// of the chunk that begins at `start`.
+    /// Computes the gradient of a weighted sum of the numbers of all equations, in the directions
+    /// of the chunk that begins at direction `start`.
     pub fn weigh<'a>(
         &self,
         number: impl Fn(usize) -> &'a Chunk,
@@ -223,7 +230,7 @@ impl SparseJacobian {
     }
 }
 
-/// Finds the places of `F_z` at `x`: the equations that depend on each unknown.
+/// Determines the sparsity pattern of `F_z` at `x`: the equations that depend on each unknown.
 fn places(problem: &dyn TracedEquations, x: &[f64], most: usize) -> Option<Vec<[usize; 2]>> {
     let n = problem.names().dimension();
     Traced::begin();

@@ -1,9 +1,10 @@
-//! Borrowed or owned systems.
+//! References to systems that are either borrowed or owned.
 
 use super::System;
 use std::ops::{Deref, DerefMut};
 
-/// A system of the caller, or a derived system that can be modified without affecting the caller's.
+/// The caller's system, or a derived system that can be modified without affecting the caller's
+/// system.
 pub(crate) enum SystemRef<'a> {
     /// The caller's system.
     Borrowed(&'a mut (dyn System + 'a)),
@@ -12,7 +13,7 @@ pub(crate) enum SystemRef<'a> {
 }
 
 impl SystemRef<'_> {
-    /// Replaces a borrowed system by a duplicate, if duplication is supported.
+    /// Replaces a borrowed system by a copy, if the system supports copies.
     pub fn duplicated(self) -> Self {
         match self {
             SystemRef::Borrowed(system) => {

@@ -1,4 +1,4 @@
-//! The system of a zero problem as a trait object, compiled once for all problems.
+//! The system of a zero problem as a trait object; its code is compiled once for all problems.
 
 use super::jacobian::{DenseJacobian, Jacobian, Tabulated};
 use super::sparse_jacobian::SparseJacobian;
@@ -19,7 +19,8 @@ use std::sync::Arc;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Matrices {
-    /// Sparse matrices if their elimination takes far fewer products, otherwise dense ones.
+    /// Sparse matrices if their elimination takes far fewer multiplications than dense elimination,
+    /// otherwise dense matrices.
     #[default]
     Cheaper,
     /// Dense matrices.
@@ -29,24 +30,25 @@ pub enum Matrices {
 }
 
 impl Matrices {
-    /// The largest number of unknowns of a dense matrix, which then takes 200 MB.
+    /// The largest number of unknowns for which a dense matrix is used; such a matrix takes 200 MB.
     pub const LARGEST_DENSE: usize = 5000;
 }
 
 /// The system of a zero problem as a trait object.
 pub(crate) struct ZeroSystem {
     problem: Arc<dyn ZeroEquations>,
-    /// The same problem, if its pattern can be determined.
+    /// The same problem as a trait object that can determine its sparsity pattern, if it is
+    /// supported.
     traced: Option<Arc<dyn TracedEquations>>,
     matrices: Matrices,
     names: Names,
     jacobian: Jacobian,
-    /// The point at which `jacobian` was assembled last; empty after a failure.
+    /// The point at which the Jacobian was assembled last; empty after a failed assembly.
     assembled: Vec<f64>,
     plain: Work<f64>,
     chunk: Work<Chunk>,
     first: Work<Dual64>,
-    /// Created at the first use, since jets are large.
+    /// The space for Taylor expansions, created at the first use because jets are large.
     jets: Option<Work<Jet<ROOM>>>,
     nested: Work<Dual<Chunk>>,
     nested_twice: Work<Dual2<Chunk>>,
@@ -55,12 +57,12 @@ pub(crate) struct ZeroSystem {
 }
 
 impl ZeroSystem {
-    /// Creates the system, with dense matrices, of an erased problem.
+    /// Creates the system of a type-erased problem, with dense matrices.
     pub fn new(problem: Arc<dyn ZeroEquations>) -> Self {
         Self::with(problem, None, Matrices::Dense)
     }
 
-    /// Creates the system of a problem whose pattern can be determined.
+    /// Creates the system of a problem whose sparsity pattern can be determined.
     pub fn structured(problem: Arc<dyn TracedEquations>, matrices: Matrices) -> Self {
         Self::with(problem.clone(), Some(problem), matrices)
     }
@@ -90,18 +92,18 @@ impl ZeroSystem {
         }
     }
 
-    /// Computes `F_z` by a function from now on.
+    /// Uses a function to compute `F_z` in all later assemblies.
     pub fn tabulate(&mut self, jacobian: Tabulated) {
         self.matrices = Matrices::Dense;
         self.jacobian = Jacobian::Dense(DenseJacobian::tabulated(self.names.dimension(), jacobian));
     }
 
-    /// Writes the assembled `F_z`, one column after the other.
+    /// Writes the assembled `F_z`, column by column.
     pub fn jacobian(&self, out: &mut [f64]) {
         self.jacobian.write(out);
     }
 
-    /// Chooses the matrices at the first point.
+    /// Chooses dense or sparse matrices at the first point.
     fn choose(&mut self, x: &[f64]) -> Result<(), Failure> {
         let n = self.names.dimension();
         let traced = self.traced.as_ref().filter(|_| match self.matrices {
@@ -127,8 +129,8 @@ impl ZeroSystem {
         Ok(())
     }
 
-    /// Adds missing places to the sparse matrix, if the directional derivative along `probe` differs
-    /// from the product at this point.
+    /// Adds missing entries to the pattern of the sparse matrix, if the directional derivative
+    /// along `probe` differs from the product of the matrix with `probe` at this point.
     fn complete(&mut self, x: &[f64]) -> Result<(), Failure> {
         let (Jacobian::Sparse(sparse), Some(traced)) = (&mut self.jacobian, &self.traced) else {
             return Ok(());
@@ -180,8 +182,8 @@ impl ZeroSystem {
         }
     }
 
-    /// Computes the gradient of a functional, one color of unknowns at a time: an equation depends on
-    /// at most one of them.
+    /// Computes the gradient of a functional, one color of unknowns at a time: each equation
+    /// depends on at most one unknown of a color.
     fn colored_gradient(&mut self, x: &[f64], of: Functional, released: &[usize], out: &mut [f64]) {
         let Jacobian::Sparse(sparse) = &self.jacobian else { return };
         let (problem, zero) = (&*self.problem, Chunk::from(0.0));
@@ -205,7 +207,8 @@ impl ZeroSystem {
     }
 }
 
-/// Computes the gradient of a monitor by a backward pass through its recorded computation.
+/// Computes the gradient of a monitor by a backward pass through the recorded computation of the
+/// monitor.
 fn monitor_gradient(
     problem: &dyn TracedEquations,
     x: &[f64],
@@ -220,7 +223,8 @@ fn monitor_gradient(
     Traced::gradient([(values[monitor], 1.0)].into_iter(), out);
 }
 
-/// Computes the gradient of a weighted sum of numbers in the directions of a chunk.
+/// Computes the gradient of a weighted sum of the numbers of all equations, in the directions of a
+/// chunk.
 fn weighted<'a>(numbers: impl Iterator<Item = &'a Chunk>, weights: &[f64], out: &mut [f64]) {
     let mut sums = [0.0; CHUNK];
     for (number, weight) in numbers.zip(weights) {
@@ -382,7 +386,8 @@ impl System for ZeroSystem {
         self.problem.scales(p)
     }
 
-    /// Reports sparse matrices as the method, since they find only the rightmost eigenvalues.
+    /// Reports sparse matrices as part of the method, since only the rightmost eigenvalues are
+    /// computed with sparse matrices.
     fn representation(&self) -> Representation {
         let method = match self.jacobian {
             Jacobian::Sparse(_) => "sparse matrices",

@@ -1,4 +1,4 @@
-//! A common backend of plotters: vector graphics for SVG or PDF, or pixels for PNG.
+//! A common backend of the plotters library: vector graphics for SVG or PDF, or pixels for PNG.
 
 use super::pdf::Page;
 use super::text::write;
@@ -7,7 +7,7 @@ use plotters_backend::{
     BackendColor, BackendCoord, BackendStyle, BackendTextStyle, DrawingErrorKind,
 };
 
-/// The backend of one format.
+/// The plotters backend of one file format.
 pub(super) enum Backend<'a> {
     Lines(SVGBackend<'a>),
     Page(&'a mut Page),
@@ -27,7 +27,7 @@ fn failed<E: std::error::Error + Send + Sync>(
     DrawingErrorKind::DrawingError(Failed(error.to_string()))
 }
 
-/// Calls the same method of any backend.
+/// Delegates a method call to the backend of the format.
 macro_rules! each {
     ($self:expr, $backend:ident => $call:expr) => {
         match $self {
@@ -118,7 +118,7 @@ impl DrawingBackend for Backend<'_> {
         each!(self, backend => backend.fill_polygon(corners, style))
     }
 
-    /// Draws a text: as text in an SVG, in the built-in font for other formats.
+    /// Draws a text: as a text element in an SVG, as letters of the built-in font in other formats.
     fn draw_text<S: BackendTextStyle>(&mut self, text: &str, style: &S, at: BackendCoord) -> Drawn {
         match self {
             Backend::Lines(backend) => backend.draw_text(text, style, at).map_err(failed),

@@ -1,4 +1,4 @@
-//! A canvas with fractional coordinates, on plotters' backends.
+//! A canvas with fractional coordinates, on backends of the plotters library.
 
 use super::backend::Backend;
 use super::pdf::Page;
@@ -13,14 +13,15 @@ use std::collections::BTreeSet;
 /// The number of backend pixels per unit of an SVG.
 const FINENESS: f64 = 10.0;
 
-/// The pixels of a PNG per millimetre: 300 dots per inch.
+/// The number of pixels of a PNG per millimetre, for 300 dots per inch.
 const DENSITY: f64 = 300.0 / 25.4;
-/// The number of backend pixels per pixel side; averaging them smooths edges.
+/// The number of backend pixels along each side of a pixel of the PNG; averaging the backend pixels
+/// smooths edges.
 const SMOOTHING: u32 = 3;
-/// The longest side of a PNG, in pixels.
+/// The largest allowed side length of a PNG, in pixels.
 const LONGEST: f64 = 16_384.0;
 
-/// The side lengths of a speck and of a blot, in units.
+/// The side lengths of the smaller and the larger size of spots, in units of the canvas.
 pub(super) const SPECK: f64 = 1.2;
 pub(super) const BLOT: f64 = 2.6;
 
@@ -29,7 +30,7 @@ pub(super) const TEXT: f64 = 12.0;
 
 /// The colour of text and axes.
 pub(super) const INK: RGBColor = RGBColor(38, 38, 38);
-/// The colour of text that is less important than the curves.
+/// The colour of secondary text, which is less important than the curves.
 pub(super) const LIGHT: RGBColor = RGBColor(110, 110, 110);
 /// The colour of grid lines.
 pub(super) const FAINT: RGBColor = RGBColor(228, 228, 228);
@@ -37,29 +38,29 @@ pub(super) const FAINT: RGBColor = RGBColor(228, 228, 228);
 /// The result of a drawing operation.
 pub(super) type Painted = Result<(), FigureError>;
 
-/// A drawing area with fractional coordinates, `y` downwards.
+/// A drawing area with fractional coordinates, where `y` increases downwards.
 pub(super) struct Canvas<'a> {
     area: DrawingArea<Backend<'a>, Shift>,
-    /// The number of backend pixels per unit.
+    /// The number of backend pixels per unit of the canvas.
     fineness: f64,
-    /// Whether text is drawn in the built-in font.
+    /// Whether text is drawn with the built-in font.
     own_font: bool,
 }
 
 /// The alignment of a text at its reference point, and its direction.
 #[derive(Clone, Copy)]
 pub(super) enum Anchor {
-    /// The reference point is in the middle of the left side.
+    /// The reference point is the middle of the left side of the text.
     Left,
-    /// The reference point is in the middle.
+    /// The reference point is the middle of the text.
     Middle,
-    /// The reference point is in the middle of the right side.
+    /// The reference point is the middle of the right side of the text.
     Right,
-    /// The reference point is in the middle; the text reads upwards.
+    /// The reference point is the middle of the text, and the text reads upwards.
     Upwards,
 }
 
-/// Draws on a canvas of a size in units, shown in a width in millimetres, and returns the SVG.
+/// Draws on a canvas with a size in units and a printed width in millimetres, and returns the SVG.
 pub(super) fn svg(
     size: [f64; 2],
     millimetres: f64,
@@ -76,7 +77,7 @@ pub(super) fn svg(
     Ok(svg.replacen(&drawn, &sides(w, h), 1))
 }
 
-/// Draws on a canvas of a size in units, shown in a width in millimetres, and returns the PDF.
+/// Draws on a canvas with a size in units and a printed width in millimetres, and returns the PDF.
 pub(super) fn pdf(
     size: [f64; 2],
     millimetres: f64,
@@ -89,7 +90,7 @@ pub(super) fn pdf(
         .map_err(|error| FigureError::Drawing(error.to_string()))
 }
 
-/// Draws on a canvas of a size in units, shown in a width in millimetres, and returns the PNG.
+/// Draws on a canvas with a size in units and a printed width in millimetres, and returns the PNG.
 pub(super) fn png(
     size: [f64; 2],
     millimetres: f64,
@@ -116,7 +117,7 @@ fn pixels(size: [f64; 2], fineness: f64) -> (u32, u32) {
     (width, height)
 }
 
-/// Returns the means of squares of pixels.
+/// Reduces an image: each pixel of the result is the mean of a square of pixels.
 fn smoothed(fine: &[u8], width: usize, height: usize) -> Vec<u8> {
     let side = SMOOTHING as usize;
     let mut coarse = Vec::with_capacity(3 * width * height);
@@ -153,11 +154,11 @@ fn failed<E: std::error::Error + Send + Sync>(error: DrawingAreaErrorKind<E>) ->
     FigureError::Drawing(error.to_string())
 }
 
-/// The cosine of the sharpest turn within a piece of a line: backends would join sharper turns, as
-/// at a cusp, by a spike.
+/// The cosine of the sharpest angle by which a single path may turn: at sharper turns, such as
+/// cusps, backends would draw a spike.
 const SHARP: f64 = -0.5;
 
-/// Splits a path at its sharpest turns.
+/// Splits a path at turns that are too sharp for a single path.
 fn between_spikes(path: &[(i32, i32)]) -> Vec<&[(i32, i32)]> {
     let side = |a: (i32, i32), b: (i32, i32)| [f64::from(b.0 - a.0), f64::from(b.1 - a.1)];
     let is_sharp = |at: &[(i32, i32)]| {
@@ -209,7 +210,7 @@ impl<'a> Canvas<'a> {
         Ok(())
     }
 
-    /// Draws a dashed line through points, with the lengths of dashes and gaps, colour and width.
+    /// Draws a dashed line through points, with given lengths of dashes and gaps, colour and width.
     pub fn dashed(
         &self,
         points: &[[f64; 2]],
@@ -249,9 +250,9 @@ impl<'a> Canvas<'a> {
             .map_err(failed)
     }
 
-    /// Draws a spot of a given size at every point. Coincident spots are drawn once, and spots on
-    /// top of each other as one line, so that the file size does not grow with the number of
-    /// points.
+    /// Draws a square spot of a given size at every point. Coincident spots are drawn once, and
+    /// spots in a vertical stack as one line, so that the file size does not grow with the number
+    /// of points.
     pub fn specks(&self, points: &[[f64; 2]], colour: RGBColor, size: f64) -> Painted {
         let cell = |at: &[f64; 2]| at.map(|x| (x / size).floor() as i32);
         let cells: BTreeSet<[i32; 2]> = points.iter().map(cell).collect();
@@ -275,19 +276,19 @@ impl<'a> Canvas<'a> {
         open.map_or(Ok(()), line)
     }
 
-    /// Draws a translucent rectangle about a centre, on which a text can be read.
+    /// Draws a translucent rectangle around a centre, as a background that keeps text readable.
     pub fn veil(&self, centre: [f64; 2], [w, h]: [f64; 2]) -> Painted {
         let corners =
             [-0.5, 0.5].map(|side| self.fine([centre[0] + side * w, centre[1] + side * h]));
         self.area.draw(&Rectangle::new(corners, WHITE.mix(0.75).filled())).map_err(failed)
     }
 
-    /// Draws a text of a size in units.
+    /// Draws a text with the given letter size in units.
     pub fn text(&self, text: &str, at: [f64; 2], size: f64, anchor: Anchor) -> Painted {
         self.coloured(text, at, (size, INK), anchor)
     }
 
-    /// Draws a text of a size in units, in a given colour.
+    /// Draws a text with the given letter size in units, in a given colour.
     pub fn coloured(
         &self,
         text: &str,
@@ -320,13 +321,14 @@ impl<'a> Canvas<'a> {
     }
 }
 
-/// Removes letters that are invalid in XML.
+/// Removes characters that are invalid in XML.
 fn well_formed(text: &str) -> String {
     let foreign = |letter: char| letter.is_control() || ('\u{fffe}'..='\u{ffff}').contains(&letter);
     text.replace(foreign, "\u{fffd}")
 }
 
-/// Estimates the width of a text in units, since the viewer chooses the font.
+/// Estimates the width of a text in units; the width is not known exactly because the viewer of an
+/// SVG chooses the font.
 pub(super) fn text_width(text: &str, size: f64) -> f64 {
     let narrow = |letter: char| "fijlrt.,:;|'()[] ".contains(letter);
     let wide = |letter: char| letter.is_uppercase() || "mw–".contains(letter);
@@ -338,7 +340,7 @@ pub(super) fn text_width(text: &str, size: f64) -> f64 {
     widths.sum::<f64>() * size
 }
 
-/// Cuts a line into dashes. The corners of the line stay corners of the dashes.
+/// Divides a line into dashes. Dashes follow the corners of the line.
 fn dashes(points: &[[f64; 2]], lengths: [f64; 2]) -> Vec<Vec<[f64; 2]>> {
     let mut dashes = Vec::new();
     let mut dash: Vec<[f64; 2]> = points.first().copied().into_iter().collect();

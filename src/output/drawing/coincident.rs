@@ -1,22 +1,23 @@
-//! Coincident lines: a line below others is drawn as a pale band that extends on either side of the
-//! others.
+//! Draws coincident lines: a line that is covered by other lines is drawn as a pale band, wider
+//! than the lines on top.
 
 use super::labels::{SAMPLED, sampled};
 use crate::output::figure::Style;
 use std::collections::{BTreeSet, HashMap};
 
-/// The width of the band of a line below one other line, and the additional widths below a second
-/// and a third one, in units.
+/// The width of the band of a line that is covered by one other line, and the additional width for
+/// a second and for a third covering line, in units.
 const BAND: f64 = 5.0;
 const WIDER: f64 = 2.0;
-/// Half the distance of the points of a sampled line.
+/// Half the distance between the points of a sampled line.
 const SPACING: f64 = 0.5 * SAMPLED;
-/// The distance, in units, below which lines hide each other.
+/// The distance, in units, below which a line covers another line.
 const NEAR: f64 = 1.2;
-/// The length, in units, below which lines that are near each other merely cross or touch.
+/// The length, in units, below which two nearby lines count as crossing or touching, not as
+/// coincident.
 const LEAST: f64 = 45.0;
 
-/// A line in units, with the index of its name.
+/// A line, in units of the canvas, with the index of its name.
 pub(super) struct Line {
     pub style: Style,
     pub points: Vec<[f64; 2]>,
@@ -29,16 +30,17 @@ impl Line {
     }
 }
 
-/// A part of a line that is hidden below others.
+/// A part of a line that is covered by other lines.
 pub(super) struct Hidden {
     pub points: Vec<[f64; 2]>,
-    /// The index of its name.
+    /// The index of the line's name.
     pub name: usize,
-    /// The width of its band.
+    /// The width of the band that is drawn for the covered part.
     pub width: f64,
 }
 
-/// Returns the parts of lines hidden below later lines of other names, the lowest first.
+/// Returns the parts of lines that are covered by later lines with other names; the lowest line
+/// comes first.
 pub(super) fn hidden(lines: &[Line]) -> Vec<Hidden> {
     let cell = |at: &[f64; 2]| at.map(|x| (x / NEAR).floor() as i32);
     // The lines in each cell, with a point of each.

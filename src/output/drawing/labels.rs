@@ -1,59 +1,63 @@
-//! Placement of labels of marks and names of curves: near their own curve, off other curves and
-//! labels.
+//! Placement of the labels of marks and the names of curves: near their own curve, away from other
+//! curves and labels.
 
-/// A rectangle in units: left, top, right, bottom.
+/// A rectangle in units of the canvas: left, top, right, bottom.
 pub(super) type Rectangle = [f64; 4];
 
 const ADVANCE: f64 = 13.0;
-/// The distance below which marks of the same kind share a label.
+/// The distance below which marks of the same kind share one label.
 const CROWDED: f64 = 16.0;
-/// The same distance for labels that may be left out.
+/// The distance below which marks of the same kind share one label, if the label is optional.
 const LONELY: f64 = 60.0;
-/// The number of points of a curve at which its name is tried.
+/// The number of points along a curve at which a place for its name is tried.
 const TRIED: usize = 40;
-/// The distance of a name from its curve, and the distance within which other curves are confusing.
+/// The distance between a name and its curve, and the distance within which other curves make the
+/// name ambiguous.
 const BESIDE: f64 = 4.0;
 const CONFUSING: f64 = 14.0;
-/// The largest distance of points on a sampled curve.
+/// The largest distance between neighbouring points of a sampled curve.
 pub(super) const SAMPLED: f64 = 3.0;
-/// The weight of a point of the name's own curve, relative to a nearby point of another curve.
+/// The weight of a nearby point of the name's own curve, relative to a nearby point of another
+/// curve.
 const LENGTH: f64 = 0.05;
 
-/// The distance of a text on one side from its curve, the range of distances within which other
-/// curves are confusing, and the smallest number of points of a curve with such texts.
+/// The distance between a curve and a text on one of its sides, the range of distances within which
+/// other curves make the text ambiguous, and the smallest number of points of a curve with such
+/// texts.
 const ASIDE: f64 = 2.5;
 const ACROSS: f64 = 4.0;
 const SHORTEST: usize = 9;
 
 /// The label of a mark.
 pub(super) struct Wanted<'a> {
-    /// The place of the mark.
+    /// The position of the mark.
     pub at: [f64; 2],
     pub label: &'a str,
-    /// The size of the label.
+    /// The width and height of the label.
     pub size: [f64; 2],
-    /// Whether the label is left out rather than drawn on a curve.
+    /// Whether the label is optional: it is omitted where it would cover a curve.
     pub spare: bool,
 }
 
 /// The free space for labels in a panel.
 pub(super) struct Room {
-    /// The rectangle that labels must not leave.
+    /// The rectangle that must contain all labels.
     frame: Rectangle,
-    /// The rectangles of marks and labels.
+    /// The rectangles that marks and labels occupy.
     taken: Vec<Rectangle>,
-    /// Points on all curves, about three units apart.
+    /// The points of all curves, sampled about three units apart.
     curves: Vec<[f64; 2]>,
 }
 
 impl Room {
-    /// Creates the free space within a frame.
+    /// Creates the free space for labels within a frame.
     pub fn new(frame: Rectangle) -> Self {
         Room { frame, taken: Vec::new(), curves: Vec::new() }
     }
 
-    /// Places the labels of marks, in order; `None` if all places are taken by labels or marks, or
-    /// if the same label is nearby. `curves` are points on all curves, about three units apart.
+    /// Chooses the places of the labels of marks, in the order of the marks; a place is `None` if
+    /// labels or marks occupy all candidates, or if the same label is nearby. `curves` contains
+    /// points on all curves, about three units apart.
     pub fn place_labels(
         &mut self,
         marks: &[Wanted],
@@ -90,8 +94,9 @@ impl Room {
         centres
     }
 
-    /// Places the name of a curve, given by points about three units apart: on no curve, and nearer
-    /// to its own than to others. Returns `None` if there is no such place.
+    /// Places the name of a curve, which is given by points about three units apart: the name must
+    /// not cover a curve, and is nearer to its own curve than to others. Returns `None` if no place
+    /// for the name is suitable.
     pub fn place_name(&mut self, own: &[[f64; 2]], size: [f64; 2]) -> Option<[f64; 2]> {
         let step = own.len().div_ceil(TRIED).max(1);
         let reach = size.map(|side| side / 2.0 + BESIDE + 1.0);
@@ -117,9 +122,9 @@ impl Room {
         Some(centre)
     }
 
-    /// Places two texts of given sizes on the left and on the right of a part of a curve, given by
-    /// points about three units apart with `y` downwards: as near to its middle as possible, and
-    /// opposite each other if possible.
+    /// Places two texts of given sizes on the left and on the right of a part of a curve, which is
+    /// given by points about three units apart with `y` downwards: as near to the middle of the
+    /// part as possible, and opposite each other if possible.
     pub fn place_beside(
         &mut self,
         own: &[[f64; 2]],
@@ -142,8 +147,8 @@ impl Room {
         places
     }
 
-    /// Returns the place of a text beside the second of three points of a curve, on its left (1) or
-    /// on its right (−1), unless the place is taken.
+    /// Returns the place of a text beside the second of three points of a curve, on the left side
+    /// (1) or the right side (−1), unless the place is occupied.
     fn place_aside(
         &self,
         [from, at, to]: [[f64; 2]; 3],
@@ -168,7 +173,7 @@ impl Room {
         free.then_some(centre)
     }
 
-    /// Frees the places that were chosen last.
+    /// Frees the places that were chosen most recently.
     pub fn release(&mut self, count: usize) {
         self.taken.truncate(self.taken.len() - count);
     }
@@ -182,7 +187,8 @@ fn count(points: &[[f64; 2]], place: Rectangle) -> usize {
     points.iter().filter(|point| contains(place, **point)).count()
 }
 
-/// Returns two rings of eight directions, with the penalty of each.
+/// Returns 16 directions from a mark to its label, eight for each of two distances, with the
+/// penalty of each direction.
 fn directions() -> impl Iterator<Item = (f64, [f64; 2])> {
     const D: f64 = 0.75;
     let near =

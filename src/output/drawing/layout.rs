@@ -1,4 +1,4 @@
-//! The layout of panels, of the title above them and of the legend below.
+//! The layout of panels, of the title above all panels, and of the legend below them.
 
 use super::canvas::{Canvas, Painted, TEXT};
 use super::legend::{Legend, NAMED as NUMBERED, Naming};
@@ -7,33 +7,33 @@ use crate::output::error::FigureError;
 use crate::output::figure::Figure;
 use std::ops::RangeInclusive;
 
-/// The print size of text of [`TEXT`] units, in points (72 per inch).
+/// The printed size of text that is [`TEXT`] units high, in points (72 per inch).
 const POINTS: f64 = 7.5;
 const INCH: f64 = 25.4;
-/// The widths of pictures, and the smallest width of panels side by side, in millimetres.
+/// The widths of pictures, and the smallest width of panels that are side by side, in millimetres.
 const WIDTHS: RangeInclusive<f64> = 40.0..=1000.0;
 const LEAST_PANEL: f64 = 70.0;
-/// The height of a panel relative to its width, and the largest height in units.
+/// The height of a panel relative to its width, and the largest height of a panel in units.
 const ASPECT: f64 = 0.72;
 const HIGHEST: f64 = 430.0;
-/// The height of the title row above all panels.
+/// The height of the row of the title above all panels.
 const TITLE_ROW: f64 = 30.0;
-/// The maximum number of curves whose names are next to the curves.
+/// The maximum number of curves whose names are written next to the curves.
 const NAMED_AT_CURVES: usize = 4;
 
 /// The layout of panels, title and legend.
 pub(super) struct Layout<'a> {
     panels: Vec<Panel<'a>>,
     legend: Legend<'a>,
-    /// The title above all panels.
+    /// The title that is drawn above all panels.
     title: Option<&'a str>,
     width: f64,
-    /// The lower end of the panels.
+    /// The vertical position of the lower end of the panels.
     bottom: f64,
 }
 
 impl<'a> Layout<'a> {
-    /// Lays figures out in a width in millimetres.
+    /// Lays out figures in a picture with a width in millimetres.
     pub fn new(figures: &'a [Figure], width: f64) -> Result<Self, FigureError> {
         if !WIDTHS.contains(&width) {
             return Err(FigureError::Width { width, range: WIDTHS });
@@ -72,7 +72,7 @@ impl<'a> Layout<'a> {
         Ok(Layout { panels, legend, title, width, bottom: top })
     }
 
-    /// Returns the width and height, in units.
+    /// Returns the width and height of the picture, in units.
     pub fn size(&self) -> [f64; 2] {
         let legend = match self.legend.height() {
             0.0 => 0.0,
@@ -91,12 +91,13 @@ impl<'a> Layout<'a> {
     }
 }
 
-/// The margin next to the legend.
+/// The margin beside the legend.
 const MARGIN: f64 = 16.0;
 
-/// Writes the names of curves next to the curves if they are few, each in the first panel that
-/// shows the curve and has space for the name. Panels whose curves have the same names, as far as
-/// they go, share colours and entries in the legend. Returns the names that remain for the legend.
+/// Writes the names of curves next to the curves if the curves are few; each name is written in the
+/// first panel that shows the curve and has space for the name. Panels share colours and entries in
+/// the legend if their lists of curve names are equal, or if one list is the beginning of the
+/// other. Returns the names that are not next to curves, for the legend.
 fn named<'a>(panels: &mut [Panel<'a>]) -> Vec<Naming<'a>> {
     let mut namings: Vec<Naming> = Vec::new();
     for index in 0..panels.len() {
@@ -139,8 +140,8 @@ fn named<'a>(panels: &mut [Panel<'a>]) -> Vec<Naming<'a>> {
     namings
 }
 
-/// Writes the legend numbers of names beside their curves, if there is space: pictures may be
-/// printed in grey, and colours repeat after the last.
+/// Writes the number of each name in the legend beside its curve, if space is available: pictures
+/// may be printed in grey, and the sequence of colours repeats.
 fn number(panels: &mut [Panel], naming: &Naming) {
     for (k, (colour, name)) in naming.named.iter().take(NUMBERED).enumerate() {
         for index in &naming.panels {

@@ -10,15 +10,16 @@ use plotters::style::RGBColor;
 const ROW: f64 = 19.0;
 const SAMPLE: f64 = 30.0;
 const GAP: f64 = 22.0;
-/// The smallest size of a text that is too wide, relative to the normal size.
+/// The smallest size to which a text that is too wide is reduced, relative to the normal size.
 const LEAST: f64 = 0.4;
-/// The maximum number of curves listed in the legend; further ones are only counted.
+/// The maximum number of curves listed in the legend; the legend gives only the number of the
+/// remaining curves.
 pub(super) const NAMED: usize = 15;
 
 /// A legend: the names of the curves, and below them the meanings of styles and marks.
 pub(super) struct Legend<'a> {
-    /// The entries, each with the middle of its left side relative to the upper left corner of the
-    /// legend.
+    /// The entries of the legend, each with the middle of its left side relative to the upper left
+    /// corner of the legend.
     entries: Vec<(Entry<'a>, [f64; 2])>,
     width: f64,
     height: f64,
@@ -29,13 +30,13 @@ struct Entry<'a> {
     text: String,
 }
 
-/// The names of the curves of some panels, which share their colours.
+/// The curve names of a group of panels in which curves of the same name have the same colour.
 pub(super) struct Naming<'a> {
-    /// All names, in the order of their colours.
+    /// All curve names of the panels, in the order of their colours.
     pub all: Vec<&'a str>,
-    /// The names in the legend, with the indices of their colours.
+    /// The curve names in the legend, with the indices of their colours.
     pub named: Vec<(usize, &'a str)>,
-    /// The positions of the panels.
+    /// The positions of the panels among all panels.
     pub panels: Vec<usize>,
 }
 
@@ -47,7 +48,7 @@ enum Sample<'a> {
 }
 
 impl<'a> Legend<'a> {
-    /// Creates the legend of figures, in a width in units.
+    /// Creates the legend of figures, with a given width in units.
     pub fn new(figures: &'a [Figure], namings: Vec<Naming<'a>>, width: f64) -> Self {
         let mut legend = Legend { entries: Vec::new(), width, height: 0.0 };
         let several = namings.iter().filter(|naming| !naming.named.is_empty()).count() > 1;
@@ -59,8 +60,8 @@ impl<'a> Legend<'a> {
         legend
     }
 
-    /// Adds entries below the others, after a heading: side by side if they fit in one row, else in
-    /// aligned columns.
+    /// Adds entries below the present entries, after a heading: side by side if they fit in one
+    /// row, otherwise in aligned columns.
     fn add(&mut self, heading: String, group: Vec<Entry<'a>>, width: f64) {
         if group.is_empty() {
             return;
@@ -92,12 +93,12 @@ impl<'a> Legend<'a> {
         self.height += ROW * rows as f64 + 4.0;
     }
 
-    /// Returns the height in units.
+    /// Returns the height of the legend in units.
     pub fn height(&self) -> f64 {
         self.height
     }
 
-    /// Draws the legend, with its upper left corner at a point.
+    /// Draws the legend with its upper left corner at the given point.
     pub fn draw(&self, canvas: &Canvas, [left, top]: [f64; 2]) -> Painted {
         let mut entries = self.entries.iter();
         let right = left + self.width;
@@ -105,7 +106,7 @@ impl<'a> Legend<'a> {
     }
 }
 
-/// Returns the letters of panels: `(a), (c)`, or `(a)–(d)` for consecutive panels.
+/// Returns the letters of panels for a heading: `(a), (c)`, or `(a)–(d)` for consecutive panels.
 fn letters(panels: &[usize]) -> String {
     let of = |index: &usize| format!("({})", letter(*index));
     match panels {
@@ -116,7 +117,7 @@ fn letters(panels: &[usize]) -> String {
     }
 }
 
-/// Returns the meanings of styles, marks and tiles.
+/// Returns legend entries for the meanings of styles, marks and tiles.
 fn meanings(figures: &[Figure]) -> Vec<Entry<'_>> {
     let mut meanings: Vec<Entry> = Vec::new();
     let mut add = |sample, text: String| {
@@ -151,7 +152,7 @@ fn meanings(figures: &[Figure]) -> Vec<Entry<'_>> {
     meanings
 }
 
-/// Returns the names of curves of some panels.
+/// Returns legend entries for the curve names of a group of panels.
 fn names<'a>(figures: &'a [Figure], naming: &Naming<'a>) -> Vec<Entry<'a>> {
     let Naming { named, panels, .. } = naming;
     if named.is_empty() {
@@ -190,7 +191,7 @@ impl Entry<'_> {
         }
     }
 
-    /// Returns the width, including the gap after the entry.
+    /// Returns the width of an entry, including the gap after it.
     fn width(&self) -> f64 {
         self.sample_width() + 6.0 + text_width(&self.text, TEXT) + GAP
     }

@@ -1,4 +1,4 @@
-//! The drawing of one figure: axes, curves and marks, and the names next to its curves.
+//! Draws one figure: axes, curves and marks, and the names next to the curves.
 
 use super::canvas::{Anchor, Canvas, FAINT, INK, LIGHT, Painted, TEXT, text_width};
 use super::coincident::{Hidden, Line, hidden};
@@ -12,21 +12,23 @@ use crate::output::figure::{Beside, Figure, Mark, Series, Style, Wall};
 
 const TITLE: f64 = 16.0;
 const NAME: f64 = 13.0;
-/// The size of texts on the sides of curves.
+/// The size of the texts beside curves.
 const SMALL: f64 = 10.0;
-/// The margin above the data for a letter, and for a title.
+/// The margin above the data for the letter of a panel, and the margin for a title.
 const ABOVE: f64 = 26.0;
 const ABOVE_WITH_TITLE: f64 = 46.0;
-/// The margin for the last tick's label, and for the ticks and name of the horizontal axis.
+/// The margin on the right for the label of the last tick, and the margin below for the tick labels
+/// and the name of the horizontal axis.
 const RIGHT: f64 = 20.0;
 const BELOW: f64 = 48.0;
-/// The distance between ticks, in units.
+/// The approximate distance between ticks, in units.
 const BETWEEN_TICKS: [f64; 2] = [85.0, 58.0];
 
-/// The number of points above which a curve other than a branch is smoothed.
+/// The number of points above which a curve that is not a branch is smoothed.
 const ENOUGH: usize = 20;
 
-/// The length of the strokes that hatch a wall, and their distance.
+/// The distance between the strokes that hatch a wall, and the extent of a stroke along and across
+/// the wall.
 const HATCH: f64 = 7.0;
 
 /// A figure with its layout.
@@ -34,23 +36,23 @@ pub(super) struct Panel<'a> {
     pub figure: &'a Figure,
     x: Ticks,
     y: Ticks,
-    /// The place: left, top, width and height.
+    /// The place of the panel: left, top, width and height.
     place: [f64; 4],
-    /// The rectangle of the data: left, top, right, bottom.
+    /// The rectangle of the plotted data: left, top, right, bottom.
     frame: [f64; 4],
     letter: Option<String>,
-    /// Whether the title is above this panel.
+    /// Whether the figure's title is written above this panel.
     titled: bool,
-    /// The visible marks, with the middles of their labels.
+    /// The visible marks, with the centres of their labels.
     marks: Vec<(&'a Mark, Option<[f64; 2]>)>,
-    /// The names next to curves, with their middles and the indices of their colours.
+    /// The names next to curves, with the centres of the names and the indices of their colours.
     names: Vec<(String, [f64; 2], usize)>,
-    /// Texts on the sides of curves, with their middles.
+    /// The texts beside curves, with the centres of the texts.
     beside: Vec<(&'a str, [f64; 2])>,
     room: Room,
 }
 
-/// Writes a title centred above a given width.
+/// Writes a title that is centred above a rectangle of a given width.
 pub(super) fn heading(canvas: &Canvas, title: &str, [x, y]: [f64; 2], width: f64) -> Painted {
     let size = TITLE * ((width - 60.0) / text_width(title, TITLE).max(1.0)).min(1.0);
     canvas.text(title, [x + width / 2.0, y + 20.0], size, Anchor::Middle)
@@ -66,7 +68,7 @@ pub(in crate::output) fn letter(index: usize) -> String {
 }
 
 impl<'a> Panel<'a> {
-    /// Lays out a figure in a place: left, top, width and height.
+    /// Lays out a figure in a rectangle: left, top, width and height.
     pub fn new(
         figure: &'a Figure,
         place: [f64; 4],
@@ -121,12 +123,12 @@ impl<'a> Panel<'a> {
         self.place[3]
     }
 
-    /// Returns whether a curve of this name has a point here.
+    /// Returns whether a curve with this name has a point in this panel.
     pub fn shows(&self, name: &str) -> bool {
         self.figure.series.iter().any(|series| series.name == name && !series.points.is_empty())
     }
 
-    /// Places the labels of the marks.
+    /// Chooses the places of the labels of marks.
     fn place_marks(&mut self) {
         let figure = self.figure;
         let series = figure.series.iter().filter(|series| !is_spots(series.style));
@@ -144,13 +146,13 @@ impl<'a> Panel<'a> {
         self.marks = marks.into_iter().zip(places).collect();
     }
 
-    /// Returns whether a point of the data lies within both axes.
+    /// Returns whether a data point lies within the ranges of both axes.
     fn sees(&self, at: &[f64; 2]) -> bool {
         let inside = |range: [f64; 2], value: f64| range[0] <= value && value <= range[1];
         inside(self.x.range, at[0]) && inside(self.y.range, at[1])
     }
 
-    /// Writes the name of a curve next to the curve, if there is space.
+    /// Writes the name of a curve next to the curve, if space is available.
     pub fn name(&mut self, curve: &str, name: &str, colour: usize) -> bool {
         let series = self.figure.series.iter().filter(|series| series.name == curve);
         let lines = series.filter(|it| !(is_spots(it.style) || it.style == Style::Dots));
@@ -160,7 +162,7 @@ impl<'a> Panel<'a> {
         place.is_some()
     }
 
-    /// Places the texts on the sides of curves, if there is space.
+    /// Places the texts beside curves, if space is available.
     pub fn place_beside(&mut self) {
         for Beside { points, sides, .. } in &self.figure.beside {
             let pixels = points.windows(2).filter(|pair| pair.iter().all(|at| self.sees(at)));
@@ -174,7 +176,7 @@ impl<'a> Panel<'a> {
         }
     }
 
-    /// Removes the names of curves.
+    /// Removes the names of curves from the panel.
     pub fn forget_names(&mut self) {
         self.room.release(self.names.len());
         self.names.clear();
@@ -286,9 +288,9 @@ impl<'a> Panel<'a> {
         Ok(())
     }
 
-    /// Returns the points of a series in units. Branches are smoothed over their pieces; other
-    /// curves with enough points are smoothed where they turn little, since motion may have
-    /// corners.
+    /// Returns the points of a series in units of the canvas. The pieces of branches are smoothed;
+    /// other curves with enough points are smoothed only where they turn little, since trajectories
+    /// may have corners.
     fn points(&self, k: usize) -> Vec<[f64; 2]> {
         let all = &self.figure.series;
         let Series { name, style, points, origins } = &all[k];
@@ -307,7 +309,7 @@ impl<'a> Panel<'a> {
         smooth(&own, [before, after.and_then(|it| it.points.get(1)).map(pixel)], CORNER)
     }
 
-    /// Draws marks, their labels, and the names of curves.
+    /// Draws the marks and their labels, and the names of curves.
     fn labels(&self, canvas: &Canvas) -> Painted {
         let labels = || self.marks.iter().filter_map(|(mark, at)| Some((*mark, (*at)?)));
         for (mark, at) in labels() {
@@ -331,24 +333,24 @@ impl<'a> Panel<'a> {
         })
     }
 
-    /// Samples a series at close points.
+    /// Samples a series at closely spaced points.
     fn sampled(&self, series: &Series) -> Vec<[f64; 2]> {
         sampled(&series.points.iter().map(|at| self.pixel(*at)).collect::<Vec<_>>())
     }
 
-    /// Returns the place of a point of the data.
+    /// Returns the position on the canvas of a data point.
     fn pixel(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let [left, top, right, bottom] = self.frame;
         [left + self.x.part(x) * (right - left), bottom - self.y.part(y) * (bottom - top)]
     }
 }
 
-/// Returns whether a curve is drawn as spots that are too small to count as a line.
+/// Returns whether a curve is drawn as spots that are too small to be recognised as a line.
 fn is_spots(style: Style) -> bool {
     matches!(style, Style::Specks | Style::Blots)
 }
 
-/// Returns the size of a text that fits into a given length.
+/// Returns the letter size at which a text fits into a given length.
 fn fitting(text: &str, size: f64, room: f64) -> f64 {
     size * (room / text_width(text, size).max(1.0)).min(1.0)
 }

@@ -1,4 +1,5 @@
-//! A PDF page as a backend of plotters: lines and areas as vector graphics, letters as outlines.
+//! A PDF page as a backend of the plotters library: lines and areas as vector graphics, letters as
+//! outlines.
 
 use super::text::{Stroke, outlines};
 use flate2::Compression;
@@ -12,22 +13,22 @@ use std::collections::BTreeSet;
 use std::convert::Infallible;
 use std::io::Write;
 
-/// The distance of control points from the ends of a quarter circle, in radii: the cubic then
-/// approximates the circle to 2.7e-4.
+/// The distance of the control points from the ends of a quarter circle, relative to the radius:
+/// the cubic then approximates the circle to 2.7e-4.
 const QUARTER: f32 = 0.552_284_8;
 
-/// A page being drawn.
+/// A PDF page on which a backend draws.
 pub(super) struct Page {
     content: Content,
     size: (u32, u32),
-    /// The opacities in use, in percent.
+    /// The opacities used on the page, in percent.
     veils: BTreeSet<u8>,
 }
 
 type Drawn = Result<(), DrawingErrorKind<Infallible>>;
 
 impl Page {
-    /// Creates a page of a size in pixels, shown in a width in points.
+    /// Creates a page with a size in pixels and a printed width in points.
     pub fn new(size: (u32, u32), width: f64) -> Self {
         let mut content = Content::new();
         let scale = (width / f64::from(size.0)) as f32;
@@ -38,7 +39,7 @@ impl Page {
         Page { content, size, veils: BTreeSet::new() }
     }
 
-    /// Returns the file, with sides in points.
+    /// Returns the PDF file; the lengths of the page's sides are in points.
     pub fn finish(self, sides: [f64; 2]) -> std::io::Result<Vec<u8>> {
         let [catalog, pages, page, content] = [1, 2, 3, 4].map(Ref::new);
         let mut pdf = Pdf::new();
@@ -67,7 +68,7 @@ impl Page {
         Ok(pdf.finish())
     }
 
-    /// Draws in a colour, with its opacity.
+    /// Sets the colour and opacity of the following drawing operations.
     fn paint(&mut self, colour: BackendColor, draw: impl FnOnce(&mut Content)) -> Drawn {
         if colour.alpha == 0.0 {
             return Ok(());
@@ -87,7 +88,7 @@ impl Page {
     }
 }
 
-/// Returns the name of an opacity.
+/// Returns the name of an opacity in the resources of the page.
 fn veil(percent: u8) -> String {
     format!("A{percent}")
 }
@@ -96,7 +97,7 @@ fn float((x, y): BackendCoord) -> [f32; 2] {
     [x as f32, y as f32]
 }
 
-/// Adds a path through points.
+/// Adds a path through points to the page.
 fn path(content: &mut Content, points: impl IntoIterator<Item = BackendCoord>) {
     for (k, at) in points.into_iter().enumerate() {
         let [x, y] = float(at);

@@ -1,12 +1,12 @@
-//! Colours, and the drawing of curves and symbols.
+//! Colours of curves and tiles, and the drawing of curves and symbols.
 
 use super::canvas::{BLOT, Canvas, INK, Painted, SPECK};
 use crate::output::figure::{Style, Symbol};
 use crate::output::tile::{Hue, Tile};
 use plotters::style::{RGBColor, WHITE};
 
-/// The colours of curves, distinct also for colour-blind readers (after Okabe, Ito and Tol). They
-/// repeat after the last.
+/// The colours of curves, distinct also for colour-blind readers (after Okabe, Ito and Tol). The
+/// sequence of colours repeats after the last colour.
 const COLOURS: [RGBColor; 10] = [
     RGBColor(0, 114, 178),
     RGBColor(230, 159, 0),
@@ -36,21 +36,23 @@ pub(in crate::output) fn shade(tile: &Tile) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
 }
 
-/// Returns the colour of a curve's name, darker for readability.
+/// Returns the colour in which the name of a curve is written, darker than the curve for
+/// readability.
 pub(super) fn darker(index: usize) -> RGBColor {
     let RGBColor(r, g, b) = colour(index);
     let [r, g, b] = [r, g, b].map(|part| (f64::from(part) * 0.8) as u8);
     RGBColor(r, g, b)
 }
 
-/// Returns a colour half-way to white.
+/// Returns the mixture of equal parts of a colour and white.
 pub(super) fn pale(RGBColor(r, g, b): RGBColor) -> RGBColor {
     let [r, g, b] = [r, g, b].map(|part| part / 2 + 128);
     RGBColor(r, g, b)
 }
 
-/// Returns the colour of a tile: shades of a hue differ in lightness, the hues are distinct also
-/// for colour-blind readers. Shades repeat, starting with the lightest.
+/// Returns the colour of a tile: shades of one hue differ in lightness, and the hues can be
+/// distinguished also by colour-blind readers. The sequence of shades repeats, starting with the
+/// lightest shade.
 pub(super) fn tint(hue: Hue, shade: usize) -> RGBColor {
     let shades: &[(u8, u8, u8)] = match hue {
         Hue::Green => &[(178, 226, 204), (102, 194, 164), (35, 139, 105), (0, 88, 66)],
@@ -102,7 +104,7 @@ pub(super) fn curve(
     }
 }
 
-/// The colours of symbols.
+/// The colours of symbols of special points.
 const RED: RGBColor = RGBColor(213, 60, 0);
 const BLUE: RGBColor = RGBColor(0, 72, 140);
 const YELLOW: RGBColor = RGBColor(200, 140, 0);

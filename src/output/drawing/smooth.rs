@@ -1,22 +1,23 @@
 //! Smooth curves through points.
 
-/// The largest turn of a drawn curve between two of its points, in radians.
+/// The largest angle by which a drawn curve turns between two of its points, in radians.
 const TURN: f64 = 0.05;
 
-/// The turn above which a branch has a corner at a point, in radians.
+/// The angle above which a turn of a branch at a point is a corner, in radians.
 pub(super) const CORNER: f64 = 1.2;
 
-/// The turn above which a motion has a corner at a point, in radians.
+/// The angle above which a turn of a trajectory at a point is a corner, in radians.
 pub(super) const SLIGHT: f64 = 0.6;
 
 /// The maximum number of interpolated points between two points of a curve.
 const MOST: f64 = 24.0;
 
-/// Returns a curve through points, with interpolated points where it turns: cubic pieces whose
-/// direction at a point lies between the directions of the chords on both sides, nearer to the
-/// chord of the shorter piece. At an end the direction is the direction of a circular arc. `before`
-/// and `after` are the neighbouring points beyond the ends. Where the curve turns by more than
-/// `corner` it has a corner.
+/// Returns a smooth curve through points, with interpolated points where the curve turns. The curve
+/// consists of cubic pieces, whose direction at a point lies between the directions of the chords
+/// on both sides, nearer to the direction of the shorter chord. The direction at an end of the
+/// curve is the end direction of a circular arc. `before` and `after` are the neighbouring points
+/// beyond the two ends of the curve. The curve has a corner at each point at which it turns by more
+/// than `corner`.
 pub(super) fn smooth(
     points: &[[f64; 2]],
     [before, after]: [Option<[f64; 2]>; 2],
@@ -59,7 +60,7 @@ pub(super) fn smooth(
 }
 
 /// Returns the incoming and outgoing directions of a curve at a point, as derivatives with respect
-/// to its length.
+/// to its arc length.
 fn tangents(points: &[[f64; 2]], k: usize, corner: f64) -> [[f64; 2]; 2] {
     let chord = |i: usize| {
         let (a, b) = (points.get(i)?, points.get(i + 1)?);
@@ -79,7 +80,8 @@ fn tangents(points: &[[f64; 2]], k: usize, corner: f64) -> [[f64; 2]; 2] {
     }
 }
 
-/// Mirrors a direction at a chord, which gives the direction at the other end of a circular arc.
+/// Mirrors a direction at a chord: the result is the direction of a circular arc at the other end
+/// of the chord.
 fn mirrored(direction: [f64; 2], chord: [f64; 2]) -> [f64; 2] {
     let square = chord[0] * chord[0] + chord[1] * chord[1];
     let along = 2.0 * (direction[0] * chord[0] + direction[1] * chord[1]) / square;

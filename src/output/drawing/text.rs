@@ -6,17 +6,18 @@ use plotters_backend::{
 };
 use std::sync::LazyLock;
 
-/// Letters, digits and signs of DejaVu Sans; its licence is in the same folder.
+/// The font file with the letters, digits and signs of DejaVu Sans; its licence is in the same
+/// folder.
 static FONT: LazyLock<Option<FontRef<'static>>> = LazyLock::new(|| {
     FontRef::try_from_slice(include_bytes!("../../../assets/DejaVuSans-subset.ttf")).ok()
 });
 
-/// The ratio of plotters' font sizes to letter sizes, and the distance of the baseline from the top
-/// relative to the size, as in plotters' SVG backend.
+/// The ratio of font sizes to letter sizes in plotters, and the distance of the baseline from the
+/// top of the text relative to the font size, as in the SVG backend of plotters.
 pub(super) const SIZES: f64 = 1.24;
 pub(super) const FOOT: f64 = 0.76;
 
-/// Returns the first letter of a text that the font lacks.
+/// Returns the first character of a text that is missing in the font.
 pub(super) fn lacking(text: &str) -> Option<char> {
     let lacks = |letter: &char| match &*FONT {
         Some(font) => font.glyph_id(*letter).0 == 0,
@@ -25,7 +26,7 @@ pub(super) fn lacking(text: &str) -> Option<char> {
     text.chars().find(lacks)
 }
 
-/// Returns the letters of a text with their places, relative to the left end of the text, and the
+/// Returns the letters of a text with their positions relative to the left end of the text, and the
 /// length of the text.
 fn glyphs(text: &str, font: &PxScaleFont<&FontRef<'static>>, size: f64) -> (Vec<Glyph>, f32) {
     let (mut pen, mut last) = (0.0, None);
@@ -50,7 +51,7 @@ fn left<S: BackendTextStyle>(style: &S, length: f32) -> f32 {
     }
 }
 
-/// Returns a font in the size of a style, and the size of its letters in pixels.
+/// Returns the font of a text style, and its letter size in pixels.
 fn scaled<S: BackendTextStyle>(
     font: &'static FontRef<'static>,
     style: &S,
@@ -60,17 +61,17 @@ fn scaled<S: BackendTextStyle>(
     (font.as_scaled(PxScale::from(size as f32 * font.height_unscaled() / em)), size)
 }
 
-/// A piece of the outline of letters.
+/// A segment of the outline of letters.
 pub(super) enum Stroke {
-    /// The start of a new outline.
+    /// The start of a new closed outline.
     To([f32; 2]),
     /// A straight line.
     Line([f32; 2]),
-    /// A cubic curve, by its control points and its end.
+    /// A cubic curve, given by its control points and its end point.
     Curve([f32; 2], [f32; 2], [f32; 2]),
 }
 
-/// Returns the outlines of a text at a point, with the alignment of [`write`].
+/// Returns the outlines of a text at a point, with the same alignment as [`write`].
 pub(super) fn outlines<S: BackendTextStyle>(
     text: &str,
     style: &S,
@@ -121,8 +122,8 @@ pub(super) fn outlines<S: BackendTextStyle>(
     strokes
 }
 
-/// Writes an antialiased text, aligned by the middle of its left side, its right side or the whole
-/// text.
+/// Writes an antialiased text, whose reference point is the middle of its left side, of its right
+/// side, or of the whole text.
 pub(super) fn write<E, S: BackendTextStyle>(
     text: &str,
     style: &S,

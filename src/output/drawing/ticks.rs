@@ -1,24 +1,24 @@
-//! Ticks of an axis at round numbers.
+//! Chooses the ticks of an axis at round numbers.
 
 use crate::output::error::FigureError;
 use crate::output::number::significant;
 use crate::output::units;
 
-/// An axis: its range, its ticks and their labels.
+/// An axis with its range, its ticks and the labels of the ticks.
 #[derive(Debug, PartialEq)]
 pub(super) struct Ticks {
-    /// The range, a little wider than the data.
+    /// The range of the axis, which is slightly wider than the data.
     pub(super) range: [f64; 2],
     /// The ticks within the range, with their labels.
     pub(super) ticks: Vec<(f64, String)>,
-    /// The exponent of the power of ten that multiplies all labels, a multiple of 3.
+    /// The exponent of the power of ten that multiplies all labels of the axis, a multiple of 3.
     exponent: i32,
     logarithmic: bool,
 }
 
 impl Ticks {
-    /// Returns the ticks of a linear or a logarithmic axis with some data, and perhaps with chosen
-    /// ends.
+    /// Returns the ticks of a linear or logarithmic axis for given data; one or both ends of the
+    /// axis can be prescribed.
     pub(super) fn of(
         [low, high]: [f64; 2],
         ends: [Option<f64>; 2],
@@ -30,8 +30,8 @@ impl Ticks {
     }
 
     /// Returns about `count` ticks for positive data between two values: at powers of ten; at 1, 2
-    /// and 5 times powers of ten if the range contains fewer than three powers; and as on linear
-    /// axes within a third of a decade.
+    /// and 5 times powers of ten if the range contains fewer than three powers; and as on a linear
+    /// axis if the range is shorter than a third of a decade.
     fn decades(data: [f64; 2], ends: [Option<f64>; 2], count: f64) -> Result<Self, FigureError> {
         let [low, high] = widened(data.map(f64::log10), ends.map(|end| end.map(f64::log10)));
         let range = [low, high].map(|end| 10f64.powf(end));
@@ -71,7 +71,7 @@ impl Ticks {
         Ok(Ticks { range, ticks, exponent: 0, logarithmic: true })
     }
 
-    /// Returns the position of a value along the axis, as a fraction of its length.
+    /// Returns the position of a value along the axis, as a fraction of the length of the axis.
     pub(super) fn part(&self, value: f64) -> f64 {
         let [low, high] = self.range;
         match self.logarithmic {
@@ -80,7 +80,7 @@ impl Ticks {
         }
     }
 
-    /// Returns about `count` ticks for data between two values.
+    /// Returns about `count` ticks of a linear axis for data between two values.
     fn new([low, high]: [f64; 2], ends: [Option<f64>; 2], count: f64) -> Result<Self, FigureError> {
         let range = widened([low, high], ends);
         let width = range[1] - range[0];
@@ -102,9 +102,9 @@ impl Ticks {
         Ok(Ticks { range, ticks: ticks.collect(), exponent, logarithmic: false })
     }
 
-    /// Returns the label of the axis, and the factor beside its end: a prefix of the unit in
-    /// brackets replaces the factor, `gap (µm)` for `gap (m)` and `×10⁻⁶`. Several columns on one
-    /// axis keep the common factor.
+    /// Returns the label of the axis, and the factor at the end of the axis: where possible, a
+    /// prefix of the unit in the label replaces the factor, as in `gap (µm)` instead of `gap (m)`
+    /// with `×10⁻⁶`. An axis that shows several columns keeps the common factor.
     pub(super) fn label(&self, label: &str) -> (String, String) {
         let own = units::parts(label)
             .and_then(|(words, unit)| Some((words, units::prefixed(unit, self.exponent)?)));
@@ -114,7 +114,7 @@ impl Ticks {
         }
     }
 
-    /// Returns ticks with names at 0, 1, 2, …, for data between two values.
+    /// Returns an axis with names as labels at 0, 1, 2, …, for data between two values.
     pub(super) fn named(data: [f64; 2], ends: [Option<f64>; 2], names: &[String]) -> Self {
         let ticks = names.iter().enumerate().map(|(k, name)| (k as f64, name.clone()));
         let data = [ends[0].unwrap_or(data[0]), ends[1].unwrap_or(data[1])];
@@ -123,8 +123,9 @@ impl Ticks {
     }
 }
 
-/// Returns the range of the data with a margin of 4 %, except at chosen ends. Ranges of a single value
-/// are widened, and so are ranges of values too small for a representable power of ten.
+/// Returns the range of the data, extended by 4 % of its width at both ends, except at chosen ends.
+/// A range that contains a single value is widened, and so is a range of values too small for a
+/// representable power of ten.
 fn widened([low, high]: [f64; 2], ends: [Option<f64>; 2]) -> [f64; 2] {
     let largest = low.abs().max(high.abs());
     let width = high - low;
@@ -136,7 +137,8 @@ fn widened([low, high]: [f64; 2], ends: [Option<f64>; 2]) -> [f64; 2] {
     [ends[0].unwrap_or(low - margin), ends[1].unwrap_or(high + margin)]
 }
 
-/// Returns the round step next to a width: 1, 2 or 5 times a power of ten, and the exponent.
+/// Returns the round step nearest to a width, which is 1, 2 or 5 times a power of ten, and the
+/// exponent of the power.
 fn round_step(width: f64) -> (f64, i32) {
     let exponent = width.log10().floor() as i32;
     let power = 10f64.powi(exponent);

@@ -1,16 +1,16 @@
-//! Temporary files: their names, and the detection of files left by killed runs.
+//! Temporary files: their names, and the detection of temporary files left by killed runs.
 //!
-//! A file `NAME` is written as `.NAME.PROCESS.tmp` in the same folder, and the writer keeps the
-//! temporary file locked. A lock is released when its process ends for any reason, so that a file
-//! whose lock can be taken has no writer. (A process id alone would not suffice: ids are reused,
-//! and containers that share a folder have separate ids.)
+//! A file `NAME` is first written as `.NAME.PROCESS.tmp` in the same folder, and the writer keeps
+//! this temporary file locked. The operating system releases a lock when its process ends for any
+//! reason; a temporary file whose lock can be taken therefore has no writer. (A process id alone
+//! would not suffice: ids are reused, and containers that share a folder have separate ids.)
 
 use std::ffi::OsStr;
 use std::fs::File;
 use std::path::Path;
 
-/// Returns the name of the temporary file of a process, without its extension; simultaneous
-/// temporary files of one process are numbered.
+/// Returns the name of the temporary file of a process, without the extension; the name contains a
+/// number because a process can have several temporary files simultaneously.
 pub(super) fn temporary(name: &str, serial: usize) -> String {
     let process = std::process::id();
     match serial {
@@ -22,7 +22,7 @@ pub(super) fn temporary(name: &str, serial: usize) -> String {
 /// The extension of temporary files.
 pub(super) const ENDING: &str = ".tmp";
 
-/// Returns whether a name belongs to a temporary file of the given file.
+/// Returns whether a name belongs to a temporary file for the given file.
 fn is_temporary(found: &OsStr, name: &str) -> bool {
     let process = found.to_str().and_then(|found| {
         found.strip_prefix('.')?.strip_prefix(name)?.strip_prefix('.')?.strip_suffix(ENDING)
@@ -31,7 +31,7 @@ fn is_temporary(found: &OsStr, name: &str) -> bool {
     process.is_some_and(|process| process.splitn(2, '-').all(number))
 }
 
-/// Removes the temporary files of a file whose writers have ended. Failures are ignored.
+/// Removes the temporary files of a given file if their writers have ended. Failures are ignored.
 pub(super) fn remove(folder: &Path, name: &str) {
     let entries = folder.read_dir().into_iter().flatten().flatten();
     for entry in entries.filter(|entry| is_temporary(&entry.file_name(), name)) {
@@ -45,8 +45,7 @@ pub(super) fn remove(folder: &Path, name: &str) {
     }
 }
 
-/// Returns whether an open file is still the file at a path, since it may have been removed or
-/// replaced.
+/// Returns whether an open file is still the file at a path; it may have been removed or replaced.
 pub(super) fn is_at(file: &File, path: &Path) -> bool {
     #[cfg(unix)]
     {

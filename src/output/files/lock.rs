@@ -1,4 +1,4 @@
-//! A lock for each result, so that two runs do not write the same files.
+//! A lock for each result, which prevents two runs from writing the same files.
 
 use super::leftovers::is_at;
 use crate::output::error::FileError;
@@ -7,22 +7,22 @@ use std::io::{Error, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 
 /// The lock of the result `NAME` in a folder: the file `.NAME.lock`, which contains the id of the
-/// process. The lock is released when it is dropped, and when the process ends for any reason; the
-/// file left by a killed run is not a lock.
+/// process. The lock is released when the `Lock` is dropped, and when the process ends for any
+/// reason; a lock file that a killed run left in the folder does not lock the result.
 pub(crate) struct Lock {
     path: PathBuf,
     _file: File,
 }
 
-/// The number of retries after a lock was just released by another process.
+/// The number of attempts to take a lock that another process is just releasing.
 const ATTEMPTS: usize = 100;
 
 impl Lock {
-    /// Locks a result in an existing folder.
+    /// Locks a result in an existing folder, if no other process holds the lock.
     ///
     /// # Errors
-    /// [`FileError::Locked`] while another process holds the lock, [`FileError::Write`] if the
-    /// folder is not writable.
+    /// [`FileError::Locked`] if another process holds the lock, [`FileError::Write`] if the folder
+    /// is not writable.
     pub fn take(folder: &Path, name: &str) -> Result<Self, FileError> {
         let path = folder.join(format!(".{name}.lock"));
         for _ in 0..ATTEMPTS {
@@ -49,9 +49,9 @@ impl Drop for Lock {
 
 enum Attempt {
     Locked(File),
-    /// Locked by the process with this id, if known.
+    /// The lock is held by the process with this id, if known.
     Held(Option<u32>),
-    /// The file was removed after it was opened.
+    /// The lock file was removed after it was opened.
     Gone,
 }
 

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::channel;
 use std::time::Duration;
 
-/// The size limits of input files. Larger files are rejected before they fill the memory.
+/// The size limits of input files. Files above the limits are rejected before they fill the memory.
 ///
 /// ```
 /// use tangency::output::SizeLimit;
@@ -31,13 +31,13 @@ impl SizeLimit {
 }
 
 impl Default for SizeLimit {
-    /// Returns limits of 256 MB, and about 1 GB unpacked.
+    /// Returns the default limits: 256 MB for a file, and about 1 GB for an unpacked archive.
     fn default() -> Self {
         SizeLimit::megabytes(256)
     }
 }
 
-/// The time to wait for a writer of a FIFO.
+/// The time to wait until another process writes to a FIFO.
 const PATIENCE: Duration = Duration::from_secs(5);
 
 /// Reads a file.
@@ -63,12 +63,12 @@ pub(crate) fn read(path: &Path, limit: SizeLimit) -> Result<Vec<u8>, FileError> 
     if length as u64 > limit.file { Err(too_large()) } else { Ok(bytes) }
 }
 
-/// Reads a file of text.
+/// Reads a text file.
 pub(crate) fn read_text(path: &Path, limit: SizeLimit) -> Result<String, FileError> {
     text_of(path, read(path, limit)?)
 }
 
-/// Converts the content of a file to text.
+/// Converts the content of a file to text, if it is valid UTF-8.
 pub(crate) fn text_of(path: &Path, bytes: Vec<u8>) -> Result<String, FileError> {
     String::from_utf8(bytes).map_err(|cause| FileError::NoText {
         path: path.into(),
@@ -76,7 +76,8 @@ pub(crate) fn text_of(path: &Path, bytes: Vec<u8>) -> Result<String, FileError> 
     })
 }
 
-/// Opens a path that is not a regular file, with a time limit: opening a FIFO waits for a writer.
+/// Opens a path that is not a regular file, with a time limit, since opening a FIFO blocks until a
+/// process writes to it.
 fn open_patiently(path: &Path) -> std::io::Result<File> {
     let (sender, receiver) = channel();
     let path = PathBuf::from(path);

@@ -1,4 +1,5 @@
-//! Atomic writing of files: each file whole or not at all, and the files of one result together.
+//! Atomic writing of files: each file is written completely or not at all, and all files of one
+//! result are written together.
 
 use super::leftovers::{self, ENDING, temporary};
 use super::target::target;
@@ -7,7 +8,7 @@ use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
-/// Writes a file whole or not at all, as [`write_together`] does with one file.
+/// Writes a file completely or not at all, like [`write_together`] with one file.
 ///
 /// # Errors
 /// As [`write_together`].
@@ -26,14 +27,15 @@ pub fn write_atomically(
     write_together(&[(path, content)])
 }
 
-/// Writes the files of one result, each whole or not at all. All files are written as temporary
-/// files in the same folders, then all are renamed in direct succession: after a failure or a kill
-/// all are unchanged, unless the process ends between two renames. Missing folders are created.
-/// Symbolic links to regular files are followed. Temporary files of killed writers are removed.
+/// Writes the files of one result, each completely or not at all. Each file is written as a
+/// temporary file in the folder of its target, then all files are renamed in direct succession:
+/// after a failure or a kill all targets are unchanged, unless the process ends between two
+/// renames. Missing folders of the targets are created. If a target is a symbolic link to a regular
+/// file, that file is replaced. Temporary files that killed writers left are removed.
 ///
 /// # Errors
 /// [`FileError::Write`] with the path, if a folder cannot be created or written to;
-/// [`FileError::Special`] for a device or any other file that is not regular.
+/// [`FileError::Special`] if a target exists and is not a regular file, for example a device.
 ///
 /// ```
 /// let folder = tempfile::tempdir()?;
@@ -48,7 +50,8 @@ pub fn write_together<P: AsRef<Path>, C: AsRef<[u8]>>(files: &[(P, C)]) -> Resul
     written.into_iter().try_for_each(Written::rename)
 }
 
-/// A complete file that does not have its final name yet. It is removed when dropped.
+/// A completely written temporary file that was not yet renamed to its final name. The temporary
+/// file is removed when the value is dropped.
 struct Written<'a> {
     path: &'a Path,
     target: PathBuf,
@@ -80,10 +83,10 @@ impl<'a> Written<'a> {
     }
 }
 
-/// The maximum number of simultaneous writes of a file by one process.
+/// The maximum number of temporary files for one target in one process.
 const MOST: usize = 100;
 
-/// Creates a locked temporary file for a target.
+/// Creates a locked temporary file for a target file.
 fn create(target: &Path) -> std::io::Result<NamedTempFile> {
     let Some(name) = target.file_name() else {
         return Err(std::io::Error::new(ErrorKind::InvalidInput, "the path does not name a file"));

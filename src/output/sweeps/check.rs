@@ -1,33 +1,33 @@
-//! Checks of the tables in a file: rectangular, with valid run numbers, and consistent with the
-//! scene.
+//! Checks the tables of a sweep file: each must be rectangular, with valid run numbers, and
+//! consistent with the scene.
 
 use super::table::{Row, SweepTable, Sweeps};
 use crate::core::spelling::listed;
 use std::collections::BTreeMap;
 
-/// The first columns of every table.
+/// The first columns of every table, for runs and for points.
 const RUN_COLUMNS: [&str; 2] = ["run", "start"];
 const POINT_COLUMNS: [&str; 4] = ["run", "period", "event", "time"];
 
-/// The difference between the tables of a file and the expected ones.
+/// The first difference between the tables of a file and the expected tables.
 #[derive(Clone, Debug, PartialEq, Eq, miette::Diagnostic, thiserror::Error)]
 #[error("{what} of {place} differ: `{found}` in the file, `{expected}` in its scene")]
 pub struct TableDifference {
-    /// The place: a sweep, or the file.
+    /// The place of the difference: a sweep, or the whole file.
     pub place: String,
-    /// The part that differs.
+    /// The part of the tables that differs, such as the axes.
     pub what: &'static str,
-    /// The value in the file.
+    /// The content of that part in the file.
     pub found: String,
-    /// The value that the scene would write.
+    /// The content of that part that the scene would write.
     pub expected: String,
 }
 
 impl Sweeps {
-    /// Checks that the tables belong to the same sweeps, finished or not.
+    /// Checks that the tables belong to the same sweeps, whether or not the sweeps are finished.
     ///
     /// # Errors
-    /// [`TableDifference`] with the first names, columns or number of runs that differ.
+    /// [`TableDifference`] with the first name, columns or number of runs that differ.
     pub fn check_tables(&self, expected: &Sweeps) -> Result<(), TableDifference> {
         let names = |all: &Sweeps| all.sweeps.iter().map(|sweep| sweep.name.clone()).collect();
         let (found, wanted): (Vec<String>, Vec<String>) = (names(self), names(expected));
@@ -55,7 +55,7 @@ impl Sweeps {
 }
 
 impl SweepTable {
-    /// Rejects tables that lack the required columns.
+    /// Rejects tables that do not begin with the required columns.
     pub(super) fn check_columns(&self) -> Result<(), String> {
         let begins = |columns: &[String], known: &[&str]| {
             columns.len() >= known.len() && columns.iter().zip(known).all(|(a, b)| a == b)
@@ -75,7 +75,7 @@ impl SweepTable {
         }
     }
 
-    /// Returns the number of a run, if it is valid.
+    /// Returns the number of a run as an integer, if it is valid.
     pub(super) fn run_number(&self, value: f64) -> Result<usize, String> {
         let run = value as usize;
         match run < self.total && run as f64 == value {
@@ -88,7 +88,7 @@ impl SweepTable {
         }
     }
 
-    /// Adds a row, and rejects duplicates.
+    /// Adds a row to a table, and rejects rows of the same run.
     pub(super) fn take_row(&mut self, run: usize, row: Row) -> Result<(), String> {
         match self.rows.insert(run, row) {
             None => Ok(()),
@@ -97,7 +97,7 @@ impl SweepTable {
     }
 }
 
-/// Rejects failures of runs without rows.
+/// Rejects failures of runs that have no row.
 pub(super) fn check_failures(name: &str, left: &BTreeMap<usize, Row>) -> Result<(), String> {
     match left.keys().next() {
         None => Ok(()),

@@ -1,18 +1,19 @@
-//! Sweeps as comma-separated values.
+//! Writes sweeps as comma-separated values.
 
 use super::table::{Row, SweepTable, Sweeps};
 use crate::core::problem::distinct;
 use crate::output::number::significant;
 use crate::output::table::{Csv, quoted};
 
-/// The columns of points that state their place.
+/// The first columns of points, which identify a point.
 const PLACE: [&str; 4] = ["run", "period", "event", "time"];
 
 /// Writes the attractors of sweeps as comma-separated values: for each recorded point, the `sweep`,
 /// the number of the `run`, the values on all axes (`start NAME` for a state), the number of the
 /// `period`, the `event` by name (empty at the beginning of a period), the `time` in the period,
-/// all states, and the measures. A failed run without points has a row with its `failure`. Numbers
-/// have 15 significant digits; a cell is empty if a sweep lacks the column.
+/// all states, and the measures. A failed run without points is written as one row with its
+/// `failure`. Numbers have 15 significant digits; a cell is empty if a sweep does not contain the
+/// column.
 pub(in crate::output) fn csv(sweeps: &[Sweeps]) -> String {
     let tables: Vec<&SweepTable> = sweeps.iter().flat_map(|sweeps| &sweeps.sweeps).collect();
     let axes = distinct(tables.iter().flat_map(|table| &table.axes));
@@ -36,7 +37,7 @@ pub(in crate::output) fn csv(sweeps: &[Sweeps]) -> String {
 }
 
 impl SweepTable {
-    /// Writes the points of a run.
+    /// Writes the recorded points of a run.
     fn write(&self, csv: &mut Csv, (run, row): (usize, &Row), axes: &[&str], columns: &[&str]) {
         let number = |value: Option<f64>| match value {
             Some(value) if !value.is_nan() => significant(value, 15),

@@ -1,8 +1,8 @@
-//! The file of a sweep: an archive of columns.
+//! The file format of sweeps: an archive of columns.
 //!
-//! The file is a NumPy archive (`.npz`): a ZIP file whose entries are arrays in NumPy's format,
-//! compressed. The entry `about` contains UTF-8 text as bytes, a RON structure with the tag
-//! [`SWEEPS`] and all names; each column is an entry of 64-bit numbers:
+//! The file of sweeps is a NumPy archive (`.npz`): a ZIP file whose entries are compressed arrays
+//! in NumPy's format. The entry `about` contains UTF-8 text as bytes: a RON structure with the tag
+//! [`SWEEPS`] and all names. Each column of a sweep is an entry of 64-bit numbers:
 //!
 //! ```text
 //!     about.npy
@@ -13,7 +13,7 @@
 //! Names of entries do not contain `..` or begin with `/`, so that an unpacked archive stays in its
 //! folder.
 //!
-//! In Python `numpy.load("mita-diagram.npz")["up/points/displacement"]` is a column.
+//! In Python, `numpy.load("mita-diagram.npz")["up/points/displacement"]` is a column.
 
 use super::check::check_failures;
 use super::table::{Row, SWEEPS, SweepTable, Sweeps};
@@ -27,7 +27,7 @@ use std::io::{Cursor, Read};
 use std::path::Path;
 use zip::ZipArchive;
 
-/// An archive being read, and the remaining size that it may unpack to.
+/// An archive that is being read, and the remaining number of bytes that it may unpack to.
 struct Archive<'a> {
     zip: ZipArchive<Cursor<&'a [u8]>>,
     limit: u64,
@@ -35,7 +35,7 @@ struct Archive<'a> {
 }
 
 impl Sweeps {
-    /// Saves all finished runs atomically.
+    /// Saves all finished runs to a file atomically.
     ///
     /// # Errors
     /// [`FileError::Write`] if the file cannot be written.
@@ -44,16 +44,16 @@ impl Sweeps {
         write_atomically(path, self.to_bytes().map_err(|source| FileError::format(path, source))?)
     }
 
-    /// Loads the finished runs.
+    /// Loads the finished runs from a file.
     ///
     /// # Errors
-    /// [`FileError::Read`] if the file cannot be read, [`FileError::Format`] if it does not contain
-    /// sweeps, [`FileError::TooLarge`] beyond [`SizeLimit::default`].
+    /// [`FileError::Read`] if the file cannot be read, [`FileError::Format`] if the file does not
+    /// contain sweeps, [`FileError::TooLarge`] if the file is larger than [`SizeLimit::default`].
     pub fn load(path: impl AsRef<Path>) -> Result<Self, FileError> {
         Sweeps::load_within(SizeLimit::default(), path)
     }
 
-    /// Loads the finished runs from a file of a limited size.
+    /// Loads the finished runs from a file of limited size.
     ///
     /// # Errors
     /// As [`load`](Self::load).
@@ -63,10 +63,11 @@ impl Sweeps {
         Sweeps::from_bytes(&bytes, limit).map_err(|source| FileError::format(path, source))
     }
 
-    /// Returns the file's content, which is identical for identical sweeps.
+    /// Returns the content of the file, which is identical for identical sweeps.
     ///
     /// # Errors
-    /// [`FormatError`] if it could not be read back: an invalid or duplicate name of an entry.
+    /// [`FormatError`] if the content could not be read again, because the name of an entry is
+    /// invalid or occurs twice.
     pub fn to_bytes(&self) -> Result<Vec<u8>, FormatError> {
         check(self)?;
         self.packed().map_err(FormatError::Unwritable)
@@ -113,8 +114,8 @@ fn damaged(reason: impl ToString) -> FormatError {
     FormatError::Archive { reason: reason.to_string() }
 }
 
-/// Checks all names: names of sweeps and columns must be valid names of entries, and the scene's
-/// name a valid file name.
+/// Checks all names: the names of sweeps and columns must be valid names of entries, and the name
+/// of the scene a valid file name.
 fn check(all: &Sweeps) -> Result<(), Invalid> {
     component("the scene's name", &all.name)?;
     text("the title", &all.title)?;
@@ -144,7 +145,7 @@ impl Archive<'_> {
         from_npy(&bytes).map_err(|error| failed(&error))
     }
 
-    /// Reads the columns of one sweep, all of one length.
+    /// Reads the columns of one sweep, which must all have the same length.
     fn columns(
         &mut self,
         sweep: &str,
@@ -160,7 +161,7 @@ impl Archive<'_> {
     }
 }
 
-/// Reads the rows of a sweep.
+/// Reads the rows of a sweep from its columns.
 fn fill(sweep: &mut SweepTable, archive: &mut Archive) -> Result<(), FormatError> {
     sweep.check_columns().map_err(damaged)?;
     let name = &sweep.name;

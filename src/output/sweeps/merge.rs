@@ -1,4 +1,4 @@
-//! Merging of the parts of a sweep, as in `tangency merge`.
+//! Merging of the parts of a sweep, as in the command `tangency merge`.
 
 use super::check::TableDifference;
 use super::table::Sweeps;
@@ -7,60 +7,60 @@ use super::table::Sweeps;
 #[derive(Clone, Debug, PartialEq, Eq, miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum MergeError {
-    /// There are no parts.
+    /// The list of parts is empty.
     #[error("there is no part to merge")]
     #[diagnostic(help("name the files of all parts"))]
     Nothing,
-    /// The parts are of different scenes.
+    /// Two parts belong to different scenes.
     #[error(
         "part {number} belongs to another scene than the first: all parts must be made by one scene with the \
          same settings"
     )]
     Different {
-        /// The number of the part, from 1.
+        /// The number of the part that differs from the first part, counted from 1.
         number: usize,
     },
-    /// The parts have different tables.
+    /// Two parts have different tables.
     #[error("part {number} belongs to other sweeps than the first: {cause}")]
     Tables {
-        /// The number of the part, from 1.
+        /// The number of the part that differs from the first part, counted from 1.
         number: usize,
         /// The difference.
         #[source]
         cause: TableDifference,
     },
-    /// The parts have different results for a run.
+    /// Two parts have different results for the same run.
     #[error(
         "part {number} and an earlier part have different results for run {run} of the sweep `{sweep}`: one of \
          them is from another version of the program"
     )]
     Contradiction {
-        /// The number of the part, from 1.
+        /// The number of the later part with the different result, counted from 1.
         number: usize,
         /// The name of the sweep.
         sweep: String,
-        /// The number of the run.
+        /// The number of the run with different results.
         run: usize,
     },
-    /// Runs are missing in all parts.
+    /// Some runs are not contained in any part.
     #[error(
         "{missing} of {total} runs of the sweep `{sweep}` are missing in all parts, starting with run {first}"
     )]
     #[diagnostic(help("run all parts to the end"))]
     Missing {
-        /// The name of the sweep.
+        /// The name of the incomplete sweep.
         sweep: String,
         /// The number of missing runs.
         missing: usize,
-        /// The total number of runs.
+        /// The total number of runs of the sweep.
         total: usize,
-        /// The first missing run.
+        /// The number of the first missing run.
         first: usize,
     },
 }
 
 impl MergeError {
-    /// Returns the number of the invalid part, from 1, if the error concerns a single part.
+    /// Returns the number of the invalid part, counted from 1, if the error concerns a single part.
     pub fn part(&self) -> Option<usize> {
         match self {
             MergeError::Different { number }
@@ -71,10 +71,10 @@ impl MergeError {
     }
 }
 
-/// Merges the parts of a sweep.
+/// Merges the parts of a sweep into the complete sweep.
 ///
 /// # Errors
-/// [`MergeError`] if they do not form a complete sweep.
+/// [`MergeError`] if the parts do not form a complete sweep.
 pub fn merge(parts: Vec<Sweeps>) -> Result<Sweeps, MergeError> {
     let mut parts = parts.into_iter();
     let mut whole = parts.next().ok_or(MergeError::Nothing)?;

@@ -1,22 +1,22 @@
-//! Sweeps as points of a figure.
+//! Figures of sweeps: points, and basins of attraction.
 
 use super::table::{Row, SweepTable};
 use crate::output::figure::{Origin, Series, Style};
 use crate::output::tile::{Hue, Tile, spacing};
 
-/// The source of the numbers of a column.
+/// The source of the numbers in a column of a sweep.
 enum Source {
-    /// One number for each run.
+    /// The column contains one number for each run.
     Run(usize),
-    /// One number for each point at the beginning of a period.
+    /// The column contains one number for each point at the beginning of a period.
     Period(usize),
-    /// One number for each event with this number.
+    /// The column contains one number for each occurrence of the event with this number.
     Event(usize, f64),
 }
 
 impl SweepTable {
-    /// Returns the source of a column of runs, of points, or, as `EVENT.STATE`, of events of one
-    /// kind.
+    /// Returns the source of a column, which is a column of runs or of points, or the state at
+    /// events of one kind in the form `EVENT.STATE`.
     fn source(&self, name: &str) -> Option<Source> {
         if let Some((event, state)) = name.split_once('.') {
             let number = self.events.iter().position(|known| known == event)?;
@@ -27,12 +27,12 @@ impl SweepTable {
         self.run_column(name).map(Source::Run).or_else(|| point().map(Source::Period))
     }
 
-    /// Returns whether runs, points or events have a column.
+    /// Returns whether the runs, points or events of the sweep have a column with this name.
     pub(crate) fn has_column(&self, name: &str) -> bool {
         self.source(name).is_some()
     }
 
-    /// Describes the attractor of a run.
+    /// Describes the type of the attractor of a run.
     fn kind(&self, row: &Row) -> String {
         let value = |name: &str| self.run_column(name).map_or(f64::NAN, |k| row.values[k]);
         if row.failure.is_some() {
@@ -51,7 +51,7 @@ impl SweepTable {
         }
     }
 
-    /// Returns the numbers of a run for two axes.
+    /// Returns the coordinates of a run's points on two axes.
     fn pairs(&self, row: &Row, x: &Source, y: &Source) -> Vec<[f64; 2]> {
         if let (Source::Run(x), Source::Run(y)) = (x, y) {
             return vec![[row.values[*x], row.values[*y]]];
@@ -70,7 +70,8 @@ impl SweepTable {
     }
 }
 
-/// Returns the points of a sweep in two columns; empty if the sweep lacks one of them.
+/// Returns the points of a sweep in the plane of two columns; empty if the sweep does not contain
+/// both columns.
 pub(in crate::output) fn scatter(sweep: &SweepTable, x: &str, y: &str) -> Vec<Series> {
     let (Some(from), Some(to)) = (sweep.source(x), sweep.source(y)) else { return Vec::new() };
     // Each run has one crisis.
@@ -84,11 +85,11 @@ pub(in crate::output) fn scatter(sweep: &SweepTable, x: &str, y: &str) -> Vec<Se
     if sweep.rows.is_empty() { Vec::new() } else { vec![series] }
 }
 
-/// The colours of attractors, in the order of their occurrence.
+/// The colours of attractors, in the order in which the attractors occur.
 const HUES: [Hue; 4] = [Hue::Blue, Hue::Yellow, Hue::Green, Hue::Red];
 
-/// Returns the basins of attraction in a grid over the two columns: a tile for each run, coloured
-/// by the kind of its attractor; empty if the sweep is over other columns.
+/// Returns the basins of attraction on a grid over the two columns: a tile for each run, coloured
+/// by the type of its attractor; empty if the axes of the sweep are other columns.
 pub(in crate::output) fn basins(sweep: &SweepTable, x: &str, y: &str) -> Vec<Tile> {
     let grid = x != y && [x, y].iter().all(|name| sweep.axes.iter().any(|axis| axis == name));
     let (true, Some(Source::Run(x)), Some(Source::Run(y))) =

@@ -1,4 +1,5 @@
-//! The tables of a sweep: a row for each run, and a row for each recorded point.
+//! The tables of a sweep: a table with one row for each run, and a table with one row for each
+//! recorded point.
 
 use crate::core::attractor::{Attractor, EventRecord, Layout, Period};
 use crate::core::hybrid::{HybridState, Mode};
@@ -8,10 +9,10 @@ use crate::output::Plot;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// The tag of files of sweeps, with the version of the format.
+/// The format tag of files with sweeps, which contains the version of the format.
 pub const SWEEPS: &str = "tangency-sweeps/2";
 
-/// The sweeps of a scene with their finished runs.
+/// The sweeps of a scene with the results of their finished runs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Sweeps {
@@ -19,29 +20,30 @@ pub struct Sweeps {
     pub format: String,
     /// The name of the scene.
     pub name: String,
-    /// The title, in words.
+    /// The title of the scene, in words.
     pub title: String,
-    /// The scene in full, with all settings: sweeps of the same scene can be resumed and merged.
+    /// The complete text of the scene, with all settings: sweeps of the same scene can be resumed
+    /// and merged.
     pub scene: String,
     /// The default plot.
     pub plot: Plot,
-    /// The sweeps; their names are unique.
+    /// The sweeps of the scene; their names are unique.
     pub sweeps: Vec<SweepTable>,
 }
 
-/// The results of a run, as numbers.
+/// The results of a run, as a row of numbers.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Row {
-    /// One number for each column of runs.
+    /// The result of the run in each column of runs.
     pub values: Vec<f64>,
-    /// The numbers of all recorded points, one point after another.
+    /// The numbers of all recorded points of the run, one point after another.
     pub points: Vec<f64>,
-    /// The reason for a failure of the run.
+    /// The reason for the failure of the run, if it failed.
     pub failure: Option<String>,
 }
 
 impl Row {
-    /// Returns whether two rows have the same numbers, bit by bit; missing numbers are NaN.
+    /// Returns whether two rows contain the same numbers, bit by bit; missing numbers are NaN.
     pub(super) fn is_identical(&self, other: &Row) -> bool {
         let bits = |numbers: &[f64]| numbers.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
         let both = |row: &Row| (bits(&row.values), bits(&row.points));
@@ -49,44 +51,46 @@ impl Row {
     }
 }
 
-/// A sweep as tables.
+/// The results of a sweep as tables.
 ///
-/// A run has these columns: its number `run` and the number of its `start`; the values on the axes;
-/// if it searches for a crisis, the value of the parameter there, by its name, and `crisis_error`;
-/// the `periods` in its cycle (0 for no cycle); for every event by name, the number of occurrences
-/// in a cycle (or in a period, without a cycle), and `accumulations` of infinitely many events;
-/// `exponent` and `exponent_error`; `failed` (1 or 0); and the final state, as `end_mode`, `end_0`,
-/// `end_1`, ….
+/// The columns of a run are its number `run` and the number of its `start`; the values on the axes;
+/// in a search for a crisis, the parameter value at the crisis, under the name of the parameter,
+/// and `crisis_error`; the number of `periods` in its cycle (0 if the attractor is not a cycle);
+/// for every event by name, the number of occurrences in a cycle (or in a period, if the attractor
+/// is not a cycle), and the number of `accumulations` of infinitely many events; `exponent` and
+/// `exponent_error`; `failed` (1 or 0); and the final state, as `end_mode`, `end_0`, `end_1`, ….
 ///
-/// A point is the beginning of a period (`event` 0), or an event: its number from 1, in the order
-/// of the columns of runs. A point has the number of its `run`, the number of its `period`, its
-/// `time` in the period, all states by name, and, at the beginning of a period, the measures of the
-/// period. Missing values are NaN.
+/// A point is either the beginning of a period (`event` is 0) or an event (`event` is its number
+/// from 1, in the order of the columns of runs). The columns of a point are the number of its
+/// `run`, the number of its `period`, its `event`, its `time` in the period, all states by name,
+/// and, at the beginning of a period, the measures of the period. Missing values in the tables are
+/// NaN.
 ///
-/// Only names and failures are serialized; numbers are in the columns of a file.
+/// Only the names and failures are serialized with this type; the numbers are stored in the columns
+/// of the file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SweepTable {
     /// The name of the sweep.
     pub name: String,
-    /// The parameters that vary.
+    /// The names of the quantities on the axes.
     pub axes: Vec<String>,
-    /// The names of events.
+    /// The names of the events.
     pub events: Vec<String>,
-    /// The total number of runs.
+    /// The total number of runs of the sweep.
     pub total: usize,
-    /// The columns of runs.
+    /// The names of the columns of runs.
     #[serde(rename = "runs")]
     pub run_columns: Vec<String>,
-    /// The columns of points.
+    /// The names of the columns of points.
     #[serde(rename = "points")]
     pub point_columns: Vec<String>,
-    /// The finished runs, by number.
+    /// The rows of the finished runs, by run number.
     #[serde(rename = "failures", with = "failures")]
     pub rows: BTreeMap<usize, Row>,
 }
 
-/// Serialization of rows by their failures only.
+/// Serializes only the failures of rows.
 mod failures {
     use super::{BTreeMap, Row};
     use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -104,25 +108,25 @@ mod failures {
     }
 }
 
-/// The column with half the width of the interval that contains a crisis, after the column with its
-/// middle.
+/// The name of the column that contains half the width of the interval around a crisis; it follows
+/// the column that contains the middle of the interval.
 const CRISIS_ERROR: &str = "crisis_error";
 
 fn all_states(modes: &[Mode]) -> Vec<&str> {
     distinct(modes.iter().flat_map(|mode| &mode.states))
 }
 
-/// The columns of points before the states.
+/// The columns of points that precede the states.
 const BEFORE_STATES: [&str; 4] = ["run", "period", "event", "time"];
 
 impl SweepTable {
-    /// Returns the column of points that contains the first state.
+    /// Returns the name of the column of points that contains the first state.
     pub(in crate::output) fn first_state(&self) -> Option<&str> {
         self.point_columns.get(BEFORE_STATES.len()).map(String::as_str)
     }
 
-    /// Creates an empty table of a sweep over the given axes, with the parameter of the search for
-    /// a crisis, if any, and the layout of the motion.
+    /// Creates an empty table of a sweep, given the axes, the parameter of the search for a crisis,
+    /// if any, and the modes and events of the motion.
     pub fn new(
         name: &str,
         (axes, crisis): (&[String], Option<&str>),
@@ -154,23 +158,23 @@ impl SweepTable {
         }
     }
 
-    /// Returns the position of a column of runs.
+    /// Returns the position of a column among the columns of runs.
     pub(super) fn run_column(&self, name: &str) -> Option<usize> {
         self.run_columns.iter().position(|known| known == name)
     }
 
-    /// Returns the parameter in which each run searches for a crisis, if any.
+    /// Returns the name of the parameter in which each run searches for a crisis, if any.
     pub fn crisis(&self) -> Option<&str> {
         let error = self.run_column(CRISIS_ERROR)?;
         self.run_columns.get(error.checked_sub(1)?).map(String::as_str)
     }
 
-    /// Returns whether all runs are finished.
+    /// Returns whether all runs of the sweep are finished.
     pub fn is_complete(&self) -> bool {
         self.rows.len() == self.total
     }
 
-    /// Adds the result of a run.
+    /// Adds the result of a run to the table.
     pub fn push(&mut self, found: &Found, start: usize, modes: &[Mode]) {
         let states = all_states(modes).len();
         let attractor = found.attractor.as_ref();
@@ -202,8 +206,8 @@ impl SweepTable {
         values
     }
 
-    /// Returns the final state of a finished run, with the given time; the inner `None` means that
-    /// the run failed.
+    /// Returns the final state of a finished run, with the given time; `None` if the run is not
+    /// finished, and an inner `None` if it failed.
     pub fn end(&self, run: usize, time: f64, modes: &[Mode]) -> Option<Option<HybridState<f64>>> {
         let row = self.rows.get(&run)?;
         let first = self.run_column("end_mode")?;
@@ -217,7 +221,7 @@ impl SweepTable {
     }
 }
 
-/// Returns all points of a run, one after another.
+/// Returns all recorded points of a run, one after another.
 fn points(run: usize, attractor: &Attractor, modes: &[Mode], states: usize) -> Vec<f64> {
     let names = all_states(modes);
     let mut points = Vec::new();

@@ -1,11 +1,11 @@
-//! Equations in one unknown, as tests of Newton's iteration and of steps.
+//! Test problems in one unknown, for Newton's iteration and for continuation steps.
 
 use crate::core::failure::OutOfDomain;
 use crate::zero_problem;
 
 zero_problem! {
-    /// `λ/(1 − u)² = u`, the parallel-plate actuator in its units of length and force: it pulls in at
-    /// `u = 1/3`, `λ = 4/27`.
+    /// `λ/(1 − u)² = u`, the parallel-plate actuator in its units of length and force; pull-in
+    /// occurs at `u = 1/3`, `λ = 4/27`.
     ///
     /// ```
     /// use tangency::core::problem::ZeroProblem;
@@ -26,9 +26,9 @@ zero_problem! {
 }
 
 zero_problem! {
-    /// `x² = μ² + ε²`: two branches, `2ε` apart at `μ = 0`, where each turns by a right angle with
-    /// the curvature `1/ε`. They cross only for `ε = 0`; otherwise the point between them belongs
-    /// to neither branch.
+    /// `x² = μ² + ε²`: two branches at the distance `2ε` at `μ = 0`, where each branch turns by a
+    /// right angle with the curvature `1/ε`. The two branches cross only for `ε = 0`; for other `ε`
+    /// the point midway between them belongs to neither branch.
     ///
     /// ```
     /// use tangency::core::problem::ZeroProblem;

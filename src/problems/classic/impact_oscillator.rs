@@ -7,17 +7,19 @@ use crate::core::scalar::Scalar;
 use std::f64::consts::TAU;
 
 /// The forced linear impact oscillator (S. W. Shaw and P. J. Holmes, *J. Sound Vib.* 90:129, 1983):
-/// a mass on a spring with a stop, with displacement `x ≤ d` and velocity `v`,
+/// a mass on a spring with a stop. Its displacement `x ≤ d` and velocity `v` satisfy
 ///
 /// ```text
 ///     x' = v,    v' = A cos ωt − x − c v;    v⁺ = −e v⁻ at x = d
 /// ```
 ///
-/// in the mode *flight*. Accumulating impacts lead into the mode *contact*, in which the mass rests
-/// against the stop while the contact force `A cos ωt − d` is positive.
+/// in the mode *flight* (motion away from the stop). Accumulating impacts lead to the mode
+/// *contact*, in which the mass rests against the stop while the contact force `A cos ωt − d` is
+/// positive.
 ///
-/// States `displacement`, `velocity` (in flight only); parameters `amplitude` A, `frequency` ω,
-/// `restitution` e, `damping` c, `clearance` d; guards `impact` and `leave`.
+/// The states are `displacement` and `velocity` (in flight only); the parameters are `amplitude` A,
+/// `frequency` ω, `restitution` e, `damping` c and `clearance` d; the guards are `impact` and
+/// `leave`.
 ///
 /// ```
 /// use tangency::core::hybrid::HybridSystem;
@@ -39,15 +41,15 @@ use std::f64::consts::TAU;
 pub struct ImpactOscillator;
 
 impl ImpactOscillator {
-    /// The default values of the parameters.
+    /// The default values of the oscillator's parameters.
     pub const DEFAULTS: [f64; 5] = [0.05, 1.0, 0.8, 0.1, 1.0];
     /// The mode of motion away from the stop.
     pub const FLIGHT: usize = 0;
     /// The mode of rest against the stop.
     pub const CONTACT: usize = 1;
-    /// The guard of flight.
+    /// The guard of the mode *flight*: the impact on the stop.
     pub const IMPACT: usize = 0;
-    /// The guard of contact.
+    /// The guard of the mode *contact*: the end of the contact.
     pub const LEAVE: usize = 1;
 }
 

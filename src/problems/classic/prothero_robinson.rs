@@ -1,10 +1,10 @@
-//! The Prothero–Robinson equation, a test of stiffness.
+//! The Prothero–Robinson equation, a test problem for stiff solvers.
 
 use crate::core::problem::{Names, VectorField};
 use crate::core::scalar::Scalar;
 
-/// `x' = −λ(x − cos t) − sin t`, with the slow motion `x = cos t` for every rate λ (A. Prothero and
-/// A. Robinson, *Math. Comp.* 28, 1974).
+/// `x' = −λ(x − cos t) − sin t`, with the slow solution `x = cos t` for every rate λ (A. Prothero
+/// and A. Robinson, *Math. Comp.* 28, 1974).
 ///
 /// ```
 /// use tangency::core::ode::{Flow, Scheme, Settings};

@@ -1,4 +1,4 @@
-//! Mita's actuator with impacts and dry friction.
+//! Mita's impact microactuator with impacts and dry friction, as a hybrid system.
 
 use super::block::{Block, force};
 use super::parameters::{NAMES, Parameters};
@@ -10,33 +10,35 @@ use crate::core::scalar::{LaneWidth, Scalar};
 /// Mita's impact microactuator: a block within a frame, whose impacts move the frame against dry
 /// friction.
 ///
-/// With the displacement `q₂` and velocity `u₂` of the block relative to the frame, the velocity
-/// `u₁` of the frame, the mass `m₁` of the frame (the mass of the block is 1), `N = (m₁ + 1) g`,
-/// and the force `R = V² sin²ωt/(1 − q₂)² − q₂ − c u₂` between block and frame (section 2.2):
+/// The symbols are the displacement `q₂` and velocity `u₂` of the block relative to the frame, the
+/// velocity `u₁` of the frame, the mass `m₁` of the frame (the mass of the block is 1), `N = (m₁ +
+/// 1) g`, and the force `R = V² sin²ωt/(1 − q₂)² − q₂ − c u₂` between block and frame (section 2.2
+/// of Zhao's dissertation):
 ///
 /// | mode | equations | conditions |
 /// |---|---|---|
 /// | `stick` | `q₂' = u₂, u₂' = R` | `−δ < q₂ < δ`, `|R| < μ_s N` |
 /// | `forward`, `backward` | `u₁' = −(R ± μ_d N)/m₁, u₂' = R − u₁'` | `−δ < q₂ < δ`, `±u₁ > 0` |
-/// | `contact` | at rest at `q₂ = δ` | `R > 0` |
+/// | `contact` | frame and block at rest, at `q₂ = δ` | `R > 0` |
 /// | `riding_forward`, `riding_backward` | `u₁' = ∓μ_d N/(m₁ + 1)`, at `q₂ = δ` | `±u₁ > 0`, `R ± μ_d N/(m₁ + 1) > 0` |
 /// | `riding_back` | `u₁' = μ_d N/(m₁ + 1)`, at `q₂ = −δ` | `u₁ < 0`, `R − μ_d N/(m₁ + 1) < 0` |
 ///
-/// An impact at `q₂ = ±δ` conserves momentum, multiplies the relative velocity by `−e`,
+/// An impact at `q₂ = ±δ` conserves momentum and multiplies the relative velocity by `−e`,
 ///
 /// ```text
 ///     u₁ ← u₁ + (1 + e) u₂/(m₁ + 1),    u₂ ← −e u₂,
 /// ```
 ///
-/// and sets the frame in motion. When the frame comes to rest it sticks if `|R| ≤ μ_s N`; otherwise
-/// it moves against `R`. When impacts accumulate, the block stays in contact if it is pressed
-/// against the stopper: by the force, or because friction brakes the frame. (The force alone never
-/// presses it against the back stopper.)
+/// and the impact sets the frame in motion. When the frame comes to rest, it sticks if `|R| ≤ μ_s
+/// N`; otherwise it starts to move against `R`. After an accumulation of impacts, the block stays
+/// in contact with the stopper if it is pressed against the stopper, either by the force or because
+/// friction brakes the frame. (The force alone never presses the block against the back stopper.)
 ///
-/// Every mode has the state `displacement`, and all modes without contact have `velocity`. Modes in
-/// which the frame slips also have `frame_velocity` and `frame_displacement`, which is measured
-/// from the start of the mode and occurs in no equation. The voltage enters squared, so the forcing
-/// has the period `π/ω`.
+/// Every mode has the state `displacement`, and all modes without contact also have the state
+/// `velocity`. Modes in which the frame slips also have the states `frame_velocity` and
+/// `frame_displacement`; the latter is measured from the start of the mode and does not appear in
+/// the equations. The forcing has the period `π/ω` because the force is proportional to the square
+/// of the voltage.
 ///
 /// ```
 /// use tangency::core::hybrid::HybridSystem;
@@ -53,51 +55,54 @@ use crate::core::scalar::{LaneWidth, Scalar};
 pub struct Actuator;
 
 impl Actuator {
-    /// The default values of the parameters.
+    /// The default values of the actuator's parameters.
     pub const DEFAULTS: [f64; 9] = [0.24, 0.5, 0.5, 0.8, 0.04, 0.4, 0.27, 5.0, 9.81];
-    /// The frame at rest.
+    /// The mode in which the frame is at rest and the block moves.
     pub const STICK: usize = 0;
-    /// The frame moves forward.
+    /// The mode in which the frame moves forward.
     pub const FORWARD: usize = 1;
-    /// The frame moves backward.
+    /// The mode in which the frame moves backward.
     pub const BACKWARD: usize = 2;
-    /// The frame at rest, the block in contact with the front stopper.
+    /// The mode in which the frame is at rest and the block is in contact with the front stopper.
     pub const CONTACT: usize = 3;
-    /// The frame moves forward, the block in contact with the front stopper.
+    /// The mode in which the frame moves forward and the block is in contact with the front
+    /// stopper.
     pub const RIDING_FORWARD: usize = 4;
-    /// The frame moves backward, the block in contact with the front stopper.
+    /// The mode in which the frame moves backward and the block is in contact with the front
+    /// stopper.
     pub const RIDING_BACKWARD: usize = 5;
-    /// The frame moves backward, the block in contact with the back stopper.
+    /// The mode in which the frame moves backward and the block is in contact with the back
+    /// stopper.
     pub const RIDING_BACK: usize = 6;
-    /// Impacts on the front stopper.
+    /// The guard of impacts on the front stopper.
     pub const FRONT: usize = 0;
-    /// Impacts on the back stopper.
+    /// The guard of impacts on the back stopper.
     pub const BACK: usize = 1;
-    /// The end of slip.
+    /// The guard of the end of slip, where the frame comes to rest.
     pub const REST: usize = 2;
-    /// The beginning of slip forward without an impact.
+    /// The guard at which the frame begins to slip forward without an impact.
     pub const SLIDE_FORWARD: usize = 3;
-    /// The beginning of slip backward without an impact.
+    /// The guard at which the frame begins to slip backward without an impact.
     pub const SLIDE_BACKWARD: usize = 4;
-    /// The end of contact.
+    /// The guard at which the contact between block and stopper ends.
     pub const LEAVE: usize = 5;
 
     fn moves_forward(mode: usize) -> bool {
         mode == Self::FORWARD || mode == Self::RIDING_FORWARD
     }
 
-    /// Returns whether the frame moves.
+    /// Returns whether the frame moves in a mode.
     fn slips(mode: usize) -> bool {
         mode != Self::STICK && mode != Self::CONTACT
     }
 
-    /// Returns whether the block is in contact with a stopper.
+    /// Returns whether the block is in contact with a stopper in a mode.
     fn touches(mode: usize) -> bool {
         mode >= Self::CONTACT
     }
 
-    /// Returns the displacement and velocity of the block, and the velocity of the frame, in a
-    /// mode.
+    /// Returns the displacement and velocity of the block and the velocity of the frame, from the
+    /// states of a mode.
     #[inline(always)]
     fn motion<T: Scalar>(mode: usize, x: &[T]) -> [T; 3] {
         match (Self::touches(mode), Self::slips(mode)) {
@@ -108,8 +113,9 @@ impl Actuator {
         }
     }
 
-    /// Returns the part of `R` in excess of the force that accelerates the block with the frame:
-    /// positive if the block is pressed against the front stopper, negative for the back stopper.
+    /// Returns the part of the force `R` in excess of the force that accelerates the block with the
+    /// frame: positive if the block is pressed against the front stopper, negative if it is pressed
+    /// against the back stopper.
     #[inline(always)]
     fn excess<T: Scalar>(mode: usize, r: T, parameters: &Parameters<T>) -> T {
         if !Self::slips(mode) {
@@ -118,7 +124,7 @@ impl Actuator {
         r - parameters.on_the_frame(Self::moves_forward(mode)) / parameters.mass()
     }
 
-    /// Returns `R` in a mode.
+    /// Returns the force `R` between block and frame in a mode.
     #[inline(always)]
     fn force<T: Scalar>(mode: usize, t: T, x: &[T], parameters: &Parameters<T>) -> T {
         let [q, u, _] = Self::motion(mode, x);
@@ -131,7 +137,7 @@ impl Actuator {
         [-restitution * u, v + (restitution + 1.0) * u / parameters.mass()]
     }
 
-    /// Returns the mode without contact that follows for a given velocity of the frame.
+    /// Returns the mode without contact that follows an event, given the velocity of the frame.
     fn of_velocity(velocity: f64, r: f64, parameters: &Parameters<f64>) -> usize {
         if velocity > 0.0 {
             Self::FORWARD
@@ -188,7 +194,8 @@ impl HybridSystem for Actuator {
         Self::DEFAULTS.into()
     }
 
-    /// Returns scales of dimensionless equations. The forcing may be far slower than the motion.
+    /// Returns the scales of the dimensionless equations. The forcing may be much slower than the
+    /// motion of the block.
     fn scales(&self, _p: &[f64]) -> Scales {
         Scales::default().time(1.0)
     }
@@ -287,7 +294,8 @@ impl HybridSystem for Actuator {
         }
     }
 
-    /// Returns contact, or the same mode if the block is not pressed against the stopper.
+    /// Returns the mode after an accumulation of impacts: contact, or the same mode if the block is
+    /// not pressed against the stopper.
     fn mode_after_accumulation(
         &self,
         guard: usize,
@@ -322,10 +330,10 @@ impl HybridSystem for Actuator {
         VectorField::period(&Block, &Parameters::of(p).block().map(|p| *p))
     }
 
-    /// Returns the measures: `max_displacement`; `displacement_range`; `poincare_velocity`, the
-    /// velocity of the block where it passes upward through the middle; `impact_velocity`, the
-    /// largest one at the front stopper; `step`, the displacement of the frame in a period; and
-    /// `average_velocity`, `ω` times the step.
+    /// Returns the measures of a period: `max_displacement`; `displacement_range`;
+    /// `poincare_velocity`, the velocity of the block where it passes upward through the middle;
+    /// `impact_velocity`, the largest impact velocity at the front stopper; `step`, the
+    /// displacement of the frame in a period; and `average_velocity`, `ω` times the step.
     fn measures(&self) -> Vec<(String, Measure)> {
         let displacement = || "displacement".to_string();
         let rising = Measure::Rising { through: displacement(), value: "velocity".into() };

@@ -1,20 +1,23 @@
-//! The block on its spring, with the frame at rest.
+//! The block of Mita's actuator on its spring, with the frame at rest.
 
 use crate::core::failure::OutOfDomain;
 use crate::core::problem::{Forcing, Names, VectorField};
 use crate::core::scalar::Scalar;
 use std::f64::consts::PI;
 
-/// The block within a frame at rest, without impacts: with displacement `q₂` and velocity `u₂`,
+/// The block within a frame at rest, without impacts. Its displacement `q₂` and velocity `u₂`
+/// satisfy
 ///
 /// ```text
 ///     q₂' = u₂,    u₂' = V² sin²ωt/(1 − q₂)² − q₂ − c u₂
 /// ```
 ///
-/// (equations 4.1 and 4.2 for `u₁ = 0`). The voltage enters squared, so the forcing has the period
-/// `π/ω`. The block pulls in at `q₂ = 1`; the front stopper at 0.5 is not part of this field.
+/// (equations 4.1 and 4.2 of Zhao's dissertation for `u₁ = 0`). The forcing has the period `π/ω`
+/// because the force is proportional to the square of the voltage. The field is singular at `q₂ =
+/// 1`, where the block touches the electrode; the front stopper at 0.5 is not part of this field.
 ///
-/// States `displacement`, `velocity`; parameters `voltage`, `frequency`, `damping`.
+/// The states are `displacement` and `velocity`; the parameters are `voltage`, `frequency` and
+/// `damping`.
 ///
 /// ```
 /// use tangency::core::problem::VectorField;
@@ -29,7 +32,7 @@ use std::f64::consts::PI;
 pub struct Block;
 
 impl Block {
-    /// The default values of the parameters.
+    /// The default values of the block's parameters.
     pub const DEFAULTS: [f64; 3] = [0.01, 0.45, 0.04];
 }
 

@@ -1,12 +1,12 @@
-//! Models Mita's impact microactuator: a block on a spring within a frame, moved by a voltage.
+//! Models Mita's impact microactuator: a block on a spring within a frame, driven by a voltage.
 //!
-//! The voltage `V(t) = V sin ωt` pulls the block; its impacts on stoppers move the frame against
-//! dry friction (X. Zhao, *Modeling and Simulation of MEMS Devices*, 2004, chapters 2.2 and 4).
-//! [`Actuator`] is the hybrid system, [`Block`] the block without impacts, and [`SwitchOn`]
-//! classifies the onset of impacts.
+//! The voltage `V(t) = V sin ωt` attracts the block; impacts of the block on stoppers move the
+//! frame against dry friction (X. Zhao, *Modeling and Simulation of MEMS Devices*, 2004, chapters
+//! 2.2 and 4). [`Actuator`] is the hybrid system, [`Block`] describes the block without impacts,
+//! and [`SwitchOn`] classifies the onset of impacts.
 //!
-//! All quantities are nondimensional: the block's mass, the spring's stiffness and the electrode
-//! gap are 1.
+//! All quantities are nondimensional: the mass of the block, the stiffness of the spring and the
+//! electrode gap are 1.
 //!
 //! ```
 //! use tangency::core::hybrid::{History, HybridFlow, HybridSettings, HybridState};

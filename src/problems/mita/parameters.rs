@@ -1,8 +1,8 @@
-//! The parameters of the actuator.
+//! The parameters of Mita's actuator.
 
 use crate::core::scalar::Scalar;
 
-/// The names of the parameters, in order.
+/// The names of the actuator's parameters, in order.
 pub(super) const NAMES: [&str; 9] = [
     "voltage",
     "frequency",
@@ -15,10 +15,10 @@ pub(super) const NAMES: [&str; 9] = [
     "gravity",
 ];
 
-/// The parameters, accessible by name.
+/// The actuator's parameters, accessible by name.
 pub(super) struct Parameters<'a, T>(&'a [T]);
 
-/// Declares an accessor for each parameter.
+/// Declares an accessor method for each parameter.
 macro_rules! named {
     ($($name:ident: $position:literal)*) => {
         impl<T: Scalar> Parameters<'_, T> {
@@ -33,19 +33,19 @@ macro_rules! named {
 named! { clearance: 2 restitution: 3 static_friction: 5 dynamic_friction: 6 frame_mass: 7 gravity: 8 }
 
 impl<'a, T: Scalar> Parameters<'a, T> {
-    /// Wraps all parameters, in order.
+    /// Wraps a list of all parameters, in order.
     #[inline(always)]
     pub fn of(p: &'a [T]) -> Self {
         Parameters(&p[..NAMES.len()])
     }
 
-    /// Returns voltage, frequency and damping, the parameters of the block.
+    /// Returns voltage, frequency and damping, which are the parameters of the block.
     #[inline(always)]
     pub fn block(&self) -> [&T; 3] {
         [&self.0[0], &self.0[1], &self.0[4]]
     }
 
-    /// Returns the total mass.
+    /// Returns the total mass of block and frame.
     #[inline(always)]
     pub fn mass(&self) -> T {
         self.frame_mass() + 1.0
@@ -57,7 +57,7 @@ impl<'a, T: Scalar> Parameters<'a, T> {
         coefficient * self.mass() * self.gravity()
     }
 
-    /// Returns the friction on a frame that moves forward, or backward.
+    /// Returns the friction force on a frame that moves forward, or backward.
     #[inline(always)]
     pub fn on_the_frame(&self, forward: bool) -> T {
         let friction = self.friction(self.dynamic_friction());

@@ -1,4 +1,5 @@
-//! The type of switch-on of the actuator as a parameter grows.
+//! Classifies the switch-on of the actuator: the transition from motion without impacts to motion
+//! with impacts as a parameter varies.
 
 use super::actuator::Actuator;
 use crate::core::continuation::{Branch, SpecialPoint};
@@ -10,11 +11,11 @@ use crate::core::system::Kind;
 #[derive(Clone, Debug, PartialEq, miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum SwitchOnError {
-    /// The branch has no grazing.
+    /// The branch does not contain a grazing.
     #[error("branch `{0}` has no grazing (G)")]
     #[diagnostic(help("trace the motion without impacts until it touches the front stopper"))]
     NoGrazing(String),
-    /// The branch does not follow motion without impacts.
+    /// The solutions of the branch have impacts.
     #[error("branch `{branch}` has the itinerary `{itinerary}`")]
     #[diagnostic(help("trace the motion without impacts, `stick`"))]
     Impacts {
@@ -23,36 +24,37 @@ pub enum SwitchOnError {
         /// The itinerary of the branch.
         itinerary: String,
     },
-    /// The itinerary is invalid.
+    /// The itinerary of the branch is invalid.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Itinerary(#[from] ItineraryError),
-    /// The local map at the grazing cannot be computed, or does not determine the type.
+    /// The local map at the grazing cannot be computed, or does not determine the type of the
+    /// switch-on.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Grazing(#[from] GrazingError),
 }
 
-/// The switch-on of the actuator as a parameter, usually the voltage or the frequency, moves motion
-/// without impacts to the front stopper (X. Zhao, *Modeling and Simulation of MEMS Devices*, 2004,
-/// section 4.3).
+/// The switch-on of the actuator: a parameter, usually the voltage or the frequency, reaches the
+/// value at which motion without impacts touches the front stopper (X. Zhao, *Modeling and
+/// Simulation of MEMS Devices*, 2004, section 4.3).
 #[derive(Clone, Debug, PartialEq)]
 pub struct SwitchOn {
-    /// The type, with its coefficients: types I, II and III are the scenarios
+    /// The type of the switch-on, with its coefficients: types I, II and III are the scenarios
     /// [`Jump`](crate::core::local_map::Scenario::Jump),
     /// [`Continuous`](crate::core::local_map::Scenario::Continuous) and
     /// [`Unstable`](crate::core::local_map::Scenario::Unstable).
     pub classification: Classification,
-    /// The parameter at which motion without impacts touches the stopper.
+    /// The parameter value at which motion without impacts touches the stopper.
     pub grazing: f64,
-    /// The parameter at which stable motion without impacts ends: the grazing for types I and II,
-    /// the fold before the grazing for type III. `None` if the branch begins beyond that fold.
+    /// The parameter value at which stable motion without impacts ends: the grazing for types I and
+    /// II, the fold before the grazing for type III. `None` if the branch begins beyond that fold.
     pub at: Option<f64>,
 }
 
 impl SwitchOn {
     /// Classifies the switch-on at the first grazing of a branch of motion without impacts, by the
-    /// local map of first order.
+    /// first-order local map.
     ///
     /// ```
     /// use tangency::core::local_map::Scenario;
@@ -71,7 +73,7 @@ impl SwitchOn {
     ///
     /// # Errors
     /// [`SwitchOnError`] for a branch without a grazing or with impacts, and at points of
-    /// codimension two, where the type changes.
+    /// codimension two, where the type of the switch-on changes.
     pub fn of(branch: &Branch) -> Result<Self, SwitchOnError> {
         let is_grazing = |point: &SpecialPoint| point.kind == Kind::G;
         let Some(place) = branch.special.iter().position(is_grazing) else {

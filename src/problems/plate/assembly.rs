@@ -1,12 +1,14 @@
-//! The Hessian of the condensed potential, assembled from matrix products.
+//! The Hessian of the plate's potential after elimination of the in-plane displacements, assembled
+//! from matrix products.
 //!
 //! ```text
 //! F_q = K_b + (geometric and strain terms) − 2λ⟨φφᵀ/(1−w)³⟩ − 12α₁² BᵀK_uv⁻¹B,    B = ∂r/∂q
 //! ```
 //!
-//! Each term is a sum of `⟨a(ξ,ζ) · f_i f_k(ξ) · g_j g_l(ζ)⟩`. With tabulated products of two
-//! functions of one variable, this amounts to two matrix products, `X A Y`, for any number of
-//! functions. Tested against the derivative of the residual by dual numbers.
+//! Each term of the Hessian is a sum of `⟨a(ξ,ζ) · f_i f_k(ξ) · g_j g_l(ζ)⟩`. The products of two
+//! functions of one variable are tabulated, so a term takes two matrix products, `X A Y`, for any
+//! number of functions. The Hessian is tested against the derivative of the residual by dual
+//! numbers.
 
 use super::discretisation::{Discretisation, Membrane, PairTables};
 use super::parameters::Parameters;
@@ -17,9 +19,9 @@ use faer::linalg::matmul::{matmul, triangular};
 use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
 use faer::{Accum, MatMut, MatRef, Par};
 
-/// The assembled matrix and its workspace.
+/// The assembled Hessian and the workspace of its assembly.
 pub(super) struct Assembly {
-    /// `F_q`, stored by columns.
+    /// The Hessian `F_q`, stored column by column.
     pub matrix: Vec<f64>,
     field: Vec<f64>,
     half: Vec<f64>,
@@ -27,7 +29,7 @@ pub(super) struct Assembly {
     coupling: Vec<f64>,
 }
 
-/// The workspace for the integral of a field times pairs of functions.
+/// The workspace for integrals of a field times pairs of functions.
 struct Integral<'a> {
     points: [usize; 2],
     half: &'a mut Vec<f64>,
@@ -35,8 +37,8 @@ struct Integral<'a> {
 }
 
 impl Integral<'_> {
-    /// Computes `out (+)= scale · Σ field(p, q) x(p, ·) y(q, ·)`, with the pair of ξ-functions
-    /// varying fastest.
+    /// Computes `out (+)= scale · Σ field(p, q) x(p, ·) y(q, ·)`, where the pair of ξ-functions
+    /// varies fastest.
     fn add(&mut self, scale: f64, field: &[f64], x: &[f64], y: &[f64], accumulate: Accum) {
         let [px, py] = self.points;
         let (nx, ny) = (x.len() / px, y.len() / py);
@@ -64,7 +66,8 @@ impl Assembly {
         }
     }
 
-    /// Assembles at the state of the last evaluation of `work`, with its `factor`.
+    /// Assembles the Hessian at the state of the last evaluation of `work`, with the `factor` of
+    /// `K_uv` at that state.
     pub fn assemble(
         &mut self,
         model: &Discretisation,
@@ -89,7 +92,7 @@ impl Assembly {
         }
     }
 
-    /// Assembles at `w = 0` without any load: bending alone.
+    /// Assembles the Hessian at `w = 0` without any load, which contains only bending.
     pub fn assemble_flat(&mut self, model: &Discretisation, parameters: &Parameters<f64>) {
         self.matrix.fill(0.0);
         self.bend(model, parameters);
@@ -115,7 +118,7 @@ impl Assembly {
         }
     }
 
-    /// Assembles `12α₁²⟨δe:C:δe' + N:δ²e⟩` at fixed in-plane displacements.
+    /// Adds the stretching terms `12α₁²⟨δe:C:δe' + N:δ²e⟩` at fixed in-plane displacements.
     fn stretch(
         &mut self,
         model: &Discretisation,
@@ -151,8 +154,8 @@ impl Assembly {
         self.scatter(model, |[i, k], [j, l]| (j * ny + l) * nx * nx + i * nx + k);
     }
 
-    /// Adds the integral of each pair of products to entry `(i j, k l)`; `pair([i, k], [j, l])` is
-    /// its position.
+    /// Adds the integral of each pair of products to entry `(i j, k l)` of the matrix; `pair([i,
+    /// k], [j, l])` is the position of the integral.
     fn scatter(&mut self, model: &Discretisation, pair: impl Fn([usize; 2], [usize; 2]) -> usize) {
         let [nx, ny] = [0, 1].map(|axis| model.transverse[axis].len());
         for (column, entries) in self.matrix.chunks_exact_mut(nx * ny).enumerate() {
@@ -202,7 +205,7 @@ impl Assembly {
         }
     }
 
-    /// Assembles `B = ∂r/∂q` from the weighted slopes of the deflection.
+    /// Assembles `B = ∂r/∂q` from the weighted slopes of the deflection `w`.
     fn couple(
         &mut self,
         model: &Discretisation,

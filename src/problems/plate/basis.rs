@@ -1,17 +1,18 @@
-//! Functions of one variable `ξ ∈ [−1, 1]` that make up the displacements of a plate.
+//! Functions of one variable `ξ ∈ [−1, 1]` whose products span the displacements of a plate.
 //!
-//! A [`Basis`] is hierarchical: a few polynomials of degree at most 3, which satisfy the conditions
-//! at the ends, then *bubbles*, multiple integrals of Legendre polynomials that vanish at both ends
-//! (together with their slopes, for `m = 2`):
+//! A [`Basis`] is hierarchical: first a few polynomials of degree at most 3, which satisfy the
+//! conditions at the ends, then *bubbles*. Bubbles are multiple integrals of Legendre polynomials
+//! that vanish at both ends (together with their slopes, for `m = 2`):
 //!
 //! ```text
 //! m = 1:  b_k' = √(k − ½) P_{k−1},    b_k = √(k − ½) (P_k − P_{k−2})/(2k − 1),                k ≥ 2
 //! m = 2:  b_k" = √(k − 3/2) P_{k−2},  b_k' the bubble of m = 1 and degree k − 1,              k ≥ 4
 //! ```
 //!
-//! so that `∫ b_j^(m) b_k^(m) dξ = δ_jk`: stiffness matrices are close to diagonal at every order.
-//! Values are computed by the recurrence of Legendre polynomials, not from powers of `ξ` (which
-//! lose all digits by order 50). Appendix B of the dissertation gives the same functions in powers.
+//! The scaling gives `∫ b_j^(m) b_k^(m) dξ = δ_jk`, so that stiffness matrices are close to
+//! diagonal at every order. Values are computed by the recurrence of Legendre polynomials, because
+//! powers of `ξ` lose all digits by order 50. Appendix B of Zhao's dissertation gives the same
+//! functions in powers of `ξ`.
 
 use super::edges::{InPlane, Support};
 use super::tensor::{Rule, moments};
@@ -20,7 +21,8 @@ use faer::linalg::triangular_solve::{
 };
 use faer::{Mat, Par, Side};
 
-/// The direction of a displacement relative to the edges, which determines the ends that are held.
+/// The direction of a displacement relative to the edges; it determines at which ends the
+/// displacement is prescribed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Direction {
     /// The displacement is normal to the edges at the two ends.
@@ -31,36 +33,37 @@ pub(super) enum Direction {
 
 #[derive(Clone, Copy, Debug)]
 enum Function {
-    /// `c₀ + c₁ξ + c₂ξ² + c₃ξ³`.
+    /// The cubic `c₀ + c₁ξ + c₂ξ² + c₃ξ³`.
     Cubic([f64; 4]),
-    /// The bubble of degree `k`.
+    /// The bubble function of degree `k`.
     Bubble(usize),
 }
 
-/// Functions on `[−1, 1]`, and their values, slopes and curvatures.
+/// A set of functions on `[−1, 1]`, with their values, slopes and curvatures.
 #[derive(Clone, Debug)]
 pub struct Basis {
     functions: Vec<Function>,
-    /// The number `m` of times that the bubbles integrate a Legendre polynomial.
+    /// The number `m` of integrations of a Legendre polynomial that define a bubble function.
     integrals: usize,
-    /// The number of first functions that do not vanish at the ends.
+    /// The number of functions at the beginning of the set that do not vanish at the ends.
     pub(super) boundary: usize,
     degree: usize,
-    /// Linear combinations that replace the functions, if any.
+    /// Linear combinations that replace the original functions, if any.
     mix: Option<Mix>,
 }
 
-/// New functions `F_m = Σ_k T_mk f_k`.
+/// A change of the basis to the functions `F_m = Σ_k T_mk f_k`.
 #[derive(Clone, Debug)]
 struct Mix {
-    /// `T_mk` at `m·n + k`.
+    /// The matrix `T`, with `T_mk` at position `m·n + k`.
     to: Vec<f64>,
-    /// `T⁻ᵀ`, stored like `to`: converts coefficients of `f` into coefficients of `F`.
+    /// The matrix `T⁻ᵀ`, stored like `to`; it converts coefficients of `f` into coefficients of
+    /// `F`.
     back: Vec<f64>,
 }
 
-/// The cubics with one of the following equal to 1 and the others 0: value at −1, slope at −1,
-/// value at 1, slope at 1.
+/// The four cubics for which one of the following is 1 and the others are 0: value at −1, slope at
+/// −1, value at 1, slope at 1.
 const HERMITE: [[f64; 4]; 4] = [
     [0.5, -0.75, 0.0, 0.25],
     [0.25, -0.25, -0.25, 0.25],
@@ -68,12 +71,13 @@ const HERMITE: [[f64; 4]; 4] = [
     [-0.25, -0.25, 0.25, 0.25],
 ];
 
-/// The largest order of a basis. Beyond this order, the mass matrix loses all digits.
+/// The largest number of functions in a basis. For larger numbers, the mass matrix loses all
+/// digits.
 pub(super) const LARGEST_COUNT: usize = 60;
 
 impl Basis {
     /// Creates the first `count` functions for a deflection with supports `ends` at `ξ = −1` and
-    /// `1`; only even ones if `even` (the two supports must then be alike).
+    /// `1`; if `even`, only even functions are created (the two supports must then be alike).
     pub fn transverse(ends: [Support; 2], even: bool, count: usize) -> Basis {
         let cubics = if even {
             match ends[0] {
@@ -96,8 +100,9 @@ impl Basis {
         Basis::new(cubics, 2, 4, if even { 2 } else { 1 }, count)
     }
 
-    /// Creates the first `count` functions for a displacement in the plane between two edges held
-    /// as `ends`. `parity` is `Some(true)` for even functions only, `Some(false)` for odd ones.
+    /// Creates the first `count` functions for an in-plane displacement between two edges with the
+    /// in-plane supports `ends`. `parity` is `Some(true)` for even functions only, `Some(false)`
+    /// for odd functions only, and `None` for all functions.
     pub(super) fn in_plane(
         ends: [InPlane; 2],
         direction: Direction,
@@ -140,14 +145,14 @@ impl Basis {
         Basis { functions, integrals, boundary, degree, mix: None }
     }
 
-    /// Replaces the functions by the modes of a beam with the same ends, which span the same space:
-    /// `⟨F_i F_k⟩` and `⟨F_i" F_k"⟩` are both diagonal. In a basis of products of these functions,
-    /// the stiffness matrix of a plate is nearly diagonal, so the eigenvalues of the scaled matrix
-    /// characterise the plate. (In the basis of polynomials, the condition number of the matrix is
-    /// 1e6 with ten functions, and inverse iteration yields noise.)
+    /// Replaces the functions by the modes of a beam with the same supports, which span the same
+    /// space: `⟨F_i F_k⟩` and `⟨F_i" F_k"⟩` are both diagonal. In a basis of products of these
+    /// functions, the stiffness matrix of a plate is nearly diagonal, so the eigenvalues of the
+    /// scaled matrix characterise the plate. (In the basis of polynomials, the condition number of
+    /// the matrix is 1e6 with ten functions, and inverse iteration yields noise.)
     ///
-    /// The first function is the lowest mode; all are positive next to `ξ = 1`. If the eigenproblem
-    /// has no solution (because values are not finite), the basis is unchanged.
+    /// The first function is the lowest beam mode; all functions are positive next to `ξ = 1`. The
+    /// basis is unchanged if the eigenproblem has no solution because values are not finite.
     #[must_use]
     pub(super) fn into_beam_modes(mut self, symmetric: bool) -> Basis {
         let n = self.len();
@@ -184,27 +189,28 @@ impl Basis {
     }
 
     /// Returns the matrices that convert coefficients of the functions to coefficients of the
-    /// polynomials, and back, if the functions are combinations.
+    /// polynomials, and back; `None` if the functions are the polynomials themselves.
     pub(super) fn conversions(&self) -> Option<[&[f64]; 2]> {
         self.mix.as_ref().map(|mix| [&mix.to[..], &mix.back[..]])
     }
 
-    /// Returns the number of functions.
+    /// Returns the number of functions in the basis.
     pub fn len(&self) -> usize {
         self.functions.len()
     }
 
-    /// Returns whether there are no functions.
+    /// Returns whether the basis contains no functions.
     pub fn is_empty(&self) -> bool {
         self.functions.is_empty()
     }
 
-    /// Returns the highest degree.
+    /// Returns the highest degree of the functions.
     pub fn degree(&self) -> usize {
         self.degree
     }
 
-    /// Returns whether 1 (`power` 0) or `ξ` (1) is a combination of these functions.
+    /// Returns whether the constant 1 (`power` 0) or `ξ` (`power` 1) is a linear combination of the
+    /// functions.
     pub(super) fn contains(&self, power: usize) -> bool {
         let linear = |function: &Function| match function {
             Function::Cubic(c) if c[2] == 0.0 && c[3] == 0.0 => Some(*c),
@@ -214,14 +220,15 @@ impl Basis {
         cubics.len() == 2 || cubics.iter().any(|c| c[power] != 0.0 && c[1 - power] == 0.0)
     }
 
-    /// Returns values, slopes and curvatures of all functions at `ξ`, one function after another.
+    /// Returns the values, slopes and curvatures of all functions at `ξ`, one function after
+    /// another.
     pub fn at(&self, xi: f64) -> Vec<[f64; 3]> {
         let mut point = AtPoint::default();
         self.evaluate(xi, &mut point);
         point.values
     }
 
-    /// Evaluates all functions with their derivatives into a reusable workspace.
+    /// Evaluates all functions and their derivatives into a reusable workspace.
     pub(super) fn evaluate(&self, xi: f64, point: &mut AtPoint) {
         legendre(self.degree, xi, &mut point.legendre);
         let p = &point.legendre;
@@ -249,7 +256,7 @@ impl Basis {
         point.values.extend(mix.to.chunks_exact(plain.len()).map(combine));
     }
 
-    /// Returns values, slopes and curvatures at all `nodes`.
+    /// Returns the values, slopes and curvatures of all functions at all `nodes`.
     pub fn table(&self, nodes: &[f64]) -> Table {
         let (points, functions) = (nodes.len(), self.len());
         let zeros = || vec![0.0; points * functions];
@@ -281,13 +288,13 @@ impl Function {
 /// The functions of a [`Basis`] at one point, and the workspace of their evaluation.
 #[derive(Clone, Debug, Default)]
 pub(super) struct AtPoint {
-    /// Value, slope and curvature of each function.
+    /// The value, slope and curvature of each function.
     pub values: Vec<[f64; 3]>,
     legendre: Vec<f64>,
     polynomials: Vec<[f64; 3]>,
 }
 
-/// Computes `P_0 … P_degree` at `ξ`.
+/// Computes the Legendre polynomials `P_0 … P_degree` at `ξ`.
 fn legendre(degree: usize, xi: f64, p: &mut Vec<f64>) {
     p.resize(degree.max(1) + 1, 1.0);
     p[1] = xi;
@@ -297,13 +304,13 @@ fn legendre(degree: usize, xi: f64, p: &mut Vec<f64>) {
     }
 }
 
-/// Returns `√(k − ½) ∫P_{k−1}`.
+/// Returns the bubble function `√(k − ½) ∫P_{k−1}`.
 fn once(p: &[f64], k: usize) -> f64 {
     let j = k as f64;
     (j - 0.5).sqrt() * (p[k] - p[k - 2]) / (2.0 * j - 1.0)
 }
 
-/// Returns `√(k − 3/2) ∬P_{k−2}`.
+/// Returns the bubble function `√(k − 3/2) ∬P_{k−2}`.
 fn twice(p: &[f64], k: usize) -> f64 {
     let n = k as f64 - 2.0;
     (n + 0.5).sqrt()
@@ -311,18 +318,19 @@ fn twice(p: &[f64], k: usize) -> f64 {
         / (2.0 * n + 1.0)
 }
 
-/// The functions of a [`Basis`] at some nodes, one function after another: entry `(function,
-/// point)` at `function · points + point`.
+/// The functions of a [`Basis`] at the nodes of a rule, one function after another: entry
+/// `(function, point)` at `function · points + point`.
 #[derive(Clone, Debug, Default)]
 pub struct Table {
-    /// The number of nodes.
+    /// The number of nodes of the table.
     pub points: usize,
-    /// The number of functions.
+    /// The number of functions in the table.
     pub functions: usize,
     /// The values.
     pub values: Vec<f64>,
-    /// The slopes with respect to `ξ`.
+    /// The slopes of the functions with respect to `ξ`.
     pub slopes: Vec<f64>,
-    /// The curvatures with respect to `ξ` (NaN for in-plane bubbles, which do not need them).
+    /// The curvatures of the functions with respect to `ξ` (NaN for in-plane bubble functions,
+    /// whose curvatures are not needed).
     pub curvatures: Vec<f64>,
 }

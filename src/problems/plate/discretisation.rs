@@ -1,4 +1,5 @@
-//! The parts of a plate that do not depend on its state: functions, rules, tables, moments.
+//! The parts of a plate model that do not depend on the plate's state: functions, quadrature rules,
+//! tables, moments.
 
 use super::basis::{Basis, Table};
 use super::edges::{InPlane, Supports};
@@ -10,30 +11,30 @@ use super::tensor::{Product, Rule, means, moments, pairs};
 use super::terms::Theory;
 use crate::core::failure::OutOfDomain;
 
-/// The description of a plate for [`Ritz::new`](super::Ritz::new).
+/// The description of a plate from which [`Ritz::new`](super::Ritz::new) creates the model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RitzSettings {
     /// The supports of the edges against deflection.
     pub supports: Supports,
-    /// The supports of the edges in the plane.
+    /// The supports of the edges against in-plane displacements.
     pub in_plane: InPlane,
-    /// The theory: bending only, or stretching as well.
+    /// The theory: bending only, or bending and stretching.
     pub theory: Theory,
-    /// The numbers of functions; by default those suitable for `aspect`.
+    /// The numbers of functions; by default suitable numbers for `aspect`.
     pub orders: Option<Orders>,
-    /// The aspect ratio for the default orders: the largest one if above 1, the smallest one if
-    /// below.
+    /// The aspect ratio for which the default numbers of functions are chosen: the largest aspect
+    /// ratio of interest if it is above 1, the smallest one if it is below 1.
     pub aspect: f64,
-    /// The meaning of the named parameters.
+    /// The units and the meaning of the named parameters.
     pub units: Units,
-    /// Whether to use the symmetry of directions whose two edges are alike. A load that breaks it
-    /// (`edge_shear`) needs `false`.
+    /// Whether to use the symmetry of the plate in directions whose two edges are alike. A load
+    /// that breaks the symmetry (`edge_shear`) requires `false`.
     pub symmetric: bool,
 }
 
 impl RitzSettings {
-    /// Creates the settings of a plate with default in-plane edges and orders, von Kármán's theory
-    /// and dimensionless parameters.
+    /// Creates the settings of a plate with default in-plane supports and numbers of functions, von
+    /// Kármán's theory and dimensionless parameters.
     pub fn new(supports: Supports) -> RitzSettings {
         RitzSettings {
             supports,
@@ -46,69 +47,72 @@ impl RitzSettings {
         }
     }
 
-    /// Returns the directions in which only symmetric displacements are considered.
+    /// Returns the directions in which only symmetric displacements are considered, as a flag for
+    /// each direction.
     pub(super) fn symmetries(&self) -> [bool; 2] {
         self.supports.alike().map(|alike| alike && self.symmetric)
     }
 }
 
-/// The mean products of the transverse functions of one direction, `(i, k)` at `i·n + k`.
+/// The means of products of the transverse functions of one direction, for the pair `(i, k)` at
+/// position `i·n + k`.
 pub(super) struct LineMoments {
     pub values: Vec<f64>,
     pub slopes: Vec<f64>,
     pub curvatures: Vec<f64>,
-    /// `⟨f_i" f_k⟩` and its transpose.
+    /// The means `⟨f_i" f_k⟩`, and their transpose.
     pub mixed: [Vec<f64>; 2],
-    /// `⟨f_i' f_k⟩` and its transpose; zero by symmetry in symmetric directions.
+    /// The means `⟨f_i' f_k⟩`, and their transpose; zero by symmetry in symmetric directions.
     pub skew: [Vec<f64>; 2],
     pub means: Vec<f64>,
 }
 
-/// The transverse functions on one quadrature rule for the load term.
+/// The transverse functions at the nodes of one quadrature rule for the load term.
 pub(super) struct LoadRule {
     pub rules: [Rule; 2],
     pub tables: [Table; 2],
-    /// `f_i f_k`, `i ≤ k`, at the nodes.
+    /// The products `f_i f_k`, `i ≤ k`, at the nodes.
     pub squares: [Vec<f64>; 2],
-    /// The largest deflection at which the rule is accurate to 1e-11.
+    /// The largest deflection at which the load rule is accurate to 1e-11.
     pub largest: f64,
 }
 
-/// Products of a transverse function and another function at the nodes of the membrane rule, by the
-/// derivatives of the two functions: `[of the other][of the transverse one]`.
+/// Products of a transverse function and another function at the nodes of the membrane rule; the
+/// first index is the order of the derivative of the other function, the second index the order of
+/// the derivative of the transverse function.
 pub(super) type PairTables = [[Vec<f64>; 2]; 2];
 
-/// The tables on the rule that integrates all products of strains exactly.
+/// The tables at the nodes of the quadrature rule that integrates all products of strains exactly.
 pub(super) struct Membrane {
     pub rules: [Rule; 2],
     pub w: [Table; 2],
     pub u: [Table; 2],
     pub v: [Table; 2],
-    /// Products of two transverse functions, for each direction.
+    /// The products of two transverse functions, for each direction.
     pub ww: [PairTables; 2],
-    /// Products of functions of `u` and transverse functions.
+    /// The products of functions of `u` and transverse functions, for each direction.
     pub uw: [PairTables; 2],
-    /// Products of functions of `v` and transverse functions.
+    /// The products of functions of `v` and transverse functions, for each direction.
     pub vw: [PairTables; 2],
 }
 
-/// The parts of a plate that do not depend on its state.
+/// The parts of a plate model that do not depend on the plate's state.
 pub(super) struct Discretisation {
     pub settings: RitzSettings,
     pub orders: Orders,
-    /// The directions in which only symmetric displacements are considered.
+    /// Flags for the two directions: whether only symmetric displacements are considered.
     pub symmetric: [bool; 2],
     pub transverse: [Basis; 2],
     pub lines: [LineMoments; 2],
     pub loads: Vec<LoadRule>,
     pub membrane: Option<Membrane>,
     pub plane: PlaneSpace,
-    /// The factors of the products `f_i g_j`, see [`scales`].
+    /// The factors of the products `f_i g_j`; see [`scales`].
     pub scale: Vec<f64>,
 }
 
-/// The largest allowed deflection. At larger deflections the electrostatic load is not integrated
-/// to 1e-11.
+/// The largest allowed deflection, relative to the gap. At larger deflections, the quadrature error
+/// of the electrostatic load exceeds 1e-11.
 pub(super) const LARGEST_DEFLECTION: f64 = 0.96;
 
 impl Discretisation {
@@ -144,7 +148,7 @@ impl Discretisation {
         })
     }
 
-    /// Returns the mass matrix.
+    /// Returns the mass matrix of the plate.
     pub fn mass(&self) -> Vec<f64> {
         let [x, y] = &self.lines;
         let [nx, ny] = [0, 1].map(|axis| self.transverse[axis].len());
@@ -158,17 +162,18 @@ impl Discretisation {
         (0..n * n).map(entry).collect()
     }
 
-    /// Returns the number of unknowns.
+    /// Returns the number of unknowns of the plate.
     pub fn unknowns(&self) -> usize {
         self.transverse[0].len() * self.transverse[1].len()
     }
 
-    /// Returns rules that integrate products of two transverse functions (or their slopes) exactly.
+    /// Returns quadrature rules that integrate products of two transverse functions (or of their
+    /// slopes) exactly.
     pub fn product_rules(&self) -> [Rule; 2] {
         [0, 1].map(|axis| Rule::exact(2 * self.transverse[axis].degree(), self.symmetric[axis]))
     }
 
-    /// Rejects shear if symmetry excludes the functions that it needs.
+    /// Rejects an applied shear force if symmetry excludes the functions that the shear requires.
     pub fn check_shear(&self, shear: f64) -> Result<(), OutOfDomain> {
         if shear == 0.0 || self.symmetric == [false; 2] || self.settings.supports.any_free() {
             return Ok(());
@@ -177,22 +182,22 @@ impl Discretisation {
         Err(OutOfDomain::new("edge_shear", shear, remedy))
     }
 
-    /// Returns the rule for the load term at a deflection whose largest value is `largest`.
+    /// Returns the quadrature rule for the load term if the largest deflection is `largest`.
     pub fn load_rule(&self, largest: f64) -> &LoadRule {
         let good = self.loads.iter().find(|rule| largest <= rule.largest);
         good.unwrap_or(&self.loads[self.loads.len() - 1])
     }
 }
 
-/// Returns the factors `d_ij` of the functions `d_ij f_i g_j`, with
+/// Returns the factors `d_ij` of the functions `d_ij f_i g_j`, which satisfy
 ///
 /// ```text
 /// d_ij² (bending energy of f_i g_j + 100 mean square) = 100
 /// ```
 ///
-/// so that a unit of an unknown is a deflection of about one gap in the lowest modes. Products of
-/// two high functions have almost no bending energy; without scaling, rounding would fill their
-/// coefficients with noise that the norm of the unknowns could not distinguish from a correction.
+/// A unit of an unknown is therefore a deflection of about one gap in the lowest modes. Products of
+/// two functions of high order contain almost no bending energy; without scaling, rounding errors
+/// in their coefficients would dominate the norm of the unknowns.
 fn scales([x, y]: &[LineMoments; 2]) -> Vec<f64> {
     let count = [x, y].map(|line| line.means.len());
     let mut scales = Vec::with_capacity(count[0] * count[1]);
@@ -207,7 +212,7 @@ fn scales([x, y]: &[LineMoments; 2]) -> Vec<f64> {
     scales
 }
 
-/// Rejects supports that permit a rigid motion: deflection, a slope, or twist.
+/// Rejects supports that permit a rigid-body motion: a translation, a rotation, or a twist.
 fn check_held(supports: Supports) -> Result<(), PlateError> {
     use super::edges::Support::{Clamped, Free};
     let clamped = supports.0.contains(&Clamped);
@@ -286,7 +291,8 @@ impl Membrane {
         [self.rules[0].len(), self.rules[1].len()]
     }
 
-    /// Returns the derivatives with respect to ξ and to ζ of fields built from `tables`.
+    /// Returns the derivatives with respect to ξ and to ζ of the fields that are expanded in the
+    /// functions of `tables`.
     pub fn slopes<'a>(&self, tables: &'a [Table; 2]) -> [Product<'a>; 2] {
         let points = self.points();
         [

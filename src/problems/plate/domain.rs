@@ -1,11 +1,12 @@
-//! The domain of the equations of a plate: checks of parameters and deflections, shared by all
-//! models.
+//! The domain of the equations of a plate: checks of parameters and deflections that all models
+//! share.
 
 use super::parameters::{Parameters, Units};
 use crate::core::failure::{Failure, OutOfDomain};
 
-/// Returns the parameters of the equations. Rejects parameters that are not finite, quantities of a
-/// device that are not positive, `α ≤ 0`, `d/h < 0`, and `ν` outside of −1 to ½.
+/// Returns the parameters of the equations, after checking them. Rejects parameters that are not
+/// finite, quantities of a device that are not positive, `α ≤ 0`, `d/h < 0`, and `ν` outside of −1
+/// to ½.
 pub(super) fn parameters(units: Units, p: &[f64]) -> Result<Parameters<f64>, OutOfDomain> {
     for (name, value) in units.names().iter().zip(p) {
         let positive = matches!(
@@ -31,7 +32,7 @@ pub(super) fn parameters(units: Units, p: &[f64]) -> Result<Parameters<f64>, Out
     Ok(plate)
 }
 
-/// Rejects a ratio that is negative or not finite.
+/// Rejects a ratio of two quantities that is negative or not finite.
 pub(super) fn not_negative(name: &str, ratio: f64) -> Result<(), OutOfDomain> {
     match ratio >= 0.0 && ratio.is_finite() {
         true => Ok(()),
@@ -39,7 +40,7 @@ pub(super) fn not_negative(name: &str, ratio: f64) -> Result<(), OutOfDomain> {
     }
 }
 
-/// Rejects a largest deflection (over the gap) that is NaN or at least `limit`.
+/// Rejects a largest deflection, relative to the gap, that is NaN or at least `limit`.
 pub(super) fn clear(largest: f64, limit: f64) -> Result<(), OutOfDomain> {
     if largest < limit {
         return Ok(());
@@ -50,7 +51,7 @@ pub(super) fn clear(largest: f64, limit: f64) -> Result<(), OutOfDomain> {
     Err(OutOfDomain::new("max_deflection", largest, remedy))
 }
 
-/// Rejects entries that are not finite; `name` describes the entry at a position.
+/// Rejects entries that are not finite; `name` gives the name of the entry at a position.
 pub(super) fn finite(entries: &[f64], name: impl Fn(usize) -> String) -> Result<(), Failure> {
     match entries.iter().position(|entry| !entry.is_finite()) {
         Some(i) => {

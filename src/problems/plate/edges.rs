@@ -1,4 +1,4 @@
-//! The supports of the edges of a plate, against deflection and in the plane.
+//! The supports of the edges of a plate, against deflection and against in-plane displacements.
 
 use super::error::PlateError;
 
@@ -6,15 +6,16 @@ use super::error::PlateError;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Support {
-    /// `w = 0`; no moment.
+    /// A simply supported edge: `w = 0`, and no bending moment.
     SimplySupported,
-    /// `w = 0`, `∂w/∂n = 0`.
+    /// A clamped edge: `w = 0`, `∂w/∂n = 0`.
     Clamped,
-    /// No moment and no shear force. The edge is also free in its plane.
+    /// A free edge: no bending moment and no shear force. A free edge is also free of in-plane
+    /// forces.
     Free,
 }
 
-/// The supports of the edges, in the order x = 0, y = 0, x = 1, y = 1.
+/// The supports of the edges against deflection, in the order x = 0, y = 0, x = 1, y = 1.
 ///
 /// ```
 /// use tangency::problems::plate::{Support, Supports};
@@ -37,7 +38,7 @@ impl Supports {
         [self.0[1], self.0[3]]
     }
 
-    /// Returns whether the two edges of each direction (x, then y) are alike.
+    /// Returns whether the two edges of each direction (x, then y) have the same support.
     pub fn alike(&self) -> [bool; 2] {
         [self.x(), self.y()].map(|[first, second]| first == second)
     }
@@ -47,8 +48,8 @@ impl Supports {
         self.0.contains(&Support::Free)
     }
 
-    /// Returns the default supports in the plane: `slide` for a plate supported on all sides,
-    /// `immovable` for all others.
+    /// Returns the default in-plane supports: `slide` for a plate with four simply supported edges,
+    /// `immovable` for all other plates.
     pub fn usual_in_plane(&self) -> InPlane {
         if self.0 == [Support::SimplySupported; 4] { InPlane::Slide } else { InPlane::Immovable }
     }
@@ -85,17 +86,17 @@ impl std::fmt::Display for Supports {
     }
 }
 
-/// The supports of the edges in the plane of the plate, four different models: at `α₁ = 2` their
-/// pull-in loads differ by a factor of two.
+/// The supports of the edges against in-plane displacements, as four different models: at `α₁ = 2`
+/// their pull-in loads differ by a factor of two.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum InPlane {
-    /// No normal displacement, no shear traction.
+    /// No displacement normal to the edge, and no shear traction.
     Slide,
-    /// `u = v = 0`.
+    /// No in-plane displacement at the edge: `u = v = 0`.
     Immovable,
-    /// The edge stays straight (its normal displacement is constant along it) under zero mean
+    /// The edge stays straight (its normal displacement is constant along the edge) under zero mean
     /// normal force, without shear traction.
     Straight,
     /// No traction.
@@ -103,7 +104,7 @@ pub enum InPlane {
 }
 
 impl InPlane {
-    /// Returns the name of the model in scenes and figures.
+    /// Returns the name of the in-plane support in scenes and figures.
     pub fn name(self) -> &'static str {
         match self {
             InPlane::Slide => "slide",
@@ -113,8 +114,8 @@ impl InPlane {
         }
     }
 
-    /// Returns the support in the plane of an edge: free for an edge that is free against
-    /// deflection, otherwise this one.
+    /// Returns the in-plane support of an edge: `Free` for an edge that is free against deflection,
+    /// otherwise this support.
     pub fn at(self, support: Support) -> InPlane {
         if support == Support::Free { InPlane::Free } else { self }
     }

@@ -1,10 +1,10 @@
 //! The errors in the description of a plate.
 
-/// The error of a plate that cannot be set up, with a remedy.
+/// The error of a plate that cannot be set up; its help states a remedy.
 #[derive(Clone, Debug, PartialEq, miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum PlateError {
-    /// Letters that do not name four edges.
+    /// The letters do not name the supports of four edges.
     #[error(
         "supports \"{letters}\" are not four letters out of S (simply supported), C (clamped) and F (free)"
     )]
@@ -12,29 +12,29 @@ pub enum PlateError {
         "write a letter for each of the edges x = 0, y = 0, x = 1, y = 1, such as \"SCSF\""
     ))]
     Supports {
-        /// The letters as given.
+        /// The letters that were given.
         letters: String,
     },
-    /// The supports do not hold the plate.
+    /// The supports leave the plate free to move as a rigid body.
     #[error("supports {supports} leave the plate free to move as a rigid body")]
     #[diagnostic(help("hold the plate by one clamped edge or two supported edges"))]
     Unsupported {
         /// The supports.
         supports: String,
     },
-    /// The sine model does not have these supports.
+    /// The sine model does not support these edges: it requires four simply supported edges.
     #[error("the model `sine` requires four supported edges (SSSS), not {supports}")]
     #[diagnostic(help("use `model=ritz`"))]
     SineSupports {
         /// The supports.
         supports: String,
     },
-    /// The stress function cannot describe these edges: its shear traction vanishes on straight
-    /// edges.
+    /// The sine model does not support these in-plane supports: its stress function has no shear
+    /// traction on the edges, which stay straight.
     #[error("the sine model has no in-plane edges \"{in_plane}\"")]
     #[diagnostic(help("choose `slide` or `straight`, or a polynomial model (`model=ritz`)"))]
     SineInPlane {
-        /// The name of the supports in the plane.
+        /// The name of the in-plane supports.
         in_plane: &'static str,
     },
     /// The number of functions or modes is out of range.
@@ -45,27 +45,27 @@ pub enum PlateError {
         what: &'static str,
         /// The given number.
         count: usize,
-        /// The smallest allowed number.
+        /// The smallest allowed number of functions or modes.
         least: usize,
-        /// The largest allowed number.
+        /// The largest allowed number of functions or modes.
         most: usize,
     },
-    /// The quadrature has too few points to distinguish the functions.
+    /// The quadrature rule has too few points to distinguish the functions.
     #[error("{points} quadrature points do not resolve the functions")]
     #[diagnostic(help("use {needed} quadrature points or more"))]
     TooFewPoints {
-        /// The number of points.
+        /// The number of quadrature points.
         points: usize,
-        /// The smallest number accepted.
+        /// The smallest sufficient number of quadrature points.
         needed: usize,
     },
-    /// The accuracy of modes is out of the range that double precision allows.
+    /// The requested accuracy of modes is out of the range that double precision allows.
     #[error("mode_accuracy is {accuracy:e}, but must be between 1e-12 and 0.1")]
     AccuracyRange {
         /// The given accuracy.
         accuracy: f64,
     },
-    /// The polynomials do not resolve the modes.
+    /// The polynomials do not resolve the modes to the requested accuracy.
     #[error(
         "{modes} modes cannot meet mode_accuracy {accuracy:.1e}: with {} × {} functions the ω² of the \
          modes are off by {error:.1e}, and {accurate} modes are accurate enough", functions[0], functions[1]
@@ -75,18 +75,19 @@ pub enum PlateError {
          (free edges that meet at a corner limit the accuracy)"
     ))]
     Accuracy {
-        /// The number of modes.
+        /// The requested number of modes.
         modes: usize,
         /// The allowed relative error of `ω²`.
         accuracy: f64,
-        /// The estimated relative error of `ω²`.
+        /// The estimated relative error of `ω²` for the requested modes.
         error: f64,
         /// The numbers of transverse functions along x and y.
         functions: [usize; 2],
-        /// The number of lowest modes that are accurate enough.
+        /// The number of the lowest modes that are accurate enough.
         accurate: usize,
     },
-    /// Stresses were requested for a plate without stretching, or with too many in-plane functions.
+    /// Stresses were requested for a plate model without stretching, or with too many in-plane
+    /// functions.
     #[error("the plate has no in-plane stresses")]
     #[diagnostic(help("set `theory` to `von_karman`, with fewer functions"))]
     NoMembrane,

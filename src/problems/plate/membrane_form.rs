@@ -1,5 +1,5 @@
-//! The quantities of the full plate for a reduction to a few shapes: fields at nodes, and the
-//! stretching energy as a quartic form of the shapes' amplitudes.
+//! Quantities of the full plate model that a reduction to a few shapes requires: fields at nodes,
+//! and the stretching energy as a quartic form of the amplitudes of the shapes.
 
 use super::domain;
 use super::error::PlateError;
@@ -8,8 +8,8 @@ use super::ritz::Ritz;
 use super::tensor::{Product, Rule, weights};
 use crate::core::failure::Failure;
 
-/// A deflection and its slopes by `ξ = 2x − 1` and `ζ = 2y − 1` at the nodes of a grid: node
-/// `(p, q)` at `p·m_y + q`.
+/// A deflection, and its slopes with respect to `ξ = 2x − 1` and `ζ = 2y − 1`, at the nodes of a
+/// grid: node `(p, q)` at position `p·m_y + q`.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Field {
     /// `w`.
@@ -18,30 +18,34 @@ pub(super) struct Field {
     pub slopes: [Vec<f64>; 2],
 }
 
-/// The stretching energy of a deflection `w = Σ a_i φ_i`, with in-plane displacements eliminated:
+/// The stretching energy of a deflection `w = Σ a_i φ_i` after elimination of the in-plane
+/// displacements:
 ///
 /// ```text
 /// U = 6α₁² Σ_ij Σ_kl a_i a_j A_(ij)(kl) a_k a_l,    A_(ij)(kl) = ⟨ε_ij : C : ε_kl⟩ − B_ijᵀ K_uv⁻¹ B_kl
 /// ```
 ///
-/// with `ε_ij = ½ sym(∇φ_i ⊗ ∇φ_j)` and the mean `⟨·⟩` over the plate. Sums run over ordered pairs;
-/// only pairs with `i ≤ j` are stored, so a pair with `i < j` counts twice.
+/// Here `ε_ij = ½ sym(∇φ_i ⊗ ∇φ_j)`, and `⟨·⟩` is the mean over the plate. The sums run over
+/// ordered pairs; only pairs with `i ≤ j` are stored, so a pair with `i < j` counts twice.
 #[derive(Clone, Debug)]
 pub struct MembraneForm {
-    /// The pairs `(i, j)`, `i ≤ j`.
+    /// The pairs of shapes `(i, j)`, `i ≤ j`.
     pub pairs: Vec<(usize, usize)>,
-    /// `A`, symmetric, `(pair, pair)` row by row.
+    /// The symmetric matrix `A`, with the entries `(pair, pair)` row by row.
     pub quartic: Vec<f64>,
-    /// Rules along ξ and ζ at whose nodes the stresses are given.
+    /// The quadrature rules along ξ and ζ whose nodes are the points at which the stresses are
+    /// given.
     pub rules: [Rule; 2],
-    /// `N₁`, `N₂`, `N₆` of each pair at the nodes (node `(p, q)` at `p·m_y + q`), in equilibrium in
-    /// the plane, in units of `Eh/(1−ν²)·d²/a²`: the stresses of `w` are `Σ_ij a_i a_j N_ij`.
+    /// The stresses `N₁`, `N₂`, `N₆` of each pair of shapes at the nodes (node `(p, q)` at `p·m_y +
+    /// q`), in equilibrium in the plane, in units of `Eh/(1−ν²)·d²/a²`: the stresses of `w` are
+    /// `Σ_ij a_i a_j N_ij`.
     pub stress: Vec<[Vec<f64>; 3]>,
 }
 
 impl Ritz {
-    /// Evaluates the deflection with coefficients `q` (unknowns of a solution, or coefficients of a
-    /// mode) and its slopes at the grid of `nodes` in ξ and in ζ, each in `[−1, 1]`.
+    /// Evaluates the deflection with coefficients `q` (the unknowns of a solution, or the
+    /// coefficients of a mode) and its slopes at a grid of `nodes` in ξ and in ζ, each in `[−1,
+    /// 1]`.
     pub(super) fn field(&self, q: &[f64], nodes: [&[f64]; 2]) -> Field {
         let model = &self.model;
         let [x, y] = [0, 1].map(|axis| model.transverse[axis].table(nodes[axis]));
@@ -59,11 +63,12 @@ impl Ritz {
         }
     }
 
-    /// Computes the stretching energy of deflections spanned by `shapes` (coefficients, for example
-    /// of the [`flat_modes`](Ritz::flat_modes)) at the given `α` and `ν`.
+    /// Computes the stretching energy of all deflections spanned by `shapes` (given by
+    /// coefficients, for example the [`flat_modes`](Ritz::flat_modes)) for the given `α` and `ν`.
     ///
     /// # Errors
-    /// [`PlateError`] if `α` or `ν` is out of range, or the plate was built without stretching.
+    /// [`PlateError`] if `α` or `ν` is out of range, or the plate model does not include
+    /// stretching.
     pub fn membrane_form(
         &mut self,
         shapes: &[Vec<f64>],
@@ -115,7 +120,7 @@ impl Ritz {
     }
 }
 
-/// Computes `½ sym(∇φ_i ⊗ ∇φ_j)`: `e₁`, `e₂`, `γ`.
+/// Computes the strains `½ sym(∇φ_i ⊗ ∇φ_j)` with the components `e₁`, `e₂`, `γ`.
 fn pair_strain(first: &[Vec<f64>; 2], second: &[Vec<f64>; 2], along: f64) -> [Vec<f64>; 3] {
     let field = |value: &dyn Fn(usize) -> f64| (0..first[0].len()).map(value).collect();
     [

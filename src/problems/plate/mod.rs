@@ -1,7 +1,7 @@
 //! Models electrically actuated rectangular microplates by von Kármán's theory (1910).
 //!
-//! Numbers of equations and sections refer to the dissertation of X. Zhao, *Modeling and Simulation
-//! of MEMS Devices*, 2004.
+//! Numbers of equations and sections in this module refer to the dissertation of X. Zhao, *Modeling
+//! and Simulation of MEMS Devices*, 2004.
 //!
 //! ```
 //! use tangency::core::continuation::Continuation;
@@ -26,28 +26,28 @@
 //!
 //! | model | description |
 //! | --- | --- |
-//! | [`Ritz`] | polynomials of high degree for any supports and in-plane edges: the full model |
-//! | [`modal`] | the lowest modes of a full model's flat plate (section 3.3) |
-//! | [`sine`] | sines and a stress function for four supported edges (section 3.2) |
-//! | [`strip`] | the plate infinitely long in one direction |
+//! | [`Ritz`] | the full model: polynomials of high degree for any supports and any in-plane supports |
+//! | [`modal`] | a reduced-order model in the lowest modes of the full model's flat plate (section 3.3) |
+//! | [`sine`] | a model in sines with a stress function, for four simply supported edges (section 3.2) |
+//! | [`strip`] | a plate that is infinitely long in one direction |
 //!
-//! [`PlateSettings`] chooses among the first three. They share their parameters ([`Units`]),
-//! domain, monitors and the profiles of special points: the deflection and the first mode shape
-//! along the centre line `y = b/2`.
+//! [`PlateSettings`] chooses among the models `Ritz`, `modal` and `sine`. These three models share
+//! their parameters ([`Units`]), domain, monitors and the profiles of special points: the
+//! deflection and the first mode shape along the centre line `y = b/2`.
 //!
 //! # Monitors
 //!
 //! | monitor | meaning |
 //! | --- | --- |
-//! | `deflection` | the deflection of the centre, over the gap |
-//! | `max_deflection` | the largest deflection towards the electrode, over the gap |
-//! | `frequency` | the lowest frequency: `ωa²√(ρh/D)`, or in Hz for a device; `−√(−ω²)` if unstable |
-//! | `frequency_ratio` | the frequency over the frequency of the flat plate without voltage, pressure and edge forces |
-//! | `displacement` | the deflection of the centre, in metres; only for a device |
+//! | `deflection` | the deflection of the plate's centre, relative to the gap |
+//! | `max_deflection` | the largest deflection towards the electrode, relative to the gap |
+//! | `frequency` | the lowest natural frequency: `ωa²√(ρh/D)`, or in Hz for a device; `−√(−ω²)` if the equilibrium is unstable |
+//! | `frequency_ratio` | the ratio of `frequency` to the frequency of the flat plate without voltage, pressure and edge forces |
+//! | `displacement` | the deflection of the plate's centre, in metres; only for a device |
 //!
-//! If symmetry is used, `frequency` is the lowest frequency of the symmetric modes. First
-//! derivatives of monitors are exact; second derivatives of the two frequencies neglect the change
-//! of the mode.
+//! If the symmetry of the plate is used, `frequency` is the lowest frequency of the symmetric
+//! modes. First derivatives of the monitors are exact; second derivatives of `frequency` and
+//! `frequency_ratio` neglect the change of the mode.
 
 mod assembly;
 pub mod basis;

@@ -1,8 +1,9 @@
-//! Natural modes about an equilibrium: all solutions of `K v = ω² M v`, both symmetric.
+//! Computes natural modes about an equilibrium: all solutions of `K v = ω² M v` with symmetric
+//! matrices `K` and `M`.
 //!
 //! In a polynomial basis of high order the mass matrix is singular to working precision (its
-//! condition number is 1e11 at 10 functions, 6e14 at 18), but `K + σM` is not. Therefore the
-//! problem `M v = μ (K + σM) v`, `ω² = 1/μ − σ`, is solved.
+//! condition number is 1e11 for 10 functions, 6e14 for 18), but `K + σM` is regular. Therefore the
+//! equivalent problem `M v = μ (K + σM) v` with `ω² = 1/μ − σ` is solved.
 
 use crate::core::scalar::Scalar;
 use faer::diag::DiagMut;
@@ -14,47 +15,48 @@ use faer::linalg::triangular_solve::{
 };
 use faer::{MatMut, MatRef, Par};
 
-/// Natural frequencies and modes of a plate, the lowest first.
+/// The natural frequencies and modes of a plate, the lowest frequency first.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Modes {
-    /// `ω²`, dimensionless (`ω a²√(ρh/D)`); negative where the equilibrium is unstable.
+    /// The squares `ω²` of the dimensionless frequencies `ω a²√(ρh/D)`; negative if the equilibrium
+    /// is unstable.
     pub squares: Vec<f64>,
-    /// The coefficients of the modes, each with mean square 1 over the plate.
+    /// The coefficients of the modes; each mode has the mean square 1 over the plate.
     pub shapes: Vec<Vec<f64>>,
 }
 
 impl Modes {
-    /// Returns `ω`, or `−√(−ω²)` for unstable modes.
+    /// Returns the frequencies `ω`, with `−√(−ω²)` for unstable modes.
     pub fn frequencies(&self) -> Vec<f64> {
         self.squares.iter().map(|square| signed_root(*square)).collect()
     }
 }
 
-/// Returns `ω` if `ω² ≥ 0`, else `−√(−ω²)`, the negative growth rate of an unstable plate.
+/// Returns `ω` if `ω² ≥ 0`, otherwise `−√(−ω²)`, the negative growth rate of an unstable plate.
 pub(super) fn signed_root<T: Scalar>(square: T) -> T {
     if square.real() < 0.0 { -(-square).sqrt() } else { square.sqrt() }
 }
 
-/// Returns the entry of largest modulus; 0 for no entries.
+/// Returns the entry of largest modulus; 0 if the list is empty.
 pub(super) fn extreme(entries: impl Iterator<Item = f64>) -> f64 {
     entries.fold(0.0, |most, entry| if entry.abs() > most.abs() { entry } else { most })
 }
 
-/// The mass matrix and the workspace of its eigenproblem.
+/// The mass matrix, and the workspace of the eigenproblem `K v = ω² M v`.
 pub(super) struct Eigenproblem {
     mass: Vec<f64>,
     factor: Vec<f64>,
     reduced: Vec<f64>,
     /// `μ`, ascending.
     values: Vec<f64>,
-    /// The modes, stored by columns, in the order of `values`.
+    /// The eigenvectors of all modes, stored column by column, in the order of `values`.
     vectors: Vec<f64>,
     shift: f64,
     scratch: MemBuffer,
 }
 
 impl Eigenproblem {
-    /// Creates the eigenproblem of a symmetric mass matrix, stored by columns.
+    /// Creates the eigenproblem of a symmetric mass matrix, stored column by column.
     pub fn new(mass: Vec<f64>) -> Eigenproblem {
         let n = mass.len().isqrt();
         let need = StackReq::any_of(&[
@@ -77,13 +79,14 @@ impl Eigenproblem {
         }
     }
 
-    /// Solves for all modes of a stiffness matrix; `None` if the matrix is not finite.
+    /// Solves the eigenproblem for all modes of a stiffness matrix; `None` if the matrix is not
+    /// finite.
     pub fn solved(mut self, stiffness: &[f64]) -> Option<Eigenproblem> {
         self.solve(stiffness).then_some(self)
     }
 
-    /// Solves for all modes of a stiffness matrix (stored by columns); `false` if the matrix is not
-    /// finite.
+    /// Solves the eigenproblem for all modes of a stiffness matrix (stored column by column);
+    /// `false` if the matrix is not finite.
     #[must_use]
     pub fn solve(&mut self, stiffness: &[f64]) -> bool {
         let n = self.values.len();
@@ -108,13 +111,13 @@ impl Eigenproblem {
         done.is_ok()
     }
 
-    /// Returns `ω²` of a mode; mode 0 is the lowest.
+    /// Returns `ω²` of a mode; mode 0 has the lowest frequency.
     pub fn square(&self, mode: usize) -> f64 {
         1.0 / self.values[self.values.len() - 1 - mode] - self.shift
     }
 
     /// Writes the coefficients of a mode, with mean square 1 over the plate, into `out`. The sign
-    /// makes the largest coefficient positive.
+    /// of the mode makes its largest coefficient positive.
     pub fn shape(&self, mode: usize, out: &mut [f64]) {
         let n = self.values.len();
         let column = n - 1 - mode;
@@ -123,7 +126,7 @@ impl Eigenproblem {
         out.iter_mut().for_each(|entry| *entry *= scale);
     }
 
-    /// Returns the `count` lowest modes.
+    /// Returns the `count` modes of lowest frequency.
     pub fn lowest(&self, count: usize) -> Modes {
         let n = self.values.len();
         let modes = 0..count.min(n);
@@ -138,7 +141,8 @@ impl Eigenproblem {
         }
     }
 
-    /// Factors `K + σM` with the smallest `σ` of a ladder that makes it positive definite.
+    /// Factors `K + σM` with the smallest shift `σ` in a list of increasing shifts for which the
+    /// matrix is positive definite.
     fn factor_shifted(&mut self, stiffness: &[f64]) -> bool {
         let n = self.values.len();
         self.shift = 100.0;

@@ -1,23 +1,24 @@
-//! The monitors common to all models of a plate, in one order and by one convention. See [the
-//! list](super#monitors).
+//! The monitors that all models of a plate share, with the same order and the same definitions. See
+//! [the list](super#monitors).
 
 use super::parameters::Units;
 use crate::core::problem::Names;
 use crate::core::scalar::Scalar;
 
-/// The monitor names common to plates and strips, in order.
+/// The names of the monitors that plates and strips share, in order.
 pub(super) const MONITORS: [&str; 4] =
     ["deflection", "max_deflection", "frequency", "frequency_ratio"];
 
-/// Returns the names of a plate with the given number of unknowns `w`.
+/// Returns the names of the unknowns, parameters and monitors of a plate with the given number of
+/// unknowns `w`.
 pub(super) fn names(units: Units, unknowns: usize) -> Names {
     let displacement = (units == Units::Device).then_some("displacement");
     Names::new([("w", unknowns)], units.names().iter().copied())
         .with_monitors(MONITORS.into_iter().chain(displacement))
 }
 
-/// Computes the monitors from the two deflections over the gap, and from the dimensionless lowest
-/// frequencies of the plate and of the flat plate.
+/// Computes the monitors from the two deflections relative to the gap, and from the lowest
+/// dimensionless frequencies of the plate and of the flat plate.
 pub(super) fn fill<T: Scalar>(
     units: Units,
     p: &[T],

@@ -1,14 +1,15 @@
-//! The numbers of functions for a plate's displacements, and the ladder of finer ones.
+//! The numbers of functions for the displacements of a plate, and the ladder of successively larger
+//! numbers.
 
 use super::basis::LARGEST_COUNT;
 use super::error::PlateError;
 use crate::core::numerics::ladder;
 
-/// The number of orders to choose from.
+/// The number of rungs of the ladder.
 const RUNGS: usize = 15;
 
-/// Numbers of functions in each direction (x, then y): only even functions if the plate is
-/// symmetric in that direction, all degrees otherwise.
+/// The numbers of functions in each direction (x, then y): only even functions if the plate is
+/// symmetric in that direction, functions of all degrees otherwise.
 ///
 /// ```
 /// use tangency::problems::plate::Orders;
@@ -21,24 +22,25 @@ const RUNGS: usize = 15;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Orders {
-    /// The numbers of functions for the deflection.
+    /// The numbers of functions for the deflection along x and y.
     pub transverse: [usize; 2],
-    /// The numbers of functions for each displacement in the plane.
+    /// The numbers of functions for each in-plane displacement along x and y.
     pub in_plane: [usize; 2],
 }
 
 impl Orders {
-    /// Returns orders for tracing a branch of a plate with the given aspect ratio: for plates
-    /// without free edges the error in a pull-in load is 1e-6 or less up to `α₁ = 2`, 6e-6 at 3.
+    /// Returns the default numbers of functions for a plate with the given aspect ratio: for plates
+    /// without free edges the relative error of a pull-in load is 1e-6 or less up to `α₁ = 2`, and
+    /// 6e-6 at `α₁ = 3`.
     ///
-    /// A long plate needs more functions along its length: the deflection is flat except in layers
-    /// at the short edges, about one width long.
+    /// A long plate needs more functions along its length, since its deflection is constant except
+    /// in layers at the short edges, whose thickness is about the width of the plate.
     pub fn usual(symmetric: [bool; 2], aspect: f64) -> Orders {
         Orders::of(6, 8, symmetric, aspect)
     }
 
-    /// Converts numbers of transverse and in-plane functions of a square plate, symmetric in both
-    /// directions, to a given symmetry and aspect ratio.
+    /// Converts the numbers of transverse and in-plane functions of a square plate, symmetric in
+    /// both directions, to a given symmetry and aspect ratio.
     fn of(transverse: usize, in_plane: usize, symmetric: [bool; 2], aspect: f64) -> Orders {
         let stretch = [1.0 / aspect, aspect].map(|length| length.clamp(1.0, 8.0).sqrt());
         let count = |base: usize, axis: usize| {
@@ -51,9 +53,10 @@ impl Orders {
         }
     }
 
-    /// Returns orders from the fewest functions to many. Up to the default orders, their ratio
-    /// balances the work on the two displacements, and each gains about a digit of a pull-in load;
-    /// then follow [`finer`](Orders::finer) ones, with one between each two.
+    /// Returns a ladder of numbers of functions, from the fewest functions to many. Up to the
+    /// default numbers, the ratio of transverse to in-plane functions balances the work on the two
+    /// kinds of displacements, and each rung gains about a digit of a pull-in load; beyond them,
+    /// two rungs lead from numbers to their [`finer`](Orders::finer) numbers.
     pub(super) fn ladder(symmetric: [bool; 2], aspect: f64) -> Vec<Orders> {
         let rung = |n: usize| Orders::of(n, n + n.div_ceil(3), symmetric, aspect);
         let rungs =
@@ -61,10 +64,10 @@ impl Orders {
         rungs.into_iter().filter(|orders| orders.check().is_ok()).collect()
     }
 
-    /// Returns the finer orders for the refinement of special points, two rungs up the ladder. Two
-    /// refinements above the default orders, pull-in loads of plates without free edges are
-    /// accurate to 1e-8 and deflections to 1e-6 (`0 ≤ α₁ ≤ 3`, `1 ≤ α ≤ 6`, every model of the
-    /// edges).
+    /// Returns the larger numbers of functions for the final correction of special points, two
+    /// rungs up the ladder. With two refinements of the default numbers, pull-in loads of plates
+    /// without free edges are accurate to 1e-8 and deflections to 1e-6 (`0 ≤ α₁ ≤ 3`, `1 ≤ α ≤ 6`,
+    /// every model of the in-plane supports).
     #[must_use]
     pub fn finer(self) -> Orders {
         Orders {

@@ -3,40 +3,41 @@
 
 use crate::core::scalar::Scalar;
 
-/// The parameters of the dimensionless equations. Lengths in the plane are in units of the side
-/// `a`, deflections in units of the gap `d`.
+/// The parameters of the dimensionless equations. In-plane lengths are in units of the side `a`,
+/// deflections in units of the gap `d`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameters<T> {
-    /// `λ = α₂V²`, the electrostatic load, eq. 3.17: `6εa⁴(1−ν²)V²/(Eh³d³)`.
+    /// The electrostatic load `λ = α₂V²`, eq. 3.17: `6εa⁴(1−ν²)V²/(Eh³d³)`.
     pub load: T,
-    /// `α₁ = d/h`, gap over thickness, eq. 3.17.
+    /// The gap ratio `α₁ = d/h`, gap over thickness, eq. 3.17.
     pub gap_ratio: T,
-    /// `α = b/a`, eq. 3.17.
+    /// The aspect ratio `α = b/a`, eq. 3.17.
     pub aspect: T,
     /// Poisson's ratio `ν`.
     pub nu: T,
-    /// Applied compression along x, in units of `D/a²`.
+    /// The applied compressive force along x, in units of `D/a²`.
     pub compression_x: T,
-    /// Applied compression along y, in units of `D/a²`.
+    /// The applied compressive force along y, in units of `D/a²`.
     pub compression_y: T,
-    /// Applied shear, in units of `D/a²`.
+    /// The applied shear force, in units of `D/a²`.
     pub shear: T,
-    /// Uniform transverse pressure, in units of `Dd/a⁴`.
+    /// The uniform transverse pressure, in units of `Dd/a⁴`.
     pub pressure: T,
 }
 
-/// The meaning of the named parameters of a plate problem.
+/// The choice of the named parameters of a plate problem: dimensionless or in SI units.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum Units {
-    /// `load`, `gap_ratio`, `aspect`, `nu`, `edge_force` (on both pairs of edges), `edge_force_x`,
-    /// `edge_force_y`, `edge_shear`, `pressure`: dimensionless, as in [`Parameters`].
+    /// The dimensionless parameters `load`, `gap_ratio`, `aspect`, `nu`, `edge_force` (on both
+    /// pairs of edges), `edge_force_x`, `edge_force_y`, `edge_shear`, `pressure`, as in
+    /// [`Parameters`].
     #[default]
     Dimensionless,
-    /// `voltage` (V), `length` and `width` (the sides a and b), `thickness`, `gap` (m), `young`
-    /// (Pa), `nu`, `density` (kg/m³), `permittivity` (F/m), `edge_force_x`, `edge_force_y`,
-    /// `edge_shear` (N/m), `pressure` (Pa).
+    /// The parameters of a device in SI units: `voltage` (V), `length` and `width` (the sides a and
+    /// b), `thickness`, `gap` (m), `young` (Pa), `nu`, `density` (kg/m³), `permittivity` (F/m),
+    /// `edge_force_x`, `edge_force_y`, `edge_shear` (N/m), `pressure` (Pa).
     Device,
 }
 
@@ -77,8 +78,8 @@ impl Units {
         }
     }
 
-    /// Returns the default values: a square plate with `α₁ = 1`, `ν = 0.3`; or a silicon plate, 300
-    /// µm square and 2 µm thick, over a gap of 2 µm.
+    /// Returns the default values of the parameters: of a square plate with `α₁ = 1`, `ν = 0.3`; or
+    /// of a silicon plate, 300 µm square and 2 µm thick, over a gap of 2 µm.
     pub fn defaults(self) -> &'static [f64] {
         match self {
             Units::Dimensionless => &[0.0, 1.0, 1.0, 0.3, 0.0, 0.0, 0.0, 0.0, 0.0],
@@ -100,8 +101,8 @@ impl Units {
         }
     }
 
-    /// Returns the default values for a plate of this aspect ratio and Poisson's ratio (for a
-    /// device, the width is adapted).
+    /// Returns the default values of the parameters for a plate with the given aspect ratio and
+    /// Poisson's ratio (for a device, the width is adapted).
     ///
     /// ```
     /// use tangency::problems::plate::Units;
@@ -117,7 +118,8 @@ impl Units {
         p
     }
 
-    /// Returns the position of the gap among the parameters, for a device.
+    /// Returns the position of the gap among the parameters of a device; `None` for dimensionless
+    /// parameters.
     pub(super) fn gap(self) -> Option<usize> {
         (self == Units::Device).then_some(4)
     }
@@ -130,7 +132,7 @@ impl Units {
         }
     }
 
-    /// Returns the parameters of the equations.
+    /// Converts the named parameters to the parameters of the dimensionless equations.
     ///
     /// ```
     /// use tangency::problems::plate::Units;
@@ -174,8 +176,8 @@ impl Units {
         }
     }
 
-    /// Returns the factor that converts dimensionless angular frequency `ωa²√(ρh/D)` to hertz (SI
-    /// units), or 1.
+    /// Returns the factor that converts the dimensionless angular frequency `ωa²√(ρh/D)` to hertz
+    /// (SI units), or 1.
     pub fn frequency_unit<T: Scalar>(self, p: &[T]) -> T {
         match self {
             Units::Dimensionless => T::one(),
@@ -187,7 +189,7 @@ impl Units {
     }
 }
 
-/// Returns `D = Eh³/[12(1 − ν²)]`.
+/// Returns the bending stiffness `D = Eh³/[12(1 − ν²)]`.
 fn rigidity<T: Scalar>(young: T, h: T, nu: T) -> T {
     young * h.powi(3) / ((T::one() - nu * nu) * 12.0)
 }

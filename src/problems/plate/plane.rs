@@ -1,16 +1,17 @@
-//! The in-plane problem for a given deflection: `K_uv s = −r(w)`.
+//! The in-plane problem for a given deflection `w`: `K_uv s = −r(w)`.
 //!
-//! With `u = Σ U_k(ξ) U_l(ζ)` and `v` alike, the stiffness matrix of plane stress on the plate (the
-//! mean over the plate, `x = (1 + ξ)/2`, `y = α(1 + ζ)/2`) is a sum of constant matrices with
-//! coefficients of `α` and `ν`:
+//! The displacements are `u = Σ U_k(ξ) U_l(ζ)`, and `v` has the same form. The stiffness matrix of
+//! plane stress on the plate (the mean over the plate, `x = (1 + ξ)/2`, `y = α(1 + ζ)/2`) is a sum
+//! of constant matrices whose coefficients depend on `α` and `ν`:
 //!
 //! ```text
 //! K_uu = 4⟨u_ξ u_ξ⟩ + 2(1−ν)/α² ⟨u_ζ u_ζ⟩      K_vv = 4/α² ⟨v_ζ v_ζ⟩ + 2(1−ν)⟨v_ξ v_ξ⟩
 //! K_uv = 4ν/α ⟨u_ξ v_ζ⟩ + 2(1−ν)/α ⟨u_ζ v_ξ⟩
 //! ```
 //!
-//! Rigid motions permitted by the edges are held by a penalty on their means. The right-hand side
-//! is orthogonal to them, so the penalty changes no stress.
+//! A penalty on the means of rigid motions makes the solution unique if the edges permit such
+//! motions. The right-hand side is orthogonal to rigid motions, so the penalty does not change the
+//! stresses.
 
 use super::basis::{Basis, Direction};
 use super::edges::{InPlane, Supports};
@@ -22,25 +23,25 @@ use faer::{MatMut, Par};
 
 /// The space of in-plane displacements, spanned by products of functions.
 pub(super) struct PlaneSpace {
-    /// Functions of ξ and of ζ for `u`.
+    /// The functions of ξ and of ζ whose products span `u`.
     pub u: [Basis; 2],
-    /// Functions of ξ and of ζ for `v`.
+    /// The functions of ξ and of ζ whose products span `v`.
     pub v: [Basis; 2],
-    /// The positions of the unknowns of `u` in its full grid of products.
+    /// The positions of the unknowns of `u` in the full grid of products.
     pub u_active: Vec<usize>,
-    /// The positions of the unknowns of `v` in its full grid of products.
+    /// The positions of the unknowns of `v` in the full grid of products.
     pub v_active: Vec<usize>,
-    /// Linear functionals, one for each remaining rigid motion.
+    /// The linear functionals of the penalty, one for each rigid motion that the edges permit.
     pub rigid: Vec<Vec<f64>>,
     moments: Moments,
 }
 
-/// Mean products of the functions of two bases of one direction, by the derivatives of the two
-/// functions.
+/// The means of products of functions from two bases of one direction, indexed by the orders of the
+/// derivatives of the two functions.
 type Products = [[Vec<f64>; 2]; 2];
 
-/// One-dimensional mean products along ξ and ζ: of the functions of `u`, of `v`, and of `u` with
-/// `v`.
+/// The one-dimensional means of products along ξ and ζ: of two functions of `u`, of two functions
+/// of `v`, and of functions of `u` with functions of `v`.
 struct Moments {
     uu: [Products; 2],
     vv: [Products; 2],
@@ -48,8 +49,8 @@ struct Moments {
 }
 
 impl PlaneSpace {
-    /// Creates the space for the given edges; `symmetric` directions have odd normal and even
-    /// tangential displacements.
+    /// Creates the space for the given in-plane supports; in `symmetric` directions, normal
+    /// displacements are odd and tangential displacements are even.
     pub fn new(
         supports: Supports,
         model: InPlane,
@@ -72,12 +73,12 @@ impl PlaneSpace {
         space
     }
 
-    /// Returns the number of unknowns.
+    /// Returns the number of in-plane unknowns.
     pub fn len(&self) -> usize {
         self.u_active.len() + self.v_active.len()
     }
 
-    /// Sorts unknowns into the grids of `u` and `v`.
+    /// Distributes the unknowns to the grids of `u` and `v`.
     pub fn unpack<T: Scalar>(&self, s: &[T], u: &mut [T], v: &mut [T]) {
         u.fill(T::zero());
         v.fill(T::zero());
@@ -89,7 +90,7 @@ impl PlaneSpace {
         }
     }
 
-    /// Collects unknowns from the grids of `u` and `v`.
+    /// Collects the unknowns from the grids of `u` and `v`.
     pub fn pack<T: Scalar>(&self, u: &[T], v: &[T], s: &mut [T]) {
         let (of_u, of_v) = s.split_at_mut(self.u_active.len());
         for (position, s) in self.u_active.iter().zip(of_u) {
@@ -129,7 +130,8 @@ impl PlaneSpace {
         motions
     }
 
-    /// Returns `⟨ξ^i ζ^j u⟩` and `⟨ξ^i ζ^j v⟩` (if requested) for all unknowns.
+    /// Returns the means `⟨ξ^i ζ^j u⟩` and `⟨ξ^i ζ^j v⟩` (each if requested) of the functions of
+    /// all unknowns.
     fn functional(&self, symmetric: [bool; 2], powers: [Option<[i32; 2]>; 2]) -> Vec<f64> {
         let mut grids = [&self.u, &self.v].map(|bases| vec![0.0; bases[0].len() * bases[1].len()]);
         for ((grid, bases), power) in grids.iter_mut().zip([&self.u, &self.v]).zip(powers) {
@@ -149,7 +151,7 @@ impl PlaneSpace {
         packed
     }
 
-    /// Computes `K_uv` with its penalty, stored by columns.
+    /// Computes `K_uv` including the penalty on rigid motions, stored column by column.
     fn stiffness(&self, alpha: f64, nu: f64, k: &mut [f64]) {
         let (n, nu_count) = (self.len(), self.u_active.len());
         let m = &self.moments;
@@ -190,8 +192,8 @@ impl PlaneSpace {
     }
 }
 
-/// Returns which functions normal to the edges belong to a straight edge, and may only be constant
-/// along it.
+/// Returns a flag for each function of the direction normal to the edges: whether it belongs to a
+/// straight edge, so that its coefficient must be constant along the edge.
 fn straight_functions(normal: &Basis, ends: [InPlane; 2], symmetric: bool) -> Vec<bool> {
     let straight = ends.map(|end| end == InPlane::Straight);
     match (normal.boundary, symmetric) {
@@ -203,9 +205,9 @@ fn straight_functions(normal: &Basis, ends: [InPlane; 2], symmetric: bool) -> Ve
     }
 }
 
-/// Returns the positions of the unknowns in the grid of products of `x` and `y`: all products
-/// except the products of a straight edge's function with anything but the constant. `normal_is_y`
-/// states which direction is normal.
+/// Returns the positions of the unknowns in the grid of products of functions of `x` and `y`: all
+/// products, except that the function of a straight edge is multiplied only by the constant.
+/// `normal_is_y` is true if the direction normal to the edge is y.
 fn active(x: &Basis, y: &Basis, straight: Vec<bool>, normal_is_y: bool) -> Vec<usize> {
     let mut positions = Vec::with_capacity(x.len() * y.len());
     for i in 0..x.len() {
@@ -233,11 +235,11 @@ impl Moments {
     }
 }
 
-/// The Cholesky factor of `K_uv` for one pair `(α, ν)`.
+/// The Cholesky factor of `K_uv` for one pair of parameters `(α, ν)`.
 pub(super) struct PlaneFactor {
-    /// `(α, ν)` of the factor.
+    /// The pair `(α, ν)` for which the factor was computed.
     pub at: Option<(f64, f64)>,
-    /// `L`, on and below the diagonal, stored by columns.
+    /// The factor `L`, on and below the diagonal, stored column by column.
     pub factor: Vec<f64>,
     size: usize,
     scratch: MemBuffer,
@@ -255,8 +257,8 @@ impl PlaneFactor {
         }
     }
 
-    /// Factors `K_uv(α, ν)` unless the factor is current; returns `false` if the matrix is not
-    /// positive definite.
+    /// Factors `K_uv(α, ν)` unless the factor of this pair is known; returns `false` if the matrix
+    /// is not positive definite.
     #[must_use]
     pub fn update(&mut self, space: &PlaneSpace, alpha: f64, nu: f64) -> bool {
         if self.at == Some((alpha, nu)) {
@@ -271,7 +273,7 @@ impl PlaneFactor {
         done.is_ok()
     }
 
-    /// Computes `K_uv⁻¹ r` in place: all components of a dual number undergo the same substitution.
+    /// Computes `K_uv⁻¹ r` in place, by the same substitution for all components of a dual number.
     pub fn solve<T: Scalar>(&self, r: &mut [T]) {
         with_avx2(
             #[inline(always)]

@@ -1,25 +1,25 @@
-//! Profiles stored with special points: curves along the centre line `y = b/2`.
+//! Profiles of a plate that are stored with special points: curves along the centre line `y = b/2`.
 
 use super::modes::extreme;
 use super::vibration::Vibrates;
 use crate::core::problem::Profile;
 
-/// The number of points of a profile; the middle one is the centre of the plate.
+/// The number of points of a profile; the middle point is the centre of the plate.
 pub(super) const POINTS: usize = 51;
 
-/// The smallest ratio of a mode's deflection at the centre to its largest one; below it, the mode
-/// has a node at the centre.
+/// The smallest ratio of the deflection of a mode at the centre to its largest deflection; for a
+/// smaller ratio, the centre counts as a node of the mode.
 const NODE: f64 = 0.01;
 
-/// Evaluates `f` at two or more equidistant points from 0 to 1: pairs `(x, f(x))`.
+/// Evaluates `f` at two or more equidistant points from 0 to 1, and returns pairs `(x, f(x))`.
 pub(super) fn line(points: usize, f: impl Fn(f64) -> f64) -> Vec<(f64, f64)> {
     let step = 1.0 / points.saturating_sub(1).max(1) as f64;
     (0..points).map(|i| i as f64 * step).map(|x| (x, f(x))).collect()
 }
 
-/// Returns the deflection with coefficients `z`, and the first mode `shape`, scaled to 1 at the
-/// centre (or at its largest value if the centre is a node). `deflection` evaluates coefficients at
-/// `x` on the centre line.
+/// Returns the profile of the deflection with coefficients `z`, and of the first mode `shape`,
+/// scaled to 1 at the centre (or at its largest value if the centre is a node). `deflection`
+/// evaluates the displacement with given coefficients at `x` on the centre line.
 pub(super) fn profiles(
     z: &[f64],
     shape: Option<&[f64]>,
@@ -43,7 +43,7 @@ pub(super) fn profiles(
     profiles
 }
 
-/// Returns the [`profiles`] of the deflection `z` and its lowest mode.
+/// Returns the [`profiles`] of the deflection with coefficients `z` and of its lowest mode.
 pub(super) fn with_lowest_mode<P: Vibrates>(
     problem: &P,
     z: &[f64],

@@ -1,7 +1,7 @@
-//! The residual `F = ∂Π/∂q`, written once for all scalar types.
+//! The residual `F = ∂Π/∂q` of the plate, written once for all scalar types.
 //!
-//! Per unit of the plate's area, with `⟨·⟩` the mean over the plate, `w = Σ q_ij f_i(ξ) g_j(ζ)`,
-//! `x = (1 + ξ)/2`, `y = α(1 + ζ)/2`:
+//! The potential per unit of the plate's area is given below, where `⟨·⟩` is the mean over the
+//! plate, `w = Σ q_ij f_i(ξ) g_j(ζ)`, `x = (1 + ξ)/2`, `y = α(1 + ζ)/2`:
 //!
 //! ```text
 //! Π = ½⟨w_xx² + w_yy² + 2ν w_xx w_yy + 2(1−ν) w_xy²⟩              bending
@@ -10,9 +10,10 @@
 //!   − λ⟨1/(1−w)⟩ − P⟨w⟩                                           electrostatic load, pressure
 //! ```
 //!
-//! The in-plane displacements `s` are eliminated: `K_uv s = −r(w)`. As `Π` is stationary in `s`,
-//! `F` is its partial derivative with respect to `q` at that `s`. The mean removes `α` from the
-//! mass matrix.
+//! The in-plane displacements `s` are eliminated by solving `K_uv s = −r(w)`. Since `Π` is
+//! stationary with respect to `s`, `F` is the partial derivative of `Π` with respect to `q` at the
+//! solution `s`. The mass matrix does not depend on `α`, because `Π` is a mean over the plate
+//! instead of an integral.
 
 use super::discretisation::{Discretisation, Membrane};
 use super::edges::Support;
@@ -21,7 +22,7 @@ use super::plane::PlaneFactor;
 use super::tensor::{Product, weights};
 use crate::core::scalar::Scalar;
 
-/// Buffers for one scalar type, with the fields of the last residual.
+/// Buffers for one scalar type, which also contain the fields of the last residual.
 pub(super) struct Workspace<T> {
     pub q: Vec<T>,
     pub p: Vec<T>,
@@ -32,9 +33,10 @@ pub(super) struct Workspace<T> {
     grids: [Vec<T>; 2],
     half: Vec<T>,
     product: Vec<T>,
-    /// `w_ξ`, `w_ζ` at the nodes of the membrane rule.
+    /// The slopes `w_ξ`, `w_ζ` at the nodes of the membrane rule.
     pub slopes: [Vec<T>; 2],
-    /// `N₁`, `N₂`, `N₆` (in units of `Eh/(1−ν²)·d²/a²`) at the same nodes, without weights.
+    /// The stresses `N₁`, `N₂`, `N₆` (in units of `Eh/(1−ν²)·d²/a²`) at the nodes of the membrane
+    /// rule, without quadrature weights.
     pub stress: [Vec<T>; 3],
     fields: [Vec<T>; 2],
 }
@@ -60,11 +62,11 @@ impl<T: Scalar> Workspace<T> {
         }
     }
 
-    /// Computes `F` at the unknowns in `self.q` and the parameters in `self.p`, into `self.r`.
-    /// Afterwards `self.q` contains the coefficients of the products of functions. `largest` is the
-    /// largest deflection; `plane_fixed` states that `α` and `ν` have no derivative, so that one
-    /// solution is exact to every order. Returns the largest deflection at the nodes where the load
-    /// is evaluated.
+    /// Computes `F` into `self.r`, for the unknowns in `self.q` and the parameters in `self.p`.
+    /// After the evaluation, `self.q` contains the coefficients of the products of functions.
+    /// `largest` is the largest deflection; `plane_fixed` states that `α` and `ν` have no
+    /// derivatives, so that one solve for the in-plane displacements is exact for derivatives of
+    /// every order. Returns the largest deflection at the quadrature nodes of the load.
     pub fn evaluate(
         &mut self,
         model: &Discretisation,
@@ -86,12 +88,13 @@ impl<T: Scalar> Workspace<T> {
         nearest
     }
 
-    /// Expands the field with coefficients `self.q` into `field`.
+    /// Expands the field with the coefficients `self.q` at the nodes, into `field`.
     pub fn expand(&mut self, product: &Product, field: &mut [T]) {
         product.expand(&self.q, &mut self.half, field);
     }
 
-    /// Adds bending, applied edge forces and pressure: `Σ c L q R` with constant matrices.
+    /// Adds the terms of bending, applied edge forces and pressure, which have the form `Σ c L q R`
+    /// with constant matrices.
     fn bend(&mut self, model: &Discretisation, parameters: &Parameters<T>) {
         let [nx, ny] = [model.transverse[0].len(), model.transverse[1].len()];
         for (coefficient, left, right) in quadratic_terms(model, parameters) {
@@ -123,8 +126,8 @@ impl<T: Scalar> Workspace<T> {
         }
     }
 
-    /// Computes `s = −K_uv⁻¹ r(w)` by refinement with the `f64` factor; each iteration is exact to
-    /// one more order.
+    /// Computes `s = −K_uv⁻¹ r(w)` by iterative refinement with the `f64` factor; each iteration
+    /// makes derivatives of one more order exact.
     pub fn solve_plane(
         &mut self,
         model: &Discretisation,
@@ -146,8 +149,8 @@ impl<T: Scalar> Workspace<T> {
         self.find_stress(model, membrane, parameters, false);
     }
 
-    /// Computes the stresses of the current `w` and `s`; `at_rest` skips contributions that vanish
-    /// for `s = 0`.
+    /// Computes the stresses for the current `w` and `s`; `at_rest` skips the contributions that
+    /// vanish for `s = 0`.
     fn find_stress(
         &mut self,
         model: &Discretisation,
@@ -176,7 +179,7 @@ impl<T: Scalar> Workspace<T> {
         }
     }
 
-    /// Adds `u_x`, `v_y`, `u_y + v_x` to the strains.
+    /// Adds the in-plane strains `u_x`, `v_y`, `u_y + v_x`.
     fn add_plane_strain(&mut self, model: &Discretisation, membrane: &Membrane, along: T) {
         let [u, v] = &mut self.grids;
         model.plane.unpack(&self.s, u, v);
@@ -189,7 +192,8 @@ impl<T: Scalar> Workspace<T> {
         }
     }
 
-    /// Computes `K_uv s + r(w)` of the current stresses into `right`.
+    /// Computes the residual `K_uv s + r(w)` of the in-plane problem from the current stresses,
+    /// into `right`.
     fn project_on_plane(
         &mut self,
         model: &Discretisation,
@@ -211,7 +215,7 @@ impl<T: Scalar> Workspace<T> {
         model.plane.add_penalty(&self.s, &mut self.right);
     }
 
-    /// Adds the force of the stresses on the deflection.
+    /// Adds the force that the stresses exert on the deflection.
     fn stretch(&mut self, membrane: &Membrane, parameters: &Parameters<T>) {
         let along = parameters.aspect.recip() * 2.0;
         let stiffness = parameters.gap_ratio * parameters.gap_ratio * 12.0;
@@ -229,7 +233,8 @@ impl<T: Scalar> Workspace<T> {
         products[1].project(force_y, &mut self.half, &mut self.r);
     }
 
-    /// Adds the electrostatic load, `−λ⟨φ/(1−w)²⟩`; returns the largest deflection at its nodes.
+    /// Adds the electrostatic load `−λ⟨φ/(1−w)²⟩`, and returns the largest deflection at its
+    /// quadrature nodes.
     fn attract(&mut self, model: &Discretisation, parameters: &Parameters<T>, largest: f64) -> f64 {
         let load = model.load_rule(largest);
         let product = load.values();
@@ -250,8 +255,8 @@ impl<T: Scalar> Workspace<T> {
     }
 }
 
-/// Returns the contributions of `u_ξ`, `u_ζ`, `v_ξ`, `v_ζ` to the strains: the derivative of the
-/// grid, the grid, the strain, and the factor.
+/// Returns the contributions of `u_ξ`, `u_ζ`, `v_ξ`, `v_ζ` to the strains, each as the tables
+/// of the derivative, the index of the grid, the index of the strain, and the factor.
 fn plane_strains<T: Scalar>(membrane: &Membrane, along: T) -> [(Product<'_>, usize, usize, T); 4] {
     let [u_x, u_y] = membrane.slopes(&membrane.u);
     let [v_x, v_y] = membrane.slopes(&membrane.v);
@@ -259,9 +264,10 @@ fn plane_strains<T: Scalar>(membrane: &Membrane, along: T) -> [(Product<'_>, usi
     [(u_x, 0, 0, two), (u_y, 0, 2, along), (v_x, 1, 2, two), (v_y, 1, 1, along)]
 }
 
-/// Returns the terms of `Π` that are quadratic in `q`, as `½ qᵀ(c L ⊗ R)q`: coefficient, matrix of
-/// the functions of ξ, matrix of the functions of ζ (transposed). A pair of edges with a free edge
-/// carries no normal force; a plate with any free edge carries no shear.
+/// Returns the terms of `Π` that are quadratic in `q`, in the form `½ qᵀ(c L ⊗ R)q`: the
+/// coefficient, the matrix of the functions of ξ, and the matrix of the functions of ζ
+/// (transposed). A pair of edges carries no normal force if one of them is free; a plate with any
+/// free edge carries no shear force.
 pub(super) fn quadratic_terms<'a, T: Scalar>(
     model: &'a Discretisation,
     parameters: &Parameters<T>,

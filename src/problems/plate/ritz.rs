@@ -17,19 +17,19 @@ use num_dual::{Dual64, HyperDual64, HyperHyperDual64};
 use std::mem::swap;
 
 /// A plate expanded in polynomials of high degree: `F = ∂Π/∂q = 0` for the coefficients `q` of the
-/// deflection, with the in-plane displacements eliminated (see
-/// [`System`](crate::core::system::System) for its use).
+/// deflection, where the in-plane displacements are eliminated (see
+/// [`System`](crate::core::system::System) for the use of the model).
 ///
-/// The deflection over the gap is `w = Σ q_ij d_ij f_i(ξ) g_j(ζ)` with beam modes `f`, `g` (in
-/// polynomials) and factors `d` that give a unit of each unknown equal energy; `ξ = 2x − 1`, `ζ =
-/// 2y − 1`, where x and y run from 0 to 1 along the sides. Unknowns are the `q_ij`, in the group
-/// `w`; the parameters are listed at [`Units`].
+/// The deflection relative to the gap is `w = Σ q_ij d_ij f_i(ξ) g_j(ζ)`, where `f`, `g` are beam
+/// modes (expanded in polynomials), and the factors `d` give a unit of each unknown equal energy;
+/// `ξ = 2x − 1`, `ζ = 2y − 1`, where x and y run from 0 to 1 along the sides. The unknowns are the
+/// coefficients `q_ij`, in the group `w`; the parameters are listed at [`Units`].
 ///
-/// Edge forces act on pairs of edges: if one edge of a pair is free, its normal force is zero, and
-/// if any edge is free, so is the shear. Shear breaks the symmetry of a plate, which is used unless
-/// [`RitzSettings::symmetric`] is false.
+/// Edge forces act on pairs of opposite edges: the normal force of a pair is zero if one of its
+/// edges is free, and the shear force is zero if any edge is free. The symmetry of the plate is
+/// used unless [`RitzSettings::symmetric`] is false; shear breaks the symmetry.
 ///
-/// The monitors are the monitors of [all plates](super#monitors).
+/// The monitors are listed at [all plates](super#monitors).
 ///
 /// ```
 /// use tangency::core::system::System;
@@ -50,21 +50,22 @@ pub struct Ritz {
     pub(super) first: Workspace<Dual64>,
     pub(super) second: Workspace<HyperDual64>,
     pub(super) third: Workspace<HyperHyperDual64>,
-    /// The point at which the matrix was assembled; empty for none.
+    /// The point at which the matrix was assembled; empty if no matrix was assembled.
     pub(super) assembled_at: Vec<f64>,
-    /// A second matrix for monitors, which must not change the assembled one.
+    /// The space for a second matrix that monitors use, because they must not change the assembled
+    /// matrix.
     pub(super) spare: Vec<f64>,
-    /// The point at which the modes were computed; empty for none.
+    /// The point at which the modes were computed; empty if no modes were computed.
     pub(super) modes_at: Vec<f64>,
     pub(super) flat: Option<FlatPlate>,
-    /// The values of the functions in the middle of the plate.
+    /// The values of the functions at the centre of the plate.
     pub(super) centre: Vec<f64>,
-    /// The lowest mode, as a direction of `x`.
+    /// The lowest mode, as a direction of the length of `x`.
     pub(super) mode: Vec<f64>,
     pub(super) potential: PotentialGradient,
 }
 
-/// The unloaded plate, as a reference for frequencies.
+/// The unloaded plate, which is the reference for frequencies.
 pub(super) struct FlatPlate {
     pub at: (f64, f64),
     pub square: f64,
@@ -72,10 +73,11 @@ pub(super) struct FlatPlate {
 }
 
 impl Ritz {
-    /// Sets up a plate.
+    /// Sets up a plate: tabulates its functions and quadrature rules.
     ///
     /// # Errors
-    /// [`PlateError`] for orders out of range and for supports that permit rigid motions.
+    /// [`PlateError`] if numbers of functions are out of range or the supports permit rigid
+    /// motions.
     pub fn new(settings: RitzSettings) -> Result<Ritz, PlateError> {
         let model = Discretisation::new(settings)?;
         let n = model.unknowns();
@@ -106,33 +108,35 @@ impl Ritz {
         })
     }
 
-    /// Returns the numbers of functions.
+    /// Returns the numbers of functions of the plate.
     pub fn orders(&self) -> Orders {
         self.model.orders
     }
 
-    /// Returns `x = (z, p)` of the flat plate, with all parameters at their defaults.
+    /// Returns the point `x = (z, p)` of the flat plate, with all parameters at their default
+    /// values.
     pub fn at_rest(&self) -> Vec<f64> {
         let mut x = vec![0.0; self.model.unknowns()];
         x.extend_from_slice(self.model.settings.units.defaults());
         x
     }
 
-    /// Returns the deflection over the gap for coefficients `q` (unknowns of a solution, or
-    /// coefficients of a mode), at a point of the plate: `x` and `y` from 0 to 1 along the sides.
+    /// Returns the deflection relative to the gap for coefficients `q` (the unknowns of a solution,
+    /// or the coefficients of a mode), at a point of the plate: `x` and `y` run from 0 to 1 along
+    /// the sides.
     pub fn deflection(&self, q: &[f64], x: f64, y: f64) -> f64 {
         let at = [2.0 * x - 1.0, 2.0 * y - 1.0];
         shape::local(&self.model, q, at, &mut Default::default())[0]
     }
 
-    /// Returns the deflection along the centre line `y = ½` at `points ≥ 2` equidistant points:
+    /// Returns the deflection along the centre line `y = ½` at `points ≥ 2` equidistant points, as
     /// pairs `(x, w)`.
     pub fn centre_line(&self, q: &[f64], points: usize) -> Vec<(f64, f64)> {
         profile::line(points, |x| self.deflection(q, x, 0.5))
     }
 
-    /// Returns the `count` lowest modes of the flat plate without any load, at the given `α` and
-    /// `ν`; if symmetry is used, only symmetric modes.
+    /// Returns the `count` lowest modes of the flat plate without loads, for the given `α` and `ν`;
+    /// only symmetric modes if the symmetry of the plate is used.
     ///
     /// # Errors
     /// [`Failure`] if `α` or `ν` is out of range.
@@ -159,7 +163,7 @@ impl Ritz {
         Ok(self.eigenproblem.lowest(count))
     }
 
-    /// Checks `x`, updates the factor of `K_uv` and returns the largest deflection.
+    /// Checks `x`, updates the factor of `K_uv` if necessary, and returns the largest deflection.
     pub(super) fn prepare(&mut self, x: &[f64]) -> Result<f64, Failure> {
         let (q, p) = x.split_at(self.model.unknowns());
         domain::finite(q, |i| format!("component {i} of w"))?;
@@ -177,14 +181,14 @@ impl Ritz {
         Ok(largest)
     }
 
-    /// Assembles the matrix at `x`.
+    /// Assembles the matrix `F_z` at `x`.
     pub(super) fn assemble_at(&mut self, x: &[f64]) -> Result<(), Failure> {
         let largest = self.evaluate(x)?;
         self.assembly.assemble(&self.model, &self.factor, &mut self.plain, largest);
         domain::finite(&self.assembly.matrix, |_| "an entry of the stiffness".into())
     }
 
-    /// Evaluates the residual at `x` into `self.plain`; returns the largest deflection.
+    /// Evaluates the residual at `x` into `self.plain`, and returns the largest deflection.
     pub(super) fn evaluate(&mut self, x: &[f64]) -> Result<f64, Failure> {
         let largest = self.prepare(x)?;
         let (q, p) = x.split_at(self.model.unknowns());
@@ -196,7 +200,7 @@ impl Ritz {
         Ok(largest)
     }
 
-    /// Updates the modes about `x`, without changing the assembled matrix.
+    /// Updates the modes about `x`, without changing the assembled matrix `F_z`.
     pub(super) fn ensure_modes(&mut self, x: &[f64]) -> Result<(), Failure> {
         if self.modes_at == x {
             return Ok(());
@@ -221,8 +225,8 @@ impl Ritz {
     }
 }
 
-/// Types `T` for derivatives along up to three directions: the construction of a dual number from
-/// its first-order parts, and the extraction of its mixed derivative.
+/// A scalar type `T` for derivatives along up to three directions: constructs a dual number from
+/// its first-order parts, and extracts the mixed derivative from a dual number.
 pub(super) trait Directional: Scalar {
     fn seed(value: f64, parts: [f64; 3]) -> Self;
     fn mixed(&self) -> f64;

@@ -1,4 +1,4 @@
-//! The settings of a plate in a scene: the plate and its model.
+//! The settings of a plate in a scene: the plate itself, and the model that discretises it.
 
 use super::discretisation::RitzSettings;
 use super::edges::{InPlane, Support, Supports};
@@ -12,48 +12,51 @@ use super::terms::{Projection, Theory};
 use crate::core::system::{Dense, System};
 use serde::{Deserialize, Deserializer, Serialize};
 
-/// The discretisation of the plate.
+/// The model that discretises the plate.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum Model {
-    /// The full Ritz model in integrated Legendre functions.
+    /// The full Ritz model, in integrated Legendre functions.
     #[default]
     Ritz,
-    /// A reduced-order model on the lowest modes of the flat plate.
+    /// A reduced-order model in the lowest modes of the flat plate.
     Modal,
-    /// The stress-function sine model of a supported plate (section 3.2).
+    /// The stress-function model in sines of a simply supported plate (section 3.2).
     Sine,
 }
 
-/// A plate and its model.
+/// The settings of a plate and of its model.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct PlateSettings {
-    /// The supports of the edges in the order x = 0, y = 0, x = 1, y = 1: `S` supported, `C`
+    /// The supports of the edges in the order x = 0, y = 0, x = 1, y = 1: `S` simply supported, `C`
     /// clamped, `F` free.
     #[serde(deserialize_with = "capitals")]
     pub supports: String,
-    /// The supports in the plane; by default `slide` for four supported edges, else `immovable`.
+    /// The in-plane supports; by default `slide` for four simply supported edges, otherwise
+    /// `immovable`.
     pub in_plane: Option<InPlane>,
-    /// Linear or von Kármán's theory.
+    /// The theory: linear, or von Kármán's.
     pub theory: Theory,
     /// The discretisation.
     pub model: Model,
     /// The number of modes of the models `modal` and `sine`.
     pub modes: usize,
-    /// The projection of the models `modal` and `sine`.
+    /// The projection of the equation of motion in the models `modal` and `sine`.
     pub projection: Projection,
-    /// The numbers of functions of the model `ritz`; by default those that the accuracy needs.
+    /// The numbers of functions of the model `ritz`; by default the numbers that the accuracy
+    /// requires.
     pub orders: Option<Orders>,
-    /// The meaning of the parameters.
+    /// The units and the meaning of the parameters.
     pub units: Units,
-    /// Whether to use the symmetry of the edges. By default symmetry is used unless edge forces
-    /// act: a compressed plate may first buckle into two half waves, which are not symmetric.
+    /// Whether to use the symmetry of plates whose opposite edges are alike. By default, the
+    /// symmetry is used unless edge forces act: a compressed plate may first buckle into two half
+    /// waves, which are not symmetric.
     pub symmetric: Option<bool>,
 }
 
-/// Deserializes letters in either case.
+/// Deserializes the letters of the supports, in upper or lower case.
 fn capitals<'de, D: Deserializer<'de>>(deserializer: D) -> Result<String, D::Error> {
     Ok(String::deserialize(deserializer)?.to_uppercase())
 }
@@ -74,15 +77,15 @@ impl Default for PlateSettings {
     }
 }
 
-/// Numbers of modes, each about a third more than the previous one.
+/// A sequence of numbers of modes, each about a third larger than the previous one.
 const MODES: [usize; 11] = [1, 2, 3, 4, 6, 8, 11, 15, 20, 27, 36];
 
 impl PlateSettings {
-    /// Returns the system, for a plate whose parameters start at `p` (in the order of
-    /// [`Units::names`]) and vary as far as `reach`.
+    /// Returns the system of a plate whose parameters start at `p` (in the order of
+    /// [`Units::names`]) and vary up to `reach`.
     ///
     /// # Errors
-    /// [`PlateError`] with the invalid setting and the remedy.
+    /// A [`PlateError`] that names the invalid setting and the remedy.
     ///
     /// ```
     /// use tangency::problems::plate::{PlateSettings, Units};
@@ -122,8 +125,9 @@ impl PlateSettings {
         })
     }
 
-    /// Returns the plate with discretisations of growing accuracy and cost, for parameters as in
-    /// [`system`](Self::system): orders of the full model, numbers of modes of the others.
+    /// Returns systems of the plate with growing accuracy and cost, for parameters as in
+    /// [`system`](Self::system): they differ in the numbers of functions of the full model, or in
+    /// the numbers of modes of the other models.
     ///
     /// # Errors
     /// [`PlateError`] if the supports cannot be parsed.

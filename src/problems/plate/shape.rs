@@ -1,14 +1,14 @@
-//! Deflections at points of the plate, and the largest deflection.
+//! Evaluates deflections at points of the plate, and finds the largest deflection.
 
 use super::basis::{AtPoint, Table};
 use super::discretisation::Discretisation;
 use super::tensor::Product;
 
-/// The number of nodes of a half side in the search for the largest deflection.
+/// The number of nodes on half a side in the search for the largest deflection.
 const NODES: usize = 17;
 
-/// Returns the deflection and its slopes and curvatures with respect to `ξ`, `ζ` at a point: `[w,
-/// w_ξ, w_ζ, w_ξξ, w_ζζ, w_ξζ]`.
+/// Returns the deflection and its first and second derivatives with respect to `ξ`, `ζ` at a point:
+/// `[w, w_ξ, w_ζ, w_ξξ, w_ζζ, w_ξζ]`.
 pub(super) fn local(
     model: &Discretisation,
     q: &[f64],
@@ -27,7 +27,7 @@ pub(super) fn local(
     sums
 }
 
-/// Returns the values of all products of functions at a point.
+/// Returns the values of all products of transverse functions at a point of the plate.
 pub(super) fn products(
     model: &Discretisation,
     at: [f64; 2],
@@ -41,7 +41,7 @@ pub(super) fn products(
     }
 }
 
-/// Evaluates the functions of each direction at a point.
+/// Evaluates the transverse functions of each direction at a point of the plate.
 fn evaluate<'a>(
     model: &Discretisation,
     at: [f64; 2],
@@ -53,14 +53,16 @@ fn evaluate<'a>(
     [&memory[0].values, &memory[1].values]
 }
 
-/// Returns equidistant nodes in `ξ`, from the middle (or one end) to the end.
+/// Returns equidistant nodes in `ξ`, from the middle (if symmetric) or from one end to the other
+/// end.
 pub(super) fn search_nodes(symmetric: bool) -> Vec<f64> {
     let last = NODES as i32 - 1;
     let first = if symmetric { 0 } else { -last };
     (first..=last).map(|i| f64::from(i) / f64::from(last)).collect()
 }
 
-/// Returns the position of the largest number and that number; for NaN, the first one.
+/// Returns the position of the largest number in a list, and the number; if the list contains NaN,
+/// the position of the first NaN.
 pub(super) fn highest(values: impl Iterator<Item = f64>) -> (usize, f64) {
     let mut best = (0, f64::NEG_INFINITY);
     for (k, value) in values.enumerate() {
@@ -74,7 +76,7 @@ pub(super) fn highest(values: impl Iterator<Item = f64>) -> (usize, f64) {
     best
 }
 
-/// A grid of nodes, with tables, for the search for the largest deflection.
+/// A grid of nodes, with tables of the functions, for the search for the largest deflection.
 pub(super) struct Search {
     nodes: [Vec<f64>; 2],
     tables: [Table; 2],
@@ -99,8 +101,8 @@ impl Search {
         }
     }
 
-    /// Returns the largest deflection on the grid and its place, `(w, ξ, ζ)`; NaN if any deflection
-    /// is NaN.
+    /// Returns the largest deflection on the grid and its position, as `(w, ξ, ζ)`; NaN if any
+    /// deflection is NaN.
     pub fn on_grid(&mut self, model: &Discretisation, q: &[f64]) -> (f64, f64, f64) {
         for ((out, q), scale) in self.coefficients.iter_mut().zip(q).zip(&model.scale) {
             *out = q * scale;
@@ -113,9 +115,9 @@ impl Search {
         (largest, self.nodes[0][k / points[1]], self.nodes[1][k % points[1]])
     }
 
-    /// Returns the largest deflection and its place, `(w, ξ, ζ)`: starting at the best node, by
-    /// Newton's iteration in the variables that are not at an end towards which the deflection
-    /// still rises.
+    /// Returns the largest deflection and its position, as `(w, ξ, ζ)`: Newton's iteration starts
+    /// at the node of the grid with the largest deflection, and varies a coordinate unless the node
+    /// is at an end of its range towards which the deflection still increases.
     pub fn largest(&mut self, model: &Discretisation, q: &[f64]) -> (f64, f64, f64) {
         let (best, xi, zeta) = self.on_grid(model, q);
         let held = |axis: usize| model.symmetric[axis];

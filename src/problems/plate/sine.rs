@@ -1,8 +1,8 @@
-//! The stress-function model of a simply supported plate, in sines (section 3.2 of the
+//! The stress-function model of a simply supported plate, in sines (section 3.2 of Zhao's
 //! dissertation).
 //!
-//! With `w` in units of the gap and coordinates in units of the sides (`ξ = x/a`, `η = y/b`), eqs.
-//! 3.12–3.13:
+//! The equations 3.12–3.13 of the plate, where `w` is in units of the gap and the coordinates are
+//! in units of the sides (`ξ = x/a`, `η = y/b`), are
 //!
 //! ```text
 //!     L(w) + ẅ = κ Φ(w, F) + λ/(1−w)² + pressure,      κ = 12(1−ν²)α₁²/α²
@@ -10,15 +10,15 @@
 //!     L        = ∂ξ⁴ + (2/α²) ∂ξ²∂η² + (1/α⁴) ∂η⁴
 //! ```
 //!
-//! `w = Σ w_mn sin mπξ sin nπη` over odd `m`, `n` (the plate's first instability is symmetric)
-//! satisfies the support conditions 3.14 term by term, and `F = ½(p_y ξ² + p_x η²) + Σ f_mn cos mπξ
-//! cos nπη` solves the second equation exactly for any such `w`: shear traction vanishes at the
-//! edges, which stay straight. The remaining equations are projections of the first one, as many as
-//! there are `w_mn`.
+//! The sum `w = Σ w_mn sin mπξ sin nπη` over odd `m`, `n` (the first instability of the plate is
+//! symmetric) satisfies the support conditions 3.14 term by term. The stress function
+//! `F = ½(p_y ξ² + p_x η²) + Σ f_mn cos mπξ cos nπη` solves the second equation exactly for any
+//! such `w`: shear traction vanishes at the edges, which stay straight. The residual consists of
+//! projections of the first equation, one for each coefficient `w_mn`.
 //!
-//! `L(w) = λ ≠ 0` on the edges, where every sine vanishes: the series converges algebraically. The
-//! load at pull-in of a square plate with `α₁ = 2` is within 2e-6 of its limit with 15 modes, 1e-10
-//! with 160.
+//! The series converges algebraically, because `L(w) = λ ≠ 0` on the edges, where every sine
+//! vanishes. The load at pull-in of a square plate with `α₁ = 2` is within 2e-6 of its limit for 15
+//! modes, and within 1e-10 for 160 modes.
 
 mod airy;
 mod basis;
@@ -43,26 +43,28 @@ use projection::Sines;
 /// The mean square of a product of sines over the plate.
 const MEAN_SQUARE: f64 = 0.25;
 
-/// The settings of a [`SinePlate`]. The defaults: 15 modes, slide, von Kármán, direct,
-/// dimensionless.
+/// The settings of a [`SinePlate`]. The default settings are 15 modes, in-plane supports `slide`,
+/// von Kármán's theory, the direct projection and dimensionless parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SineSettings {
-    /// The number of modes, `N ≥ 1`: odd-odd pairs by `m² + n²`, then by `m`.
+    /// The number of modes, `N ≥ 1`: pairs of odd wave numbers `(m, n)`, sorted by `m² + n²`, then
+    /// by `m`.
     pub modes: usize,
-    /// The supports of the edges in their plane, all straight and free of shear traction.
-    /// [`InPlane::Slide`]: no normal displacement ("immovable" in section 3.2), `p_x` and `p_y` by
-    /// eqs. 3.22–3.23.
-    /// [`InPlane::Straight`]: no mean normal force ("movable"), `p_x = p_y = 0`. No others.
+    /// The in-plane supports of the edges; all edges stay straight and are free of shear traction.
+    /// [`InPlane::Slide`]: no normal displacement ("immovable" in section 3.2), with `p_x` and
+    /// `p_y` of eqs. 3.22–3.23.
+    /// [`InPlane::Straight`]: no mean normal force ("movable" in section 3.2), so that `p_x = p_y = 0`.
+    /// Other in-plane supports are rejected.
     pub in_plane: InPlane,
-    /// The theory, linear or von Kármán's.
+    /// The theory: linear, or von Kármán's.
     pub theory: Theory,
     /// The projection.
     pub projection: Projection,
-    /// The meaning of the parameters.
+    /// The units and the meaning of the parameters.
     pub units: Units,
-    /// The number of Gauss points in each half direction; by default enough for loads at
-    /// deflections up to 0.9 of the gap to 1e-9, and for the products of sines of the multiplied
-    /// projection to rounding.
+    /// The number of Gauss points in each half direction; the default number integrates loads at
+    /// deflections up to 0.9 of the gap to 1e-9, and the products of sines of the multiplied
+    /// projection exactly up to rounding.
     pub quadrature_points: Option<usize>,
 }
 
@@ -82,31 +84,32 @@ impl Default for SineSettings {
 /// A term of the stress function: `coefficient · cos mπξ cos nπη`, in units of `Ed²`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StressTerm<T> {
-    /// The wave number along x, even.
+    /// The even wave number along x.
     pub m: usize,
-    /// The wave number along y, even.
+    /// The even wave number along y.
     pub n: usize,
     /// `f_mn`, eq. 3.24.
     pub coefficient: T,
 }
 
-/// The lowest mode of vibration about an equilibrium, among the modes symmetric about both centre
-/// lines.
+/// The lowest mode of vibration about an equilibrium, among the modes that are symmetric about both
+/// centre lines.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Vibration {
-    /// `ω a²√(ρh/D)`, or Hz for a device; `−√(−ω²)` for an unstable equilibrium.
+    /// The frequency `ω a²√(ρh/D)`, or the frequency in Hz for a device; `−√(−ω²)` for an unstable
+    /// equilibrium.
     pub frequency: f64,
-    /// The coefficients of the mode's sines, in the order of [`SinePlate::modes`], scaled to 1 at
-    /// the centre.
+    /// The coefficients of the products of sines in the mode, in the order of [`SinePlate::modes`],
+    /// scaled to a deflection of 1 at the centre.
     pub shape: Vec<f64>,
 }
 
 /// A simply supported, electrically actuated plate expanded in `N` products of sines.
 ///
-/// A [`ZeroProblem`] with unknowns `w` (the `N` coefficients `w_mn`, deflection over gap), the
-/// parameters of [`Units`] and the monitors of [all plates](super#monitors). The residual's
-/// component `i` is the projection of eq. 3.12 on `φ_i` over the unit square; for
-/// [`Projection::Direct`] it is the derivative with respect to `w_i` of the potential energy, in
+/// This [`ZeroProblem`] has the unknowns `w` (the `N` coefficients `w_mn`, deflection over gap),
+/// the parameters of [`Units`] and the monitors of [all plates](super#monitors). Component `i` of
+/// the residual is the projection of eq. 3.12 on `φ_i` over the unit square; for
+/// [`Projection::Direct`] it is the derivative of the potential energy with respect to `w_i`, in
 /// units of `αDd²/a²`, and the mass matrix is one quarter of the identity.
 ///
 /// ```
@@ -130,9 +133,9 @@ impl SinePlate {
     /// Sets up a plate: sorts the modes and tabulates their couplings and values.
     ///
     /// # Errors
-    /// [`PlateError`] for no modes, for modes of wave numbers above 127, for a quadrature with
-    /// fewer points in a half direction than the largest wave number, and for edges immovable or
-    /// free in their plane.
+    /// [`PlateError`] if the number of modes is zero, a mode has a wave number above 127, the
+    /// quadrature has fewer points in a half direction than the largest wave number, or the edges
+    /// are immovable or free in their plane.
     pub fn new(settings: SineSettings) -> Result<Self, PlateError> {
         let in_plane = settings.in_plane;
         if !matches!(in_plane, InPlane::Slide | InPlane::Straight) {
@@ -168,13 +171,13 @@ impl SinePlate {
         Ok(SinePlate { settings, sines })
     }
 
-    /// Returns the wave numbers `(m, n)` of the unknowns, in order.
+    /// Returns the wave numbers `(m, n)` of all unknowns, in the order of the unknowns.
     pub fn modes(&self) -> Vec<(usize, usize)> {
         self.sines.modes.iter().map(|&(k, l)| (2 * k + 1, 2 * l + 1)).collect()
     }
 
-    /// Evaluates `Σ z_i sin m_iπξ sin n_iπη` at a point of the unit square: the deflection over the
-    /// gap, or a mode of vibration.
+    /// Evaluates `Σ z_i sin m_iπξ sin n_iπη` at a point of the unit square: the deflection relative
+    /// to the gap, or a mode of vibration.
     ///
     /// ```
     /// use tangency::problems::plate::sine::{SinePlate, SineSettings};
@@ -187,25 +190,26 @@ impl SinePlate {
         self.sines.deflection(z, x, y)
     }
 
-    /// Returns the terms of the stress function of the deflection `z`, eqs. 3.24–3.25 (empty in
-    /// linear theory), without the uniform forces of [`SinePlate::edge_tension`].
+    /// Returns the terms of the stress function of the deflection `z`, eqs. 3.24–3.25, without the
+    /// uniform forces of [`SinePlate::edge_tension`]; the list is empty in linear theory.
     pub fn stress_function<T: Scalar>(&self, z: &[T], p: &[T]) -> Vec<StressTerm<T>> {
         let aspect = self.settings.units.parameters(p).aspect;
         let terms = self.sines.airy.iter().flat_map(|airy| airy.coefficients(z, aspect));
         terms.map(|(m, n, coefficient)| StressTerm { m, n, coefficient }).collect()
     }
 
-    /// Returns the mean tensions `[N_x, N_y]` between the edges due to the deflection `z`, in units
-    /// of `D/a²`, tension positive: `κp_x` and `α²κp_y`, eqs. 3.22–3.23; zero for
-    /// [`InPlane::Straight`] and in linear theory. Applied forces are not included.
+    /// Returns the mean tensions `[N_x, N_y]` between the edges that the deflection `z` causes, in
+    /// units of `D/a²`, tension positive: `κp_x` and `α²κp_y`, eqs. 3.22–3.23; zero for
+    /// [`InPlane::Straight`] and in linear theory. Applied edge forces are not included in these
+    /// tensions.
     pub fn edge_tension<T: Scalar>(&self, z: &[T], p: &[T]) -> [T; 2] {
         let plate = self.settings.units.parameters(p);
         let [x, y] = self.sines.held_tension(z, &plate);
         [x, y * plate.aspect * plate.aspect]
     }
 
-    /// Returns the lowest mode of vibration about the equilibrium `z`; `None` for values that are
-    /// not finite, or, with [`Projection::Multiplied`], for a lowest eigenvalue that is not real.
+    /// Returns the lowest mode of vibration about the equilibrium `z`; `None` if values are not
+    /// finite, or, for [`Projection::Multiplied`], if the lowest eigenvalue is not real.
     pub fn vibration(&self, z: &[f64], p: &[f64]) -> Option<Vibration> {
         let vectors = self.lowest(z, p)?;
         let square = self.frequency_squared(z, p, &vectors);
@@ -276,7 +280,7 @@ impl ZeroProblem for SinePlate {
         self.settings.projection.dynamics()
     }
 
-    /// Returns the deflection and the first mode shape along the centre line.
+    /// Returns profiles of the deflection and of the first mode shape along the centre line.
     fn profiles(&self, z: &[f64], p: &[f64]) -> Vec<Profile> {
         profile::with_lowest_mode(self, z, p, |z, x| self.deflection(z, x, 0.5))
     }

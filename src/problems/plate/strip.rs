@@ -1,12 +1,12 @@
-//! The strip: a plate infinitely long in one direction, with immovable edges.
+//! The strip: a plate that is infinitely long in one direction, with immovable edges.
 //!
 //! ```text
 //!     w'''' = λ/(1−w)² + 6α₁² (∫₀¹ w'² dx) w''
 //! ```
 //!
-//! with `w = w'' = 0` (supported) or `w = w' = 0` (clamped) at both ends: the limit of the long
-//! plate. Galerkin's method in functions even about the middle: the residual is the gradient of
-//! `½∫w''² + (3/2)α₁²(∫w'²)² − λ∫1/(1−w)`.
+//! The boundary conditions are `w = w'' = 0` (supported) or `w = w' = 0` (clamped) at both ends;
+//! the strip is the limit of a long plate. Galerkin's method is applied with functions that are
+//! even about the middle: the residual is the gradient of `½∫w''² + (3/2)α₁²(∫w'²)² − λ∫1/(1−w)`.
 
 use super::basis::Basis;
 use super::edges::Support;
@@ -24,31 +24,32 @@ use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// The maximum number of functions.
+/// The maximum number of functions of a strip.
 const MOST: usize = 512;
 
 /// The supports of both ends of a strip.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Ends {
-    /// Simply supported: `w = w'' = 0`. Functions: `sin kπx`, `k` odd; algebraic convergence, as
-    /// `w''''` does not vanish at the ends (the error of the load at pull-in falls with the seventh
-    /// power of their number: 6e-9 with 5, 4e-11 with 10).
+    /// Simply supported ends: `w = w'' = 0`. The functions are `sin kπx` with odd `k`; convergence
+    /// is algebraic because `w''''` does not vanish at the ends (the error of the load at pull-in
+    /// falls with the seventh power of the number of functions: 6e-9 for 5 functions, 4e-11 for
+    /// 10).
     #[default]
     Supported,
-    /// Clamped: `w = w' = 0`. Functions: twice integrated Legendre polynomials, orthogonal in
-    /// bending; exponential convergence.
+    /// Clamped ends: `w = w' = 0`. The functions are twice integrated Legendre polynomials,
+    /// orthogonal in bending; convergence is exponential.
     Clamped,
 }
 
-/// The settings of a [`Strip`]. The defaults: 40 functions, supported ends.
+/// The settings of a [`Strip`]. The default settings are 40 functions and simply supported ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StripSettings {
-    /// The number of functions, 1 to 512.
+    /// The number of functions, from 1 to 512.
     pub functions: usize,
-    /// The support of both ends.
+    /// The support of both ends of the strip.
     pub ends: Ends,
-    /// The number of Gauss points on the half interval; by default 32 more than functions.
+    /// The number of Gauss points on the half interval; by default the number of functions plus 32.
     pub quadrature_points: Option<usize>,
 }
 
@@ -58,11 +59,12 @@ impl Default for StripSettings {
     }
 }
 
-/// An electrically actuated strip expanded in `N` functions.
+/// An electrically actuated strip whose deflection is expanded in `N` functions.
 ///
-/// A [`ZeroProblem`] with unknowns `w` (`N` coefficients of the deflection over the gap),
+/// This [`ZeroProblem`] has the unknowns `w` (`N` coefficients of the deflection over the gap), the
 /// parameters `load` (`λ`, eq. 3.17) and `gap_ratio` (`α₁ = d/h`), and the dimensionless monitors
-/// of [all plates](super#monitors). The frequency belongs to the modes even about the middle.
+/// of [all plates](super#monitors). The monitor `frequency` is the lowest frequency of the modes
+/// that are even about the middle.
 ///
 /// ```
 /// use tangency::core::problem::ZeroProblem;
@@ -76,14 +78,14 @@ impl Default for StripSettings {
 #[derive(Clone, Debug)]
 pub struct Strip {
     functions: Functions,
-    /// The weights of the Gauss points on (0, ½), with sum 1; the middle is an additional point of
-    /// the table.
+    /// The weights of the Gauss points on (0, ½), with the sum 1; the table of functions contains
+    /// the middle as an additional point.
     weights: Vec<f64>,
-    /// The functions, one point after another.
+    /// The values of the functions at the points, one point after another.
     table: Vec<f64>,
-    /// `∫φ_i''φ_j'' = stiffness_i δ_ij`.
+    /// The bending stiffnesses: `∫φ_i''φ_j'' = stiffness_i δ_ij`.
     stiffness: Vec<f64>,
-    /// `∫φ_i'φ_j'`, row by row.
+    /// The integrals `∫φ_i'φ_j'`, row by row.
     slopes: Vec<f64>,
     mass: DMatrix<f64>,
     flat_frequency: f64,
@@ -93,8 +95,8 @@ impl Strip {
     /// Sets up a strip: tabulates the functions and their products.
     ///
     /// # Errors
-    /// [`PlateError`] for a number of functions out of range, and for fewer quadrature points than
-    /// functions.
+    /// [`PlateError`] if the number of functions is out of range, or the number of quadrature
+    /// points is smaller than the number of functions.
     pub fn new(settings: StripSettings) -> Result<Self, PlateError> {
         let n = settings.functions;
         PlateError::check("functions", n, [1, MOST])?;
@@ -137,23 +139,24 @@ impl Strip {
         })
     }
 
-    /// Evaluates `Σ z_i φ_i(x)` at `0 ≤ x ≤ 1`: the deflection over the gap.
+    /// Evaluates the deflection relative to the gap, `Σ z_i φ_i(x)`, at `0 ≤ x ≤ 1`.
     pub fn deflection<T: Scalar>(&self, z: &[T], x: f64) -> T {
         let functions = self.functions.at(x);
         z.iter().zip(functions).fold(T::zero(), |sum, (&z, [value, _])| sum + z * value)
     }
 
-    /// Returns the deflection at a point of the table; the last one is the middle.
+    /// Returns the deflection at a point of the table; the last point is the middle.
     fn tabulated<T: Scalar>(&self, z: &[T], point: usize) -> T {
         dot(z, self.row(point))
     }
 
-    /// Returns the functions at a point of the table.
+    /// Returns the values of all functions at a point of the table.
     fn row(&self, point: usize) -> &[f64] {
         &self.table[point * self.stiffness.len()..][..self.stiffness.len()]
     }
 
-    /// Returns the point of the table with the largest deflection, and that deflection.
+    /// Returns the point of the table with the largest deflection, and the deflection at this
+    /// point.
     fn largest(&self, z: &[f64]) -> (usize, f64) {
         let middle = (self.weights.len(), self.tabulated(z, self.weights.len()));
         (0..self.weights.len())
@@ -215,7 +218,7 @@ impl ZeroProblem for Strip {
         Dynamics::Potential
     }
 
-    /// Returns the deflection and the first mode shape along the strip.
+    /// Returns profiles of the deflection and of the first mode shape along the strip.
     fn profiles(&self, z: &[f64], p: &[f64]) -> Vec<Profile> {
         profile::with_lowest_mode(self, z, p, |z, x| self.deflection(z, x))
     }
@@ -224,14 +227,14 @@ impl ZeroProblem for Strip {
 /// The functions of a strip, even about the middle.
 #[derive(Clone, Debug)]
 enum Functions {
-    /// `sin (2i+1)πx`, with the number of functions.
+    /// The functions `sin (2i+1)πx`; the value is the number of functions.
     Sines(usize),
-    /// Twice integrated Legendre polynomials, scaled to `∫₀¹ φ_i''² dx = 1`.
+    /// Twice integrated Legendre polynomials, scaled such that `∫₀¹ φ_i''² dx = 1`.
     Bubbles(Basis),
 }
 
 impl Functions {
-    /// Returns all functions and their slopes at `0 ≤ x ≤ 1`.
+    /// Returns the values and slopes of all functions at `0 ≤ x ≤ 1`.
     fn at(&self, x: f64) -> Vec<[f64; 2]> {
         match self {
             Functions::Sines(count) => {
@@ -248,7 +251,7 @@ impl Functions {
     }
 }
 
-/// Returns `(2i + 1)π`.
+/// Returns the odd multiple `(2i + 1)π` of π.
 fn odd_wave(i: usize) -> f64 {
     (2 * i + 1) as f64 * PI
 }

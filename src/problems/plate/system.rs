@@ -1,4 +1,4 @@
-//! [`Ritz`] as a [`System`] for continuation.
+//! Implements [`System`] for [`Ritz`].
 
 use super::discretisation::Discretisation;
 use super::modes::signed_root;
@@ -14,11 +14,10 @@ use faer::Mat;
 use num_dual::Dual64;
 use std::mem::take;
 
-/// The maximum number of unknowns of a rung of the ladder.
+/// The maximum number of unknowns of a discretisation in the ladder.
 const LARGEST_RUNG: usize = 500;
 
-/// Computes the mixed derivative of `F` along `directions` (each of the same length as `x`), into
-/// `out`.
+/// Computes the mixed derivative of `F` along `directions` (each of the length of `x`), into `out`.
 fn differentiate<T: Directional>(
     work: &mut Workspace<T>,
     model: &Discretisation,
@@ -43,7 +42,7 @@ fn differentiate<T: Directional>(
     out.iter_mut().zip(&work.r).for_each(|(out, r)| *out = r.mixed());
 }
 
-/// Returns the unknowns of the same deflection in a larger space of polynomials.
+/// Returns the unknowns of the same deflection in a larger polynomial space.
 fn prolonged(from: &Discretisation, to: &Discretisation, z: &[f64]) -> Vec<f64> {
     // For one direction, expresses functions of the coarse basis by functions of the fine basis,
     // `(coarse, fine)`.
@@ -64,8 +63,8 @@ fn prolonged(from: &Discretisation, to: &Discretisation, z: &[f64]) -> Vec<f64> 
 }
 
 impl Ritz {
-    /// Returns `x = (z, p)` of the same plate and deflection on finer orders (none smaller than the
-    /// present ones).
+    /// Returns the point `x = (z, p)` of the same plate and deflection for larger numbers of
+    /// functions (no number may be smaller than the present one).
     pub fn carry(&self, x: &[f64], finer: &Ritz) -> Vec<f64> {
         let (z, p) = x.split_at(self.model.unknowns());
         let mut carried = prolonged(&self.model, &finer.model, z);
@@ -73,19 +72,19 @@ impl Ritz {
         carried
     }
 
-    /// Returns the assembled `F_z` as a dense matrix, stored by columns (`n × n`).
+    /// Returns the assembled `F_z` as a dense `n × n` matrix, stored column by column.
     pub fn jacobian(&self, out: &mut [f64]) {
         out.copy_from_slice(&self.assembly.matrix);
     }
 
-    /// Returns the lowest `ω²` about `x`; its mode is left in `self.mode`.
+    /// Returns the lowest `ω²` about `x`, and stores its mode in `self.mode`.
     fn lowest(&mut self, x: &[f64]) -> Result<f64, Failure> {
         self.ensure_modes(x)?;
         self.eigenproblem.shape(0, &mut self.mode[..self.model.unknowns()]);
         Ok(self.eigenproblem.square(0))
     }
 
-    /// Returns the lowest frequency of the unloaded plate; its mode is left in `self.flat`.
+    /// Returns the lowest frequency of the unloaded plate, and stores its mode in `self.flat`.
     fn flat_frequency(&mut self, p: &[f64]) -> Result<f64, Failure> {
         let parameters = self.model.settings.units.parameters(p);
         let at = (parameters.aspect, parameters.nu);
@@ -97,8 +96,8 @@ impl Ritz {
         Ok(self.flat.as_ref().map_or(f64::NAN, |flat| signed_root(flat.square)))
     }
 
-    /// Computes `∇ω²` of the unloaded plate with respect to varied parameters, into the end of
-    /// `out`.
+    /// Computes the gradient of `ω²` of the unloaded plate with respect to the varied parameters,
+    /// into the last components of `out`.
     fn flat_gradient(
         &mut self,
         x: &[f64],
@@ -125,7 +124,7 @@ impl Ritz {
         Ok(())
     }
 
-    /// Computes `∇ω` (dimensionless) into `out`; returns `ω`.
+    /// Computes the gradient of the dimensionless `ω` into `out`, and returns `ω`.
     fn frequency_gradient(
         &mut self,
         x: &[f64],
@@ -143,7 +142,7 @@ impl Ritz {
         Ok(omega)
     }
 
-    /// Computes `out ← unit · out + ω ∇unit`, for frequencies in the unit of the problem.
+    /// Converts a frequency gradient to the unit of the problem: `out ← unit · out + ω ∇unit`.
     fn apply_unit(&self, x: &[f64], omega: f64, out: &mut [f64]) {
         let n = self.model.unknowns();
         let units = self.model.settings.units;
@@ -253,8 +252,8 @@ impl System for Ritz {
         domain::finite(out, |i| format!("a derivative of component {i} of the residual"))
     }
 
-    /// Computes the gradient of a derivative from derivatives of one higher order, because `F` is a
-    /// gradient.
+    /// Computes the gradient of a directional derivative of `F`, which equals a derivative of one
+    /// higher order because `F` is itself a gradient.
     fn gradient(
         &mut self,
         x: &[f64],
@@ -303,7 +302,7 @@ impl System for Ritz {
         Ok(())
     }
 
-    /// Returns the deflection and the first mode shape along the centre line.
+    /// Returns profiles of the deflection and of the first mode shape along the centre line.
     fn profiles(&mut self, x: &[f64]) -> Vec<Profile> {
         let modes = self.modes(x, 1).ok();
         let shape = modes.as_ref().and_then(|modes| modes.shapes.first());

@@ -1,26 +1,27 @@
-//! Sum factorisation: evaluates fields of tensor products `Σ_ij c_ij f_i(ξ) g_j(ζ)` at the nodes of
-//! a tensor rule, and integrals of fields against such products, one variable after another. With
-//! `n` functions and `m` nodes per direction this takes `n²m + nm²` products instead of `n²m²`.
+//! Sum factorisation: evaluates fields that are sums of tensor products, `Σ_ij c_ij f_i(ξ) g_j(ζ)`,
+//! at the nodes of a tensor-product rule, and integrals of fields times such products, one variable
+//! after another. For `n` functions and `m` nodes per direction, this takes `n²m + nm²`
+//! multiplications instead of `n²m²`.
 //!
-//! Coefficients are ordered `(i, j)` at `i·n_y + j`, fields `(p, q)` at `p·m_y + q`; tables have
-//! the order of [`Table`](super::basis::Table).
+//! The coefficient `(i, j)` is at position `i·n_y + j`, the value of a field at node `(p, q)` at
+//! position `p·m_y + q`; tables have the order of [`Table`](super::basis::Table).
 
 use crate::core::numerics::gauss_legendre;
 use crate::core::scalar::{Scalar, with_avx2};
 
-/// Nodes and weights along one direction. The weights give the mean over the whole plate (`Σ w f =
-/// ½∫₋₁¹ f dξ`), even if symmetry restricts the nodes to `ξ ≥ 0`.
+/// The nodes and weights of a quadrature rule along one direction. The weights give the mean over
+/// the whole plate (`Σ w f = ½∫₋₁¹ f dξ`), even if symmetry restricts the nodes to `ξ ≥ 0`.
 #[derive(Clone, Debug)]
 pub struct Rule {
     /// Nodes.
     pub nodes: Vec<f64>,
-    /// Weights; their sum is 1.
+    /// The weights; their sum is 1.
     pub weights: Vec<f64>,
 }
 
 impl Rule {
-    /// Creates a rule exact for polynomials of degree `degree`, or only for even ones if
-    /// `symmetric`.
+    /// Creates a rule that is exact for polynomials up to degree `degree`, or only for even
+    /// polynomials if `symmetric`.
     pub fn exact(degree: usize, symmetric: bool) -> Rule {
         let count = degree / 2 + 1;
         let (nodes, weights) =
@@ -33,8 +34,8 @@ impl Rule {
         }
     }
 
-    /// Creates a rule of `count` nodes on half the interval, for functions that vary most in its
-    /// middle: on `[0, 1]` if `symmetric`, else on both halves.
+    /// Creates a rule with `count` nodes on half the interval, for functions that vary most in the
+    /// middle of the interval: on `[0, 1]` if `symmetric`, otherwise on both halves.
     pub fn halves(count: usize, symmetric: bool) -> Rule {
         let (nodes, weights) = gauss_legendre(count);
         let right: Vec<f64> = nodes.iter().map(|t| 0.5 + 0.5 * t).collect();
@@ -48,30 +49,31 @@ impl Rule {
         }
     }
 
-    /// Returns the number of nodes.
+    /// Returns the number of nodes of the rule.
     pub fn len(&self) -> usize {
         self.nodes.len()
     }
 
-    /// Returns whether there are no nodes.
+    /// Returns whether the rule contains no nodes.
     pub fn is_empty(&self) -> bool {
         self.nodes.is_empty()
     }
 }
 
-/// Returns the weights of the mean over the plate, node by node.
+/// Returns the weights of the mean over the plate for two rules, node by node.
 pub fn weights([x, y]: &[Rule; 2]) -> impl Iterator<Item = f64> {
     x.weights.iter().flat_map(|wx| y.weights.iter().map(move |wy| wx * wy))
 }
 
-/// Functions of the two variables at the nodes: a table for `ξ` and one for `ζ`.
+/// Functions of the two variables at the nodes of a tensor-product rule: a table for `ξ` and a
+/// table for `ζ`.
 #[derive(Clone, Copy, Debug)]
 pub struct Product<'a> {
-    /// Functions of `ξ` (values or slopes) at the nodes.
+    /// The functions of `ξ` (values or slopes) at the nodes.
     pub x: &'a [f64],
-    /// Functions of `ζ` at the nodes.
+    /// The functions of `ζ` (values or slopes) at the nodes.
     pub y: &'a [f64],
-    /// The numbers of nodes.
+    /// The numbers of nodes along ξ and ζ.
     pub points: [usize; 2],
 }
 
@@ -80,7 +82,8 @@ impl Product<'_> {
         [self.x.len() / self.points[0].max(1), self.y.len() / self.points[1].max(1)]
     }
 
-    /// Expands the field with coefficients `c` into `field`, with the workspace `half`.
+    /// Expands the field with coefficients `c` at the nodes into `field`, using the workspace
+    /// `half`.
     pub fn expand<T: Scalar>(&self, c: &[T], half: &mut Vec<T>, field: &mut [T]) {
         with_avx2(
             #[inline(always)]
@@ -106,8 +109,8 @@ impl Product<'_> {
         }
     }
 
-    /// Adds to `c` the sums of `field` times each product of functions (the field includes the
-    /// weights).
+    /// Adds to `c` the sum over the nodes of `field` times each product of functions (the field
+    /// includes the quadrature weights).
     pub fn project<T: Scalar>(&self, field: &[T], half: &mut Vec<T>, c: &mut [T]) {
         with_avx2(
             #[inline(always)]
@@ -147,7 +150,8 @@ fn add_scaled<T: Scalar>(out: &mut [T], values: &[T], factor: f64) {
     }
 }
 
-/// Computes `Σ aᵢ bᵢ` in four partial sums, to avoid waiting for each addition.
+/// Computes `Σ aᵢ bᵢ` in four independent partial sums, so that an addition does not wait for the
+/// previous one.
 #[inline(always)]
 pub fn dot<T: Scalar>(a: &[T], b: &[f64]) -> T {
     let mut sums = [T::zero(); 4];
@@ -165,8 +169,8 @@ pub fn dot<T: Scalar>(a: &[T], b: &[f64]) -> T {
     (sums[0] + sums[1]) + (sums[2] + sums[3]) + tail
 }
 
-/// Returns `⟨a_i b_k⟩` for all functions of two tables at the nodes of `rule`: `(i, k)` at `i·n_b +
-/// k`.
+/// Returns the means `⟨a_i b_k⟩` for all functions of two tables at the nodes of `rule`: the pair
+/// `(i, k)` is at position `i·n_b + k`.
 pub fn moments(rule: &Rule, a: &[f64], b: &[f64]) -> Vec<f64> {
     let points = rule.len();
     let mut matrix = Vec::with_capacity(a.len() / points * (b.len() / points));
@@ -178,14 +182,15 @@ pub fn moments(rule: &Rule, a: &[f64], b: &[f64]) -> Vec<f64> {
     matrix
 }
 
-/// Returns `⟨a_i⟩` for all functions of a table.
+/// Returns the means `⟨a_i⟩` of all functions of a table.
 pub fn means(rule: &Rule, a: &[f64]) -> Vec<f64> {
     a.chunks_exact(rule.len())
         .map(|a| a.iter().zip(&rule.weights).map(|(a, w)| a * w).sum())
         .collect()
 }
 
-/// Returns `a_i b_k` at every node, for all pairs: pair `i·n_b + k`, one after another.
+/// Returns the products `a_i b_k` at every node for all pairs of functions, one pair after another:
+/// pair `(i, k)` has the number `i·n_b + k`.
 pub fn pairs(points: usize, a: &[f64], b: &[f64]) -> Vec<f64> {
     let mut products = Vec::with_capacity(a.len() * (b.len() / points));
     for a in a.chunks_exact(points) {

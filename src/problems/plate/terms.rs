@@ -1,15 +1,16 @@
-//! Choices common to the models of a plate: the theory and the projection.
+//! Choices that the models of a plate share: the theory and the projection.
 
 use serde::{Deserialize, Serialize};
 
-/// The terms of the strains to include.
+/// The theory: the terms of the strains that the model includes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum Theory {
-    /// Bending only; `α₁` has no influence.
+    /// Linear theory: bending only; `α₁` has no influence.
     Linear,
-    /// Bending and stretching of the mid-plane, `e₁ = u_x + ½w_x²` and so on (eq. 2.6).
+    /// Von Kármán's theory: bending and stretching of the mid-plane, with `e₁ = u_x + ½w_x²` and
+    /// analogous strains (eq. 2.6).
     #[default]
     VonKarman,
 }
@@ -19,19 +20,20 @@ pub enum Theory {
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum Projection {
-    /// Galerkin's method without a multiplier, with the load `λ⟨φ/(1−w)²⟩` by Gauss quadrature. The
-    /// residual is the gradient of the potential energy.
+    /// Galerkin's method without a multiplier; the load `λ⟨φ/(1−w)²⟩` is computed by Gauss
+    /// quadrature. The residual of the direct projection is the gradient of the potential energy.
     #[default]
     Direct,
-    /// Multiplication by `(1−w)²` before the projection, eq. 3.26: the method of the dissertation,
-    /// in which the load is `λ⟨φ⟩`. It converges to the same limit, but far more slowly. The
-    /// residual is not a gradient, and the inertia depends on the deflection: stability is given by
-    /// the monitor `frequency`, negative for an unstable equilibrium.
+    /// The equation is multiplied by `(1−w)²` before the projection, eq. 3.26: this is the method
+    /// of Zhao's dissertation, in which the load is `λ⟨φ⟩`. The multiplied projection converges to
+    /// the same limit as the direct projection, but far more slowly. The residual of the multiplied
+    /// projection is not a gradient, and the inertia depends on the deflection; stability follows
+    /// from the monitor `frequency`, which is negative for an unstable equilibrium.
     Multiplied,
 }
 
 impl Projection {
-    /// Returns the dynamics that the residual of this projection describes.
+    /// Returns the type of dynamics that the residual of this projection describes.
     pub(super) fn dynamics(self) -> crate::core::problem::Dynamics {
         match self {
             Projection::Direct => crate::core::problem::Dynamics::Potential,

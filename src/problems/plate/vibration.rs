@@ -1,5 +1,5 @@
-//! The lowest eigenvalue of `J v = ω² M v` and its derivative: eigenvectors in `f64`, and a
-//! Rayleigh quotient in any scalar type.
+//! Computes the lowest eigenvalue of `J v = ω² M v` and its derivative, from eigenvectors in `f64`
+//! and a Rayleigh quotient in any scalar type.
 
 use super::modes::{Eigenproblem, signed_root};
 use crate::core::problem::{Dynamics, ZeroProblem};
@@ -8,22 +8,23 @@ use faer::Mat;
 use nalgebra::{Cholesky, DMatrix, DVector, LU};
 use num_dual::Dual;
 
-/// The left and right eigenvectors of the lowest eigenvalue (equal if `J` is symmetric).
+/// The left and right eigenvectors of the lowest eigenvalue; they are equal if `J` is symmetric.
 pub(super) struct Lowest {
     pub left: Vec<f64>,
     pub right: Vec<f64>,
 }
 
-/// A residual `r` with an inertia: small vibrations about `r(z) = 0` satisfy `J v = ω² M v`, `J =
-/// ∂r/∂z`.
+/// A problem with a residual `r` and an inertia `M`: small vibrations about `r(z) = 0` satisfy `J v
+/// = ω² M v`, where `J = ∂r/∂z`.
 pub(super) trait Vibrates: ZeroProblem + Sized {
-    /// Returns `M(z)`, symmetric and positive definite, stored by columns.
+    /// Returns the inertia `M(z)`, which is symmetric and positive definite, stored column by
+    /// column.
     fn mass(&self, z: &[f64]) -> Vec<f64>;
 
-    /// Returns `ℓᵀ M(z) r` of two vectors.
+    /// Returns the bilinear form `ℓᵀ M(z) r` of two vectors.
     fn inertia<T: Scalar>(&self, z: &[T], vectors: &Lowest) -> T;
 
-    /// Returns `J`, stored by columns.
+    /// Returns the Jacobian `J`, stored column by column.
     fn stiffness(&self, z: &[f64], p: &[f64]) -> Vec<f64> {
         let n = z.len();
         let p: Vec<_> = p.iter().map(|p| Chunk::from(*p)).collect();
@@ -42,7 +43,7 @@ pub(super) trait Vibrates: ZeroProblem + Sized {
     }
 
     /// Returns the eigenvectors of the lowest `ω²` about an equilibrium; `None` if values are not
-    /// finite, or the lowest eigenvalue is not real.
+    /// finite or the lowest eigenvalue is not real.
     fn lowest(&self, z: &[f64], p: &[f64]) -> Option<Lowest> {
         let (stiffness, mass) = (self.stiffness(z, p), self.mass(z));
         if self.dynamics() != Dynamics::Potential {
@@ -52,14 +53,15 @@ pub(super) trait Vibrates: ZeroProblem + Sized {
         Some(Lowest { left: right.clone(), right })
     }
 
-    /// Returns the Rayleigh quotient for `ω²` between two eigenvectors, which is stationary, so
-    /// that its first derivatives equal the first derivatives of the eigenvalue.
+    /// Returns the Rayleigh quotient for `ω²` from the left and right eigenvectors; it is
+    /// stationary, so its first derivatives equal the first derivatives of the eigenvalue.
     fn frequency_squared<T: Scalar>(&self, z: &[T], p: &[T], vectors: &Lowest) -> T {
         product(self, z, p, vectors) / self.inertia(z, vectors)
     }
 
-    /// Returns the lowest dimensionless `ω`, `−√(−ω²)` if unstable, or NaN if there is no real one.
-    /// Values and first derivatives are exact; second derivatives neglect the change of the mode.
+    /// Returns the lowest dimensionless `ω`; `−√(−ω²)` if the equilibrium is unstable, NaN if the
+    /// lowest eigenvalue is not real. The returned value and its first derivatives are exact;
+    /// second derivatives neglect the change of the mode.
     fn frequency<T: Scalar>(&self, z: &[T], p: &[T]) -> T {
         match self.lowest(&reals(z), &reals(p)) {
             Some(vectors) => signed_root(self.frequency_squared(z, p, &vectors)),
@@ -68,9 +70,9 @@ pub(super) trait Vibrates: ZeroProblem + Sized {
     }
 }
 
-/// Returns the left and right eigenvectors of the `ω²` with the smallest real part of `J v = ω² M
-/// v`, for a symmetric positive definite `M` and any matrix `J`; `None` if the matrices are not
-/// finite or that `ω²` is not real.
+/// Returns the left and right eigenvectors for the eigenvalue `ω²` of `J v = ω² M v` with the
+/// smallest real part, for a symmetric positive definite `M` and any matrix `J`; `None` if the
+/// matrices are not finite or this `ω²` is not real.
 fn lowest_general(jacobian: &[f64], mass: &[f64]) -> Option<Lowest> {
     let n = mass.len().isqrt();
     let [jacobian, mass] =
@@ -110,7 +112,7 @@ fn product<P: ZeroProblem, T: Scalar>(problem: &P, z: &[T], p: &[T], vectors: &L
     values.iter().zip(&vectors.left).fold(T::zero(), |sum, (value, &l)| sum + value.eps * l)
 }
 
-/// Returns the real parts of numbers.
+/// Returns the real parts of a list of numbers.
 pub(super) fn reals<T: Scalar>(x: &[T]) -> Vec<f64> {
     x.iter().map(Scalar::real).collect()
 }

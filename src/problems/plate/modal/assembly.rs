@@ -1,8 +1,10 @@
-//! The derivative `∂r/∂q` of the two projections, assembled from the tables.
+//! The derivative `∂r/∂q` of the residual for each of the two projections, assembled from the
+//! tables.
 //!
-//! The residual on dual numbers carries eight derivatives through every sum. Most of these sums are
-//! linear in `q` or in products of its components, so their derivatives are known tables. Tested
-//! against the derivative of the residual by dual numbers.
+//! Differentiating the residual by dual numbers would carry eight derivatives through every sum.
+//! Most sums in the residual are linear in `q` or in products of its components, so their
+//! derivatives are known tables. The assembled derivative is tested against the derivative of the
+//! residual by dual numbers.
 
 use super::membrane;
 use super::projection::{Direct, Linear, Multiplied, integrand};
@@ -12,7 +14,7 @@ use crate::problems::plate::parameters::Parameters;
 use crate::problems::plate::tensor::dot;
 
 impl Direct {
-    /// Computes the Hessian of `Π` into `out` (`N × N`).
+    /// Computes the Hessian of the potential `Π` into `out` (`N × N`).
     pub fn stiffness(
         &self,
         linear: &Linear,
@@ -49,8 +51,9 @@ impl Direct {
 }
 
 impl Multiplied {
-    /// Computes `∂r_i/∂q_k` at `k·N + i` of `out`: the derivatives of the integrand at each node by
-    /// dual numbers, and the derivatives of its arguments with respect to `q` from the tables.
+    /// Computes `∂r_i/∂q_k` into `out` at position `k·N + i`; dual numbers give the derivatives of
+    /// the integrand at each node, and the tables give the derivatives of the integrand's arguments
+    /// with respect to `q`.
     pub fn stiffness(&self, linear: &Linear, q: &[f64], plate: &Parameters<f64>, out: &mut [f64]) {
         let n = q.len();
         out.fill(0.0);

@@ -1,21 +1,21 @@
 //! Algebra of the stretching energy as a quartic form,
 //! [`MembraneForm`](crate::problems::plate::MembraneForm).
 //!
-//! With `w = Σ q_i φ_i` the strains of eq. 2.6 are `Σ q_i q_j ε_ij` plus the strains of the
-//! in-plane displacements, which depend linearly on the products `q_i q_j`: for each pair, one
-//! solution with `K_uv` gives the total stress `N_ij` of the pair, in equilibrium in the plane.
-//! Then
+//! For `w = Σ q_i φ_i`, the strains of eq. 2.6 are `Σ q_i q_j ε_ij` plus the strains of the
+//! in-plane displacements, which depend linearly on the products `q_i q_j`: one solution with
+//! `K_uv` for each pair gives the total stress `N_ij` of the pair, in equilibrium in the plane.
+//! The stretching energy is then
 //!
 //! ```text
 //! U_m = 6α₁² Σ s_P A_PQ s_Q,    A_PQ = ⟨N_P : ε_Q⟩,    s_P = q_i² or 2q_i q_j for the pairs P = (i ≤ j)
 //! ```
 //!
-//! and its derivative with respect to `q_i` is `24α₁² Σ_j (A s)_ij q_j`.
+//! The derivative of the energy with respect to `q_i` is `24α₁² Σ_j (A s)_ij q_j`.
 
 use crate::core::scalar::Scalar;
 use crate::problems::plate::tensor::dot;
 
-/// Returns `s_P = q_i²` or `2q_i q_j` for the pairs `i ≤ j`.
+/// Returns the products `s_P = q_i²` or `2q_i q_j` for all pairs `i ≤ j`.
 pub(super) fn products<T: Scalar>(q: &[T]) -> Vec<T> {
     let mut products = Vec::with_capacity(q.len() * (q.len() + 1) / 2);
     for (i, first) in q.iter().enumerate() {
@@ -26,7 +26,7 @@ pub(super) fn products<T: Scalar>(q: &[T]) -> Vec<T> {
     products
 }
 
-/// Adds `∂U_m/∂q_i = stiffness · Σ_j (A s)_ij q_j`, `stiffness = 24α₁²`, to `r`.
+/// Adds the force `∂U_m/∂q_i = stiffness · Σ_j (A s)_ij q_j`, with `stiffness = 24α₁²`, to `r`.
 pub(super) fn add_force<T: Scalar>(form: &[f64], q: &[T], stiffness: T, r: &mut [T]) {
     let pairs = products(q);
     let mut rows = form.chunks_exact(pairs.len());
@@ -41,7 +41,7 @@ pub(super) fn add_force<T: Scalar>(form: &[f64], q: &[T], stiffness: T, r: &mut 
     }
 }
 
-/// Adds `Σ_P row_P ∂s_P/∂q_k` to `out`.
+/// Adds the product `Σ_P row_P ∂s_P/∂q_k` to `out`, for all `k`.
 pub(super) fn add_product_slopes(row: &[f64], q: &[f64], out: &mut [f64]) {
     let mut row = row.iter();
     for i in 0..q.len() {

@@ -18,17 +18,18 @@ use crate::problems::plate::terms::Projection;
 use crate::problems::plate::vibration::{Vibrates, reals};
 use crate::problems::plate::{domain, monitors, profile};
 
-/// The largest relative deviation of `α` and `ν` from the values of the modes, for rounding of
-/// `b/a`.
+/// The largest relative deviation of `α` and `ν` from the values for which the modes were computed;
+/// it allows for rounding of `b/a`.
 const SAME: f64 = 1e-12;
 
-/// A plate expanded in `N` modes of the flat plate.
+/// The model of a plate whose deflection is expanded in `N` modes of the flat plate.
 ///
-/// A [`ZeroProblem`] with the unknowns `w` (the `N` coefficients `q_i`, deflection over gap), the
+/// This [`ZeroProblem`] has the unknowns `w` (the `N` coefficients `q_i`, deflection over gap), the
 /// parameters of [`Units`](crate::problems::plate::Units) and the monitors of [all
-/// plates](crate::problems::plate#monitors). With [`Projection::Direct`] the residual is the
-/// gradient of `Π`, and the mass matrix is the identity. With [`Projection::Multiplied`], the
-/// method of the dissertation, the equation is multiplied by `(1−w)²` before the projection.
+/// plates](crate::problems::plate#monitors). For [`Projection::Direct`] the residual is the
+/// gradient of the potential `Π`, and the mass matrix is the identity. For
+/// [`Projection::Multiplied`], the method of Zhao's dissertation, the equation is multiplied by
+/// `(1−w)²` before the projection.
 ///
 /// ```
 /// use tangency::core::continuation::Continuation;
@@ -51,11 +52,11 @@ const SAME: f64 = 1e-12;
 pub struct Modal {
     settings: ModalSettings,
     plate: Ritz,
-    /// The coefficients of the modes in the unknowns of `plate`.
+    /// The coefficients of the modes in the unknowns of the full model `plate`.
     shapes: Vec<Vec<f64>>,
     pub(super) linear: Linear,
     pub(super) projected: Projected,
-    /// The modes at the nodes of the search for the largest deflection.
+    /// The values of the modes at the nodes of the search for the largest deflection.
     search: Nodes,
     places: [Rule; 2],
 }
@@ -66,11 +67,11 @@ pub(super) enum Projected {
 }
 
 impl Modal {
-    /// Computes the modes of the flat plate and condenses its response in the plane.
+    /// Computes the modes of the flat plate, and eliminates the in-plane displacements.
     ///
     /// # Errors
-    /// [`PlateError`] for a number of modes or an accuracy out of range, for modes that do not meet
-    /// the accuracy, and for a plate that cannot be set up.
+    /// [`PlateError`] if the number of modes or the accuracy is out of range, the modes do not meet
+    /// the accuracy, or the plate cannot be set up.
     pub fn new(settings: ModalSettings) -> Result<Modal, PlateError> {
         let (modes, accuracy) = (settings.modes, settings.mode_accuracy);
         PlateError::check("modes", modes, [1, MOST_MODES])?;
@@ -92,14 +93,14 @@ impl Modal {
         Ok(Modal { settings, plate, shapes, linear, projected, search, places })
     }
 
-    /// Returns `ω_i a²√(ρh/D)` of the modes of the flat plate, ascending.
+    /// Returns the frequencies `ω_i a²√(ρh/D)` of the modes of the flat plate, in ascending order.
     pub fn frequencies(&self) -> Vec<f64> {
         self.linear.squares.iter().map(|square| signed_root(*square)).collect()
     }
 
-    /// Evaluates `Σ z_i φ_i`, the deflection over the gap for coefficients `z` (unknowns of a
-    /// solution, or coefficients of a mode), at a point of the plate: `x` and `y` from 0 to 1 along
-    /// the sides.
+    /// Evaluates `Σ z_i φ_i`, the deflection over the gap for the coefficients `z` (the unknowns of
+    /// a solution, or the coefficients of a mode), at a point of the plate: `x` and `y` run from 0
+    /// to 1 along the sides.
     ///
     /// ```
     /// use tangency::problems::plate::modal::{Modal, ModalSettings};
@@ -116,13 +117,14 @@ impl Modal {
         dot(z, &modes)
     }
 
-    /// Returns the deflection along the centre line `y = ½` at `points ≥ 2` equidistant points:
+    /// Returns the deflection along the centre line `y = ½` at `points ≥ 2` equidistant points, as
     /// pairs `(x, w)`.
     pub fn centre_line(&self, z: &[f64], points: usize) -> Vec<(f64, f64)> {
         self.plate.centre_line(&self.coefficients(z), points)
     }
 
-    /// Expresses `Σ z_i φ_i` in the unknowns of the plate whose modes are used.
+    /// Expresses the deflection `Σ z_i φ_i` in the unknowns of the full plate model whose modes are
+    /// used.
     fn coefficients(&self, z: &[f64]) -> Vec<f64> {
         let mut sum = vec![0.0; self.plate.model.unknowns()];
         for (shape, z) in self.shapes.iter().zip(z) {
@@ -135,8 +137,8 @@ impl Modal {
         self.settings.plate.units.parameters(p)
     }
 
-    /// Returns the largest deflection at the search nodes and its `ξ`, `ζ`; NaN if any deflection
-    /// is NaN.
+    /// Returns the largest deflection at the search nodes and the position `ξ`, `ζ` of its node;
+    /// NaN if any deflection is NaN.
     pub(super) fn on_grid(&self, z: &[f64]) -> (f64, [f64; 2]) {
         let deflections = self.search.values.chunks_exact(z.len()).map(|values| dot(z, values));
         let (k, largest) = shape::highest(deflections);
@@ -144,7 +146,7 @@ impl Modal {
         (largest, [x.nodes[k / y.len()], y.nodes[k % y.len()]])
     }
 
-    /// Returns the largest deflection and its place, along the sides from 0 to 1.
+    /// Returns the largest deflection and its position, as fractions of the sides from 0 to 1.
     fn largest(&self, z: &[f64]) -> [f64; 3] {
         let (best, [xi, zeta]) = self.on_grid(z);
         let model = &self.plate.model;
@@ -157,7 +159,8 @@ impl Modal {
         [w, 0.5 + 0.5 * xi, 0.5 + 0.5 * zeta]
     }
 
-    /// Rejects parameters outside the domain, or different from the parameters of the modes.
+    /// Rejects parameters outside the domain, and values of `α` and `ν` for which the modes were
+    /// not computed.
     fn check_parameters(&self, p: &[f64]) -> Result<(), OutOfDomain> {
         let settings = &self.settings;
         let plate = domain::parameters(settings.plate.units, p)?;
@@ -181,7 +184,8 @@ impl ZeroProblem for Modal {
         monitors::names(self.settings.plate.units, self.shapes.len())
     }
 
-    /// Returns the default parameters, with the aspect ratio and Poisson's ratio of the modes.
+    /// Returns the default parameters, with the aspect ratio and Poisson's ratio for which the
+    /// modes were computed.
     fn defaults(&self) -> Vec<f64> {
         let ModalSettings { plate, nu, .. } = self.settings;
         plate.units.defaults_at(plate.aspect, nu)
@@ -221,7 +225,7 @@ impl ZeroProblem for Modal {
         self.settings.projection.dynamics()
     }
 
-    /// Returns the deflection and the first mode shape along the centre line.
+    /// Returns profiles of the deflection and of the first mode shape along the centre line.
     fn profiles(&self, z: &[f64], p: &[f64]) -> Vec<Profile> {
         profile::with_lowest_mode(self, z, p, |z, x| self.deflection(z, x, 0.5))
     }

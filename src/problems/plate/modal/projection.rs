@@ -13,41 +13,42 @@ use crate::problems::plate::parameters::Parameters;
 use crate::problems::plate::tensor::{Rule, dot};
 use crate::problems::plate::terms::Theory;
 
-/// Pairs of the largest deflection and the number of nodes for the load in each half direction.
-/// Further nodes are added for each half wave of the highest mode, which occurs in the integrand as
-/// a factor (the deflection is mostly the lowest mode). With twenty more nodes, loads at pull-in
-/// agree to nine digits.
+/// Pairs of a largest deflection and the number of quadrature nodes for the load in each half
+/// direction. Further nodes are added for each half wave of the highest mode, which is a factor of
+/// the integrand (the deflection itself consists mostly of the lowest mode). The numbers of nodes
+/// are sufficient: twenty more nodes change loads at pull-in only beyond the ninth digit.
 const LOAD_NODES: [(f64, usize); 4] = [(0.5, 16), (0.75, 24), (0.88, 32), (LARGEST_DEFLECTION, 48)];
 const LOAD_NODES_PER_WAVE: f64 = 0.8;
 
-/// The tables common to the two projections.
+/// The tables that both projections use.
 pub(super) struct Linear {
     /// `ω_i²`.
     pub squares: Vec<f64>,
     /// `⟨φ_i⟩`.
     pub means: Vec<f64>,
-    /// `⟨φ_ix φ_kx⟩`, `⟨φ_iy φ_ky⟩` and `⟨φ_ix φ_ky + φ_iy φ_kx⟩`.
+    /// The means `⟨φ_ix φ_kx⟩`, `⟨φ_iy φ_ky⟩` and `⟨φ_ix φ_ky + φ_iy φ_kx⟩`.
     pub slopes: [Vec<f64>; 3],
-    /// 1 or 0: whether the plate carries each of the three edge forces, given its free edges.
+    /// For each of the three edge forces, 1 if the plate carries the force and 0 if a free edge
+    /// excludes it.
     carried: [f64; 3],
 }
 
 /// `r_i = ∂Π/∂q_i`.
 pub(super) struct Direct {
-    /// `A_PQ`; `None` in linear theory.
+    /// The matrix `A_PQ` of the stretching energy; `None` in linear theory.
     pub(super) form: Option<Vec<f64>>,
-    /// The rules for the load, each with the largest deflection at which it is accurate.
+    /// The quadrature rules for the load, each with the largest deflection at which it is accurate.
     pub(super) loads: [(f64, Nodes); LOAD_NODES.len()],
 }
 
-/// `r_i = ⟨φ_i (1−w)² · equation⟩`.
+/// The multiplied projection `r_i = ⟨φ_i (1−w)² · equation⟩`.
 pub(super) struct Multiplied {
     pub(super) nodes: Nodes,
-    /// Rows of `N₁`, `N₂`, `N₆` of all pairs, node by node; `None` in linear theory.
+    /// The stresses `N₁`, `N₂`, `N₆` of all pairs of modes, node by node; `None` in linear theory.
     pub(super) stress: Option<[Vec<f64>; 3]>,
 }
 
-/// Returns the response in the plane; `None` in linear theory.
+/// Returns the stretching energy of the modes; `None` in linear theory.
 fn membrane_form(
     settings: &ModalSettings,
     flat: &mut FlatModes,
@@ -83,7 +84,7 @@ impl Linear {
         Linear { squares: flat.squares.clone(), means: means.collect(), slopes, carried }
     }
 
-    /// Returns the applied forces along x, y and in shear that the plate carries.
+    /// Returns the applied edge forces that the plate carries: along x, along y, and in shear.
     pub(super) fn forces<T: Scalar>(&self, plate: &Parameters<T>) -> [T; 3] {
         let [x, y, shear] = self.carried;
         [plate.compression_x * x, plate.compression_y * y, plate.shear * shear]
@@ -136,7 +137,7 @@ impl Direct {
         }
     }
 
-    /// Returns the nodes for the load if the deflection is at most `largest`.
+    /// Returns the quadrature nodes for the load if the largest deflection is at most `largest`.
     pub(super) fn load_nodes(&self, largest: f64) -> &Nodes {
         let good = self.loads.iter().find(|(good, _)| largest <= *good);
         &good.unwrap_or(&self.loads[self.loads.len() - 1]).1
@@ -163,15 +164,16 @@ impl Multiplied {
         Ok(Multiplied { nodes, stress })
     }
 
-    /// Computes the residual with `L(w) = Σ ω_k² q_k φ_k` (exact for flat modes at every point) and
-    /// the total resultant `S = 12α₁² N ∇w − P∇w`, whose divergence is the lateral force,
+    /// Computes the residual from `L(w) = Σ ω_k² q_k φ_k` (exact for flat modes at every point) and
+    /// the total resultant `S = 12α₁² N ∇w − P∇w`, whose divergence is the lateral force:
     ///
     /// ```text
     /// r_i = ⟨φ_i {(1−w)² [L(w) − pressure] − λ} + S·∇[φ_i (1−w)²]⟩
     /// ```
     ///
-    /// integrated by parts: `φ_i` vanishes at edges that carry a force. This form needs no second
-    /// derivatives, and equilibrium in the plane only in the mean.
+    /// The last term is integrated by parts; boundary terms vanish because `φ_i` vanishes at edges
+    /// that carry a force. This form contains no second derivatives, and requires equilibrium in
+    /// the plane only in the mean.
     pub fn residual<T: Scalar>(
         &self,
         linear: &Linear,
@@ -206,13 +208,13 @@ impl Multiplied {
         }
     }
 
-    /// Returns `φ_i`, `φ_ix`, `φ_iy` at a node.
+    /// Returns `φ_i`, `φ_ix`, `φ_iy` of all modes at a node.
     pub(super) fn modes_at(&self, node: usize, modes: usize) -> [&[f64]; 3] {
         [&self.nodes.values, &self.nodes.slopes[0], &self.nodes.slopes[1]]
             .map(|rows| at(rows, node, modes))
     }
 
-    /// Returns `⟨(1−w)² φ_l φ_r⟩` of two combinations of modes: the inertia of the multiplied
+    /// Returns `⟨(1−w)² φ_l φ_r⟩` for two combinations of modes: the inertia of the multiplied
     /// equations.
     pub fn inertia<T: Scalar>(&self, q: &[T], left: &[f64], right: &[f64]) -> T {
         let mut total = T::zero();
@@ -224,7 +226,7 @@ impl Multiplied {
         total
     }
 
-    /// Returns the matrix of [`inertia`](Self::inertia).
+    /// Returns the matrix of the bilinear form [`inertia`](Self::inertia).
     pub fn mass(&self, q: &[f64]) -> nalgebra::DMatrix<f64> {
         let n = q.len();
         let mut matrix = nalgebra::DMatrix::zeros(n, n);
@@ -240,9 +242,9 @@ impl Multiplied {
     }
 }
 
-/// Returns the factors of `φ_i`, `φ_ix`, `φ_iy` in the multiplied projection (without the constant
-/// load), from `[w, w_x, w_y, L(w), 12α₁²N₁, 12α₁²N₂, 12α₁²N₆]` at a point, the applied forces and
-/// the pressure.
+/// Returns the factors of `φ_i`, `φ_ix`, `φ_iy` in the integrand of the multiplied projection
+/// (without the constant load), given `[w, w_x, w_y, L(w), 12α₁²N₁, 12α₁²N₂, 12α₁²N₆]` at a point,
+/// the applied forces and the pressure.
 pub(super) fn integrand<T: Scalar>(local: [T; 7], forces: [T; 3], pressure: T) -> [T; 3] {
     let [w, w_x, w_y, bending, n1, n2, n6] = local;
     let [compression_x, compression_y, shear] = forces;
@@ -254,8 +256,9 @@ pub(super) fn integrand<T: Scalar>(local: [T; 7], forces: [T; 3], pressure: T) -
     [gap_squared * (bending - pressure) - along, gap_squared * force_x, gap_squared * force_y]
 }
 
-/// Returns rules with `base` nodes in each half direction, and `per_wave` more for each half wave
-/// that the highest mode may have along the whole side: `ω = k²` for a mode of wave number `k`.
+/// Returns quadrature rules with `base` nodes in each half direction, and `per_wave` additional
+/// nodes for each half wave that the highest mode may have along the whole side: `ω = k²` for a
+/// mode of wave number `k`.
 fn halves(settings: &ModalSettings, flat: &FlatModes, base: usize, per_wave: f64) -> [Rule; 2] {
     let symmetric = flat.plate.model.symmetric;
     let highest = flat.squares.last().map_or(0.0, |square| square.max(0.0).sqrt().sqrt());

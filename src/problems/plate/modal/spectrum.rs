@@ -11,32 +11,34 @@ use crate::problems::plate::tensor::Rule;
 use crate::problems::plate::terms::Theory;
 use faer::{Mat, Side};
 
-/// The maximum number of transverse functions: the eigenproblem of the next rung would take
+/// The maximum number of transverse functions; with more functions, the eigenproblem would take
 /// seconds.
 const LARGEST_RUNG: usize = 600;
 
-/// The number of additional modes, so that all modes with the frequency of the last one are
-/// available for ordering.
+/// The number of modes that are computed in addition to the requested ones, so that all modes with
+/// the frequency of the last one are available for ordering.
 const BEYOND: usize = 6;
 
-/// The number of in-plane functions beyond the transverse ones in each direction: stresses contain
-/// products of slopes.
+/// The number of in-plane functions in excess of the transverse functions in each direction; more
+/// are needed because stresses contain products of slopes.
 const IN_PLANE_BEYOND: usize = 6;
 
-/// The lowest modes of the flat plate.
+/// The lowest modes of the flat plate, in the unknowns of a full plate model.
 pub(super) struct FlatModes {
-    /// The plate whose unknowns represent the modes.
+    /// The full plate model in whose unknowns the modes are expressed.
     pub plate: Ritz,
     /// `ω²`.
     pub squares: Vec<f64>,
-    /// The coefficients in the unknowns of `plate`, with mean square 1 over the plate.
+    /// The coefficients of the modes in the unknowns of `plate`; each mode has the mean square 1
+    /// over the plate.
     pub shapes: Vec<Vec<f64>>,
 }
 
 impl FlatModes {
-    /// Computes the modes that the settings request. Without orders in the settings, rungs of the
-    /// ladder of orders are tried until two agree; with orders, their modes must agree with the
-    /// modes of the next rung.
+    /// Computes the modes of the flat plate that the settings request. If the settings do not
+    /// contain numbers of functions, the discretisations of a ladder are tried until two agree;
+    /// otherwise the modes for the given numbers of functions must agree with the modes of the next
+    /// finer discretisation.
     pub fn new(settings: &ModalSettings) -> Result<FlatModes, PlateError> {
         let asked = settings.modes;
         let mut orders = settings.plate.orders.unwrap_or_else(|| first_rung(settings));
@@ -69,13 +71,13 @@ impl FlatModes {
     }
 }
 
-/// Adds in-plane functions that match the transverse ones.
+/// Adds the numbers of in-plane functions that match the numbers of transverse functions.
 fn with_in_plane(orders: Orders) -> Orders {
     Orders { in_plane: orders.transverse.map(|n| n + IN_PLANE_BEYOND), ..orders }
 }
 
-/// Returns the default orders, or the first larger ones with more functions than the requested
-/// modes.
+/// Returns the default numbers of functions, or the first larger numbers that yield more functions
+/// than requested modes.
 fn first_rung(settings: &ModalSettings) -> Orders {
     let RitzSettings { supports, symmetric, aspect, .. } = settings.plate;
     let symmetric = supports.alike().map(|alike| alike && symmetric);
@@ -86,7 +88,7 @@ fn first_rung(settings: &ModalSettings) -> Orders {
     with_in_plane(orders)
 }
 
-/// The modes in one space of polynomials.
+/// The modes in one space of polynomials, on a rung of the ladder.
 struct Rung {
     plate: Ritz,
     modes: Modes,
@@ -106,8 +108,8 @@ impl Rung {
         Ok(Rung { plate, modes })
     }
 
-    /// Returns the largest relative difference of `ω²` among the lowest modes; infinite if a rung
-    /// has fewer modes.
+    /// Returns the largest relative difference of `ω²` among the lowest modes between two rungs;
+    /// infinite if a rung contains fewer modes.
     fn error(&self, finer: &Rung, count: usize) -> f64 {
         let (coarse, fine) = (&self.modes.squares, &finer.modes.squares);
         if coarse.len().min(fine.len()) < count {
@@ -117,9 +119,10 @@ impl Rung {
         pairs.map(|(a, b)| (a - b).abs() / b.abs()).fold(0.0, f64::max)
     }
 
-    /// Fixes the modes of equal frequency: those in which `⟨φ_x²⟩` is diagonal, in ascending order.
-    /// Otherwise their combination would depend on rounding; the modes of a supported square plate
-    /// become (1,3), (3,1). Signs are chosen so that the first nonzero moment is positive.
+    /// Chooses the modes of equal frequency uniquely: in these modes `⟨φ_x²⟩` is diagonal, in
+    /// ascending order. Without this choice, the combination of modes of equal frequency would
+    /// depend on rounding; the choice yields the modes (1,3), (3,1) of a supported square plate.
+    /// The sign of each mode is chosen so that its first nonzero moment is positive.
     fn ordered(self, settings: &ModalSettings, orders: Orders) -> Result<FlatModes, PlateError> {
         let Rung { plate: bending, modes: Modes { squares, mut shapes } } = self;
         let rules = bending.model.product_rules();
@@ -146,7 +149,7 @@ impl Rung {
     }
 }
 
-/// Rotates orthonormal shapes within their span until `⟨φ_x²⟩` is diagonal and ascending.
+/// Rotates orthonormal shapes within their span such that `⟨φ_x²⟩` becomes diagonal and ascending.
 fn separate(nodes: &Nodes, shapes: &mut [Vec<f64>]) {
     let count = shapes.len();
     let gram = nodes.gram(&nodes.slopes[0], &nodes.slopes[0]);
@@ -166,7 +169,7 @@ fn separate(nodes: &Nodes, shapes: &mut [Vec<f64>]) {
     shapes.clone_from_slice(&turned);
 }
 
-/// Returns the sign of the first moment of a mode that is nonzero beyond rounding.
+/// Returns the sign of the first moment of a mode that is not zero within rounding errors.
 fn sign(nodes: &Nodes, mode: usize, rules: &[Rule; 2]) -> f64 {
     let modes = nodes.values.len() / nodes.weights.len();
     let moment = |[i, j]: [i32; 2]| -> f64 {

@@ -3,18 +3,18 @@
 use crate::problems::plate::ritz::Ritz;
 use crate::problems::plate::tensor::{Rule, weights};
 
-/// Modes at nodes, with all modes of one node together.
+/// The values of modes at nodes; the values of all modes at one node are stored together.
 pub(super) struct Nodes {
-    /// The weights of the mean over the plate.
+    /// The quadrature weights of the mean over the plate.
     pub weights: Vec<f64>,
-    /// `φ_i` at node `k`: entry `k·N + i`.
+    /// The values `φ_i` at node `k`, in entry `k·N + i`.
     pub values: Vec<f64>,
-    /// `φ_ix`, `φ_iy`, stored likewise, with lengths in units of the side `a`.
+    /// The slopes `φ_ix`, `φ_iy`, stored like the values, with lengths in units of the side `a`.
     pub slopes: [Vec<f64>; 2],
 }
 
 impl Nodes {
-    /// Tabulates all modes at the nodes of a rule.
+    /// Tabulates all modes at the nodes of a quadrature rule.
     pub fn new(plate: &Ritz, shapes: &[Vec<f64>], rules: &[Rule; 2], aspect: f64) -> Nodes {
         let fields: Vec<_> = (shapes.iter())
             .map(|shape| plate.field(shape, [&rules[0].nodes, &rules[1].nodes]))
@@ -33,7 +33,8 @@ impl Nodes {
         }
     }
 
-    /// Returns the means of all products of two tables' functions, `(i, k)` at `i·N + k`.
+    /// Returns the means of all products of functions from two tables, for the pair `(i, k)` at
+    /// `i·N + k`.
     pub fn gram(&self, first: &[f64], second: &[f64]) -> Vec<f64> {
         let modes = first.len() / self.weights.len();
         let mut matrix = vec![0.0; modes * modes];
@@ -47,7 +48,7 @@ impl Nodes {
     }
 }
 
-/// Returns row `node` of a table.
+/// Returns the row of a table for a `node`.
 pub(super) fn at(rows: &[f64], node: usize, width: usize) -> &[f64] {
     &rows[node * width..(node + 1) * width]
 }

@@ -1,4 +1,4 @@
-//! Small vibrations about an equilibrium, in the modes of the flat plate.
+//! Small vibrations of a plate about an equilibrium, in the modes of the flat plate.
 
 use super::model::{Modal, Projected};
 use crate::core::failure::Failure;
@@ -12,12 +12,12 @@ use nalgebra::DMatrix;
 
 impl Modal {
     /// Returns the `count` lowest modes of vibration about an equilibrium, as coefficients of the
-    /// flat modes with mean square 1 over the plate ([`Modal::deflection`] evaluates them). The
-    /// multiplied equations yield only the lowest mode.
+    /// flat modes with mean square 1 over the plate ([`Modal::deflection`] evaluates them). For the
+    /// multiplied equations, only the lowest mode is available.
     ///
     /// # Errors
-    /// [`Failure::OutOfDomain`] outside the domain of the equations, [`Failure::Undetermined`] if
-    /// the lowest eigenvalue of the multiplied equations is not real.
+    /// [`Failure::OutOfDomain`] if the equilibrium is outside the domain of the equations,
+    /// [`Failure::Undetermined`] if the lowest eigenvalue of the multiplied equations is not real.
     pub fn modes(&self, z: &[f64], p: &[f64], count: usize) -> Result<Modes, Failure> {
         self.domain(z, p)?;
         let none = || {
@@ -44,12 +44,12 @@ impl Modal {
         }
     }
 
-    /// Returns the model as a system, with `F_z` assembled from tables.
+    /// Returns the model as a system whose matrix `F_z` is assembled from tables.
     pub fn into_system(self) -> Dense<Modal> {
         Dense::new(self).tabulated(Modal::assemble)
     }
 
-    /// Computes `∂r/∂z`, stored by columns.
+    /// Computes `∂r/∂z`, stored column by column.
     fn assemble(&self, z: &[f64], p: &[f64], out: &mut [f64]) {
         let plate = self.parameters(p);
         match &self.projected {

@@ -1,4 +1,4 @@
-//! The stress function of eqs. 3.18–3.25: coefficients quadratic in the deflection.
+//! The stress function of eqs. 3.18–3.25, whose coefficients are quadratic in the deflection.
 
 use super::basis::wave;
 use crate::core::scalar::Scalar;
@@ -12,20 +12,21 @@ struct Term {
     b: f64,
 }
 
-/// One function `cos mπx cos nπy` of the stress function.
+/// One term `cos mπx cos nπy` of the stress function.
 #[derive(Clone, Copy, Debug)]
 struct Function {
     m: u32,
     n: u32,
-    /// The start of the terms of its quadratic form.
+    /// The position of the first term of its coefficient's quadratic form.
     first: u32,
     end: u32,
 }
 
-/// The quadratic forms `B_mn(w) = Σ b_rspq w_rs w_pq` of eq. 3.24, over ordered pairs of modes.
+/// The quadratic forms `B_mn(w) = Σ b_rspq w_rs w_pq` of eq. 3.24, where the sum runs over ordered
+/// pairs of modes.
 ///
-/// The bracket of the deflection with itself is `Φ(w,w) = −(π⁴/4) Σ B_mn cos mπx cos nπy`, hence
-/// `f_mn = B_mn / [8 (αm² + n²/α)²]`.
+/// The bracket of the deflection with itself is `Φ(w,w) = −(π⁴/4) Σ B_mn cos mπx cos nπy`, which
+/// gives `f_mn = B_mn / [8 (αm² + n²/α)²]`.
 #[derive(Clone, Debug)]
 pub(super) struct Airy {
     functions: Vec<Function>,
@@ -33,7 +34,7 @@ pub(super) struct Airy {
 }
 
 impl Airy {
-    /// Creates the forms for odd-odd modes `((m−1)/2, (n−1)/2)`.
+    /// Creates the quadratic forms for modes with odd wave numbers, given as `((m−1)/2, (n−1)/2)`.
     pub fn new(modes: &[(usize, usize)]) -> Self {
         let mut all: Vec<((u32, u32), Term)> = Vec::new();
         for (j, &(k, l)) in modes.iter().enumerate() {
@@ -71,7 +72,7 @@ impl Airy {
         &self.terms[function.first as usize..function.end as usize]
     }
 
-    /// Computes `f_mn`, eq. 3.24 with `c = 1/8`.
+    /// Computes the coefficients `f_mn` of the stress function, eq. 3.24 with `c = 1/8`.
     fn coefficient<T: Scalar>(&self, function: &Function, w: &[T], aspect: T) -> T {
         let add = |sum: T, term: &Term| sum + w[term.i as usize] * w[term.j as usize] * term.b;
         let form = self.terms(function).iter().fold(T::zero(), add);
@@ -79,16 +80,17 @@ impl Airy {
         form / ((aspect * (m * m) + aspect.recip() * (n * n)).powi(2) * 8.0)
     }
 
-    /// Returns all `(m, n, f_mn)`.
+    /// Returns all terms of the stress function as `(m, n, f_mn)`.
     pub fn coefficients<T: Scalar>(&self, w: &[T], aspect: T) -> Vec<(usize, usize, T)> {
         let all = self.functions.iter();
         all.map(|f| (f.m as usize, f.n as usize, self.coefficient(f, w, aspect))).collect()
     }
 
-    /// Adds `−κ ∫∫ φ_i Φ(w, Σ f_mn ψ_mn)` to `r_i`, with `κ = 12(1−ν²)α₁²/α²`.
+    /// Adds the stretching term `−κ ∫∫ φ_i Φ(w, Σ f_mn ψ_mn)` to `r_i`, with `κ = 12(1−ν²)α₁²/α²`.
     ///
     /// The trilinear form of the bracket is symmetric for these functions, so the integral is half
-    /// the derivative of `∫∫ Φ(w,w) ψ_mn` with respect to `w_i`, and uses the same quadratic form.
+    /// the derivative of `∫∫ Φ(w,w) ψ_mn` with respect to `w_i`, and can be computed from the same
+    /// quadratic form.
     pub fn add_force<T: Scalar>(&self, w: &[T], aspect: T, kappa: T, r: &mut [T]) {
         for function in &self.functions {
             let square = |m: u32| if m == 0 { 1.0 } else { 0.5 };
@@ -104,8 +106,8 @@ impl Airy {
     }
 }
 
-/// Computes `(κp_x, κp_y)` with `p_x`, `p_y` of eqs. 3.22–3.23: the mean forces between immovable
-/// edges.
+/// Computes `(κp_x, κp_y)` with `p_x`, `p_y` of eqs. 3.22–3.23, which are the mean forces between
+/// immovable edges.
 pub(super) fn edge_tension<T: Scalar>(
     modes: &[(usize, usize)],
     w: &[T],

@@ -1,14 +1,15 @@
-//! Odd sines, even cosines and the quadrature of the plate's symmetric half intervals.
+//! Odd sines, even cosines, and the quadrature on half intervals of the symmetric plate.
 
 use crate::core::scalar::Scalar;
 use crate::problems::plate::tensor::Rule;
 use std::f64::consts::PI;
 
-/// The largest number of odd wave numbers `1, 3, …, 2K − 1`: the width of a row of coefficients.
+/// The largest number of odd wave numbers `1, 3, …, 2K − 1`, which is the width of a row of
+/// coefficients.
 pub(super) const LARGEST: usize = 64;
 
-/// Returns the first `count` pairs of odd wave numbers sorted by `m² + n²`, then by `m`; as
-/// `((m−1)/2, (n−1)/2)`.
+/// Returns the first `count` pairs of odd wave numbers `(m, n)`, sorted by `m² + n²`, then by `m`;
+/// each pair is given as `((m−1)/2, (n−1)/2)`.
 pub(super) fn ordered_modes(count: usize) -> Vec<(usize, usize)> {
     // All pairs with m² + n² ≤ (2K+1)² lie in the square m, n ≤ 2K+1, and fill about π/4 of it.
     let side = (count as f64 * 4.0 / PI).sqrt().ceil() as usize + 3;
@@ -18,22 +19,23 @@ pub(super) fn ordered_modes(count: usize) -> Vec<(usize, usize)> {
     modes
 }
 
-/// The sines and cosines at Gauss points of the half interval [0, ½]; integrals are over [0, 1].
+/// The sines and cosines at Gauss points of the half interval [0, ½]; the integrals are over [0,
+/// 1].
 #[derive(Clone, Debug)]
 pub(super) struct Grid {
-    /// The number of odd wave numbers in use.
+    /// The number of odd wave numbers that are used.
     pub width: usize,
-    /// Abscissae in (0, ½).
+    /// The Gauss points in (0, ½).
     pub points: Vec<f64>,
-    /// Weights, which sum to 1: functions are even about ½.
+    /// The quadrature weights, whose sum is 1 because all functions are even about ½.
     pub weights: Vec<f64>,
-    /// `sin (2k+1)πx`, with the abscissa varying slowest.
+    /// The values `sin (2k+1)πx`, where the point varies slowest.
     sines: Vec<f64>,
     /// `cos (2k+1)πx`.
     cosines: Vec<f64>,
-    /// `cos 2kπx`, `k < 2·width`.
+    /// The values `cos 2kπx`, `k < 2·width`.
     even_cosines: Vec<f64>,
-    /// `sin 2kπx`, `k < 2·width`.
+    /// The values `sin 2kπx`, `k < 2·width`.
     even_sines: Vec<f64>,
 }
 
@@ -73,7 +75,8 @@ impl Grid {
     }
 }
 
-/// Returns `Σ_i z_i φ_{m_i}(x) f(n_i, y)` as coefficients of the functions of x, for one y.
+/// Returns the coefficients of the functions of x in `Σ_i z_i φ_{m_i}(x) f(n_i, y)`, for one value
+/// of y.
 pub(super) fn row<T: Scalar>(
     modes: &[(usize, usize)],
     z: &[T],
@@ -86,7 +89,7 @@ pub(super) fn row<T: Scalar>(
     row
 }
 
-/// Returns `(2k + 1)π`.
+/// Returns the odd multiple `(2k + 1)π` of π.
 pub(super) fn wave(k: usize) -> f64 {
     (2 * k + 1) as f64 * PI
 }

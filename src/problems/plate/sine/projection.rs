@@ -1,4 +1,4 @@
-//! The two projections of eq. 3.12 on the sines.
+//! The two projections of eq. 3.12 on the products of sines.
 
 use super::airy::{self, Airy};
 use super::basis::{Grid, LARGEST, row, wave};
@@ -8,27 +8,28 @@ use crate::problems::plate::tensor::dot;
 use nalgebra::DMatrix;
 use std::f64::consts::PI;
 
-/// The sines of a plate: their couplings, and their values at the nodes of a quadrature.
+/// The products of sines that expand a plate: their couplings, and their values at the quadrature
+/// nodes.
 #[derive(Clone, Debug)]
 pub(super) struct Sines {
     /// `((m−1)/2, (n−1)/2)`.
     pub modes: Vec<(usize, usize)>,
-    /// The stress function; `None` in linear theory.
+    /// The stress function of the plate; `None` in linear theory.
     pub airy: Option<Airy>,
     pub grid: Grid,
-    /// Whether immovable edges stretch the deflected plate.
+    /// Whether the edges are immovable, so that deflection stretches the plate.
     pub held: bool,
 }
 
 impl Sines {
-    /// Evaluates `Σ z_i sin m_iπξ sin n_iπη`.
+    /// Evaluates the deflection `Σ z_i sin m_iπξ sin n_iπη`.
     pub fn deflection<T: Scalar>(&self, z: &[T], x: f64, y: f64) -> T {
         self.modes.iter().zip(z).fold(T::zero(), |sum, (&(k, l), &z)| {
             sum + z * ((wave(k) * x).sin() * (wave(l) * y).sin())
         })
     }
 
-    /// Returns `(κp_x, κp_y)` between immovable edges, eqs. 3.22–3.23.
+    /// Returns the forces `(κp_x, κp_y)` between immovable edges, eqs. 3.22–3.23.
     pub fn held_tension<T: Scalar>(&self, z: &[T], plate: &Parameters<T>) -> [T; 2] {
         if !self.held {
             return [T::zero(); 2];
@@ -36,25 +37,25 @@ impl Sines {
         airy::edge_tension(&self.modes, z, [plate.gap_ratio, plate.aspect, plate.nu])
     }
 
-    /// Returns `(κp_x − P_x, κp_y − P_y/α²)`, the factors of `w_ξξ` and `w_ηη`: the uniform part of
-    /// the in-plane forces.
+    /// Returns `(κp_x − P_x, κp_y − P_y/α²)`, the uniform part of the in-plane forces, which are
+    /// the factors of `w_ξξ` and `w_ηη`.
     fn tension<T: Scalar>(&self, z: &[T], plate: &Parameters<T>) -> [T; 2] {
         let [x, y] = self.held_tension(z, plate);
         [x - plate.compression_x, y - plate.compression_y / (plate.aspect * plate.aspect)]
     }
 
-    /// Returns `ω_mn = π²(m² + n²/α²)` of the flat plate without forces in its plane.
+    /// Returns the frequencies `ω_mn = π²(m² + n²/α²)` of the flat plate without in-plane forces.
     pub fn flat_frequency<T: Scalar>((k, l): (usize, usize), aspect: T) -> T {
         (aspect * aspect).recip() * wave(l).powi(2) + wave(k).powi(2)
     }
 
-    /// Returns `∫∫ φ_mn = 4/(π²mn)`.
+    /// Returns the integrals `∫∫ φ_mn = 4/(π²mn)` of the products of sines.
     fn mean((k, l): (usize, usize)) -> f64 {
         4.0 / (wave(k) * wave(l))
     }
 
-    /// Computes `r_i = ∫∫ φ_i [L(w) − κΦ(w,F) − pressure − λ/(1−w)²]`: all terms are exact except
-    /// the electrostatic load.
+    /// Computes the direct projection `r_i = ∫∫ φ_i [L(w) − κΦ(w,F) − pressure − λ/(1−w)²]`; all
+    /// terms except the electrostatic load are exact.
     pub fn direct<T: Scalar>(&self, z: &[T], plate: &Parameters<T>, r: &mut [T]) {
         let [tension_x, tension_y] = self.tension(z, plate);
         for ((&mode, &z), r) in self.modes.iter().zip(z).zip(r.iter_mut()) {
@@ -86,9 +87,9 @@ impl Sines {
         }
     }
 
-    /// Computes `r_i = ∫∫ φ_i {(1−w)² [L(w) − κΦ(w,F) − pressure] − λ}`, eq. 3.26 without its
-    /// tensors: the trigonometric polynomial is integrated at enough points to be exact to
-    /// rounding.
+    /// Computes the multiplied projection `r_i = ∫∫ φ_i {(1−w)² [L(w) − κΦ(w,F) − pressure] − λ}`,
+    /// eq. 3.26 without the tensors of that equation: the integrand is a trigonometric polynomial,
+    /// and the number of quadrature points is large enough to integrate it exactly up to rounding.
     pub fn multiplied<T: Scalar>(&self, z: &[T], plate: &Parameters<T>, r: &mut [T]) {
         for (&mode, r) in self.modes.iter().zip(r.iter_mut()) {
             *r = -plate.load * Self::mean(mode);
@@ -119,7 +120,8 @@ impl Sines {
         }
     }
 
-    /// Returns `κ f_jl` of `cos 2jπξ cos 2lπη`, row by row in `j`; all zero in linear theory.
+    /// Returns the coefficients `κ f_jl` of `cos 2jπξ cos 2lπη`, row by row in `j`; all
+    /// coefficients are zero in linear theory.
     fn stress_coefficients<T: Scalar>(&self, z: &[T], plate: &Parameters<T>) -> Vec<T> {
         let stresses = 2 * self.grid.width;
         let kappa = kappa(plate);
@@ -130,8 +132,8 @@ impl Sines {
         stress
     }
 
-    /// Returns `∫∫ φ_ℓ φ_r (1−w)²` for two fields given by their coefficients: the inertia of eq.
-    /// 3.26.
+    /// Returns the inertia of eq. 3.26, `∫∫ φ_ℓ φ_r (1−w)²`, for two fields given by their
+    /// coefficients.
     pub fn inertia<T: Scalar>(&self, z: &[T], left: &[f64], right: &[f64]) -> T {
         let grid = &self.grid;
         let mut sum = T::zero();
@@ -149,7 +151,7 @@ impl Sines {
         sum
     }
 
-    /// Returns the matrix of [`inertia`](Self::inertia): `∫∫ φ_i φ_j (1−w)²`.
+    /// Returns the matrix of the bilinear form [`inertia`](Self::inertia): `∫∫ φ_i φ_j (1−w)²`.
     pub fn mass(&self, z: &[f64]) -> DMatrix<f64> {
         let grid = &self.grid;
         let count = grid.points.len();
@@ -167,8 +169,8 @@ impl Sines {
         functions.tr_mul(&functions)
     }
 
-    /// Returns the largest deflection at the quadrature points and the centre, and its place: `(w,
-    /// x, y)`.
+    /// Returns the largest deflection at the quadrature points and at the centre, and its position:
+    /// `(w, x, y)`.
     pub fn largest(&self, z: &[f64]) -> (f64, f64, f64) {
         let grid = &self.grid;
         let mut largest = (self.deflection(z, 0.5, 0.5), 0.5, 0.5);
@@ -186,14 +188,15 @@ impl Sines {
     }
 }
 
-/// The terms of eq. 3.26 along one line `η = const`, as coefficients of functions of `ξ`.
+/// The terms of eq. 3.26 along one line `η = const`, as coefficients of the functions of `ξ`.
 struct Line<T> {
-    /// `w`, `w_η`, `w_ηη` and `L(w)`, of odd sines.
+    /// The coefficients of `w`, `w_η`, `w_ηη` and `L(w)`, which are sums of odd sines.
     w: [T; LARGEST],
     w_y: [T; LARGEST],
     w_yy: [T; LARGEST],
     bending: [T; LARGEST],
-    /// `κF`, `κF_η`, `κF_ηη` without the uniform forces, of even cosines.
+    /// The coefficients of `κF`, `κF_η`, `κF_ηη` without the uniform forces, which are sums of even
+    /// cosines.
     stress: [Vec<T>; 3],
 }
 
@@ -204,7 +207,7 @@ impl<T: Scalar> Line<T> {
         Line { w: odd, w_y: odd, w_yy: odd, bending: odd, stress }
     }
 
-    /// Evaluates the terms on the line through point `y` of the grid.
+    /// Evaluates the terms of eq. 3.26 on the line through point `y` of the grid.
     fn cut(&mut self, sines: &Sines, y: usize, z: &[T], bending: &[T], stress: &[T]) {
         let (modes, grid) = (&sines.modes, &sines.grid);
         let (in_y, slope_in_y) = (grid.sines(y), grid.cosines(y));
@@ -224,8 +227,8 @@ impl<T: Scalar> Line<T> {
         }
     }
 
-    /// Returns `L(w) − κΦ(w,F)` at point `x` of the line, for uniform forces `[tension_x,
-    /// tension_y]`.
+    /// Returns `L(w) − κΦ(w,F)` at point `x` of the line `η = const`, for the uniform forces
+    /// `[tension_x, tension_y]`.
     fn force(&self, grid: &Grid, x: usize, [tension_x, tension_y]: [T; 2]) -> T {
         let (in_x, slope_in_x) = (grid.sines(x), grid.cosines(x));
         let w_yy = dot(&self.w_yy[..grid.width], in_x);
@@ -247,7 +250,7 @@ impl<T: Scalar> Line<T> {
     }
 }
 
-/// Returns `κ = 12(1−ν²)α₁²/α²` of eq. 3.26.
+/// Returns the factor `κ = 12(1−ν²)α₁²/α²` of eq. 3.26.
 fn kappa<T: Scalar>(plate: &Parameters<T>) -> T {
     let ratio = plate.gap_ratio / plate.aspect;
     (T::one() - plate.nu * plate.nu) * ratio * ratio * 12.0
