@@ -291,7 +291,7 @@ impl Planned {
     }
 }
 
-/// A sum or difference of two terms, one of which may be a product.
+/// A sum or difference of two terms; the term `product` may be a product.
 struct Sum {
     product: Value,
     other: Value,

@@ -341,16 +341,16 @@ pub enum Fault {
         /// The chain of names through which the definition or function depends on itself.
         through: String,
     },
-    /// A missing part of a statement.
+    /// A statement in which a required part is missing.
     #[error("{what}")]
     #[diagnostic(help("{needed}"))]
     Missing {
-        /// The statement that is incomplete.
+        /// A description of the incomplete statement.
         what: String,
-        /// The missing part, and how to give the part.
+        /// The required part, and how to write it.
         needed: String,
     },
-    /// A part that is not allowed at its place.
+    /// A part of a statement that is not allowed at its place.
     #[error("{what}: {reason}")]
     Misplaced {
         /// The misplaced part.
@@ -358,33 +358,33 @@ pub enum Fault {
         /// The reason.
         reason: String,
     },
-    /// A quantity that exceeds a limit.
+    /// A quantity, such as a number of states, that exceeds a limit.
     #[error("too many {what}: the limit is {limit}")]
     TooLarge {
-        /// The quantity that is too large.
+        /// The name of the quantity that is too large.
         what: &'static str,
         /// The limit.
         limit: usize,
     },
-    /// A value that is not a finite number.
+    /// A formula whose value is not a finite number.
     #[error("{what} at the start: {values}")]
     Undefined {
-        /// The operation or the formula without a finite value.
+        /// The operation or the formula whose value is not finite.
         what: String,
-        /// The values of the arguments or names that determine it.
+        /// The values of the arguments or names on which the value that is not finite depends.
         values: String,
     },
-    /// A period or length that is not positive.
+    /// A period of a forcing or a length of an interval that is not positive.
     #[error("{what} `{formula}` is {value}, but must be a finite number above 0")]
     NotPositive {
-        /// `the period` or `the length`.
+        /// The name of the quantity: `the period` or `the length`.
         what: &'static str,
         /// The formula.
         formula: String,
-        /// The value, with the parameters that determine it.
+        /// The value of the period or length, with the parameters on which it depends.
         value: String,
     },
-    /// A construct of another program's language that has no counterpart.
+    /// A construct of another program's language that has no counterpart in this language.
     #[error("{construct} is not supported: {reason}")]
     Unsupported {
         /// The name of the construct in the other language.

@@ -20,17 +20,19 @@ use std::error::Error;
 /// The maximum number of runs added to a scene.
 const RUNS: usize = 50;
 
-/// Traces a scene's runs, and then the branches that emanate from the special points found, to a
-/// depth: 1 switches branches at special points of the scene's own runs, 2 also at special points
-/// of the added runs. A special point shared by two branches is used once. Returns the scene with
-/// all added runs, at most 50; tracing it reproduces the result.
+/// Traces the runs of a scene, and then the branches that emanate from the special points found, up
+/// to a depth: with depth 1, branches are switched at special points of the scene's own runs; with
+/// depth 2, also at special points of the added runs. A special point that two branches share is
+/// used only once. Returns the scene with all added runs, so that the scene has at most 50 runs;
+/// tracing the returned scene reproduces the result.
 ///
-/// Where several branches cross at a point, all branches determined by its equations are traced.
+/// If several branches cross at a point, all branches that the equations at this point determine
+/// are traced.
 ///
-/// A run that fails is left out, its first error is kept, and the other runs continue. At a
-/// grazing, and where several eigenvalues are critical, a failure is not an error: the branch with
-/// the special point gets a warning with the reason. Special points that have not converged, and
-/// runs beyond 50, also give warnings.
+/// An added run that fails is omitted, its first error is kept, and the other runs continue. At a
+/// grazing, and at a point where several eigenvalues are critical, a failure is not an error: the
+/// branch that contains the special point gets a warning with the reason. Special points that have
+/// not converged, and runs beyond the maximum number of 50, also cause warnings.
 ///
 /// ```
 /// use tangency::scene::{Scene, explore};
@@ -56,38 +58,40 @@ pub fn explore(scene: &Scene, depth: usize, observer: &mut dyn SceneObserver) ->
     }
 }
 
-/// The special points at which branches are switched, and the depth.
+/// The kinds of special points at which branches are switched, and the depth of the exploration.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Following {
-    /// The kinds of special points, from [`OF_BRANCHES`](Self::OF_BRANCHES) and
-    /// [`of_curves`](Self::of_curves).
+    /// The kinds of special points at which branches are switched, from
+    /// [`OF_BRANCHES`](Self::OF_BRANCHES) and [`of_curves`](Self::of_curves).
     pub kinds: Vec<Kind>,
-    /// The depth: 1 switches branches at special points of the scene's own runs, 2 also at special
-    /// points of the added runs.
+    /// The depth of the exploration: with depth 1, branches are switched at special points of the
+    /// scene's own runs; with depth 2, also at special points of the added runs.
     pub depth: usize,
     /// Whether to omit runs that would start at a solution of an earlier branch.
     pub distinct: bool,
 }
 
 impl Following {
-    /// The kinds of special points of branches from which other branches emanate.
+    /// The kinds of special points on branches from which other branches emanate.
     pub const OF_BRANCHES: [Kind; 5] = [Kind::BP, Kind::LP, Kind::HB, Kind::PD, Kind::G];
 
-    /// Selects points of all kinds, to a depth.
+    /// Selects special points of all kinds, up to a given depth.
     pub fn all(depth: usize) -> Self {
         let kinds = Self::OF_BRANCHES.into_iter().chain(Self::of_curves()).collect();
         Following { kinds, depth, distinct: false }
     }
 
-    /// Returns the kinds of points of curves from which other curves emanate.
+    /// Returns the kinds of special points on curves in two parameters from which other curves
+    /// emanate.
     pub fn of_curves() -> Vec<Kind> {
         catalogue::crossings()
     }
 }
 
 impl Resolution {
-    /// Traces the runs, and then the branches that emanate from special points, as [`explore`]
-    /// does. If the scene requests an accuracy, its own runs decide the discretisation.
+    /// Traces the runs, and then the branches that emanate from special points, as the function
+    /// [`explore`] does. If the scene requests an accuracy, the discretisation is chosen for the
+    /// scene's own runs and also used for the added runs.
     pub fn explore(
         &self,
         following: &Following,
@@ -123,12 +127,12 @@ impl Resolution {
     }
 }
 
-/// The traced runs, and the runs to which they lead.
+/// The runs traced so far, and the pending runs to which their special points lead.
 struct Exploration<'a> {
     resolution: &'a Resolution,
     following: &'a Following,
     tracing: Tracing,
-    /// The pending runs, with the number of special points that lead to each.
+    /// The pending runs, each with the number of branch switches that lead to the run.
     coming: VecDeque<(Run, usize)>,
 }
 
@@ -138,7 +142,7 @@ impl<'a> Exploration<'a> {
         Exploration { resolution, following, tracing: Tracing::default(), coming }
     }
 
-    /// Traces everything, and returns the scene with all runs, and the outcome.
+    /// Traces the own and all added runs; returns the scene with all runs, and the outcome.
     fn all(mut self, observer: &mut dyn SceneObserver) -> (Scene, Outcome) {
         while let Some((run, steps)) = self.coming.pop_front() {
             // The scene's own runs are always traced, unless several starts may lie on one branch.
@@ -169,7 +173,8 @@ impl<'a> Exploration<'a> {
         (scene, self.tracing.outcome(self.resolution))
     }
 
-    /// Appends the number of the branch to a run's name, where starts may share a branch.
+    /// Appends the number of the branch to the name of a run, if several runs start at given
+    /// solutions.
     fn numbered(&self, run: Run) -> Run {
         let is_start = self.following.distinct && matches!(run.start, Start::Guess(_));
         let first = self.tracing.runs.iter().find(|_| is_start);
@@ -178,7 +183,7 @@ impl<'a> Exploration<'a> {
         Run { name: format!("{name} {}", starts.count() + 1), ..run }
     }
 
-    /// Returns whether a branch passes through the solution at which a run would start.
+    /// Returns whether a traced branch passes through the solution at which a run would start.
     fn is_passed(&self, run: &Run) -> bool {
         let Start::Guess(at) = &run.start else { return false };
         let Ok(resolved) = self.resolution.further(run) else { return false };
@@ -192,8 +197,8 @@ impl<'a> Exploration<'a> {
         start.is_some_and(|z| others.any(|it| passes(it, &mut *system, &resolved.values, &z)))
     }
 
-    /// Returns whether another run has traced the same curve from the same point, found on another
-    /// curve.
+    /// Returns whether another run has already traced the same curve from the same special point,
+    /// which was found on another curve.
     fn is_started(&self, run: &Run) -> bool {
         let Tracing { runs, done, .. } = &self.tracing;
         let Some(point) = origin(run, done).filter(|_| run.hold.is_some()) else { return false };
@@ -210,7 +215,7 @@ impl<'a> Exploration<'a> {
         alike.into_iter().any(|there| there.1.kind == point.1.kind && is_one(point, there))
     }
 
-    /// Adds the runs that continue from a traced run.
+    /// Adds the runs that continue from the special points of a traced run.
     fn follow(&mut self, run: &Run, steps: usize) {
         if steps > 0 {
             self.warn_if_one_of_several(run);
@@ -238,7 +243,7 @@ impl<'a> Exploration<'a> {
         self.come(next, steps + 1);
     }
 
-    /// Adds runs up to the maximum number.
+    /// Adds runs until the maximum number of runs is reached.
     fn come(&mut self, runs: impl IntoIterator<Item = Run>, steps: usize) {
         for mut run in runs {
             if self.tracing.runs.len() + self.coming.len() >= RUNS {
@@ -259,7 +264,7 @@ impl<'a> Exploration<'a> {
         }
     }
 
-    /// Records the failure of an added run.
+    /// Records the failure of an added run, and omits the run.
     fn leave_out(&mut self, run: &Run, steps: usize, cause: SceneError) {
         let Some((from, point)) = origin(run, &self.tracing.done) else { return };
         let (from, kind, label) = (from.name.clone(), point.kind, point.label);
