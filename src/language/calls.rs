@@ -73,8 +73,8 @@ impl Scope {
     }
 
     /// Resolves a call. Returns an error if the called name is not a function, or if the number of
-    /// arguments is wrong. For example, the call `x(0)` of a state `x` is valid and denotes its
-    /// value at an end of the interval.
+    /// arguments is wrong. The call `x(0)` or `x(1)` of a state `x` is valid, and denotes the value
+    /// of the state at an end of the interval.
     pub fn called(
         &self,
         function: &str,
@@ -119,7 +119,7 @@ pub(super) enum Called<'s> {
     State,
 }
 
-/// Returns whether a name has the form of an array element.
+/// Returns whether a name has the form of an element of a given array.
 fn is_element(name: &str, array: &str) -> bool {
     name.strip_prefix(array).is_some_and(|rest| rest.starts_with('['))
 }

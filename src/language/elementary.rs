@@ -1,7 +1,7 @@
 //! Elementary functions of nested dual numbers and jets, by their Taylor series.
 //!
-//! The argument is `x = x₀ + h` with a real number `x₀` and a nilpotent part `h`: the power
-//! `h^{N+1}` vanishes, where `N` is the number of derivatives, so that `f(x) = Σ_{k ≤ N}
+//! The argument of a function is `x = x₀ + h` with a real number `x₀` and a nilpotent part `h`: the
+//! power `h^{N+1}` vanishes, where `N` is the number of derivatives, so that `f(x) = Σ_{k ≤ N}
 //! f⁽ᵏ⁾(x₀)/k! hᵏ`. Interpreted formulas call about thirty functions for about forty scalar types:
 //! one Taylor composition is compiled for each type, instead of a chain rule for each function and
 //! each level of nesting.

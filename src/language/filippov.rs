@@ -138,8 +138,8 @@ fn names(source: &Source, stated: &Formulas) -> Result<FilippovNames, ModelError
     Ok(FilippovNames { above, below, sliding, surface })
 }
 
-/// Returns the functions that the statement gives for both sides and that are positive while the
-/// motion slides and does not leave to this side.
+/// Returns, for each side of the surface, the stated function that is positive while the motion
+/// slides and does not leave to this side; `None` if no function is stated.
 fn holds(statement: &FilippovEquations, scope: &Scope) -> Result<[Option<Program>; 2], ModelError> {
     let mut holds = [None, None];
     for (side, formula) in &statement.holds {

@@ -11,8 +11,8 @@ use crate::core::scalar::Scalar;
 
 /// The name that denotes the number of the event in the formula of its time.
 const NUMBER: &str = "n";
-/// (R) The difference below which two event times count as equal, relative to the interval between
-/// events.
+/// (Rounding) The difference below which two event times count as equal, relative to the interval
+/// between events.
 const SAME: f64 = 1e-9;
 
 /// The event times `first + n·interval`, where `first` and `interval` depend on parameters only.

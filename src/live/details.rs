@@ -85,7 +85,8 @@ fn of_point<'a>(branch: &Branch, index: usize, point: &Point) -> Details<'a> {
     Details { title, rows, profiles: Vec::new(), follow_ups: Vec::new() }
 }
 
-/// Returns the rows of a special point: values, test values, eigenvalues and sensitivities.
+/// Returns the rows of a special point: values of columns, normal-form coefficients,
+/// eigenvalues and sensitivities.
 fn rows(branch: &Branch, special: &SpecialPoint) -> Vec<[String; 2]> {
     let mut rows = columns(branch, |column| special.value(column));
     if let (Some(first), false) = (rows.first_mut(), branch.released.is_empty()) {

@@ -68,7 +68,7 @@ impl Setup {
         if name.is_empty() { "scene".into() } else { name.into() }
     }
 
-    /// Parses the text. Parses the text; a text that does not have the form of RON is parsed as an
+    /// Parses the text of the setup. A text that does not have the form of RON is parsed as an
     /// XPPAUT model.
     pub(super) fn stated(&self, library: &Library) -> Result<Stated, SceneError> {
         let beginning = self.text.trim_start();

@@ -125,8 +125,8 @@ impl Catalogue {
         self.model::<_, HybridOrbitSettings>(name, system)
     }
 
-    /// Adds a scene. Adds a scene to the catalogue; lists show the summary of the scene, or its
-    /// title if it has no summary.
+    /// Adds a scene to the catalogue. Lists show the summary of the scene, or its title if it has
+    /// no summary.
     pub fn scene(self, name: impl Into<String>, text: impl Into<String>) -> Self {
         let scene = NamedScene { name: name.into(), text: text.into() };
         let mut scenes = self.scenes;

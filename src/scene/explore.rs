@@ -292,7 +292,8 @@ impl<'a> Exploration<'a> {
         }
     }
 
-    /// Warns if several branches of orbits emanate from the Hopf point.
+    /// Warns if several branches of periodic orbits emanate from the Hopf point, because only one
+    /// of them is traced.
     fn warn_if_one_of_several(&mut self, run: &Run) {
         let point = origin(run, &self.tracing.done).map(|(_, point)| point);
         let Some(point) = point.filter(|it| it.kind == Kind::HB && it.multiplicity > 1) else {
@@ -306,7 +307,7 @@ impl<'a> Exploration<'a> {
         self.warn(&run.name, [why]);
     }
 
-    /// Adds warnings to a branch.
+    /// Adds warnings to the branch of a run.
     fn warn(&mut self, branch: &str, why: impl IntoIterator<Item = String>) {
         if let Some(done) = self.tracing.done.iter_mut().find(|done| done.name == branch) {
             done.warnings.extend(why);
@@ -314,22 +315,23 @@ impl<'a> Exploration<'a> {
     }
 }
 
-/// Returns the special point that a run starts from.
+/// Returns the special point at which a run starts, with its branch.
 fn origin<'a>(run: &Run, done: &'a [Branch]) -> Option<(&'a Branch, &'a SpecialPoint)> {
     let Start::From { run: from, kind, nth, .. } = &run.start else { return None };
     let branch = done.iter().find(|branch| branch.name == *from)?;
     Some((branch, branch.of_kind(*kind).nth(*nth)?))
 }
 
-/// Returns whether a run that starts from a special point is a curve of doubled orbits, traced in
-/// addition to a curve of the orbits.
+/// Returns whether a run that starts at a special point traces a curve of period-doubled orbits, in
+/// addition to a curve of the orbits themselves.
 fn is_of_doubled(run: &Run, (branch, point): (&Branch, &SpecialPoint)) -> bool {
     let Start::From { which, .. } = run.start else { return false };
     let on = (point.kind, branch.condition);
     run.hold.is_some_and(|held| catalogue::is_of_doubled(on, held, which))
 }
 
-/// Returns the failure of the system or its equations that caused an error of a run.
+/// Returns the failure of the system or its equations that caused an error of a run; `None` if the
+/// error has another cause.
 fn failure(cause: &SceneError) -> Option<&Failure> {
     let mut error: Option<&dyn Error> = Some(cause);
     while let Some(cause) = error {
@@ -341,7 +343,7 @@ fn failure(cause: &SceneError) -> Option<&Failure> {
     None
 }
 
-/// Returns the run along the next branch that crosses at the start point of a run.
+/// Returns the run along the next branch that crosses at the start point of a given run.
 fn next_across(run: &Run, done: &[Branch]) -> Option<Run> {
     let several = origin(run, done).is_some_and(|(_, point)| point.multiplicity > 1);
     let mut next = run.clone();
@@ -352,7 +354,7 @@ fn next_across(run: &Run, done: &[Branch]) -> Option<Run> {
     several.then_some(next)
 }
 
-/// Returns whether another branch has passed through the point that a run would start from.
+/// Returns whether another branch has already passed through the point at which a run would start.
 fn is_known(run: &Run, done: &[Branch]) -> bool {
     let Some((from, point)) = origin(run, done) else { return false };
     if is_of_doubled(run, (from, point)) {
@@ -382,9 +384,9 @@ fn is_known(run: &Run, done: &[Branch]) -> bool {
     })
 }
 
-/// Returns whether a curve of points of a kind emanates from a special point: torus points of
-/// cycles at a fold–Hopf point with `s θ < 0`, and torus points of doubled orbits at a 1:2
-/// resonance with `a < 0`.
+/// Returns whether a curve of special points of a given kind emanates from a special point. A curve
+/// of torus points of cycles emanates from a fold–Hopf point only if `s θ < 0`, and a curve of
+/// torus points of doubled orbits emanates from a 1:2 resonance only if `a < 0`.
 fn begins_at(point: &SpecialPoint, held: Kind, doubled: bool) -> bool {
     let number = |name| point.number(name).map(|number| number.value);
     let product = number("zh_s").zip(number("zh_theta")).map(|(s, theta)| s * theta);
@@ -392,7 +394,8 @@ fn begins_at(point: &SpecialPoint, held: Kind, doubled: bool) -> bool {
     held != Kind::TR || decides.is_none_or(|decides| decides < 0.0)
 }
 
-/// Returns the setting by which a run traces orbits, unless the scene or the run sets it.
+/// Returns the setting with which a run traces orbits, unless the scene or the run already states
+/// this setting.
 pub(super) fn orbits_of(resolution: &Resolution, run: &Run) -> Option<(String, String)> {
     let seen = resolution.further(run).ok()?.problem.solution();
     let orbits = seen.filter(|solution| *solution == Solution::Orbit)?;
@@ -401,7 +404,7 @@ pub(super) fn orbits_of(resolution: &Resolution, run: &Run) -> Option<(String, S
     (differs && !says).then(|| (SOLUTION.into(), written(&orbits)))
 }
 
-/// Returns the curves that emanate from the special points of a curve.
+/// Returns runs along the curves that emanate from the special points of a curve.
 fn leaving(
     resolution: &Resolution,
     run: &Run,
@@ -470,7 +473,8 @@ pub(super) fn following(
     runs
 }
 
-/// Returns the run that continues from a special point, if its kind has one.
+/// Returns the run that continues from a special point, or `None` if no branch emanates from points
+/// of this kind.
 fn next(resolution: &Resolution, run: &Run, kind: Kind, nth: usize) -> Option<Run> {
     let start = |switch| Start::From {
         run: run.name.clone(),
