@@ -102,8 +102,8 @@ pub struct Region {
     pub methods: Vec<Tried>,
 }
 
-/// A robustness map: where methods succeed, where they report a failure, and where they are
-/// silently wrong.
+/// A robustness map, which shows where methods succeed, where they report a failure, and where they
+/// are silently wrong.
 ///
 /// ```
 /// use tangency_reports::{Cell, Class, RobustnessMap, Outcome, Region, Report, Tried};

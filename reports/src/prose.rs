@@ -1,8 +1,8 @@
 //! The text of the project (documents, help, errors and comments), split into paragraphs and
 //! sentences.
 //!
-//! Tests search the paragraphs for turns of phrase that plain English avoids; `tangency-reports sentences` draws sentences
-//! that a reader judges one by one.
+//! Tests search the paragraphs for turns of phrase that plain English avoids; the command
+//! `tangency-reports sentences` draws random sentences that a reader judges one by one.
 
 use std::fmt;
 use std::io;

@@ -7,7 +7,7 @@ use crate::scene::SceneError;
 use miette::Diagnostic;
 use std::path::PathBuf;
 
-/// The error of a command that failed.
+/// The error with which a command failed.
 #[derive(Debug, miette::Diagnostic, thiserror::Error)]
 pub enum CommandError {
     /// A file cannot be read, parsed or written.
@@ -83,7 +83,7 @@ pub enum CommandError {
         "start in states (`--start x=0.6,y=0.2`) or at a special point (`--start FILE:LABEL`)"
     ))]
     OneSaddle,
-    /// The option `--points` is given without a document.
+    /// The option The option `--points` is given, but no document is given.
     #[error("--points needs a document (.ron): sweeps (.npz) have no special points")]
     NoPoints,
     /// The command line gives an option that has no effect on data files.
@@ -112,7 +112,7 @@ pub enum CommandError {
          repeat the trace"
     ))]
     NoRegions,
-    /// Several columns are given for the vertical axis of a sweep.
+    /// For the vertical axis of a sweep, several columns are given instead of one.
     #[error("sweeps (.npz) are drawn with one column on the vertical axis")]
     #[diagnostic(help("name one column with --y"))]
     OneColumn,
@@ -120,7 +120,7 @@ pub enum CommandError {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Grid(SceneError),
-    /// The output folder contains the results of another grid.
+    /// The output folder already contains the results of another grid of settings.
     #[error(
         "{} contains designs of another scene, other settings or another version, listed in its scene.txt", folder.display()
     )]
@@ -140,7 +140,7 @@ pub enum CommandError {
         "the name of the design `{name}` is longer than {most} bytes, too long for a file name"
     )]
     LongDesign { name: String, most: usize },
-    /// Some designs of a grid failed.
+    /// The computation of some designs of a grid failed.
     #[error("{failed} of {of} designs failed; the others are saved")]
     #[diagnostic(help("repeat the command to retry the designs that failed"))]
     Designs { failed: usize, of: usize },

@@ -71,7 +71,7 @@ impl Telling {
     }
 }
 
-/// Prints special points as they are found.
+/// Prints special points to the standard output as soon as they are found.
 pub struct Watch<'a, W: Write + ?Sized> {
     out: &'a mut W,
     telling: Telling,

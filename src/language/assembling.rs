@@ -103,7 +103,7 @@ impl<'s> Assembling<'s> {
         elements.values().map(|at| self.indexed(formula, &at)).collect()
     }
 
-    /// Returns the value of a formula for given indices.
+    /// Returns the value of a formula for the given values of array indices.
     pub fn indexed(&mut self, formula: &Formula, at: &Indices) -> Result<Value, ModelError> {
         let depth = self.locals.len();
         self.locals.extend(at.iter().map(|(name, value)| (name.clone(), Value::number(*value))));
@@ -117,7 +117,7 @@ impl<'s> Assembling<'s> {
         self.formula(&Formula::read(&self.scope.source, phrase)?)
     }
 
-    /// Returns the first error of a definition or function.
+    /// Returns the error of the first definition or function that is invalid.
     pub fn check_named(&mut self) -> Result<(), ModelError> {
         self.errors_of_named().into_iter().flatten().next().map_or(Ok(()), Err)
     }
@@ -427,7 +427,8 @@ impl Deref for Program {
 }
 
 impl Program {
-    /// Returns the error of the first value that is not finite at `(t, x, p)`, if any.
+    /// Returns the error of the first operation whose value is not finite at `(t, x, p)`, or `None`
+    /// if all values are finite.
     pub fn undefined(
         &self,
         source: &Source,
@@ -494,7 +495,7 @@ pub(super) fn elements(scope: &Scope, phrase: &Phrase) -> Result<Elements, Model
 /// The largest index.
 const LARGEST: f64 = 1e9;
 
-/// Returns the value of an index, which must be constant.
+/// Returns the integer value of an index; the index must be constant.
 fn integer_in(
     scope: &Scope,
     value: Value,

@@ -44,7 +44,7 @@ pub(super) struct Basis {
     pub aperiodic: bool,
     /// Typical sizes of the states, in the order of the states; empty if no sizes are stated.
     pub sizes: Vec<f64>,
-    /// Typical sizes of all states and of time.
+    /// The typical sizes of all states and of time.
     pub scales: Scales,
     /// The names of columns and the labels of the axes that show these columns.
     pub labels: Vec<(String, String)>,
@@ -54,7 +54,8 @@ pub(super) struct Basis {
 pub(super) trait Kind {
     fn basis(&self) -> &Basis;
 
-    /// Returns the error of the first formula without a finite value at `(0, x, p)`, if any.
+    /// Returns the error of the first formula whose value is not finite at `(0, x, p)`, or `None`
+    /// if all values are finite.
     fn undefined(&self, _x: &[f64], _p: &[f64]) -> Option<ModelError> {
         None
     }

@@ -110,7 +110,7 @@ macro_rules! kinds {
 kinds! {
     /// A vector field.
     Equations => Field(smooth::Field), smooth;
-    /// Equations `F = 0`.
+    /// A zero problem, that is, equations `F = 0`.
     Residual => Zero(Zero), residual;
     /// A map.
     Map => Map(Iteration), map;

@@ -52,7 +52,7 @@ pub(super) struct Function {
 pub(super) struct Scope {
     pub source: Source,
     meanings: HashMap<String, Meaning>,
-    /// All names, in the order of their declaration.
+    /// All names in the scope, in the order of their declaration.
     order: Vec<String>,
     /// The number of states in the scope.
     pub dimension: usize,
@@ -104,7 +104,7 @@ impl Scope {
         self.meanings.get(name).copied()
     }
 
-    /// Returns all names, in the order of their declaration.
+    /// Returns all names in the scope, in the order of their declaration.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.order.iter().map(String::as_str)
     }

@@ -255,7 +255,7 @@ pub struct ModelError {
     pub file: String,
     /// The place of the error in the text.
     pub place: Box<Place>,
-    /// The kind of error.
+    /// The kind of the error.
     pub fault: Fault,
     /// The suggested remedy, unless the kind of error implies the remedy.
     #[help]
@@ -297,7 +297,7 @@ pub enum Fault {
         /// The reason.
         reason: String,
     },
-    /// A syntax error in a formula or a name.
+    /// An error in the syntax of a formula or a name.
     #[error("expected {expected}")]
     Syntax {
         /// The valid alternatives at the place of the error.
@@ -307,7 +307,7 @@ pub enum Fault {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Unknown(UnknownName),
-    /// A name that is declared twice.
+    /// An error for a name that is declared twice.
     #[error("`{name}` is already {first}, and each name may be given only once")]
     Twice {
         /// The duplicate name.
@@ -315,7 +315,7 @@ pub enum Fault {
         /// The kind of the item that was first declared with this name.
         first: &'static str,
     },
-    /// A function called with the wrong number of arguments.
+    /// An error for a function that is called with the wrong number of arguments.
     #[error("`{function}` takes {takes}, not {given}")]
     Arguments {
         /// The function.
@@ -325,7 +325,7 @@ pub enum Fault {
         /// The number of arguments in the call.
         given: usize,
     },
-    /// An index or an end of a range that is not a constant integer.
+    /// An error for an index, or an end of a range, that is not a constant integer.
     #[error("{what} must be an integer that does not depend on states, parameters or time{found}")]
     NotAnInteger {
         /// The role of the number that must be an integer, such as `the index`.
@@ -333,7 +333,7 @@ pub enum Fault {
         /// The value of the number, as text; empty if the number is not constant.
         found: String,
     },
-    /// A definition or a function that depends on itself.
+    /// An error for a definition or a function that depends on itself.
     #[error("`{name}` is defined in terms of itself: {through}")]
     Circular {
         /// The name of the definition or function.
@@ -387,7 +387,7 @@ pub enum Fault {
     /// A construct of another program's language that has no counterpart in this language.
     #[error("{construct} is not supported: {reason}")]
     Unsupported {
-        /// The name of the construct in the other language.
+        /// The name of the unsupported construct in the other program's language.
         construct: String,
         /// The reason.
         reason: String,

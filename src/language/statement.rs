@@ -44,7 +44,7 @@ macro_rules! statements {
             /// (`t`).
             #[serde(skip_serializing_if = "is_default")]
             pub labels: Formulas,
-            /// The units of states, parameters, monitors or time (`t`), shown on axes.
+            /// The units of states, parameters, monitors or time (`t`), which are shown on axes.
             #[serde(skip_serializing_if = "is_default")]
             pub units: Formulas,
         }

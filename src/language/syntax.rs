@@ -186,7 +186,7 @@ pub(super) fn nodes(text: &str, dialect: Dialect) -> Result<Vec<Node>, (Range<us
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Declared {
     pub name: String,
-    /// The indices of the elements; empty for a scalar.
+    /// The indices of the array elements; empty for a scalar.
     pub indices: Vec<Index>,
 }
 

@@ -5,8 +5,8 @@ use super::elementary;
 use super::operation::Operation;
 use crate::core::scalar::{Scalar, in_registers_of};
 
-/// The instruction of a step. In the description of a step, `a`, `b` and `c` are registers, and `n`
-/// is a number.
+/// The instruction that a step of a tape executes. In the description of a step, `a`, `b` and `c`
+/// are registers, and `n` is a number.
 ///
 /// Products are fused with sums, because every step costs a dispatch, which takes longer than the
 /// operation on real numbers.
@@ -61,7 +61,7 @@ pub(super) enum Code {
     General,
 }
 
-/// A step of a tape.
+/// A step of a tape, which computes one value.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Step {
     pub code: Code,

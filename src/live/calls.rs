@@ -20,7 +20,7 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 
-/// The time after which a trace is stopped.
+/// The maximum duration of a trace, after which the server stops it.
 const LONGEST: Duration = Duration::from_secs(120);
 /// The interval at which the server checks the connection of a trace that sends no messages.
 const SILENCE: Duration = Duration::from_millis(200);
@@ -41,7 +41,7 @@ enum Call {
     Open {},
     /// Requests the setup of an example.
     Example { name: String },
-    /// Traces a setup; the response is a stream of messages.
+    /// Requests the trace of a setup; the response is a stream of messages.
     Trace { page: String, turn: u64, setup: Box<Setup> },
     /// Stops the trace.
     Stop { page: String },

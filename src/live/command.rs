@@ -30,7 +30,7 @@ pub(super) fn command(setup: &Setup, library: &Library, opened: Option<&Opened>)
     words.join(" ")
 }
 
-/// Quotes a word for a shell, if necessary.
+/// Quotes a word for a shell if the word contains special characters.
 fn quoted(word: &str) -> String {
     let is_plain = |c: char| c.is_ascii_alphanumeric() || "_-./=,+:@%".contains(c);
     match !word.is_empty() && word.chars().all(is_plain) {

@@ -27,7 +27,7 @@ impl Message {
     }
 }
 
-/// The last result of a page.
+/// The last result of a page, which the server keeps.
 #[derive(Clone)]
 pub(super) struct Kept {
     /// The name of files in which the result is saved.

@@ -19,8 +19,8 @@ pub struct Setup {
     pub text: String,
     /// The changed values, by the names of parameters and settings.
     pub set: Vec<(String, String)>,
-    /// The varied parameters with their ranges. If no range is given for a model, the first
-    /// parameter of the model is varied.
+    /// The varied parameters of the first run, with their ranges. If no range is given for a model,
+    /// the first parameter of the model is varied.
     pub along: Vec<Range>,
     /// The bounds of parameters and monitors.
     pub bounds: Vec<Range>,
@@ -144,7 +144,7 @@ impl Setup {
         Err(UnknownName::new("parameter or setting", unknown, known).into())
     }
 
-    /// Returns the scene to trace.
+    /// Returns the scene that the page traces.
     pub(super) fn scene(
         &self,
         library: &Library,

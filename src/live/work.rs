@@ -99,7 +99,7 @@ fn branches(
     (resolution.scene().clone(), outcome.document, failed)
 }
 
-/// The result of a trace.
+/// The result of a trace, as it is sent to the page.
 #[derive(Serialize)]
 struct Done<'a> {
     /// The duration of the trace in milliseconds.

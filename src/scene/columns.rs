@@ -45,7 +45,8 @@ impl Scene {
     /// ```
     ///
     /// # Errors
-    /// [`SceneError::Figure`] with the missing column and the known columns.
+    /// [`SceneError::Figure`] with the missing column and the known columns, if a column does not
+    /// exist.
     pub fn check_plot(&self) -> Result<(), SceneError> {
         let resolution = self.resolve(None)?;
         let shown = resolution.runs.iter().filter(|resolved| resolved.run.shown);

@@ -33,7 +33,7 @@ pub(super) trait ProblemSettings:
         Ok(())
     }
 
-    /// Returns the setting, with its value, because of which the named setting has no effect.
+    /// Returns the setting that makes the named setting ineffective, with its value.
     fn without_effect(&self, _name: &str) -> Option<(&'static str, String)> {
         None
     }
@@ -63,7 +63,7 @@ pub(super) trait ProblemSettings:
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ZeroSettings {
-    /// The type of matrices: `cheaper`, `dense` or `sparse`.
+    /// The type of the matrices, which is `cheaper`, `dense` or `sparse`.
     pub matrices: Matrices,
 }
 
@@ -182,7 +182,7 @@ const RUNGS: usize = 12;
 pub struct FieldSettings {
     /// The kind of solutions of the vector field that are computed.
     pub solution: Solution,
-    /// The discretisation of orbits; by default, collocation.
+    /// The discretisation of periodic orbits; the default is collocation.
     pub method: Discretisation,
     /// The type of matrices for equilibria: `cheaper`, `dense` or `sparse`.
     pub matrices: Matrices,
@@ -352,7 +352,7 @@ impl Discretisation {
         }
     }
 
-    /// Builds the system of a problem.
+    /// Builds the system of equations of a problem.
     pub fn system(&self, problem: impl IntoEquations) -> Result<Box<dyn System>, SceneError> {
         Ok(Box::new(self.boundary(problem)?))
     }

@@ -25,7 +25,7 @@ impl Scene {
     /// Returns an error if a changed value has no effect for the given purpose.
     ///
     /// # Errors
-    /// [`SceneError::NoEffect`] with the reason and the remedy.
+    /// [`SceneError::NoEffect`] with the reason and the remedy, if a value has no effect.
     ///
     /// ```
     /// use tangency::scene::{BUILT_IN, Scene, Purpose};

@@ -24,7 +24,7 @@ debug_is_message!(SceneError);
 pub struct ProblemError(Arc<dyn Diagnostic + Send + Sync>);
 
 impl ProblemError {
-    /// Wraps the error of a problem.
+    /// Wraps the error that occurred when a problem was built.
     pub fn new(cause: impl Diagnostic + Send + Sync + 'static) -> Self {
         ProblemError(Arc::new(cause))
     }
@@ -107,7 +107,7 @@ pub enum SceneError {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Model(Box<ModelError>),
-    /// The scene contains an invalid value.
+    /// The scene contains an invalid or inconsistent value.
     #[error("{message}")]
     Invalid {
         /// A message with the place, the value at this place, and the condition that the value

@@ -9,10 +9,10 @@
 //!     (∂[P ∘ D]/∂z − μ ∂ξ/∂z) v = 0,    ⟨c, v⟩ = 1.
 //! ```
 //!
-//! Both equations, for the orbit and for its multiplier, are regular at `y = 0`. If the derivative
-//! of the smooth map does not map `β` into the normal direction (`∂P/∂θ = 0` in one phase), the
-//! point `y = 0` solves both equations for `μ = 1` and for `μ = −1`, so that a curve of folds and a
-//! curve of period doublings emanate from this point. If one parameter is a jet (a truncated Taylor
+//! Both equations, for the orbit and for its multiplier, are regular at `y = 0`. Suppose that the
+//! derivative of the smooth map does not map `β` into the normal direction (`∂P/∂θ = 0` in one
+//! phase). Then the point `y = 0` solves both equations for `μ = 1` and for `μ = −1`, so that a
+//! curve of folds and a curve of period doublings emanate from this point. If one parameter is a jet (a truncated Taylor
 //! series), Newton's iteration for `z`, `v` and another parameter yields the Taylor series of the
 //! curve, one term per iteration.
 
@@ -42,7 +42,7 @@ pub struct Expansion {
 #[derive(Clone, Debug, PartialEq, miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum ExpansionError {
-    /// No curve of special points emanates from the grazing.
+    /// No curve of special points emanates from the grazing, because the grazing is not degenerate.
     #[error(
         "no curve of folds or period doublings of orbits with one impact emanates from this grazing: the \
          test function is {0:.1e}, but must vanish"

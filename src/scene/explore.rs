@@ -67,7 +67,7 @@ pub struct Following {
     /// The depth of the exploration: with depth 1, branches are switched at special points of the
     /// scene's own runs; with depth 2, also at special points of the added runs.
     pub depth: usize,
-    /// Whether to omit runs that would start at a solution of an earlier branch.
+    /// Whether to omit runs that would start at a solution through which an earlier branch passes.
     pub distinct: bool,
 }
 

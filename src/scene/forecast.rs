@@ -76,7 +76,7 @@ pub(super) fn branch(run: &str, steps: &Steps, start: Duration, observer: &mut d
 /// An upper estimate of the work of a sweep.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SweepForecast {
-    /// The number of remaining runs.
+    /// The number of runs of the sweep that are not finished.
     pub runs: usize,
     /// The maximum number of periods of a run; a period with a tangent vector counts as several
     /// periods.
@@ -112,7 +112,7 @@ impl SweepForecast {
     }
 }
 
-/// Returns the maximum number of periods of a run.
+/// Returns the maximum number of periods of a run of a sweep.
 fn most_periods(plan: &Plan) -> usize {
     let search = &plan.search;
     let one = search.transient + search.recorded_periods + WITH_TANGENT * search.lyapunov_periods;

@@ -153,7 +153,7 @@ fn states_of(start: &StartPoint, states: &[String]) -> Result<Vec<f64>, SceneErr
     Ok((0..iterates).flat_map(|k| (0..states.len()).map(move |i| state(k, i))).collect())
 }
 
-/// Returns the given states, or the initial states of the problem if none are given.
+/// Returns the given states, or the initial states of the problem if no states are given.
 fn begun(
     states: &[String],
     given: &[(String, f64)],

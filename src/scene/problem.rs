@@ -135,7 +135,7 @@ pub(super) trait Adjustable: Send + Sync {
     fn on_intervals(&self, count: usize) -> Box<dyn Model>;
     /// Returns whether a setting selects a method.
     fn chooses(&self, name: &str) -> bool;
-    /// Sets one setting by name; returns false if the name is unknown.
+    /// Sets one setting of the problem by name; returns false if the name is unknown.
     fn assign(&mut self, name: &str, value: &str) -> Result<bool, SceneError>;
     fn check(&self) -> Result<(), SettingError>;
     /// Returns the setting, with its value, that makes the named setting ineffective.
@@ -374,7 +374,7 @@ impl Problem {
         self.model.parameters()
     }
 
-    /// Returns the names of the settings, and their values as text.
+    /// Returns the names of the problem's settings, and their values as text.
     pub fn settings(&self) -> Vec<(String, String)> {
         self.model.settings()
     }
@@ -395,12 +395,12 @@ impl Problem {
         self.model = self.model.on_intervals(count);
     }
 
-    /// Returns the names of all parameters and settings.
+    /// Returns the names of all parameters and settings of the problem.
     pub fn names(&self) -> Vec<String> {
         [self.parameter_names(), self.model.setting_names()].concat()
     }
 
-    /// Returns the names of the parameters.
+    /// Returns the names of the problem's parameters.
     pub(super) fn parameter_names(&self) -> Vec<String> {
         self.parameters().into_iter().map(|(name, _)| name).collect()
     }
@@ -457,7 +457,7 @@ impl Problem {
         format!("({}\n)", parts.join(",\n    "))
     }
 
-    /// Sets one setting by name; returns false if the name is unknown.
+    /// Sets one setting of the problem by name; returns false if the name is unknown.
     pub(super) fn set(&mut self, name: &str, value: &str) -> Result<bool, SceneError> {
         if self.model.assign(name, value)? {
             return Ok(true);

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 /// The name of the field in a run's start that names a file of points.
 const FILE: &str = "file";
 
-/// An initial profile of a boundary-value problem: a table of states whose first column is time.
+/// An initial profile of a boundary-value problem, as a table of states whose first column is time.
 /// The time range of the table is stretched to the length of the problem's interval.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

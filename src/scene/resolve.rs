@@ -90,7 +90,7 @@ pub struct Resolved {
 /// A sweep whose names and values are resolved.
 #[derive(Clone, Debug)]
 pub(super) struct ResolvedSweep {
-    /// The statement of the sweep.
+    /// The statement of the sweep in the scene.
     pub sweep: Sweep,
     /// The problem, with the settings that apply to the sweep.
     pub problem: Problem,
@@ -220,7 +220,7 @@ impl Resolution {
         &self.runs
     }
 
-    /// Returns the scene that was resolved.
+    /// Returns the scene whose runs and sweeps are resolved.
     pub fn scene(&self) -> &Scene {
         &self.scene
     }

@@ -126,8 +126,8 @@ impl Scene {
         self.set_all(&[(name.into(), value.into())])
     }
 
-    /// Changes several values together. Ranges of values that depend on each other, such as
-    /// `min_step` and `max_step`, are checked after all changes have been made.
+    /// Changes several values of the scene together. Ranges of values that depend on each other,
+    /// such as `min_step` and `max_step`, are checked after all changes have been made.
     ///
     /// # Errors
     /// As [`set`](Self::set).
@@ -165,7 +165,7 @@ impl Scene {
         Ok(())
     }
 
-    /// Returns the initial value of a parameter.
+    /// Returns the initial value of a parameter of the scene.
     pub fn value(&self, parameter: &str) -> Option<f64> {
         let given = self.parameters.iter().find(|(name, _)| name == parameter);
         let default = || self.problem.parameters().into_iter().find(|(name, _)| name == parameter);

@@ -70,7 +70,7 @@ pub struct Run {
     /// `--set`.
     #[serde(default, skip_serializing_if = "is_default")]
     pub set: Vec<(String, String)>,
-    /// The start of the branch.
+    /// The start of the branch, for example a guess or a special point of an earlier run.
     #[serde(default, skip_serializing_if = "is_default")]
     pub start: Start,
     /// The local map near a grazing whose fixed or periodic points the run traces instead of orbits
@@ -200,7 +200,7 @@ impl Range {
     }
 }
 
-/// The start of a run.
+/// The start of a run, from which its branch is traced.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 #[non_exhaustive]
@@ -271,7 +271,7 @@ pub struct Sweep {
     pub at: Option<String>,
     /// The parameters or initial states to vary; the last of them varies fastest.
     pub over: Vec<Grid>,
-    /// The order of the runs, which determines their initial states.
+    /// The order of the runs of the sweep, which determines their initial states.
     #[serde(default)]
     pub order: Order,
     /// The number of parallel strands into which the axis is divided if each run starts at the end
@@ -344,9 +344,9 @@ pub struct Grid {
 pub struct SoughtCrisis {
     /// The name of the parameter to vary.
     pub name: String,
-    /// The first value of the parameter.
+    /// The first value of the varied parameter.
     pub from: f64,
-    /// The last value of the parameter.
+    /// The last value of the varied parameter.
     pub to: f64,
     /// The number of steps between the first and the last value of the parameter.
     #[serde(default = "one")]

@@ -3,7 +3,7 @@
 //! A map runs methods on a grid of the quantities that make the methods fail, such as the distance
 //! from a fold, the modulus of a multiplier, or the rate of a stiff field. Each cell of the grid is
 //! classified by the error type that the method returns, or by comparison of its result with an
-//! exact answer. Naive methods are included to show silent failures.
+//! exact answer. Naive methods are included to show failures that are not reported.
 
 mod chatter;
 mod events;

@@ -61,8 +61,8 @@ fn fold(system: &mut dyn System, most: f64) -> Result<Answer, String> {
     Ok(Answer { numbers: vec![fold.parameters[0]], work: unknowns as f64 })
 }
 
-/// Plans the diagram of the time to trace a branch against the number of unknowns. The error is the
-/// discretisation error of the finite differences.
+/// Plans the diagram of the time to trace a branch against the number of unknowns. The error in the
+/// diagram is the discretisation error of the finite differences.
 fn plan(name: &str, directions: u32, exact: f64, points: [&[usize]; 2]) -> Plan {
     let most = 2.0 * exact;
     let method = |sparse: bool, points: usize| {

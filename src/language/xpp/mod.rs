@@ -1,4 +1,4 @@
-//! Reads XPPAUT's `.ode` files, as in `tangency trace model.ode`.
+//! Converts XPPAUT's `.ode` files to statements of equations, as in `tangency trace model.ode`.
 //!
 //! [`read`] converts a file into a [`Statement`] with the semantics of XPPAUT (B. Ermentrout,
 //! *Simulating, Analyzing, and Animating Dynamical Systems*, SIAM 2002): letter case is ignored,

@@ -40,7 +40,7 @@ impl Text {
         self.end = part.end;
     }
 
-    /// Returns the whole text.
+    /// Returns the whole text as a slice.
     pub fn all(&self) -> Slice<'_> {
         Slice { text: &self.text, at: &self.at, end: self.end }
     }

@@ -31,7 +31,7 @@ const WHOLE: u8 = 9;
 pub(super) struct Tree(pub Vec<Node<Known>>);
 
 impl Tree {
-    /// Builds a formula from a step and its operands.
+    /// Builds a formula from its last step and the operands of this step.
     pub fn of(step: Step<Known>, operands: impl IntoIterator<Item = Tree>) -> Tree {
         let mut operands = operands.into_iter();
         let mut nodes = operands.next().unwrap_or_default().0;
