@@ -9,12 +9,13 @@
 //!     F(z, p) = 0
 //! ```
 //!
-//! form a curve, a **branch**. Continuation follows the branch by its arclength, so that a fold is a
-//! regular point. A **monitor** is a scalar function of the solution. A **special point** is a
-//! solution at which one more condition holds: a monitor has a given value, or a matrix is singular.
-//! Such a condition is solved as a **defining system**. A branch with the condition determines the
-//! special point; with the condition held and a second parameter released, the special points form a
-//! curve, which is followed like any other.
+//! form a curve, a **branch**. Continuation follows the branch by its arclength; in this
+//! parametrisation, a fold is a regular point. A **monitor** is a scalar function of the solution.
+//! A **special point** is a solution at which one more condition holds: a monitor has a given
+//! value, or a matrix is singular. A **defining system** is a set of equations that states such a
+//! condition. The equations of the branch together with the defining system determine the special
+//! point. If the defining system is kept and a second parameter is released, the special points
+//! form a curve, which is followed like a branch.
 //!
 //! A **boundary-value problem** becomes a zero problem by collocation or by shooting. **Periodic
 //! orbits** are boundary-value problems with `x(1) = x(0)`: their Floquet multipliers decide
@@ -23,10 +24,10 @@
 //!
 //! # Three examples
 //!
-//! A zero problem: the parallel-plate actuator `u = load/(1 − u)²` pulls in at `u = 1/3`,
-//! `load = 4/27`. The residual is written once ([`zero_problem!`] implements
-//! [`ZeroProblem`](core::problem::ZeroProblem) for any [`Scalar`](core::scalar::Scalar)); dual
-//! numbers give derivatives of every order.
+//! The first example is a zero problem: the parallel-plate actuator `u = load/(1 − u)²` pulls in at
+//! `u = 1/3`, `load = 4/27`. The residual is written once: [`zero_problem!`] implements
+//! [`ZeroProblem`](core::problem::ZeroProblem) for any [`Scalar`](core::scalar::Scalar) type, and
+//! dual numbers give derivatives of every order.
 //!
 //! ```
 //! use tangency::prelude::*;
@@ -43,8 +44,8 @@
 //! # Ok::<(), tangency::core::continuation::TraceError>(())
 //! ```
 //!
-//! Periodic orbits of a vector field: the Brusselator's equilibrium `x = 1`, `y = b` has a Hopf point
-//! at `b = 2`, at which cycles of period 2π emanate.
+//! The second example computes periodic orbits of a vector field: the equilibrium `x = 1`, `y = b`
+//! of the Brusselator has a Hopf point at `b = 2`, at which cycles of period 2π emanate.
 //!
 //! ```
 //! use tangency::prelude::*;
@@ -75,8 +76,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! A model as text, with its request, as the command line has it: the fold of `x' = a − x²` at
-//! `a = 0`.
+//! The third example is a model given as text, with its request, as on the command line: the fold
+//! of `x' = a − x²` at `a = 0`.
 //!
 //! ```
 //! use tangency::core::system::Kind;
@@ -99,27 +100,28 @@
 //!
 //! | module | content |
 //! |---|---|
-//! | [`prelude`] | the imports of a crate that states problems and follows their branches, with [`zero_problem!`], [`vector_field!`] and [`hybrid_system!`] |
-//! | [`core::problem`], [`core::scalar`] | statements by users: [`ZeroProblem`](core::problem::ZeroProblem)s, [`VectorField`](core::problem::VectorField)s, measures, names; the numbers on which equations are evaluated |
-//! | [`core::system`], [`core::linalg`] | problems as continuation sees them: [`System`](core::system::System), [`Dense`](core::system::Dense) and [`Sparse`](core::system::Sparse); bordered matrices |
-//! | [`core::bifurcation`] | defining systems and normal forms of special points; stability |
-//! | [`core::continuation`] | [`Continuation`](core::continuation::Continuation): steps, events, switching; [`Branch`](core::continuation::Branch)es as data |
-//! | [`core::ode`], [`core::hybrid`] | flows in any scalar; [`HybridSystem`](core::hybrid::HybridSystem)s with modes, guards and resets, and their simulation |
-//! | [`core::bvp`] | boundary-value problems ([`BoundaryProblem`](core::bvp::BoundaryProblem)) by collocation or shooting |
-//! | [`core::orbit`], [`core::equilibrium`] | periodic orbits of fields, hybrid orbits, cycles of maps; equilibria of hybrid and Filippov systems |
-//! | [`core::local_map`] | local maps near grazing orbits: coefficients, scenarios, fixed points |
+//! | [`prelude`] | the imports for a crate that defines problems and computes their branches, including the macros [`zero_problem!`], [`vector_field!`] and [`hybrid_system!`] |
+//! | [`core::problem`], [`core::scalar`] | the traits by which users define problems ([`ZeroProblem`](core::problem::ZeroProblem), [`VectorField`](core::problem::VectorField)), measures and names; the scalar types on which equations are evaluated |
+//! | [`core::system`], [`core::linalg`] | the form in which continuation uses a problem ([`System`](core::system::System), with the implementations [`Dense`](core::system::Dense) and [`Sparse`](core::system::Sparse)); bordered matrices |
+//! | [`core::bifurcation`] | defining systems and normal forms of special points; stability of solutions |
+//! | [`core::continuation`] | [`Continuation`](core::continuation::Continuation) with steps, location of special points and branch switching; [`Branch`](core::continuation::Branch)es as data |
+//! | [`core::ode`], [`core::hybrid`] | integration of vector fields in any scalar type; [`HybridSystem`](core::hybrid::HybridSystem)s with modes, guards and resets, and their simulation |
+//! | [`core::bvp`] | boundary-value problems ([`BoundaryProblem`](core::bvp::BoundaryProblem)), solved by collocation or by shooting |
+//! | [`core::orbit`], [`core::equilibrium`] | periodic orbits of vector fields, periodic orbits of hybrid systems, and cycles of maps; equilibria of hybrid and Filippov systems |
+//! | [`core::local_map`] | local maps near grazing orbits: their coefficients, scenarios and fixed points |
 //! | [`core::manifold`] | stable and unstable manifolds of saddles of maps |
-//! | [`core::attractor`], [`core::sweep`] | attractors: cycles, Lyapunov exponents, crises; sweeps over grids on all cores |
-//! | [`problems`] | devices: [`plate`](problems::plate), the electrically actuated microplate, and [`mita`](problems::mita), the impact actuator; [`classic`](problems::classic) examples |
-//! | [`language`] | equations as text, and XPPAUT's files |
-//! | [`output`] | [`Document`](output::Document)s in RON, tables, figures |
+//! | [`core::attractor`], [`core::sweep`] | attractors, with cycles, Lyapunov exponents and crises; sweeps over grids of parameters on all cores |
+//! | [`problems`] | models of devices: the electrically actuated microplate ([`plate`](problems::plate)) and the impact actuator ([`mita`](problems::mita)); [`classic`](problems::classic) examples |
+//! | [`language`] | equations given as text, and the conversion of XPPAUT files |
+//! | [`output`] | [`Document`](output::Document)s in RON format, tables and figures |
 //! | [`scene`] | [`Scene`](scene::Scene)s: RON files that state runs and sweeps |
-//! | [`live`] | a server of a page on which diagrams follow changes of a scene |
-//! | [`cli`] | the command line: [`cli::run`] is a whole program for any catalogue of problems |
+//! | [`live`] | a web server whose page shows diagrams that follow changes of a scene |
+//! | [`cli`] | the command line: [`cli::run`] is the whole program for any catalogue of problems |
 //!
-//! `core` does not depend on any device, nor `output` on any problem; `scene` joins them, and `cli` adds
-//! the command line. The project's book (`docs` in the repository) has tutorials, the reference of
-//! scenes and commands, the mathematics (`docs/concepts`), and measurements (`docs/evidence`).
+//! The module `core` does not depend on any device, and `output` does not depend on any problem;
+//! `scene` joins `core`, `problems` and `output`, and `cli` adds the command line. The project's
+//! book (`docs` in the repository) contains tutorials, the reference of scenes and commands, the
+//! mathematics (`docs/concepts`), and measurements (`docs/evidence`).
 
 #[cfg(feature = "cli")]
 pub mod cli;
@@ -142,7 +144,7 @@ pub use num_dual;
 #[cfg(feature = "scene")]
 pub use scene::Catalogue;
 
-/// Pages whose code is tested with the documentation.
+/// Pages whose code examples are tested together with the documentation.
 #[cfg(doctest)]
 mod pages {
     #[doc = include_str!("../README.md")]

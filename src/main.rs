@@ -1,4 +1,4 @@
-//! The command line with the built-in problems and scenes.
+//! The program `tangency`: the command line with the built-in problems and scenes.
 
 fn main() -> std::process::ExitCode {
     tangency::cli::run(tangency::Catalogue::built_in())

@@ -1,4 +1,4 @@
-//! Syntax errors in texts: their place in the text, and for RON the reason.
+//! Syntax errors in texts, with their place in the text and, for RON, the reason.
 
 use crate::core::problem::UnknownName;
 use crate::core::spelling::shown;
@@ -8,21 +8,22 @@ use ron::error::{Position, SpannedError};
 use std::fmt;
 use std::ops::Range;
 
-/// A part of a line.
+/// A marked part of a line of text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Place {
-    /// The line, from 1; `None` for a text that is not in a file.
+    /// The number of the line, counted from 1; `None` for a text that is not in a file.
     pub line: Option<usize>,
-    /// The first column, from 1.
+    /// The number of the first marked column, counted from 1.
     pub column: usize,
-    /// The number of columns.
+    /// The number of marked columns.
     pub width: usize,
-    /// The text of the line.
+    /// The text of the whole line.
     pub text: String,
 }
 
 impl Place {
-    /// Returns the place of a part of a text, limited to the line in which it begins.
+    /// Returns the place of a part of a text; the place ends with the line in which the part
+    /// begins.
     pub(crate) fn within(text: &str, part: Range<usize>) -> Self {
         let begin = text[..part.start].rfind('\n').map_or(0, |end| end + 1);
         let end = text[part.start..].find('\n').map_or(text.len(), |end| part.start + end);
@@ -32,10 +33,12 @@ impl Place {
     }
 }
 
-/// The width of quoted lines; longer lines are shown around the place.
+/// The maximum width of a quoted line; of a longer line, only the surroundings of the place are
+/// quoted.
 const WIDTH: usize = 100;
 
-/// Formats the line with marks below the place, on separate lines; empty for an empty line.
+/// Formats the line, followed by a line with marks below the place; the result is empty for an
+/// empty line.
 impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let Place { line, column, width, text } = self;
@@ -51,8 +54,8 @@ impl fmt::Display for Place {
     }
 }
 
-/// Returns the part of a text at which a RON error occurred: for missing syntax, the last token
-/// before it.
+/// Returns the part of a text at which a RON error occurred; if syntax is missing, returns the last
+/// token before the error.
 pub(crate) fn part_of(text: &str, error: &SpannedError) -> Range<usize> {
     let [begin, end] = [error.span.start, error.span.end].map(|place| offset(text, place));
     let begin = begin + (text[begin..].len() - text[begin..].trim_start_matches(' ').len());
@@ -60,7 +63,7 @@ pub(crate) fn part_of(text: &str, error: &SpannedError) -> Range<usize> {
     begin..end.max(begin)
 }
 
-/// Returns the number of bytes before a position, limited to the length of the text.
+/// Returns the byte offset of a position in a text, limited to the length of the text.
 fn offset(text: &str, Position { line, col }: Position) -> usize {
     let begin = match line {
         0 | 1 => 0,
@@ -70,7 +73,7 @@ fn offset(text: &str, Position { line, col }: Position) -> usize {
     letters.chain([text.len()]).nth(col.saturating_sub(1)).unwrap_or(text.len())
 }
 
-/// Describes a RON error, and the syntax that is expected instead.
+/// Describes a RON error and the syntax that would be valid instead.
 pub(crate) fn reason(code: &RonError) -> String {
     use RonError::*;
     match code {
@@ -115,12 +118,12 @@ pub(crate) fn reason(code: &RonError) -> String {
     }
 }
 
-/// Returns the description of the structure that contains a field.
+/// Returns the description of the structure to which a field belongs.
 fn of(outer: &Option<String>) -> String {
     outer.as_ref().map_or(String::new(), |outer| format!(" of `{outer}`"))
 }
 
-/// Returns the remedy for a RON error, which lists the valid names for an unknown one.
+/// Returns the remedy for a RON error; for an unknown name, the remedy lists the valid names.
 pub(crate) fn remedy(code: &RonError) -> Option<String> {
     match code {
         RonError::NoSuchStructField { expected, found, .. }
@@ -133,7 +136,7 @@ pub(crate) fn remedy(code: &RonError) -> Option<String> {
     }
 }
 
-/// Returns the message for an unknown name, with the kind of the name.
+/// Returns the message for an unknown name, which includes the kind of the name.
 pub(crate) fn unknown(what: &str, found: &str, outer: &Option<String>) -> String {
     format!("unknown {what} `{}`{}", shown(found), of(outer))
 }

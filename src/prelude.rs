@@ -1,4 +1,4 @@
-//! The usual imports of a crate that states problems, traces their branches, and runs the command
+//! The usual imports of a crate that defines problems, traces their branches, and runs the command
 //! line.
 //!
 //! ```

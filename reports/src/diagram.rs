@@ -1,46 +1,47 @@
-//! Work-precision diagrams: measurements as data, as tables, and as a figure.
+//! Work-precision diagrams: measurements of methods, as data (RON), as tables (Markdown) and as
+//! figures (SVG).
 
 use super::report::Report;
 use serde::{Deserialize, Serialize};
 use std::fmt::Write;
 use tangency::output::{Figure, Mark, Series, Style, Symbol};
 
-/// The format of work-precision diagrams.
+/// The name and version of the file format of work-precision diagrams.
 pub const WORK_PRECISION: &str = "tangency-work-precision/1";
 
-/// Machine, compiler and date of the measurements.
+/// The machine, the compiler and the date of a set of measurements.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Circumstances {
     /// The processor.
     pub processor: String,
-    /// The compiler and its profile.
+    /// The compiler and its build profile.
     pub compiler: String,
     /// The number of threads that the processor runs simultaneously.
     pub cores: usize,
-    /// The date of the measurements.
+    /// The date on which the measurements were made.
     pub date: String,
-    /// The number of runs for each median time.
+    /// The number of runs from which each median time is computed.
     pub runs: usize,
 }
 
-/// The result of one method with one setting.
+/// The measured result of one method with one setting: its work, time and error.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Measurement {
     /// The setting.
     pub setting: String,
-    /// The amount of work: evaluations, unknowns.
+    /// The amount of work that the method did, such as the number of evaluations or of unknowns.
     pub work: f64,
-    /// The time by the clock [`Measured::clock`], in seconds.
+    /// The time that the method took, in seconds, measured by the clock [`Measured::clock`].
     pub seconds: f64,
-    /// The distance of the result from the reference; NaN if the method failed.
+    /// The distance of the method's result from the reference result; NaN if the method failed.
     pub error: f64,
-    /// The error, if the method failed.
+    /// The error message of the method; `None` if the method succeeded.
     pub failure: Option<String>,
 }
 
-/// The results of one method with growing effort.
+/// The measurements of one method, in order of growing effort.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Line {
@@ -50,32 +51,32 @@ pub struct Line {
     pub points: Vec<Measurement>,
 }
 
-/// The axes of a figure, both logarithmic.
+/// The quantities on the two axes of a figure; both axes are logarithmic.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub enum Drawn {
-    /// The work-precision diagram proper.
+    /// Error against time, the usual work-precision diagram.
     #[default]
     ErrorAgainstTime,
-    /// Error against work, for methods whose work is a size of the problem.
+    /// Error against work, for methods whose work is measured by the size of the problem.
     ErrorAgainstWork,
-    /// Time against the size of a problem.
+    /// Time against the size of the problem.
     TimeAgainstWork,
 }
 
-/// The clock of the measurements.
+/// The clock by which methods are timed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub enum Clock {
-    /// CPU time of all threads together: other load of the machine hardly matters.
+    /// CPU time of all threads together, which hardly depends on other load of the machine.
     #[default]
     Processor,
-    /// Wall time: shows the gain of several threads.
+    /// Wall time, which shows the gain from several threads.
     Wall,
 }
 
 impl Clock {
-    /// Returns the name of the measured time.
+    /// Returns the name of the time that the clock measures, such as `CPU time`.
     pub fn time(self) -> &'static str {
         match self {
             Clock::Processor => "CPU time",
@@ -84,34 +85,34 @@ impl Clock {
     }
 }
 
-/// Time and error of several methods on one problem.
+/// The measured times and errors of several methods on one problem.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Measured {
     /// The problem.
     pub title: String,
-    /// The quantity whose error is shown, with its units.
+    /// The name of the quantity whose error is shown, with its units.
     pub error: String,
-    /// The unit of work.
+    /// The name of the unit in which the work of the methods is counted.
     pub work: String,
-    /// The reference of the errors.
+    /// A description of the reference from which errors are measured.
     pub reference: String,
     /// The methods.
     pub lines: Vec<Line>,
-    /// The axes of the figure.
+    /// The quantities on the axes of the figure.
     #[serde(default)]
     pub drawn: Drawn,
-    /// Whether every point of the figure is labelled with its work.
+    /// Whether every point of the figure is labelled with its amount of work.
     #[serde(default)]
     pub marked: bool,
-    /// The clock of the measurements.
+    /// The clock by which the methods are timed.
     #[serde(default)]
     pub clock: Clock,
-    /// The recommended method and setting, which is the default of scenes.
+    /// The recommended method and its setting, which scenes use by default.
     pub recommended: Option<(String, String)>,
 }
 
-/// A work-precision diagram: measurements of one subject.
+/// A work-precision diagram: measurements of several methods on one or several problems.
 ///
 /// ```
 /// use tangency_reports::{WorkPrecision, Line, Measured, Measurement, Report};
@@ -139,7 +140,7 @@ pub struct WorkPrecision {
     pub name: String,
     /// The problems.
     pub panels: Vec<Measured>,
-    /// The machine, compiler and date of the measurements.
+    /// The machine, the compiler and the date of the measurements.
     pub circumstances: Circumstances,
 }
 
@@ -151,20 +152,20 @@ impl Default for WorkPrecision {
 }
 
 impl Measured {
-    /// Creates a problem without measurements.
+    /// Creates a problem with a title and without measurements.
     pub fn of(title: impl Into<String>) -> Self {
         Measured { title: title.into(), ..Measured::default() }
     }
 
-    /// Returns all measurements with their methods.
+    /// Returns all measurements, each with the name of its method.
     fn all(&self) -> impl Iterator<Item = (&str, &Measurement)> {
         self.lines
             .iter()
             .flat_map(|line| line.points.iter().map(|point| (line.name.as_str(), point)))
     }
 
-    /// Returns the Pareto front, the measurements that no other one beats in both time and error:
-    /// methods with their settings, by increasing time.
+    /// Returns the methods and settings on the Pareto front, by increasing time: no other
+    /// measurement is better in both time and error.
     pub fn front(&self) -> Vec<(&str, &str)> {
         let mut sorted: Vec<(&str, &Measurement)> =
             self.all().filter(|(_, point)| point.error.is_finite()).collect();
@@ -184,7 +185,7 @@ impl Measured {
         known.map(|(_, point)| point)
     }
 
-    /// Returns the first failure of each method that fails.
+    /// Returns the error message of the first failure of each method that fails.
     pub fn failures(&self) -> Vec<(&str, &str)> {
         let mut failures = Vec::new();
         for line in &self.lines {
@@ -194,7 +195,8 @@ impl Measured {
         failures
     }
 
-    /// The smallest error in figures; smaller errors are rounding and are drawn at this value.
+    /// The smallest error shown in figures; smaller errors are due to rounding and are drawn at
+    /// this value.
     const LEAST: f64 = 1e-16;
 
     fn figure(&self) -> Figure {
@@ -235,7 +237,8 @@ impl Measured {
         figure
     }
 
-    /// Writes a table of all measurements, or of those on the front and the recommended one.
+    /// Writes a table of all measurements, or a table of the Pareto front and the recommended
+    /// measurement only.
     fn table(&self, text: &mut String, all: bool) -> std::fmt::Result {
         writeln!(text, "### {}\n\n{}\n", self.title, self.reference)?;
         let (work, time, error) = (&self.work, self.clock.time(), &self.error);
@@ -290,18 +293,18 @@ impl Report for WorkPrecision {
         &self.name
     }
 
-    /// Returns a panel of error against time for each problem.
+    /// Returns a figure for each problem, with error against time by default.
     fn figures(&self) -> Vec<Figure> {
         self.panels.iter().map(Measured::figure).collect()
     }
 
-    /// Returns all measurements as tables in Markdown, followed by the circumstances; the
+    /// Returns all measurements as Markdown tables, followed by the machine, compiler and date; the
     /// recommended setting is bold.
     fn to_markdown(&self) -> String {
         self.tables(true)
     }
 
-    /// Returns the tables of the Pareto front and the recommended setting.
+    /// Returns Markdown tables of the Pareto front and of the recommended setting.
     fn summary(&self) -> String {
         self.tables(false)
     }

@@ -1,8 +1,9 @@
-//! Measurements of tangency's methods: work-precision diagrams, the error of methods against the CPU time that they
-//! take, and robustness maps, where methods succeed, report failures, or are silently wrong.
+//! Measurements of tangency's numerical methods: work-precision diagrams plot the error of methods
+//! against their CPU time, and robustness maps show where methods succeed, report failures, or are
+//! silently wrong.
 //!
-//! `docs/evidence/speed-and-accuracy.md` shows all of them, and its tests compare the page with the
-//! measurements.
+//! `docs/evidence/speed-and-accuracy.md` shows all of these diagrams and maps, and tests compare
+//! this page with the measurements.
 
 mod diagram;
 mod map;

@@ -1,5 +1,6 @@
-//! `tangency-reports work-precision NAME` and `tangency-reports robustness NAME` list, make and save reports, and put them
-//! into pages; `tangency-reports sentences` draws sentences of the project's text.
+//! The program `tangency-reports`: its commands `work-precision NAME` and `robustness NAME` list,
+//! compute and save reports, and insert them into pages; its command `sentences` draws random
+//! sentences of the project's text.
 
 use clap::{Args, Parser, Subcommand};
 use std::error::Error;
@@ -29,7 +30,7 @@ enum Command {
     Sentences(Sentences),
 }
 
-/// The choice of reports, and the target folder.
+/// The reports to make, and the folder in which they are saved.
 #[derive(Debug, Args)]
 struct Wanted {
     /// The name, or `all`; without a name, the command lists all names
@@ -44,7 +45,7 @@ struct Wanted {
     page: Option<PathBuf>,
 }
 
-/// Measure error against CPU time of methods, as SVG, Markdown and RON
+/// Measure the error of methods against their CPU time, as SVG, Markdown and RON
 #[derive(Debug, Args)]
 struct WorkPrecision {
     #[command(flatten)]
@@ -116,8 +117,8 @@ fn main() -> ExitCode {
 }
 
 impl Wanted {
-    /// Computes the chosen reports, saves them, and prints the tables; lists all names if none is
-    /// given.
+    /// Computes the chosen reports, saves them, and prints their tables; lists the names of all
+    /// reports if no name is given.
     fn make<M, R: Report>(
         &self,
         (command, kind): (&str, &str),

@@ -1,32 +1,34 @@
-//! Robustness maps: outcomes of methods over two quantities, as data, as tables, and as a figure.
+//! Robustness maps: the outcomes of methods on a grid of two quantities, as data (RON), as tables
+//! (Markdown) and as figures (SVG).
 
 use super::report::Report;
 use serde::{Deserialize, Serialize};
 use std::fmt::Write;
 use tangency::output::{Figure, Hue, Tile, spacing};
 
-/// The format of robustness maps.
+/// The name and version of the file format of robustness maps.
 pub const ROBUSTNESS: &str = "tangency-robustness/1";
 
-/// The value of an outcome to the user.
+/// The class of an outcome: how useful the result of a method is to the user.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Class {
-    /// The answer is right.
+    /// The method's answer is right.
     Right,
-    /// The answer is right, given by another method to which this one handed over.
+    /// The answer is right, but was computed by another method, to which the mapped method handed
+    /// over.
     HandedOver,
-    /// The answer is missing or poor, and the method reports it: by a typed error, or by its own
-    /// error estimate.
+    /// The answer is missing or inaccurate, and the method reports so by a typed error or by its
+    /// own error estimate.
     Reported,
     /// The answer is wrong, and the method reports no failure.
     Silent,
 }
 
 impl Class {
-    /// All classes, the best first.
+    /// All classes of outcomes, the best first.
     pub const ALL: [Class; 4] = [Class::Right, Class::HandedOver, Class::Reported, Class::Silent];
 
-    /// Returns the name in tables and legends.
+    /// Returns the name of the class in tables and legends.
     pub fn name(self) -> &'static str {
         match self {
             Class::Right => "right",
@@ -46,45 +48,46 @@ impl Class {
     }
 }
 
-/// One kind of result of a method.
+/// One kind of outcome that a method can have.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Outcome {
-    /// The name in tables and legends.
+    /// The name of the outcome in tables and legends.
     pub name: String,
     /// The class.
     pub class: Class,
 }
 
-/// The outcome of a method at one place.
+/// The outcome of a method at one place of the grid.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Cell {
     /// The horizontal quantity.
     pub x: f64,
-    /// The vertical quantity; with several methods, the number of the method, from 0.
+    /// The vertical coordinate of the cell; in a panel of several methods, the index of the method,
+    /// from 0.
     pub y: f64,
-    /// The position of the outcome among the outcomes of the map.
+    /// The index of the cell's outcome in the list of the map's outcomes.
     pub outcome: usize,
-    /// The error message, kept for the first cell of each outcome.
+    /// The error message of the method, kept only for the first cell of each outcome.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub message: Option<String>,
 }
 
-/// A method on a panel.
+/// A method whose outcomes a panel shows.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Tried {
     /// The method.
     pub name: String,
-    /// Whether the method is included for comparison only and not offered by this library.
+    /// Whether the method is included for comparison only, because this library does not offer it.
     pub naive: bool,
     /// The outcomes.
     pub cells: Vec<Cell>,
 }
 
-/// A panel: one method over two quantities, or several methods over one quantity, each in a
-/// separate row.
+/// A panel of a robustness map: one method on a grid of two quantities, or several methods over one
+/// quantity, each in a separate row.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Region {
@@ -92,14 +95,15 @@ pub struct Region {
     pub title: String,
     /// The horizontal quantity.
     pub x: String,
-    /// The vertical quantity; with several methods, the description of the methods.
+    /// The name of the vertical quantity; in a panel of several methods, a description of the
+    /// methods.
     pub y: String,
     /// The methods.
     pub methods: Vec<Tried>,
 }
 
-/// A robustness map: where methods succeed, where they report a failure, and where they are
-/// silently wrong.
+/// A robustness map, which shows where methods succeed, where they report a failure, and where they
+/// are silently wrong.
 ///
 /// ```
 /// use tangency_reports::{Cell, Class, RobustnessMap, Outcome, Region, Report, Tried};
@@ -130,7 +134,7 @@ pub struct RobustnessMap {
     pub format: String,
     /// The name.
     pub name: String,
-    /// The outcomes, the best first.
+    /// The kinds of outcomes that occur in the map, the best first.
     pub outcomes: Vec<Outcome>,
     /// The panels.
     pub panels: Vec<Region>,
@@ -144,7 +148,8 @@ impl Default for RobustnessMap {
 }
 
 impl RobustnessMap {
-    /// Returns the outcome of a method of a panel in the cell nearest to a place.
+    /// Returns the outcome of a panel's method in the cell nearest to a point of the two
+    /// quantities.
     pub fn at(&self, panel: usize, method: &str, [x, y]: [f64; 2]) -> Option<&Outcome> {
         let region = self.panels.get(panel)?;
         let tried = region.methods.iter().find(|tried| tried.name == method)?;
@@ -155,13 +160,14 @@ impl RobustnessMap {
         self.outcomes.get(nearest.outcome)
     }
 
-    /// Returns the number of cells of a method with an outcome.
+    /// Returns the number of cells in which a method has a given outcome.
     pub fn count(&self, tried: &Tried, outcome: &str) -> usize {
         let named = |cell: &&Cell| self.outcomes[cell.outcome].name == outcome;
         tried.cells.iter().filter(named).count()
     }
 
-    /// Returns the colour of an outcome: its class, and a shade for each outcome of the class.
+    /// Returns the colour of an outcome: the hue shows its class, and the shade distinguishes the
+    /// outcomes of one class.
     fn tint(&self, outcome: usize) -> (Hue, usize) {
         let class = self.outcomes[outcome].class;
         let before = self.outcomes[..outcome].iter().filter(|known| known.class == class);
@@ -222,7 +228,7 @@ impl RobustnessMap {
 }
 
 impl Region {
-    /// Returns whether each method has a separate row.
+    /// Returns whether each method of the panel has a separate row.
     fn in_rows(&self) -> bool {
         self.methods.len() > 1
     }
@@ -237,7 +243,8 @@ impl Report for RobustnessMap {
         self.panels.iter().map(|region| self.figure(region)).collect()
     }
 
-    /// Returns the number of cells of each outcome, method by method, and the error messages.
+    /// Returns a table of the number of cells of each outcome for each method, followed by the
+    /// error messages.
     fn to_markdown(&self) -> String {
         let mut text = String::new();
         for region in &self.panels {
@@ -251,7 +258,7 @@ impl Report for RobustnessMap {
         self.to_markdown()
     }
 
-    /// Serializes the map with a line for each cell.
+    /// Serializes the map as RON, with one line for each cell.
     fn to_ron(&self) -> Result<String, ron::Error> {
         ron::ser::to_string_pretty(self, ron::ser::PrettyConfig::default().depth_limit(6))
     }

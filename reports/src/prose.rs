@@ -1,20 +1,22 @@
-//! The text of the project: documents, help, errors and comments, in paragraphs and sentences.
+//! The text of the project (documents, help, errors and comments), split into paragraphs and
+//! sentences.
 //!
-//! Tests search the paragraphs for turns of phrase that plain English avoids; `tangency-reports sentences` draws sentences
-//! that a reader judges one by one.
+//! Tests search the paragraphs for turns of phrase that plain English avoids; the command
+//! `tangency-reports sentences` draws random sentences that a reader judges one by one.
 
 use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// The sources of text that users and developers read.
+/// The kind of text from which a paragraph is taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Source {
     /// The README, the book and the other Markdown files.
     Document,
-    /// The help of the command line.
+    /// The help of the command line program.
     Help,
-    /// Messages: attributes `#[error("…")]` and other string literals of several words.
+    /// Messages: the texts of `#[error("…")]` attributes, and other string literals of several
+    /// words.
     Message,
     /// Titles and labels of reports: string literals of `reports/`.
     Report,
@@ -25,7 +27,7 @@ pub enum Source {
 }
 
 impl Source {
-    /// The sources from which sentences are drawn, in equal parts.
+    /// The kinds of text from which equal numbers of sentences are drawn.
     pub const READ: [Source; 4] = [Source::Document, Source::Help, Source::Message, Source::Doc];
 }
 
@@ -42,23 +44,24 @@ impl fmt::Display for Source {
     }
 }
 
-/// A paragraph: its source, the file with the line at which the paragraph begins, and its text in one line.
+/// A paragraph of text, with its source, its file, the number of its first line, and its text
+/// without line breaks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Paragraph {
     /// The source.
     pub source: Source,
-    /// The file, from the root of the project.
+    /// The path of the file, relative to the root of the project.
     pub file: PathBuf,
-    /// The number of the first line, from one.
+    /// The line number at which the paragraph begins, counted from 1.
     pub line: usize,
-    /// The text without line breaks.
+    /// The text of the paragraph without line breaks.
     pub text: String,
 }
 
-/// All paragraphs of the project in a folder.
+/// Returns all paragraphs of the project in a folder.
 ///
 /// # Errors
-/// [`io::Error`] for files that cannot be read.
+/// [`io::Error`] if a file cannot be read.
 pub fn paragraphs(root: &Path) -> io::Result<Vec<Paragraph>> {
     let mut files = Vec::new();
     for name in ["README.md", "CONTRIBUTING.md", "CHANGELOG.md", "docs", "src", "reports/src"] {
@@ -91,7 +94,7 @@ fn collect(path: &Path, files: &mut Vec<PathBuf>) -> io::Result<()> {
     Ok(())
 }
 
-/// Joins lines to paragraphs of one source and one file.
+/// Joins the lines of one source in one file into paragraphs.
 struct Joiner<'a> {
     source: Source,
     file: &'a Path,
@@ -105,7 +108,7 @@ impl<'a> Joiner<'a> {
         Joiner { source, file, line: 0, text: String::new(), is_code: false }
     }
 
-    /// Takes a line of Markdown.
+    /// Adds a line of Markdown to the paragraphs.
     fn take(&mut self, number: usize, line: &str, all: &mut Vec<Paragraph>) {
         let line = line.trim();
         if line.starts_with("```") {
@@ -152,7 +155,7 @@ impl<'a> Joiner<'a> {
     }
 }
 
-/// Whether a text consists of links only, such as an entry of a table of contents.
+/// Returns whether a text consists of links only, as an entry of a table of contents does.
 fn is_link(text: &str) -> bool {
     let (mut rest, mut outside) = (text, String::new());
     while let Some((before, link)) = rest.split_once('[') {
@@ -202,7 +205,8 @@ fn rust(file: &Path, text: &str, all: &mut Vec<Paragraph>) {
     messages(file, text, all);
 }
 
-/// String literals of at least six words: shorter ones are mostly parts of messages.
+/// Returns the string literals of at least six words: shorter literals are mostly parts of
+/// messages.
 fn messages(file: &Path, text: &str, all: &mut Vec<Paragraph>) {
     let source = if file.starts_with("reports") { Source::Report } else { Source::Message };
     let mut rest = text;
@@ -236,8 +240,8 @@ fn messages(file: &Path, text: &str, all: &mut Vec<Paragraph>) {
     }
 }
 
-/// The length of a raw string that begins at a quote, from that quote; `None` if the text before the
-/// quote does not end in `r`, `r#`, ….
+/// Returns the length of the raw string literal that begins at a quotation mark; `None` if the text
+/// before the quotation mark does not end in `r`, `r#`, ….
 fn raw(before: &str, found: &str) -> Option<usize> {
     let prefix = before.trim_end_matches('#');
     let name = prefix.strip_suffix('r')?;
@@ -248,7 +252,7 @@ fn raw(before: &str, found: &str) -> Option<usize> {
     found[1..].find(&end).map(|at| 1 + at + end.len())
 }
 
-/// The length of a string literal, its quotes included.
+/// Returns the length of a string literal, including its quotation marks.
 fn literal(text: &str) -> usize {
     let mut is_escaped = false;
     for (at, c) in text.char_indices().skip(1) {
@@ -262,7 +266,7 @@ fn literal(text: &str) -> usize {
     text.len()
 }
 
-/// The length of a character, or one for a lifetime.
+/// Returns the length of a character literal, or 1 for the apostrophe of a lifetime.
 fn character(text: &str) -> usize {
     let mut chars = text.char_indices().skip(1);
     match (chars.next(), chars.next(), chars.next()) {
@@ -271,15 +275,16 @@ fn character(text: &str) -> usize {
     }
 }
 
-/// Returns the text of a literal in one line.
+/// Returns the text of a string literal in one line.
 fn unescaped(literal: &str) -> String {
     let joined = literal.replace("\\\"", "\"").replace("\\n", " ").replace("\\\n", " ");
     joined.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 impl Paragraph {
-    /// The sentences of the paragraph that have at least four words: of documents, those with a mark at the end (cells of
-    /// tables have none); of messages, those with a verb (others are parts of messages).
+    /// The sentences of the paragraph that have at least four words. In documents, a sentence must
+    /// end with a punctuation mark, because cells of tables are not sentences; in messages, a
+    /// sentence must contain a verb, because texts without a verb are parts of messages.
     pub fn sentences(&self) -> Vec<&str> {
         let mut sentences = Vec::new();
         let mut start = 0;
@@ -313,7 +318,7 @@ impl Paragraph {
     }
 }
 
-/// Verbs of messages, and the imperatives with which their remedies begin.
+/// Verbs that occur in messages, and imperatives with which the suggested remedies begin.
 const VERBS: [&str; 18] = [
     "is", "are", "has", "have", "must", "cannot", "does", "do", "did", "was", "needs", "can",
     "ends", "begins", "starts", "grows", "changes", "contains",
@@ -323,15 +328,15 @@ const IMPERATIVES: [&str; 20] = [
     "set", "trace", "check", "repeat", "locate", "simulate", "remove", "draw", "define",
 ];
 
-/// Whether a message has a verb.
+/// Returns whether a message contains a verb.
 fn is_clause(text: &str) -> bool {
     let mut words = text.split(|c: char| !c.is_alphabetic()).filter(|word| !word.is_empty());
     words.clone().next().is_some_and(|first| IMPERATIVES.contains(&first))
         || words.any(|word| VERBS.contains(&word))
 }
 
-/// Draws `count` sentences, in equal parts from documents, help, messages and doc comments, without repetition: the same
-/// ones for the same seed.
+/// Draws `count` different sentences, in equal numbers from documents, help, messages and doc
+/// comments; the same seed draws the same sentences.
 pub fn drawn(paragraphs: &[Paragraph], count: usize, mut seed: u64) -> Vec<(&Paragraph, &str)> {
     let mut drawn = Vec::new();
     for (index, source) in Source::READ.into_iter().enumerate() {
@@ -350,7 +355,7 @@ pub fn drawn(paragraphs: &[Paragraph], count: usize, mut seed: u64) -> Vec<(&Par
     drawn
 }
 
-/// The next state of Knuth's linear congruential generator (MMIX).
+/// Returns the next state of Knuth's linear congruential generator (MMIX).
 fn next(state: u64) -> u64 {
     state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407)
 }

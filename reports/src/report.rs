@@ -1,5 +1,5 @@
-//! Reports, the common part of work-precision diagrams and robustness maps: data in RON, tables in
-//! Markdown, a figure, and a part of a page.
+//! Reports, the common trait of work-precision diagrams and robustness maps: data in RON, tables in
+//! Markdown, figures in SVG, and a summary for a page.
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -8,8 +8,8 @@ use tangency::output::{
     Figure, Format, FormatError, PAGE, Render, RenderError, SaveError, draw, save,
 };
 
-/// Named results of one subject: saved as data, shown as tables and as a figure, inserted into
-/// pages.
+/// A report: named results on one subject, which can be saved as data, shown as tables and figures,
+/// and inserted into pages.
 ///
 /// ```
 /// use tangency_reports::{Measured, Report, WorkPrecision};
@@ -23,20 +23,21 @@ use tangency::output::{
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub trait Report: Serialize + DeserializeOwned {
-    /// Returns the name of the report's files and of its marker in a page.
+    /// Returns the name of the report, which is also the name of its files and of its marker in a
+    /// page.
     fn name(&self) -> &str;
 
-    /// Returns the figures, one for each panel.
+    /// Returns the figures of the report, one for each panel.
     fn figures(&self) -> Vec<Figure>;
 
-    /// Returns all results as tables in Markdown.
+    /// Returns all results of the report as Markdown tables.
     fn to_markdown(&self) -> String;
 
-    /// Returns the results for a page, in Markdown.
+    /// Returns the summary of the results that is inserted into a page, in Markdown.
     fn summary(&self) -> String;
 
-    /// Returns the page with the text between `<!-- NAME -->` and `<!-- end -->` replaced by the
-    /// summary.
+    /// Returns the given page, with the text between `<!-- NAME -->` and `<!-- end -->` replaced by
+    /// the summary of the report.
     fn put_into(&self, page: &str) -> String {
         let begin = format!("<!-- {} -->\n", self.name());
         let place = page.split_once(&begin).and_then(|(before, rest)| {
@@ -52,7 +53,7 @@ pub trait Report: Serialize + DeserializeOwned {
     /// Serializes the report as RON.
     ///
     /// # Errors
-    /// [`ron::Error`] if it cannot be written.
+    /// [`ron::Error`] if the report cannot be serialized.
     fn to_ron(&self) -> Result<String, ron::Error> {
         ron::ser::to_string_pretty(self, ron::ser::PrettyConfig::default())
     }
@@ -60,22 +61,23 @@ pub trait Report: Serialize + DeserializeOwned {
     /// Parses a report from RON.
     ///
     /// # Errors
-    /// [`ron::error::SpannedError`] with the place of the error.
+    /// [`ron::error::SpannedError`] if the text is not a valid report; the error contains its
+    /// position in the text.
     fn parse(text: &str) -> Result<Self, ron::error::SpannedError> {
         ron::from_str(text)
     }
 
-    /// Writes `NAME.ron`, `NAME.md` and `NAME.svg` into a folder, together.
+    /// Writes the report to a folder as three files: `NAME.ron`, `NAME.md` and `NAME.svg`.
     ///
     /// # Errors
-    /// [`SaveError`] if a file cannot be written, or there is nothing to draw.
+    /// [`SaveError`] if a file cannot be written, or if the report contains no figure to draw.
     fn save(&self, folder: &Path) -> Result<Vec<PathBuf>, SaveError> {
         let formats = [Format::Ron, Format::Markdown, Format::Svg];
         save(&Files(self), &folder.join(self.name()), &formats)
     }
 }
 
-/// A report as files.
+/// A report as the contents of its files.
 struct Files<'a, R>(&'a R);
 
 impl<R: Report> Render for Files<'_, R> {
@@ -92,12 +94,13 @@ impl<R: Report> Render for Files<'_, R> {
     }
 }
 
-/// A report: its name, contents and function.
+/// An entry of the list of reports: the name, a description and the function that computes the
+/// report.
 #[derive(Clone, Copy)]
 pub struct Entry<M> {
     /// The name.
     pub name: &'static str,
-    /// One line about its contents.
+    /// A description of the report's contents in one line.
     pub shows: &'static str,
     /// The function that computes the report.
     pub make: M,

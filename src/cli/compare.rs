@@ -31,8 +31,8 @@ impl Compare {
     }
 }
 
-/// Writes a line for each difference between a document and the reference, and fails if they
-/// differ.
+/// Writes a line for each difference between a document and the reference document, and returns an
+/// error if there are differences.
 pub fn check(
     place: &Path,
     old: &Document,

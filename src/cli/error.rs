@@ -7,7 +7,7 @@ use crate::scene::SceneError;
 use miette::Diagnostic;
 use std::path::PathBuf;
 
-/// The error of a command that failed.
+/// The error with which a command failed.
 #[derive(Debug, miette::Diagnostic, thiserror::Error)]
 pub enum CommandError {
     /// A file cannot be read, parsed or written.
@@ -18,7 +18,7 @@ pub enum CommandError {
     #[error("{files}: {cause}")]
     #[diagnostic(forward(cause))]
     Figure {
-        /// The files whose contents are drawn.
+        /// The documents whose contents would have been drawn.
         files: String,
         #[source]
         cause: FigureError,
@@ -31,16 +31,16 @@ pub enum CommandError {
     #[error("{}{cause}", if cause.names_file() { String::new() } else { format!("{place}: ") })]
     #[diagnostic(forward(cause))]
     Scene {
-        /// The scene or model as named on the command line.
+        /// The scene or the model, as named on the command line.
         place: String,
         #[source]
         cause: Box<SceneError>,
     },
-    /// The name is neither a built-in scene nor an existing file.
+    /// The name on the command line denotes neither a built-in scene nor an existing file.
     #[error("{unknown}")]
     #[diagnostic(help("{}", of_scene(unknown)))]
     UnknownScene { unknown: UnknownName },
-    /// The special point to start from does not exist.
+    /// The special point given by `--start` does not exist in its document.
     #[error("{}: {cause}", file.display())]
     #[diagnostic(forward(cause))]
     Start {
@@ -48,15 +48,15 @@ pub enum CommandError {
         #[source]
         cause: UnknownPoint,
     },
-    /// The special point to start from is of another kind than `--switch` names.
+    /// The special point given by `--start` is not of the kind that `--switch` names.
     #[error("{}: the point {label} is of the kind {kind}, at which --switch does not switch branches", file.display())]
     #[diagnostic(help("omit --switch, or start at a point of the kinds that --switch names"))]
     OtherKind { file: PathBuf, label: usize, kind: Kind },
-    /// The scene has sweeps but no branches.
+    /// The command needs branches, but the scene has only sweeps.
     #[error("`{scene}` has no branches to trace")]
     #[diagnostic(help("run the sweeps of the scene with `tangency sweep {scene}`"))]
     NoRun { scene: String },
-    /// An option that cannot be combined with `--start FILE:LABEL`.
+    /// The command line gives `--start FILE:LABEL` together with an option that it excludes.
     #[error("--start FILE:LABEL starts from one special point and cannot be combined with {0}")]
     NotTogether(&'static str),
     /// A document differs from the reference.
@@ -65,33 +65,33 @@ pub enum CommandError {
     /// A command with `--strict` found unreliable results.
     #[error("--strict: {}", .0.join("; "))]
     Doubts(Vec<String>),
-    /// Only one of `--start all` and `--box` is given.
+    /// Only one of the options `--start all` and `--box` is given, but each requires the other.
     #[error(
         "`--start all` and `--box` must be given together: branches start at all solutions in the box"
     )]
     #[diagnostic(help("give both options, as in `--start all --box x=-3..3,y=0..5`"))]
     Everywhere,
-    /// `--start all` is given to `tangency manifolds`.
+    /// The option `--start all` is given to `tangency manifolds`, which does not support it.
     #[error("manifolds belong to one saddle")]
     #[diagnostic(help(
         "start in states (`--start x=0.6,y=0.2`) or at a special point (`--start FILE:LABEL`)"
     ))]
     OneSaddle,
-    /// `--points` is given without a document.
+    /// The option The option `--points` is given, but no document is given.
     #[error("--points needs a document (.ron): sweeps (.npz) have no special points")]
     NoPoints,
-    /// An option that has no effect on data files.
+    /// The command line gives an option that has no effect on data files.
     #[error("data files (.csv, .npz, .json) are complete and cannot be combined with {0}")]
     #[diagnostic(help("omit that option, or draw a picture (.svg, .png, .pdf, .html)"))]
     Table(&'static str),
-    /// A width is given for an HTML page.
+    /// A width in letters is given for an HTML page, whose width is not counted in letters.
     #[error("a page (.html) is as wide as its window")]
     #[diagnostic(help("omit --width, or draw a picture (.svg, .png, .pdf)"))]
     PageWidth,
-    /// `--points` is combined with `--x` or `--y`.
+    /// The option `--points` is combined with `--x` or `--y`.
     #[error("--points adds profiles to the default diagram and cannot be combined with --x or --y")]
     PointsInColumns,
-    /// A separator is given for an output that is not comma-separated.
+    /// A separator of cells is given for an output that is not comma-separated.
     #[error("--separator applies to comma-separated values")]
     #[diagnostic(help("name a .csv file with --out (`table` also has --csv)"))]
     NoSeparator,
@@ -106,35 +106,35 @@ pub enum CommandError {
          repeat the trace"
     ))]
     NoRegions,
-    /// Several columns are given for the vertical axis of a sweep.
+    /// For the vertical axis of a sweep, several columns are given instead of one.
     #[error("sweeps (.npz) are drawn with one column on the vertical axis")]
     #[diagnostic(help("name one column with --y"))]
     OneColumn,
-    /// The grid is invalid.
+    /// The grid of settings is invalid.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Grid(SceneError),
-    /// The output folder contains the results of another grid.
+    /// The output folder already contains the results of another grid of settings.
     #[error(
         "{} contains designs of another scene, other settings or another version, listed in its scene.txt", folder.display()
     )]
     #[diagnostic(help("choose another folder with --out, or remove that folder"))]
     OtherGrid { folder: PathBuf },
-    /// An option that cannot be combined with a grid.
+    /// The command line gives an option that cannot be combined with `--grid`.
     #[error("a grid traces the scene as written and cannot be combined with {0}")]
     NotInGrid(&'static str),
-    /// Two designs of a grid would be saved in the same file.
+    /// Two designs of a grid would be saved in files of the same name.
     #[error("two designs of the grid have the same name `{name}`")]
     #[diagnostic(help(
         "choose values that differ in their first 12 digits, and names that differ in letters and digits"
     ))]
     EqualDesigns { name: String },
-    /// The name of a design is too long for a file name.
+    /// The name of a design is longer than a file name may be.
     #[error(
         "the name of the design `{name}` is longer than {most} bytes, too long for a file name"
     )]
     LongDesign { name: String, most: usize },
-    /// Some designs of a grid failed.
+    /// The computation of some designs of a grid failed.
     #[error("{failed} of {of} designs failed; the others are saved")]
     #[diagnostic(help("repeat the command to retry the designs that failed"))]
     Designs { failed: usize, of: usize },
@@ -142,15 +142,15 @@ pub enum CommandError {
     #[error(transparent)]
     #[diagnostic(transparent)]
     NoColumn(UnknownName),
-    /// The scene has no sweeps.
+    /// The command needs a scene with sweeps, but the scene has no sweeps.
     #[error("`{scene}` has no sweeps")]
     #[diagnostic(help("give the values to sweep over with --over NAME=LOW..HIGH:COUNT"))]
     NoSweep { scene: String },
-    /// The parts do not add up to a complete sweep.
+    /// The given parts of a sweep do not add up to the complete sweep.
     #[error("{files}: {cause}")]
     #[diagnostic(forward(cause))]
     Merge {
-        /// The files of the parts.
+        /// The files of the parts of the sweep.
         files: String,
         #[source]
         cause: MergeError,
@@ -159,7 +159,7 @@ pub enum CommandError {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Unsaved(SaveError),
-    /// The results cannot be converted to a format.
+    /// The results cannot be converted to the format of an output file.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Unrendered(RenderError),
@@ -184,13 +184,13 @@ fn of_scene(unknown: &UnknownName) -> String {
 }
 
 impl CommandError {
-    /// Returns the exit code of the program.
+    /// Returns the exit code of the program for this error.
     pub fn code(&self) -> u8 {
         if let CommandError::Doubts(_) = self { 3 } else { 1 }
     }
 }
 
-/// Returns the files as messages name them: the first file and the number of further files.
+/// Returns how a message names several files: the first file, and the number of further files.
 pub(super) fn named(files: &[PathBuf]) -> String {
     match files {
         [] => String::new(),

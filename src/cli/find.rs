@@ -18,7 +18,7 @@ const EXAMPLES: &str = "Examples:
 /// Find the equilibria, fixed points or zeros in a box, with their eigenvalues
 ///
 /// Newton's method starts at many points of the box. Deflation removes known solutions from the
-/// equations. The search may miss solutions.
+/// equations. The search for solutions in a box may miss some of them.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Find {

@@ -19,7 +19,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Sender, channel};
 
-/// The options of a grid: its axes and the part to compute.
+/// The options of a grid of settings: the axes of the grid, and the part of the grid to compute.
 #[derive(Debug, Args)]
 pub struct GridArgs {
     /// Trace the scene for equally spaced values of a setting, on all cores; repeat the option for
@@ -50,29 +50,31 @@ pub(super) fn axis(text: &str) -> Result<Grid, String> {
     }
 }
 
-/// A design: one value for each setting of the grid, by name.
+/// A design, that is, a point of the grid: the name and the value of each setting.
 pub type Design = Vec<(String, String)>;
 
-/// The result of a design: its branches in words and its warnings, or its error.
+/// The result of tracing a design: a description of its branches with their warnings, or the error
+/// that ended the computation.
 type Done = Result<(String, Vec<String>), CommandError>;
 
-/// A grid that is being traced.
+/// A grid of settings that is being traced.
 pub struct Traced<'a> {
-    /// All designs of the grid.
+    /// All designs (points) of the grid.
     pub designs: Vec<Design>,
-    /// The folder of the documents.
+    /// The folder in which the documents of the designs are saved.
     pub folder: PathBuf,
-    /// The version, settings and statement that the designs were made from, as text.
+    /// The program version, the settings and the scene from which the designs are computed, as
+    /// text.
     pub made_of: String,
     /// The input files.
     pub inputs: &'a [&'a Path],
-    /// Warnings that concern all designs.
+    /// The warnings that concern all designs of the grid.
     pub warnings: Vec<String>,
     pub limit: SizeLimit,
 }
 
 impl GridArgs {
-    /// Returns all designs of the grid.
+    /// Returns all designs (points) of the grid.
     pub fn designs(&self) -> Result<Vec<Design>, CommandError> {
         let all = designs(&self.grid).map_err(CommandError::Grid)?;
         let mut names: Vec<String> = all.iter().map(name).collect();
@@ -86,13 +88,13 @@ impl GridArgs {
         }
     }
 
-    /// Traces the designs of a part that have no document yet, and writes a table of the special
-    /// points once all designs are finished. Returns the reasons to doubt the results of all
-    /// documents.
+    /// Traces the designs of one part of the grid that have no document yet, and writes a table of
+    /// the special points after all designs of the grid are finished. Returns the reasons to doubt
+    /// the results in all documents of the grid.
     ///
     /// # Errors
-    /// [`CommandError::OtherGrid`] for a folder with the designs of another scene,
-    /// [`CommandError::Designs`] if some designs fail; all others are saved.
+    /// [`CommandError::OtherGrid`] if the folder contains the designs of another scene;
+    /// [`CommandError::Designs`] if some designs fail, after the other designs have been saved.
     pub fn run(
         &self,
         Traced { designs: all, folder, made_of, inputs, warnings, limit }: Traced,
@@ -147,23 +149,23 @@ impl GridArgs {
     }
 }
 
-/// The files in the folder of the designs: the table of all special points, and the text of
-/// [`Traced::made_of`].
+/// The names of two files in the folder of the designs: the table of all special points, and the
+/// text of [`Traced::made_of`].
 const TABLE: &str = "points.csv";
 const MADE_OF: &str = "scene.txt";
 
-/// The largest length of a design's name in bytes: file systems allow 255 including the extension,
-/// and temporary files have longer names.
+/// The maximum length of a design's name in bytes: file systems allow 255 bytes including the
+/// extension, and the names of temporary files are longer.
 const LONGEST: usize = 200;
 
-/// Returns the name of a design, such as `gap=0.000002,thickness=1`.
+/// Returns the name of a design from its settings, such as `gap=0.000002,thickness=1`.
 fn name(design: &Design) -> String {
     let plain = |letter: char| letter.is_alphanumeric() || "_-.,=".contains(letter);
     let settings = design.iter().map(|(name, value)| format!("{name}={value}"));
     settings.collect::<Vec<_>>().join(",").replace(|letter| !plain(letter), "_")
 }
 
-/// Describes the branches of a design, and returns their warnings that do not concern all designs.
+/// Describes the branches of a design, and returns the warnings that concern this design only.
 fn told(document: &Document, said: &[String]) -> (String, Vec<String>) {
     let branches = document.branches.iter().map(|branch| Summary(branch).to_string());
     let chosen = document.chosen.iter().map(|chosen| chosen.to_string());
@@ -174,8 +176,8 @@ fn told(document: &Document, said: &[String]) -> (String, Vec<String>) {
     (branches.chain(chosen).collect::<Vec<_>>().join("; "), warnings.collect())
 }
 
-/// Writes the origin of the designs into their folder, and rejects a folder with designs of another
-/// origin.
+/// Writes the version and settings from which the designs are computed into their folder; rejects a
+/// folder whose designs have another origin.
 fn check_made_of(
     folder: &Path,
     text: &str,

@@ -1,4 +1,5 @@
-//! `tangency live`: a page in the browser on which diagrams follow changes of a scene.
+//! `tangency live`: opens a page in the browser whose diagrams are recomputed when the scene
+//! changes.
 
 use super::error::CommandError;
 use super::request::RequestArgs;
@@ -38,7 +39,7 @@ pub struct Live {
 }
 
 impl Live {
-    /// Serves the page until the program is ended.
+    /// Serves the page until the user ends the program.
     pub fn run(&self, from: Sources, out: &mut impl Write) -> Result<(), CommandError> {
         let opened = self.scene.as_ref().map(|scene| self.opened(scene, from)).transpose()?;
         let folder = self.scene.as_ref().and_then(|scene| folder(scene, from));
@@ -57,7 +58,7 @@ impl Live {
         server.serve()
     }
 
-    /// Returns the scene with which pages begin.
+    /// Returns the scene that a newly opened page shows.
     fn opened(&self, scene: &str, from: Sources) -> Result<Opened, CommandError> {
         let at = SceneAt { scene: scene.into(), settings: Vec::new() };
         let (name, text) = at.text(from)?;
@@ -84,13 +85,13 @@ impl Live {
     }
 }
 
-/// Returns the folder of a scene's file; `None` for a built-in scene.
+/// Returns the folder that contains the file of a scene; `None` for a built-in scene.
 fn folder(scene: &str, from: Sources) -> Option<PathBuf> {
     let is_built_in = from.catalogue.scenes().iter().any(|known| known.name == scene);
     Path::new(scene).parent().filter(|_| !is_built_in).map(Path::to_path_buf)
 }
 
-/// Opens an address in the browser, if the system can.
+/// Opens an address in the browser, if the operating system supports it.
 fn open(address: &str) {
     let (program, before): (&str, &[&str]) = match std::env::consts::OS {
         "macos" => ("open", &[]),

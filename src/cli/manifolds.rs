@@ -55,11 +55,11 @@ pub struct Manifolds {
     bound: Vec<Range>,
 }
 
-/// The formats of the files of manifolds.
+/// The file formats in which manifolds are saved.
 const FORMATS: [Format; 3] = [Format::Ron, Format::Svg, Format::Csv];
 
 impl Manifolds {
-    /// Computes, saves and draws the manifolds.
+    /// Computes the manifolds, saves them, and draws them.
     pub fn run(&self, from: Sources, out: &mut impl Write) -> Result<(), CommandError> {
         let (state, point) = match &self.start {
             None => (Vec::new(), None),
@@ -95,7 +95,8 @@ impl Manifolds {
     }
 }
 
-/// Describes a manifold in three lines: its multiplier, and the reason for the end of each half.
+/// Describes a manifold in three lines: its multiplier, and for each half the reason why the half
+/// ends.
 fn describe(branch: &Branch, out: &mut impl Write) -> std::io::Result<()> {
     let [back, saddle, forth] = &branch.special[..] else { return Ok(()) };
     let multiplier = saddle.eigenvalues.first().map_or(f64::NAN, |multiplier| multiplier.0);

@@ -1,6 +1,7 @@
-//! Runs the command line: arguments, exit codes and messages, without numerics.
+//! The command-line program: it parses arguments, calls the library, and returns exit codes and
+//! messages; it contains no numerics.
 //!
-//! [`run`] is the `main` of the program `tangency`, and of programs with problems of their own:
+//! [`run`] is the `main` function of the program `tangency`, and of programs with further problems:
 //!
 //! ```
 //! use tangency::{Catalogue, problems::classic::ParallelPlate, scene::execute};
@@ -86,8 +87,8 @@ enum Command {
     Manual(shell::Manual),
 }
 
-/// Returns the parsed arguments of the program, or the exit code for invalid arguments and for
-/// help.
+/// Returns the parsed arguments of the program, or the exit code if the arguments are invalid or
+/// request help.
 fn arguments() -> Result<Arguments, ExitCode> {
     let given: Vec<OsString> = std::env::args_os().collect();
     let lossy = given.iter().map(|argument| argument.to_string_lossy());
@@ -107,9 +108,9 @@ fn arguments() -> Result<Arguments, ExitCode> {
     })
 }
 
-/// Runs the command line on the arguments of the program, with the problems and scenes of a
-/// catalogue: the `main` of a program. The exit code is 0 on success, 1 after an error, 2 for
-/// invalid arguments, and 3 if `trace --strict` finds unreliable results.
+/// Runs the command line with the program's arguments and with the problems and scenes of a
+/// catalogue; a program can use it as `main`. The exit code is 0 on success, 1 after an error, 2
+/// for invalid arguments, and 3 if `trace --strict` finds unreliable results.
 ///
 /// ```no_run
 /// use tangency::Catalogue;

@@ -1,4 +1,5 @@
-//! `tangency plot FILE…`: draws the diagram of documents, or writes their branches as a table.
+//! `tangency plot FILE…`: draws the diagram of documents, or writes the branches of the documents
+//! as a table.
 
 use super::error::CommandError;
 use super::request::end;
@@ -71,15 +72,16 @@ pub struct Plot {
     out: Option<PathBuf>,
 }
 
-/// The ends of an axis; either may be missing.
+/// The lower and the upper end of an axis; either end may be missing.
 #[derive(Clone, Copy, Debug)]
 struct Ends([Option<f64>; 2]);
 
-/// The maximum number of letters that columns and points add to the name of a picture.
+/// The maximum number of letters that the names of columns and points add to the file name of a
+/// picture.
 const LONGEST: usize = 60;
 
 impl Plot {
-    /// Draws the diagram and prints the path of its file.
+    /// Draws the diagram, and prints the path of the picture file.
     pub fn run(&self, limit: SizeLimit, out: &mut impl Write) -> Result<(), CommandError> {
         let beside = || self.files.first().map(|file| self.beside(file));
         // Clap rejects an empty list of files.
@@ -134,7 +136,7 @@ impl Plot {
         Ok(writeln!(out, "{}", target.display())?)
     }
 
-    /// Turns on regions if `--regions` is given.
+    /// Draws the regions of a two-parameter diagram if `--regions` is given.
     fn add_regions(&self, documents: &mut [Document]) -> Result<(), CommandError> {
         let mut branches = documents.iter().flat_map(|document| &document.branches);
         if self.regions && branches.all(|branch| branch.stretches.is_empty()) {
@@ -144,8 +146,8 @@ impl Plot {
         Ok(())
     }
 
-    /// Returns the default path of the picture, in the folder of a document: `lure.svg`, as written
-    /// by `trace`, or `lure-x=alpha-min_x.svg` with other columns or points.
+    /// Returns the default path of the picture, in the folder of a document: `lure.svg`, the same
+    /// name that `trace` uses, or `lure-x=alpha-min_x.svg` with other columns or points.
     fn beside(&self, file: &Path) -> PathBuf {
         let x = self.x.iter().map(|column| format!("-x={column}"));
         let others = self.y.iter().chain(&self.points).map(|column| format!("-{column}"));
@@ -167,7 +169,7 @@ impl Plot {
         file.with_file_name(format!("{}{chosen}.svg", stem(file)))
     }
 
-    /// Rejects options that would have no effect.
+    /// Rejects options that would have no effect on the output.
     fn check(&self, format: Format, sweeps: &[Sweeps]) -> Result<(), CommandError> {
         if self.separator.is_some() && format != Format::Csv {
             return Err(CommandError::NoSeparator);
@@ -201,7 +203,8 @@ impl Plot {
     }
 }
 
-/// Returns the names of documents: of their files in pictures, if these differ, and else their paths.
+/// Returns the names by which a picture refers to the documents: their file names if these are
+/// different, and otherwise their paths.
 fn names(files: &[&PathBuf], format: Format) -> Vec<String> {
     let stems: Vec<String> = files.iter().map(|file| stem(file)).collect();
     let repeated = (1..stems.len()).any(|k| stems[..k].contains(&stems[k]));
@@ -231,7 +234,7 @@ fn ends(text: &str) -> Result<Ends, String> {
     }
 }
 
-/// Parses a separator of cells: a letter that does not occur in numbers.
+/// Parses a separator of cells: a character that does not occur in numbers.
 pub fn separator(text: &str) -> Result<char, String> {
     let mut letters = text.chars();
     match (text, letters.next(), letters.next()) {

@@ -1,4 +1,4 @@
-//! Command-line options that make up a [`Request`].
+//! Command-line options from which a [`Request`] is made.
 
 use super::scene_at::setting;
 use super::signals;
@@ -8,7 +8,7 @@ use crate::misread::{reason, remedy};
 use crate::scene::{Following, Range, Request, SearchBox};
 use clap::Args;
 
-/// The options that state a request to a model, or change the statement of a scene.
+/// The options that state a request to a model, or that change the statement of a scene.
 #[derive(Debug, Default, Args)]
 pub struct RequestArgs {
     /// The continuation parameter and its range; repeat with a second parameter for curves of
@@ -41,7 +41,7 @@ pub struct RequestArgs {
     pub depth: u8,
 }
 
-/// The kinds of special points at which branches are switched.
+/// The kinds of special points at which the program switches to other branches.
 #[derive(Clone, Debug)]
 pub enum Switch {
     /// All kinds of special points that can occur in the request.
@@ -51,8 +51,9 @@ pub enum Switch {
 }
 
 impl RequestArgs {
-    /// Returns the special points at which branches are switched. If branches start at all
-    /// solutions of a box, each branch is traced once.
+    /// Returns the kinds of special points at which the program switches to other branches. If
+    /// branches start at all solutions in a box, a branch through several of these solutions is
+    /// traced only once.
     pub fn following(&self, everywhere: bool) -> Option<Following> {
         let kinds = match &self.switch {
             None if everywhere => Vec::new(),
@@ -65,7 +66,7 @@ impl RequestArgs {
         Some(Following { kinds, depth: self.depth.into(), distinct: everywhere })
     }
 
-    /// Returns the request with the given changed values and initial states.
+    /// Returns the request made of these options and of given settings and initial states.
     pub fn request(&self, set: &[(String, String)], state: &[(String, f64)]) -> Request {
         let RequestArgs { along, bound, mark, settle, hold, .. } = self;
         Request {
@@ -83,7 +84,7 @@ impl RequestArgs {
     }
 }
 
-/// The options of a search for solutions.
+/// The options of a search for solutions in a box.
 #[derive(Debug, Args)]
 pub struct Within {
     /// The range of each unknown in which to search for solutions
@@ -114,18 +115,18 @@ pub(super) fn range(text: &str) -> Result<Range, String> {
     Ok(Range { name: name.into(), low: end(low)?, high: end(high)? })
 }
 
-/// Parses an end of a range; `None` if it is omitted.
+/// Parses one end of a range; returns `None` if the end is omitted.
 pub(super) fn end(text: &str) -> Result<Option<f64>, String> {
     if text.trim().is_empty() { Ok(None) } else { value(text).map(Some) }
 }
 
-/// Parses the mark `NAME=VALUE`.
+/// Parses the marked value `NAME=VALUE` of a column.
 fn mark(text: &str) -> Result<(String, f64), String> {
     let (name, text) = setting(text)?;
     Ok((name, value(&text)?))
 }
 
-/// Parses a number or a formula of numbers.
+/// Parses a number, or a formula that contains only numbers.
 pub(super) fn value(text: &str) -> Result<f64, String> {
     number(text.trim()).map_err(|error| error.to_string())
 }
@@ -136,7 +137,7 @@ fn depth(text: &str) -> Result<u8, String> {
     depth.ok_or_else(|| "the depth must be a whole number from 1 to 20".into())
 }
 
-/// Parses `all`, or a list of kinds of special points from which branches emanate.
+/// Parses the word `all`, or a list of the kinds of special points from which branches emanate.
 fn switch(text: &str) -> Result<Switch, String> {
     if text == "all" {
         return Ok(Switch::All);

@@ -1,5 +1,5 @@
-//! The files that a command writes: checked and locked before the computation, saved together after
-//! it.
+//! The files that a command writes: the files are checked and locked before the computation, and
+//! saved together after the computation.
 
 use super::error::CommandError;
 use super::warning::warn;
@@ -7,13 +7,13 @@ use crate::output::{self, Document, FileError, Format, Lock, SaveError, Sweeps, 
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-/// The files of one result, `FOLDER/NAME.ENDING`, locked against other runs for the lifetime of
-/// this value.
+/// The files of one result, `FOLDER/NAME.ENDING`; they are locked against other runs of the program
+/// while this value exists.
 pub struct Results {
     folder: PathBuf,
     name: String,
     formats: Vec<Format>,
-    /// The first input file, to name the result in messages.
+    /// The first input file, which names the result in messages.
     source: Option<String>,
     // The lock is removed before the new folders, so that they can be removed if empty.
     _lock: Lock,
@@ -21,12 +21,13 @@ pub struct Results {
 }
 
 impl Results {
-    /// Claims the files in the given formats. Files that cannot be written are reported before the
-    /// computation starts.
+    /// Locks the files of the result in the given formats. Files that cannot be written are
+    /// reported before the computation starts.
     ///
     /// # Errors
-    /// [`CommandError::OutputIsInput`] for an input file; [`FileError`] for a file that cannot be
-    /// replaced, a folder that cannot be created, or a result that another run is writing.
+    /// [`CommandError::OutputIsInput`] if a file of the result is also an input file; [`FileError`]
+    /// if a file cannot be replaced, if a folder cannot be created, or if another run is writing
+    /// the same result.
     pub fn claim(
         folder: &Path,
         name: &str,
@@ -87,12 +88,13 @@ impl Results {
         Ok(Results { folder, name, formats, source, _lock: lock, _made: made })
     }
 
-    /// Returns the path of the file in a format.
+    /// Returns the path of the result's file in a format.
     pub fn path(&self, format: Format) -> PathBuf {
         format.file(&self.folder.join(&self.name))
     }
 
-    /// Saves branches and sweeps in the claimed formats, and returns the paths.
+    /// Saves branches and sweeps in the formats whose files are locked, and returns the paths of
+    /// the files.
     pub fn save(
         &self,
         document: Option<&Document>,
@@ -110,7 +112,7 @@ impl Results {
         saved.map_err(|cause| self.unsaved(cause))
     }
 
-    /// Warns if the results of another scene are replaced.
+    /// Warns if the file to be replaced contains the results of another scene.
     fn announce_replaced(&self, document: &Document) {
         let path = self.path(Format::Ron);
         // The title is in the first lines.
@@ -148,20 +150,21 @@ impl Results {
     }
 }
 
-/// The number of bytes at the start of a document that contain its title.
+/// The number of bytes at the start of a document within which its title is found.
 const BEGIN: usize = 4096;
 
-/// The largest length of a result's name in bytes: its temporary files have longer names, and file
-/// systems allow 255.
+/// The maximum length of a result's name in bytes: file systems allow 255 bytes, and the names of
+/// temporary files are longer than the name.
 const LONGEST_NAME: usize = 220;
 
-/// Returns whether two paths lead to the same file, also through links.
+/// Returns whether two paths lead to the same file, directly or through links.
 fn same_file(a: &Path, b: &Path) -> bool {
     let real = |path: &Path| path.canonicalize().ok();
     a == b || real(a).is_some_and(|a| Some(a) == real(b))
 }
 
-/// Folders created for results; empty ones are removed when this value is dropped.
+/// Folders that were created for results; folders that are still empty are removed when this value
+/// is dropped.
 struct Folders(Vec<PathBuf>);
 
 impl Folders {

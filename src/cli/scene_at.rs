@@ -1,4 +1,5 @@
-//! The scene named on the command line: reads the scene, applies the request and reports errors.
+//! The scene named on the command line: reads the scene, applies the request to it, and reports
+//! errors.
 
 use super::error::CommandError;
 use super::sources::Sources;
@@ -8,7 +9,7 @@ use crate::scene::{Files, Problem, Purpose, Request, Scene, SceneError, Stated};
 use clap::Args;
 use std::path::{Path, PathBuf};
 
-/// The scene of a command, its changed settings and the folder for its results.
+/// The scene of a command, the settings to change in it, and the folder for its results.
 #[derive(Debug, Args)]
 pub struct SceneAt {
     /// The name of a built-in scene (see `tangency scenes`), or the path of a scene, of a file of
@@ -19,7 +20,7 @@ pub struct SceneAt {
     pub settings: Vec<(String, String)>,
 }
 
-/// The folder of a command that saves results.
+/// The folder in which a command saves its results.
 #[derive(Debug, Args)]
 pub struct OutFolder {
     /// The folder for the results
@@ -28,7 +29,7 @@ pub struct OutFolder {
 }
 
 impl SceneAt {
-    /// Returns the name of the scene's results, and the scene after applying the request.
+    /// Returns the name of the scene's results, and the scene after the request has been applied.
     pub fn read(
         &self,
         from: Sources,
@@ -41,7 +42,7 @@ impl SceneAt {
         Ok((name, scene))
     }
 
-    /// Applies a request to a statement.
+    /// Applies a request to the statement of a scene or a model.
     pub fn requested(
         &self,
         stated: Stated,
@@ -59,8 +60,8 @@ impl SceneAt {
         scene.map_err(|cause| self.at_fault(cause))
     }
 
-    /// Returns the name of the scene's results, and the scene as written. For a model the scene has
-    /// no runs.
+    /// Returns the name of the scene's results, and the scene as written in its file. If the file
+    /// contains a model instead of a scene, the returned scene has no runs.
     pub fn statement(
         &self,
         from: Sources,
@@ -100,7 +101,7 @@ impl SceneAt {
         [Path::new(&self.scene)].into_iter().chain(scene.problem.file())
     }
 
-    /// Converts the error that ended a computation.
+    /// Converts the error that ended a computation to an error of the command.
     pub fn stopped(&self, cause: SceneError) -> CommandError {
         match cause {
             SceneError::GivenUp { .. } => CommandError::Interrupted,
@@ -108,12 +109,13 @@ impl SceneAt {
         }
     }
 
-    /// Converts an error of the scene, and adds the scene's name.
+    /// Converts an error of the scene to an error of the command, which also contains the scene's
+    /// name.
     pub fn at_fault(&self, cause: SceneError) -> CommandError {
         CommandError::Scene { place: self.scene.clone(), cause: Box::new(cause) }
     }
 
-    /// Returns the name and the text of a built-in scene or of a file.
+    /// Returns the name and the text of a built-in scene or of a scene file.
     pub(super) fn text(&self, from: Sources) -> Result<(String, String), CommandError> {
         let Sources { catalogue, limit } = from;
         if let Some(scene) = catalogue.scenes().iter().find(|scene| scene.name == self.scene) {
@@ -136,8 +138,8 @@ impl SceneAt {
     }
 }
 
-/// Parses `NAME=VALUE`, the argument of `--set`, and trims blanks. The value may contain equals
-/// signs.
+/// Parses `NAME=VALUE`, the argument of `--set`, and removes surrounding blanks. In the argument
+/// `NAME=VALUE` of `--set`, the value may contain equals signs.
 pub fn setting(text: &str) -> Result<(String, String), String> {
     match text.split_once('=').map(|(name, value)| (name.trim(), value.trim())) {
         Some((name, value)) if !name.is_empty() && !value.is_empty() => {

@@ -22,7 +22,7 @@ pub struct Completions {
 pub struct Manual {}
 
 impl Completions {
-    /// Prints the completions for a command line.
+    /// Prints the shell completions for a command line.
     pub fn run<C: CommandFactory>(&self, out: &mut impl Write) -> Result<(), CommandError> {
         let mut script = Vec::new();
         clap_complete::generate(self.shell, &mut C::command(), "tangency", &mut script);

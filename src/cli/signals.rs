@@ -1,5 +1,6 @@
-//! Signal handling: before the computation starts, a signal ends the command immediately, for
-//! instance while reading a FIFO; afterwards the results so far are saved first.
+//! Signal handling: a signal before the start of the computation ends the command immediately, for
+//! instance while the command reads a FIFO; after the start of the computation, the results
+//! obtained so far are saved first.
 
 use super::warning::warn;
 use crate::core::cancel::CancelToken;
@@ -9,19 +10,20 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, LazyLock, Once};
 use std::time::Duration;
 
-/// The flags that signals set.
+/// The flags that are set when the program receives a signal.
 struct Flags {
-    /// Set by a signal: Ctrl-C, SIGTERM (sent by schedulers before SIGKILL) or SIGHUP.
+    /// Whether a signal was received: Ctrl-C, SIGTERM (sent by schedulers before SIGKILL) or
+    /// SIGHUP.
     signalled: Arc<AtomicBool>,
-    /// Set if the computation is cancelled, by a signal or because its results cannot be saved.
+    /// Whether the computation is cancelled, by a signal or because its results cannot be saved.
     cancelled: Arc<AtomicBool>,
 }
 
 static FLAGS: LazyLock<Flags> =
     LazyLock::new(|| Flags { signalled: Arc::default(), cancelled: Arc::default() });
 
-/// Handles signals from now on: the first one cancels the computation, and a second one ends the
-/// program immediately.
+/// Installs the signal handlers: the first signal cancels the computation, and a second signal ends
+/// the program immediately.
 pub fn handle() {
     static HANDLED: Once = Once::new();
     HANDLED.call_once(register_handlers);
@@ -48,13 +50,13 @@ pub fn interrupted() -> bool {
     FLAGS.signalled.load(Ordering::SeqCst)
 }
 
-/// Returns the token that a signal cancels once [`handle`] was called.
+/// Returns the cancellation token, which a signal cancels after [`handle`] was called.
 pub fn token() -> CancelToken {
     CancelToken::from(Arc::clone(&FLAGS.cancelled))
 }
 
-/// Prints a notice if the program does not end soon after a signal. Computations in other crates,
-/// such as the factorization of a matrix with thousands of rows, cannot be interrupted.
+/// Prints a notice if the program is still running shortly after a signal. Computations in other
+/// crates, such as the factorization of a matrix with thousands of rows, cannot be interrupted.
 fn answer(interrupted: &AtomicBool) {
     while !interrupted.load(Ordering::SeqCst) {
         std::thread::sleep(SOON);
@@ -65,10 +67,11 @@ fn answer(interrupted: &AtomicBool) {
     );
 }
 
-/// The interval at which signals are checked, and the usual delay before the program ends.
+/// The interval at which the program checks for signals; most computations end within this time
+/// after a signal.
 const SOON: Duration = Duration::from_millis(200);
 
-/// Returns whether a signal is ignored, as SIGHUP is under `nohup`.
+/// Returns whether the process ignores a signal, as a process started by `nohup` ignores SIGHUP.
 #[cfg(unix)]
 fn is_ignored(signal: i32) -> bool {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();

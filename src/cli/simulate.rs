@@ -1,4 +1,4 @@
-//! `tangency simulate MODEL`: computes a history by simulation.
+//! `tangency simulate MODEL`: simulates a model and saves the time history.
 
 use super::error::CommandError;
 use super::request::value;
@@ -40,14 +40,15 @@ pub struct Simulate {
     transient: f64,
 }
 
-/// The formats of the files of a history.
+/// The file formats in which a history is saved.
 const FORMATS: [Format; 4] = [Format::Ron, Format::Svg, Format::Csv, Format::Npz];
 
-/// States by name. (Clap treats a plain `Vec` as a repeated option.)
+/// Initial states, given by name. (The type is not a plain `Vec`, because Clap treats a `Vec` as a
+/// repeated option.)
 pub type States = Vec<(String, f64)>;
 
 impl Simulate {
-    /// Simulates, saves and draws the history.
+    /// Simulates the model, and saves and draws the history.
     pub fn run(&self, from: Sources, out: &mut impl Write) -> Result<(), CommandError> {
         let state = self.from.clone().unwrap_or_default();
         let (transient, duration) = (self.transient, self.time);

@@ -2,7 +2,8 @@
 
 use std::io::{ErrorKind, Result, Write};
 
-/// A stream that discards further output after its reader has closed the pipe, as `head` does.
+/// A wrapper of a stream that discards further output after the reader of the stream, for example
+/// `head`, has closed the pipe.
 pub struct Leavable<W> {
     inner: W,
     left: bool,
@@ -13,7 +14,7 @@ impl<W: Write> Leavable<W> {
         Leavable { inner, left: false }
     }
 
-    /// Returns the outcome of an operation, or `instead` once the reader has closed the pipe.
+    /// Returns the result of a write operation, or `instead` if the reader has closed the pipe.
     fn unless_left<T>(&mut self, instead: T, run: impl FnOnce(&mut W) -> Result<T>) -> Result<T> {
         if self.left {
             return Ok(instead);

@@ -1,4 +1,5 @@
-//! `tangency sweep SCENE`, `tangency merge FILE…`: brute-force sweeps with checkpoints.
+//! The commands `tangency sweep SCENE` and `tangency merge FILE…`: brute-force sweeps with
+//! checkpoints.
 
 use super::error::CommandError;
 use super::grid::axis;
@@ -88,7 +89,7 @@ pub fn share(text: &str) -> Result<Part, String> {
     part.ok_or_else(|| format!("`{text}` is not of the form K/N, for example 2/8"))
 }
 
-/// The largest interval between checkpoints in seconds.
+/// The maximum interval between checkpoints, in seconds.
 const LONGEST: f64 = 1e6;
 
 /// Parses a number of seconds between 0 and [`LONGEST`].
@@ -100,7 +101,8 @@ fn seconds(text: &str) -> Result<Duration, String> {
 }
 
 impl Sweep {
-    /// Returns the name of the results, and the scene with its own sweeps or the sweep of `--over`.
+    /// Returns the name of the results, and the scene with the sweeps that it contains or with the
+    /// sweep given by `--over`.
     fn read(&self, from: Sources, request: &Request) -> Result<(String, Scene), CommandError> {
         if self.over.is_empty() {
             return self.scene.read(from, request, Purpose::Sweeps);
@@ -122,7 +124,8 @@ impl Sweep {
         Ok((format!("{name}-sweep"), scene.map_err(|cause| self.scene.at_fault(cause))?))
     }
 
-    /// Computes, saves and draws the sweeps. Finished runs are saved also after an error or Ctrl-C.
+    /// Computes, saves and draws the sweeps of a scene. Finished runs of a sweep are saved even
+    /// after an error or Ctrl-C.
     pub fn run(&self, from: Sources, out: &mut impl Write) -> Result<(), CommandError> {
         let (set, cancel) = (self.scene.settings.clone(), signals::token());
         let request = Request { set, cancel, ..Request::default() };
@@ -171,7 +174,7 @@ impl Sweep {
     }
 }
 
-/// Traces the branches of a scene, if any, to draw them together with the sweeps.
+/// Traces the branches of a scene, if it has branches, to draw them together with the sweeps.
 fn trace(
     scene: Option<&Scene>,
     place: &str,
@@ -191,7 +194,8 @@ fn trace(
 }
 
 impl Merge {
-    /// Joins the parts, traces the branches of their scene, and saves and draws the result.
+    /// Joins the parts of a sweep, traces the branches of their scene, and saves and draws the
+    /// result.
     pub fn run(&self, from: Sources, out: &mut impl Write) -> Result<(), CommandError> {
         let parts = self.files.iter().map(|file| Sweeps::load_within(from.limit, file));
         let whole = merge(parts.collect::<Result<Vec<_>, FileError>>()?).map_err(|cause| {
@@ -222,17 +226,17 @@ impl Merge {
     }
 }
 
-/// The formats of the files of a complete sweep.
+/// The file formats in which a complete sweep is saved.
 const WHOLE: [Format; 3] = [Format::Ron, Format::Npz, Format::Svg];
 
-/// The files of a sweep: its archive, and the branches and picture that belong to it.
+/// The files of a sweep: its archive, and the branches and the picture that belong to the sweep.
 struct Kept<'a> {
     results: &'a Results,
     document: Option<Document>,
 }
 
 impl Kept<'_> {
-    /// Saves the sweeps, and prints a report and the paths of the files.
+    /// Saves the sweeps, and prints a report and the paths of the saved files.
     fn end(&self, sweeps: &Sweeps, out: &mut impl Write) -> Result<(), CommandError> {
         let saved = self.results.save(self.document.as_ref(), Some(sweeps));
         // The report explains a missing picture if all runs failed.
@@ -248,7 +252,8 @@ fn threads(text: &str) -> Result<NonZeroUsize, String> {
     count.ok_or_else(|| "the number of threads must be a whole number, 1 or more".into())
 }
 
-/// Reports an uneven division of strands into parts, and suggests an even one.
+/// Warns if the parts of a sweep do not contain equal numbers of strands, and suggests a number of
+/// parts that divides the strands evenly.
 fn divided(scene: &Scene, part: Part, out: &mut impl Write) -> Result<(), CommandError> {
     let division = scene.division(part.of);
     if division.is_even() {
@@ -271,7 +276,7 @@ fn divided(scene: &Scene, part: Part, out: &mut impl Write) -> Result<(), Comman
     Ok(())
 }
 
-/// Prints a line for each sweep.
+/// Prints a line of results for each sweep.
 fn report(sweeps: &Sweeps, out: &mut impl Write) -> Result<(), CommandError> {
     for SweepTable { name, rows, total, .. } in &sweeps.sweeps {
         let failed = rows.values().filter(|row| row.failure.is_some()).count();
@@ -287,16 +292,16 @@ fn report(sweeps: &Sweeps, out: &mut impl Write) -> Result<(), CommandError> {
     Ok(())
 }
 
-/// Saves finished runs at intervals, and shows the progress.
+/// Saves finished runs at intervals, and shows the progress of the sweep.
 struct Keeper<'a> {
     /// The current sweep.
     sweep: String,
     kept: Kept<'a>,
     bar: ProgressBar,
     saved: Instant,
-    /// The minimum interval between checkpoints.
+    /// The minimum interval between two checkpoints.
     every: Duration,
-    /// The current interval between checkpoints: at least 20 times the duration of saving.
+    /// The current interval between checkpoints: at least 20 times the time that saving takes.
     pause: Duration,
     failure: Option<CommandError>,
 }

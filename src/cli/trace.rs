@@ -1,4 +1,4 @@
-//! `tangency trace SCENE`: traces a scene, and saves and draws its branches.
+//! `tangency trace SCENE`: traces the branches of a scene, and saves and draws them.
 
 use super::compare::check;
 use super::error::CommandError;
@@ -60,7 +60,7 @@ pub struct Show {
     wanted: Wanted,
 }
 
-/// A scene and the request applied to it.
+/// A scene and the request that is applied to it.
 #[derive(Debug, Args)]
 struct Wanted {
     #[command(flatten)]
@@ -75,19 +75,19 @@ struct Wanted {
     request: RequestArgs,
 }
 
-/// The argument of `--start`.
+/// The argument of the option `--start`.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Begin {
-    /// Start in states given by name.
+    /// Branches start at states given by name.
     In(Vec<(String, f64)>),
-    /// Start at a special point.
+    /// Branches start at a special point of a document.
     At(Start),
-    /// Start at all solutions in a box.
+    /// Branches start at all solutions in a box.
     Everywhere,
 }
 
 impl Trace {
-    /// Traces the scene. Finished parts of branches are saved and drawn also after an error or
+    /// Traces the scene. Finished parts of branches are saved and drawn even after an error or
     /// Ctrl-C.
     pub fn run(&self, from: Sources, out: &mut impl Write) -> Result<(), CommandError> {
         let Wanted { scene: at, request, .. } = &self.wanted;
@@ -151,7 +151,7 @@ impl Trace {
         self.doubt(branches.flat_map(|branch| Summary(branch).doubts()).collect())
     }
 
-    /// Traces the scene over a grid of settings.
+    /// Traces the scene at every point of a grid of settings.
     fn run_grid(&self, from: Sources, out: &mut dyn Write) -> Result<(), CommandError> {
         let Wanted { scene: at, request, .. } = &self.wanted;
         let of_grid =
@@ -210,13 +210,13 @@ impl Trace {
         self.doubt(self.grid.run(traced, trace, told)?)
     }
 
-    /// Fails if there are doubtful results and `--strict` is given.
+    /// Returns an error if some results are doubtful and `--strict` is given.
     fn doubt(&self, doubts: Vec<String>) -> Result<(), CommandError> {
         if self.strict && !doubts.is_empty() { Err(CommandError::Doubts(doubts)) } else { Ok(()) }
     }
 
-    /// Returns the input files, which results must not replace: the scene, the start document and
-    /// the reference.
+    /// Returns the input files, which results must not replace: the scene, the document of
+    /// `--start` and the reference document.
     fn inputs<'a>(&'a self, scene: &'a Scene) -> Vec<&'a Path> {
         let start = self.wanted.start_point().map(|start| start.file.as_path());
         self.wanted.scene.inputs(scene).chain(start).chain(self.check.as_deref()).collect()
@@ -224,13 +224,13 @@ impl Trace {
 }
 
 impl Wanted {
-    /// Returns the name of the results, and the scene.
+    /// Returns the name of the results, and the scene to trace.
     fn read(&self, from: Sources) -> Result<(String, Scene), CommandError> {
         let (request, purpose) = self.request(&[])?;
         self.scene.read(from, &request, purpose)
     }
 
-    /// Returns the request with the additional settings of a design.
+    /// Returns the request, extended by the settings of a design of the grid.
     fn request(&self, design: &[(String, String)]) -> Result<(Request, Purpose), CommandError> {
         let state = match &self.start {
             Some(Begin::In(state)) => &state[..],
@@ -255,7 +255,7 @@ impl Wanted {
         self.start == Some(Begin::Everywhere)
     }
 
-    /// Returns the special point to start from.
+    /// Returns the special point at which branches start, if one is given.
     fn start_point(&self) -> Option<&Start> {
         match &self.start {
             Some(Begin::At(start)) => Some(start),
@@ -264,8 +264,8 @@ impl Wanted {
     }
 }
 
-/// Saves and draws the branches, and prints how each branch ended. Warnings that were already
-/// printed are not repeated.
+/// Saves and draws the branches, and prints the reason why each branch ended. Warnings that were
+/// printed during the computation are not repeated.
 fn save(
     results: &Results,
     document: &Document,
@@ -314,8 +314,8 @@ impl Show {
 }
 
 impl Start {
-    /// Returns the start point with some changed values, and the kind of the curve that starts
-    /// there.
+    /// Returns the start point with some values changed, and the kind of the curve that starts at
+    /// this point.
     pub(super) fn point(
         &self,
         limit: SizeLimit,
@@ -338,18 +338,19 @@ impl Start {
     }
 }
 
-/// A special point of a document, `FILE:LABEL` or `FILE:BRANCH/LABEL`, to start from.
+/// A special point of a document, `FILE:LABEL` or `FILE:BRANCH/LABEL`, at which a branch starts.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Start {
-    /// The file of the document.
+    /// The path of the document.
     pub file: PathBuf,
-    /// The branch; may be omitted if the label is unique in the document.
+    /// The name of the branch; may be omitted if the label is unique in the document.
     pub branch: Option<String>,
     /// The label of the special point.
     pub label: usize,
 }
 
-/// Parses `NAME=VALUE,…`, a special point or `all`. Names of branches may contain equals signs.
+/// Parses `NAME=VALUE,…`, a special point of a document, or the word `all`. In a special point
+/// `FILE:BRANCH/LABEL`, the name of the branch may contain equals signs.
 pub(super) fn start(text: &str) -> Result<Begin, String> {
     let of_file = of_file(text).and_then(|(file, point)| at(file, point));
     match of_file {
@@ -375,13 +376,15 @@ pub(super) fn states(text: &str) -> Result<Vec<(String, f64)>, String> {
     parts.map(one).collect()
 }
 
-/// Splits `FILE:POINT` if the file exists: names of files and branches may contain colons.
+/// Splits `FILE:POINT` at the colon before which the text is an existing file; names of files and
+/// branches may contain colons.
 fn of_file(text: &str) -> Option<(&str, &str)> {
     let mut parts = text.match_indices(':').map(|(at, _)| (&text[..at], &text[at + 1..]));
     parts.find(|(file, _)| Path::new(file).is_file())
 }
 
-/// Parses `LABEL` or `BRANCH/LABEL` of a file. The last slash separates branch and label.
+/// Parses `LABEL` or `BRANCH/LABEL`, a special point of a document. The last slash separates the
+/// branch from the label.
 fn at(file: &str, point: &str) -> Option<Start> {
     let (branch, label) = match point.rsplit_once('/') {
         Some((branch, label)) => (Some(branch), label),

@@ -1,4 +1,4 @@
-//! Progress of a trace: prints special points, and shows a progress bar on a terminal.
+//! The progress of a trace: prints special points, and shows a progress bar on a terminal.
 
 use super::error::CommandError;
 use super::signals::interrupted;
@@ -12,7 +12,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{IsTerminal, Write};
 use std::time::Duration;
 
-/// Returns a progress bar, visible if the error stream is a terminal.
+/// Returns a progress bar, which is visible if the standard error stream is a terminal.
 pub fn bar() -> ProgressBar {
     let bar = match std::io::stderr().is_terminal() {
         true => ProgressBar::new_spinner(),
@@ -25,12 +25,12 @@ pub fn bar() -> ProgressBar {
     bar
 }
 
-/// The minimum estimated duration of a computation that is announced.
+/// The estimated duration above which a computation is announced.
 const LONG: Duration = Duration::from_secs(60);
 /// The number of minutes in a year.
 const YEAR: u64 = 365 * 24 * 60;
 
-/// Announces a computation that may take long, with its estimated duration.
+/// Announces a computation that may take a long time, with its estimated duration.
 pub fn announce(bar: &ProgressBar, name: &str, what: &str, longest: Duration, remedy: &str) {
     if longest < LONG {
         return;
@@ -61,7 +61,7 @@ pub struct Telling {
 }
 
 impl Telling {
-    /// The default for other commands: special points with all columns.
+    /// The default printed output of other commands than `trace`: special points with all columns.
     pub const USUAL: Telling = Telling { quiet: false, verbose: false, wide: true };
 
     /// Returns the width of the terminal in letters, or `None` if all columns are printed.
@@ -71,7 +71,7 @@ impl Telling {
     }
 }
 
-/// Prints special points as they are found.
+/// Prints special points to the standard output as soon as they are found.
 pub struct Watch<'a, W: Write + ?Sized> {
     out: &'a mut W,
     telling: Telling,
@@ -83,13 +83,13 @@ pub struct Watch<'a, W: Write + ?Sized> {
 }
 
 impl<'a, W: Write + ?Sized> Watch<'a, W> {
-    /// Creates a watch that prints to `out`, and shows a progress bar if the error stream is a
-    /// terminal.
+    /// Creates a watch, which prints special points to `out` and shows a progress bar if the
+    /// standard error stream is a terminal.
     pub fn new(out: &'a mut W, telling: Telling) -> Self {
         Watch { out, telling, screen: None, bar: bar(), points: 0, shown: true, failure: None }
     }
 
-    /// Ends the watch, and returns whether a signal was received.
+    /// Ends the watch, and returns whether the program received a signal.
     ///
     /// # Errors
     /// [`CommandError::Output`] if the standard output cannot be written to.

@@ -1,13 +1,13 @@
-//! Affine values: linear combinations of states and time plus a constant.
+//! Affine values of formulas: a constant plus a linear combination of the states and time.
 
 use super::assembly::{Assembly, Value};
 use super::operation::Operation;
 use std::collections::BTreeMap;
 
-/// The relative size below which a slope counts as zero.
+/// The relative size below which a coefficient counts as zero, because it is due to rounding.
 const ROUNDING: f64 = 1e-12;
 
-/// A constant plus multiples of states and of time.
+/// An affine value: a constant plus multiples of the states and of time.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Affine {
     pub constant: f64,
@@ -45,7 +45,8 @@ impl Affine {
         Affine::default().plus(factor, self)
     }
 
-    /// Substitutes new values for inputs, if these are affine, too.
+    /// Substitutes affine values for the inputs; returns `None` if the value of an input is not
+    /// affine.
     pub fn after<'a>(&self, value: impl Fn(Value) -> Option<&'a Affine>) -> Option<Self> {
         let begin = Some(Affine::number(self.constant));
         self.slopes
@@ -53,8 +54,8 @@ impl Affine {
             .fold(begin, |sum, (input, slope)| Some(sum?.plus(*slope, value(*input)?)))
     }
 
-    /// Divides by another affine value: returns the multiple and the remainder, which lacks an
-    /// input of the divisor.
+    /// Divides by another affine value: returns the factor, and the remainder, which no longer
+    /// depends on one of the inputs of the divisor.
     pub fn without(self, other: &Affine) -> (f64, Self) {
         let largest = other.slopes.iter().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
         let Some((input, slope)) = largest else { return (0.0, self) };
@@ -64,8 +65,8 @@ impl Affine {
 }
 
 impl Assembly {
-    /// Returns the affine forms of values for given parameters, `None` for values that are not
-    /// affine.
+    /// Returns the affine forms of values for given parameters; a value that is not affine yields
+    /// `None`.
     pub fn affine(&self, values: &[Value], p: &[f64]) -> Vec<Option<Affine>> {
         let needed = self.needed(values);
         let mut forms: Vec<Option<Affine>> = Vec::with_capacity(self.applied.len());
@@ -84,7 +85,7 @@ impl Assembly {
     }
 }
 
-/// Applies an operation to affine values.
+/// Applies an operation to affine values; returns `None` if the result is not affine.
 fn applied(operation: Operation, given: &[Affine]) -> Option<Affine> {
     use Operation::*;
     match (operation, given) {

@@ -13,37 +13,37 @@ use std::fmt::Write;
 use std::ops::{Deref, Range};
 use std::sync::Arc;
 
-/// The maximum number of values computed while assembling formulas: of any model, and per state of
-/// a large model.
+/// The maximum number of values computed while formulas are assembled: for any model, and per state
+/// for a large model.
 const WORK: [usize; 2] = [2_000_000, 150];
-/// The maximum number of operations of a tape: of any model, and per state of a large model.
+/// The maximum number of operations on a tape: for any model, and per state for a large model.
 const OPERATIONS: [usize; 2] = [300_000, 30];
-/// (H) After this number of definitions with an error, the remaining elements of an array get the
-/// same error.
+/// (Heuristic) The number of invalid definitions after which the remaining elements of an array get
+/// the same error.
 const ERRORS: usize = 100;
-/// (H) A phrase is not stored again if it is among this number of most recent phrases.
+/// (Heuristic) The number of most recent phrases within which an equal phrase is not stored again.
 const RECENT: usize = 8;
 /// The maximum nesting depth of sums and functions.
 const NESTED: usize = 300;
-/// The maximum depth of calls between functions.
+/// The maximum depth of nested function calls.
 const CALLS: usize = 100;
 
-/// Formulas of a scope that are assembled into one tape.
+/// The formulas of a scope while they are assembled into one tape.
 pub(super) struct Assembling<'s> {
     scope: &'s Scope,
     assembly: Assembly,
-    /// The values, or errors, of the definitions assembled so far, in order.
+    /// The values, or the errors, of the definitions that have been assembled so far, in order.
     defined: Vec<Result<Value, ModelError>>,
-    /// Whether the next definition is being assembled.
+    /// Whether a definition is being assembled at present.
     defining: bool,
-    /// Local names, with the position from which they are visible.
+    /// Local names, each with its value.
     locals: Vec<(Arc<str>, Value)>,
     frame: usize,
     calls: Vec<String>,
     depth: usize,
     work: usize,
     phrases: Vec<Phrase>,
-    /// Whether states denote values at the ends, `x(0)` and `x(1)`.
+    /// Whether the states of formulas are values at the ends of an interval, `x(0)` and `x(1)`.
     at_ends: bool,
 }
 
@@ -68,12 +68,12 @@ impl<'s> Assembling<'s> {
         }
     }
 
-    /// Starts formulas in the states at both ends.
+    /// Starts to assemble formulas that contain the states at both ends of an interval.
     pub fn at_ends(scope: &'s Scope) -> Self {
         Self::with(scope, true)
     }
 
-    /// Returns the operations so far.
+    /// Returns the operations that have been assembled so far.
     pub fn assembly(&self) -> &Assembly {
         &self.assembly
     }
@@ -94,7 +94,7 @@ impl<'s> Assembling<'s> {
         self.nodes(&formula.nodes, phrase)
     }
 
-    /// Returns the values of a formula for some elements.
+    /// Returns the values of a formula for the given elements of an array.
     pub fn of_elements(
         &mut self,
         formula: &Formula,
@@ -103,7 +103,7 @@ impl<'s> Assembling<'s> {
         elements.values().map(|at| self.indexed(formula, &at)).collect()
     }
 
-    /// Returns the value of a formula for given indices.
+    /// Returns the value of a formula for the given values of array indices.
     pub fn indexed(&mut self, formula: &Formula, at: &Indices) -> Result<Value, ModelError> {
         let depth = self.locals.len();
         self.locals.extend(at.iter().map(|(name, value)| (name.clone(), Value::number(*value))));
@@ -112,18 +112,19 @@ impl<'s> Assembling<'s> {
         value
     }
 
-    /// Parses a formula, and returns its value.
+    /// Parses and assembles a formula, and returns its value.
     pub fn read(&mut self, phrase: &Phrase) -> Result<Value, ModelError> {
         self.formula(&Formula::read(&self.scope.source, phrase)?)
     }
 
-    /// Returns the first error of a definition or function.
+    /// Returns the error of the first definition or function that is invalid.
     pub fn check_named(&mut self) -> Result<(), ModelError> {
         self.errors_of_named().into_iter().flatten().next().map_or(Ok(()), Err)
     }
 
-    /// Returns the errors of all definitions and functions, `None` for valid ones. The calls in a
-    /// function are resolved only where the function is called; its names are checked here.
+    /// Returns an entry for each definition and function: its error, or `None` if it is valid.
+    /// Calls inside a function are resolved only where the function is called; this check covers
+    /// only the names that occur in the function.
     pub fn errors_of_named(&mut self) -> Vec<Option<ModelError>> {
         self.define_all();
         let definitions = self.defined.iter().map(|value| value.clone().err());
@@ -135,8 +136,8 @@ impl<'s> Assembling<'s> {
         self.define(self.scope.definitions.len());
     }
 
-    /// Assembles the first definitions. If many elements of an array use an unknown name, the
-    /// remaining elements get the same error.
+    /// Assembles the first `count` definitions. If many elements of an array use an unknown name,
+    /// the remaining elements get the same error.
     fn define(&mut self, count: usize) {
         let (depth, frame) = (std::mem::take(&mut self.depth), self.frame);
         let calls = std::mem::take(&mut self.calls);
@@ -161,12 +162,12 @@ impl<'s> Assembling<'s> {
         (self.depth, self.frame, self.calls) = (depth, frame, calls);
     }
 
-    /// Returns the tape of some values.
+    /// Returns the tape that computes the given values.
     pub fn tape(&self, results: &[Value]) -> Tape {
         Layout::of(&self.assembly, results).tape(results)
     }
 
-    /// Returns the program of some values.
+    /// Returns the program that computes the given values.
     pub fn program(mut self, results: Vec<Value>) -> Program {
         let tape = self.tape(&results);
         self.assembly.complete();
@@ -194,7 +195,7 @@ impl<'s> Assembling<'s> {
         Ok(stack.pop().unwrap_or(Value::number(0.0)))
     }
 
-    /// Returns the value of a step.
+    /// Returns the value of one step of a formula in postfix order.
     fn step(
         &mut self,
         step: &Step,
@@ -336,8 +337,8 @@ impl<'s> Assembling<'s> {
         }
     }
 
-    /// Returns the value of a state at an end. In the numbering of states, states at the end of the
-    /// interval come after states at the beginning.
+    /// Returns the value of a state at an end of the interval. In the numbering of states, the
+    /// states at the end of the interval follow the states at the beginning.
     fn at_end(
         &self,
         name: &str,
@@ -352,7 +353,7 @@ impl<'s> Assembling<'s> {
         }
     }
 
-    /// Returns the error of a state without its end.
+    /// Returns the error for a state that is named without an end of the interval.
     fn needs_end(&self, name: &str, origin: &Origin) -> ModelError {
         let expected = format!("`{name}(0)` at the beginning or `{name}(1)` at the end");
         self.fault(origin, Fault::Syntax { expected })
@@ -408,7 +409,7 @@ impl<'s> Assembling<'s> {
     }
 }
 
-/// Assembled formulas: their tape, and the positions of their operations in the text.
+/// Assembled formulas: their tape, and the positions of the tape's operations in the text.
 #[derive(Clone, Debug)]
 pub(super) struct Program {
     tape: Tape,
@@ -426,7 +427,8 @@ impl Deref for Program {
 }
 
 impl Program {
-    /// Returns the error of the first value that is not finite at `(t, x, p)`, if any.
+    /// Returns the error of the first operation whose value is not finite at `(t, x, p)`, or `None`
+    /// if all values are finite.
     pub fn undefined(
         &self,
         source: &Source,
@@ -449,7 +451,8 @@ impl Program {
     }
 }
 
-/// Returns the elements that a name in a statement denotes: a scalar, or elements of an array.
+/// Returns the elements that a name in a statement denotes: a scalar, or one or more elements of an
+/// array.
 pub(super) fn elements(scope: &Scope, phrase: &Phrase) -> Result<Elements, ModelError> {
     let Declared { name, indices } = Declared::read(&scope.source, phrase)?;
     if indices.is_empty() {
@@ -492,7 +495,7 @@ pub(super) fn elements(scope: &Scope, phrase: &Phrase) -> Result<Elements, Model
 /// The largest index.
 const LARGEST: f64 = 1e9;
 
-/// Returns the value of an index, which must be constant.
+/// Returns the integer value of an index; the index must be constant.
 fn integer_in(
     scope: &Scope,
     value: Value,

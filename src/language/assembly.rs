@@ -9,12 +9,12 @@ use std::ops::Range;
 /// A value in a formula: a number, an input, or the result of an earlier operation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub(super) enum Value {
-    /// The bits of a number.
+    /// A number, given by its bit pattern.
     Number(u64),
     Time,
     State(u32),
     Parameter(u32),
-    /// The result of an operation, by its position.
+    /// The result of an earlier operation, given by the index of the operation.
     Result(u32),
 }
 
@@ -23,7 +23,7 @@ impl Value {
         Value::Number(value.to_bits())
     }
 
-    /// Returns the position of a parameter, or `None` for other values.
+    /// Returns the index of the parameter, or `None` if the value is not a parameter.
     pub fn as_parameter(self) -> Option<u32> {
         match self {
             Value::Parameter(k) => Some(k),
@@ -35,7 +35,7 @@ impl Value {
         self.as_parameter().is_some()
     }
 
-    /// Returns whether the value is the parameter at the given position.
+    /// Returns whether the value is the parameter with the given index.
     pub fn is_at(self, parameter: usize) -> bool {
         self == Value::Parameter(parameter as u32)
     }
@@ -48,15 +48,15 @@ impl Value {
     }
 }
 
-/// The place of an operation in the text: a phrase, by its position among all parsed phrases, and a
-/// part of the phrase.
+/// The origin of an operation in the text: the index of a phrase among all parsed phrases, and the
+/// range of the operation in the phrase.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct Origin {
     pub phrase: usize,
     pub part: Range<usize>,
 }
 
-/// An operation with its arguments; unused arguments repeat the first one.
+/// An operation with three arguments; an operation with fewer arguments repeats its first argument.
 pub(super) type Applied = (Operation, [Value; 3]);
 
 /// Operations without duplicates.
@@ -65,18 +65,18 @@ pub(super) struct Assembly {
     pub applied: Vec<Applied>,
     origins: Vec<Origin>,
     known: HashMap<Key, u32, BuildHasherDefault<Mixer>>,
-    /// The numbers in order of occurrence.
+    /// The index of each number that occurs, in order of its first occurrence.
     numbers: HashMap<u64, u32, BuildHasherDefault<Mixer>>,
 }
 
-/// An operation with its arguments in 32 bits each, to save memory in models with millions of
-/// operations.
+/// The key of an operation: the operation and its arguments in 32 bits each, to save memory in
+/// models with millions of operations.
 type Key = (u64, u64);
 
-/// A position beyond the size of any model.
+/// An index larger than any index in a model.
 const NOWHERE: u32 = u32::MAX >> 2;
 
-/// A fast hash. The keys are positions, so attackers cannot choose colliding keys.
+/// A fast hash. The keys of the hash table are indices, so attackers cannot choose colliding keys.
 #[derive(Default)]
 struct Mixer(u64);
 
@@ -95,12 +95,12 @@ impl Hasher for Mixer {
 }
 
 impl Assembly {
-    /// Returns the number of operations.
+    /// Returns the number of operations in the assembly.
     pub fn len(&self) -> usize {
         self.applied.len()
     }
 
-    /// Adds an operation on one to three values, and returns its result.
+    /// Adds an operation on one to three values, and returns the value that denotes its result.
     pub fn apply(&mut self, operation: Operation, given: &[Value], origin: &Origin) -> Value {
         use Operation::*;
         let arguments = std::array::from_fn(|k| given.get(k).copied().unwrap_or(given[0]));
@@ -152,13 +152,13 @@ impl Assembly {
         Value::Result(position)
     }
 
-    /// Returns the position of an operation, if present.
+    /// Returns the index of an operation, or `None` if the assembly does not contain the operation.
     pub fn position(&self, applied: &Applied) -> Option<u32> {
         let number = |bits: u64| self.numbers.get(&bits).copied().unwrap_or(NOWHERE);
         self.known.get(&key(applied, number)).copied()
     }
 
-    /// Drops the tables that are only needed to add operations.
+    /// Drops the tables that are needed only while operations are added.
     pub fn complete(&mut self) {
         (self.known, self.numbers) = Default::default();
     }
@@ -172,8 +172,8 @@ impl Assembly {
         inputs.chain(values).any(|value| input(value) && sort(*value))
     }
 
-    /// Evaluates in real numbers the operations needed for some results, and returns the first
-    /// operation whose value is not finite, with its arguments.
+    /// Evaluates, in real numbers, the operations on which the given results depend, and returns
+    /// the first operation whose value is not finite, with its arguments.
     pub fn undefined(&self, results: &[Value], t: f64, x: &[f64], p: &[f64]) -> Option<Undefined> {
         let needed = self.needed(results);
         let mut values: Vec<f64> = Vec::with_capacity(self.applied.len());
@@ -202,7 +202,7 @@ impl Assembly {
         None
     }
 
-    /// Returns the operations needed for some results.
+    /// Returns, for each operation, whether the given results depend on it.
     pub fn needed(&self, results: &[Value]) -> Vec<bool> {
         let mut needed = vec![false; self.applied.len()];
         let mut mark = |value: &Value| {
@@ -225,7 +225,8 @@ impl Assembly {
     }
 }
 
-/// Returns the key of an operation. `number` returns the position of a number among all numbers.
+/// Returns the key of an operation, from which equal operations are recognised. The callback
+/// `number` returns the index of a number among all numbers of the assembly.
 fn key((operation, arguments): &Applied, mut number: impl FnMut(u64) -> u32) -> Key {
     let [a, b, c] = arguments.map(|value| {
         let [sort, position] = match value {

@@ -1,4 +1,4 @@
-//! The common part of all models: parameters, definitions, functions and monitors.
+//! The common part of all kinds of models: parameters, definitions, functions and monitors.
 
 use super::assembling::{Assembling, Program, elements};
 use super::assembly::Value;
@@ -15,55 +15,58 @@ use crate::core::scalar::Scalar;
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 
-/// The parts that models of all kinds have.
+/// The parts that models of every kind contain.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Basis {
     pub source: Source,
     pub parameters: Vec<String>,
-    /// The default values of the first parameters; the others have none.
+    /// The default values of the first parameters; the remaining parameters do not have default
+    /// values.
     pub defaults: Vec<f64>,
-    /// The states of the initial mode, or the unknowns.
+    /// The states of the initial mode; for a zero problem, the unknowns.
     pub states: Vec<String>,
-    /// The states by name: an array of states is one group.
+    /// The states grouped by name: an array of states is one group.
     pub groups: Vec<Group>,
-    /// The states with stated initial values, and the formulas of these values.
+    /// The names of the states whose initial values are stated, and the formulas of these initial
+    /// values.
     pub initial: (Vec<String>, Tape),
-    /// Parameters that no formula uses.
+    /// The names of parameters that no formula uses.
     pub unused: Vec<String>,
-    /// Definitions with their lines in the text.
+    /// The names of definitions, each with its line in the text.
     pub definitions: Vec<(String, String)>,
-    /// Monitors, with a formula in each mode.
+    /// The names of monitors, each with a formula for every mode.
     pub monitors: Vec<(String, Vec<Tape>)>,
-    /// The measures recorded during motion by default.
+    /// The measures that are recorded by default during a motion.
     pub measures: Vec<(String, Measure)>,
-    /// The period of a forcing, or the length of an interval.
+    /// The period of a periodic forcing; for a boundary-value problem, the length of the interval.
     pub duration: Duration,
-    /// Whether time occurs without a stated period.
+    /// Whether formulas depend on time although no period is stated.
     pub aperiodic: bool,
-    /// Typical sizes of states in their order; empty if none is stated.
+    /// Typical sizes of the states, in the order of the states; empty if no sizes are stated.
     pub sizes: Vec<f64>,
-    /// Typical sizes of all states and of time.
+    /// The typical sizes of all states and of time.
     pub scales: Scales,
-    /// Labels of axes that show a column.
+    /// The names of columns and the labels of the axes that show these columns.
     pub labels: Vec<(String, String)>,
 }
 
-/// The interface of problems given as text, beyond the interface of the core.
+/// The functions of a problem given as text that go beyond the traits of the core.
 pub(super) trait Kind {
     fn basis(&self) -> &Basis;
 
-    /// Returns the error of the first formula without a finite value at `(0, x, p)`, if any.
+    /// Returns the error of the first formula whose value is not finite at `(0, x, p)`, or `None`
+    /// if all values are finite.
     fn undefined(&self, _x: &[f64], _p: &[f64]) -> Option<ModelError> {
         None
     }
 
-    /// Returns the initial states of motion; for boundary-value problems, the initial profiles at a
-    /// time in units of the length.
+    /// Returns the initial states of a motion; for a boundary-value problem, returns the initial
+    /// profiles at the position `tau`, in units of the interval's length.
     fn initial_along(&self, _tau: f64, p: &[f64]) -> Vec<(String, f64)> {
         self.basis().initial_at(0.0, p)
     }
 
-    /// Returns the discontinuous guards.
+    /// Returns the names of the guards whose functions are discontinuous.
     fn jumping_guards(&self) -> Vec<&str> {
         Vec::new()
     }
@@ -72,7 +75,7 @@ pub(super) trait Kind {
 /// Evaluates a formula without names, such as `8/3` or `2*pi`.
 ///
 /// # Errors
-/// [`ModelError`] for an invalid formula.
+/// [`ModelError`] if the formula is invalid.
 ///
 /// ```
 /// use tangency::language::number;
@@ -96,7 +99,8 @@ pub(super) fn constant(scope: &Scope, phrase: &Phrase) -> Result<f64, ModelError
 }
 
 impl Basis {
-    /// Collects the parameters of a statement, and the names of those that a scene gives.
+    /// Collects the parameters of a statement, and the names of the parameters to which a scene
+    /// gives values.
     pub fn of(source: &Source, common: Common, given: &[String]) -> Result<Self, ModelError> {
         let scope = Scope::new(source.clone());
         let (mut parameters, mut defaults) = (Vec::new(), Vec::new());
@@ -116,8 +120,8 @@ impl Basis {
         Ok(Basis { source, parameters, defaults, definitions, ..Basis::default() })
     }
 
-    /// Assembles a statement without modes and events, up to its rates: its names, initial states,
-    /// and the formulas of the rates.
+    /// Assembles a statement without modes and events up to the formulas of its rates, that is,
+    /// names, initial states and rates.
     pub fn of_rates(
         source: &Source,
         common: Common,
@@ -132,8 +136,9 @@ impl Basis {
         Ok((basis, scope, states))
     }
 
-    /// Assembles the parts that do not depend on the kind of equations, in the scopes of all modes:
-    /// monitors, and sizes of states (for systems with events also of time).
+    /// Assembles the parts of a model that do not depend on the kind of its equations, in the
+    /// scopes of all modes: monitors and sizes of states, and for systems with events also the size
+    /// of time.
     pub fn finish(
         &mut self,
         common: Common,
@@ -166,18 +171,18 @@ impl Basis {
         self.monitors.iter().map(|(name, _)| name.clone()).collect()
     }
 
-    /// Returns the names of a problem without modes.
+    /// Returns the names of states, parameters and monitors of a problem without modes.
     pub fn names(&self) -> Names {
         let names = Names::new(self.groups.clone(), self.parameters.clone());
         names.with_monitors(self.monitor_names())
     }
 
-    /// Returns the value of a monitor in a mode.
+    /// Returns the value of a monitor in a given mode.
     pub fn monitor<T: Scalar>(&self, monitor: usize, mode: usize, t: T, x: &[T], p: &[T]) -> T {
         self.monitors[monitor].1[mode].value(t, x, p)
     }
 
-    /// Returns the names that formulas may use: states, parameters, definitions and functions.
+    /// Returns the scope of formulas: the names of states, parameters, definitions and functions.
     pub fn scope(&self, common: Common, states: &[Stated]) -> Result<Scope, ModelError> {
         let mut scope = Scope::new(self.source.clone());
         for (k, name) in self.parameters.iter().enumerate() {
@@ -202,13 +207,14 @@ impl Basis {
         Ok(scope)
     }
 
-    /// Sets the initial values, in the states of a scope.
+    /// Sets the formulas of the initial values of the states in a scope.
     pub fn begin(&mut self, common: Common, scope: &Scope) -> Result<(), ModelError> {
         let reason = "initial values may depend on parameters only";
         self.start(common, scope, reason, Value::is_parameter)
     }
 
-    /// Sets the initial profiles of branches over time, in the states of a scope.
+    /// Sets the formulas of the initial profiles, which may depend on time, of the states in a
+    /// scope.
     pub fn begin_along(&mut self, common: Common, scope: &Scope) -> Result<(), ModelError> {
         let reason = "initial profiles may depend on time and on parameters only";
         self.start(common, scope, reason, |input| input.is_parameter() || input == Value::Time)
@@ -245,7 +251,7 @@ impl Basis {
         Ok(())
     }
 
-    /// Returns the initial values of states at a time, for given parameters.
+    /// Returns the initial values of the states at a given time, for given parameters.
     pub fn initial_at(&self, t: f64, p: &[f64]) -> Vec<(String, f64)> {
         let (states, tape) = &self.initial;
         let mut values = vec![0.0; states.len()];
@@ -254,7 +260,7 @@ impl Basis {
     }
 }
 
-/// Rejects a name that is not a state.
+/// Returns an error if a name does not denote a state.
 fn require_state(scope: &Scope, phrase: &Phrase, name: &str) -> Result<(), ModelError> {
     let fault = match scope.meaning(name) {
         Some(Meaning::State(_)) => return Ok(()),
@@ -271,19 +277,19 @@ fn require_state(scope: &Scope, phrase: &Phrase, name: &str) -> Result<(), Model
     Err(scope.source.fault_of(phrase, fault))
 }
 
-/// A state or an array of states, with the formula of its rates.
+/// A state or an array of states, with the formula of its rate of change.
 pub(super) struct Stated {
     pub phrase: Phrase,
     pub elements: Elements,
     pub formula: Formula,
 }
 
-/// Returns the names of all states.
+/// Returns the names of all states in a statement.
 pub(super) fn names_of(states: &[Stated]) -> Vec<String> {
     states.iter().flat_map(|stated| stated.elements.names()).collect()
 }
 
-/// Returns the states with their rates.
+/// Returns the states of a statement with the formulas of their rates of change.
 pub(super) fn states_of(
     basis: &Basis,
     common: Common,
@@ -311,7 +317,8 @@ pub(super) fn states_of(
     Ok(all)
 }
 
-/// Returns a scope with the constant definitions, which ends of arrays may use.
+/// Returns a scope that contains the constant definitions, which may be used in the index ranges of
+/// arrays.
 fn ends_of(basis: &Basis, common: Common) -> Scope {
     let mut scope = Scope::new(basis.source.clone());
     for (k, name) in basis.parameters.iter().enumerate() {
@@ -326,14 +333,14 @@ fn ends_of(basis: &Basis, common: Common) -> Scope {
     scope
 }
 
-/// Returns the program of all rates.
+/// Returns the program that computes the rates of change of all states.
 pub(super) fn program_of(scope: &Scope, rates: &[Stated]) -> Result<Program, ModelError> {
     let mut assembling = Assembling::new(scope);
     let values = values_of(&mut assembling, rates)?;
     Ok(assembling.program(values))
 }
 
-/// Returns the rates of all states.
+/// Returns the values of the rates of change of all states.
 pub(super) fn values_of(
     assembling: &mut Assembling,
     rates: &[Stated],
@@ -346,7 +353,7 @@ pub(super) fn values_of(
     Ok(values)
 }
 
-/// Returns the monitors by name, with a formula in each scope.
+/// Returns the names of the monitors, each with a formula for every scope.
 fn monitors_of(
     scopes: &[&Scope],
     monitors: &Formulas,
@@ -368,18 +375,18 @@ fn monitors_of(
     Ok(all)
 }
 
-/// Returns the tape of a formula.
+/// Returns the tape that computes a formula.
 pub(super) fn tape_of(scope: &Scope, formula: &Phrase) -> Result<Tape, ModelError> {
     let mut assembling = Assembling::new(scope);
     let value = assembling.read(formula)?;
     Ok(assembling.tape(&[value]))
 }
 
-/// The maximum number of elements of an array whose extremes are recorded one by one.
+/// The maximum length of an array for which the extremes of each element are recorded.
 const SINGLE: usize = 10;
 
-/// Returns the positions of states that are recorded one by one, and the long arrays with the names
-/// of their norms.
+/// Returns the indices of the states that are recorded individually, and the long arrays with the
+/// names of their norms.
 pub(super) fn recorded(states: &[String]) -> (Vec<usize>, Vec<(String, Range<usize>)>) {
     fn array(name: &str) -> &str {
         name.split_once('[').map_or(name, |(array, _)| array)
@@ -396,8 +403,8 @@ pub(super) fn recorded(states: &[String]) -> (Vec<usize>, Vec<(String, Range<usi
     (single, arrays)
 }
 
-/// Returns the measures recorded by default: the same as for every problem, except that a long
-/// array has only its norm.
+/// Returns the measures that are recorded by default: they are the same as for other problems,
+/// except that of a long array only the norm is recorded.
 fn measures(states: &[String], monitors: Vec<String>) -> Vec<(String, Measure)> {
     let (single, arrays) = recorded(states);
     let norms = arrays.into_iter().map(|(name, all)| (name, Measure::norm(states[all].to_vec())));
@@ -405,8 +412,9 @@ fn measures(states: &[String], monitors: Vec<String>) -> Vec<(String, Measure)> 
     norms.chain(Measure::by_default(single, monitors)).collect()
 }
 
-/// Returns labels of axes that show a column: the label or the name, and the unit. The period has
-/// the unit of time, and the extremes of a state have the label and the unit of the state.
+/// Returns the labels of axes for columns: the label or the name of the column, followed by its
+/// unit. The column `period` has the unit of time, and the columns of the extremes of a state have
+/// the label and the unit of the state.
 fn labels_of(
     basis: &Basis,
     common: Common,
@@ -468,7 +476,7 @@ fn labels_of(
 }
 
 /// Returns the elements that a name denotes in `initial` and `scales`: a state, elements of an
-/// array by their indices, or a whole array by its name.
+/// array selected by indices, or a whole array.
 fn elements_of<'s>(
     scope: &Scope,
     phrase: &Phrase,
@@ -479,8 +487,8 @@ fn elements_of<'s>(
     Ok(whole.unwrap_or(named))
 }
 
-/// Returns the sizes of states, and of time if there is one; empty if all are 1. For duplicate
-/// sizes of an element the first one counts.
+/// Returns the typical sizes of the states, and of time for systems with events; empty if all sizes
+/// are 1. If several sizes are given for an element, the first size is used.
 fn scales_of(
     scope: &Scope,
     scales: &Formulas,

@@ -12,7 +12,7 @@ use crate::core::bvp::{BoundaryProblem, Ends, Monitor, Watched};
 use crate::core::problem::Observable;
 use crate::core::scalar::Scalar;
 
-/// A boundary-value problem given as text, on one segment.
+/// A boundary-value problem given as text; its interval is a single segment.
 #[derive(Clone, Debug)]
 pub struct Conditions {
     basis: Basis,
@@ -25,7 +25,8 @@ pub struct Conditions {
     integrals: usize,
 }
 
-/// Assembles a statement, for a scene that gives some parameters.
+/// Assembles the statement of a boundary-value problem, for a scene that gives values to some
+/// parameters.
 pub(super) fn understood(
     source: &Source,
     statement: &Boundary,
@@ -64,8 +65,8 @@ pub(super) fn understood(
     Ok(Conditions { basis, unknowns, rates, conditions, integrands, integrals })
 }
 
-/// Names the position on the interval, which need not be a time, by its name in the equations, `t`,
-/// unless the statement gives it a label.
+/// Labels the axis of the position on the interval, which need not be a time, by its name `t` in
+/// the equations, unless the statement gives a label.
 fn name_position(basis: &mut Basis, common: Common) {
     let monitors = basis.monitor_names();
     let mut others = basis.states.iter().chain(&basis.parameters).chain(&monitors);
@@ -85,14 +86,15 @@ impl Kind for Conditions {
         &self.basis
     }
 
-    /// Returns the initial profiles, with additional unknowns taken as 0.
+    /// Returns the initial profiles, evaluated with the additional unknowns set to 0.
     fn initial_along(&self, tau: f64, p: &[f64]) -> Vec<(String, f64)> {
         let q = [p, &vec![0.0; self.unknowns.len()]].concat();
         self.basis.initial_at(tau * self.basis.duration.value(&q), p)
     }
 }
 
-/// Rejects a number of conditions other than the number of states and unknowns.
+/// Returns an error unless the number of conditions equals the number of states plus the number of
+/// additional unknowns.
 fn check_count(source: &Source, statement: &Boundary, states: usize) -> Result<(), ModelError> {
     let given = statement.conditions.len() + statement.integrals.len();
     let unknowns = statement.unknowns.len();
@@ -108,7 +110,8 @@ fn check_count(source: &Source, statement: &Boundary, states: usize) -> Result<(
     Err(source.fault_of(&phrase, Fault::Missing { what, needed }))
 }
 
-/// The maximum number of states whose values at both ends need no allocation.
+/// The maximum number of boundary values (of all states at both ends) that are stored without an
+/// allocation.
 const FEW: usize = 16;
 
 impl BoundaryProblem for Conditions {
@@ -161,8 +164,8 @@ impl BoundaryProblem for Conditions {
         self.basis.monitor(function, 0, t, x, q)
     }
 
-    /// Returns the extremes of all states, the norms of long arrays, and the mean and extremes of
-    /// every monitor.
+    /// Returns the monitors of a solution: the extremes of all states, the norms of long arrays,
+    /// and the mean and extremes of every model monitor.
     fn monitors(&self) -> Vec<(String, Monitor)> {
         let Basis { states, .. } = &self.basis;
         let monitors = self.basis.monitor_names();

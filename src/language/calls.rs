@@ -1,4 +1,5 @@
-//! Names and calls in formulas, checked without values, also in functions that are never called.
+//! Checks of the names and calls in formulas that need no values, so that functions that are never
+//! called are checked, too.
 
 use super::operation::{self, Operation};
 use super::scope::{Function, Scope};
@@ -8,7 +9,8 @@ use std::ops::Range;
 use std::sync::Arc;
 
 impl Scope {
-    /// Returns the errors of all functions in the order of their names, `None` for valid ones.
+    /// Returns the errors of all functions in the order of the functions' names; a valid function
+    /// yields `None`.
     pub fn errors_of_functions(&self) -> Vec<Option<ModelError>> {
         let mut functions: Vec<(&String, &Function)> = self.functions.iter().collect();
         functions.sort_unstable_by_key(|(name, _)| *name);
@@ -20,7 +22,8 @@ impl Scope {
         functions.into_iter().map(|(_, own)| error(own)).collect()
     }
 
-    /// Rejects unknown names and invalid calls, except for the given local names.
+    /// Returns an error for unknown names and invalid calls in a formula, except for the given
+    /// local names.
     pub fn check_nodes(
         &self,
         nodes: &[Node],
@@ -69,8 +72,9 @@ impl Scope {
         self.meaning(name).is_some() || ["pi", "e"].contains(&name)
     }
 
-    /// Resolves a call. Rejects a call of a name that is not a function, or with the wrong number
-    /// of arguments. A state may be called for its value at an end.
+    /// Resolves a call. Returns an error if the called name is not a function, or if the number of
+    /// arguments is wrong. The call `x(0)` or `x(1)` of a state `x` is valid, and denotes the value
+    /// of the state at an end of the interval.
     pub fn called(
         &self,
         function: &str,
@@ -105,17 +109,17 @@ impl Scope {
     }
 }
 
-/// The target of a call.
+/// The meaning of a name that is called.
 pub(super) enum Called<'s> {
     /// A function defined in the model.
     Own(&'s Function),
-    /// A function of the language.
+    /// A function that is built into the language.
     BuiltIn(Operation),
-    /// A state, for its value at an end.
+    /// A state, whose value at an end of the interval is meant.
     State,
 }
 
-/// Returns whether a name denotes an element of an array.
+/// Returns whether a name has the form of an element of a given array.
 fn is_element(name: &str, array: &str) -> bool {
     name.strip_prefix(array).is_some_and(|rest| rest.starts_with('['))
 }

@@ -1,4 +1,5 @@
-//! Periods and lengths: formulas of parameters that must be positive.
+//! Periods of forcings and lengths of intervals: formulas of parameters whose values must be
+//! positive.
 
 use super::assembling::Assembling;
 use super::scope::{Meaning, Scope};
@@ -8,26 +9,28 @@ use crate::core::problem::Forcing;
 use crate::core::scalar::Scalar;
 use std::f64::consts::TAU;
 
-/// A period or a length, which may depend on parameters only; 1 by default.
+/// A period of a forcing or a length of an interval, which may depend on parameters only; 1 by
+/// default.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Duration(Option<Stated>);
 
 #[derive(Clone, Debug)]
 struct Stated {
-    /// `the period` or `the length`.
+    /// The name of the quantity in messages: `the period` or `the length`.
     what: &'static str,
     phrase: Phrase,
     tape: Tape,
-    /// The names and positions of the required parameters. Additional unknown numbers follow the
-    /// parameters.
+    /// The names and indices of the parameters that the formula contains. The indices of additional
+    /// unknowns follow the indices of the parameters.
     needs: Vec<(String, usize)>,
 }
 
 impl Duration {
-    /// Parses a formula, if one is stated.
+    /// Parses the formula of a period or a length, if the statement contains one.
     ///
     /// # Errors
-    /// [`ModelError`] for a formula of states or time, and for a number that is not positive.
+    /// [`ModelError`] if the formula contains states or time, or if its value is a number that is
+    /// not positive.
     pub fn read(
         scope: &Scope,
         what: &'static str,
@@ -52,12 +55,13 @@ impl Duration {
         duration.refused(&scope.source, &[]).map_or(Ok(duration), Err)
     }
 
-    /// Returns whether no formula is stated.
+    /// Returns whether the statement contains no formula of the period or length.
     pub fn is_none(&self) -> bool {
         self.0.is_none()
     }
 
-    /// Returns the error of a value that is not positive, if all required parameters are known.
+    /// Returns an error if the value is not positive; returns `None` if some required parameters
+    /// are unknown.
     pub fn refused(&self, source: &Source, p: &[f64]) -> Option<ModelError> {
         let Stated { what, phrase, needs, .. } = self.0.as_ref()?;
         if needs.iter().any(|(_, k)| *k >= p.len()) {
@@ -75,13 +79,13 @@ impl Duration {
         Some(source.fault_of(phrase, fault))
     }
 
-    /// Returns the value for given parameters.
+    /// Returns the period or the length for given parameters.
     #[inline]
     pub fn value<T: Scalar>(&self, p: &[T]) -> T {
         self.0.as_ref().map_or(T::one(), |stated| stated.tape.value(T::zero(), &[], p))
     }
 
-    /// Returns a periodic forcing, if a period is stated.
+    /// Returns the periodic forcing, or `None` if no period is stated.
     pub fn forcing(&self) -> Forcing {
         self.0.as_ref().map_or(Forcing::None, |_| Forcing::Periodic { phase: TAU })
     }

@@ -1,22 +1,24 @@
 //! Elementary functions of nested dual numbers and jets, by their Taylor series.
 //!
-//! `x = x₀ + h` with a real number `x₀`, and `h` has a vanishing power `h^{N+1}` where `N` is the
-//! number of derivatives, so that `f(x) = Σ_{k ≤ N} f⁽ᵏ⁾(x₀)/k! hᵏ`. Interpreted formulas call some
-//! thirty functions for some forty scalar types: one composition is compiled for each type, instead
-//! of a chain rule for each function and each layer.
+//! The argument of a function is `x = x₀ + h` with a real number `x₀` and a nilpotent part `h`: the
+//! power `h^{N+1}` vanishes, where `N` is the number of derivatives, so that `f(x) = Σ_{k ≤ N}
+//! f⁽ᵏ⁾(x₀)/k! hᵏ`. Interpreted formulas call about thirty functions for about forty scalar types:
+//! one Taylor composition is compiled for each type, instead of a chain rule for each function and
+//! each level of nesting.
 
 use crate::core::scalar::Scalar;
 use crate::core::scalar::jet::powers::{by_quotient, by_squares};
 use crate::core::scalar::jet::series;
 use crate::core::scalar::jet::taylor::{self, MOST_ORDER, Series};
 
-/// Returns whether functions of this scalar type use the composition. The chain rule is faster for
-/// first derivatives, the only ones of numbers in lanes, and jets have their own composition.
+/// Returns whether functions of this scalar type are evaluated by Taylor composition. The chain
+/// rule is faster for first derivatives, and batched numbers contain first derivatives only; jets
+/// have their own Taylor composition.
 const fn composes<T: Scalar>() -> bool {
     T::NDERIV > 1 && T::NDERIV < MOST_ORDER
 }
 
-/// Evaluates `Σ_k f_k hᵏ` by Horner's rule.
+/// Evaluates the Taylor series `Σ_k f_k hᵏ` by Horner's rule.
 #[inline(never)]
 fn composed<T: Scalar>(x: &T, f: &Series) -> T {
     let h = *x - x.real();

@@ -1,4 +1,4 @@
-//! Guards given as text: the condition of the event, the next mode and the reset of states.
+//! Guards given as text: the condition of their events, the next mode, and the reset of the states.
 
 use super::assembling::{Assembling, elements};
 use super::assembly::Value;
@@ -20,14 +20,14 @@ use std::collections::HashMap;
 /// The condition under which a guard triggers an event.
 #[derive(Clone, Debug)]
 pub(super) enum When {
-    /// Events at zeros of a function.
+    /// The event occurs at the zeros of a function.
     Vanishes(Tape),
-    /// Events at given times.
+    /// The event occurs at given times.
     At(Times),
 }
 
 impl When {
-    /// Returns the value of the function, or the time left.
+    /// Returns the value of the guard's function, or the time left until the next given time.
     pub fn value<T: Scalar>(&self, t: T, x: &[T], p: &[T]) -> T {
         match self {
             When::Vanishes(function) => function.value(t, x, p),
@@ -35,23 +35,24 @@ impl When {
         }
     }
 
-    /// Returns the function, if the event is at its zeros.
+    /// Returns the guard's function, or `None` if the events occur at given times.
     pub fn function(&self) -> Option<&Tape> {
         if let When::Vanishes(function) = self { Some(function) } else { None }
     }
 }
 
-/// A guard in one of its modes.
+/// A guard in one of the modes in which it is active.
 #[derive(Clone, Debug)]
 pub(super) struct Event {
     pub when: When,
     pub next: Choice,
     pub accumulates_to: Option<Choice>,
-    /// The states after the event, for each possible next mode.
+    /// The formulas of the states after the event, for each possible next mode.
     pub resets: Vec<(usize, Tape)>,
 }
 
-/// The possible next modes, and the functions that select among them: the first positive one.
+/// The possible next modes, and the functions that select the next mode: the first function with a
+/// positive value selects its mode.
 #[derive(Clone, Debug)]
 pub(super) struct Choice {
     modes: Vec<usize>,
@@ -59,38 +60,39 @@ pub(super) struct Choice {
 }
 
 impl Choice {
-    /// Returns the modes, in the order in which the functions select them.
+    /// Returns the possible next modes, in the order in which their functions are tested.
     pub fn modes(&self) -> &[usize] {
         &self.modes
     }
 
-    /// Returns the function that selects the mode at a position.
+    /// Returns the function that selects the mode at a given index.
     pub fn function(&self, position: usize) -> &Tape {
         &self.functions[position]
     }
 
-    /// Returns the next mode at `(t, x, p)`: the last one if no function is positive.
+    /// Returns the next mode at `(t, x, p)`: the last mode if no function is positive.
     pub fn at(&self, t: f64, x: &[f64], p: &[f64]) -> usize {
         let positive = self.functions.iter().position(|function| function.value(t, x, p) > 0.0);
         self.modes[positive.unwrap_or(self.modes.len() - 1)]
     }
 }
 
-/// A mode of a statement during assembly.
+/// A mode of a statement, while the statement is assembled.
 pub(super) struct ModeScope {
     pub name: String,
     pub states: Vec<String>,
     pub scope: Scope,
-    /// The number of the mode's own definitions, which come first.
+    /// The number of definitions that belong to this mode only; these definitions precede all
+    /// others.
     pub own: usize,
 }
 
-/// Returns the names of modes.
+/// Returns the names of the modes.
 fn names(scopes: &[ModeScope]) -> Vec<&str> {
     scopes.iter().map(|mode| &mode.name[..]).collect()
 }
 
-/// Rejects a definition or a function that is invalid in all modes.
+/// Returns an error if a definition or a function is invalid in all modes.
 pub(super) fn check_named(scopes: &[ModeScope]) -> Result<(), ModelError> {
     let mut of_modes: Vec<Vec<Option<ModelError>>> = Vec::new();
     for mode in scopes {
@@ -110,7 +112,7 @@ pub(super) fn check_named(scopes: &[ModeScope]) -> Result<(), ModelError> {
     Ok(())
 }
 
-/// Adds a guard, or adds modes to an earlier guard of the same name.
+/// Adds a guard, or extends an existing guard of the same name to further modes.
 pub(super) fn add(
     source: &Source,
     stated: &statement::Guard,
@@ -147,7 +149,7 @@ pub(super) fn add(
     Ok(())
 }
 
-/// Assembles a guard, with its event in each of its modes.
+/// Assembles a guard, with its event in each of the modes in which the guard is active.
 fn understood(
     source: &Source,
     name: String,
@@ -203,7 +205,7 @@ fn understood(
     Ok((Guard { accumulates_to: accumulates, changes_in, ..guard }, events))
 }
 
-/// Returns the condition of a guard's event in a mode.
+/// Returns the condition that triggers a guard's event in a mode.
 fn when(source: &Source, guard: &statement::Guard, scope: &Scope) -> Result<When, ModelError> {
     let name = &guard.name.text;
     match (&guard.function, &guard.at) {
@@ -236,7 +238,7 @@ fn when(source: &Source, guard: &statement::Guard, scope: &Scope) -> Result<When
     }
 }
 
-/// Evaluates a duration, which must be above 0.
+/// Evaluates the time within which a guard changes, which must be positive.
 fn duration(source: &Source, phrase: &Phrase) -> Result<f64, ModelError> {
     let time = constant(&Scope::new(source.clone()), phrase)?;
     if time > 0.0 {
@@ -247,7 +249,7 @@ fn duration(source: &Source, phrase: &Phrase) -> Result<f64, ModelError> {
     Err(source.fault_of(phrase, Fault::Misplaced { what, reason }))
 }
 
-/// Returns the possible next modes, if any are named.
+/// Returns the possible next modes, or `None` if the statement names no next mode.
 fn choice(
     source: &Source,
     next: &Next,
@@ -276,11 +278,12 @@ fn choice(
     Ok(Some(Choice { modes, functions }))
 }
 
-/// Formulas by the state that they reset, with the values of its indices in an array.
+/// The reset formulas of states, by the name of the state, each with the values of the state's
+/// array indices.
 type Resets = HashMap<String, (Formula, Indices)>;
 
-/// Returns the states that a guard resets in a mode, by name; a name with a range resets all its
-/// elements.
+/// Returns the reset formulas of a guard in a mode, by the name of the state; a name with a range
+/// of indices resets all elements in the range.
 fn resets(
     source: &Source,
     guard: &statement::Guard,
@@ -303,7 +306,7 @@ fn resets(
     Ok(resets)
 }
 
-/// Returns the initial states of a mode that follows another one.
+/// Returns the tape that computes the states in the next mode from the states in the present mode.
 fn reset(
     source: &Source,
     guard: &statement::Guard,

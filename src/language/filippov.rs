@@ -14,20 +14,21 @@ use crate::core::hybrid::{HybridSystem, Scales};
 use crate::core::problem::{Forcing, Measure, position};
 use crate::core::scalar::Scalar;
 
-/// Two fields and a surface given as text.
+/// A Filippov system given as text: two vector fields and the surface that separates them.
 #[derive(Clone, Debug)]
 pub struct TwoFields {
     basis: Basis,
     names: FilippovNames,
-    /// The rates above and below the surface.
+    /// The rates of the states above and below the surface.
     rates: [Program; 2],
     sliding: Option<Program>,
     surface: Program,
-    /// The functions that hold sliding against leaving upwards and downwards.
+    /// The functions that stay positive while the trajectory keeps sliding instead of leaving the
+    /// surface upwards, and downwards.
     holds: [Option<Program>; 2],
 }
 
-/// Assembles a statement, for a scene that gives some parameters.
+/// Assembles the statement of a Filippov system, for a scene that gives values to some parameters.
 pub(super) fn understood(
     source: &Source,
     statement: &FilippovEquations,
@@ -57,8 +58,8 @@ impl Kind for Filippov<TwoFields> {
         &self.0.basis
     }
 
-    /// Checks the surface, the rates, and on the surface also the functions that decide about
-    /// sliding.
+    /// Checks that the surface and the rates have finite values; for a state on the surface, also
+    /// checks the functions that decide whether the motion slides.
     fn undefined(&self, x: &[f64], p: &[f64]) -> Option<ModelError> {
         let TwoFields { basis, rates: [above, below], sliding, surface, holds, .. } = &self.0;
         let mode = self.initial_mode(Self::ABOVE, 0.0, x, p);
@@ -75,7 +76,8 @@ impl Kind for Filippov<TwoFields> {
     }
 }
 
-/// Rejects states that differ from those above the surface, or in their order.
+/// Returns an error unless a field has the same states, in the same order, as the field above the
+/// surface.
 fn refuse_other_states(basis: &Basis, own: &[Stated]) -> Result<(), ModelError> {
     let own = own.iter().flat_map(|it| it.elements.names().map(|name| (it.phrase.clone(), name)));
     let own: Vec<(Phrase, String)> = own.collect();
@@ -92,7 +94,7 @@ fn refuse_other_states(basis: &Basis, own: &[Stated]) -> Result<(), ModelError> 
     Err(basis.source.fault_of(&place, Fault::Misplaced { what, reason }))
 }
 
-/// Returns the program of one formula.
+/// Returns the program that computes one formula.
 fn program(scope: &Scope, formula: &Phrase) -> Result<Program, ModelError> {
     let mut assembling = Assembling::new(scope);
     let value = assembling.read(formula)?;
@@ -109,7 +111,8 @@ fn surface(statement: &FilippovEquations, scope: &Scope) -> Result<Program, Mode
     program(scope, surface)
 }
 
-/// Returns the names of modes and of the event; names that are not stated have defaults.
+/// Returns the names of the modes and of the event; names that the statement does not give have
+/// default values.
 fn names(source: &Source, stated: &Formulas) -> Result<FilippovNames, ModelError> {
     let FilippovNames { above, below, sliding, surface } = FilippovNames::default();
     let known = ["above", "below", "sliding", "surface"];
@@ -135,8 +138,8 @@ fn names(source: &Source, stated: &Formulas) -> Result<FilippovNames, ModelError
     Ok(FilippovNames { above, below, sliding, surface })
 }
 
-/// Returns the stated functions that are positive while sliding is held against leaving to each
-/// side.
+/// Returns, for each side of the surface, the stated function that is positive while the motion
+/// slides and does not leave to this side; `None` if no function is stated.
 fn holds(statement: &FilippovEquations, scope: &Scope) -> Result<[Option<Program>; 2], ModelError> {
     let mut holds = [None, None];
     for (side, formula) in &statement.holds {
@@ -149,7 +152,7 @@ fn holds(statement: &FilippovEquations, scope: &Scope) -> Result<[Option<Program
     Ok(holds)
 }
 
-/// Returns the index of a side.
+/// Returns the index of a side of the surface: 0 above, 1 below.
 fn of(side: Side) -> usize {
     usize::from(side == Side::Below)
 }

@@ -20,14 +20,14 @@ pub struct Hybrid {
     basis: Basis,
     modes: Vec<Mode>,
     guards: Vec<Guard>,
-    /// The rates in each mode.
+    /// The rates of the states in each mode.
     rates: Vec<Program>,
-    /// The events of each guard, in each mode that it ends.
+    /// The events of each guard, by mode; `None` in modes that the guard does not end.
     events: Vec<Vec<Option<Event>>>,
     in_lanes: bool,
 }
 
-/// Assembles a statement, for a scene that gives some parameters.
+/// Assembles the statement of a hybrid system, for a scene that gives values to some parameters.
 pub(super) fn understood(
     source: &Source,
     statement: &HybridEquations,
@@ -59,13 +59,13 @@ impl Kind for Hybrid {
         &self.basis
     }
 
-    /// Checks the first mode, in which motion begins.
+    /// Checks that the rates are finite in the initial mode.
     fn undefined(&self, x: &[f64], p: &[f64]) -> Option<ModelError> {
         self.rates[self.initial_mode(0, 0.0, x, p)].undefined(&self.basis.source, (0.0, x, p))
     }
 
-    /// Returns the discontinuous guards, such as phases of a clock: events are missed where a guard
-    /// jumps away from zero.
+    /// Returns the names of the guards whose functions are discontinuous, such as the phase of a
+    /// clock: an event is missed where a function jumps over zero.
     fn jumping_guards(&self) -> Vec<&str> {
         let jumps = |all: &Vec<Option<Event>>| {
             all.iter().flatten().filter_map(|event| event.when.function()).any(Tape::jumps)
@@ -76,7 +76,7 @@ impl Kind for Hybrid {
 }
 
 impl Hybrid {
-    /// Returns whether a mode ends at zeros of a guard's function.
+    /// Returns whether the guard's event in a mode occurs at the zeros of a function.
     fn vanishes(&self, guard: usize, mode: usize) -> bool {
         self.event(guard, mode).is_some_and(|event| event.when.function().is_some())
     }
@@ -86,7 +86,7 @@ impl Hybrid {
     }
 }
 
-/// Assembles the modes, and the rates of their states.
+/// Assembles all modes, with the rates of their states.
 fn understood_modes(
     basis: &Basis,
     common: Common,
@@ -111,7 +111,7 @@ fn understood_modes(
     Ok((scopes, rates))
 }
 
-/// Rejects initial values of states that the first mode, in which motion begins, does not have.
+/// Returns an error if an initial value is given to a state that the initial mode does not have.
 fn refuse_later_starts(
     source: &Source,
     statement: &HybridEquations,
@@ -179,8 +179,8 @@ impl HybridSystem for Hybrid {
         }
     }
 
-    /// Returns the given mode if its guards are positive; else the first mode with the same states
-    /// and positive guards.
+    /// Returns the given mode if its guards are positive; otherwise returns the first mode with the
+    /// same states whose guards are positive.
     fn initial_mode(&self, mode: usize, t: f64, x: &[f64], p: &[f64]) -> usize {
         // A guard that is not finite is reported when motion begins.
         let fallen = |guard: usize, mode: usize| {

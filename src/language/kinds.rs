@@ -1,4 +1,4 @@
-//! The kinds of equations, one row for each.
+//! The kinds of equations that can be given as text.
 
 use super::basis::Kind;
 use super::boundary::{self, Conditions};
@@ -19,10 +19,11 @@ use serde::de::DeserializeOwned;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Declares the kinds: the name of each in texts, and the problem that its statement becomes.
+/// Declares the kinds of equations: the name of each kind in a text, and the problem that is
+/// assembled from its statement.
 macro_rules! kinds {
     ($($(#[$docs:meta])* $kind:ident => $model:ident($problem:ty), $module:ident;)*) => {
-        /// A statement of any kind.
+        /// A statement of equations of any kind.
         #[derive(Clone, Debug, PartialEq, Serialize)]
         #[non_exhaustive]
         pub enum Statement {
@@ -47,15 +48,15 @@ macro_rules! kinds {
             $($(#[$docs])* $model(Arc<$problem>),)*
         }
 
-        /// The kinds of statements with the names of their fields.
+        /// The names of all kinds of statements, each with the names of its fields.
         pub const KINDS: &[(&str, &[&str])] = &[$((stringify!($kind), $kind::FIELDS)),*];
 
         impl Statement {
-            /// Parses the part between the brackets of a statement, including the brackets, at its
-            /// position in the source. Fields with the given other names are allowed.
+            /// Parses the bracketed part of a statement, including the brackets, at its position in
+            /// the source. Further fields are allowed if their names are given.
             ///
             /// # Errors
-            /// [`ModelError`] with the place, if the form is invalid.
+            /// [`ModelError`] with its place in the text, if the statement has an invalid form.
             pub(crate) fn read(
                 source: &Source,
                 kind: &str,
@@ -75,11 +76,11 @@ macro_rules! kinds {
                 }
             }
 
-            /// Assembles the statement into a model, with the names of parameters that a scene
-            /// gives.
+            /// Assembles the statement into a model; `given` contains the names of the parameters
+            /// to which a scene gives values.
             ///
             /// # Errors
-            /// [`ModelError`] with the place.
+            /// [`ModelError`] with its place in the text, if the equations are invalid.
             pub fn model(&self, source: &Source, given: &[String]) -> Result<Model, ModelError> {
                 Ok(match self {
                     $(Statement::$kind(stated) => {
@@ -90,7 +91,7 @@ macro_rules! kinds {
         }
 
         impl Model {
-            /// Returns the name of the kind in texts, such as `Equations` or `Map`.
+            /// Returns the name of the kind of equations in texts, such as `Equations` or `Map`.
             pub fn name(&self) -> &'static str {
                 match self {
                     $(Model::$model(_) => stringify!($kind),)*
@@ -109,7 +110,7 @@ macro_rules! kinds {
 kinds! {
     /// A vector field.
     Equations => Field(smooth::Field), smooth;
-    /// Equations `F = 0`.
+    /// A zero problem, that is, equations `F = 0`.
     Residual => Zero(Zero), residual;
     /// A map.
     Map => Map(Iteration), map;
@@ -122,11 +123,11 @@ kinds! {
 }
 
 impl Statement {
-    /// Parses a text that consists of one statement, after attributes (`#![enable(…)]`) and
-    /// comments.
+    /// Parses a text that consists of one statement, which may follow attributes (`#![enable(…)]`)
+    /// and comments.
     ///
     /// # Errors
-    /// [`ModelError`] with the place, if the form is invalid.
+    /// [`ModelError`] with its place in the text, if the statement has an invalid form.
     pub fn of(source: &Source) -> Result<Self, ModelError> {
         let (kind, brackets) = statement_in(&source.text);
         let begin = source.text.len() - brackets.len();
@@ -136,7 +137,7 @@ impl Statement {
         Statement::read(source, kind, begin..source.text.len(), &[])
     }
 
-    /// Serializes the statement as RON; parsing the result gives an equal statement.
+    /// Serializes the statement as RON; parsing the RON text gives an equal statement.
     ///
     /// ```
     /// use tangency::language::{Model, Source, Statement, xpp};
@@ -166,7 +167,7 @@ impl Statement {
     }
 }
 
-/// Rejects fields with unknown names.
+/// Returns an error if a field has an unknown name.
 fn check_fields(
     source: &Source,
     kind: &str,
@@ -185,50 +186,53 @@ fn check_fields(
     Ok(())
 }
 
-/// Parses a part of a source as RON.
+/// Parses a part of a source text as RON.
 fn read<S: DeserializeOwned>(source: &Source, part: Range<usize>) -> Result<S, ModelError> {
     let read = source.lend(part.clone(), |text| options().from_str(text));
     read.map_err(|error| misread(source, part.start, error))
 }
 
 impl Model {
-    /// Parses and assembles a text that consists of one statement, with the names of parameters
-    /// that a scene gives.
+    /// Parses and assembles a text that consists of one statement; `given` contains the names of
+    /// the parameters to which a scene gives values.
     ///
     /// # Errors
-    /// [`ModelError`] with the place.
+    /// [`ModelError`] with its place in the text, if the equations are invalid.
     pub fn read(source: &Source, given: &[String]) -> Result<Model, ModelError> {
         Statement::of(source)?.model(source, given)
     }
 
-    /// Returns the initial states of motion and branches, for given parameters.
+    /// Returns the initial states of motions and branches, for given parameters.
     pub fn initial(&self, p: &[f64]) -> Vec<(String, f64)> {
         self.kind().basis().initial_at(0.0, p)
     }
 
-    /// Returns the initial profiles of branches of boundary-value problems, at a time in units of
-    /// the length; for other equations, the initial states of motion.
+    /// Returns the initial profiles of branches of a boundary-value problem, at a position in units
+    /// of the interval's length; for equations of other kinds, returns the initial states of
+    /// motions.
     pub fn initial_along(&self, tau: f64, p: &[f64]) -> Vec<(String, f64)> {
         self.kind().initial_along(tau, p)
     }
 
-    /// Returns the default values of the first parameters; the others have none.
+    /// Returns the default values of the first parameters; the remaining parameters do not have
+    /// default values.
     pub fn defaults(&self) -> &[f64] {
         &self.kind().basis().defaults
     }
 
-    /// Returns the labels of axes that show a column.
+    /// Returns the names of columns, each with the label of the axis that shows the column.
     pub fn labels(&self) -> &[(String, String)] {
         &self.kind().basis().labels
     }
 
-    /// Returns the parameters that no formula uses.
+    /// Returns the names of the parameters that no formula uses.
     pub fn unused(&self) -> &[String] {
         &self.kind().basis().unused
     }
 
-    /// Returns the discontinuous guards, such as those with `mod`, `floor` or `sign`: an event is
-    /// detected where a guard decreases through zero, but not where it jumps away from zero.
+    /// Returns the names of the guards whose functions are discontinuous, for instance because of
+    /// `mod`, `floor` or `sign`: an event is detected where a function decreases continuously
+    /// through zero, but not where it jumps over zero.
     ///
     /// ```
     /// use tangency::language::{Model, Source};
@@ -241,20 +245,22 @@ impl Model {
         self.kind().jumping_guards()
     }
 
-    /// Returns the line of a definition, `equations.ron:7` or `line 7`; `None` for an unknown name.
+    /// Returns the line of a definition, as `equations.ron:7` or `line 7`; `None` if the name is
+    /// unknown.
     pub fn line_of_definition(&self, name: &str) -> Option<&str> {
         let mut definitions = self.kind().basis().definitions.iter();
         definitions.find(|(known, _)| known == name).map(|(_, line)| line.as_str())
     }
 
-    /// Returns whether time enters without a period: such motion can be simulated, but has no
-    /// equilibria and no periodic orbits.
+    /// Returns whether the equations depend on time without a stated period: such equations can be
+    /// simulated, but do not have equilibria or periodic orbits.
     pub fn is_aperiodic(&self) -> bool {
         self.kind().basis().aperiodic
     }
 
-    /// Returns the error of the first value that is not finite at the start of motion or of a
-    /// branch, at time 0, such as a division by zero or a logarithm of a negative number.
+    /// Returns an error if a value in the equations is not finite at the start of a motion or a
+    /// branch, at time 0, for example because of a division by zero or the logarithm of a negative
+    /// number.
     ///
     /// ```
     /// use tangency::language::{Model, Source};
@@ -267,7 +273,8 @@ impl Model {
         self.kind().undefined(x, p)
     }
 
-    /// Returns the error of a period or length that is not positive for the given parameters.
+    /// Returns an error if the period of the forcing or the length of the interval is not positive
+    /// for the given parameters.
     ///
     /// ```
     /// use tangency::language::{Model, Source};
@@ -283,7 +290,8 @@ impl Model {
         basis.duration.refused(&basis.source, p)
     }
 
-    /// Returns the names of the states in the initial mode, or of the unknowns.
+    /// Returns the names of the states in the initial mode; for a zero problem, returns the names
+    /// of the unknowns.
     pub fn states(&self) -> Vec<String> {
         self.kind().basis().states.clone()
     }

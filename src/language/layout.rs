@@ -1,5 +1,5 @@
-//! Layout of a tape: assigns values to registers, shared by values that are not needed at the same
-//! time.
+//! Layout of a tape: assigns values to registers; values that are not needed at the same time may
+//! share a register.
 
 use super::assembly::{Assembly, Value};
 use super::operation::Operation;
@@ -7,21 +7,24 @@ use super::tape::{Code, Step, Tape};
 use super::values::Values;
 use std::collections::HashMap;
 
-/// The maximum numbers of states and of parameters that are preloaded into registers.
+/// The maximum number of states, and the maximum number of parameters, that are preloaded into
+/// registers.
 const PRELOADED: usize = 6;
-/// The maximum number of results that stay in registers until the end.
+/// The maximum number of results that stay in registers until the end of the tape.
 const KEPT: usize = 8;
 
-/// The number of reads of a value whose register is never freed.
+/// The number of remaining reads with which a value is marked as never to be dropped from its
+/// register.
 const KEPT_FOREVER: u32 = u32::MAX / 2;
 
-/// A tape during layout.
+/// A tape whose layout is being computed.
 pub(super) struct Layout<'a> {
     assembly: &'a Assembly,
     needed: Vec<bool>,
     /// The number of remaining reads of each value.
     reads: Values<u32>,
-    /// For each sine or cosine, its partner of the same angle.
+    /// The cosine that is computed together with a sine of the same angle, or the sine that is
+    /// computed together with a cosine, by the index of the first of the two operations.
     partners: HashMap<u32, u32>,
     registers: Values<Option<u32>>,
     free: Vec<u32>,
@@ -63,8 +66,8 @@ impl<'a> Layout<'a> {
         layout
     }
 
-    /// Preloads the states of a small system, which are all read, and a few parameters into
-    /// registers: separate steps would take longer.
+    /// Preloads the states of a small system and a few parameters into registers, because separate
+    /// steps that load them would take longer.
     fn preload(&mut self) {
         let read = (0..PRELOADED as u32).take_while(|k| self.reads.get(Value::State(*k)) > 0);
         self.preloaded = read.count();
@@ -81,8 +84,8 @@ impl<'a> Layout<'a> {
         }
     }
 
-    /// Pairs sine and cosine of one angle, so that they are computed together at the first of the
-    /// two.
+    /// Pairs the sine and the cosine of the same angle, so that both are computed together at the
+    /// first of the two operations.
     fn pair_cosines(&mut self) {
         use Operation::{Cosine, Sine};
         for (k, (operation, [a, ..])) in self.assembly.applied.iter().enumerate() {
@@ -99,8 +102,9 @@ impl<'a> Layout<'a> {
         }
     }
 
-    /// Lays out the tape. A few results stay in registers until the end; if there are many, each is
-    /// stored immediately.
+    /// Computes the layout of the tape that yields the given results. A few results stay in
+    /// registers until the end of the tape; if the tape has many results, each result is stored
+    /// immediately.
     pub fn tape(mut self, results: &[Value]) -> Tape {
         let (kept, stored) = results.split_at(if results.len() > KEPT { 0 } else { results.len() });
         // `first` is the first result with each value, and `next` the next result with the same
@@ -139,8 +143,8 @@ impl<'a> Layout<'a> {
         self.release(value);
     }
 
-    /// Returns the products that are computed together with their sum, because no other operation
-    /// reads them.
+    /// Returns, for each operation, whether it is a product that is computed together with a sum,
+    /// because no other operation reads the product.
     fn fused(&self) -> Vec<bool> {
         let mut fused = vec![false; self.assembly.len()];
         for (k, (operation, [a, b, _])) in self.assembly.applied.iter().enumerate() {
@@ -162,7 +166,7 @@ impl<'a> Layout<'a> {
         self.push_operation((code, Operation::Add), into, registers, n);
     }
 
-    /// Adds a step; its operation matters only for a general step.
+    /// Adds a step to the tape; the operation matters only for a step of the general kind.
     fn push_operation(
         &mut self,
         (code, operation): (Code, Operation),
@@ -173,7 +177,8 @@ impl<'a> Layout<'a> {
         self.steps.push(Step { code, operation, into, a, b, c, n });
     }
 
-    /// Returns the register of a value; inputs and numbers are loaded first.
+    /// Returns the register of a value; inputs and numbers that are not in a register are loaded
+    /// first.
     fn read(&mut self, value: Value) -> u32 {
         if let Some(register) = self.registers.get(value) {
             return register;
@@ -198,7 +203,7 @@ impl<'a> Layout<'a> {
         register
     }
 
-    /// Counts a read of a value, and frees its register after the last read.
+    /// Counts one read of a value, and frees the value's register after the last read.
     fn release(&mut self, value: Value) {
         let reads = self.reads.at(value);
         *reads = reads.saturating_sub(1);
@@ -207,7 +212,7 @@ impl<'a> Layout<'a> {
         }
     }
 
-    /// Adds the step of an operation.
+    /// Adds the step that computes an operation.
     fn compute(&mut self, k: u32, fused: &[bool]) {
         let (operation, arguments) = self.assembly.applied[k as usize];
         let Planned { code, inputs, n, m } = self.step(operation, arguments, fused);
@@ -236,7 +241,7 @@ impl<'a> Layout<'a> {
         }
     }
 
-    /// Returns the step of an operation, and the values that it reads.
+    /// Returns the step that computes an operation, and the values that the step reads.
     fn step(&self, operation: Operation, arguments: [Value; 3], fused: &[bool]) -> Planned {
         use Operation::*;
         let [a, b, _] = arguments;
@@ -271,12 +276,12 @@ impl<'a> Layout<'a> {
     }
 }
 
-/// A planned step, with its values and numbers.
+/// A planned step of the tape, with the values that it reads and its constants.
 struct Planned {
     code: Code,
     inputs: Vec<Value>,
     n: f64,
-    /// The slope in `a m + n`.
+    /// The factor `m` of a step that computes `a m + n`.
     m: f64,
 }
 
@@ -286,28 +291,29 @@ impl Planned {
     }
 }
 
-/// A sum or difference in which one term may be a product.
+/// A sum or difference of two terms; the term `product` may be a product.
 struct Sum {
     product: Value,
     other: Value,
-    /// The signs of the two terms.
+    /// The signs of the product and of the other term.
     signs: [f64; 2],
 }
 
 impl Sum {
-    /// Creates a sum whose second term is the product.
+    /// Creates a sum from an operation whose second term is regarded as the product.
     fn second(operation: Operation, a: Value, b: Value) -> Self {
         let sign = if operation == Operation::Subtract { -1.0 } else { 1.0 };
         Sum { product: Sum::term(operation, b), other: a, signs: [sign, 1.0] }
     }
 
-    /// Creates a sum whose first term is the product.
+    /// Creates a sum from an operation whose first term is regarded as the product.
     fn first(operation: Operation, a: Value, b: Value) -> Self {
         let sign = if operation == Operation::Subtract { -1.0 } else { 1.0 };
         Sum { product: Sum::term(operation, a), other: b, signs: [1.0, sign] }
     }
 
-    /// Returns the term that is not a product; time, as a placeholder, if nothing is added.
+    /// Returns the term if the operation is a sum or difference; otherwise returns the time as a
+    /// placeholder, which is never a product.
     fn term(operation: Operation, term: Value) -> Value {
         match operation {
             Operation::Add | Operation::Subtract => term,
@@ -315,7 +321,8 @@ impl Sum {
         }
     }
 
-    /// Returns the fused step for this product, if there is one.
+    /// Returns the step that computes this product and the sum together, or `None` if no such step
+    /// exists.
     fn step(&self, [x, y]: [Value; 2]) -> Option<Planned> {
         let Sum { other, signs: [sign, other_sign], .. } = *self;
         let scaled = [(x, y), (y, x)].into_iter().find_map(|(m, x)| Some((m.as_number()?, x)));

@@ -8,14 +8,14 @@ use super::statement::Map;
 use crate::core::problem::{DiscreteMap, Names};
 use crate::core::scalar::Scalar;
 
-/// A map given as text.
+/// A map (discrete-time system) given as text.
 #[derive(Clone, Debug)]
 pub struct Iteration {
     basis: Basis,
     next: Program,
 }
 
-/// Assembles a statement, for a scene that gives some parameters.
+/// Assembles the statement of a map, for a scene that gives values to some parameters.
 pub(super) fn understood(
     source: &Source,
     statement: &Map,

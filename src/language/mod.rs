@@ -1,7 +1,7 @@
-//! Problems whose equations are given as text, in scenes and in files, such as `tangency trace
-//! model.ron`.
+//! Problems whose equations are given as text, in scenes or in separate files, as in `tangency
+//! trace model.ron`.
 //!
-//! A **statement** is RON: names with formulas, as in
+//! A **statement** of equations is written in RON and consists of names with formulas, as in
 //!
 //! ```ron
 //! Equations(
@@ -11,10 +11,11 @@
 //! ```
 //!
 //! `docs/reference/language.md` describes the language. A formula is parsed into nodes in postfix
-//! order; its names are resolved in the scope of its mode, and all formulas that are evaluated
-//! together become one tape of operations, in which common subexpressions are computed once. A tape
-//! is evaluated over any [`Scalar`](crate::core::scalar::Scalar) without allocation, so that a
-//! [`Model`] supports all computations: derivatives of every order, orbits, local maps.
+//! order, and its names are resolved in the scope of its mode. All formulas that are evaluated
+//! together become one tape of operations, in which common subexpressions are computed only once. A
+//! tape is evaluated over any [`Scalar`](crate::core::scalar::Scalar) type without allocation, so
+//! that a [`Model`] supports all computations, such as derivatives of every order, orbits and local
+//! maps.
 
 mod affine;
 mod assembling;

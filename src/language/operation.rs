@@ -1,35 +1,35 @@
-//! The operations of formulas: their names and their values.
+//! The operations in formulas, with their names and their values.
 
 use super::elementary;
 use crate::core::scalar::Scalar;
 
-/// How the value of an operation depends on its arguments.
+/// The way in which the value of an operation depends on its arguments.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Sort {
-    /// By one smooth formula.
+    /// The value is given by one smooth formula.
     Smooth,
-    /// By a comparison that selects one of several formulas.
+    /// The value is given by one of several formulas, selected by comparing numbers.
     Chosen,
-    /// By a comparison of numbers: the value is discontinuous.
+    /// The value is a discontinuous function of the arguments.
     Jumping,
 }
 
-/// A function of formulas.
+/// A function that formulas can call.
 pub(super) struct Function {
     pub name: &'static str,
     pub operation: Operation,
-    /// Whether XPPAUT has the function, too.
+    /// Whether XPPAUT supports the function, too.
     pub of_xpp: bool,
 }
 
-/// Declares the operations: their sort, their value, and the names of those callable as functions,
-/// with `xpp` after a name that XPPAUT has, too.
+/// Declares the operations: the sort of each operation, its value, and its names as a function in
+/// formulas; `xpp` follows a name that XPPAUT uses, too.
 macro_rules! operations {
     ($(
         $(#[$docs:meta])*
         $sort:ident $operation:ident($($argument:ident),+) = $value:expr $(, $name:literal $($xpp:ident)?)*;
     )*) => {
-        /// An operation of a step of a tape on the values of its arguments.
+        /// An operation that one step of a tape applies to the values of its arguments.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
         pub(super) enum Operation {
             $($(#[$docs])* $operation,)*
@@ -43,8 +43,8 @@ macro_rules! operations {
         },)*)*];
 
         impl Operation {
-            /// Returns the name in formulas; for an operation without a name, a description for
-            /// messages.
+            /// Returns the name of the operation in formulas; for an operation without such a name,
+            /// returns a description for messages.
             pub fn name(self) -> &'static str {
                 let function = FUNCTIONS.iter().find(|function| function.operation == self);
                 match (self, function) {
@@ -53,7 +53,7 @@ macro_rules! operations {
                 }
             }
 
-            /// Returns the number of arguments.
+            /// Returns the number of arguments of the operation.
             pub fn arity(self) -> usize {
                 match self {
                     $(Operation::$operation => [$(stringify!($argument)),+].len(),)*
@@ -91,7 +91,8 @@ operations! {
     Smooth Multiply(a, b) = a * b;
     Smooth Divide(a, b) = a / b;
     Smooth Negate(a) = -a;
-    /// Integer powers as products are faster and exact; constant exponents have separate steps.
+    /// The power `a^b`; integer powers are computed as products, which is faster and exact, and
+    /// constant exponents have separate kinds of steps.
     Chosen Power(a, b) = power(&a, &b), "pow";
     Chosen Less(a, b) = truth(a.real() < b.real());
     Chosen AtMost(a, b) = truth(a.real() <= b.real());
@@ -102,19 +103,19 @@ operations! {
     Chosen And(a, b) = truth(a.real() != 0.0 && b.real() != 0.0);
     Chosen Or(a, b) = truth(a.real() != 0.0 || b.real() != 0.0);
     Chosen Not(a) = truth(a.real() == 0.0), "not";
-    /// The second value if the first is not zero, else the third.
+    /// The second argument if the first argument is not zero, and otherwise the third argument.
     Chosen Select(c, a, b) = if c.real() != 0.0 { a } else { b };
     Chosen Minimum(a, b) = if b.real() < a.real() { b } else { a }, "min" xpp;
     Chosen Maximum(a, b) = if b.real() > a.real() { b } else { a }, "max" xpp;
     Chosen Absolute(a) = if a.real() < 0.0 { -a } else { a }, "abs" xpp;
-    /// −1, 0 or 1.
+    /// The sign of the argument: −1, 0 or 1.
     Jumping Sign(a) = constant(if a.real() == 0.0 { 0.0 } else { a.real().signum() }), "sign" xpp, "sgn", "signum";
-    /// 0 for negative arguments, else 1.
+    /// The Heaviside step function: 0 for negative arguments, otherwise 1.
     Jumping Heaviside(a) = truth(a.real() >= 0.0), "heaviside", "heav" xpp;
     Jumping Floor(a) = constant(a.real().floor()), "floor", "flr" xpp;
     Jumping Ceiling(a) = constant(a.real().ceil()), "ceil";
     Jumping Round(a) = constant(a.real().round()), "round";
-    /// `a − b ⌊a/b⌋`.
+    /// The remainder `a − b ⌊a/b⌋`.
     Jumping Modulo(a, b) = a - b * (a.real() / b.real()).floor(), "mod" xpp;
     Smooth Square(a) = a * a;
     Smooth Cube(a) = a * a * a;
@@ -145,19 +146,19 @@ operations! {
 }
 
 impl Operation {
-    /// Returns whether the value is discontinuous.
+    /// Returns whether the value of the operation is a discontinuous function of its arguments.
     pub fn jumps(self) -> bool {
         self.sort() == Sort::Jumping
     }
 
-    /// Returns whether the value depends on a comparison, so that a single evaluation cannot serve
-    /// several motions with different outcomes.
+    /// Returns whether the value depends on a comparison; a single evaluation then cannot serve a
+    /// batch of motions with different outcomes of the comparison.
     pub fn decides(self) -> bool {
         self.sort() != Sort::Smooth
     }
 }
 
-/// Returns the function with a given name.
+/// Returns the function with a given name in formulas.
 pub(super) fn function(name: &str) -> Option<&'static Function> {
     FUNCTIONS.iter().find(|function| function.name == name)
 }
@@ -170,7 +171,7 @@ fn truth<T: Scalar>(holds: bool) -> T {
     constant(if holds { 1.0 } else { 0.0 })
 }
 
-/// Computes `√(a² + b²)`, with the value of `f64::hypot` if the result is infinite or zero.
+/// Computes `√(a² + b²)`; the result equals the value of `f64::hypot` if it is infinite or zero.
 fn hypotenuse<T: Scalar>(a: &T, b: &T) -> T {
     let scale = a.real().abs().max(b.real().abs());
     if scale == 0.0 || !scale.is_finite() {
@@ -181,7 +182,8 @@ fn hypotenuse<T: Scalar>(a: &T, b: &T) -> T {
 }
 
 /// Computes `tanh a`, for larger arguments from `e^{−2|a|}`: the quotient of `sinh` and `cosh` and
-/// its derivative are undefined where both overflow, as in friction laws `tanh(v/ε)`.
+/// the derivative of this quotient are undefined where both functions overflow, as in friction laws
+/// `tanh(v/ε)`.
 fn hyperbolic_tangent<T: Scalar>(a: &T) -> T {
     let sign = a.real().signum();
     if a.real().abs() < 1.0 || a.real().is_nan() {
@@ -191,7 +193,7 @@ fn hyperbolic_tangent<T: Scalar>(a: &T) -> T {
     (-rest + 1.0) / (rest + 1.0) * sign
 }
 
-/// Computes `a^b`. Numbers that are not positive have only integer powers.
+/// Computes `a^b`. For a base `a` that is not positive, only integer exponents `b` are allowed.
 fn power<T: Scalar>(a: &T, b: &T) -> T {
     let exponent = b.real();
     if a.real() > 0.0 {

@@ -1,20 +1,21 @@
-//! The modes of a hybrid system given as text: a list, or all combinations of the alternatives of
-//! several parts, for example of contact and friction.
+//! The modes of a hybrid system given as text: a list of modes, or all combinations of the
+//! alternative modes of several parts, for example of contact and friction.
 
 use super::source::{Fault, ModelError, Phrase, Source};
 use super::statement::{HybridEquations, Mode};
 use super::syntax::Declared;
 use crate::core::problem::position;
 
-/// The separator of alternatives in the name of a combination.
+/// The character that separates alternatives in the name of a combined mode.
 const AND: char = '.';
-/// The maximum number of combinations.
+/// The maximum number of combined modes.
 const MOST: usize = 256;
 
-/// Returns the modes of a statement, each including the states common to all modes.
+/// Returns the modes of a statement; each mode includes the states that are common to all modes.
 ///
 /// # Errors
-/// [`ModelError`] if there are no modes or too many, or if two alternatives have the same name.
+/// [`ModelError`] if there are no modes or too many modes, or if two alternatives have the same
+/// name.
 pub(super) fn modes_of(
     source: &Source,
     statement: &HybridEquations,
@@ -45,7 +46,7 @@ pub(super) fn modes_of(
     }
 }
 
-/// Returns all combinations of the alternatives of several parts.
+/// Returns the modes that combine one alternative of each part.
 fn combinations(
     source: &Source,
     common: Mode,
@@ -76,7 +77,7 @@ fn combinations(
     Ok(parts.iter().fold(vec![common], with))
 }
 
-/// Joins the names, states and definitions of two modes.
+/// Joins the names, the states and the definitions of two modes into one mode.
 fn joined(first: &Mode, second: &Mode) -> Mode {
     let name = match first.name.text.is_empty() {
         true => second.name.clone(),
@@ -87,15 +88,16 @@ fn joined(first: &Mode, second: &Mode) -> Mode {
     Mode { name, states, definitions }
 }
 
-/// Splits a name into its alternatives.
+/// Splits the name of a combined mode into its alternatives.
 fn alternatives(name: &str) -> impl Iterator<Item = &str> {
     name.split(AND)
 }
 
-/// Returns the modes denoted by a name: those that have all its alternatives.
+/// Returns the modes that a name denotes, namely all modes that contain every alternative in the
+/// name.
 ///
 /// # Errors
-/// [`ModelError`] for an unknown name.
+/// [`ModelError`] if the name is unknown.
 pub(super) fn named(
     source: &Source,
     name: &Phrase,
@@ -111,10 +113,10 @@ pub(super) fn named(
 }
 
 /// Returns the mode that follows `mode`: each alternative in `name` replaces the alternative of the
-/// same part of `mode`; the other parts stay the same.
+/// same part in `mode`, and the remaining parts of `mode` are unchanged.
 ///
 /// # Errors
-/// [`ModelError`] for an unknown name.
+/// [`ModelError`] if the name is unknown.
 pub(super) fn following(
     source: &Source,
     name: &Phrase,
@@ -133,7 +135,7 @@ pub(super) fn following(
     modes.iter().position(|known| *known == next).ok_or_else(|| unknown(source, name, modes))
 }
 
-/// Returns the error of an unknown name.
+/// Returns the error for an unknown name of a mode.
 fn unknown(source: &Source, name: &Phrase, modes: &[&str]) -> ModelError {
     let mut known: Vec<&str> = Vec::new();
     for own in modes.iter().flat_map(|mode| alternatives(mode)) {

@@ -16,13 +16,13 @@ pub struct Zero {
     basis: Basis,
     names: Names,
     residual: Program,
-    /// The unknowns that are columns one by one, and the long arrays whose norm is a column.
+    /// The unknowns with a column of their own, and the long arrays whose norm is a column.
     recorded: (Vec<usize>, Vec<Range<usize>>),
     monitors: Tape,
     dynamics: Dynamics,
 }
 
-/// Assembles a statement, for a scene that gives some parameters.
+/// Assembles the statement of equations `F = 0`, for a scene that gives values to some parameters.
 pub(super) fn understood(
     source: &Source,
     statement: &Residual,
@@ -59,7 +59,7 @@ impl Kind for Zero {
     }
 }
 
-/// Computes the norm of an array, `√Σu²`.
+/// Computes the Euclidean norm of an array, `√Σu²`.
 fn norm<T: Scalar>(array: &[T]) -> T {
     array.iter().fold(T::zero(), |sum, u| sum + *u * *u).sqrt()
 }

@@ -10,7 +10,7 @@ use std::collections::{BTreeSet, HashMap};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// The meaning of a name.
+/// The kind of quantity that a name in a formula denotes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Meaning {
     State(usize),
@@ -34,7 +34,7 @@ impl Meaning {
     }
 }
 
-/// A name for a formula; for an element of an array, with the values of its indices.
+/// A name defined by a formula; for an element of an array, also the values of its indices.
 #[derive(Clone, Debug)]
 pub(super) struct Definition {
     pub element: Element,
@@ -47,19 +47,19 @@ pub(super) struct Function {
     pub formula: usize,
 }
 
-/// The meanings of the names of a model, in one of its modes.
+/// The meanings of all names of a model in one of its modes.
 #[derive(Clone, Debug)]
 pub(super) struct Scope {
     pub source: Source,
     meanings: HashMap<String, Meaning>,
-    /// All names, in the order of their declaration.
+    /// All names in the scope, in the order of their declaration.
     order: Vec<String>,
-    /// The number of states.
+    /// The number of states in the scope.
     pub dimension: usize,
     pub definitions: Vec<Definition>,
     pub functions: HashMap<String, Function>,
     pub formulas: Vec<Formula>,
-    /// Names that formulas have used.
+    /// The names that occur in formulas.
     pub used: RefCell<BTreeSet<String>>,
 }
 
@@ -77,7 +77,7 @@ impl Scope {
         }
     }
 
-    /// Declares a name with its meaning.
+    /// Declares a name and the quantity that it denotes.
     pub fn declare(
         &mut self,
         phrase: &Phrase,
@@ -99,24 +99,24 @@ impl Scope {
         self.meaning(name).is_some_and(Meaning::is_state)
     }
 
-    /// Returns the meaning of a name.
+    /// Returns the meaning of a name, or `None` if the name is unknown.
     pub fn meaning(&self, name: &str) -> Option<Meaning> {
         self.meanings.get(name).copied()
     }
 
-    /// Returns all names, in the order of their declaration.
+    /// Returns all names in the scope, in the order of their declaration.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.order.iter().map(String::as_str)
     }
 
-    /// Rejects a name that already has a meaning.
+    /// Returns an error if a name already has a meaning.
     fn refuse_taken(&self, phrase: &Phrase, name: &str) -> Result<(), ModelError> {
         let function = self.functions.contains_key(name).then_some("a function");
         let first = function.or(self.meaning(name).map(Meaning::words));
         first.map_or(Ok(()), |first| Err(self.source.twice(phrase, name, first)))
     }
 
-    /// Rejects reserved names of the language.
+    /// Returns an error if a name is reserved by the language.
     fn refuse_reserved(&self, phrase: &Phrase, name: &str) -> Result<(), ModelError> {
         if !["t", "if", "sum", "then", "else", "of"].contains(&name) {
             return Ok(());
@@ -126,7 +126,7 @@ impl Scope {
         Err(self.source.fault_of(phrase, fault).with_help("choose another name"))
     }
 
-    /// Rejects time in formulas without time.
+    /// Returns an error if the formulas depend on time, for kinds of equations without time.
     pub fn refuse_time(&self, reason: &str) -> Result<(), ModelError> {
         match self.uses("t") {
             true => {
@@ -137,23 +137,24 @@ impl Scope {
         }
     }
 
-    /// Returns the number of parameters.
+    /// Returns the number of parameters in the scope.
     pub fn parameters(&self) -> usize {
         self.meanings.values().filter(|it| matches!(it, Meaning::Parameter(_))).count()
     }
 
-    /// Returns the names of states, in their order.
+    /// Returns the names of the states, in the order of their declaration.
     pub fn states(&self) -> impl Iterator<Item = &String> {
         self.order.iter().filter(|name| self.is_state(name))
     }
 
-    /// Returns whether formulas have used a name.
+    /// Returns whether a name occurs in a formula.
     pub fn uses(&self, name: &str) -> bool {
         self.used.borrow().contains(name)
     }
 
-    /// Adds a definition of some elements. If only some of the elements are states, these remain
-    /// states: `u[i=0..n+1]` defines the elements beyond both ends of the states `u[1]` to `u[n]`.
+    /// Adds a definition of one or more elements of an array. Elements that are already states
+    /// remain states: `u[i=0..n+1]` defines only the two elements beyond the ends of the states
+    /// `u[1]` to `u[n]`.
     pub fn define(
         &mut self,
         name: &Phrase,
@@ -209,7 +210,7 @@ impl Scope {
         Ok(())
     }
 
-    /// Returns the error of an unknown name.
+    /// Returns the error for an unknown name in a formula.
     pub fn unknown(
         &self,
         what: &str,

@@ -15,7 +15,7 @@ pub struct Field {
     rates: Program,
 }
 
-/// Assembles a statement, for a scene that gives some parameters.
+/// Assembles the statement of a vector field, for a scene that gives values to some parameters.
 pub(super) fn understood(
     source: &Source,
     statement: &Equations,

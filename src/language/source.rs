@@ -1,4 +1,4 @@
-//! Texts that state equations, and errors that quote the place in the text.
+//! Texts of equations, and errors that quote the place in the text.
 
 use crate::core::problem::UnknownName;
 use crate::misread::{Place, part_of, reason, remedy};
@@ -14,20 +14,22 @@ use std::sync::Arc;
 /// A text from which equations are parsed.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Source {
-    /// The name in errors: a file name; empty for a scene, which is named separately.
+    /// The name of the source in error messages: a file name, or an empty string for a scene, which
+    /// messages name separately.
     pub name: String,
     /// The text.
     pub text: Arc<str>,
 }
 
 thread_local! {
-    /// The address and length of the text that is being parsed. Positions of the substrings
-    /// borrowed by serde are computed from their addresses.
+    /// The address and the length of the text that is being parsed. The positions of substrings
+    /// borrowed by serde are computed from the addresses of these substrings.
     static LENT: Cell<(usize, usize)> = const { Cell::new((0, 0)) };
 }
 
 impl Source {
-    /// Creates a source from a name and a text, without a byte-order mark.
+    /// Creates a source from a name and a text; a byte-order mark at the start of the text is
+    /// removed.
     pub fn new(name: impl Into<String>, text: impl Into<Arc<str>>) -> Self {
         let text: Arc<str> = text.into();
         let text = match without_mark(&text) {
@@ -37,7 +39,8 @@ impl Source {
         Source { name: name.into(), text }
     }
 
-    /// Parses a part of the text in such a way that borrowed phrases know their positions.
+    /// Parses a part of the text; phrases that the parser borrows from the text know their
+    /// positions in it.
     pub(super) fn lend<T>(&self, part: Range<usize>, read: impl FnOnce(&str) -> T) -> T {
         LENT.set((self.text.as_ptr() as usize, self.text.len()));
         let value = read(&self.text[part]);
@@ -51,13 +54,13 @@ impl Source {
         Phrase { text: text.into(), span: Some(span) }
     }
 
-    /// Returns the position of a phrase, or of the phrase it was rewritten from; `None` if the
-    /// phrase is not from this text.
+    /// Returns the position of a phrase in this text, or the position of the original of a
+    /// rewritten phrase; `None` if the phrase is not from this text.
     fn span_of(&self, phrase: &Phrase) -> Option<Range<usize>> {
         phrase.span.clone().filter(|span| self.text.get(span.clone()).is_some())
     }
 
-    /// Returns the file and the line of a phrase, `equations.ron:7`, or `line 7`; `None` if the
+    /// Returns the file and the line of a phrase, as `equations.ron:7` or `line 7`; `None` if the
     /// phrase is not from this text.
     pub(super) fn line_of(&self, phrase: &Phrase) -> Option<String> {
         let line = self.line(self.span_of(phrase)?.start);
@@ -67,7 +70,7 @@ impl Source {
         })
     }
 
-    /// Returns an error at a part of a phrase.
+    /// Returns an error that quotes a part of a phrase.
     pub fn fault(&self, phrase: &Phrase, part: Range<usize>, fault: Fault) -> ModelError {
         // Blanks after a part do not belong to it.
         let part = part.start..part.start + phrase.text[part].trim_end().len();
@@ -82,12 +85,12 @@ impl Source {
         ModelError::new(&self.name, place, fault)
     }
 
-    /// Returns an error of a whole phrase.
+    /// Returns an error that quotes a whole phrase.
     pub fn fault_of(&self, phrase: &Phrase, fault: Fault) -> ModelError {
         self.fault(phrase, 0..phrase.text.len(), fault)
     }
 
-    /// Returns the error of a duplicate name.
+    /// Returns the error for a name that is declared twice.
     pub(super) fn twice(
         &self,
         phrase: &Phrase,
@@ -97,12 +100,12 @@ impl Source {
         self.fault_of(phrase, Fault::Twice { name: name.into(), first })
     }
 
-    /// Returns an error at a part of the text.
+    /// Returns an error that quotes a part of the text.
     pub fn fault_at(&self, part: Range<usize>, fault: Fault) -> ModelError {
         ModelError::new(&self.name, self.place(part), fault)
     }
 
-    /// Returns the line of an offset, from 1.
+    /// Returns the number of the line at a byte offset, counted from 1.
     fn line(&self, offset: usize) -> usize {
         1 + self.text[..offset].matches('\n').count()
     }
@@ -112,7 +115,8 @@ impl Source {
     }
 }
 
-/// Converts the RON error of a part of a source, which starts at `begin`.
+/// Converts the RON error of a part of a source to a model error; the part starts at the offset
+/// `begin`.
 pub(crate) fn misread(source: &Source, begin: usize, error: SpannedError) -> ModelError {
     let part = part_of(&source.text[begin..], &error);
     let fault = Fault::Form { reason: reason(&error.code) };
@@ -123,23 +127,25 @@ pub(crate) fn misread(source: &Source, begin: usize, error: SpannedError) -> Mod
     }
 }
 
-/// Returns a text without the byte-order mark that some editors write first.
+/// Returns a text without the byte-order mark that some editors write at the beginning of a file.
 pub(crate) fn without_mark(text: &str) -> &str {
     text.strip_prefix('\u{feff}').unwrap_or(text)
 }
 
-/// A part of a source: a name, or a formula. Phrases are equal if their texts are.
+/// A part of a source: a name, or a formula. Two phrases are equal if their texts are equal, even
+/// at different positions.
 #[derive(Clone, Debug, Default)]
 pub struct Phrase {
     /// Its text.
     pub text: String,
-    /// The position in a source, or of the phrase it was rewritten from; `None` if the phrase is
-    /// not from a source.
+    /// The position of the phrase in its source, or the position of the original of a rewritten
+    /// phrase; `None` if the phrase is not from a source.
     span: Option<Range<usize>>,
 }
 
 impl Phrase {
-    /// Replaces the text of a phrase. Errors in the new text show the whole original phrase.
+    /// Replaces the text of a phrase, but keeps its position. Errors in the replaced text quote the
+    /// whole original phrase.
     ///
     /// ```
     /// use tangency::language::{Fault, Source};
@@ -167,7 +173,7 @@ impl PartialEq for Phrase {
 impl Eq for Phrase {}
 
 impl<'de> Deserialize<'de> for Phrase {
-    /// Deserializes a text, or a number.
+    /// Deserializes a phrase from a text or a number.
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         struct Reader;
         impl<'de> Visitor<'de> for Reader {
@@ -205,7 +211,7 @@ impl<'de> Deserialize<'de> for Phrase {
 }
 
 impl Serialize for Phrase {
-    /// Serializes an integer as a number, any other phrase as text.
+    /// Serializes a phrase that is an integer as a number, and every other phrase as text.
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         match self.text.parse::<i32>() {
             Ok(number) if number.to_string() == self.text => serializer.serialize_i32(number),
@@ -226,7 +232,7 @@ impl From<&str> for Phrase {
     }
 }
 
-/// An error in equations given as text, with its place.
+/// An error in equations given as text, with the place of the error in the text.
 ///
 /// ```
 /// use tangency::language::{Fault, Model, Source};
@@ -245,13 +251,13 @@ impl From<&str> for Phrase {
 #[derive(Clone, Debug, PartialEq, Eq, miette::Diagnostic, thiserror::Error)]
 #[error("{}{fault}{place}", self.prefix())]
 pub struct ModelError {
-    /// The name of the source; empty for a source without a name.
+    /// The name of the source, usually a file name; empty if the source does not have a name.
     pub file: String,
-    /// The place of the error.
+    /// The place of the error in the text.
     pub place: Box<Place>,
-    /// The kind of error.
+    /// The kind of the error.
     pub fault: Fault,
-    /// The remedy, unless the fault implies the remedy.
+    /// The suggested remedy, unless the kind of error implies the remedy.
     #[help]
     pub help: Option<Box<str>>,
 }
@@ -262,7 +268,7 @@ impl ModelError {
         ModelError { file: file.into(), place: Box::new(place), fault, help }
     }
 
-    /// Adds the remedy for an unknown name.
+    /// Adds the remedy for an unknown name to the error.
     pub(crate) fn with_help_of(self, unknown: &UnknownName) -> Self {
         self.with_help(unknown.remedy())
     }
@@ -285,66 +291,66 @@ impl ModelError {
 #[derive(Clone, Debug, PartialEq, Eq, miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum Fault {
-    /// A statement has an invalid form.
+    /// A statement whose form is invalid.
     #[error("{reason}")]
     Form {
         /// The reason.
         reason: String,
     },
-    /// A syntax error in a formula or a name.
+    /// An error in the syntax of a formula or a name.
     #[error("expected {expected}")]
     Syntax {
-        /// The valid alternatives at this place.
+        /// The valid alternatives at the place of the error.
         expected: String,
     },
     /// An unknown name.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Unknown(UnknownName),
-    /// A name that is declared twice.
+    /// An error for a name that is declared twice.
     #[error("`{name}` is already {first}, and each name may be given only once")]
     Twice {
         /// The duplicate name.
         name: String,
-        /// The kind of the first declaration.
+        /// The kind of the item that was first declared with this name.
         first: &'static str,
     },
-    /// A function called with the wrong number of arguments.
+    /// An error for a function that is called with the wrong number of arguments.
     #[error("`{function}` takes {takes}, not {given}")]
     Arguments {
         /// The function.
         function: String,
-        /// The required number of arguments, in words.
+        /// The required number of arguments, as text.
         takes: String,
-        /// The given number of arguments.
+        /// The number of arguments in the call.
         given: usize,
     },
-    /// An index or an end of a range that is not a constant integer.
+    /// An error for an index, or an end of a range, that is not a constant integer.
     #[error("{what} must be an integer that does not depend on states, parameters or time{found}")]
     NotAnInteger {
-        /// The position of the index or end, in words.
+        /// The role of the number that must be an integer, such as `the index`.
         what: &'static str,
-        /// Its value, in words, if it has one.
+        /// The value of the number, as text; empty if the number is not constant.
         found: String,
     },
-    /// A definition or a function that depends on itself.
+    /// An error for a definition or a function that depends on itself.
     #[error("`{name}` is defined in terms of itself: {through}")]
     Circular {
         /// The name of the definition or function.
         name: String,
-        /// The chain of names through which it depends on itself.
+        /// The chain of names through which the definition or function depends on itself.
         through: String,
     },
-    /// A missing part of a statement.
+    /// A statement in which a required part is missing.
     #[error("{what}")]
     #[diagnostic(help("{needed}"))]
     Missing {
-        /// The statement that is incomplete.
+        /// A description of the incomplete statement.
         what: String,
-        /// The missing part, and how to give the part.
+        /// The required part, and how to write it.
         needed: String,
     },
-    /// A part that is not allowed at its place.
+    /// A part of a statement that is not allowed at its place.
     #[error("{what}: {reason}")]
     Misplaced {
         /// The misplaced part.
@@ -352,36 +358,36 @@ pub enum Fault {
         /// The reason.
         reason: String,
     },
-    /// A quantity that exceeds a limit.
+    /// A quantity, such as a number of states, that exceeds a limit.
     #[error("too many {what}: the limit is {limit}")]
     TooLarge {
-        /// The quantity that is too large.
+        /// The name of the quantity that is too large.
         what: &'static str,
         /// The limit.
         limit: usize,
     },
-    /// A value that is not a finite number.
+    /// A formula whose value is not a finite number.
     #[error("{what} at the start: {values}")]
     Undefined {
-        /// The operation or the formula without a finite value.
+        /// The operation or the formula whose value is not finite.
         what: String,
-        /// The values of the arguments or names that determine it.
+        /// The values of the arguments or names on which the value that is not finite depends.
         values: String,
     },
-    /// A period or length that is not positive.
+    /// A period of a forcing or a length of an interval that is not positive.
     #[error("{what} `{formula}` is {value}, but must be a finite number above 0")]
     NotPositive {
-        /// `the period` or `the length`.
+        /// The name of the quantity: `the period` or `the length`.
         what: &'static str,
         /// The formula.
         formula: String,
-        /// The value, with the parameters that determine it.
+        /// The value of the period or length, with the parameters on which it depends.
         value: String,
     },
-    /// A construct of another program's language that has no counterpart.
+    /// A construct of another program's language that has no counterpart in this language.
     #[error("{construct} is not supported: {reason}")]
     Unsupported {
-        /// The name of the construct in the other language.
+        /// The name of the unsupported construct in the other program's language.
         construct: String,
         /// The reason.
         reason: String,

@@ -1,4 +1,4 @@
-//! Statements of equations as parsed from RON: names and formulas that are not yet resolved.
+//! Statements of equations as parsed from RON: the names in their formulas are not yet resolved.
 
 use super::source::Phrase;
 use crate::core::problem::Dynamics;
@@ -7,7 +7,8 @@ use serde::{Deserialize, Serialize};
 /// Names with formulas.
 pub type Formulas = Vec<(Phrase, Phrase)>;
 
-/// Declares the statements of the kinds of problems, each with the common fields.
+/// Declares the statement of each kind of equations, together with the fields that all kinds have
+/// in common.
 macro_rules! statements {
     ($(
         $(#[$docs:meta])*
@@ -18,35 +19,38 @@ macro_rules! statements {
         #[serde(default)]
         pub struct $name {
             $($(#[$field_docs])* #[serde(skip_serializing_if = "is_default")] pub $field: $type,)*
-            /// Parameters with default values. Parameters that a scene gives may be omitted.
+            /// The names and default values of parameters. A parameter to which a scene gives a
+            /// value may be omitted.
             #[serde(skip_serializing_if = "is_default")]
             pub parameters: Formulas,
-            /// Names for formulas; each may use the definitions before it.
+            /// Definitions: names for formulas; each formula may use the definitions that precede
+            /// it.
             #[serde(skip_serializing_if = "is_default")]
             pub definitions: Formulas,
-            /// Functions: name, arguments, formula.
+            /// The functions of the model, each with its name, its arguments and its formula.
             #[serde(skip_serializing_if = "is_default")]
             pub functions: Vec<(Phrase, Vec<Phrase>, Phrase)>,
             /// Additional columns.
             #[serde(skip_serializing_if = "is_default")]
             pub monitors: Formulas,
-            /// Initial values of states, for motion and branches.
+            /// The initial values of states, used at the start of motions and branches.
             #[serde(skip_serializing_if = "is_default")]
             pub initial: Formulas,
-            /// Typical sizes of states that are far from 1; for systems with events also of time,
-            /// under the name `t`.
+            /// The typical sizes of states whose sizes are far from 1; for systems with events,
+            /// also the typical size of time, under the name `t`.
             #[serde(skip_serializing_if = "is_default")]
             pub scales: Formulas,
-            /// Labels of axes that replace the names of states, parameters, monitors or time (`t`).
+            /// Labels of axes, shown instead of the names of states, parameters, monitors or time
+            /// (`t`).
             #[serde(skip_serializing_if = "is_default")]
             pub labels: Formulas,
-            /// The units of states, parameters, monitors or time (`t`), shown on axes.
+            /// The units of states, parameters, monitors or time (`t`), which are shown on axes.
             #[serde(skip_serializing_if = "is_default")]
             pub units: Formulas,
         }
 
         impl $name {
-            /// The names of the fields.
+            /// The names of the fields of this statement.
             pub const FIELDS: &[&str] = &[
                 $(stringify!($field),)* "parameters", "definitions", "functions", "monitors", "initial", "scales",
                 "labels", "units",
@@ -69,50 +73,52 @@ macro_rules! statements {
 }
 
 statements! {
-    /// A vector field: the rates of states.
+    /// A vector field, given by the rates of its states.
     Equations {
-        /// States with their rates; `u[i=1..n]` is an array.
+        /// The states with their rates; `u[i=1..n]` denotes an array.
         states: Formulas,
         /// The period of the forcing, for equations that depend on time.
         period: Option<Phrase>,
     }
 
-    /// Equations `F = 0`.
+    /// A zero problem, that is, equations `F = 0`.
     Residual {
-        /// Unknowns with the expressions that vanish.
+        /// The unknowns, each with an expression that is zero at a solution.
         unknowns: Formulas,
-        /// The dynamics that the equations describe.
+        /// The kind of dynamics whose equilibria the equations describe.
         dynamics: Static,
     }
 
     /// A map.
     Map {
-        /// States with their next values.
+        /// The states of the map, each with the formula of its next value.
         states: Formulas,
     }
 
     /// A boundary-value problem.
     Boundary {
-        /// States with their rates.
+        /// The states with their rates on the interval.
         states: Formulas,
-        /// The boundary conditions: functions of the states at the ends, such as `u(0)` and `u(1)`,
-        /// that vanish.
+        /// The boundary conditions: expressions that are zero at a solution and that depend on the
+        /// states at the ends, such as `u(0)` and `u(1)`.
         conditions: Vec<Phrase>,
-        /// Formulas whose integrals vanish.
+        /// Formulas whose integrals over the interval must be zero.
         integrals: Vec<Phrase>,
         /// Additional unknown numbers.
         unknowns: Vec<Phrase>,
-        /// The length of the interval; 1 by default.
+        /// The length of the interval; its default is 1.
         length: Option<Phrase>,
     }
 
     /// A hybrid system.
     HybridEquations {
-        /// The states common to all modes with their rates, before the modes' own states.
+        /// The states that all modes have in common, with their rates; these states precede the
+        /// states of the individual modes.
         states: Formulas,
         /// The modes.
         modes: Vec<Mode>,
-        /// Instead of modes, the alternatives of several parts: the modes are all combinations.
+        /// The alternatives of each part of the system, given instead of `modes`: the modes are all
+        /// combinations that contain one alternative of each part.
         product: Vec<Vec<Mode>>,
         /// The guards.
         guards: Vec<Guard>,
@@ -120,28 +126,30 @@ statements! {
         period: Option<Phrase>,
     }
 
-    /// A Filippov system: two fields and a surface between them.
+    /// A Filippov system: two vector fields, and a surface that separates them.
     FilippovEquations {
-        /// States with their rates above the surface.
+        /// The states with their rates above the surface.
         above: Formulas,
-        /// The same states with their rates below.
+        /// The same states with their rates below the surface.
         below: Formulas,
-        /// The function that vanishes on the surface, positive above and negative below.
+        /// The function that is zero on the surface, positive above it, and negative below it.
         surface: Option<Phrase>,
-        /// States with their rates on the surface; by default the convex combination of the two
-        /// fields that is tangent to the surface.
+        /// The states with their rates on the surface; by default, the rates are the convex
+        /// combination of the two vector fields that is tangent to the surface.
         sliding: Formulas,
-        /// Functions that are positive while sliding is held against leaving to a side, `above` or
-        /// `below`; by default, the speed at which the field of that side approaches the surface.
+        /// Functions for the sides `above` and `below`: sliding does not end to a side while the
+        /// function of this side is positive. By default, the function is the speed at which the
+        /// vector field on this side approaches the surface.
         holds: Formulas,
-        /// New names for the modes `above`, `below` and `sliding`, and for the event `surface`.
+        /// Names that replace the mode names `above`, `below` and `sliding`, and the event name
+        /// `surface`.
         names: Formulas,
         /// The period of the forcing, for equations that depend on time.
         period: Option<Phrase>,
     }
 }
 
-/// References to the fields that all statements have.
+/// References to the fields that statements of all kinds have.
 #[derive(Clone, Copy)]
 pub(super) struct Common<'a> {
     pub parameters: &'a Formulas,
@@ -154,7 +162,7 @@ pub(super) struct Common<'a> {
     pub units: &'a Formulas,
 }
 
-/// The fields that all statements have, to build a statement.
+/// The values of the fields that statements of all kinds have, from which a statement is built.
 pub(super) struct Shared {
     pub parameters: Formulas,
     pub definitions: Formulas,
@@ -163,22 +171,23 @@ pub(super) struct Shared {
     pub initial: Formulas,
 }
 
-/// Returns whether a field is omitted in a serialized statement.
+/// Returns whether a field has its default value and is therefore omitted in a serialized
+/// statement.
 fn is_default<T: Default + PartialEq>(value: &T) -> bool {
     *value == T::default()
 }
 
-/// A mode of motion, or an alternative of one of its parts.
+/// A mode of a hybrid system, or an alternative of one part of the system.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Mode {
-    /// The name of the mode or alternative.
+    /// The name of the mode or of the alternative.
     pub name: Phrase,
-    /// States with their rates.
+    /// The states of the mode, with their rates.
     #[serde(default, skip_serializing_if = "is_default")]
     pub states: Formulas,
-    /// Names for formulas in this mode; they come before the definitions common to all modes, which
-    /// may use them.
+    /// Definitions that are valid in this mode only; they precede the definitions that are common
+    /// to all modes, and the common definitions may use them.
     #[serde(default, skip_serializing_if = "is_default")]
     pub definitions: Formulas,
 }
@@ -187,37 +196,40 @@ pub struct Mode {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Guard {
-    /// The name of the event. Guards with the same name in different modes define a single event.
+    /// The name of the guard's event. Guards with the same name in different modes define one
+    /// event.
     pub name: Phrase,
-    /// The modes that the guard ends; may be omitted if there is only one mode.
+    /// The names of the modes that the guard ends; may be omitted if the system has only one mode.
     #[serde(default, skip_serializing_if = "is_default")]
     pub modes: Vec<Phrase>,
-    /// The function that is positive while the mode lasts; omitted if `at` is given.
+    /// The guard's function, which is positive while the mode lasts; omitted if `at` is given.
     #[serde(default, skip_serializing_if = "is_default")]
     pub function: Option<Phrase>,
-    /// The time of event number `n`, for an event at given times.
+    /// The formula of the time of event number `n`, for events at given times.
     #[serde(default, skip_serializing_if = "is_default")]
     pub at: Option<Phrase>,
-    /// The next mode; by default the same mode.
+    /// The mode after the event; by default the mode does not change.
     #[serde(default, skip_serializing_if = "is_default")]
     pub next: Next,
-    /// States with their values after the event; other states keep their values.
+    /// The reset: states with their values after the event; all other states keep their values.
     #[serde(default, skip_serializing_if = "is_default")]
     pub reset: Formulas,
-    /// The mode that follows if events accumulate.
+    /// The mode that follows an accumulation of infinitely many events in a finite time.
     #[serde(default, skip_serializing_if = "is_default")]
     pub accumulates_to: Next,
-    /// The shortest time in which the guard changes, if shorter than the rates of states suggest.
+    /// The shortest time within which the guard's function changes; needed if this time is shorter
+    /// than the rates of the states suggest.
     #[serde(default, skip_serializing_if = "is_default")]
     pub changes_in: Option<Phrase>,
 }
 
-/// The next mode: the first one whose function is positive, or else the last one.
+/// The mode after an event: the first mode whose function is positive, or the last mode if no
+/// function is positive.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(from = "Following", into = "Following")]
 pub struct Next(pub Vec<(Phrase, Option<Phrase>)>);
 
-/// The possible next modes, as written.
+/// The possible next modes as written in the text, each with or without a function.
 #[derive(Serialize, Deserialize)]
 #[serde(
     untagged,
@@ -228,7 +240,7 @@ enum Following {
     Several(Vec<Choice>),
 }
 
-/// A mode without a function, or with one.
+/// A possible next mode, without or with a function.
 #[derive(Serialize, Deserialize)]
 #[serde(untagged)]
 enum Choice {
@@ -262,18 +274,18 @@ impl From<Next> for Following {
     }
 }
 
-/// The dynamics that equations describe; none by default.
+/// The kind of dynamics whose equilibria the equations describe; none by default.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Static {
-    /// No dynamics: stability is not reported.
+    /// No dynamics: the stability of solutions is not reported.
     #[default]
     None,
-    /// `z' = F(z, p)`.
+    /// First-order dynamics `z' = F(z, p)`.
     Flow,
-    /// `F` is the gradient of a potential.
+    /// A potential whose gradient is `F`.
     Potential,
-    /// `M z'' = −F(z, p)` with a positive definite `M`.
+    /// Second-order dynamics `M z'' = −F(z, p)` with a positive definite mass matrix `M`.
     SecondOrder,
 }
 

@@ -1,11 +1,13 @@
-//! Syntax of formulas: parses text into nodes in postfix order, in two dialects.
+//! Syntax of formulas: parses a text into nodes in postfix order, in the dialect of models or of
+//! XPPAUT.
 //!
-//! From the weakest: `|`, `&`, comparisons, `+ -`, `* /`, the signs `- + !`, and `^` (or `**`),
-//! which associates to the right and may be followed by a sign. `if(c, a, b)` may be written
-//! `if(c)then(a)else(b)`, and `sum(i, 1, n, …)` as `sum(1, n)of(…i'…)`, as in XPPAUT.
+//! From the weakest to the strongest, the operators are `|`, `&`, comparisons, `+ -`, `* /`, the
+//! signs `- + !`, and `^` (or `**`), which associates to the right and whose exponent may have a
+//! sign. As in XPPAUT, `if(c, a, b)` may be written `if(c)then(a)else(b)`, and `sum(i, 1, n, …)`
+//! may be written `sum(1, n)of(…i'…)`.
 //!
-//! In XPPAUT files all operators associate to the left, comparisons bind as strongly as powers, `|`
-//! as sums and `&` as products, and letter case is ignored.
+//! In XPPAUT files, all operators associate to the left, comparisons bind as strongly as powers,
+//! `|` binds as strongly as sums and `&` as products, and letter case is ignored.
 
 use super::operation::Operation;
 use super::source::{Fault, ModelError, Phrase, Source};
@@ -17,17 +19,17 @@ use winnow::prelude::*;
 use winnow::stream::{LocatingSlice, Location, Stateful};
 use winnow::token::{one_of, take_while};
 
-/// The dialect of formulas.
+/// The dialect in which a formula is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Dialect {
-    /// The dialect of models.
+    /// The dialect of this library's models.
     Own,
     /// The dialect of XPPAUT files.
     Xpp,
 }
 
-/// A binary operator: its binding strength in models and in XPPAUT files; 0 in a dialect without
-/// the operator.
+/// A binary operator, with its binding strength in models and in XPPAUT files; the strength is 0 in
+/// a dialect without the operator.
 pub(super) struct Infix {
     pub sign: &'static str,
     pub operation: Operation,
@@ -35,8 +37,8 @@ pub(super) struct Infix {
     pub xpp: u8,
 }
 
-/// The operators: a longer operator precedes its prefixes, and the preferred name of an operation
-/// comes last.
+/// The binary operators. In this order, an operator precedes every operator that is a prefix of it,
+/// and the preferred spelling of an operation comes last.
 pub(super) const INFIX: [Infix; 16] = [
     Infix { sign: "||", operation: Operation::Or, own: 1, xpp: 0 },
     Infix { sign: "|", operation: Operation::Or, own: 1, xpp: 4 },
@@ -56,15 +58,16 @@ pub(super) const INFIX: [Infix; 16] = [
     Infix { sign: "/", operation: Operation::Divide, own: 5, xpp: 6 },
 ];
 
-/// The binding strength of comparisons, which cannot be chained.
+/// The binding strength of comparison operators, which cannot be chained.
 pub(super) const COMPARISON: u8 = 3;
-/// The binding strength of signs.
+/// The binding strength of the signs `-`, `+` and `!`.
 pub(super) const SIGN: u8 = 6;
 /// The binding strength of powers, which associate to the right.
 pub(super) const POWER: u8 = 7;
 
 impl Infix {
-    /// Returns the binding strength, and the minimum strength of the right operand.
+    /// Returns the binding strength of the operator, and the minimum binding strength of its right
+    /// operand.
     fn strengths(&self, dialect: Dialect) -> (u8, u8) {
         match dialect {
             Dialect::Own if self.own == POWER => (POWER, SIGN),
@@ -75,8 +78,8 @@ impl Infix {
 }
 
 impl Dialect {
-    /// Returns the maximum nesting depth of brackets, signs and powers. Rewritten formulas have
-    /// more brackets.
+    /// Returns the maximum nesting depth of brackets, signs and powers. The limit for XPPAUT is
+    /// lower, because converted formulas contain more brackets.
     fn depth(self) -> usize {
         if self == Dialect::Own { 150 } else { 100 }
     }
@@ -89,7 +92,7 @@ impl Dialect {
             }
     }
 
-    /// Returns whether a letter may occur in a name, except at its start.
+    /// Returns whether a character may occur in a name, except as the first character.
     fn is_digit(self, letter: char) -> bool {
         match self {
             Dialect::Own => letter.is_numeric(),
@@ -97,13 +100,13 @@ impl Dialect {
         }
     }
 
-    /// Returns whether a name is a keyword of the language.
+    /// Returns whether a name is a given keyword of the language.
     fn is(self, name: &str, word: &str) -> bool {
         name == word || self == Dialect::Xpp && name.eq_ignore_ascii_case(word)
     }
 }
 
-/// A text with its dialect, and the current nesting depth.
+/// The text to parse, with its dialect and the current nesting depth.
 type Input<'a> = Stateful<LocatingSlice<&'a str>, (Dialect, usize)>;
 
 /// A step of a formula in postfix order, with its position in the text.
@@ -113,27 +116,29 @@ pub(super) struct Node<N = String> {
     pub place: Range<usize>,
 }
 
-/// The operation of a node on the values before it, with names as texts or resolved.
+/// One step of a formula in postfix order, which operates on a stack of values; names are texts or
+/// resolved.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Step<N = String> {
     /// Adds a number.
     Number(String),
-    /// Adds the value of a name.
+    /// Pushes the value that a name denotes.
     Name(N),
-    /// Replaces this number of indices by the element of an array.
+    /// Replaces the given number of indices on the stack by the array element with these indices.
     Element(N, usize),
-    /// Replaces this number of indices, and an end, 0 or 1, by the element of an array there.
+    /// Replaces the given number of indices and an end of the interval (0 or 1) by the value of the
+    /// array element at this end.
     ElementAt(N, usize),
-    /// Replaces its operands by a result.
+    /// Replaces the operands of an operation by its result.
     Apply(Operation),
-    /// Replaces arguments by a function's value.
+    /// Replaces the given number of arguments by the value of a function.
     Call(N, usize),
-    /// Replaces two ends of a range by the sum of a formula in an index.
+    /// Replaces the two ends of a range by the sum of a formula over an index in this range.
     Sum(N, Vec<Node<N>>),
 }
 
 impl<N> Step<N> {
-    /// Returns the number of values that the step replaces.
+    /// Returns the number of values on the stack that the step replaces.
     pub fn operands(&self) -> usize {
         match self {
             Step::Number(_) | Step::Name(_) => 0,
@@ -168,29 +173,29 @@ impl Formula {
     }
 }
 
-/// Parses a formula in a dialect.
+/// Parses a formula that is written in a given dialect.
 ///
 /// # Errors
-/// The invalid part of the text, and the error.
+/// The invalid part of the text, and a description of the syntax error.
 pub(super) fn nodes(text: &str, dialect: Dialect) -> Result<Vec<Node>, (Range<usize>, Fault)> {
     let whole = preceded(blank, |input: &mut Input| expression(input, 0));
     all(text, dialect, whole, "an operator, as in `2*x`, or the end of the formula")
 }
 
-/// A name in a statement: a scalar, or elements of an array.
+/// A name declared in a statement: a scalar, or elements of an array.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Declared {
     pub name: String,
-    /// The indices of the elements; empty for a scalar.
+    /// The indices of the array elements; empty for a scalar.
     pub indices: Vec<Index>,
 }
 
-/// An index of elements.
+/// An index of array elements.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Index {
     /// A single value.
     One(Formula),
-    /// All values between two ends, with the name of the index in formulas.
+    /// All integers between two ends, with the name that the index has in formulas.
     Range(String, Formula, Formula),
 }
 
@@ -202,7 +207,7 @@ impl Declared {
         if indices.is_empty() { Ok(name) } else { Err(source.fault_of(phrase, fault)) }
     }
 
-    /// Parses `u`, `u[3]`, `u[i=1..n]` or `u[0, j=1..n]`.
+    /// Parses a declared name, such as `u`, `u[3]`, `u[i=1..n]` or `u[0, j=1..n]`.
     pub fn read(source: &Source, phrase: &Phrase) -> Result<Declared, ModelError> {
         let formula = |nodes| Formula { phrase: phrase.clone(), nodes };
         let inner = |input: &mut Input| {
@@ -234,7 +239,7 @@ impl Declared {
     }
 }
 
-/// Parses a text to its end.
+/// Parses a text up to its end.
 fn all<'a, T>(
     text: &'a str,
     dialect: Dialect,
@@ -264,7 +269,7 @@ fn blank(input: &mut Input) -> ModalResult<()> {
     multispace0.void().parse_next(input)
 }
 
-/// Describes the syntax that is required here.
+/// Adds a description of the required syntax to a parser's error.
 fn expected<'a, T>(
     parser: impl Parser<Input<'a>, T, winnow::error::ErrMode<ContextError>>,
     words: &'static str,
@@ -272,15 +277,15 @@ fn expected<'a, T>(
     cut_err(parser).context(StrContext::Expected(StrContextValue::Description(words)))
 }
 
-/// Parses a symbol, and the blanks after it.
+/// Parses a symbol and the blanks that follow it.
 fn symbol<'a>(
     text: &'static str,
 ) -> impl Parser<Input<'a>, (), winnow::error::ErrMode<ContextError>> {
     (text, multispace0).void()
 }
 
-/// Parses a name: letters, digits and underscores, not starting with a digit. Only the index of
-/// XPPAUT's sums, `i'`, has a prime.
+/// Parses a name, which consists of letters, digits and underscores and does not start with a
+/// digit. The only name with a prime is the index `i'` of a sum in XPPAUT's notation.
 fn name(input: &mut Input) -> ModalResult<String> {
     let (dialect, _) = input.state;
     let inner = move |c: char| dialect.is_letter(c) || dialect.is_digit(c);
@@ -303,7 +308,8 @@ fn word<'a>(
     }
 }
 
-/// Parses a number: `2`, `2.`, `.5`, `1e-3`. The dots of a range do not belong to it.
+/// Parses a number, such as `2`, `2.`, `.5` or `1e-3`. The two dots of a range such as `1..3` do
+/// not belong to the number.
 fn number(input: &mut Input) -> ModalResult<String> {
     let (dialect, _) = input.state;
     let fraction = ('.', not('.'), opt(digit1)).void();
@@ -314,7 +320,7 @@ fn number(input: &mut Input) -> ModalResult<String> {
     (number, multispace0).map(|(number, _)| number).parse_next(input)
 }
 
-/// Parses one level deeper.
+/// Runs a parser at the next level of nesting.
 fn deeper<'a, T>(
     input: &mut Input<'a>,
     parser: impl FnOnce(&mut Input<'a>) -> ModalResult<T>,
@@ -329,7 +335,7 @@ fn deeper<'a, T>(
     value
 }
 
-/// Parses a binary operator, and the blanks after it.
+/// Parses a binary operator and the blanks that follow it.
 fn infix(input: &mut Input) -> ModalResult<&'static Infix> {
     let (dialect, _) = input.state;
     let known = |infix: &&Infix| infix.strengths(dialect).0 > 0 && input.starts_with(infix.sign);
@@ -339,7 +345,7 @@ fn infix(input: &mut Input) -> ModalResult<&'static Infix> {
     }
 }
 
-/// Parses operators of at least a given binding strength, and their operands.
+/// Parses an operand, and the operators of at least a given binding strength with their operands.
 fn expression(input: &mut Input, least: u8) -> ModalResult<Vec<Node>> {
     let (dialect, _) = input.state;
     deeper(input, |input| {
@@ -363,7 +369,7 @@ fn expression(input: &mut Input, least: u8) -> ModalResult<Vec<Node>> {
     })
 }
 
-/// Parses an operand with its sign. A sign binds less than a power: `-x^2` is `-(x^2)`.
+/// Parses an operand and its sign. A sign binds more weakly than a power: `-x^2` is `-(x^2)`.
 fn signed(input: &mut Input) -> ModalResult<Vec<Node>> {
     let begin = input.current_token_start();
     let operation = match input.state.0 {
@@ -425,7 +431,7 @@ fn operand(input: &mut Input) -> ModalResult<Vec<Node>> {
     }
 }
 
-/// Parses a list of formulas separated by commas, and counts them.
+/// Parses a list of formulas separated by commas, and returns their number.
 fn list(input: &mut Input) -> ModalResult<(Vec<Node>, usize)> {
     let mut nodes = expression(input, 0)?;
     let mut more = repeat(0.., preceded(symbol(","), |input: &mut Input| expression(input, 0)));
@@ -435,7 +441,7 @@ fn list(input: &mut Input) -> ModalResult<(Vec<Node>, usize)> {
     Ok((nodes, count))
 }
 
-/// Parses `if(c, a, b)` or `if(c)then(a)else(b)`, after the first bracket.
+/// Parses the rest of `if(c, a, b)` or `if(c)then(a)else(b)` after the first bracket.
 fn condition(input: &mut Input, begin: usize) -> ModalResult<Vec<Node>> {
     let mut nodes = expression(input, 0)?;
     let is_list =
@@ -455,7 +461,7 @@ fn condition(input: &mut Input, begin: usize) -> ModalResult<Vec<Node>> {
     Ok(nodes)
 }
 
-/// Parses `sum(i, 1, n, …)` or `sum(1, n)of(…i'…)`, after the first bracket.
+/// Parses the rest of `sum(i, 1, n, …)` or `sum(1, n)of(…i'…)` after the first bracket.
 fn sum(input: &mut Input, begin: usize) -> ModalResult<Vec<Node>> {
     let at = input.current_token_start();
     let first = opt((name, symbol(",")).map(|(name, _)| name)).parse_next(input)?;

@@ -1,22 +1,25 @@
-//! Formulas as tapes: steps over registers, evaluated in any scalar type without allocation.
+//! Tapes of formulas: lists of steps on registers, which are evaluated in any scalar type without
+//! allocation.
 
 use super::elementary;
 use super::operation::Operation;
 use crate::core::scalar::{Scalar, in_registers_of};
 
-/// The instruction of a step. `a`, `b` and `c` are registers, `n` is a number.
+/// The instruction that a step of a tape executes. In the description of a step, `a`, `b` and `c`
+/// are registers, and `n` is a number.
 ///
-/// Products are fused with sums: every step costs a dispatch, which for real numbers takes longer
-/// than the operation itself.
+/// Products are fused with sums, because every step costs a dispatch, which takes longer than the
+/// operation on real numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Code {
-    /// A state, by its position `a`.
+    /// Loads the state with index `a`.
     State,
-    /// A parameter, by its position `a`.
+    /// Loads the parameter with index `a`.
     Parameter,
     /// `n`.
     Number,
-    /// Stores register `a` in result `into`, if there are too many results to keep in registers.
+    /// Stores register `a` as result number `into`; used if the tape has too many results to keep
+    /// in registers.
     Result,
     /// `a + b`.
     Add,
@@ -32,37 +35,37 @@ pub(super) enum Code {
     Reflect,
     /// `a n`.
     Scale,
-    /// `a m + n`, where `b` and `c` contain the bits of `m`.
+    /// Computes `a m + n`, where `b` and `c` contain the bits of the number `m`.
     Line,
     /// `a/n`.
     Share,
     /// `n/a`.
     Invert,
-    /// `a b + c`.
+    /// Computes `a b + c`.
     MultiplyAdd,
-    /// `a b + n`.
+    /// Computes `a b + n`.
     MultiplyShift,
-    /// `c − a b`.
+    /// Computes `c − a b`.
     SubtractProduct,
-    /// `a n + b`.
+    /// Computes `a n + b`.
     ScaleAdd,
     /// `a²`.
     Square,
-    /// `a^n` for an integer `n`.
+    /// Computes `a^n` for an integer `n`.
     PowerInteger,
     /// `a^n`.
     PowerReal,
-    /// `sin a`, and `cos a` into `c`.
+    /// Computes `sin a`, and stores `cos a` in register `c`.
     SineCosine,
-    /// The step's operation on `a`, `b` and `c`.
+    /// Applies the operation of the step to `a`, `b` and `c`.
     General,
 }
 
-/// A step of a tape.
+/// A step of a tape, which computes one value.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Step {
     pub code: Code,
-    /// The operation of a general step.
+    /// The operation, for a step with the code `General`.
     pub operation: Operation,
     pub into: u32,
     pub a: u32,
@@ -71,38 +74,38 @@ pub(super) struct Step {
     pub n: f64,
 }
 
-/// Formulas of time, states and parameters as a list of steps, in which common subexpressions are
-/// computed once.
+/// Formulas of time, states and parameters, given as a list of steps in which common subexpressions
+/// are computed only once.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Tape {
     pub steps: Vec<Step>,
-    /// The number of registers. The first one holds the time.
+    /// The number of registers that the tape uses. The first register contains the time.
     pub registers: usize,
-    /// The number of states preloaded into the registers after the first.
+    /// The number of states that are preloaded into the registers after the first register.
     pub preloaded: usize,
-    /// The parameters preloaded into the registers after the states.
+    /// The indices of the parameters that are preloaded into the registers after the states.
     pub parameters: Vec<u32>,
-    /// The registers of the results at the end, if there are few results.
+    /// The registers that contain the results at the end; empty if the tape has many results.
     pub outputs: Vec<u32>,
 }
 
-/// A register. Its alignment keeps vectors within one cache line, since reading a freshly stored
-/// vector across two lines is slow.
+/// A register. The alignment of a register keeps vectors within one cache line, because reading a
+/// vector that was just stored is slow if it extends over two lines.
 #[derive(Clone, Copy)]
 #[repr(align(32))]
 struct Register<T>(T);
 
-/// The states and parameters that a tape reads.
+/// The values of the states and parameters that a tape reads.
 struct Inputs<'a, T> {
     x: &'a [T],
     p: &'a [T],
 }
 
-/// The largest array of registers on the stack, in bytes.
+/// The maximum size, in bytes, of an array of registers on the stack.
 const ON_STACK: usize = 1 << 16;
 
 impl Tape {
-    /// Evaluates the formulas into `results`.
+    /// Evaluates the formulas of the tape, and writes their values to `results`.
     #[inline]
     pub fn evaluate<T: Scalar>(&self, t: T, x: &[T], p: &[T], results: &mut [T]) {
         let fits = |registers: usize| {
@@ -122,7 +125,7 @@ impl Tape {
         }
     }
 
-    /// Evaluates a tape of one formula.
+    /// Evaluates a tape that consists of one formula.
     #[inline]
     pub fn value<T: Scalar>(&self, t: T, x: &[T], p: &[T]) -> T {
         let mut result = [T::zero()];
@@ -195,18 +198,18 @@ impl Tape {
         }
     }
 
-    /// Returns whether a value is discontinuous.
+    /// Returns whether a formula of the tape is a discontinuous function.
     pub fn jumps(&self) -> bool {
         self.steps.iter().any(|step| step.code == Code::General && step.operation.jumps())
     }
 
-    /// Returns whether a value depends on a comparison.
+    /// Returns whether a value of the tape depends on a comparison.
     pub fn decides(&self) -> bool {
         self.steps.iter().any(|step| step.code == Code::General && step.operation.decides())
     }
 }
 
-/// Evaluates an operation without a fast step.
+/// Evaluates an operation for which no specialised step exists.
 #[inline(never)]
 fn general<T: Scalar>(operation: Operation, a: &T, b: &T, c: &T) -> T {
     in_registers_of::<T, _>(

@@ -1,4 +1,5 @@
-//! The surroundings of a statement in a text, and the unparsed fields within its brackets.
+//! Parses the surroundings of a statement in a text, and splits the bracketed part into unparsed
+//! fields.
 
 use super::source::{ModelError, Source, misread, without_mark};
 use ron::extensions::Extensions;
@@ -6,7 +7,7 @@ use ron::value::RawValue;
 use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
 use std::ops::Range;
 
-/// Returns the kind of the statement that makes up a text, and the rest of the text.
+/// Returns the name of the kind of the statement that a text consists of, and the rest of the text.
 pub(crate) fn statement_in(text: &str) -> (&str, &str) {
     let text = skip_attributes(without_mark(text));
     text.split_at(text.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(text.len()))
@@ -33,7 +34,7 @@ fn skip_comments(mut text: &str) -> &str {
     }
 }
 
-/// Skips the rest of an open block comment. Comments may be nested.
+/// Skips the rest of a block comment after its opening mark. Block comments may be nested.
 fn behind_block(mut text: &str) -> &str {
     let mut depth = 1;
     while depth > 0 {
@@ -44,22 +45,22 @@ fn behind_block(mut text: &str) -> &str {
     text
 }
 
-/// Returns the RON options of scenes and statements.
+/// Returns the RON options with which scenes and statements are parsed.
 pub(crate) fn options() -> ron::Options {
     ron::Options::default()
         .with_default_extension(Extensions::IMPLICIT_SOME)
         .with_default_extension(Extensions::UNWRAP_VARIANT_NEWTYPES)
 }
 
-/// A named field within brackets, with its position in the source.
+/// A field of a bracketed statement, with its name and its position in the source.
 pub(crate) struct Field {
     pub name: String,
     pub value: Range<usize>,
-    /// The range from the name to the comma after the field.
+    /// The range of the field in the source, from its name to the comma after its value.
     pub part: Range<usize>,
 }
 
-/// Returns the fields within brackets in a part of a source, ignoring comments.
+/// Returns the fields of a bracketed part of a source; comments are ignored.
 pub(crate) fn fields_of(source: &Source, brackets: Range<usize>) -> Result<Vec<Field>, ModelError> {
     let text = &source.text[brackets.clone()];
     let read = options().from_str(text);
@@ -82,12 +83,12 @@ pub(crate) fn fields_of(source: &Source, brackets: Range<usize>) -> Result<Vec<F
     Ok(fields)
 }
 
-/// Returns the end of the blanks and comments that begin at a position.
+/// Returns the position after the blanks and comments that begin at a given position.
 fn behind_comments(text: &str, at: usize) -> usize {
     text.len() - skip_comments(&text[at..]).len()
 }
 
-/// Names with their unparsed values.
+/// Names of fields with their unparsed values.
 #[derive(Default)]
 pub(crate) struct Parts<'a>(pub Vec<(String, &'a RawValue)>);
 

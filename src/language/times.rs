@@ -1,4 +1,4 @@
-//! The times of an event given as text: `n*period + phase`.
+//! The times of an event that occurs at given times, as a formula such as `n*period + phase`.
 
 use super::assembling::Assembling;
 use super::duration::Duration;
@@ -9,24 +9,25 @@ use super::tape::Tape;
 use crate::core::hybrid::time_left;
 use crate::core::scalar::Scalar;
 
-/// The name of an event's number in the formula of its time.
+/// The name that denotes the number of the event in the formula of its time.
 const NUMBER: &str = "n";
-/// (R) The relative difference below which times count as equal, in units of an interval.
+/// (Rounding) The difference below which two event times count as equal, relative to the interval
+/// between events.
 const SAME: f64 = 1e-9;
 
-/// The times `first + n·interval`, which depend on parameters only.
+/// The event times `first + n·interval`, where `first` and `interval` depend on parameters only.
 #[derive(Clone, Debug)]
 pub(super) struct Times {
     phrase: Phrase,
-    /// The times of events number 0, 1 and 2.
+    /// The formulas of the times of the events with numbers 0, 1 and 2.
     tape: Tape,
 }
 
 impl Times {
-    /// Parses the formula of the time of event number `n`.
+    /// Parses the formula for the time of the event with number `n`.
     ///
     /// # Errors
-    /// [`ModelError`] for a formula of states or time.
+    /// [`ModelError`] if the formula depends on states or time.
     pub fn read(scope: &Scope, phrase: &Phrase) -> Result<Self, ModelError> {
         if let Some(Meaning::Parameter(_)) = scope.meaning(NUMBER) {
             return Err(scope.source.twice(phrase, NUMBER, "a parameter"));
@@ -46,10 +47,11 @@ impl Times {
         Ok(Times { phrase: phrase.clone(), tape: assembling.tape(&times) })
     }
 
-    /// Returns the number of times in a period.
+    /// Returns the number of event times in one period of the forcing.
     ///
     /// # Errors
-    /// [`ModelError`] if the times are not periodic with the period for all parameters.
+    /// [`ModelError`] if the event times are not periodic with the period of the forcing for all
+    /// parameters.
     pub fn in_period(
         &self,
         source: &Source,
@@ -87,7 +89,7 @@ impl Times {
         }
     }
 
-    /// Returns the time left until the nearest event.
+    /// Returns the time that is left until the nearest event.
     pub fn left<T: Scalar>(&self, t: T, p: &[T]) -> T {
         let mut times = [T::zero(); 3];
         self.tape.evaluate(T::zero(), &[], p, &mut times);

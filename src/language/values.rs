@@ -1,9 +1,10 @@
-//! Data by value: tables for inputs and results, which are faster than maps, and a map for numbers.
+//! Data attached to values: tables for inputs and results, which are faster than maps, and a map
+//! for numbers.
 
 use super::assembly::Value;
 use std::collections::HashMap;
 
-/// Data for each value of some operations.
+/// Data attached to each value in a list of operations.
 #[derive(Default)]
 pub(super) struct Values<T> {
     time: T,
@@ -14,7 +15,7 @@ pub(super) struct Values<T> {
 }
 
 impl<T: Copy + Default> Values<T> {
-    /// Returns the data of a value; the default if none is stored.
+    /// Returns the data attached to a value, or the default data if none were stored.
     pub fn get(&self, value: Value) -> T {
         let known = match value {
             Value::Time => Some(&self.time),
@@ -26,7 +27,7 @@ impl<T: Copy + Default> Values<T> {
         known.copied().unwrap_or_default()
     }
 
-    /// Returns a mutable reference to the data of a value.
+    /// Returns a mutable reference to the data attached to a value.
     pub fn at(&mut self, value: Value) -> &mut T {
         let (table, k) = match value {
             Value::Time => return &mut self.time,
@@ -41,7 +42,7 @@ impl<T: Copy + Default> Values<T> {
         &mut table[k]
     }
 
-    /// Returns one more than the position of the last parameter with data.
+    /// Returns 1 plus the index of the last parameter to which data are attached.
     pub fn parameters(&self) -> u32 {
         self.parameters.len() as u32
     }

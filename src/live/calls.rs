@@ -1,4 +1,4 @@
-//! The calls that a page sends, and the responses.
+//! The calls that a page sends to the server, and the server's responses.
 
 use super::describe::settings;
 use super::details::details;
@@ -20,39 +20,40 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 
-/// The time after which a trace is stopped.
+/// The maximum duration of a trace, after which the server stops it.
 const LONGEST: Duration = Duration::from_secs(120);
-/// The interval at which the connection of a silent trace is checked.
+/// The interval at which the server checks the connection of a trace that sends no messages.
 const SILENCE: Duration = Duration::from_millis(200);
-/// The stack of a trace, in bytes; deeply nested formulas need more than the usual one.
+/// The stack size of a trace's thread in bytes; deeply nested formulas need more than the usual
+/// size.
 const STACK: usize = 32 << 20;
-/// The maximum length of the name of a page.
+/// The maximum length of the name that identifies a page.
 const ID: usize = 64;
 
 const JSON: &str = "application/json";
 const LINES: &str = "application/x-ndjson";
 
-/// A call of a page.
+/// A call that a page sends to the server.
 #[derive(Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 enum Call {
-    /// The setup with which a page begins, and the examples.
+    /// Requests the setup that the page shows first, and the list of examples.
     Open {},
-    /// The setup of an example.
+    /// Requests the setup of an example.
     Example { name: String },
-    /// Traces a setup; the response is a stream of messages.
+    /// Requests the trace of a setup; the response is a stream of messages.
     Trace { page: String, turn: u64, setup: Box<Setup> },
     /// Stops the trace.
     Stop { page: String },
-    /// The settings that have an effect.
+    /// Requests the list of the settings that have an effect in a setup.
     Settings { setup: Box<Setup> },
-    /// The last result in other axes.
+    /// Requests the diagram of the last result with other axes.
     Axes { page: String, x: Option<String>, y: Option<String> },
-    /// A point of the last result.
+    /// Requests a point of the last result.
     Point { page: String, branch: usize, point: i64 },
-    /// The last result as a file.
+    /// Requests the last result as a file.
     File { page: String, format: String },
-    /// Whether the server is there.
+    /// Requests a sign that the server is running.
     Alive {},
 }
 
@@ -120,7 +121,7 @@ impl Service {
         }
     }
 
-    /// Answers with the last result as a file.
+    /// Sends the last result as a file.
     fn file(&self, stream: &mut TcpStream, page: &str, format: &str) -> std::io::Result<()> {
         let Some(kept) = self.pages.kept(page) else {
             return json_of(stream, &trouble(NO_RESULT));
@@ -131,7 +132,7 @@ impl Service {
         }
     }
 
-    /// Traces a setup on a thread of its own, and passes its messages on.
+    /// Traces a setup on a separate thread, and passes the messages of the trace to the page.
     fn trace(
         self: &Arc<Self>,
         stream: &mut TcpStream,
@@ -170,7 +171,7 @@ impl Service {
     }
 }
 
-/// Passes messages on until the trace ends. Cancels the trace if it takes too long.
+/// Passes messages to the page until the trace ends. The trace is cancelled if it takes too long.
 fn pass(
     stream: &mut TcpStream,
     messages: &Receiver<Message>,
@@ -198,7 +199,7 @@ fn json_of(stream: &mut TcpStream, value: &Value) -> std::io::Result<()> {
     http::respond(stream, JSON, value.to_string().as_bytes())
 }
 
-/// Answers from the last result of a page.
+/// Sends a response that is made from the last result of a page.
 fn json_of_kept(
     stream: &mut TcpStream,
     kept: Option<Arc<Kept>>,
@@ -207,10 +208,10 @@ fn json_of_kept(
     json_of(stream, &kept.map_or_else(|| trouble(NO_RESULT), |kept| value(&kept)))
 }
 
-/// The error of a page without a result.
+/// The error for a page that has no result yet.
 const NO_RESULT: &str = "there is no result: trace the scene again";
 
-/// Returns a result as a file, with the type of its content.
+/// Returns a result as a file, with the media type of the file's content.
 fn rendered(kept: &Kept, format: &str) -> Result<(&'static str, Vec<u8>), String> {
     if format == "scene" {
         return Ok(("text/plain; charset=utf-8", (kept.scene.to_ron() + "\n").into_bytes()));

@@ -1,12 +1,12 @@
-//! The command that is equivalent to a setup.
+//! The command line that is equivalent to a setup.
 
 use super::library::Library;
 use super::opened::Opened;
 use super::setup::Setup;
 use crate::core::cancel::CancelToken;
 
-/// Returns the `tangency trace` command with the same result: of the opened scene or an example with
-/// its request, or else of the scene as the page saves it.
+/// Returns the `tangency trace` command that computes the same result as the page: from the opened
+/// scene, from an example with its request, or otherwise from the scene file that the page saves.
 pub(super) fn command(setup: &Setup, library: &Library, opened: Option<&Opened>) -> String {
     let opened = opened.filter(|opened| opened.setup.text == setup.text);
     let opened = opened.map(|opened| opened.place.clone());
@@ -30,7 +30,7 @@ pub(super) fn command(setup: &Setup, library: &Library, opened: Option<&Opened>)
     words.join(" ")
 }
 
-/// Quotes a word for a shell, if necessary.
+/// Quotes a word for a shell if the word contains special characters.
 fn quoted(word: &str) -> String {
     let is_plain = |c: char| c.is_ascii_alphanumeric() || "_-./=,+:@%".contains(c);
     match !word.is_empty() && word.chars().all(is_plain) {

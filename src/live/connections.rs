@@ -1,12 +1,13 @@
-//! The open connections: at the limit of their number, a connection that sent no request is closed.
+//! The open connections of the server: if their number has reached the limit, a connection that has
+//! not sent a request is closed.
 
 use std::net::{Shutdown, TcpStream};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// The maximum number of connections.
+/// The maximum number of open connections.
 const MOST: usize = 64;
 
-/// The open connections, in the order of their arrival.
+/// The open connections, in the order in which they were accepted.
 #[derive(Clone, Default)]
 pub(super) struct Connections(Arc<Mutex<Open>>);
 
@@ -19,11 +20,11 @@ struct Open {
 struct Listed {
     number: u64,
     stream: TcpStream,
-    /// Whether the request has arrived.
+    /// Whether the connection has sent its request.
     has_request: bool,
 }
 
-/// An accepted connection, which leaves the list when this value is dropped.
+/// An accepted connection, which is removed from the list when this value is dropped.
 pub(super) struct Connection {
     all: Connections,
     number: u64,
@@ -34,8 +35,9 @@ impl Connections {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Accepts a connection. At the limit, the oldest connection without a request is closed;
-    /// `None` if all connections have requests.
+    /// Accepts a connection. If the number of connections has reached the limit, the oldest
+    /// connection that has not sent a request is closed; returns `None` if all connections have
+    /// sent requests.
     pub fn accept(&self, stream: &TcpStream) -> Option<Connection> {
         let copy = stream.try_clone().ok()?;
         let mut open = self.open();
@@ -52,7 +54,7 @@ impl Connections {
 }
 
 impl Connection {
-    /// Records that the request has arrived.
+    /// Records that the connection has sent its request.
     pub fn received(&self) {
         let mut open = self.all.open();
         let own = open.connections.iter_mut().find(|it| it.number == self.number);

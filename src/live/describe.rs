@@ -1,4 +1,4 @@
-//! The description of a scene for the page: its parameters, settings and ranges.
+//! The description of a scene for the page: parameters, settings, and ranges of parameters.
 
 use super::help::meaning;
 use super::library::Library;
@@ -6,32 +6,32 @@ use super::setup::Setup;
 use crate::scene::{Purpose, Range, Scene, SceneError};
 use serde::Serialize;
 
-/// The parameters and ranges of a scene.
+/// The parameters of a scene and their ranges.
 #[derive(Serialize)]
 pub(super) struct Description {
     title: String,
-    /// Whether the text is a scene, which states its own runs.
+    /// Whether the text is a scene, which contains runs, and not a model only.
     is_scene: bool,
     parameters: Vec<Parameter>,
-    /// The varied parameters of all runs, with their ranges.
+    /// The parameters that are varied by all runs of the scene, with their ranges.
     along: Vec<Range>,
-    /// The names of states, for starts.
+    /// The names of the states, whose values at the start can be given.
     states: Vec<String>,
 }
 
-/// A parameter with its initial value.
+/// A parameter of the scene, with its initial value.
 #[derive(Serialize)]
 struct Parameter {
     name: String,
     value: Option<f64>,
-    /// The usual range of the parameter.
+    /// The range over which the parameter is usually varied.
     low: f64,
     high: f64,
-    /// The run that sets the parameter, which can then not be changed.
+    /// The name of the run that sets the parameter; such a parameter cannot be changed on the page.
     set_by: Option<String>,
 }
 
-/// A setting with its value and meaning.
+/// A setting of the scene, with its value and its meaning.
 #[derive(Serialize)]
 pub(super) struct Setting {
     name: String,
@@ -40,7 +40,8 @@ pub(super) struct Setting {
     set_by: Option<String>,
 }
 
-/// Describes the scene of a setup; `traced` is the complete scene, if it could be built.
+/// Describes the scene of a setup; `traced` is the complete scene, or `None` if the scene could not
+/// be built.
 pub(super) fn describe(setup: &Setup, values: &Scene, traced: Option<&Scene>) -> Description {
     let parameters = values.problem.parameters().into_iter().map(|(name, _)| {
         let value = traced.and_then(|scene| scene.value(&name)).or_else(|| values.value(&name));

@@ -1,4 +1,5 @@
-//! The values and profiles of one point of a branch, and the runs that can continue there.
+//! The values and profiles at one point of a branch, and the runs that can continue from this
+//! point.
 
 use super::pages::Kept;
 use crate::core::continuation::{Branch, Point, SpecialPoint};
@@ -7,11 +8,11 @@ use crate::output::significant;
 use crate::scene::FollowUp;
 use serde::Serialize;
 
-/// The significant digits of values, and of errors.
+/// The number of significant digits with which values are shown.
 const DIGITS: usize = 12;
 const ERROR_DIGITS: usize = 2;
 
-/// A point of a branch.
+/// The details of a point of a branch.
 #[derive(Serialize)]
 pub(super) struct Details<'a> {
     title: String,
@@ -35,8 +36,9 @@ impl<'a> From<&'a Profile> for Shown<'a> {
     }
 }
 
-/// Returns the details of a point, by the positions of its branch and on it, or by its negative
-/// label; `None` for a point that does not exist.
+/// Returns the details of a point, given by the index of its branch and the index of the point on
+/// the branch; a negative index is the negative label of a special point. Returns `None` if the
+/// point does not exist.
 pub(super) fn details(kept: &Kept, branch: usize, point: i64) -> Option<Details<'_>> {
     let branch = kept.document.branches.get(branch)?;
     if point >= 0 {
@@ -64,7 +66,7 @@ fn title(branch: &Branch, special: &SpecialPoint) -> String {
     format!("{}: {kind} {label}, {}{subkind}{doubt}", branch.name, kind.meaning())
 }
 
-/// Returns the columns of a branch, the varied parameters first.
+/// Returns the columns of a branch with their values at a point, the varied parameters first.
 fn columns(branch: &Branch, value: impl Fn(usize) -> Option<f64>) -> Vec<[String; 2]> {
     let mut names: Vec<(usize, &str)> = branch.columns().enumerate().collect();
     names.sort_by_key(|(_, name)| !branch.released.iter().any(|it| it == name));
@@ -83,7 +85,8 @@ fn of_point<'a>(branch: &Branch, index: usize, point: &Point) -> Details<'a> {
     Details { title, rows, profiles: Vec::new(), follow_ups: Vec::new() }
 }
 
-/// Returns the values, numbers, eigenvalues and sensitivities of a special point.
+/// Returns the rows of a special point: values of columns, normal-form coefficients,
+/// eigenvalues and sensitivities.
 fn rows(branch: &Branch, special: &SpecialPoint) -> Vec<[String; 2]> {
     let mut rows = columns(branch, |column| special.value(column));
     if let (Some(first), false) = (rows.first_mut(), branch.released.is_empty()) {

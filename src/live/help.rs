@@ -1,20 +1,21 @@
-//! The meanings of settings, from the tables of the reference.
+//! The meanings of settings, taken from the tables of the reference manual.
 
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
-/// The reference of scenes and settings.
+/// The text of the reference manual of scenes and settings.
 const REFERENCE: &str = include_str!("../../docs/reference/scenes.md");
 
-/// The meanings of all settings by name.
+/// The meaning of each setting, by the name of the setting.
 static MEANINGS: LazyLock<BTreeMap<&'static str, String>> = LazyLock::new(meanings);
 
-/// Returns the meaning of a setting; empty if the reference does not list the setting.
+/// Returns the meaning of a setting; the text is empty if the reference manual does not list the
+/// setting.
 pub(super) fn meaning(name: &str) -> &'static str {
     MEANINGS.get(name).map_or("", String::as_str)
 }
 
-/// Reads the rows `| `name` | default | meaning |` below the heading of settings.
+/// Parses the table rows `| `name` | default | meaning |` that follow the heading of the settings.
 fn meanings() -> BTreeMap<&'static str, String> {
     let settings = REFERENCE.split_once("\n## Settings\n").map_or("", |(_, rest)| rest);
     let settings = settings.split("\n## ").next().unwrap_or_default();
@@ -27,7 +28,8 @@ fn meanings() -> BTreeMap<&'static str, String> {
     settings.lines().filter_map(row).collect()
 }
 
-/// Removes marks of Markdown: quotes of code, and the brackets and targets of links.
+/// Removes Markdown marks from a text: the quotes around code, and the brackets and targets of
+/// links.
 fn plain(text: &str) -> String {
     let (mut plain, mut rest) = (String::new(), text);
     while let Some((before, after)) = rest.split_once("](") {

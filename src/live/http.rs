@@ -1,22 +1,22 @@
-//! Requests and responses of HTTP/1.1: each connection has one request, and closes after its
+//! HTTP/1.1 requests and responses: each connection carries one request, and is closed after the
 //! response.
 
 use std::io::{ErrorKind, Read, Write};
 use std::net::TcpStream;
 use std::time::{Duration, Instant};
 
-/// The maximum size of the line and the headers of a request, in bytes.
+/// The maximum size in bytes of the request line and the headers of a request.
 const HEAD: usize = 16 << 10;
-/// The maximum number of headers.
+/// The maximum number of headers of a request.
 const HEADERS: usize = 64;
-/// The maximum size of the body of a request, in bytes.
+/// The maximum size in bytes of the body of a request.
 const BODY: usize = 4 << 20;
-/// The time in which a request must arrive.
+/// The time within which a client must send its request.
 const ARRIVAL: Duration = Duration::from_secs(10);
-/// The time in which a response must be taken.
+/// The time within which a client must read its response.
 const DEPARTURE: Duration = Duration::from_secs(20);
-/// The number of bytes, and the time, for which the rest of a refused request is read, so that the
-/// client sees the response.
+/// The maximum number of bytes, and the maximum time, for which the server reads the rest of a
+/// refused request, so that the client sees the response.
 const REST: (usize, Duration) = (1 << 20, Duration::from_millis(200));
 
 /// A request.
@@ -56,7 +56,7 @@ pub(super) enum Refusal {
 }
 
 impl Refusal {
-    /// Returns the status of the response.
+    /// Returns the HTTP status of the response to the refused request.
     pub fn status(self) -> &'static str {
         match self {
             Refusal::Closed | Refusal::Malformed | Refusal::Message => "400 Bad Request",
@@ -94,8 +94,8 @@ pub(super) fn read(stream: &mut TcpStream) -> Result<Incoming, Refusal> {
     Ok(incoming)
 }
 
-/// Returns the request without its body, the position at which the body begins, and its length;
-/// `None` if the headers are not complete.
+/// Returns the request without its body, the position at which the body begins, and the length of
+/// the body; `None` if the headers are not complete.
 fn head(bytes: &[u8]) -> Result<Option<(Incoming, usize, usize)>, Refusal> {
     let mut headers = [httparse::EMPTY_HEADER; HEADERS];
     let mut request = httparse::Request::new(&mut headers);
@@ -137,7 +137,7 @@ fn head(bytes: &[u8]) -> Result<Option<(Incoming, usize, usize)>, Refusal> {
     Ok(Some((incoming, begin, length)))
 }
 
-/// Reads more bytes, up to a total number.
+/// Reads more bytes from the connection until a total number of bytes is reached.
 fn more(
     stream: &mut TcpStream,
     bytes: &mut Vec<u8>,
@@ -164,7 +164,8 @@ fn more(
     }
 }
 
-/// The rules of every response: nothing is stored, framed or loaded from elsewhere.
+/// The headers of every response: the browser must not store the response, show it in a frame, or
+/// load resources from other servers.
 const RULES: &str = "Cache-Control: no-store\r\n\
     Content-Security-Policy: default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; \
     img-src 'self' data:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'\r\n\
@@ -173,14 +174,14 @@ const RULES: &str = "Cache-Control: no-store\r\n\
     X-Content-Type-Options: nosniff\r\n\
     Connection: close\r\n";
 
-/// Begins a response whose length is not known; its end closes the connection.
+/// Begins a response of unknown length, which ends when the connection is closed.
 pub(super) fn begin(stream: &mut TcpStream, content_type: &str) -> std::io::Result<()> {
     stream.set_write_timeout(Some(DEPARTURE))?;
     stream.set_nodelay(true)?;
     write!(stream, "HTTP/1.1 200 OK\r\nContent-Type: {content_type}\r\n{RULES}\r\n")
 }
 
-/// Responds with a content.
+/// Sends a response with the given content.
 pub(super) fn respond(
     stream: &mut TcpStream,
     content_type: &str,

@@ -5,18 +5,19 @@ use crate::scene::{Catalogue, Files, Scene, SceneError};
 use serde::Serialize;
 use std::path::PathBuf;
 
-/// The problems and examples of a server.
+/// The problems and examples that a server offers.
 #[derive(Clone, Debug)]
 pub struct Library {
-    /// The problems, and the scenes that are examples.
+    /// The catalogue of problems, and of scenes that serve as examples.
     pub catalogue: Catalogue,
-    /// The folder whose files scenes may refer to; `None` if scenes must not refer to files.
+    /// The folder that contains the files to which scenes may refer; `None` if scenes must not
+    /// refer to files.
     pub folder: Option<PathBuf>,
-    /// The maximum size of these files.
+    /// The maximum size of the files to which scenes refer.
     pub limit: SizeLimit,
 }
 
-/// An example in the list.
+/// An example in the list that the page shows.
 #[derive(Serialize)]
 pub(super) struct Example<'a> {
     name: &'a str,
@@ -32,7 +33,7 @@ impl Library {
         }
     }
 
-    /// Returns the examples: all scenes with branches.
+    /// Returns the examples, which are all scenes that contain branches.
     pub(super) fn examples(&self) -> Vec<Example<'_>> {
         let scenes = self.catalogue.scenes().iter();
         let parsed =

@@ -1,9 +1,9 @@
-//! A server of a page on which diagrams follow changes of a scene, as in `tangency live`.
+//! A web server for `tangency live`; the diagrams of its page follow changes of a scene.
 //!
 //! The server listens on the loopback interface only, and its address contains a random token. The
-//! page has no knowledge of problems: the server describes parameters, settings, columns and
-//! follow-ups as JSON ([`Setup`] is the state of a page), and traces each change with the functions
-//! of [`scene`](crate::scene).
+//! page contains no knowledge of problems: the server sends descriptions of parameters, settings,
+//! columns and possible follow-up runs as JSON ([`Setup`] is the state of a page), and traces the
+//! scene after each change with the functions of [`scene`](crate::scene).
 //!
 //! ```no_run
 //! use tangency::live::{Server, Library};

@@ -1,19 +1,20 @@
-//! The setups with which pages begin.
+//! The setups that pages show first.
 
 use super::library::Library;
 use super::setup::Setup;
 use crate::scene::Range;
 
-/// The scene or model with which pages begin.
+/// The scene or the model that pages show first.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Opened {
-    /// The name of a built-in scene, or the path of a file, as on the command line.
+    /// The name of a built-in scene or the path of a file, as given on the command line.
     pub place: String,
-    /// The text and the request.
+    /// The text of the scene or model, and the request applied to it.
     pub setup: Setup,
 }
 
-/// Returns the setup with which a page begins: the opened one, or a hysteresis.
+/// Returns the setup that a page shows first: the opened scene, or an example with hysteresis if no
+/// scene was opened.
 pub(super) fn beginning(opened: Option<&Opened>) -> Setup {
     let simple = || Setup {
         name: "hysteresis".into(),
@@ -30,7 +31,7 @@ pub(super) fn example(library: &Library, name: &str) -> Option<Setup> {
     Some(Setup { name: scene.name.clone(), text: scene.text.clone(), ..Setup::default() })
 }
 
-/// The model of pages without an opened scene.
+/// The model that pages show if no scene was opened.
 const SIMPLE: &str = "# Hysteresis between two folds, at a = ±2 (b/3)^1.5. Drag b.
 x' = a + b*x - x^3
 par a=-1, b=1

@@ -1,4 +1,4 @@
-//! The open pages: the work and the last result of each.
+//! The open pages, with the running trace and the last result of each page.
 
 use crate::core::cancel::CancelToken;
 use crate::output::Document;
@@ -7,11 +7,11 @@ use serde::Serialize;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-/// The maximum number of pages with a result; the result of the page that is unused for the longest
-/// time is dropped.
+/// The maximum number of pages whose results are kept; beyond this number, the result of the page
+/// that was unused for the longest time is dropped.
 const MOST: usize = 16;
 
-/// A message to a page: one line of JSON.
+/// A message from the server to a page, which is one line of JSON.
 pub(super) struct Message(String);
 
 impl Message {
@@ -27,19 +27,20 @@ impl Message {
     }
 }
 
-/// The last result of a page.
+/// The last result of a page, which the server keeps.
 #[derive(Clone)]
 pub(super) struct Kept {
-    /// The name for files.
+    /// The name of files in which the result is saved.
     pub name: String,
-    /// The scene with all traced runs.
+    /// The scene whose result is kept, with all traced runs.
     pub scene: Arc<Scene>,
     pub document: Arc<Document>,
-    /// The columns on the axes, if chosen.
+    /// The columns on the axes of the diagram; `None` for the default columns.
     pub axes: [Option<String>; 2],
 }
 
-/// A page: the number of its last trace, the token that cancels the trace, and the last result.
+/// A page, with the number of its last trace, the token that cancels this trace, and the last
+/// result.
 struct Page {
     id: String,
     turn: u64,
@@ -47,7 +48,7 @@ struct Page {
     kept: Option<Arc<Kept>>,
 }
 
-/// The open pages, the last used one at the end.
+/// The open pages, with the most recently used page at the end.
 #[derive(Default)]
 pub(super) struct Pages(Mutex<Vec<Page>>);
 
@@ -56,8 +57,8 @@ impl Pages {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Cancels the earlier trace of a page and returns the token of the next one; `None` if a later
-    /// trace has begun.
+    /// Cancels the running trace of a page, and returns the cancellation token of the new trace;
+    /// `None` if a newer trace has already begun.
     pub fn begin(&self, id: &str, turn: u64) -> Option<CancelToken> {
         let mut all = self.all();
         let known = all.iter().position(|page| page.id == id);
@@ -78,7 +79,7 @@ impl Pages {
         Some(cancel)
     }
 
-    /// Keeps the result of a trace, unless a later one has begun.
+    /// Keeps the result of a trace, unless a newer trace has begun.
     pub fn keep(&self, id: &str, turn: u64, kept: Kept) {
         let mut all = self.all();
         if let Some(page) = all.iter_mut().find(|page| page.id == id && page.turn == turn) {
@@ -86,12 +87,12 @@ impl Pages {
         }
     }
 
-    /// Cancels the trace of a page.
+    /// Cancels the running trace of a page.
     pub fn cancel(&self, id: &str) {
         self.all().iter().filter(|page| page.id == id).for_each(|page| page.cancel.cancel());
     }
 
-    /// Chooses other axes for the last result of a page, and returns the result.
+    /// Changes the axes of the last result of a page, and returns the result.
     pub fn turn_axes(&self, id: &str, axes: [Option<String>; 2]) -> Option<Arc<Kept>> {
         let mut all = self.all();
         let page = all.iter_mut().find(|page| page.id == id)?;
@@ -100,29 +101,29 @@ impl Pages {
         page.kept.clone()
     }
 
-    /// Returns the last result of a page.
+    /// Returns the last result of a page, or `None` if the page has no result.
     pub fn kept(&self, id: &str) -> Option<Arc<Kept>> {
         self.all().iter().find(|page| page.id == id)?.kept.clone()
     }
 }
 
-/// The number of traces that run at the same time.
+/// The slots that limit how many traces run simultaneously.
 pub(super) struct Slots {
     free: Mutex<usize>,
     freed: Condvar,
 }
 
-/// A slot in use.
+/// A slot that is in use.
 pub(super) struct Slot<'a>(&'a Slots);
 
 impl Slots {
-    /// Creates as many slots as there are processors, at least two.
+    /// Creates one slot for each processor, but at least two slots.
     pub fn new() -> Self {
         let processors = std::thread::available_parallelism().map_or(2, |count| count.get());
         Slots { free: Mutex::new(processors.max(2)), freed: Condvar::new() }
     }
 
-    /// Waits for a slot; `None` if the work is cancelled before.
+    /// Waits for a free slot; returns `None` if the work is cancelled before a slot is free.
     pub fn take(&self, cancel: &CancelToken) -> Option<Slot<'_>> {
         let mut free = self.free.lock().unwrap_or_else(PoisonError::into_inner);
         while *free == 0 && !cancel.is_cancelled() {

@@ -1,4 +1,4 @@
-//! The picture of branches while they are traced.
+//! Pictures of branches, which are sent to the page while the branches are being traced.
 
 use super::pages::Message;
 use crate::core::cancel::CancelToken;
@@ -13,12 +13,13 @@ use std::time::{Duration, Instant};
 const FIRST: Duration = Duration::from_millis(8);
 const NEXT: Duration = Duration::from_millis(30);
 
-/// The maximum number of points in the picture of a branch that is still traced.
+/// The maximum number of points in the picture of a branch that is still being traced.
 const SHOWN: usize = 4_000;
 /// The number of points after which a trace is stopped, so that its result fits into memory.
 const MOST: usize = 500_000;
 
-/// An observer that sends pictures of unfinished branches, and stops traces that are too long.
+/// An observer that sends pictures of unfinished branches to the page, and stops a trace that has
+/// too many points.
 pub(super) struct Preview<'a> {
     document: Document,
     /// The chosen columns.
@@ -33,7 +34,8 @@ pub(super) struct Preview<'a> {
 }
 
 impl<'a> Preview<'a> {
-    /// Creates an observer for a plot; the token stops the trace.
+    /// Creates an observer for the axes of a plot; the observer stops the trace by cancelling the
+    /// token.
     pub fn new(
         plot: Plot,
         axes: [Option<&'a str>; 2],

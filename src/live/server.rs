@@ -1,4 +1,4 @@
-//! The server: connections, addresses and the files of the page.
+//! The web server: accepts connections, and sends the files of the page and the responses to calls.
 
 use super::calls::Service;
 use super::connections::Connections;
@@ -11,10 +11,11 @@ use std::net::{Ipv4Addr, SocketAddr, TcpListener, TcpStream};
 use std::sync::Arc;
 use std::time::Duration;
 
-/// The pause after a connection that could not be accepted, for example for lack of descriptors.
+/// The pause after a connection could not be accepted, for example because the process has no free
+/// file descriptors.
 const PAUSE: Duration = Duration::from_millis(50);
 
-/// The files of the page: names, types and contents.
+/// The files of the page, each with its name, its media type and its content.
 const FILES: [(&str, &str, &str); 9] = [
     ("", "text/html; charset=utf-8", include_str!("../../assets/live/page.html")),
     ("page.css", "text/css; charset=utf-8", include_str!("../../assets/live/page.css")),
@@ -38,9 +39,9 @@ pub struct Server {
 }
 
 impl Server {
-    /// Creates a server on a port, or on a free one for port 0, whose pages begin with the opened
-    /// scene. Connections are accepted from now
-    /// on, and answered by [`serve`](Self::serve).
+    /// Creates a server on the given port, or on a free port for port 0; `opened` is the scene that
+    /// pages show first. The server accepts connections from now on, and [`serve`](Self::serve)
+    /// answers their requests.
     ///
     /// ```
     /// use tangency::live::{Server, Library};
@@ -52,7 +53,8 @@ impl Server {
     /// ```
     ///
     /// # Errors
-    /// The error of the operating system if the port is in use, or if there are no random numbers.
+    /// The error of the operating system if the port is in use, or if no random numbers are
+    /// available for the token.
     pub fn new(library: Library, opened: Option<Opened>, port: u16) -> io::Result<Self> {
         let mut random = [0; 16];
         getrandom::fill(&mut random).map_err(io::Error::other)?;
@@ -103,7 +105,7 @@ impl Server {
     }
 }
 
-/// Admits requests of the page only.
+/// Rejects every request that does not come from the page of this server.
 struct Access {
     port: u16,
     token: String,
@@ -129,7 +131,7 @@ impl Access {
         let _ = sent;
     }
 
-    /// Returns the requested file of the page, or `None` for a call.
+    /// Returns the requested file of the page, or `None` if the request is a call.
     fn file_or_call(
         &self,
         incoming: &Incoming,
@@ -167,7 +169,7 @@ impl Access {
     }
 }
 
-/// Compares a token in a time that does not depend on the number of equal letters.
+/// Compares two tokens in a time that does not depend on the number of equal letters.
 fn is_equal(given: &str, token: &str) -> bool {
     let differ = given.bytes().zip(token.bytes()).fold(0, |differ, (a, b)| differ | (a ^ b));
     given.len() == token.len() && differ == 0

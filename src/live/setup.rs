@@ -1,4 +1,4 @@
-//! The state of a page: a text, and the request applied to it.
+//! The state of a page: the text of a scene or a model, and the request applied to the text.
 
 use super::library::Library;
 use crate::core::cancel::CancelToken;
@@ -8,38 +8,39 @@ use crate::scene::{Following, Problem, Range, Request, Run, Scene, SceneError, S
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
-/// The text of a scene or a model with a request, such as the options of `tangency trace`. Equal
-/// setups have equal results.
+/// The text of a scene or a model, with a request that corresponds to the options of `tangency
+/// trace`. Equal setups lead to equal results.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Setup {
-    /// The name of results.
+    /// The name of the results, used for files.
     pub name: String,
     /// The text of a scene, of equations in RON, or of an XPPAUT model.
     pub text: String,
-    /// Changed values, by the names of parameters and settings.
+    /// The changed values, by the names of parameters and settings.
     pub set: Vec<(String, String)>,
-    /// The varied parameters with their ranges. For a model without any, its first parameter varies.
+    /// The varied parameters of the first run, with their ranges. If no range is given for a model,
+    /// the first parameter of the model is varied.
     pub along: Vec<Range>,
-    /// Bounds of parameters and monitors.
+    /// The bounds of parameters and monitors.
     pub bounds: Vec<Range>,
-    /// Values of parameters and monitors at which branches are marked.
+    /// The values of parameters and monitors at which points of branches are marked.
     pub marks: Vec<(String, f64)>,
     /// The initial states of the first run.
     pub state: Vec<(String, f64)>,
-    /// The duration of the simulation before the first run.
+    /// The duration of the simulation that precedes the first run.
     pub settle: Option<f64>,
     /// The kind of special point whose curve is traced in two varied parameters.
     pub hold: Option<Kind>,
-    /// Further runs, which continue from special points.
+    /// Further runs, which continue from special points of earlier runs.
     pub runs: Vec<Run>,
     /// The number of generations of emanating branches to trace.
     pub depth: usize,
-    /// The kinds of special points from which these branches emanate; empty for all.
+    /// The kinds of special points from which further branches are traced; empty for all kinds.
     pub kinds: Vec<Kind>,
-    /// The column on the horizontal axis of the diagram, if chosen.
+    /// The column on the horizontal axis of the diagram; `None` for the default column.
     pub x: Option<String>,
-    /// The column on the vertical axis of the diagram, if chosen.
+    /// The column on the vertical axis of the diagram; `None` for the default column.
     pub y: Option<String>,
 }
 
@@ -47,14 +48,16 @@ pub struct Setup {
 const DEPTH: usize = 20;
 
 impl Setup {
-    /// Returns the special points at which branches are switched, if any are.
+    /// Returns the kinds of special points at which branches are switched, or `None` if branches
+    /// are not switched.
     pub(super) fn following(&self) -> Option<Following> {
         let all = Following::all(self.depth.min(DEPTH));
         let kinds = if self.kinds.is_empty() { all.kinds } else { self.kinds.clone() };
         (self.depth > 0).then_some(Following { kinds, ..all })
     }
 
-    /// Returns the name of results: letters and digits for file names.
+    /// Returns a name for the files of results, which contains only characters that are allowed in
+    /// file names.
     pub(super) fn file_name(&self) -> String {
         let plain = |letter: char| match letter.is_alphanumeric() || "-_.".contains(letter) {
             true => letter,
@@ -65,7 +68,8 @@ impl Setup {
         if name.is_empty() { "scene".into() } else { name.into() }
     }
 
-    /// Parses the text. A text without the form of RON is an XPPAUT model.
+    /// Parses the text of the setup. A text that does not have the form of RON is parsed as an
+    /// XPPAUT model.
     pub(super) fn stated(&self, library: &Library) -> Result<Stated, SceneError> {
         let beginning = self.text.trim_start();
         let is_model = Problem::is_file_of_equations(&PathBuf::new(), &self.text);
@@ -78,7 +82,7 @@ impl Setup {
         library.parse(&self.text).map(Stated::Scene)
     }
 
-    /// Returns the request that cancels with the token.
+    /// Returns the request of the setup, whose computation is cancelled by the given token.
     pub(super) fn request(&self, cancel: &CancelToken) -> Request {
         Request {
             set: self.set.clone(),
@@ -93,20 +97,20 @@ impl Setup {
         }
     }
 
-    /// Returns the scene with the changed values, without runs for a model.
+    /// Returns the scene with the changed values; the scene of a model has no runs.
     pub(super) fn values(&self, library: &Library) -> Result<Scene, SceneError> {
         let mut scene = self.plain(library)?;
         scene.set_all(&self.set)?;
         Ok(scene)
     }
 
-    /// Returns the scene as written, without runs for a model.
+    /// Returns the scene as written in the text; the scene of a model has no runs.
     fn plain(&self, library: &Library) -> Result<Scene, SceneError> {
         Ok(self.stated(library)?.as_written(&self.name, &Request::default()))
     }
 
-    /// Returns the setup without the values, ranges and runs of parameters that the text does not
-    /// have, and the names of these parameters: the text may have changed after they were set.
+    /// Returns the setup without the values, ranges and runs of parameters that the text no longer
+    /// contains, and the names of these parameters, which were set before the text was changed.
     pub(super) fn suited(&self, library: &Library) -> Result<(Setup, Vec<String>), SceneError> {
         let scene = self.plain(library)?;
         let parameters: Vec<String> =
@@ -127,11 +131,11 @@ impl Setup {
         Ok((suited, left_out))
     }
 
-    /// Checks that the text has all parameters and settings of the request; a text with errors is
-    /// not checked.
+    /// Checks that the text contains all parameters and settings of the request; a text with syntax
+    /// errors is not checked.
     ///
     /// # Errors
-    /// [`SceneError::UnknownName`] with a suggestion.
+    /// [`SceneError::UnknownName`] with a suggestion, if a parameter or setting does not exist.
     pub fn check_names(&self, library: &Library) -> Result<(), SceneError> {
         let Ok((_, left_out)) = self.suited(library) else { return Ok(()) };
         let Some(unknown) = left_out.first() else { return Ok(()) };
@@ -140,7 +144,7 @@ impl Setup {
         Err(UnknownName::new("parameter or setting", unknown, known).into())
     }
 
-    /// Returns the scene to trace.
+    /// Returns the scene that the page traces.
     pub(super) fn scene(
         &self,
         library: &Library,
@@ -159,7 +163,7 @@ impl Setup {
     }
 }
 
-/// Returns the usual range of the first parameter of a model.
+/// Returns the range over which the first parameter of a model is varied by default.
 fn first_range(problem: &Problem, set: &[(String, String)]) -> Option<Range> {
     let (name, value) = problem.parameters().into_iter().next()?;
     let own = set.iter().rev().find(|(key, _)| *key == name);

@@ -1,24 +1,25 @@
-//! Errors as the page shows them: at their place in the text, or at a field.
+//! Errors in the form in which the page shows them: at their place in the text, or at a field of
+//! the page.
 
 use crate::core::failure::one_line;
 use crate::language::ModelError;
 use crate::scene::SceneError;
 use serde::Serialize;
 
-/// An error with its place.
+/// An error to show on the page, with its place.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub(super) struct Trouble {
     /// The message.
     message: String,
-    /// The line of the text, from 1.
+    /// The number of the line in the text, counted from 1.
     line: Option<usize>,
-    /// The column of the line, from 1.
+    /// The number of the first column in the line, counted from 1.
     column: usize,
-    /// The number of columns.
+    /// The number of columns to mark.
     width: usize,
-    /// The parameter or setting whose value is wrong.
+    /// The name of the parameter or setting whose value is wrong.
     name: Option<String>,
-    /// The run that failed.
+    /// The name of the run that failed.
     run: Option<String>,
 }
 
@@ -49,7 +50,8 @@ impl From<&SceneError> for Trouble {
     }
 }
 
-/// Returns the fault of an error in equations and the remedy; the page shows the place.
+/// Returns the message of an error in equations and its remedy, without the place, which the page
+/// shows separately.
 fn said(error: &ModelError) -> String {
     match &error.help {
         Some(help) => format!("{}; {help}", error.fault),
@@ -58,12 +60,12 @@ fn said(error: &ModelError) -> String {
 }
 
 impl Trouble {
-    /// Creates an error without a place.
+    /// Creates an error that has no place.
     pub fn plain(message: impl Into<String>) -> Self {
         Trouble { message: message.into(), ..Trouble::default() }
     }
 
-    /// Returns the error of a run.
+    /// Returns the error of a failed run, with the name of the run.
     pub fn of_run(run: &str, cause: &SceneError) -> Self {
         Trouble { run: Some(run.into()), ..Trouble::from(cause) }
     }

@@ -1,4 +1,5 @@
-//! A trace for a page: the description of the scene, pictures on the way, and the result.
+//! The trace of a setup for a page: a description of the scene, pictures of unfinished branches,
+//! and the result.
 
 use super::command::command;
 use super::describe::describe;
@@ -21,12 +22,12 @@ use std::sync::Arc;
 use std::sync::mpsc::Sender;
 use std::time::Instant;
 
-/// The significant digits of numbers in tables.
+/// The number of significant digits of values in tables.
 const DIGITS: usize = 10;
-/// The significant digits of errors.
+/// The number of significant digits of errors in tables.
 const ERROR_DIGITS: usize = 2;
 
-/// Traces a setup and sends messages to its page; returns the result to keep.
+/// Traces a setup and sends messages to its page; returns the result that the server keeps.
 pub(super) fn trace(
     setup: &Setup,
     (library, opened): (&Library, Option<&Opened>),
@@ -72,12 +73,13 @@ pub(super) fn trace(
     Some(kept)
 }
 
-/// Returns the warning of a changed value that the text does not have.
+/// Returns the warning that a changed value belongs to a parameter or setting that the text does
+/// not contain.
 fn unknown(name: &str) -> String {
     format!("the changed value or range of `{name}` is left out: the text has no such parameter")
 }
 
-/// A scene with all runs, its results, and the errors of runs.
+/// A scene with all its runs, the results of the runs, and the errors of the runs that failed.
 type Traced = (Scene, Document, Vec<(String, SceneError)>);
 
 /// Traces the branches.
@@ -97,12 +99,12 @@ fn branches(
     (resolution.scene().clone(), outcome.document, failed)
 }
 
-/// The result of a trace.
+/// The result of a trace, as it is sent to the page.
 #[derive(Serialize)]
 struct Done<'a> {
-    /// The time that the trace took, in milliseconds.
+    /// The duration of the trace in milliseconds.
     millis: f64,
-    /// Whether the trace was stopped before its end.
+    /// Whether the trace was stopped before it was complete.
     stopped: bool,
     /// The equivalent command.
     command: String,
@@ -112,19 +114,19 @@ struct Done<'a> {
     branches: Vec<BranchRow<'a>>,
 }
 
-/// The diagrams of a result.
+/// The diagrams in which a result is shown.
 #[derive(Serialize)]
 pub(super) struct Drawing {
     colours: Vec<String>,
-    /// The columns that axes can show.
+    /// The names of the columns that the axes can show.
     columns: Vec<String>,
     panels: Vec<serde_json::Value>,
-    /// The reason why the diagram cannot be drawn, if so.
+    /// The reason why the diagram cannot be drawn; `None` if the diagram can be drawn.
     trouble: Option<String>,
 }
 
 impl Drawing {
-    /// Draws a result in its axes.
+    /// Draws the diagrams of a result with the chosen axes.
     pub fn of(kept: &Kept) -> Self {
         let (panels, trouble) = match diagrams(kept) {
             Ok(figures) => (figures, None),
@@ -145,7 +147,7 @@ impl Drawing {
     }
 }
 
-/// Returns the diagrams, without the figures of profiles.
+/// Returns the diagrams of a result, without the figures of profiles.
 fn diagrams(kept: &Kept) -> Result<Vec<Figure>, FigureError> {
     let documents = [("", &*kept.document)];
     let [x, y] = [kept.axes[0].as_deref(), kept.axes[1].as_deref()];
@@ -159,7 +161,7 @@ fn diagrams(kept: &Kept) -> Result<Vec<Figure>, FigureError> {
     Ok(all)
 }
 
-/// A branch with its special points, as in tables.
+/// A branch in the table of results, with its special points.
 #[derive(Serialize)]
 struct BranchRow<'a> {
     name: &'a str,
@@ -179,7 +181,7 @@ impl<'a> BranchRow<'a> {
     }
 }
 
-/// A special point in a table.
+/// A special point in the table of results.
 #[derive(Serialize)]
 struct PointRow<'a> {
     label: usize,
@@ -187,7 +189,7 @@ struct PointRow<'a> {
     meaning: &'a str,
     event: &'a str,
     converged: bool,
-    /// The values of the varied parameters.
+    /// The values of the varied parameters at the special point.
     at: Vec<String>,
     error: String,
     unstable: Option<usize>,

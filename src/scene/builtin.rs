@@ -27,7 +27,7 @@ impl Catalogue {
     }
 }
 
-/// An electrically actuated microplate.
+/// The problem of an electrically actuated microplate.
 #[derive(Clone)]
 struct Plate;
 
@@ -61,10 +61,10 @@ impl ProblemSettings for PlateSettings {
     }
 }
 
-/// A scene that comes with the program.
+/// A built-in scene of the program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BuiltIn {
-    /// The name of the scene.
+    /// The name by which the scene is requested.
     pub name: &'static str,
     /// The text of the scene, as RON.
     pub text: &'static str,

@@ -1,8 +1,9 @@
-//! Settings by name: the fields of a structure, with their values in RON.
+//! Access to settings by name: the fields of a settings structure, with their values in RON
+//! notation.
 //!
-//! A choice with its own settings, such as `method: collocation(intervals: 20, degree: 4)`, counts
-//! as the setting `method` with the value `collocation`, and as the settings `intervals` and
-//! `degree`.
+//! A setting that selects an alternative with settings, such as `method: collocation(intervals: 20,
+//! degree: 4)`, counts as the setting `method` with the value `collocation`, and as the additional
+//! settings `intervals` and `degree`.
 
 use super::error::SceneError;
 use super::notation::{options, written};
@@ -13,12 +14,13 @@ use ron::value::RawValue;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-/// A field of a structure.
+/// A field of a settings structure.
 struct Field {
     name: String,
-    /// The value in RON; for a choice, only its name.
+    /// The value of the field in RON; for a selected alternative, only its name.
     value: String,
-    /// The settings of a choice.
+    /// The settings of the selected alternative; `None` if the field does not select an
+    /// alternative.
     own: Option<Vec<(String, String)>>,
 }
 
@@ -30,8 +32,8 @@ impl Field {
         }
     }
 
-    /// Replaces the field's value, or one of the choice's settings; returns false if the name is
-    /// unknown.
+    /// Replaces the value of the field, or a setting of the selected alternative; returns false if
+    /// the name is unknown.
     fn replace(&mut self, name: &str, value: &str) -> Result<bool, RonError> {
         if self.name == name {
             let chosen = self.own.as_ref().is_some_and(|_| self.value == value);
@@ -49,7 +51,7 @@ impl Field {
     }
 }
 
-/// Returns the fields of a structure.
+/// Returns the fields of a settings structure.
 fn fields(settings: &impl Serialize) -> Vec<Field> {
     let choice = |value: &str| {
         let (word, _) = value.split_once('(').filter(|(word, _)| is_word(word))?;
@@ -67,7 +69,7 @@ fn is_word(text: &str) -> bool {
         && text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
 }
 
-/// Returns the named values in brackets.
+/// Returns the named values between the brackets of a RON text.
 fn parts(text: &str) -> Vec<(String, String)> {
     // The text was serialized from a structure, so it can always be parsed.
     let Parts(parts) = options().from_str(text).unwrap_or_default();
@@ -79,8 +81,9 @@ fn joined(parts: &[(String, String)]) -> String {
     format!("({})", parts.join(","))
 }
 
-/// Converts a value into the notation of the value that it replaces: texts need no quotes, and
-/// `usual` means `None`. Rejects an incomplete value, and a value that would add further fields.
+/// Converts a new value into the notation of the value that it replaces: a text needs no quotes,
+/// and `usual` means `None`. Returns an error for an incomplete value, and for a value that would
+/// add further fields.
 fn in_quotes(old: &str, value: &str) -> Result<String, RonError> {
     let value = match value {
         "usual" => "None".into(),
@@ -91,8 +94,8 @@ fn in_quotes(old: &str, value: &str) -> Result<String, RonError> {
     Ok(value)
 }
 
-/// Formats a value for readers: a text without its quotes, and `usual` for a default chosen by the
-/// problem.
+/// Formats a value for readers: a text is shown without quotes, and `None` is shown as `usual`, a
+/// default that the problem chooses.
 fn shown(value: String) -> String {
     match options().from_str::<String>(&value) {
         Ok(text) => text,
@@ -110,13 +113,14 @@ pub(super) fn settings(settings: &impl Serialize) -> Vec<(String, String)> {
     all.map(|(name, value)| (name, shown(value))).collect()
 }
 
-/// Returns the names of the setting and of the value by which a structure makes a choice.
+/// Returns the name of the setting by which a structure selects an alternative, and the name of the
+/// selected alternative.
 pub(super) fn choice(settings: &impl Serialize) -> Option<(String, String)> {
     let choice = fields(settings).into_iter().find(|field| field.own.is_some())?;
     Some((choice.name, choice.value))
 }
 
-/// Parses a value into the named setting; returns false if the name is unknown.
+/// Parses a value and assigns it to the named setting; returns false if the name is unknown.
 pub(super) fn assign<S: Serialize + DeserializeOwned>(
     settings: &mut S,
     name: &str,
@@ -159,7 +163,7 @@ pub(super) fn assign<S: Serialize + DeserializeOwned>(
     Ok(true)
 }
 
-/// Replaces the value of a named field; returns false if no field has the name.
+/// Replaces the value of the field with a given name; returns false if no field has this name.
 fn replace(fields: &mut [Field], name: &str, value: &str) -> Result<bool, RonError> {
     for field in fields {
         if field.replace(name, value)? {
@@ -169,7 +173,7 @@ fn replace(fields: &mut [Field], name: &str, value: &str) -> Result<bool, RonErr
     Ok(false)
 }
 
-/// Builds a structure from its fields.
+/// Builds a settings structure from its fields.
 fn read<S: DeserializeOwned>(fields: &[Field]) -> Result<S, RonError> {
     let fields: Vec<String> = fields.iter().map(Field::written).collect();
     options().from_str(&format!("({})", fields.join(","))).map_err(|error| error.code)

@@ -1,4 +1,5 @@
-//! The problems and scenes that the command line finds by name, and how a crate adds its own.
+//! The problems and scenes that the command line finds by name, and the functions by which a crate
+//! adds further problems and scenes.
 
 use super::discretisation::{
     BoundarySettings, FieldSettings, HybridOrbitSettings, MapSettings, ZeroSettings,
@@ -20,11 +21,11 @@ use ron::value::RawValue;
 use std::path::Path;
 use std::sync::Arc;
 
-/// The problems that scenes can name, and the scenes that can be traced by name.
+/// A catalogue of the problems that scenes can name, and of the scenes that can be traced by name.
 ///
-/// A crate adds its own problems to the built-in ones, and can use the whole command line with them
-/// ([`cli::run`](crate::cli::run)). A new problem or scene replaces an earlier one of the same
-/// name.
+/// A crate can add problems and scenes to the built-in ones, and then use the whole command line
+/// with them ([`cli::run`](crate::cli::run)). A new problem or scene replaces an earlier problem or
+/// scene of the same name.
 ///
 /// ```
 /// use tangency::prelude::*;
@@ -57,29 +58,30 @@ pub struct Catalogue {
 /// A scene that can be traced by name.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct NamedScene {
-    /// The name of the scene.
+    /// The name by which the scene is requested.
     pub name: String,
     /// The text of the scene, as RON.
     pub text: String,
 }
 
 impl Catalogue {
-    /// Creates a catalogue without problems and scenes.
+    /// Creates an empty catalogue, without problems and scenes.
     pub fn empty() -> Self {
         Catalogue::default()
     }
 
-    /// Adds a zero problem.
+    /// Adds a zero problem to the catalogue.
     pub fn zero(self, name: &'static str, problem: impl ZeroProblem + 'static) -> Self {
         self.model::<_, ZeroSettings>(name, Arc::new(problem))
     }
 
-    /// Adds a smooth vector field, with its equilibria, periodic orbits, simulations and sweeps.
+    /// Adds a smooth vector field to the catalogue; scenes can compute its equilibria, periodic
+    /// orbits, simulations and sweeps.
     pub fn field(self, name: &'static str, field: impl VectorField + 'static) -> Self {
         self.model::<_, FieldSettings>(name, Arc::new(field))
     }
 
-    /// Adds a map, with its fixed points and cycles.
+    /// Adds a map to the catalogue; scenes can compute its fixed points and cycles.
     ///
     /// ```
     /// use tangency::core::problem::DiscreteMap;
@@ -109,21 +111,22 @@ impl Catalogue {
         self.model::<_, MapSettings>(name, Arc::new(map))
     }
 
-    /// Adds a boundary-value problem.
+    /// Adds a boundary-value problem to the catalogue.
     pub fn boundary(self, name: &'static str, problem: impl BoundaryProblem + 'static) -> Self {
         let defaults = problem.defaults();
         let problem: Boundary = (problem.into_equations(), defaults);
         self.model::<_, BoundarySettings>(name, problem)
     }
 
-    /// Adds a hybrid system, with its periodic orbits, simulations, sweeps, and local maps at
-    /// grazings.
+    /// Adds a hybrid system to the catalogue; scenes can compute its periodic orbits, simulations,
+    /// sweeps, and local maps at grazings.
     pub fn hybrid(self, name: &'static str, system: impl HybridSystem + 'static) -> Self {
         let system: Hybrid = Arc::new(system);
         self.model::<_, HybridOrbitSettings>(name, system)
     }
 
-    /// Adds a scene. Lists show its summary, or its title if the summary is missing.
+    /// Adds a scene to the catalogue. Lists show the summary of the scene, or its title if it has
+    /// no summary.
     pub fn scene(self, name: impl Into<String>, text: impl Into<String>) -> Self {
         let scene = NamedScene { name: name.into(), text: text.into() };
         let mut scenes = self.scenes;
@@ -132,7 +135,7 @@ impl Catalogue {
         Catalogue { scenes, ..self }
     }
 
-    /// Adds a problem of any kind, with default settings.
+    /// Adds a problem of any kind, with its default settings.
     pub(super) fn model<P, S: Default>(mut self, name: &'static str, problem: P) -> Self
     where
         Configured<P, S>: Model + 'static,
@@ -152,7 +155,8 @@ impl Catalogue {
         &self.scenes
     }
 
-    /// Returns the summary of a scene in one line, or its title; for an invalid scene, its error.
+    /// Returns the summary of a scene in one line, or its title if it has no summary; for an
+    /// invalid scene, returns the error message.
     pub fn summary(&self, scene: &NamedScene) -> String {
         match self.parse(&scene.text) {
             Ok(read) => read.summary.unwrap_or(read.title),
@@ -163,9 +167,9 @@ impl Catalogue {
     /// Parses a scene.
     ///
     /// # Errors
-    /// [`SceneError::Model`] with the position, [`SceneError::UnknownName`] for problems that are
-    /// not in the catalogue, [`SceneError::Invalid`] for invalid contents: numbers that are not
-    /// finite, duplicate or unknown names, runs without a start.
+    /// [`SceneError::Model`] with its position for an invalid text; [`SceneError::UnknownName`] for
+    /// a problem that is not in the catalogue; [`SceneError::Invalid`] for invalid contents, such
+    /// as numbers that are not finite, duplicate or unknown names, or runs without a start.
     pub fn parse(&self, text: &str) -> Result<Scene, SceneError> {
         self.parse_in(Files::of(Path::new("")), text)
     }
@@ -173,7 +177,8 @@ impl Catalogue {
     /// Parses a scene that may refer to files of equations.
     ///
     /// # Errors
-    /// As [`parse`](Self::parse); [`SceneError::File`] for files that cannot be read.
+    /// The errors of [`parse`](Self::parse), and [`SceneError::File`] for a file that cannot be
+    /// read.
     pub fn parse_in(&self, files: Files, text: &str) -> Result<Scene, SceneError> {
         self.parse_within(Some(files), text)
     }
@@ -182,7 +187,7 @@ impl Catalogue {
     /// source.
     ///
     /// # Errors
-    /// As [`parse`](Self::parse); [`SceneError::Value`] for a file name.
+    /// The errors of [`parse`](Self::parse), and [`SceneError::Value`] for the name of a file.
     pub fn parse_alone(&self, text: &str) -> Result<Scene, SceneError> {
         self.parse_within(None, text)
     }
@@ -227,8 +232,8 @@ impl Catalogue {
         Ok(scene)
     }
 
-    /// Returns the problem of a scene from the part of the scene's text that states its name and
-    /// settings.
+    /// Returns the problem of a scene, parsed from the part of the scene's text that contains the
+    /// name and the settings of the problem.
     fn problem(
         &self,
         stated: &RawValue,

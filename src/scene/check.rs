@@ -1,4 +1,5 @@
-//! Checks of a scene's contents, such as finite numbers, unique names and consistent runs.
+//! Checks of the contents of a scene, for example that numbers are finite, names are unique and
+//! runs are consistent.
 
 use super::error::SceneError;
 use super::local::Local;
@@ -12,14 +13,14 @@ use crate::core::spelling::shown;
 use std::collections::HashSet;
 use std::ops::RangeInclusive;
 
-/// The allowed tolerances of the flow of a sweep.
+/// The range of allowed tolerances for the flow of a sweep.
 const FLOW_TOLERANCES: RangeInclusive<f64> = 1e-15..=1e-3;
 
 /// The maximum number of unused parameters listed in a warning.
 const MOST_UNUSED: usize = 5;
 
-/// The allowed durations of simulations, in the model's unit of time. The number of steps, rather
-/// than the duration, limits their cost.
+/// The range of allowed durations of simulations, in the model's unit of time. The computing time
+/// of simulations is limited by the maximum number of steps and not by the duration.
 const TIMES: RangeInclusive<f64> = 0.0..=1e15;
 
 impl Scene {
@@ -64,7 +65,8 @@ impl Scene {
         self.check_accuracy()
     }
 
-    /// Rejects a parameter with the name of a setting, which would make `--set` ambiguous.
+    /// Returns an error if a parameter has the name of a setting, because `--set` would be
+    /// ambiguous.
     fn check_names(&self) -> Result<(), SceneError> {
         let settings = self.setting_names();
         let named = |name: &&String| settings.contains(name);
@@ -78,7 +80,7 @@ impl Scene {
         }
     }
 
-    /// Rejects settings outside their ranges.
+    /// Returns an error if a setting is outside its allowed range.
     pub(super) fn check_settings(&self) -> Result<(), SceneError> {
         let sound = self.problem.model().check().and_then(|()| self.settings.check());
         sound.map_err(|error| SceneError::invalid(error.to_string()))
@@ -185,7 +187,7 @@ impl Scene {
         ))
     }
 
-    /// Rejects options of a run that do not apply to a local map.
+    /// Returns an error if a run of a local map has an option that does not apply to local maps.
     fn check_local(&self, local: &Local, run: &Run, earlier: &[Run]) -> Result<(), SceneError> {
         let place = format!("run `{}`", run.name);
         let held = run.set.iter().map(|(name, _)| name).filter(|name| self.value(name).is_some());
@@ -211,8 +213,8 @@ impl Scene {
 }
 
 impl Scene {
-    /// Returns warnings of probable mistakes in equations given as text: unused parameters,
-    /// discontinuous guards, and parts of a file that have no effect.
+    /// Returns warnings about probable mistakes in equations given as text: unused parameters,
+    /// guards with discontinuous functions, and parts of a file that have no effect.
     pub fn warnings(&self) -> Vec<String> {
         let unused = self.problem.text().map_or(&[][..], |model| model.unused());
         let more = unused.len().saturating_sub(MOST_UNUSED);
@@ -225,7 +227,8 @@ impl Scene {
 }
 
 impl Problem {
-    /// Returns the warnings of discontinuous guards, which are also saved with branches.
+    /// Returns the warnings about guards with discontinuous functions; these warnings are also
+    /// saved with branches.
     pub(super) fn jumps(&self) -> impl Iterator<Item = String> + '_ {
         let jumping = self.text().map_or(Vec::new(), |model| model.jumping_guards());
         jumping.into_iter().map(|name| {
@@ -239,8 +242,8 @@ impl Problem {
 }
 
 impl Run {
-    /// Returns whether two runs follow the same motions: the motions of the flow, or of the same
-    /// local map.
+    /// Returns whether two runs have solutions of the same kind: solutions of the flow, or
+    /// solutions of the same local map.
     pub(super) fn is_akin_to(&self, other: &Run) -> bool {
         let map = |run: &Run| {
             let order = run.set.iter().find(|(name, _)| name == "order").cloned();
@@ -250,13 +253,14 @@ impl Run {
     }
 }
 
-/// Rejects a period or length that is not positive for the initial parameters.
+/// Returns an error if the period or the length of the equations is not positive for the initial
+/// parameters.
 fn check_durations(problem: &Problem, p: &[f64]) -> Result<(), SceneError> {
     let refused = problem.text().and_then(|model| model.refused_duration(p));
     Ok(refused.map_or(Ok(()), Err)?)
 }
 
-/// Returns the earlier run with a given name.
+/// Returns the run with a given name among the earlier runs.
 fn named<'a>(earlier: &'a [Run], name: &str) -> Result<&'a Run, UnknownName> {
     let names = earlier.iter().map(|run| &run.name);
     Ok(&earlier[position("earlier run", name, names)?])
@@ -279,7 +283,8 @@ fn check_simulated(
     Ok(after.map(|_| ())?)
 }
 
-/// Rejects an invalid local map of a run or sweep, which fixes some parameters and varies others.
+/// Returns an error if the local map of a run or sweep is invalid; a local map fixes some
+/// parameters and varies others.
 fn check_map<'a>(
     local: &Local,
     place: &str,
@@ -327,7 +332,8 @@ fn unique<'a>(what: &str, names: impl Iterator<Item = &'a String>) -> Result<(),
     }
 }
 
-/// Rejects held points of kinds without curves in two parameters.
+/// Returns an error if a run holds a special point of a kind for which curves in two parameters
+/// cannot be traced.
 fn check_held(run: &Run) -> Result<(), SceneError> {
     let held = of_curves();
     let Some(kind) = run.hold.filter(|kind| !held.contains(kind)) else { return Ok(()) };
@@ -340,7 +346,7 @@ fn check_held(run: &Run) -> Result<(), SceneError> {
     Err(SceneError::invalid(message).with_help(format!("hold one of {}", held.join(", "))))
 }
 
-/// Rejects options of a local map in a run without one.
+/// Returns an error if a run without a local map has options of local maps.
 fn no_map(run: &Run) -> Result<(), SceneError> {
     let found = match (run.impacts.is_empty(), run.expanded) {
         (true, None) => return Ok(()),

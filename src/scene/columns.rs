@@ -1,4 +1,4 @@
-//! The columns of branches, known before the branches are traced.
+//! The columns of branches, which are known before the branches are traced.
 
 use super::discretisation::Solution;
 use super::error::SceneError;
@@ -15,8 +15,8 @@ use crate::core::problem::{Names, UnknownName, distinct};
 use crate::output::{Document, FigureError, Plot, SweepTable, check_columns};
 
 impl Scene {
-    /// Returns the plot of the scene, with the labels of the model's equations for columns that the
-    /// scene does not label.
+    /// Returns the plot of the scene; columns that the scene does not label have the labels given
+    /// in the model's equations.
     pub(super) fn labelled_plot(&self) -> Plot {
         let mut plot = self.plot.clone();
         let labels = self.problem.text().map_or(&[][..], |model| model.labels());
@@ -28,8 +28,8 @@ impl Scene {
         plot
     }
 
-    /// Rejects a plot with columns that neither branches nor sweeps will have, before any
-    /// computation.
+    /// Returns an error, before any computation, if the plot uses a column that no branch and no
+    /// sweep will have.
     ///
     /// ```
     /// use tangency::core::failure::one_line;
@@ -45,7 +45,8 @@ impl Scene {
     /// ```
     ///
     /// # Errors
-    /// [`SceneError::Figure`] with the missing column and the known columns.
+    /// [`SceneError::Figure`] with the missing column and the known columns, if a column does not
+    /// exist.
     pub fn check_plot(&self) -> Result<(), SceneError> {
         let resolution = self.resolve(None)?;
         let shown = resolution.runs.iter().filter(|resolved| resolved.run.shown);
@@ -63,7 +64,7 @@ impl Scene {
         self.check_together(&branches, &tables)
     }
 
-    /// Rejects a column that no branch and no sweep has.
+    /// Returns an error if no branch and no sweep has a given column.
     fn check_together(&self, branches: &[Branch], tables: &[SweepTable]) -> Result<(), SceneError> {
         let Plot { x, y, panels, swept, logarithmic, .. } = &self.plot;
         let pairs = panels.iter().chain(swept).flat_map(|(x, y)| [x, y]);
@@ -88,8 +89,8 @@ impl Scene {
 }
 
 impl Resolved {
-    /// Returns the branch of a run without its points, with all columns that it may have, or `None`
-    /// if the columns are not known yet.
+    /// Returns a branch without points, with all columns that the branch of the run may have;
+    /// `None` if the columns are not known yet.
     fn untraced(&self) -> Option<Branch> {
         let run = &self.run;
         let own = match (&run.local, run.along.is_empty()) {
@@ -133,8 +134,8 @@ impl Resolved {
 }
 
 impl Resolved {
-    /// Returns the run without bounds and marks of columns that only the other solutions of its
-    /// problem have, and the names of these columns: orbits have a `period`, equilibria do not.
+    /// Returns the run without the bounds and marks of columns that occur only for the other kind
+    /// of solution (orbits have a `period`, equilibria do not), and the names of these columns.
     pub(super) fn without_idle(&self) -> (Resolved, Vec<String>) {
         let idle = self.idle_columns().unwrap_or_default();
         let mut resolved = self.clone();
@@ -164,7 +165,7 @@ impl Resolved {
 }
 
 impl ResolvedSweep {
-    /// Returns the empty table of a sweep, with all columns that it may have, or `None` if the
+    /// Returns an empty table of results, with all columns that the sweep may have; `None` if the
     /// columns are not known yet.
     fn undone(&self) -> Option<SweepTable> {
         let motion = self.motion().ok()?;
@@ -179,7 +180,7 @@ impl ResolvedSweep {
     }
 }
 
-/// Returns all possible coordinates of a local map.
+/// Returns the names of all coordinates that a local map may have.
 fn coordinates(modes: &[Mode]) -> Vec<String> {
     let states = distinct(modes.iter().flat_map(|mode| &mode.states)).into_iter();
     states.map(String::from).chain([PHASE.to_string()]).collect()

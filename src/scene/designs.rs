@@ -1,4 +1,4 @@
-//! The designs of a grid of settings.
+//! The designs of a grid, that is, its combinations of values of the settings.
 
 use super::error::SceneError;
 use super::statement::Grid;
@@ -9,14 +9,15 @@ use crate::output::significant;
 /// The maximum number of designs in a grid.
 const MOST: usize = 100_000;
 
-/// The significant digits of the values of a design.
+/// The number of significant digits with which the values of a design are written.
 const DIGITS: usize = 12;
 
-/// Returns all designs of a grid: settings by name, as for `--set`. The last setting varies first.
+/// Returns all designs of a grid; a design consists of settings by name, in the form of `--set`.
+/// In the order of the designs, the last setting varies first.
 ///
 /// # Errors
-/// [`SceneError::Invalid`] for a grid without values, with a duplicate name, or with more than 100
-/// 000 designs.
+/// [`SceneError::Invalid`] if the grid has no values, a duplicate name, or more than 100 000
+/// designs.
 ///
 /// ```
 /// use tangency::scene::{Grid, designs};

@@ -1,5 +1,5 @@
-//! The discretisation of the solutions of a field, a boundary-value problem or a hybrid system, as
-//! the `problem` of a scene states it.
+//! The settings in the `problem` field of a scene that determine the discretisation of the
+//! solutions of a vector field, a boundary-value problem or a hybrid system.
 
 use super::error::{ProblemError, SceneError};
 use super::notation::written;
@@ -13,11 +13,12 @@ use miette::Diagnostic;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-/// The settings of a problem: serialized as RON, and set by name.
+/// The settings of a problem, which can be serialized as RON and set by name.
 pub(super) trait ProblemSettings:
     Clone + Default + Send + Sync + Serialize + DeserializeOwned + 'static
 {
-    /// Returns the kind of solutions to compute, for problems with several kinds.
+    /// Returns the setting that selects the kind of solutions, for problems with several kinds of
+    /// solutions.
     fn solution(&mut self) -> Option<&mut Solution> {
         None
     }
@@ -27,17 +28,17 @@ pub(super) trait ProblemSettings:
         None
     }
 
-    /// Checks the ranges of settings that do not depend on parameters.
+    /// Checks that the settings are in their ranges, for ranges that do not depend on parameters.
     fn check(&self) -> Result<(), SettingError> {
         Ok(())
     }
 
-    /// Returns the setting and its value that make the named setting ineffective.
+    /// Returns the setting that makes the named setting ineffective, with its value.
     fn without_effect(&self, _name: &str) -> Option<(&'static str, String)> {
         None
     }
 
-    /// Returns copies of the settings with other discretisations, in their order.
+    /// Returns copies of the settings with the given discretisations, in the same order.
     fn with(&self, discretisations: impl IntoIterator<Item = Discretisation>) -> Vec<Self> {
         let mut all = Vec::new();
         for other in discretisations {
@@ -50,8 +51,8 @@ pub(super) trait ProblemSettings:
         all
     }
 
-    /// Returns settings of growing accuracy and cost: tolerances of flows, or Gauss points and
-    /// intervals.
+    /// Returns copies of the settings with growing accuracy and cost; they differ in the tolerance
+    /// of flows, or in the number of Gauss points and intervals.
     fn ladder(&self) -> Vec<Self> {
         let discretisation = self.clone().discretisation().copied();
         self.with(discretisation.map_or(Vec::new(), Discretisation::ladder))
@@ -62,7 +63,7 @@ pub(super) trait ProblemSettings:
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ZeroSettings {
-    /// The type of matrices: `cheaper`, `dense` or `sparse`.
+    /// The type of the matrices, which is `cheaper`, `dense` or `sparse`.
     pub matrices: Matrices,
 }
 
@@ -73,7 +74,7 @@ impl ProblemSettings for ZeroSettings {}
 #[serde(default, deny_unknown_fields)]
 pub struct MapSettings {
     /// The number of iterates of a cycle (1 to 4096) for runs that do not start from an earlier
-    /// one; by default 1, for fixed points.
+    /// run; the default is 1, that is, fixed points.
     pub iterates: usize,
 }
 
@@ -90,13 +91,13 @@ impl ProblemSettings for MapSettings {
     }
 }
 
-/// The setting that selects the solutions of a field to trace.
+/// The name of the setting that selects which solutions of a vector field are traced.
 pub(super) const SOLUTION: &str = "solution";
 
-/// The setting that selects the type of matrices.
+/// The name of the setting that selects the type of matrices.
 const MATRICES: &str = "matrices";
 
-/// The solutions of a field to compute.
+/// The kind of solutions of a vector field that are computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
@@ -108,17 +109,17 @@ pub enum Solution {
     Equilibrium,
 }
 
-/// The discretisation of trajectories: a method with its settings.
+/// The discretisation of trajectories, which is a method with its settings.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum Discretisation {
-    /// Collocation at Gauss points on an adaptive mesh: the default for smooth fields and
+    /// Collocation at Gauss points on an adaptive mesh: the default for smooth vector fields and
     /// boundary-value problems, equally accurate for stable and unstable orbits.
     Collocation(CollocationSettings),
-    /// Multiple shooting: the default for hybrid systems, whose legs are short and smooth. There
-    /// shooting takes at most a third of the time of collocation (`tangency-reports work-precision
-    /// orbit`).
+    /// Multiple shooting: the default for hybrid systems, because the smooth legs of their orbits
+    /// are short. For hybrid systems, shooting takes at most a third of the time of collocation
+    /// (`tangency-reports work-precision orbit`).
     Shooting(ShootingSettings),
 }
 
@@ -126,7 +127,7 @@ pub enum Discretisation {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct CollocationSettings {
-    /// The number of intervals of each segment (1 to 4096).
+    /// The number of mesh intervals in each segment (1 to 4096).
     pub intervals: usize,
     /// The number of Gauss points in an interval (2 to 7).
     pub degree: usize,
@@ -136,11 +137,12 @@ pub struct CollocationSettings {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ShootingSettings {
-    /// The number of parts of each segment, integrated separately (1 to 4096).
+    /// The number of parts into which each segment is divided; each part is integrated separately
+    /// (1 to 4096).
     pub segments: usize,
     /// The integration scheme.
     pub scheme: Scheme,
-    /// The tolerance of the flow, absolute and relative (1e-14 to 1e-3).
+    /// The absolute and relative tolerance of the integration (1e-14 to 1e-3).
     pub flow_tolerance: f64,
 }
 
@@ -162,24 +164,25 @@ impl Default for Discretisation {
     }
 }
 
-/// The coarsest meshes of collocation, as Gauss points per interval and intervals: each gains about
-/// one digit over the previous one, at the lowest cost (`tangency-reports work-precision orbit`).
+/// The coarsest collocation meshes, given by the number of Gauss points per interval and the number
+/// of intervals: each mesh is about one digit more accurate than the previous mesh, at the lowest
+/// cost (`tangency-reports work-precision orbit`).
 const MESHES: [(usize, usize); 9] =
     [(3, 5), (4, 5), (4, 10), (4, 15), (5, 15), (5, 20), (5, 30), (7, 30), (7, 45)];
 
-/// The coarsest tolerances of flows.
+/// The largest integration tolerances among which an automatic choice is made.
 const TOLERANCES: [f64; 2] = [1e-3, 1e-4];
 
-/// The number of discretisations to choose from.
+/// The maximum number of discretisations among which an automatic choice is made.
 const RUNGS: usize = 12;
 
 /// The settings for the periodic orbits or equilibria of a smooth field.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct FieldSettings {
-    /// Which solutions of the field are computed.
+    /// The kind of solutions of the vector field that are computed.
     pub solution: Solution,
-    /// The discretisation of orbits; by default, collocation.
+    /// The discretisation of periodic orbits; the default is collocation.
     pub method: Discretisation,
     /// The type of matrices for equilibria: `cheaper`, `dense` or `sparse`.
     pub matrices: Matrices,
@@ -189,7 +192,7 @@ pub struct FieldSettings {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct BoundarySettings {
-    /// The discretisation of solutions; by default, collocation.
+    /// The discretisation of solutions; the default is collocation.
     pub method: Discretisation,
 }
 
@@ -197,19 +200,20 @@ pub struct BoundarySettings {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct HybridOrbitSettings {
-    /// Which solutions of the system are computed.
+    /// The kind of solutions of the hybrid system that are computed.
     pub solution: Solution,
-    /// The mode of equilibria for runs that do not start from an earlier one; by default the
-    /// initial mode of the motion.
+    /// The mode in which equilibria are computed, for runs that do not start from an earlier run;
+    /// the default is the initial mode of the motion.
     pub mode: String,
-    /// The discretisation of orbits; by default, shooting.
+    /// The discretisation of orbits; the default is multiple shooting.
     pub method: Discretisation,
-    /// The modes and events of the orbit, for runs that do not start from an earlier one; by
-    /// default an orbit without events, in the first mode.
+    /// The modes and events of the orbit, for runs that do not start from an earlier run; the
+    /// default is an orbit without events in the first mode.
     pub itinerary: String,
     /// The order of local maps near grazings (1 to 7).
     pub order: usize,
-    /// Whether branches record how far orbits would penetrate a surface.
+    /// Whether branches record how far the orbit would penetrate a surface if the surface were
+    /// absent.
     pub penetration: bool,
 }
 
@@ -291,7 +295,7 @@ fn in_range(
 }
 
 impl Discretisation {
-    /// Returns both methods with their default settings.
+    /// Returns collocation and shooting with their default settings.
     pub(super) fn methods() -> [Self; 2] {
         use Discretisation::{Collocation, Shooting};
         [Collocation(CollocationSettings::default()), Shooting(ShootingSettings::default())]
@@ -314,7 +318,8 @@ impl Discretisation {
         ladder(coarse, RUNGS, Discretisation::finer)
     }
 
-    /// Returns the next finer discretisation by [`Method::finer`], to refine special points.
+    /// Returns the next finer discretisation according to [`Method::finer`], which is used to
+    /// refine special points.
     fn finer(&self) -> Option<Self> {
         let mut finer = *self;
         match &mut finer {
@@ -347,7 +352,7 @@ impl Discretisation {
         }
     }
 
-    /// Builds the system of a problem.
+    /// Builds the system of equations of a problem.
     pub fn system(&self, problem: impl IntoEquations) -> Result<Box<dyn System>, SceneError> {
         Ok(Box::new(self.boundary(problem)?))
     }
@@ -363,8 +368,8 @@ impl Discretisation {
         built(BoundarySystem::new(problem, method, meshes))
     }
 
-    /// Builds the system of orbits with the itinerary of a simulated orbit, and the unknowns of the
-    /// simulated orbit.
+    /// Builds the system of orbits that have the itinerary of a simulated orbit, and returns the
+    /// system with the unknowns of the simulated orbit.
     pub fn start(
         &self,
         simulated: Guess<impl IntoEquations>,
@@ -375,7 +380,7 @@ impl Discretisation {
         Ok((Box::new(system), z))
     }
 
-    /// Returns the method, and the number of intervals on each segment.
+    /// Returns the method of discretisation, and the number of mesh intervals on each segment.
     pub(super) fn method(&self) -> Result<(Method, usize), SceneError> {
         Ok(match *self {
             Discretisation::Collocation(CollocationSettings { intervals, degree }) => {
@@ -392,7 +397,7 @@ fn built<S, E: Diagnostic + Send + Sync + 'static>(found: Result<S, E>) -> Resul
     Ok(found.map_err(ProblemError::new)?)
 }
 
-/// A system and its initial unknowns.
+/// A system of equations and the initial values of its unknowns.
 pub(super) type Started = (Box<dyn System>, Vec<f64>);
 
 /// Returns the error for a simulated motion from which no branch can start.

@@ -1,9 +1,10 @@
-//! The division of sweeps into parts, each computed by a separate process.
+//! The division of sweeps into parts; each part is computed by a separate process.
 
 use super::statement::{Scene, Sweep};
 use crate::core::sweep::{MOST_RUNS, Order};
 
-/// The division of strands into parts, to which they are dealt in turn.
+/// The division of the strands of a sweep (sequences of consecutive runs) into parts; the strands
+/// are assigned to the parts in turn.
 ///
 /// ```
 /// use tangency::scene::Division;
@@ -16,18 +17,18 @@ use crate::core::sweep::{MOST_RUNS, Order};
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Division {
-    /// The number of parts.
+    /// The number of parts into which the sweep is divided.
     pub parts: usize,
-    /// The number of strands.
+    /// The number of strands of the sweep.
     pub strands: usize,
-    /// The number of runs.
+    /// The number of runs of the sweep.
     pub runs: usize,
     /// The number of runs in the largest part.
     pub largest: usize,
 }
 
 impl Division {
-    /// Deals strands, given by their numbers of runs, to `parts` parts.
+    /// Assigns strands to `parts` parts in turn; a strand is given by its number of runs.
     pub fn new(strands: impl IntoIterator<Item = usize>, parts: usize) -> Self {
         let parts = parts.max(1);
         let (mut sizes, mut count) = (Vec::new(), 0);
@@ -42,20 +43,21 @@ impl Division {
         Division { parts, strands: count, runs: sizes.iter().sum(), largest }
     }
 
-    /// Returns the number of runs in the largest part if single runs were dealt.
+    /// Returns the number of runs in the largest part that would result if single runs instead of
+    /// strands were assigned to parts.
     pub fn even(&self) -> usize {
         self.runs.div_ceil(self.parts)
     }
 
-    /// Returns whether the largest part has at most a tenth more runs than an even part.
+    /// Returns whether the largest part exceeds the size of an even part by at most a tenth.
     pub fn is_even(&self) -> bool {
         self.largest <= self.even() + self.even() / 10
     }
 }
 
 impl Sweep {
-    /// Returns the numbers of runs of the strands, in order, for a given or the stated number of
-    /// strands.
+    /// Returns the number of runs of each strand, in order, if the sweep had `strands` strands;
+    /// `None` for the stated number of strands.
     pub(super) fn strand_lengths(&self, strands: Option<usize>) -> impl Iterator<Item = usize> {
         let points = self.over.iter().try_fold(1, |points, grid| grid.count.checked_mul(points));
         // Larger sweeps are rejected before the first run.
@@ -81,8 +83,8 @@ impl Scene {
         self.divided(parts, None)
     }
 
-    /// Returns a number of strands, set for all sweeps, that divides more evenly into `parts`
-    /// parts, and the number of runs in its largest part.
+    /// Returns a number of strands for all sweeps with which the runs are divided more evenly into
+    /// `parts` parts, and the number of runs in the largest of these parts.
     pub fn better_strands(&self, parts: usize) -> Option<(usize, usize)> {
         let followed = || self.sweeps.iter().filter(|sweep| sweep.order != Order::Anew);
         let chains: usize = followed().map(|sweep| sweep.starts.len().max(1)).sum();

@@ -1,4 +1,4 @@
-//! Checks of settings: changed settings that have no effect are rejected.
+//! Checks of changed settings: a changed setting that has no effect is an error.
 
 use super::discretisation::{SOLUTION, Solution};
 use super::error::SceneError;
@@ -11,19 +11,21 @@ use crate::core::problem::{Dynamics, Forcing};
 /// The purpose for which a scene is read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Purpose {
-    /// Its runs are traced.
+    /// The runs of the scene are traced.
     Runs,
-    /// Its runs are traced, and emanating branches are followed.
+    /// The runs of the scene are traced, and the branches that emanate from their special points
+    /// are traced, too.
     Exploration,
-    /// Its sweeps are computed, and its runs are traced to be drawn with them.
+    /// The sweeps of the scene are computed; its runs are traced only to be drawn together with the
+    /// sweeps.
     Sweeps,
 }
 
 impl Scene {
-    /// Rejects changed values that have no effect for a purpose.
+    /// Returns an error if a changed value has no effect for the given purpose.
     ///
     /// # Errors
-    /// [`SceneError::NoEffect`] with the reason and the remedy.
+    /// [`SceneError::NoEffect`] with the reason and the remedy, if a value has no effect.
     ///
     /// ```
     /// use tangency::scene::{BUILT_IN, Scene, Purpose};
@@ -56,18 +58,18 @@ impl Scene {
     }
 }
 
-/// The property that solutions need for a setting of the continuation to have an effect.
+/// The property that solutions must have for a setting of the continuation to have an effect.
 #[derive(Clone, Copy, PartialEq)]
 enum Need {
     /// A discretisation.
     Discretisation,
     /// A free period.
     FreePeriod,
-    /// Dynamics, which define stability.
+    /// The solutions have dynamics, which define their stability.
     Dynamics,
 }
 
-/// The settings of the continuation that need a property of the solutions.
+/// The settings of the continuation that have an effect only if solutions have a certain property.
 const NEEDS: [(&str, Need); 8] = [
     ("refinement", Need::Discretisation),
     ("refine", Need::Discretisation),
@@ -80,7 +82,7 @@ const NEEDS: [(&str, Need); 8] = [
 ];
 
 impl Resolved {
-    /// Returns the error for a changed value that has no effect in this run, or `None` if the value
+    /// Returns the error for a changed value that has no effect on this run, or `None` if the value
     /// has an effect.
     fn without_effect(&self, name: &str, purpose: Purpose) -> Option<SceneError> {
         if self.problem.parameter_names().iter().any(|known| known == name) {
@@ -112,7 +114,7 @@ impl Resolved {
         })
     }
 
-    /// Returns whether solutions lack a property; false if unknown.
+    /// Returns whether the solutions lack a property; returns false if this is unknown.
     fn lacks(&self, need: Need) -> bool {
         let Resolved { problem, values, reach, .. } = self;
         let exact = problem.ladder(values, reach).is_ok_and(|ladder| ladder.is_empty());
@@ -126,7 +128,7 @@ impl Resolved {
 }
 
 impl ResolvedSweep {
-    /// Returns the error for a changed value that has no effect in this sweep, or `None` if the
+    /// Returns the error for a changed value that has no effect on this sweep, or `None` if the
     /// value has an effect.
     fn without_effect(&self, name: &str) -> Option<SceneError> {
         let sweep = &self.sweep.name;
@@ -145,7 +147,7 @@ impl ResolvedSweep {
 }
 
 impl Need {
-    /// Describes solutions that lack the property.
+    /// Returns a phrase for messages that describes solutions without the property.
     fn without(self) -> &'static str {
         match self {
             Need::Discretisation => "where equations need no discretisation",

@@ -24,7 +24,7 @@ debug_is_message!(SceneError);
 pub struct ProblemError(Arc<dyn Diagnostic + Send + Sync>);
 
 impl ProblemError {
-    /// Wraps the error of a problem.
+    /// Wraps the error that occurred when a problem was built.
     pub fn new(cause: impl Diagnostic + Send + Sync + 'static) -> Self {
         ProblemError(Arc::new(cause))
     }
@@ -42,55 +42,56 @@ impl From<ModelError> for SceneError {
     }
 }
 
-/// The error of a scene, or of a request to it.
+/// The error of a scene, or of a request that is applied to a scene.
 #[derive(Clone, PartialEq, miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum SceneError {
-    /// A parameter or state is given both in `--over` and in `--from`, or twice in one of them.
+    /// A parameter or a state occurs in both `--over` and `--from`, or twice in one of these
+    /// options.
     #[error("`{0}` is given twice")]
     #[diagnostic(help("give each parameter or state once, in `--over` or in `--from`"))]
     Twice(String),
-    /// `--both` is given without exactly one parameter to sweep.
+    /// The option `--both` is given, but the number of parameters to sweep is not one.
     #[error("`--both` sweeps the values of one parameter upward and downward")]
     #[diagnostic(help("give `--over` once, with a parameter"))]
     BothWays,
-    /// A name that the scene does not have.
+    /// A name of a parameter, setting or run that does not exist in the scene.
     #[error(transparent)]
     #[diagnostic(transparent)]
     UnknownName(#[from] UnknownName),
-    /// A value of the wrong form.
+    /// A value that does not have the form that its parameter or setting requires.
     #[error("`{}` cannot be `{}`: {reason}", shown(name), shown(value))]
     Value {
         /// The remedy, unless the reason implies the remedy.
         #[help]
         help: Option<String>,
-        /// The parameter or setting.
+        /// The name of the parameter or setting whose value is wrong.
         name: String,
         /// The value.
         value: String,
         /// The expected form.
         reason: String,
     },
-    /// A setting without effect.
+    /// A changed setting that has no effect.
     #[error("`{name}` has no effect {reason}")]
     NoEffect {
-        /// The parameter or setting.
+        /// The name of the parameter or setting that has no effect.
         name: String,
-        /// Where and why the setting has no effect.
+        /// A phrase that tells where the setting has no effect, and why.
         reason: String,
         /// The remedy.
         #[help]
         help: Option<String>,
     },
-    /// A parameter or setting that a run of the scene sets.
+    /// A parameter or setting that cannot be changed because a run of the scene sets its value.
     #[error("`{name}` is set by the scene: the run `{run}` sets it to `{value}`")]
     #[diagnostic(help("copy the scene to a file and change the run there"))]
     Varied {
-        /// The parameter or setting.
+        /// The name of the parameter or setting.
         name: String,
-        /// The run that sets the value.
+        /// The name of the run that sets the value.
         run: String,
-        /// The value set by the run.
+        /// The value that the run sets.
         value: String,
     },
     /// A file of equations cannot be read.
@@ -102,98 +103,99 @@ pub enum SceneError {
         /// The message of the operating system.
         cause: String,
     },
-    /// A scene has syntax errors, or its equations cannot be parsed.
+    /// The scene contains a syntax error, or its equations are invalid.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Model(Box<ModelError>),
-    /// The scene contains an invalid value.
+    /// The scene contains an invalid or inconsistent value.
     #[error("{message}")]
     Invalid {
-        /// The place, the value there, and the condition that the value violates.
+        /// A message with the place, the value at this place, and the condition that the value
+        /// violates.
         message: String,
         /// The remedy, unless the message implies the remedy.
         #[help]
         help: Option<String>,
     },
-    /// The problem cannot be built.
+    /// The problem cannot be built from its settings.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Problem(#[from] ProblemError),
-    /// The problem lacks a capability that the scene needs.
+    /// The problem does not support a computation that the scene requests.
     #[error("{needs}, and this problem is {kind}")]
     #[diagnostic(help("state a vector field as a hybrid system of one mode"))]
     Unsupported {
-        /// The problems that have the capability, in words.
+        /// A description of the problems that support the computation.
         needs: &'static str,
         /// The kind of the problem.
         kind: &'static str,
     },
-    /// Parameters without a value.
+    /// Some parameters of the problem have no value.
     #[error("`{problem}` has no default values for {}", missing.join(", "))]
     #[diagnostic(help("give the values in `parameters`"))]
     MissingParameters {
         /// The problem.
         problem: &'static str,
-        /// The names of the parameters.
+        /// The names of the parameters that have no value.
         missing: Vec<String>,
     },
     /// The plan of a sweep is invalid.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Plan(#[from] PlanError),
-    /// The motion cannot be sampled.
+    /// The motion cannot be sampled stroboscopically.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Strobe(#[from] StroboscopicError),
-    /// The known results belong to another scene.
+    /// The results of earlier runs belong to another scene.
     #[error("the earlier runs are from another scene, or from other settings")]
     #[diagnostic(help(
         "remove the file of the earlier runs, start with --afresh, or choose another folder"
     ))]
     OtherScene,
-    /// The known results have other tables.
+    /// The results of earlier runs are in tables of another form.
     #[error("the earlier runs are in tables of another form: {0}")]
     #[diagnostic(help(
         "remove the file of the earlier runs, start with --afresh, or choose another folder"
     ))]
     OtherTables(#[source] TableDifference),
-    /// The finest discretisation does not reach the accuracy that a scene requests.
+    /// The finest available discretisation does not reach the accuracy that the scene requests.
     #[error("{chosen}, which is more")]
     #[diagnostic(help("request a lower accuracy, or state the discretisation"))]
     Unmet {
-        /// The finest discretisation and its estimated error.
+        /// The finest discretisation, and the error estimated with it.
         chosen: Box<Chosen>,
     },
-    /// The plot is invalid for every result.
+    /// The plot is invalid, whatever the results are.
     #[error("the plot: {0}")]
     #[diagnostic(forward(0))]
     Figure(#[from] FigureError),
     /// The run was cancelled, for example by Ctrl-C.
     #[error("the run `{run}` was interrupted before its first point; earlier runs are saved")]
     GivenUp {
-        /// The name of the run.
+        /// The name of the cancelled run.
         run: String,
     },
-    /// A run starts from a point that an earlier run did not find.
+    /// A run starts at a special point that an earlier run did not find.
     #[error(
         "the run `{run}` starts at {kind} number {} of `{from}`, and the branch has {} ({ends})",
         nth + 1, counted(*found, kind)
     )]
     NoSuchPoint {
-        /// The name of the run.
+        /// The name of the run that cannot start.
         run: String,
-        /// The run with the special points.
+        /// The name of the earlier run, whose branch should contain the special point.
         from: String,
-        /// The kind of the special point.
+        /// The kind of the special point at which the run should start.
         kind: String,
-        /// The index of the special point among its kind.
+        /// The index of the special point among the special points of this kind.
         nth: usize,
-        /// The number of special points of that kind.
+        /// The number of special points of this kind that the earlier run found.
         found: usize,
-        /// The reasons for the ends of the earlier run.
+        /// The reasons why the branch of the earlier run ended.
         ends: String,
     },
-    /// No branch starts from the given state, and the motion from there does not converge to an
+    /// No branch starts at the given state, and the motion from this state does not converge to an
     /// attractor.
     #[error(
         "the motion from the given state does not converge: {cause}; no branch starts at the state itself: {near}"
@@ -202,53 +204,54 @@ pub enum SceneError {
     NoStart {
         /// The reason why no branch starts at the state.
         near: Box<SceneError>,
-        /// The reason why the motion does not converge.
+        /// The reason why the motion from the state does not converge.
         cause: Box<SceneError>,
     },
     /// A run failed.
     #[error("run `{run}`: {cause}")]
     #[diagnostic(forward(cause))]
     Run {
-        /// The name of the run.
+        /// The name of the run that failed.
         run: String,
-        /// The reason for the failure.
+        /// The reason why the run failed.
         #[source]
         cause: Box<RunError>,
     },
 }
 
-/// The reason for the failure of a run, or of a sweep of a local map.
+/// The reason why a run, or a sweep of a local map, failed.
 #[derive(Clone, Debug, PartialEq, miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum RunError {
-    /// There is no local map.
+    /// The requested local map does not exist.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Local(#[from] GrazingError),
-    /// No curve emanates from the grazing of a local map.
+    /// No curve of special points emanates from the grazing of a local map.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Expansion(#[from] ExpansionError),
-    /// A simulation ended early.
+    /// A simulation ended before its end time.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Simulation(#[from] HybridError),
-    /// A simulation found no periodic motion to start from.
+    /// A simulation did not converge to a periodic motion at which a branch could start.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Unsettled(#[from] CycleSearchError),
-    /// There is no saddle whose manifolds could be computed.
+    /// No saddle was found whose manifolds could be computed.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Manifold(#[from] ManifoldError),
-    /// A trace could not start.
+    /// The continuation of a branch could not start.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Trace(#[from] TraceError),
 }
 
 impl SceneError {
-    /// Returns whether the message names a file of equations, which then replaces the scene's file.
+    /// Returns whether the error names a file of equations; messages then name this file instead of
+    /// the scene's file.
     pub fn names_file(&self) -> bool {
         match self {
             SceneError::File { .. } => true,
@@ -257,8 +260,8 @@ impl SceneError {
         }
     }
 
-    /// Returns whether another start could avoid the error of a run that varies parameters: no
-    /// solution was found, or only one out of bounds.
+    /// Returns whether a run that varies parameters might succeed from another start: the run
+    /// failed because no solution was found, or because the solution is out of bounds.
     pub(super) fn is_of_start(&self, is_released: impl Fn(&str) -> bool) -> bool {
         use TraceError::{OutOfRange, Start};
         let of_run = |cause: &RunError| match cause {
@@ -282,26 +285,27 @@ impl SceneError {
         SceneError::Value { name, value, reason, help: None }
     }
 
-    /// Returns the error for a setting that has no effect while another setting has a given value.
+    /// Returns the error for a setting that has no effect as long as another setting has its
+    /// present value.
     pub(super) fn no_effect_under(name: &str, under: &str, value: &str) -> Self {
         let reason = format!("where `{under}` is `{value}`");
         let help = Some(format!("omit `{name}`, or set `{under}` too"));
         SceneError::NoEffect { name: name.into(), reason, help }
     }
 
-    /// Returns the error for an invalid statement, which the message describes.
+    /// Returns the error for an invalid statement, with the given message.
     pub(super) fn invalid(message: impl Into<String>) -> Self {
         SceneError::Invalid { message: message.into(), help: None }
     }
 
-    /// Returns the error for a setting that has no effect, with the reason; the remedy omits the
-    /// setting.
+    /// Returns the error for a setting that has no effect, with the reason; the suggested remedy is
+    /// to omit the setting.
     pub(super) fn idle(name: &str, reason: impl Into<String>) -> Self {
         let help = Some(format!("omit `{name}`"));
         SceneError::NoEffect { name: name.into(), reason: reason.into(), help }
     }
 
-    /// Adds a remedy to an error of an invalid statement, value or setting.
+    /// Adds a remedy to an error about an invalid statement, value or setting.
     pub(super) fn with_help(mut self, remedy: impl Into<String>) -> Self {
         if let SceneError::Invalid { help, .. }
         | SceneError::Value { help, .. }
@@ -312,7 +316,7 @@ impl SceneError {
         self
     }
 
-    /// Adds the remedy of a cause, if the cause has a remedy.
+    /// Adds the remedy of the underlying error, if it has a remedy.
     pub(super) fn with_help_of(self, cause: &dyn Diagnostic) -> Self {
         match cause.help() {
             Some(help) => self.with_help(help.to_string()),
@@ -321,7 +325,7 @@ impl SceneError {
     }
 }
 
-/// Counts special points of a kind in words: `no HB`, `1 HB`.
+/// Formats the number of special points of a kind: `no HB`, `1 HB`.
 fn counted(found: usize, kind: &str) -> String {
     if found == 0 { format!("no {kind}") } else { format!("{found} {kind}") }
 }

@@ -1,5 +1,5 @@
-//! Tracing a scene with the discretisation that it states, or one chosen for its requested
-//! accuracy.
+//! Tracing of a scene with the discretisation that the scene states, or with a discretisation
+//! chosen for the requested accuracy.
 
 use super::error::SceneError;
 use super::fidelity::traced_to;
@@ -10,7 +10,8 @@ use super::trace::{Outcome, traced, traced_each};
 use crate::output::Document;
 
 impl Outcome {
-    /// Returns the outcome of a scene that could not be resolved.
+    /// Returns the outcome of tracing a scene that could not be resolved: an empty document and the
+    /// error.
     pub(super) fn failed(scene: &Scene, cause: SceneError) -> Self {
         Outcome { document: Document::new(scene.title.clone(), Vec::new()), error: Some(cause) }
     }
@@ -25,9 +26,9 @@ impl Resolution {
         }
     }
 
-    /// Traces the runs, and continues with the next run after one that fails. Returns the outcome
-    /// with all other branches, and the errors with the names of their runs. A scene that requests
-    /// an accuracy stops at the first error.
+    /// Traces the runs, and continues with the next run if a run fails. Returns the outcome with
+    /// the branches of all other runs, and the errors together with the names of the failed runs.
+    /// The trace of a scene that requests an accuracy stops at the first error.
     ///
     /// ```
     /// use tangency::scene::Scene;
@@ -57,8 +58,8 @@ impl Resolution {
     }
 }
 
-/// Resolves a scene and traces its runs; with a start point, traces the run that continues from
-/// there ([`Scene::resolve`]).
+/// Resolves a scene and traces its runs; if a start point is given, traces the run that continues
+/// from this point ([`Scene::resolve`]).
 ///
 /// ```
 /// use tangency::scene::{BUILT_IN, Scene, execute};
@@ -70,8 +71,9 @@ impl Resolution {
 /// # Ok::<(), tangency::scene::SceneError>(())
 /// ```
 ///
-/// If the scene requests an accuracy, the discretisation is chosen accordingly;
-/// [`Document::chosen`](crate::output::Document::chosen) holds the choice and its estimated error:
+/// If the scene requests an accuracy, a discretisation that reaches the accuracy is chosen;
+/// [`Document::chosen`](crate::output::Document::chosen) contains the choice and its estimated
+/// error:
 ///
 /// ```
 /// # use tangency::scene::{BUILT_IN, Scene, execute};

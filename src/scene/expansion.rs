@@ -1,18 +1,19 @@
-//! Expansions of the curves of folds and period doublings that emanate from a point of codimension
-//! two.
+//! Taylor expansions of the curves of folds and of period doublings that emanate from a grazing
+//! point of codimension two.
 //!
 //! An orbit with one impact solves `F = P(D(z, p), p) − ξ(z, p) = 0`, where `ξ` is the virtual
-//! point that corresponds to `z` (its `y` and its other coordinates). It has the multiplier `μ`
-//! where
+//! point that corresponds to `z` (its `y` and its other coordinates). Such an orbit has the Floquet
+//! multiplier `μ` if a vector `v` satisfies
 //!
 //! ```text
 //!     (∂[P ∘ D]/∂z − μ ∂ξ/∂z) v = 0,    ⟨c, v⟩ = 1.
 //! ```
 //!
-//! Both equations are regular at `y = 0`. If the derivative of the smooth map does not map `β` into
-//! the normal direction (`∂P/∂θ = 0` in one phase), `y = 0` solves them for both `μ = 1` and `μ =
-//! −1`, so that a curve of folds and a curve of period doublings emanate there. With one parameter
-//! as a jet, Newton's iteration for `z`, `v` and another parameter yields the Taylor series of the
+//! Both equations, for the orbit and for its multiplier, are regular at `y = 0`. Suppose that the
+//! derivative of the smooth map does not map `β` into the normal direction (`∂P/∂θ = 0` in one
+//! phase). Then the point `y = 0` solves both equations for `μ = 1` and for `μ = −1`, so that a
+//! curve of folds and a curve of period doublings emanate from this point. If one parameter is a jet (a truncated Taylor
+//! series), Newton's iteration for `z`, `v` and another parameter yields the Taylor series of the
 //! curve, one term per iteration.
 
 use crate::core::failure::Failure;
@@ -23,16 +24,17 @@ use crate::core::scalar::{Jet, JetError, Scalar, Space};
 use crate::core::system::Kind;
 use num_dual::{Dual, Dual64, DualNum};
 
-/// The Taylor series of a curve of special points that emanates from a grazing of codimension two:
-/// `Δp₁ = Σ c_k Δp₂ᵏ`.
+/// The Taylor series `Δp₁ = Σ c_k Δp₂ᵏ` of a curve of special points that emanates from a grazing
+/// of codimension two.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Expansion {
-    /// Folds ([`Kind::LP`]) or period doublings ([`Kind::PD`]).
+    /// The kind of the special points: folds ([`Kind::LP`]) or period doublings ([`Kind::PD`]).
     pub kind: Kind,
-    /// The coefficients `c_1, c_2, …`, one for each order of the map.
+    /// The coefficients `c_1, c_2, …` of the parameter `Δp₁`, one for each order of the local map.
     pub parameter: Vec<f64>,
-    /// The coefficients of `y`, one fewer than of the parameter. The curve lies on the side of
-    /// `Δp₂` where `y` is positive.
+    /// The coefficients of the penetration depth `y` along the curve; their number is one less than
+    /// the number of coefficients of the parameter. The curve exists on the side of `Δp₂ = 0` on
+    /// which `y` is positive.
     pub depth: Vec<f64>,
 }
 
@@ -40,17 +42,17 @@ pub struct Expansion {
 #[derive(Clone, Debug, PartialEq, miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum ExpansionError {
-    /// No curve of special points emanates from the grazing.
+    /// No curve of special points emanates from the grazing, because the grazing is not degenerate.
     #[error(
         "no curve of folds or period doublings of orbits with one impact emanates from this grazing: the \
          test function is {0:.1e}, but must vanish"
     )]
     #[diagnostic(help("locate the degenerate point on the curve of grazings first"))]
     NotDegenerate(f64),
-    /// No curve of this kind is known.
+    /// The expansion of curves of the requested kind is not known.
     #[error("curves of LP and PD emanate from a degenerate grazing, but none of {0}")]
     NoCurve(Kind),
-    /// A parameter that the map does not have.
+    /// The requested parameter does not exist in the local map.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Unknown(#[from] UnknownName),
@@ -58,14 +60,14 @@ pub enum ExpansionError {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Failure(#[from] Failure),
-    /// The series has too many terms.
+    /// The requested series has too many terms.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Jet(#[from] JetError),
 }
 
-/// The curve of a series, `Δp₁ − Σ c_k Δp₂ᵏ = 0` with its depth, as a zero problem in `p₂`: to
-/// trace and draw together with the exact curve.
+/// The curve given by a Taylor series, `Δp₁ − Σ c_k Δp₂ᵏ = 0`, with the penetration depth as a
+/// monitor, as a zero problem: it can be traced and drawn together with the exact curve.
 ///
 /// ```
 /// use tangency::core::continuation::Continuation;
@@ -85,16 +87,16 @@ pub enum ExpansionError {
 pub struct ExpansionCurve {
     /// The series.
     pub expansion: Expansion,
-    /// `p₁` and `p₂` at the point of codimension two.
+    /// The values of `p₁` and `p₂` at the point of codimension two.
     pub origin: [f64; 2],
-    /// The names of `p₁` and `p₂`.
+    /// The names of the parameters `p₁` and `p₂`.
     pub names: [String; 2],
 }
 
-/// The name of `y` along the curve.
+/// The name of the penetration depth `y` along the curve.
 const DEPTH: &str = "depth";
 
-/// Evaluates `Σ c_k xᵏ`, starting at k = 1.
+/// Evaluates the series `Σ c_k xᵏ`, whose first index is k = 1.
 fn power_series<T: Scalar>(coefficients: &[f64], x: T) -> T {
     coefficients.iter().rev().fold(T::zero(), |sum, c| (sum + *c) * x)
 }
@@ -121,25 +123,26 @@ impl ZeroProblem for ExpansionCurve {
     }
 }
 
-/// A series with enough terms for the highest order.
+/// A Taylor series with enough terms for the highest order of local maps.
 type Series = Jet<16>;
 
-/// The largest multiplier of a bordered null vector at which a matrix counts as singular.
+/// The largest absolute value of the last unknown of a bordered system with which the bordered
+/// matrix counts as singular.
 const SINGULAR: f64 = 1e-6;
 
-/// The equations of a curve.
+/// The equations of the curve of special points.
 struct Curve<'a> {
     map: &'a LocalMap,
     /// The multiplier.
     mu: f64,
-    /// The positions of the dependent and of the independent parameter.
+    /// The indices of the dependent and of the independent parameter.
     parameters: [usize; 2],
-    /// The direction that normalises null vectors.
+    /// The vector `c` of the normalisation `c·v = 1` of null vectors.
     scale: Vec<f64>,
 }
 
 impl Curve<'_> {
-    /// Evaluates the image and the virtual point with their derivatives along `v`.
+    /// Evaluates the image and the virtual point of `z`, with their derivatives along `v`.
     fn along<T: Scalar>(&self, z: &[T], v: &[T], p: &[T]) -> [Vec<Dual<T>>; 2] {
         let z: Vec<_> = z.iter().zip(v).map(|(z, v)| Dual::new(*z, *v)).collect();
         let p: Vec<_> = p.iter().map(|p| Dual::new(*p, T::zero())).collect();
@@ -150,8 +153,8 @@ impl Curve<'_> {
         [image, place]
     }
 
-    /// Evaluates `F`, the equation of the multiplier, and the length of `v`, for unknowns `(z, Δp₁,
-    /// v)`.
+    /// Evaluates `F`, the equation of the multiplier, and the normalisation of `v`, for the
+    /// unknowns `(z, Δp₁, v)`.
     fn residual<T: Scalar>(&self, u: &[T], other: T, out: &mut [T]) {
         let n = self.scale.len();
         let (z, v) = (&u[..n], &u[n + 1..]);
@@ -166,7 +169,7 @@ impl Curve<'_> {
         out[2 * n] = length - 1.0;
     }
 
-    /// Computes the null vector of the equation of the multiplier at the grazing.
+    /// Computes the null vector of the multiplier equation at the grazing.
     fn null_vector(&self) -> Result<Vec<f64>, ExpansionError> {
         let n = self.scale.len();
         let (zero, p) = (vec![0.0; n], vec![0.0; self.map.parameters().len()]);
@@ -193,7 +196,8 @@ impl Curve<'_> {
         }
     }
 
-    /// Computes the derivative of the residual with respect to the unknowns, stored by columns.
+    /// Computes the Jacobian matrix of the residual with respect to the unknowns, stored by
+    /// columns.
     fn jacobian(&self, u: &[f64]) -> Vec<f64> {
         let mut out = vec![Dual64::from(0.0); u.len()];
         let mut matrix = Vec::new();
@@ -206,7 +210,8 @@ impl Curve<'_> {
         matrix
     }
 
-    /// Computes the series of the unknowns, by Newton's iteration with the Jacobian at the grazing.
+    /// Computes the Taylor series of the unknowns by Newton's iteration with the Jacobian matrix at
+    /// the grazing.
     fn solved(&self, order: usize) -> Result<Vec<Series>, ExpansionError> {
         let n = self.scale.len();
         let start = [vec![0.0; n + 1], self.null_vector()?].concat();
@@ -231,9 +236,9 @@ impl Curve<'_> {
     }
 }
 
-/// Computes the series of the curve of folds ([`Kind::LP`]) or period doublings ([`Kind::PD`]) of
-/// orbits with one impact that emanates from a degenerate grazing of a local map: one parameter as
-/// a function of another.
+/// Computes the Taylor series of the curve of folds ([`Kind::LP`]) or of period doublings
+/// ([`Kind::PD`]) of orbits with one impact that emanates from a degenerate grazing of a local map;
+/// the series gives one parameter as a function of another parameter.
 ///
 /// ```
 /// use tangency::scene::expanded;
@@ -259,8 +264,9 @@ impl Curve<'_> {
 /// ```
 ///
 /// # Errors
-/// [`ExpansionError::NotDegenerate`] if no such curve emanates here, [`ExpansionError::NoCurve`]
-/// for another kind, and [`ExpansionError::Unknown`] for a parameter that is not expanded.
+/// [`ExpansionError::NotDegenerate`] if no curve emanates from this grazing,
+/// [`ExpansionError::NoCurve`] for a kind other than LP and PD, and [`ExpansionError::Unknown`] for
+/// a parameter that is not expanded in the local map.
 pub fn expanded(
     map: &LocalMap,
     kind: Kind,

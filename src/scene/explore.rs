@@ -20,17 +20,19 @@ use std::error::Error;
 /// The maximum number of runs added to a scene.
 const RUNS: usize = 50;
 
-/// Traces a scene's runs, and then the branches that emanate from the special points found, to a
-/// depth: 1 switches branches at special points of the scene's own runs, 2 also at special points
-/// of the added runs. A special point shared by two branches is used once. Returns the scene with
-/// all added runs, at most 50; tracing it reproduces the result.
+/// Traces the runs of a scene, and then the branches that emanate from the special points found, up
+/// to a depth: with depth 1, branches are switched at special points of the scene's own runs; with
+/// depth 2, also at special points of the added runs. A special point that two branches share is
+/// used only once. Returns the scene with all added runs, so that the scene has at most 50 runs;
+/// tracing the returned scene reproduces the result.
 ///
-/// Where several branches cross at a point, all branches determined by its equations are traced.
+/// If several branches cross at a point, all branches that the equations at this point determine
+/// are traced.
 ///
-/// A run that fails is left out, its first error is kept, and the other runs continue. At a
-/// grazing, and where several eigenvalues are critical, a failure is not an error: the branch with
-/// the special point gets a warning with the reason. Special points that have not converged, and
-/// runs beyond 50, also give warnings.
+/// An added run that fails is omitted, its first error is kept, and the other runs continue. At a
+/// grazing, and at a point where several eigenvalues are critical, a failure is not an error: the
+/// branch that contains the special point gets a warning with the reason. Special points that have
+/// not converged, and runs beyond the maximum number of 50, also cause warnings.
 ///
 /// ```
 /// use tangency::scene::{Scene, explore};
@@ -56,24 +58,24 @@ pub fn explore(scene: &Scene, depth: usize, observer: &mut dyn SceneObserver) ->
     }
 }
 
-/// The special points at which branches are switched, and the depth.
+/// The kinds of special points at which branches are switched, and the depth of the exploration.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Following {
-    /// The kinds of special points, from [`OF_BRANCHES`](Self::OF_BRANCHES) and
-    /// [`of_curves`](Self::of_curves).
+    /// The kinds of special points at which branches are switched, from
+    /// [`OF_BRANCHES`](Self::OF_BRANCHES) and [`of_curves`](Self::of_curves).
     pub kinds: Vec<Kind>,
-    /// The depth: 1 switches branches at special points of the scene's own runs, 2 also at special
-    /// points of the added runs.
+    /// The depth of the exploration: with depth 1, branches are switched at special points of the
+    /// scene's own runs; with depth 2, also at special points of the added runs.
     pub depth: usize,
-    /// Whether to omit runs that would start at a solution of an earlier branch.
+    /// Whether to omit runs that would start at a solution through which an earlier branch passes.
     pub distinct: bool,
 }
 
 impl Following {
-    /// The kinds of special points of branches from which other branches emanate.
+    /// The kinds of special points on branches from which other branches emanate.
     pub const OF_BRANCHES: [Kind; 5] = [Kind::BP, Kind::LP, Kind::HB, Kind::PD, Kind::G];
 
-    /// Selects points of all kinds, to a depth.
+    /// Selects special points of all kinds, up to a given depth.
     pub fn all(depth: usize) -> Self {
         let kinds = Self::OF_BRANCHES.into_iter().chain(Self::of_curves()).collect();
         Following { kinds, depth, distinct: false }
@@ -93,8 +95,9 @@ impl Following {
 }
 
 impl Resolution {
-    /// Traces the runs, and then the branches that emanate from special points, as [`explore`]
-    /// does. If the scene requests an accuracy, its own runs decide the discretisation.
+    /// Traces the runs, and then the branches that emanate from special points, as the function
+    /// [`explore`] does. If the scene requests an accuracy, the discretisation is chosen for the
+    /// scene's own runs and also used for the added runs.
     pub fn explore(
         &self,
         following: &Following,
@@ -122,12 +125,12 @@ impl Resolution {
     }
 }
 
-/// The traced runs, and the runs to which they lead.
+/// The runs traced so far, and the pending runs to which their special points lead.
 struct Exploration<'a> {
     resolution: &'a Resolution,
     following: &'a Following,
     tracing: Tracing,
-    /// The pending runs, with the number of special points that lead to each.
+    /// The pending runs, each with the number of branch switches that lead to the run.
     coming: VecDeque<(Run, usize)>,
 }
 
@@ -137,7 +140,7 @@ impl<'a> Exploration<'a> {
         Exploration { resolution, following, tracing: Tracing::default(), coming }
     }
 
-    /// Traces everything, and returns the scene with all runs, and the outcome.
+    /// Traces the own and all added runs; returns the scene with all runs, and the outcome.
     fn all(mut self, observer: &mut dyn SceneObserver) -> (Scene, Outcome) {
         while let Some((run, steps)) = self.coming.pop_front() {
             // The scene's own runs are always traced, unless several starts may lie on one branch.
@@ -168,7 +171,8 @@ impl<'a> Exploration<'a> {
         (scene, self.tracing.outcome(self.resolution))
     }
 
-    /// Appends the number of the branch to a run's name, where starts may share a branch.
+    /// Appends the number of the branch to the name of a run, if several runs start at given
+    /// solutions.
     fn numbered(&self, run: Run) -> Run {
         let is_start = self.following.distinct && matches!(run.start, Start::Guess(_));
         let first = self.tracing.runs.iter().find(|_| is_start);
@@ -177,7 +181,7 @@ impl<'a> Exploration<'a> {
         Run { name: format!("{name} {}", starts.count() + 1), ..run }
     }
 
-    /// Returns whether a branch passes through the solution at which a run would start.
+    /// Returns whether a traced branch passes through the solution at which a run would start.
     fn is_passed(&self, run: &Run) -> bool {
         let Start::Guess(at) = &run.start else { return false };
         let Ok(resolved) = self.resolution.further(run) else { return false };
@@ -191,8 +195,8 @@ impl<'a> Exploration<'a> {
         start.is_some_and(|z| others.any(|it| passes(it, &mut *system, &resolved.values, &z)))
     }
 
-    /// Returns whether another run has traced the same curve from the same point, found on another
-    /// curve.
+    /// Returns whether another run has already traced the same curve from the same special point,
+    /// which was found on another curve.
     fn is_started(&self, run: &Run) -> bool {
         let Tracing { runs, done, .. } = &self.tracing;
         let Some(point) = origin(run, done).filter(|_| run.hold.is_some()) else { return false };
@@ -209,7 +213,7 @@ impl<'a> Exploration<'a> {
         alike.into_iter().any(|there| there.1.kind == point.1.kind && is_one(point, there))
     }
 
-    /// Adds the runs that continue from a traced run.
+    /// Adds the runs that continue from the special points of a traced run.
     fn follow(&mut self, run: &Run, steps: usize) {
         if steps > 0 {
             self.warn_if_one_of_several(run);
@@ -237,7 +241,7 @@ impl<'a> Exploration<'a> {
         self.come(next, steps + 1);
     }
 
-    /// Adds runs up to the maximum number.
+    /// Adds runs until the maximum number of runs is reached.
     fn come(&mut self, runs: impl IntoIterator<Item = Run>, steps: usize) {
         for mut run in runs {
             if self.tracing.runs.len() + self.coming.len() >= RUNS {
@@ -258,7 +262,7 @@ impl<'a> Exploration<'a> {
         }
     }
 
-    /// Records the failure of an added run.
+    /// Records the failure of an added run, and omits the run.
     fn leave_out(&mut self, run: &Run, steps: usize, cause: SceneError) {
         let Some((from, point)) = origin(run, &self.tracing.done) else { return };
         let (from, kind, label) = (from.name.clone(), point.kind, point.label);
@@ -286,7 +290,8 @@ impl<'a> Exploration<'a> {
         }
     }
 
-    /// Warns if several branches of orbits emanate from the Hopf point.
+    /// Warns if several branches of periodic orbits emanate from the Hopf point, because only one
+    /// of them is traced.
     fn warn_if_one_of_several(&mut self, run: &Run) {
         let point = origin(run, &self.tracing.done).map(|(_, point)| point);
         let Some(point) = point.filter(|it| it.kind == Kind::HB && it.multiplicity > 1) else {
@@ -300,7 +305,7 @@ impl<'a> Exploration<'a> {
         self.warn(&run.name, [why]);
     }
 
-    /// Adds warnings to a branch.
+    /// Adds warnings to the branch of a run.
     fn warn(&mut self, branch: &str, why: impl IntoIterator<Item = String>) {
         if let Some(done) = self.tracing.done.iter_mut().find(|done| done.name == branch) {
             done.warnings.extend(why);
@@ -308,22 +313,23 @@ impl<'a> Exploration<'a> {
     }
 }
 
-/// Returns the special point that a run starts from.
+/// Returns the special point at which a run starts, with its branch.
 fn origin<'a>(run: &Run, done: &'a [Branch]) -> Option<(&'a Branch, &'a SpecialPoint)> {
     let Start::From { run: from, kind, nth, .. } = &run.start else { return None };
     let branch = done.iter().find(|branch| branch.name == *from)?;
     Some((branch, branch.of_kind(*kind).nth(*nth)?))
 }
 
-/// Returns whether a run that starts from a special point is a curve of doubled orbits, traced in
-/// addition to a curve of the orbits.
+/// Returns whether a run that starts at a special point traces a curve of period-doubled orbits, in
+/// addition to a curve of the orbits themselves.
 fn is_of_doubled(run: &Run, (branch, point): (&Branch, &SpecialPoint)) -> bool {
     let Start::From { which, .. } = run.start else { return false };
     let on = (point.kind, branch.condition);
     run.hold.is_some_and(|held| catalogue::is_of_doubled(on, held, which))
 }
 
-/// Returns the failure of the system or its equations that caused an error of a run.
+/// Returns the failure of the system or its equations that caused an error of a run; `None` if the
+/// error has another cause.
 fn failure(cause: &SceneError) -> Option<&Failure> {
     let mut error: Option<&dyn Error> = Some(cause);
     while let Some(cause) = error {
@@ -335,7 +341,7 @@ fn failure(cause: &SceneError) -> Option<&Failure> {
     None
 }
 
-/// Returns the run along the next branch that crosses at the start point of a run.
+/// Returns the run along the next branch that crosses at the start point of a given run.
 fn next_across(run: &Run, done: &[Branch]) -> Option<Run> {
     let several = origin(run, done).is_some_and(|(_, point)| point.multiplicity > 1);
     let mut next = run.clone();
@@ -346,7 +352,7 @@ fn next_across(run: &Run, done: &[Branch]) -> Option<Run> {
     several.then_some(next)
 }
 
-/// Returns whether another branch has passed through the point that a run would start from.
+/// Returns whether another branch has already passed through the point at which a run would start.
 fn is_known(run: &Run, done: &[Branch]) -> bool {
     let Some((from, point)) = origin(run, done) else { return false };
     if is_of_doubled(run, (from, point)) {
@@ -376,9 +382,9 @@ fn is_known(run: &Run, done: &[Branch]) -> bool {
     })
 }
 
-/// Returns whether a curve of points of a kind emanates from a special point: torus points of
-/// cycles at a fold–Hopf point with `s θ < 0`, and torus points of doubled orbits at a 1:2
-/// resonance with `a < 0`.
+/// Returns whether a curve of special points of a given kind emanates from a special point. A curve
+/// of torus points of cycles emanates from a fold–Hopf point only if `s θ < 0`, and a curve of
+/// torus points of doubled orbits emanates from a 1:2 resonance only if `a < 0`.
 fn begins_at(point: &SpecialPoint, held: Kind, doubled: bool) -> bool {
     let number = |name| point.number(name).map(|number| number.value);
     let product = number("zh_s").zip(number("zh_theta")).map(|(s, theta)| s * theta);
@@ -386,7 +392,8 @@ fn begins_at(point: &SpecialPoint, held: Kind, doubled: bool) -> bool {
     held != Kind::TR || decides.is_none_or(|decides| decides < 0.0)
 }
 
-/// Returns the setting by which a run traces orbits, unless the scene or the run sets it.
+/// Returns the setting with which a run traces orbits, unless the scene or the run already states
+/// this setting.
 pub(super) fn orbits_of(resolution: &Resolution, run: &Run) -> Option<(String, String)> {
     let seen = resolution.further(run).ok()?.problem.solution();
     let orbits = seen.filter(|solution| *solution == Solution::Orbit)?;
@@ -395,7 +402,7 @@ pub(super) fn orbits_of(resolution: &Resolution, run: &Run) -> Option<(String, S
     (differs && !says).then(|| (SOLUTION.into(), written(&orbits)))
 }
 
-/// Returns the curves that emanate from the special points of a curve.
+/// Returns runs along the curves that emanate from the special points of a curve.
 fn leaving(
     resolution: &Resolution,
     run: &Run,
@@ -464,7 +471,8 @@ pub(super) fn following(
     runs
 }
 
-/// Returns the run that continues from a special point, if its kind has one.
+/// Returns the run that continues from a special point, or `None` if no branch emanates from points
+/// of this kind.
 fn next(resolution: &Resolution, run: &Run, kind: Kind, nth: usize) -> Option<Run> {
     let start = |switch| Start::From {
         run: run.name.clone(),

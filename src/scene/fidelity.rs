@@ -1,10 +1,13 @@
-//! The choice of the cheapest discretisation that gives special points the requested accuracy.
+//! The choice of the cheapest discretisation with which the special points have the requested
+//! accuracy.
 //!
-//! A problem has a ladder of discretisations, cheapest first. On rung `k` a scene yields numbers
-//! `v_k`: the varied parameters of every special point, and the columns that the setting `refine`
-//! names, in relative terms. They are compared with the numbers of the next two rungs, and of known
-//! finer rungs, by [`error_of_first`]. The search goes down from a first guess to the lowest rung
-//! whose estimated error is below the accuracy, or up if the guess is not accurate enough.
+//! A problem has a ladder of discretisations (rungs), ordered from the cheapest to the most
+//! expensive. On rung `k`, a scene yields numbers `v_k`: the varied parameters of every special
+//! point, and the columns that the setting `refine` names; their errors are relative. The numbers
+//! of a rung are compared with the numbers of the next two rungs, and of all finer rungs that have
+//! been computed, by [`error_of_first`]. The search starts at a guessed rung. If the estimated
+//! error of this rung is below the accuracy, the search goes down to the lowest such rung, and
+//! otherwise up.
 
 use super::error::SceneError;
 use super::observer::SceneObserver;
@@ -20,13 +23,13 @@ use crate::output::{Chosen, Document};
 use std::ops::RangeInclusive;
 use std::time::Duration;
 
-/// The accuracies that can be requested.
+/// The range of accuracies that can be requested.
 const RANGE: RangeInclusive<f64> = 1e-12..=0.1;
 
-/// The minimum number of finer rungs for an error estimate.
+/// The minimum number of finer rungs from which the error of a rung is estimated.
 const ABOVE: usize = 2;
 
-/// An observer of trials: passes on cancellation and shows nothing.
+/// An observer of trial computations, which passes on cancellation and shows nothing.
 pub(super) struct Unseen<'a>(pub &'a mut dyn SceneObserver);
 
 impl Observer for Unseen<'_> {
@@ -41,14 +44,14 @@ impl SceneObserver for Unseen<'_> {
     }
 }
 
-/// An estimated error, and its place.
+/// An estimated error, with the point at which the error occurs.
 #[derive(Clone, Debug, PartialEq)]
 struct Estimate {
     error: f64,
     of: String,
 }
 
-/// The rungs of a scene, and the outcomes on them.
+/// The rungs (discretisations) of a scene, and the outcomes of the rungs that have been computed.
 struct Search<'a> {
     rungs: Vec<Resolution>,
     found: Vec<Option<Outcome>>,
@@ -61,13 +64,14 @@ impl Search<'_> {
         found[rung].get_or_insert_with(|| traced(&rungs[rung], observer))
     }
 
-    /// Returns whether a trial was interrupted.
+    /// Returns whether a trial computation was interrupted.
     fn interrupted(&self) -> bool {
         let branches = self.found.iter().flatten().flat_map(|outcome| &outcome.document.branches);
         branches.into_iter().any(|branch| branch.ends.contains(&End::Interrupted))
     }
 
-    /// Estimates the error of a rung from the known rungs above it, at least two.
+    /// Estimates the error of a rung from the computed rungs above it; at least two rungs above are
+    /// computed.
     fn estimate(&mut self, rung: usize) -> Estimate {
         for needed in rung..=rung + ABOVE {
             self.trace(needed);
@@ -78,13 +82,13 @@ impl Search<'_> {
         largest(&self.known(rung))
     }
 
-    /// Returns the outcomes on a rung and on the known rungs above it.
+    /// Returns the outcome on a rung, and the outcomes on all computed rungs above it.
     fn known(&self, rung: usize) -> Vec<&Outcome> {
         self.found[rung..].iter().flatten().collect()
     }
 
     /// Returns the lowest rung whose estimated error is below an accuracy, or the highest rung if
-    /// none is.
+    /// no estimated error is below the accuracy.
     fn choose(&mut self, accuracy: f64) -> (usize, Estimate) {
         let last = self.rungs.len() - 1 - ABOVE;
         // Each rung gains a digit, and the first one has two.
@@ -108,8 +112,9 @@ impl Search<'_> {
     }
 }
 
-/// Traces runs with the cheapest discretisation that meets an accuracy, and records the choice in
-/// the document. Branches are shown after the choice. Also returns the runs on the chosen rung.
+/// Traces runs with the cheapest discretisation that reaches an accuracy, and records the choice in
+/// the document. Branches are shown only after the discretisation has been chosen. Also returns the
+/// runs with the chosen discretisation.
 pub(super) fn traced_to(
     accuracy: f64,
     resolution: &Resolution,
@@ -142,14 +147,14 @@ pub(super) fn traced_to(
     (outcome, on_rung)
 }
 
-/// Returns the settings on a rung that differ along the ladder.
+/// Returns the settings of a rung that are not the same on all rungs of the ladder.
 fn chosen(ladder: &[Problem], rung: usize) -> Vec<(String, String)> {
     let names = varied(ladder);
     let settings = ladder[rung].settings().into_iter();
     settings.filter(|(name, _)| names.contains(name)).collect()
 }
 
-/// Returns the names of the settings that differ along a ladder.
+/// Returns the names of the settings that are not the same on all rungs of the ladder.
 fn varied(ladder: &[Problem]) -> Vec<String> {
     let [Some(first), Some(last)] = [ladder.first(), ladder.last()] else { return Vec::new() };
     let pairs = first.settings().into_iter().zip(last.settings());
@@ -157,7 +162,8 @@ fn varied(ladder: &[Problem]) -> Vec<String> {
 }
 
 impl Resolution {
-    /// Returns the runs with discretisations of growing accuracy, with the problem on each rung.
+    /// Returns the runs on each rung of the ladder, that is, with discretisations of growing
+    /// accuracy.
     fn rungs(&self) -> Result<Vec<(Problem, Resolution)>, SceneError> {
         let rung = |problem: Problem| {
             let resolution = self.scene().on(&problem).resolve(self.start())?;
@@ -168,19 +174,21 @@ impl Resolution {
 }
 
 impl Scene {
-    /// Returns the problem with discretisations of growing accuracy, suitable for all runs.
+    /// Returns the problem on each rung of the ladder, with discretisations that are suitable for
+    /// all runs.
     fn ladder(&self) -> Result<Vec<Problem>, SceneError> {
         let values = self.values()?;
         self.problem.ladder(&values, &reach(&self.problem, &self.runs, &values))
     }
 
-    /// Returns the scene on one rung of the ladder, without refinement of special points.
+    /// Returns the scene on one rung of the ladder; special points are not refined further.
     fn on(&self, problem: &Problem) -> Scene {
         let settings = Settings { refinement: 0.0, ..self.settings.clone() };
         Scene { problem: problem.clone(), settings, accuracy: None, ..self.clone() }
     }
 
-    /// Rejects an accuracy out of range, or one combined with settings that it would choose.
+    /// Returns an error if the requested accuracy is out of range, or if it is combined with
+    /// settings that it would choose.
     pub(super) fn check_accuracy(&self) -> Result<(), SceneError> {
         let Some(accuracy) = self.accuracy else { return Ok(()) };
         if !RANGE.contains(&accuracy) {
@@ -203,7 +211,8 @@ impl Scene {
         self.runs.iter().try_for_each(|run| self.check_accuracy_of(run, &names))
     }
 
-    /// Rejects a run that states its own discretisation.
+    /// Returns an error if a run states its own discretisation, although the scene requests an
+    /// accuracy.
     fn check_accuracy_of(&self, run: &Run, names: &[String]) -> Result<(), SceneError> {
         let decides = |name: &str| names.iter().any(|known| known == name) || name == "refinement";
         if let Some((name, _)) = run.set.iter().find(|(name, _)| decides(name)) {
@@ -228,10 +237,11 @@ impl Scene {
     }
 }
 
-/// The name of the accuracy of a scene.
+/// The name of the setting `accuracy` of a scene.
 const ACCURACY: &str = "accuracy";
 
-/// Returns the error for an accuracy that is stated together with a setting that it chooses.
+/// Returns the error for an accuracy that is stated together with a setting that the accuracy would
+/// choose.
 fn decided(name: &str, by: &str) -> SceneError {
     let message = format!("`accuracy` chooses `{name}`, which is also stated{by}");
     SceneError::invalid(message).with_help(format!("omit `accuracy` or `{name}`"))
@@ -241,22 +251,22 @@ fn refused(message: String) -> Result<(), SceneError> {
     Err(SceneError::invalid(message))
 }
 
-/// Returns the end of a branch at a special point.
+/// Returns the end of the branch that a special point marks; `None` if the point is not an end.
 fn end_at<'a>(branch: &'a Branch, special: &SpecialPoint) -> Option<&'a End> {
     branch.ends.iter().find(|end| end.to_string() == special.event)
 }
 
-/// The special points to compare.
+/// The special points that are compared between discretisations.
 #[derive(Clone, Copy, PartialEq)]
 enum Counted {
-    /// All special points except ends.
+    /// All special points except the ends of branches.
     Special,
-    /// Ends at bounds, too.
+    /// All special points including ends, if these are at bounds, events or grazings.
     Ends,
 }
 
-/// Returns whether a special point must agree between discretisations. Ends are arbitrary, except
-/// for ends at bounds and grazings, and the start.
+/// Returns whether a special point must be the same with every discretisation. The end of a branch
+/// is arbitrary unless it is at a bound, an event or a grazing, or is the start.
 fn is_definite(branch: &Branch, special: &SpecialPoint, counted: Counted) -> bool {
     let fixed = |end: &End| {
         use End::{Event, Grazing, MonitorBound, ParameterBound, Start};
@@ -269,9 +279,9 @@ fn is_definite(branch: &Branch, special: &SpecialPoint, counted: Counted) -> boo
     special.kind != Kind::EP || end()
 }
 
-/// Returns the columns at a special point to which the accuracy applies: the varied parameters and
-/// the columns that the setting `refine` names, except the column whose level defines the point.
-/// The start is excluded.
+/// Returns the columns at a special point to which the requested accuracy applies: the varied
+/// parameters and the columns that the setting `refine` names, except the column whose given value
+/// defines the point. The accuracy does not apply to the start of a branch.
 fn columns(branch: &Branch, special: &SpecialPoint) -> Vec<usize> {
     let given = match end_at(branch, special) {
         Some(End::Start) => return Vec::new(),
@@ -282,21 +292,22 @@ fn columns(branch: &Branch, special: &SpecialPoint) -> Vec<usize> {
     names.filter(|name| given != Some(name)).filter_map(|name| branch.column(name)).collect()
 }
 
-/// Returns the reference value of a relative error: the value itself, or, where it passes through
-/// zero, a hundredth of the largest value on the branch. Values below the rounding error of numbers
-/// of order 1, such as the deflection of a flat plate, count as rounding.
+/// Returns the reference value by which an error is divided: the value itself, or a hundredth of
+/// the largest value on the branch if the value is smaller. The reference value is at least the
+/// rounding error of numbers of order 1, which matters for instance for the deflection of a flat
+/// plate.
 fn size(branch: &Branch, column: usize, value: f64) -> f64 {
     let points = branch.points.iter().filter_map(|point| point.value(column));
     let largest = points.fold(0.0, |size: f64, value| size.max(value.abs()));
     value.abs().max(0.01 * largest).max(f64::EPSILON)
 }
 
-/// Returns an infinite error, with its reason.
+/// Returns an infinite error, with the reason why it is infinite.
 fn unlike(of: impl Into<String>) -> Estimate {
     Estimate { error: f64::INFINITY, of: of.into() }
 }
 
-/// Returns the error of a column of a special point on the first of some rungs.
+/// Returns the estimated error of a column of a special point on the first of the given rungs.
 fn error_in(column: usize, rungs: &[&SpecialPoint]) -> f64 {
     let values = rungs.iter().map(|special| special.value(column));
     match values.collect::<Option<Vec<f64>>>() {
@@ -305,8 +316,8 @@ fn error_in(column: usize, rungs: &[&SpecialPoint]) -> f64 {
     }
 }
 
-/// Returns the definite special points of a branch, each on all rungs; `None` if the points differ
-/// between rungs.
+/// Returns the special points of a branch that must be the same with every discretisation, each on
+/// all rungs; `None` if the points differ between rungs.
 fn followed<'a>(rungs: &[&'a Branch], counted: Counted) -> Option<Vec<Vec<&'a SpecialPoint>>> {
     let definite = |branch: &&'a Branch| -> Vec<&'a SpecialPoint> {
         let definite = |special: &&SpecialPoint| is_definite(branch, special, counted);
@@ -322,13 +333,14 @@ fn followed<'a>(rungs: &[&'a Branch], counted: Counted) -> Option<Vec<Vec<&'a Sp
     all.iter().all(alike).then(|| (0..first.len()).map(point).collect())
 }
 
-/// Returns the branch at a given position in each outcome.
+/// Returns the branch with a given index in each outcome.
 fn nth<'a>(found: &[&'a Outcome], place: usize) -> Vec<&'a Branch> {
     found.iter().filter_map(|outcome| outcome.document.branches.get(place)).collect()
 }
 
-/// Returns the largest relative error of special points in the first outcome, estimated from finer
-/// ones. Without other special points, ends at bounds are compared.
+/// Returns the largest relative error of special points in the first outcome, estimated from the
+/// outcomes on finer rungs. If a scene has no special points other than ends, the ends at bounds
+/// are compared.
 fn largest(found: &[&Outcome]) -> Estimate {
     if let Some(cause) = found.iter().find_map(|outcome| outcome.error.as_ref()) {
         return unlike(one_line(cause));
@@ -342,7 +354,8 @@ fn largest(found: &[&Outcome]) -> Estimate {
     })
 }
 
-/// Returns the largest error of the counted points; `None` if there are no such points.
+/// Returns the largest error of the special points to compare; `None` if the outcomes contain no
+/// such points.
 fn largest_of(found: &[&Outcome], counted: Counted) -> Option<Estimate> {
     let mut largest: Option<Estimate> = None;
     for place in 0..found[0].document.branches.len() {
@@ -374,8 +387,8 @@ fn largest_of(found: &[&Outcome], counted: Counted) -> Option<Estimate> {
     largest
 }
 
-/// Adds the errors of the discretisation to the errors of special points, estimated from this rung
-/// and finer ones.
+/// Adds the discretisation error, which is estimated from this rung and finer rungs, to the error
+/// of each special point.
 fn add_errors(document: &mut Document, found: &[&Outcome]) {
     for (place, branch) in document.branches.iter_mut().enumerate() {
         let rungs = nth(found, place);

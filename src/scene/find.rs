@@ -1,4 +1,4 @@
-//! Search for all equilibria, fixed points or zeros of a scene's problem in a box, as in `tangency
+//! Search for all equilibria, fixed points or zeros of a scene's problem in a box, for `tangency
 //! find`.
 
 use super::discretisation::{SOLUTION, Solution};
@@ -9,19 +9,19 @@ use super::statement::{Range, Run, Scene, Start};
 use crate::core::continuation::{RootSearch, Roots};
 use crate::core::problem::{Forcing, position};
 
-/// The solutions found, with the names of the unknowns.
+/// The solutions that a search found, with the names of the unknowns.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Found {
-    /// The unknowns, in the order of the components of solutions.
+    /// The names of the unknowns, in the order of the components of a solution.
     pub unknowns: Vec<String>,
     /// The solutions.
     pub roots: Roots,
 }
 
 impl Scene {
-    /// Finds equilibria of a field or of a mode, fixed points or cycles of a map, or zeros in a
-    /// box: Newton's method starts from points all over the box, and known solutions are removed by
-    /// deflation ([`RootSearch`]).
+    /// Finds equilibria of a vector field or of a mode, fixed points or cycles of a map, or zeros
+    /// in a box: Newton's method starts at many points of the box, and known solutions are removed
+    /// by deflation ([`RootSearch`]).
     ///
     /// ```
     /// use tangency::scene::{Range, Request, Scene, SearchBox};
@@ -36,8 +36,8 @@ impl Scene {
     /// ```
     ///
     /// # Errors
-    /// As [`set`](Self::set); [`SceneError`] for a discretised problem, and for a box that lacks a
-    /// range.
+    /// The errors of [`set`](Self::set); [`SceneError`] if the problem is discretised, or if the
+    /// box lacks the range of an unknown.
     pub fn find(mut self, request: &Request) -> Result<Found, SceneError> {
         self.settings.cancel = request.cancel.clone();
         self.set_all(&request.set)?;
@@ -83,9 +83,9 @@ impl Scene {
         Ok(Found { unknowns, roots })
     }
 
-    /// Replaces the first run by one from each solution in a box. Solutions are sought at values
-    /// all over the range of the continuation parameter, because a branch need not exist at the
-    /// value where the first run starts.
+    /// Replaces the first run by one run for each solution in a box. Solutions are searched at
+    /// several values of the continuation parameter in its range, because a branch need not exist
+    /// at the value at which the first run starts.
     pub(super) fn begin_everywhere(&mut self, within: &SearchBox) -> Result<(), SceneError> {
         let Some(first) = self.runs.first().cloned() else { return Ok(()) };
         let Some(range) = first.along.first().cloned() else {
@@ -124,12 +124,14 @@ impl Scene {
     }
 }
 
-/// The number of searched values of a parameter, in addition to its initial value.
+/// The number of parameter values at which solutions are searched, in addition to the parameter's
+/// initial value.
 const VALUES: usize = 8;
 
-/// Returns the values of a parameter at which solutions are sought: some all over its range if
-/// finite, and last its own value. The values in the range are not round, because special points,
-/// from which no branch should start, often have round values.
+/// Returns the parameter values at which solutions are searched: several values in the parameter's
+/// range if the range is finite, and finally the parameter's own value. The values in the range are
+/// not round numbers: special points often have round parameter values, and no branch should start
+/// at a special point.
 fn searched(range: &Range, own: Option<f64>) -> Vec<f64> {
     let place = |k: usize| (k as f64 + 0.618_033_988_749_895) / VALUES as f64;
     let mut values: Vec<f64> = range.low.zip(range.high).map_or(Vec::new(), |(low, high)| {

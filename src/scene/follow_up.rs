@@ -11,18 +11,20 @@ use serde::Serialize;
 /// A run that can continue from a special point.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FollowUp {
-    /// The solutions that the run traces, in words.
+    /// A description of the solutions that the run traces.
     pub title: String,
-    /// The run. The range of a curve's second parameter is missing.
+    /// The run that can continue. For a curve in two parameters, the run lacks the range of the
+    /// second parameter.
     pub run: Run,
-    /// The parameters that can be the second one of a curve, with their usual ranges; empty for
-    /// branches, and for curves that continue in the two parameters of another curve.
+    /// The parameters that can be the second parameter of a curve, with their usual ranges; empty
+    /// for branches, and for curves that continue in the two parameters of another curve.
     pub second: Vec<Range>,
 }
 
 impl Resolution {
     /// Returns the runs that can continue from a special point of a traced branch: the branches
-    /// that emanate there, and the curve of such points in two parameters.
+    /// that emanate from the point, and the curve of special points of the same kind in two
+    /// parameters.
     ///
     /// ```
     /// use tangency::scene::{BUILT_IN, Scene, execute};
@@ -62,8 +64,8 @@ impl Resolution {
         all
     }
 
-    /// Returns the curve of points like a special point of a branch of solutions, if the curve can
-    /// be traced.
+    /// Returns the curve of special points of the same kind as a special point of a branch of
+    /// solutions; `None` if such a curve cannot be traced.
     fn curve(
         &self,
         run: &Run,
@@ -97,7 +99,7 @@ impl Resolution {
         (!second.is_empty()).then_some(FollowUp { title, run, second })
     }
 
-    /// Returns a name that no run of the scene has.
+    /// Returns a name that is different from the names of all runs of the scene.
     fn unused(&self, name: &str) -> String {
         let mut name = name.to_string();
         while self.scene().runs.iter().any(|run| run.name == name) {
@@ -107,7 +109,7 @@ impl Resolution {
     }
 }
 
-/// Returns the solutions that a run from a special point traces, in words.
+/// Returns a description of the solutions that a run from a special point traces.
 fn title_of(run: &Run, point: &SpecialPoint) -> String {
     match (run.hold, point.kind) {
         (Some(held), _) => format!("curve of {}s", held.meaning()),

@@ -1,4 +1,4 @@
-//! Estimates of the duration of runs and sweeps, made before they start.
+//! Estimates of the duration of runs and sweeps, which are made before the runs and sweeps start.
 
 use super::observer::SceneObserver;
 use crate::core::attractor::StroboscopicMap;
@@ -11,19 +11,21 @@ use cpu_time::ThreadTime;
 use std::ops::ControlFlow;
 use std::time::Duration;
 
-/// (H) The processor time for which a motion is followed to estimate its speed.
+/// (Heuristic) The processor time for which a motion is followed in order to estimate its speed.
 const TRIAL: Duration = Duration::from_millis(20);
-/// (H) The maximum number of periods for which a motion is followed to estimate its speed.
+/// (Heuristic) The maximum number of periods for which a motion is followed in order to estimate
+/// its speed.
 const TRIAL_PERIODS: u32 = 64;
-/// (H) The largest number of halvings that a forecast assumes: after this number, the ends of
-/// nearly every interval are neighbouring floating-point numbers.
+/// (Heuristic) The largest number of interval halvings that a forecast assumes: after this number,
+/// the ends of nearly every interval are neighbouring floating-point numbers.
 const MOST_HALVINGS: f64 = 106.0;
-/// (H) The cost of a period with a tangent vector, relative to a period without.
+/// (Heuristic) The cost of a period with a tangent vector, in units of the cost of a period without
+/// tangent vector.
 const WITH_TANGENT: usize = 3;
-/// (H) The length of a long branch from its start, in units of scaled arclength.
+/// (Heuristic) The length of a long branch from its start, in units of scaled arclength.
 const FAR: f64 = 10.0;
 
-/// An observer that stops a motion at a given processor time.
+/// An observer that stops a motion after a given processor time.
 struct Until(ThreadTime);
 
 impl HybridObserver<f64> for Until {
@@ -36,8 +38,8 @@ impl HybridObserver<f64> for Until {
     }
 }
 
-/// Estimates the duration of following a motion for a given time from its beginning, and reports
-/// the estimate unless the beginning is everything.
+/// Estimates how long following a motion for a given time will take, by following the beginning of
+/// the motion; reports the estimate unless the trial already covers the whole time.
 pub(super) fn motion(
     run: &str,
     system: &dyn HybridEquations,
@@ -60,8 +62,9 @@ pub(super) fn motion(
     }
 }
 
-/// Estimates the duration of a branch traced as far as [`FAR`] in both directions, or to the
-/// maximum number of points. A point is assumed to take as long as the start.
+/// Estimates how long tracing a branch will take, up to the arclength [`FAR`] in both directions or
+/// to the maximum number of points. The estimate assumes that each point takes as long as the start
+/// point.
 pub(super) fn branch(run: &str, steps: &Steps, start: Duration, observer: &mut dyn SceneObserver) {
     let settings = &steps.branch().settings;
     let each_way = settings.max_points.min((FAR / settings.max_step).ceil() as usize);
@@ -70,23 +73,24 @@ pub(super) fn branch(run: &str, steps: &Steps, start: Duration, observer: &mut d
     observer.work(run, &format!("a branch of {points} points"), over(start, points as f64));
 }
 
-/// The maximum work of a sweep.
+/// An upper estimate of the work of a sweep.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SweepForecast {
-    /// The number of remaining runs.
+    /// The number of runs of the sweep that are not finished.
     pub runs: usize,
-    /// The maximum number of periods of a run; a period with a tangent vector counts as several.
+    /// The maximum number of periods of a run; a period with a tangent vector counts as several
+    /// periods.
     pub periods: usize,
-    /// The number of threads.
+    /// The number of threads that compute the sweep.
     pub threads: usize,
-    /// The estimated maximum duration, from the first periods of the first run. Most runs end
-    /// earlier, once they have converged.
+    /// The estimated maximum duration of the sweep, from the first periods of the first run. Most
+    /// runs end before the maximum number of periods, when they have converged.
     pub time: Duration,
 }
 
 impl SweepForecast {
-    /// Returns an upper estimate of the work of `runs` runs on `threads` threads, or `None` if the
-    /// first motion ends early.
+    /// Returns an upper estimate of the work of `runs` runs on `threads` threads; `None` if the
+    /// trial motion ends with an error.
     pub(super) fn of(
         plan: &Plan,
         p: &[f64],
@@ -108,7 +112,7 @@ impl SweepForecast {
     }
 }
 
-/// Returns the maximum number of periods of a run.
+/// Returns the maximum number of periods of a run of a sweep.
 fn most_periods(plan: &Plan) -> usize {
     let search = &plan.search;
     let one = search.transient + search.recorded_periods + WITH_TANGENT * search.lyapunov_periods;

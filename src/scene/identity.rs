@@ -1,13 +1,14 @@
-//! Identity of special points: decides whether points of two branches are the same point.
+//! Identity of special points: decides whether special points of two branches are the same point.
 
 use crate::core::continuation::{Branch, RootSearch, SpecialPoint};
 use crate::core::system::{Kind, System};
 
-/// The largest relative difference of corresponding numbers of two grazings that count as the same.
+/// The largest relative difference of corresponding numbers with which two grazings count as the
+/// same grazing.
 const SAME_GRAZING: f64 = 1e-7;
 
-/// Returns whether two grazings are the same, by the numbers that both branches have. (At period
-/// doublings, the periods differ.)
+/// Returns whether two grazings are the same, by comparing the columns that both branches have. (At
+/// period doublings, the column `period` is not compared, because the periods differ.)
 pub(super) fn is_one_grazing(
     (branch, special): (&Branch, &SpecialPoint),
     (other, there): (&Branch, &SpecialPoint),
@@ -26,20 +27,21 @@ pub(super) fn is_one_grazing(
     })
 }
 
-/// Two special points may be the same only if the parameters along their branches differ by at most
-/// this multiple of their errors, or by at most [`ROUNDING`].
+/// The factor of the first condition for two special points to be the same: their parameters differ
+/// by at most this multiple of the sum of their errors, or by at most [`ROUNDING`].
 const ERRORS: f64 = 10.0;
-/// The largest difference of the parameters of two equal special points, relative to the largest
-/// values on the branches.
+/// The largest difference of the parameters of two special points that are the same, relative to
+/// the largest values on the branches.
 const ROUNDING: f64 = 1e-12;
 
-/// The largest difference of the other common numbers of two equal special points, relative to the
-/// numbers at the point.
+/// The largest difference of the other common columns of two special points that are the same,
+/// relative to the largest values on the branches.
 const SAME: f64 = 1e-6;
 
-/// Returns whether the special points of two branches are the same. A branch of orbits ends within
-/// its error of a Hopf point, where the amplitude grows like a square root; so does a curve of
-/// folds of cycles at a generalised Hopf point.
+/// Returns whether the special points of two branches are the same point. A branch of orbits ends
+/// at a Hopf point only within the error of the point, because the amplitude grows like a square
+/// root; likewise a curve of folds of cycles ends at a generalised Hopf point only within its
+/// error.
 pub(super) fn is_one(
     (branch, point): (&Branch, &SpecialPoint),
     (other, there): (&Branch, &SpecialPoint),
@@ -81,8 +83,8 @@ fn size(branch: &Branch, column: usize) -> f64 {
     values.fold(0.0, |size: f64, value| size.max(value.abs()))
 }
 
-/// Returns whether a branch passes through a solution at the parameters `p`: whether the solution
-/// is one of the branch's special points, or Newton's method converges to it from neighbouring
+/// Returns whether a branch passes through a solution at the parameters `p`: the solution is one of
+/// the branch's special points, or Newton's method converges to the solution from neighbouring
 /// points of the branch.
 pub(super) fn passes(branch: &Branch, system: &mut dyn System, p: &[f64], start: &[f64]) -> bool {
     let released = branch.released.first().and_then(|name| branch.column(name));

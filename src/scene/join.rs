@@ -1,4 +1,5 @@
-//! Branches that meet in a grazing share one special point, listed on the branch that ends there.
+//! Special points of branches that meet in a grazing: the branches share one special point, which
+//! only one of them lists as a grazing.
 
 use super::identity::is_one_grazing;
 use super::observer::SceneObserver;
@@ -6,7 +7,8 @@ use crate::core::continuation::{Branch, Observer, Point, SpecialPoint};
 use crate::core::system::Kind;
 use std::time::Duration;
 
-/// An observer that treats grazings shared with earlier branches as ends.
+/// An observer that reports a grazing as the end of a branch if an earlier branch already has this
+/// grazing.
 pub(super) struct Joined<'a> {
     pub done: &'a [&'a Branch],
     pub observer: &'a mut dyn SceneObserver,
@@ -28,8 +30,9 @@ impl Observer for Joined<'_> {
     }
 }
 
-/// Turns a grazing at which a branch meets an earlier one into an end, since the earlier branch
-/// lists the grazing. Monitors that vanish at the grazing do so on only one of the branches.
+/// Turns a grazing at which a branch meets an earlier branch into an end, because the earlier
+/// branch already lists the grazing. A monitor that is zero at the grazing on one of the branches
+/// may be nonzero on the other branch.
 pub(super) fn join(branch: &Branch, special: &mut SpecialPoint, done: &[&Branch]) {
     if special.kind != Kind::G || branch.condition.is_some() {
         return;

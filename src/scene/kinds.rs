@@ -22,13 +22,14 @@ use crate::core::problem::{Equilibria, VectorField, ZeroProblem};
 use crate::core::system::{Matrices, System, ZeroSystem};
 use std::sync::Arc;
 
-/// Pairs names with their defaults; names beyond the given defaults have no default.
+/// Pairs the names of parameters with their default values; names without a default value come
+/// last.
 pub(super) fn with_defaults(names: Vec<String>, defaults: &[f64]) -> Parameters {
     let defaults = defaults.iter().copied().map(Some).chain(std::iter::repeat(None));
     names.into_iter().zip(defaults).collect()
 }
 
-/// Rejects dynamics whose dense matrices do not fit into memory.
+/// Returns an error if the dense matrices of the equations do not fit into memory.
 fn refuse_large(unknowns: usize) -> Result<(), SceneError> {
     if unknowns <= Matrices::LARGEST_DENSE {
         return Ok(());
@@ -39,7 +40,7 @@ fn refuse_large(unknowns: usize) -> Result<(), SceneError> {
     )))
 }
 
-/// A zero problem, solved directly.
+/// A zero problem, which needs no discretisation.
 impl<P: ZeroProblem + 'static> Model for Configured<Arc<P>, ZeroSettings> {
     fn kind(&self) -> &'static str {
         "a zero problem"
@@ -54,7 +55,7 @@ impl<P: ZeroProblem + 'static> Model for Configured<Arc<P>, ZeroSettings> {
     }
 }
 
-/// The periodic orbits or the equilibria of a smooth field.
+/// The periodic orbits or the equilibria of a smooth vector field.
 impl<F: VectorField + 'static> Model for Configured<Arc<F>, FieldSettings> {
     fn kind(&self) -> &'static str {
         "a smooth vector field"
@@ -219,11 +220,11 @@ impl Model for Configured<Boundary, BoundarySettings> {
     }
 }
 
-/// A shared hybrid system.
+/// A hybrid system that is shared between threads.
 pub(super) type Hybrid = Arc<dyn HybridEquations>;
 
 impl Configured<Hybrid, HybridOrbitSettings> {
-    /// Adds all monitors that the settings request to an orbit.
+    /// Adds to an orbit all monitors that the settings request.
     fn watched(&self, orbit: HybridOrbit) -> HybridOrbit {
         if self.settings.penetration { orbit.with_penetration() } else { orbit }
     }
@@ -233,7 +234,8 @@ impl Configured<Hybrid, HybridOrbitSettings> {
         refuse_large(states.unwrap_or(0))
     }
 
-    /// Returns the system of equilibria of the mode that the settings name, or of the first mode.
+    /// Returns the system of equilibria in the mode that the settings name, or in the first mode if
+    /// the settings name no mode.
     fn equilibria(&self) -> Result<Box<dyn System>, SceneError> {
         self.refuse_large()?;
         let (system, mode) = (self.problem.clone(), self.settings.mode.as_str());
@@ -248,8 +250,8 @@ impl Configured<Hybrid, HybridOrbitSettings> {
         Ok(Box::new(equilibria.map_err(refused)?))
     }
 
-    /// Returns the initial mode of a motion that starts with the given states of the first mode,
-    /// all others being 0.
+    /// Returns the initial mode of a motion that starts with the given states of the first mode;
+    /// states that are not given are 0.
     fn initial_mode(&self, start: &[(String, f64)], p: &[f64]) -> String {
         let mut modes = self.problem.modes();
         let value =
@@ -259,7 +261,7 @@ impl Configured<Hybrid, HybridOrbitSettings> {
     }
 }
 
-/// The periodic orbits of a hybrid system, its equilibria, its motions, and its local maps.
+/// A hybrid system with its periodic orbits, its equilibria, its motions, and its local maps.
 impl Model for Configured<Hybrid, HybridOrbitSettings> {
     fn kind(&self) -> &'static str {
         "a hybrid system"

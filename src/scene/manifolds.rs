@@ -1,4 +1,5 @@
-//! Manifolds of a saddle of a scene's map, as branches, as in `tangency manifolds`.
+//! Stable and unstable manifolds of a saddle of a scene's map, as branches, for `tangency
+//! manifolds`.
 
 use super::error::SceneError;
 use super::plane::PlaneMap;
@@ -15,30 +16,31 @@ use crate::core::spelling::listed;
 use crate::core::system::Kind;
 use crate::output::{Document, Plot};
 
-/// The manifolds to compute.
+/// The specification of the manifolds to compute.
 #[derive(Clone, Debug, Default)]
 pub struct Manifolds {
-    /// The point of an earlier result at which the saddle is; by default the saddle is sought near
+    /// The point of an earlier result at which the saddle lies; `None` to search the saddle near
     /// the states of the request.
     pub start: Option<StartPoint>,
     /// The settings of the computation, such as the maximum length and the resolution.
     pub settings: ManifoldSettings,
 }
 
-/// The name of the largest distance between the images of a half's points and the curve.
+/// The name of the largest distance between the images of the points of a half of a manifold and
+/// the curve of the manifold.
 pub const DEVIATION: &str = "deviation";
 
-/// The name of the error of the local manifold.
+/// The name of the error of the local expansion of the manifold.
 const LOCAL_ERROR: &str = "local_error";
 
-/// The name of the computation in errors.
+/// The name by which error messages denote the computation.
 const RUN: &str = "manifolds";
 
 impl Scene {
-    /// Computes the unstable and the stable manifold of a saddle of the scene's map, as branches
-    /// with the states and the arclength from the saddle as columns, negative on one half. The
-    /// saddle has the label 2; the ends have the labels 1 and 3 and the number `deviation` of their
-    /// half.
+    /// Computes the unstable and the stable manifold of a saddle of the scene's map, as branches;
+    /// their columns are the states and the arclength from the saddle, which is negative on one
+    /// half. The saddle has the label 2; the ends have the labels 1 and 3, and each end has the
+    /// number `deviation` of its half.
     ///
     /// ```
     /// use std::path::Path;
@@ -57,8 +59,9 @@ impl Scene {
     /// ```
     ///
     /// # Errors
-    /// As [`set`](Self::set); [`SceneError`] for a problem that is not a map, a bound of an unknown
-    /// state, a point of another problem, and a map without a saddle.
+    /// The errors of [`set`](Self::set); [`SceneError`] if the problem is not a map, if a bound
+    /// names an unknown state, if the start point belongs to another problem, or if the map has no
+    /// saddle.
     pub fn manifolds(
         mut self,
         request: &Request,
@@ -97,7 +100,7 @@ impl Scene {
     }
 }
 
-/// Computes both manifolds, and returns the reason if there is no stable one.
+/// Computes both manifolds, and returns the reason if no stable manifold exists.
 fn both(
     map: &dyn PlaneMap,
     states: &[f64],
@@ -114,7 +117,8 @@ fn both(
     })
 }
 
-/// Returns the parameters of the point, except those changed there.
+/// Returns the values of the parameters at the start point, except the parameters that are changed
+/// at the start.
 fn parameters_of(start: &StartPoint) -> Result<Vec<(String, f64)>, SceneError> {
     let values = labelled(start)?.parameters.iter().copied();
     let all = start.branch.parameters.iter().cloned().zip(values);
@@ -130,7 +134,7 @@ fn labelled(start: &StartPoint) -> Result<&SpecialPoint, SceneError> {
     })
 }
 
-/// Returns the states of the cycle at a point, one iterate after another.
+/// Returns the states of the cycle at a special point, one iterate after another.
 fn states_of(start: &StartPoint, states: &[String]) -> Result<Vec<f64>, SceneError> {
     let z = &labelled(start)?.state;
     let groups = start.branch.unknowns.iter();
@@ -149,7 +153,7 @@ fn states_of(start: &StartPoint, states: &[String]) -> Result<Vec<f64>, SceneErr
     Ok((0..iterates).flat_map(|k| (0..states.len()).map(move |i| state(k, i))).collect())
 }
 
-/// Returns the given states, or the initial states of the problem if none are given.
+/// Returns the given states, or the initial states of the problem if no states are given.
 fn begun(
     states: &[String],
     given: &[(String, f64)],
@@ -165,8 +169,8 @@ fn begun(
     Ok(states.iter().map(value).collect())
 }
 
-/// Converts a manifold into a branch: from the end of one half through the saddle to the end of the
-/// other half.
+/// Converts a manifold into a branch that leads from the end of one half through the saddle to the
+/// end of the other half.
 fn branch(
     manifold: &Manifold,
     states: &[String],
@@ -204,7 +208,7 @@ fn branch(
     }
 }
 
-/// Returns both ends, and the saddle between them.
+/// Returns the special points of a manifold: both ends, and the saddle between the ends.
 fn special(
     manifold: &Manifold,
     rows: &[Vec<f64>],

@@ -1,9 +1,9 @@
-//! Scenes: small RON files that state a problem and the branches to trace, as in `tangency trace
-//! scene.ron`.
+//! Scenes: small RON files that state a problem and the branches to trace, for example with
+//! `tangency trace scene.ron`.
 //!
-//! A [`Scene`] names a problem with its terms, the values of its parameters, and a list of runs. A
-//! run traces one branch, or one curve of special points, from rest or from a special point of an
-//! earlier run.
+//! A [`Scene`] names a problem and consists of the settings of the problem, the values of its
+//! parameters, and a list of runs. A run traces one branch or one curve of special points, and
+//! starts from rest or at a special point of an earlier run.
 //!
 //! ```ron
 //! Scene(

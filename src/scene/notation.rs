@@ -1,4 +1,4 @@
-//! The notation of scenes: RON, with formulas of numbers in place of numbers.
+//! The notation of scenes: RON, in which formulas may replace numbers.
 
 use crate::language::number;
 pub(super) use crate::language::options;
@@ -11,7 +11,7 @@ pub(super) fn written<T: Serialize>(value: &T) -> String {
     options().to_string(value).unwrap_or_default()
 }
 
-/// Deserializes names with numbers, or with formulas of numbers.
+/// Deserializes a list of names with numbers; a number may be given as a formula.
 pub(super) fn values<'de, D: Deserializer<'de>>(
     deserializer: D,
 ) -> Result<Vec<(String, f64)>, D::Error> {
@@ -19,13 +19,13 @@ pub(super) fn values<'de, D: Deserializer<'de>>(
     Ok(read.into_iter().map(|(name, Value(value))| (name, value)).collect())
 }
 
-/// Deserializes a number, or a formula of numbers.
+/// Deserializes a number, which may be given as a formula.
 pub(super) fn value<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<f64>, D::Error> {
     let read: Option<Value> = Deserialize::deserialize(deserializer)?;
     Ok(read.map(|Value(value)| value))
 }
 
-/// A number, or a formula of numbers.
+/// A number, or a formula that contains only numbers.
 struct Value(f64);
 
 impl<'de> Deserialize<'de> for Value {

@@ -5,10 +5,11 @@ use std::time::Duration;
 
 /// An observer of the runs of a scene.
 pub trait SceneObserver: Observer {
-    /// Called when a run begins; `shown` states whether its branch is shown.
+    /// Called when a run begins; `shown` states whether the branch of the run is shown.
     fn run(&mut self, _run: &str, _shown: bool) {}
 
-    /// Called before long work of the named run, with the longest time that it may take.
+    /// Called before a computation of the named run that may take long, with an upper estimate of
+    /// the duration.
     fn work(&mut self, _run: &str, _what: &str, _longest: Duration) {}
 }
 

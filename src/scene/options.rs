@@ -1,11 +1,12 @@
-//! Requests as options of the command line.
+//! Conversion of requests to options of the command line.
 
 use super::explore::Following;
 use super::request::Request;
 use super::statement::Range;
 
 impl Request {
-    /// Returns the options of `tangency trace` that state the request, as names and values.
+    /// Returns the options of `tangency trace` that state the request, as pairs of a name and a
+    /// value.
     ///
     /// ```
     /// use tangency::scene::{Range, Request};
@@ -37,7 +38,8 @@ impl Request {
 }
 
 impl Following {
-    /// Returns the options of `tangency trace` that state the kinds and the depth.
+    /// Returns the options of `tangency trace` that state the kinds of special points and the depth
+    /// of branch switching.
     pub fn options(&self) -> Vec<(&'static str, String)> {
         if self.kinds.is_empty() {
             return Vec::new();
@@ -49,18 +51,18 @@ impl Following {
     }
 }
 
-/// Returns a range as `NAME=LOW..HIGH`.
+/// Formats a range as `NAME=LOW..HIGH`.
 fn written(Range { name, low, high }: &Range) -> String {
     let [low, high] = [low, high].map(|end| end.map_or(String::new(), number));
     format!("{name}={low}..{high}")
 }
 
-/// Returns a state or mark as `NAME=VALUE`.
+/// Formats the value of a state or of a mark as `NAME=VALUE`.
 fn equal((name, value): &(String, f64)) -> String {
     format!("{name}={}", number(*value))
 }
 
-/// Returns the shortest form of a number from which the same number is read.
+/// Returns the shortest decimal form of a number that is parsed to the same number.
 fn number(value: f64) -> String {
     let [plain, scientific] = [value.to_string(), format!("{value:e}")];
     if plain.len() <= scientific.len() + 2 { plain } else { scientific }

@@ -1,14 +1,14 @@
-//! The capability of maps to have manifolds.
+//! The interface of maps for which stable and unstable manifolds can be computed.
 
 use crate::core::manifold::{Manifold, ManifoldError, ManifoldSettings, Side};
 
-/// A map whose saddles have manifolds.
+/// A map for whose saddles stable and unstable manifolds can be computed.
 pub(super) trait PlaneMap {
-    /// Returns the names of the states.
+    /// Returns the names of the map's states.
     fn states(&self) -> Vec<String>;
 
-    /// Computes one of the two manifolds of the cycle near the given states: the first state, or
-    /// the states of all iterates.
+    /// Computes the stable or the unstable manifold of the cycle near the given states, which are
+    /// the first state or the states of all iterates of the cycle.
     fn manifold(
         &self,
         states: &[f64],

@@ -25,56 +25,60 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// The names of parameters, and their defaults; `None` for parameters without a default.
+/// The names of parameters and their default values; `None` for a parameter without a default
+/// value.
 pub(super) type Parameters = Vec<(String, Option<f64>)>;
 
 const SIMULATED: &str = "only vector fields and hybrid systems can be simulated";
 
-/// Values of states by name, at a time in units of a segment's duration.
+/// A function that returns the values of states by name, at a given time in units of a segment's
+/// duration.
 pub(super) type Profiles<'a> = &'a dyn Fn(f64) -> Vec<(String, f64)>;
 
-/// The interface of a problem with its settings, as stored in catalogues and scenes. Capabilities
-/// that a kind of problem lacks return typed errors.
+/// The interface of a problem with its settings, as catalogues and scenes store it. If a kind of
+/// problem does not support a computation, the method for this computation returns a typed error.
 pub(super) trait Model: Adjustable {
-    /// Describes the kind of problem.
+    /// Returns a description of the kind of problem.
     fn kind(&self) -> &'static str;
 
     fn parameters(&self) -> Parameters;
 
-    /// Returns copies with settings of growing accuracy and cost, for parameters that start at `p`
-    /// and vary as far as `reach`; empty if the problem has no discretisation.
+    /// Returns copies of the problem with settings of growing accuracy and cost, for parameters
+    /// that start at `p` and vary as far as `reach`; the result is empty if the problem has no
+    /// discretisation.
     fn ladder(&self, _p: &[f64], _reach: &[f64]) -> Result<Vec<Box<dyn Model>>, SceneError> {
         Ok(Vec::new())
     }
 
-    /// Returns a copy for a run that starts in the given states, if they determine the kind of
-    /// solution; `None` otherwise.
+    /// Returns a copy of the problem for a run that starts in the given states, if these states
+    /// determine the kind of solution; otherwise returns `None`.
     fn begun_at(&self, _start: &[(String, f64)], _p: &[f64]) -> Option<Box<dyn Model>> {
         None
     }
 
-    /// Returns the system for parameters that start at `p`; `reach` lists how far each parameter
-    /// varies from there.
+    /// Returns the system of equations for parameters that start at `p`; `reach` states how far
+    /// each parameter varies from its start.
     fn system(&self, p: &[f64], reach: &[f64]) -> Result<Box<dyn System>, SceneError>;
 
-    /// Returns the unknowns of a solution with the given profiles; `None` unless solutions are
-    /// profiles.
+    /// Returns the unknowns of a solution with the given profiles; `None` if the solutions of the
+    /// problem are not profiles.
     fn sampled(&self, _profiles: Profiles) -> Result<Option<Vec<f64>>, SceneError> {
         Ok(None)
     }
 
-    /// Returns the motion to simulate and sweep.
+    /// Returns the motion that simulations and sweeps compute.
     fn motion(&self) -> Result<Arc<dyn HybridEquations>, SceneError> {
         Err(self.lacks(SIMULATED))
     }
 
-    /// Returns the system of orbits with the itinerary of a simulated orbit, and the simulated
-    /// orbit.
+    /// Returns the system of orbits that have the itinerary of a simulated orbit, and the unknowns
+    /// of the simulated orbit.
     fn started(&self, _simulated: Guess<HybridOrbit>, _p: &[f64]) -> Result<Started, SceneError> {
         Err(self.lacks(SIMULATED))
     }
 
-    /// Returns the system of orbits with the itinerary of the simulated attractor, and that orbit.
+    /// Returns the system of orbits that have the itinerary of the simulated attractor, and the
+    /// unknowns of the attractor's orbit.
     fn settled(
         &self,
         run: &str,
@@ -96,7 +100,7 @@ pub(super) trait Model: Adjustable {
         Err(self.lacks("only hybrid systems have grazings and local maps"))
     }
 
-    /// Returns the map whose saddles have manifolds.
+    /// Returns the map whose saddles have stable and unstable manifolds.
     fn plane(&self) -> Result<&dyn PlaneMap, SceneError> {
         let kind = self.kind();
         let message =
@@ -104,40 +108,41 @@ pub(super) trait Model: Adjustable {
         Err(SceneError::invalid(message).with_help("state the problem as a `Map`"))
     }
 
-    /// Returns the error for a capability that this kind of problem lacks.
+    /// Returns the error for a computation that this kind of problem does not support.
     fn lacks(&self, needs: &'static str) -> SceneError {
         SceneError::Unsupported { needs, kind: self.kind() }
     }
 }
 
-/// The operations of all models on their settings.
+/// The operations on settings that all problems support.
 pub(super) trait Adjustable: Send + Sync {
     fn boxed(&self) -> Box<dyn Model>;
     fn with_defaults(&self) -> Box<dyn Model>;
     fn read(&self, settings: &str) -> Result<Box<dyn Model>, SpannedError>;
     fn written(&self) -> String;
-    /// Returns the settings by name, with their values.
+    /// Returns the names of the settings, with their values.
     fn settings(&self) -> Vec<(String, String)>;
-    /// Returns the names of all settings, for every choice.
+    /// Returns the names of all settings, for every alternative that a setting can select.
     fn setting_names(&self) -> Vec<String>;
-    /// Returns the kind of solutions to trace, for problems with several kinds.
+    /// Returns the kind of solutions to trace, or `None` if the problem has only one kind of
+    /// solutions.
     fn solution(&self) -> Option<Solution>;
-    /// Returns a copy that traces another kind of solutions, or an unchanged copy if the problem
-    /// has only one kind.
+    /// Returns a copy of the problem that traces another kind of solutions; the copy is unchanged
+    /// if the problem has only one kind.
     fn following(&self, solution: Solution) -> Box<dyn Model>;
-    /// Returns a copy with another number of intervals, if the problem is discretised by
-    /// collocation.
+    /// Returns a copy of the problem with another number of mesh intervals, if the problem is
+    /// discretised by collocation.
     fn on_intervals(&self, count: usize) -> Box<dyn Model>;
-    /// Returns whether a setting is the choice of a method.
+    /// Returns whether a setting selects a method.
     fn chooses(&self, name: &str) -> bool;
-    /// Sets one setting by name; returns false if the name is unknown.
+    /// Sets one setting of the problem by name; returns false if the name is unknown.
     fn assign(&mut self, name: &str, value: &str) -> Result<bool, SceneError>;
     fn check(&self) -> Result<(), SettingError>;
-    /// Returns the setting and its value that make the named setting ineffective.
+    /// Returns the setting, with its value, that makes the named setting ineffective.
     fn without_effect(&self, name: &str) -> Option<(String, String)>;
 }
 
-/// A problem with its settings.
+/// A problem together with its settings.
 #[derive(Clone)]
 pub(super) struct Configured<P, S> {
     pub problem: P,
@@ -148,7 +153,7 @@ impl<P: Clone, S> Configured<P, S>
 where
     Self: Model + 'static,
 {
-    /// Returns copies of the problem with each of the given settings.
+    /// Returns a copy of the problem for each of the given settings.
     pub fn on(&self, settings: Vec<S>) -> Vec<Box<dyn Model>> {
         settings.into_iter().map(|settings| self.with(settings)).collect()
     }
@@ -231,13 +236,13 @@ where
     }
 }
 
-/// The setting of collocation to which the settings of meshes belong.
+/// The setting of collocation on which the settings of mesh adaptation depend.
 const INTERVALS: &str = "intervals";
 
-/// The settings of the continuation that concern meshes.
+/// The settings of the continuation that concern the adaptation of meshes.
 const OF_MESHES: [&str; 2] = ["target_mesh_error", "max_mesh_error"];
 
-/// Returns the names of the settings, for each method.
+/// Returns the names of all settings, for each method of discretisation.
 pub(super) fn names_of<S: ProblemSettings>() -> Vec<String> {
     let usual = S::default();
     let mut names: Vec<String> = Vec::new();
@@ -248,22 +253,23 @@ pub(super) fn names_of<S: ProblemSettings>() -> Vec<String> {
     names
 }
 
-/// A model with its statement, by which problems are compared.
+/// A model given as text, with its statement; problems are compared by their statements.
 #[derive(Clone, Debug)]
 pub(super) struct Stated {
     pub model: language::Model,
-    /// The statement, as [`Statement::ron`] writes it, starting at its bracket.
+    /// The text of the statement from its first bracket, as [`Statement::ron`] writes it.
     pub written: String,
-    /// The file with the statement, unless the scene contains it.
+    /// The file that contains the statement; `None` if the scene contains the statement.
     pub file: Option<PathBuf>,
-    /// Notes about lines of a file that have no effect, or names that were changed.
+    /// Notes about lines of a file that have no effect, and about names that were changed.
     pub notes: Vec<String>,
-    /// The numerical options of a file, such as the range and length of a simulation.
+    /// The numerical options given in a file, such as the bound on quantities and the duration of a
+    /// simulation.
     pub options: Options,
 }
 
 impl Stated {
-    /// Parses a statement, for a scene that gives some of the parameters.
+    /// Parses the statement of a model, for a scene that gives values to some parameters.
     pub(super) fn new(
         statement: Statement,
         source: &Source,
@@ -276,11 +282,11 @@ impl Stated {
     }
 }
 
-/// A problem of a [`Catalogue`](super::Catalogue) with its settings.
+/// A problem from a [`Catalogue`](super::Catalogue), with its settings.
 pub struct Problem {
     name: &'static str,
     model: Box<dyn Model>,
-    /// The equations, if they are given as text.
+    /// The equations of the problem if they are given as text, otherwise `None`.
     text: Option<Arc<Stated>>,
 }
 
@@ -299,47 +305,48 @@ impl Problem {
         Problem { name, model, text: Some(Arc::new(text)) }
     }
 
-    /// Returns the equations, if they are given as text.
+    /// Returns the equations if they are given as text, otherwise `None`.
     pub fn text(&self) -> Option<&language::Model> {
         self.text.as_ref().map(|text| &text.model)
     }
 
-    /// Returns the file of the equations, unless the scene contains them.
+    /// Returns the file that contains the equations; `None` if the scene contains the equations.
     pub fn file(&self) -> Option<&Path> {
         self.text.as_ref()?.file.as_deref()
     }
 
-    /// Returns notes about lines of the file of equations that have no effect, or names that were
-    /// changed.
+    /// Returns notes about lines of the file of equations that have no effect, and about names that
+    /// were changed.
     pub fn notes(&self) -> &[String] {
         self.text.as_ref().map_or(&[], |text| &text.notes)
     }
 
-    /// Returns the equations as a file that [`from_file`](Self::from_file) reads, if they are given
-    /// as text.
+    /// Returns the equations as the text of a file that [`from_file`](Self::from_file) can read;
+    /// the text is empty if the equations are not given as text.
     pub fn equations(&self) -> String {
         self.text.as_ref().map_or(String::new(), |text| format!("{}{}", self.name, text.written))
     }
 
-    /// Returns the numerical options that a file of equations states.
+    /// Returns the numerical options that are given in the file of equations.
     pub(super) fn options(&self) -> Options {
         self.text.as_ref().map_or(Options::default(), |text| text.options.clone())
     }
 
-    /// Returns the default initial states of motion and branches.
+    /// Returns the default initial states of motions and branches.
     pub(super) fn initial(&self, p: &[f64]) -> Vec<(String, f64)> {
         self.text().map_or(Vec::new(), |text| text.initial(p))
     }
 
-    /// Returns the problem of a run that starts in the given states, or in the problem's initial
-    /// states.
+    /// Returns the problem of a run that starts in the given states; states that are not given have
+    /// the problem's initial values.
     pub(super) fn begun_at(&self, start: &[(String, f64)], p: &[f64]) -> Self {
         let states = [start, &self.initial(p)].concat();
         self.model.begun_at(&states, p).map_or_else(|| self.clone(), |model| self.with(model))
     }
 
-    /// Returns the unknowns of the profiles at which a branch starts; `None` unless solutions are
-    /// profiles. States that the table omits start at `initial`, or at 0.
+    /// Returns the unknowns of the profiles at which a branch starts; `None` if the solutions of
+    /// the problem are not profiles. States that the table of profiles omits start at the values
+    /// `initial`, or at 0.
     pub(super) fn sampled(
         &self,
         p: &[f64],
@@ -356,48 +363,49 @@ impl Problem {
         })
     }
 
-    /// Returns the name in the catalogue.
+    /// Returns the name of the problem in the catalogue.
     pub fn name(&self) -> &'static str {
         self.name
     }
 
-    /// Returns the names of the parameters and their default values; `None` for parameters without
-    /// a default.
+    /// Returns the names of the parameters and their default values; `None` for a parameter without
+    /// a default value.
     pub fn parameters(&self) -> Parameters {
         self.model.parameters()
     }
 
-    /// Returns the names of the settings, and their values as text.
+    /// Returns the names of the problem's settings, and their values as text.
     pub fn settings(&self) -> Vec<(String, String)> {
         self.model.settings()
     }
 
-    /// Returns the kind of solutions to trace, for problems with several kinds.
+    /// Returns the kind of solutions to trace, or `None` if the problem has only one kind of
+    /// solutions.
     pub(super) fn solution(&self) -> Option<Solution> {
         self.model.solution()
     }
 
-    /// Selects the kind of solutions to trace, for problems with several kinds.
+    /// Selects the kind of solutions to trace, if the problem has several kinds of solutions.
     pub(super) fn follow(&mut self, solution: Solution) {
         self.model = self.model.following(solution);
     }
 
-    /// Sets the number of intervals, if the problem is discretised by collocation.
+    /// Sets the number of mesh intervals, if the problem is discretised by collocation.
     pub(super) fn take_intervals(&mut self, count: usize) {
         self.model = self.model.on_intervals(count);
     }
 
-    /// Returns the names of all parameters and settings.
+    /// Returns the names of all parameters and settings of the problem.
     pub fn names(&self) -> Vec<String> {
         [self.parameter_names(), self.model.setting_names()].concat()
     }
 
-    /// Returns the names of the parameters.
+    /// Returns the names of the problem's parameters.
     pub(super) fn parameter_names(&self) -> Vec<String> {
         self.parameters().into_iter().map(|(name, _)| name).collect()
     }
 
-    /// Rejects a name that is not a parameter.
+    /// Returns an error if a name is not the name of a parameter.
     pub(super) fn require_parameter(&self, name: &str) -> Result<(), SceneError> {
         let known = self.parameter_names();
         if known.iter().any(|known| known == name) {
@@ -422,18 +430,18 @@ impl Problem {
         Problem { name: self.name, model, text: self.text.clone() }
     }
 
-    /// Returns the problem with settings parsed from RON.
+    /// Returns a copy of the problem with settings parsed from RON.
     pub(super) fn read(&self, settings: &str) -> Result<Problem, SpannedError> {
         Ok(self.with(self.model.read(settings)?))
     }
 
-    /// Returns the problem with default settings.
+    /// Returns a copy of the problem with default settings.
     pub(super) fn with_defaults(&self) -> Problem {
         self.with(self.model.with_defaults())
     }
 
-    /// Returns the problem as scenes state it: its equations, if they are given as text, and its
-    /// settings.
+    /// Returns the text by which scenes state the problem: its equations if they are given as text,
+    /// and its settings.
     pub(super) fn written(&self) -> String {
         let settings = self.model.written();
         let Some(text) = &self.text else { return settings };
@@ -449,7 +457,7 @@ impl Problem {
         format!("({}\n)", parts.join(",\n    "))
     }
 
-    /// Sets one setting by name; returns false if the name is unknown.
+    /// Sets one setting of the problem by name; returns false if the name is unknown.
     pub(super) fn set(&mut self, name: &str, value: &str) -> Result<bool, SceneError> {
         if self.model.assign(name, value)? {
             return Ok(true);
@@ -464,8 +472,8 @@ impl Problem {
         }
     }
 
-    /// Returns the problem with discretisations of growing accuracy and cost; empty if it has no
-    /// discretisation.
+    /// Returns copies of the problem with discretisations of growing accuracy and cost; the result
+    /// is empty if the problem has no discretisation.
     pub(super) fn ladder(&self, p: &[f64], reach: &[f64]) -> Result<Vec<Problem>, SceneError> {
         let ladder = self.model.ladder(p, reach)?;
         Ok(ladder.into_iter().map(|model| self.with(model)).collect())
@@ -478,7 +486,7 @@ impl Clone for Problem {
     }
 }
 
-/// Problems are equal if they have the same name and the same settings.
+/// Two problems are equal if they have the same name and the same settings.
 impl PartialEq for Problem {
     fn eq(&self, other: &Self) -> bool {
         self.name == other.name && self.written() == other.written()

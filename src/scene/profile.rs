@@ -1,31 +1,31 @@
-//! Initial profiles of boundary-value problems, read from files or stated in scenes.
+//! Initial profiles of boundary-value problems, which are read from files or stated in scenes.
 
 use super::error::SceneError;
 use super::source::{SceneText, file_of};
 use crate::core::problem::{Names, UnknownName};
 use serde::{Deserialize, Serialize};
 
-/// The field of a start that names a file of points.
+/// The name of the field in a run's start that names a file of points.
 const FILE: &str = "file";
 
-/// An initial profile of a boundary-value problem: a table of states whose first column is time.
-/// The table is stretched to the length of the problem.
+/// An initial profile of a boundary-value problem, as a table of states whose first column is time.
+/// The time range of the table is stretched to the length of the problem's interval.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Profile {
-    /// The file that contains the table; `None` once it has been read.
+    /// The file that contains the table; `None` after the file has been read.
     #[serde(default, skip_serializing)]
     file: Option<String>,
-    /// The names of the columns: time, followed by states.
+    /// The names of the columns: time, and then the names of states.
     #[serde(default)]
     columns: Vec<String>,
-    /// The rows, in the order of time.
+    /// The rows of the table, in the order of increasing time.
     #[serde(default)]
     rows: Vec<Vec<f64>>,
 }
 
 impl Profile {
-    /// Reads the file, if one is named.
+    /// Reads the table from its file, if a file is named.
     pub(super) fn load(&mut self, scene: SceneText) -> Result<(), SceneError> {
         let Some(file) = self.file.take() else { return Ok(()) };
         if !(self.columns.is_empty() && self.rows.is_empty()) {
@@ -39,7 +39,7 @@ impl Profile {
         Ok(())
     }
 
-    /// Checks for at least two rows, a finite number in each column of each row, and increasing
+    /// Checks that the table has at least two rows, a finite number in each cell, and increasing
     /// times.
     pub(super) fn check(&self, place: &str) -> Result<(), SceneError> {
         let wrong = |message: String| Err(SceneError::invalid(format!("{place}: {message}")));
@@ -69,7 +69,7 @@ impl Profile {
         }
     }
 
-    /// Checks that each column after the first one is a state.
+    /// Checks that each column after the first column is named after a state.
     pub(super) fn check_names(&self, names: &Names) -> Result<(), SceneError> {
         let states = names.elements().collect::<Vec<_>>();
         match self.columns[1..].iter().find(|name| !states.contains(name)) {
@@ -78,7 +78,8 @@ impl Profile {
         }
     }
 
-    /// Returns the states at a time in units of the length, by linear interpolation.
+    /// Returns the states at a time in units of the interval's length, by linear interpolation in
+    /// the table.
     pub(super) fn at(&self, tau: f64) -> Vec<(String, f64)> {
         let time = |row: &[f64]| row[0];
         let [start, end] = [0, self.rows.len() - 1].map(|k| time(&self.rows[k]));
@@ -91,8 +92,9 @@ impl Profile {
     }
 }
 
-/// Parses a table: column names in the first line, then rows of numbers, separated by blanks,
-/// commas or semicolons. Empty lines and lines that begin with `#` are skipped.
+/// Parses a table from text: the first line contains the names of the columns, and each further
+/// line contains a row of numbers, separated by blanks, commas or semicolons. Empty lines of a
+/// table and lines that begin with `#` are skipped.
 fn table(text: &str) -> Result<Profile, String> {
     let separates = |c: char| c.is_whitespace() || c == ',' || c == ';';
     let cells = |line: &str| -> Vec<String> {

@@ -1,4 +1,5 @@
-//! Requests to a model without a scene, or to a scene beyond its statement.
+//! Requests to a model that is given without a scene, or requests that change the statement of a
+//! scene.
 
 use super::discretisation::{SOLUTION, Solution};
 use super::error::SceneError;
@@ -14,65 +15,66 @@ use crate::core::system::Kind;
 use crate::language::xpp::Options;
 use crate::output::Plot;
 
-/// A request to a model without a scene, or to a scene beyond its statement, such as the options of
-/// `tangency trace`.
+/// A request to a model that is given without a scene, or a request that changes the statement of a
+/// scene; it corresponds to the options of `tangency trace`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
-    /// Changed values, by the names of parameters and settings.
+    /// The changed values, by the names of parameters and settings.
     pub set: Vec<(String, String)>,
     /// The varied parameters with their ranges, the continuation parameter first.
     pub along: Vec<Range>,
-    /// Bounds of parameters and monitors.
+    /// The bounds of parameters and monitors.
     pub bounds: Vec<Range>,
-    /// Values of parameters and columns at which branches are marked.
+    /// The values of parameters and columns at which points of branches are marked.
     pub marks: Vec<(String, f64)>,
     /// The initial states of the first run.
     pub state: Vec<(String, f64)>,
-    /// Whether the branch starts at a point of an earlier result, so that no start is sought.
+    /// Whether the branch starts at a point of an earlier result, so that no start has to be
+    /// searched.
     pub restarts: bool,
-    /// The duration of the simulation before the first run: in periods of the forcing, or else in
-    /// units of time.
+    /// The duration of the simulation that precedes the first run, in periods of the forcing; in
+    /// units of time for a system without forcing.
     pub settle: Option<f64>,
-    /// The kind of special point whose curve is traced in all varied parameters, from the first
-    /// such point of the first run.
+    /// The kind of special point whose curve is traced in all varied parameters; the curve starts
+    /// at the first special point of this kind on the first run.
     pub hold: Option<Kind>,
-    /// The box in which solutions are sought, either as the result or as starts of branches.
+    /// The box in which solutions are searched, either as the result or as starts of branches.
     pub within: Option<SearchBox>,
-    /// The token that cancels all work for the request.
+    /// The token that cancels all computations for the request.
     pub cancel: CancelToken,
 }
 
-/// A box in which solutions are sought.
+/// A box in the space of unknowns in which solutions are searched.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SearchBox {
-    /// The range of each unknown.
+    /// The range of each unknown in the box.
     pub ranges: Vec<Range>,
-    /// The number of starts of Newton's method.
+    /// The number of points from which Newton's method starts.
     pub starts: usize,
 }
 
-/// The default duration of the simulation before a branch for which no equilibrium is found near
-/// the start.
+/// The default duration of the simulation that precedes a branch if no equilibrium is found near
+/// its start.
 const SETTLE: f64 = 500.0;
 
-/// The longest duration of a simulation before a branch.
+/// The maximum duration of a simulation that precedes a branch.
 const LONGEST: f64 = 1e9;
 
-/// The largest rate, relative to the states, at an equilibrium.
+/// The largest rate of change, relative to the states, at which a state counts as an equilibrium.
 const AT_REST: f64 = 1e-6;
 
-/// The sweeps to compute in place of the scene's own.
+/// The sweeps that a request computes instead of the scene's own sweeps.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Swept {
-    /// The parameters or initial states to vary. Over one parameter, each run starts at the end of
-    /// the previous run, with the parameter increasing; otherwise all runs start from the initial
-    /// states.
+    /// The parameters or initial states to vary. If one parameter is varied, each run starts at the
+    /// end of the previous run and the parameter increases; otherwise all runs start from the
+    /// initial states.
     pub over: Vec<Grid>,
-    /// Whether to add a second sweep with the parameter decreasing.
+    /// Whether to add a second sweep in which the parameter decreases.
     pub both: bool,
     /// The initial states of the first run, by name.
     pub start: Vec<(String, f64)>,
-    /// The event at which motion without forcing is sampled, just after the event.
+    /// The event just after which a motion without forcing is sampled.
     pub at: Option<String>,
     /// The monitors to record at every period, such as `max_x`. Pictures show the first monitor,
     /// unless the scene's picture names another column.
@@ -80,8 +82,8 @@ pub struct Swept {
 }
 
 impl Scene {
-    /// Builds the scene for a model and a request: one branch from the initial state, or from the
-    /// attractor of a simulation, and the requested curves of special points.
+    /// Builds the scene for a model and a request: one branch from the initial state or from the
+    /// attractor to which a simulation converges, and the requested curves of special points.
     ///
     /// ```
     /// use std::path::Path;
@@ -100,7 +102,8 @@ impl Scene {
     /// ```
     ///
     /// # Errors
-    /// [`SceneError`] if no parameter is varied, or the motion does not converge to an attractor.
+    /// [`SceneError`] if no parameter is varied, or if the motion does not converge to an
+    /// attractor.
     pub fn of_model(problem: Problem, title: &str, request: &Request) -> Result<Scene, SceneError> {
         let Some(first) = request.along.first() else {
             return Err(SceneError::invalid("no parameter to vary is given")
@@ -154,18 +157,19 @@ impl Scene {
         Ok(scene)
     }
 
-    /// Returns the scene with further runs, such as those of [`FollowUp`](super::FollowUp)s.
+    /// Returns the scene with additional runs, for example the runs of
+    /// [`FollowUp`](super::FollowUp)s.
     ///
     /// # Errors
-    /// [`SceneError`] for runs with duplicate or unknown names.
+    /// [`SceneError`] if runs have duplicate or unknown names.
     pub fn with_runs(mut self, runs: impl IntoIterator<Item = Run>) -> Result<Scene, SceneError> {
         self.runs.extend(runs);
         self.check()?;
         Ok(self)
     }
 
-    /// Builds a scene of a problem without runs and sweeps, with the cancellation token of a
-    /// request.
+    /// Builds a scene that contains a problem but no runs and sweeps, and that the token of the
+    /// request can cancel.
     pub fn of_problem(problem: Problem, title: &str, request: &Request) -> Scene {
         Scene {
             title: title.into(),
@@ -181,7 +185,7 @@ impl Scene {
         }
     }
 
-    /// Returns the scene with one simulated history in place of its runs and sweeps.
+    /// Returns the scene with one simulated history instead of its runs and sweeps.
     ///
     /// ```
     /// use tangency::scene::{BUILT_IN, Request, Scene, Simulated, execute};
@@ -210,7 +214,7 @@ impl Scene {
         Ok(self)
     }
 
-    /// Returns the scene with sweeps over other values in place of its own.
+    /// Returns the scene with the given sweeps instead of its own sweeps.
     ///
     /// ```
     /// use tangency::core::sweep::Order;
@@ -224,9 +228,9 @@ impl Scene {
     /// ```
     ///
     /// # Errors
-    /// As [`set`](Self::set); [`SceneError::BothWays`] if `both` is given for anything but one
-    /// parameter, [`SceneError::Twice`] for a duplicate name. Resolving the scene checks all other
-    /// names.
+    /// The errors of [`set`](Self::set); [`SceneError::BothWays`] if `both` is given and the number
+    /// of swept parameters is not one; [`SceneError::Twice`] for a duplicate name. All other names
+    /// are checked when the scene is resolved.
     pub fn sweeping(mut self, request: &Request, swept: Swept) -> Result<Scene, SceneError> {
         let Swept { mut over, both, start, at, measures } = swept;
         let names = || over.iter().map(|grid| &grid.name).chain(start.iter().map(|(name, _)| name));
@@ -264,7 +268,8 @@ impl Scene {
         Ok(self)
     }
 
-    /// Applies the numerical options of a model's file, and returns its bounds.
+    /// Applies the numerical options in a model's file to the scene, and returns the bounds that
+    /// the file states.
     fn followed(&mut self) -> Result<Vec<Range>, SceneError> {
         let Options { bounds, ntst, npr, .. } = self.problem.options();
         if let Some(intervals) = ntst {
@@ -278,10 +283,10 @@ impl Scene {
         Ok(model.states().into_iter().map(within).collect())
     }
 
-    /// Returns the scene with other values, ranges, bounds and starts.
+    /// Returns the scene with the values, ranges, bounds and starts of the request.
     ///
     /// # Errors
-    /// As [`set`](Self::set); [`SceneError`] for names that no run has.
+    /// The errors of [`set`](Self::set); [`SceneError`] for names that do not occur in any run.
     pub fn requested(mut self, request: &Request) -> Result<Scene, SceneError> {
         self.settings.cancel = request.cancel.clone();
         if !request.set.is_empty() {
@@ -318,7 +323,7 @@ impl Scene {
         Ok(self)
     }
 
-    /// Adds the requested curves of special points.
+    /// Adds runs along the requested curves of special points.
     fn hold(&mut self, request: &Request) {
         let (Some(kind), Some(first)) = (request.hold, self.runs.first()) else { return };
         let mut run = Run::along(&format!("{}-{kind}-curve", first.name), request.along.clone());
@@ -337,9 +342,9 @@ impl Scene {
         self.runs.push(run);
     }
 
-    /// Sets the start of the first run: the attractor of a simulation if requested, else the given
-    /// states. With `free`, the kind of solution found there decides whether equilibria or orbits
-    /// are traced.
+    /// Sets the start of the first run: the attractor to which a simulation converges if the
+    /// request demands a simulation, otherwise the given states. If `free` is true, the kind of
+    /// solution found at the start decides whether equilibria or orbits are traced.
     fn begin(&mut self, request: &Request, free: bool) -> Result<(), SceneError> {
         let start = self.start(request, free)?;
         let [run, ..] = &mut self.runs[..] else { return Ok(()) };
@@ -405,7 +410,8 @@ impl Scene {
         self.settled(request, settle, &*motion)
     }
 
-    /// Returns the equilibrium to which the motion converges, or else the orbit.
+    /// Returns the equilibrium to which the motion converges; if the motion does not converge to an
+    /// equilibrium, returns a simulated start on an orbit.
     fn settled(
         &mut self,
         request: &Request,
@@ -434,8 +440,8 @@ impl Scene {
         Ok(Start::Simulated(Simulated { state, transient: settle, ..Simulated::default() }))
     }
 
-    /// Returns the given states if a branch of equilibria starts there, or else the equilibrium to
-    /// which the motion converges.
+    /// Returns the given states if a branch of equilibria starts at these states; otherwise returns
+    /// the equilibrium to which the motion converges.
     fn given_or_settled(&self, given: Start, settled: Start) -> Result<Start, SceneError> {
         let Some(near) = self.refused(&given)? else { return Ok(given) };
         match self.refused(&settled) {
@@ -446,10 +452,11 @@ impl Scene {
         }
     }
 
-    /// Returns why no branch starts from a guess, or `None` if one does.
+    /// Returns the reason why no branch starts from a guess, or `None` if a branch starts from the
+    /// guess.
     ///
     /// # Errors
-    /// [`SceneError`] for errors that no other start can avoid.
+    /// [`SceneError`] for an error that would occur with every other start, too.
     fn refused(&self, start: &Start) -> Result<Option<SceneError>, SceneError> {
         let Some(run) = self.runs.first() else { return Ok(None) };
         let run = Run { start: start.clone(), ..run.clone() };

@@ -1,5 +1,5 @@
-//! Resolution of a scene: each run and each sweep with resolved names, numeric values and defaults
-//! filled in.
+//! Resolution of a scene: determines the names, the numeric values and the defaults of each run and
+//! each sweep.
 
 use super::discretisation::{SOLUTION, Solution};
 use super::error::SceneError;
@@ -14,34 +14,35 @@ use crate::core::system::{Kind, System};
 use crate::output::{Document, drop_empty_parts};
 use std::sync::Arc;
 
-/// A special point of an earlier result, from which a scene's run continues.
+/// A special point of an earlier result at which a run of a scene starts.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StartPoint {
-    /// The branch with the special point.
+    /// The branch that contains the special point.
     pub branch: Branch,
     /// The label of the special point.
     pub label: usize,
-    /// The parameters changed to the values of the scene, by name; all others have the values of
-    /// the point.
+    /// The names of the parameters whose values are taken from the scene; all other parameters have
+    /// the values of the special point.
     pub changed: Vec<String>,
-    /// The other branches of the result. If the point is where its branch leaves another one, the
-    /// branch starts there again.
+    /// The other branches of the earlier result. If the special point is where its branch emanates
+    /// from another branch, the branch is traced again from the special point of that other branch.
     pub beside: Vec<Branch>,
-    /// The kind of special point whose curve starts there; `None` if the scene decides.
+    /// The kind of special point whose curve starts at the point; `None` if the scene determines
+    /// the kind.
     pub hold: Option<Kind>,
-    /// Whether to follow a branch that emanates from the point: cycles at a Hopf point, doubled
-    /// orbits at a period doubling, the other branch at a branch point.
+    /// Whether to trace a branch that emanates from the point: cycles at a Hopf point, doubled
+    /// orbits at a period doubling, or the other branch at a branch point.
     pub switch: bool,
 }
 
 impl StartPoint {
-    /// Creates a start point with unchanged parameters.
+    /// Creates a start point whose parameters are not changed.
     pub fn new(branch: Branch, label: usize) -> Self {
         let (changed, beside) = (Vec::new(), Vec::new());
         StartPoint { branch, label, changed, beside, hold: None, switch: false }
     }
 
-    /// Creates a start point with the other branches of its document.
+    /// Creates a start point, together with the other branches of its document.
     pub fn of(document: &Document, branch: Branch, label: usize) -> Self {
         let others = document.branches.iter().filter(|other| other.name != branch.name);
         let beside = others.cloned().collect();
@@ -53,7 +54,8 @@ impl StartPoint {
         self.branch.labelled(self.label).map(|special| special.kind)
     }
 
-    /// Returns whether the branch starts at the point, and leaves a known branch there.
+    /// Returns whether the branch of the run starts at this point, where it emanates from another
+    /// known branch.
     pub(super) fn is_origin(&self, run: &Run) -> bool {
         let Start::From { run: from, kind, switch, .. } = &run.start else { return false };
         let leaves = *switch || *kind == Kind::HB;
@@ -64,84 +66,89 @@ impl StartPoint {
     }
 }
 
-/// A run with all names and values resolved.
+/// A run whose names and values are resolved.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Resolved {
-    /// The statement of the branch: name, ranges, bounds, marks and held conditions.
+    /// The statement of the run, including its name, ranges, bounds, marks and held conditions.
     pub(super) run: Run,
-    /// The problem, with the settings of the run.
+    /// The problem, with the settings that apply to the run.
     pub(super) problem: Problem,
-    /// All parameters at the start of the run, in the problem's order.
+    /// The values of all parameters at the start of the run, in the order of the problem's
+    /// parameters.
     pub(super) values: Vec<f64>,
-    /// The parameters that keep these values even if the run starts from a point of a branch.
+    /// The parameters, with their values, that are not taken from the special point at which the
+    /// run starts.
     pub(super) changed: Vec<(String, f64)>,
     /// The settings of the continuation.
     pub(super) settings: Settings,
-    /// The distance of each parameter from its start in any run of the scene.
+    /// How far each parameter varies from its start in any run of the scene.
     pub(super) reach: Vec<f64>,
-    /// The point of an earlier result from which the run starts.
+    /// The special point of an earlier result at which the run starts.
     pub(super) from: Option<StartPoint>,
 }
 
-/// A sweep with all names and values resolved.
+/// A sweep whose names and values are resolved.
 #[derive(Clone, Debug)]
 pub(super) struct ResolvedSweep {
-    /// The statement of the sweep.
+    /// The statement of the sweep in the scene.
     pub sweep: Sweep,
-    /// The problem, with the settings of the sweep.
+    /// The problem, with the settings that apply to the sweep.
     pub problem: Problem,
-    /// The values of all parameters except those given by an axis, in the problem's order.
+    /// The values of all parameters in the order of the problem's parameters; the axes of the sweep
+    /// replace the values of the varied parameters.
     pub values: Vec<f64>,
     /// The token that cancels the sweep.
     pub cancel: CancelToken,
 }
 
-/// The runs and sweeps of a scene with all names and values resolved, in the order of execution.
+/// The runs and sweeps of a scene with resolved names and values, in the order of execution.
 #[derive(Clone, Debug)]
 pub struct Resolution {
-    /// The statement, which identifies results and states how to draw them.
+    /// The statement of the scene, which identifies the results and states how they are drawn.
     scene: Scene,
     start: Option<StartPoint>,
-    /// The runs to trace.
+    /// The runs to trace, with resolved names and values.
     pub(super) runs: Vec<Resolved>,
     pub(super) sweeps: Vec<ResolvedSweep>,
 }
 
 impl Resolved {
-    /// Returns the name of the branch.
+    /// Returns the name of the branch that the run traces.
     pub fn name(&self) -> &str {
         &self.run.name
     }
 
-    /// Returns the system whose solutions are traced.
+    /// Returns the system of equations whose solutions the run traces.
     pub(super) fn system(&self) -> Result<Box<dyn System>, SceneError> {
         self.problem.model().system(&self.values, &self.reach)
     }
 
-    /// Returns the motion to simulate.
+    /// Returns the motion that the run simulates.
     pub(super) fn motion(&self) -> Result<Arc<dyn HybridEquations>, SceneError> {
         self.problem.model().motion()
     }
 
-    /// Returns the default initial states of motion and branches.
+    /// Returns the default initial states of motions and branches.
     pub(super) fn initial(&self) -> Vec<(String, f64)> {
         self.problem.initial(&self.values)
     }
 
-    /// Returns the values of the parameters by name.
+    /// Returns the names and values of the parameters.
     pub(super) fn parameters(&self) -> impl Iterator<Item = (String, f64)> {
         self.problem.parameter_names().into_iter().zip(self.values.iter().copied())
     }
 }
 
 impl Scene {
-    /// Resolves the scene: every name, value and default of its runs and sweeps.
+    /// Resolves the scene, that is, determines every name, value and default of its runs and
+    /// sweeps.
     ///
-    /// With a start point only one shown run is traced, which holds the kind that the start point
-    /// requests: the one named as the point's branch; else the first one that traces the same kind
-    /// of curve in the same unknowns; else the first one that traces points of its kind or a curve
-    /// that leaves the point; else the first one. If the run traces points of a local map, the runs
-    /// that find the map's grazing come first.
+    /// If a start point is given, only one shown run is traced, whose held kind is the kind that
+    /// the start point requests. This run is the first one found by the following rules: the run
+    /// has the name of the point's branch; the run traces the same kind of curve in the same
+    /// unknowns; the run traces special points of the point's kind, or a curve that emanates from
+    /// the point; the run is the first shown run. If the run traces points of a local map, the runs
+    /// that find the grazing of the map are traced first.
     ///
     /// ```
     /// use tangency::scene::Scene;
@@ -161,7 +168,7 @@ impl Scene {
     /// ```
     ///
     /// # Errors
-    /// [`SceneError`] for parameters without a value.
+    /// [`SceneError`] if a parameter has no value.
     pub fn resolve(&self, start: Option<&StartPoint>) -> Result<Resolution, SceneError> {
         let all = self.runs.iter().map(|run| self.resolved(run));
         let runs: Vec<Resolved> = all.collect::<Result<_, _>>()?;
@@ -175,10 +182,10 @@ impl Scene {
         Ok(Resolution { scene, start, runs, sweeps })
     }
 
-    /// Resolves a run of the scene, with the scene's values as defaults. The following runs trace
-    /// orbits unless they set `solution`: a run from a Hopf point that holds no condition, a run
-    /// that holds a condition of orbits, and a curve of special cycles from a special point of
-    /// equilibria.
+    /// Resolves a run of the scene; values that the run does not state are taken from the scene.
+    /// The following runs trace orbits unless they set `solution`: a run from a Hopf point that
+    /// holds no condition, a run that holds a condition of orbits, and a curve of special cycles
+    /// that starts at a special point of equilibria.
     pub(super) fn resolved(&self, run: &Run) -> Result<Resolved, SceneError> {
         let mut seen = self.with(&run.set)?;
         let at_hopf = matches!(run.start, Start::From { kind: Kind::HB, .. });
@@ -208,17 +215,17 @@ impl Scene {
 }
 
 impl Resolution {
-    /// Returns the runs to trace, in order.
+    /// Returns the runs to trace, in the order of execution.
     pub fn runs(&self) -> &[Resolved] {
         &self.runs
     }
 
-    /// Returns the scene that was resolved.
+    /// Returns the scene whose runs and sweeps are resolved.
     pub fn scene(&self) -> &Scene {
         &self.scene
     }
 
-    /// Returns the start point, if given.
+    /// Returns the start point, or `None` if no start point is given.
     pub(super) fn start(&self) -> Option<&StartPoint> {
         self.start.as_ref()
     }
@@ -232,14 +239,14 @@ impl Resolution {
         }
     }
 
-    /// Returns the named run, preceded by the runs that lead to it.
+    /// Returns the run with a given name, preceded by all runs on which its start depends.
     pub(super) fn leading(&self, name: &str) -> Vec<&Resolved> {
         let names = leading(&self.runs, name);
         self.runs.iter().filter(|run| names.contains(&run.name())).collect()
     }
 
-    /// Returns warnings of probable mistakes in the scene ([`Scene::warnings`]), and of values of
-    /// the scene that the start point overrides.
+    /// Returns warnings about probable mistakes in the scene ([`Scene::warnings`]), and about
+    /// values of the scene that the start point overrides.
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = self.scene.warnings();
         if let (Some(start), Some(going)) = (&self.start, self.runs.last()) {
@@ -248,7 +255,8 @@ impl Resolution {
         warnings
     }
 
-    /// Returns warnings of parameters whose values differ between the scene and the start point.
+    /// Returns warnings about parameters whose values at the start point differ from their values
+    /// in the scene.
     fn overridden(&self, start: &StartPoint, going: &Resolved) -> Vec<String> {
         let StartPoint { branch, label, .. } = start;
         let Some(special) = branch.labelled(*label) else { return Vec::new() };
@@ -300,7 +308,8 @@ impl Resolution {
     }
 }
 
-/// Returns the run that continues from a start point, after the runs that lead to its local map.
+/// Returns the run that continues from a start point, preceded by the runs that find the grazing of
+/// its local map.
 fn going_on(
     scene: &Scene,
     runs: Vec<Resolved>,
@@ -334,21 +343,21 @@ fn going_on(
     Ok(all)
 }
 
-/// Returns whether a run is a curve of special cycles that emanates from a special point of
+/// Returns whether a run traces a curve of special cycles that emanates from a special point of
 /// equilibria.
 fn leads_to_cycles(point: Option<Kind>, run: &Run) -> bool {
     let leads = |(point, held)| catalogue::is_of_cycles(point, held);
     point.zip(run.hold).is_some_and(leads)
 }
 
-/// Returns the run with orbits as solutions, if its problem has both kinds.
+/// Returns a copy of the run that traces orbits, if its problem has both equilibria and orbits.
 fn on_orbits(run: &Resolved) -> Resolved {
     let mut orbits = run.clone();
     orbits.problem.follow(Solution::Orbit);
     orbits
 }
 
-/// Returns whether the solutions of a run have the unknowns of a branch.
+/// Returns whether the solutions of a run have the same unknowns as a branch.
 fn has_unknowns(run: &Resolved, branch: &Branch) -> bool {
     run.system().is_ok_and(|system| {
         // In old documents each element of an array is a group.
@@ -356,8 +365,8 @@ fn has_unknowns(run: &Resolved, branch: &Branch) -> bool {
     })
 }
 
-/// Returns the shown run that continues the branch of a point, or else traces points of its kind or
-/// a curve that leaves the point.
+/// Returns the shown run that continues the branch of a start point; if no run does, returns a run
+/// that traces special points of the point's kind, or a curve that emanates from the point.
 fn continuing<'a>(runs: &'a [Resolved], point: &StartPoint) -> Option<&'a Resolved> {
     let branch = &point.branch;
     let wanted = |run: &Run| point.hold.is_none() || run.hold == point.hold;
@@ -377,7 +386,7 @@ fn continuing<'a>(runs: &'a [Resolved], point: &StartPoint) -> Option<&'a Resolv
     named.or(shown().find(alike)).or(shown().find(follows)).or(shown().next())
 }
 
-/// Returns the names of a run and of all runs that lead to it.
+/// Returns the name of a run, and the names of all runs on which its start depends.
 fn leading<'a>(runs: &'a [Resolved], name: &'a str) -> Vec<&'a str> {
     let mut names = vec![name];
     let mut last = name;
@@ -390,9 +399,9 @@ fn leading<'a>(runs: &'a [Resolved], name: &'a str) -> Vec<&'a str> {
     names
 }
 
-/// Returns how far each parameter goes from its start in any run of the scene, as a ratio; the
-/// discretisation must be suitable for all of these values. All runs share the result, so that one
-/// can start where another ended.
+/// Returns how far each parameter varies from its start in any run of the scene, so that a
+/// discretisation can be chosen that is suitable for all these values. All runs of a scene share
+/// this result, so that a run can start where another run ended.
 pub(super) fn reach(problem: &Problem, runs: &[Run], values: &[f64]) -> Vec<f64> {
     let names = problem.parameter_names();
     let mut reach = values.to_vec();

@@ -1,4 +1,4 @@
-//! Parsing a scene, and changing it by name.
+//! Parsing of a scene, and changes of its values by name.
 
 use super::by_name::{assign, settings};
 use super::catalogue::Catalogue;
@@ -13,31 +13,32 @@ use ron::ser::PrettyConfig;
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 
-/// The settings that a scene states for all of its runs.
+/// The settings that a scene states once for all of its runs.
 #[derive(Serialize, Deserialize)]
 struct OfScene {
     accuracy: Option<f64>,
 }
 
-/// The settings of a sweep's search for attractors. The search also has a `tolerance`, but `--set
-/// tolerance` sets the tolerance of the continuation.
+/// The names of the settings that control a sweep's search for attractors. The search for
+/// attractors also has a setting `tolerance`, which `--set tolerance` does not change: this option
+/// sets the tolerance of the continuation.
 const OF_SEARCHES: [&str; 4] = ["transient", "recorded_periods", "max_period", "lyapunov_periods"];
 
-/// The further settings of sweeps.
+/// The names of the other settings of sweeps.
 const OF_SWEEPS: [&str; 3] = ["flow_tolerance", COUNT, STRANDS];
 
-/// The number of values along a sweep's first axis.
+/// The name of the setting for the number of values along the first axis of a sweep.
 const COUNT: &str = "count";
 
-/// The number of strands of consecutive runs.
+/// The name of the setting for the number of strands, that is, sequences of consecutive runs.
 const STRANDS: &str = "strands";
 
-/// Returns whether a setting belongs to sweeps.
+/// Returns whether a setting with this name belongs to sweeps.
 pub(super) fn is_of_sweeps(name: &str) -> bool {
     OF_SEARCHES.contains(&name) || OF_SWEEPS.contains(&name)
 }
 
-/// Returns the names of a sweep's settings.
+/// Returns the names of the settings that a given sweep has.
 fn settings_of(sweep: &Sweep) -> impl Iterator<Item = &'static str> {
     let has = |name: &&str| match *name {
         COUNT => !sweep.over.is_empty(),
@@ -60,7 +61,7 @@ fn assign_to_sweep(sweep: &mut Sweep, name: &str, value: &str) -> Result<bool, S
 }
 
 impl Scene {
-    /// Parses a scene of a [built-in](Catalogue::built_in) problem.
+    /// Parses a scene whose problem is [built in](Catalogue::built_in).
     ///
     /// # Errors
     /// As [`Catalogue::parse`].
@@ -74,8 +75,9 @@ impl Scene {
         Catalogue::built_in().parse(text)
     }
 
-    /// Returns the scene as a file that [`Catalogue::parse`] reads: non-default values, and all
-    /// settings of its problem.
+    /// Returns the scene as the text of a file that [`Catalogue::parse`] can read; the text
+    /// contains all settings of the problem, and other values only if they differ from their
+    /// defaults.
     ///
     /// ```
     /// use tangency::scene::Scene;
@@ -91,22 +93,25 @@ impl Scene {
         self.readable(options().to_string_pretty(self, pretty).unwrap_or_default())
     }
 
-    /// Returns the scene on one line, with all values set; this text identifies results.
+    /// Returns the scene as one line of text that contains all values and identifies the results of
+    /// the scene.
     pub fn in_words(&self) -> String {
         self.readable(options().to_string(self).unwrap_or_default())
     }
 
-    /// Rewrites a text of the scene with the problem in the notation of scenes.
+    /// Converts the problem in a serialized scene to the notation of scenes.
     fn readable(&self, text: String) -> String {
         let (name, written) = (self.problem.name(), self.problem.written());
         text.replacen(&format!("{name}({written})"), &format!("{name}{written}"), 1)
     }
 
-    /// Changes a parameter, or a setting of the problem or of the continuation, by name.
+    /// Changes the value of a parameter, of a setting of the problem, or of a setting of the
+    /// continuation, by name.
     ///
     /// # Errors
-    /// [`SceneError::UnknownName`], with a suggestion; [`SceneError::Value`] if the value cannot be
-    /// parsed; [`SceneError::Varied`] if the scene's runs set the name.
+    /// [`SceneError::UnknownName`] with a suggestion if the name is unknown; [`SceneError::Value`]
+    /// if the value cannot be parsed; [`SceneError::Varied`] if a run of the scene sets the
+    /// parameter or setting.
     ///
     /// ```
     /// use tangency::scene::{BUILT_IN, Scene};
@@ -121,8 +126,8 @@ impl Scene {
         self.set_all(&[(name.into(), value.into())])
     }
 
-    /// Changes several values together. Ranges that depend on each other, such as `min_step` and
-    /// `max_step`, are checked after all changes.
+    /// Changes several values of the scene together. Ranges of values that depend on each other,
+    /// such as `min_step` and `max_step`, are checked after all changes have been made.
     ///
     /// # Errors
     /// As [`set`](Self::set).
@@ -149,7 +154,7 @@ impl Scene {
         Ok(())
     }
 
-    /// Rejects a value that runs set.
+    /// Returns an error if a run of the scene sets the value.
     fn refuse_varied(&self, name: &str) -> Result<(), SceneError> {
         for run in &self.runs {
             if let Some((_, own)) = run.set.iter().find(|(key, _)| key == name) {
@@ -160,14 +165,14 @@ impl Scene {
         Ok(())
     }
 
-    /// Returns the initial value of a parameter.
+    /// Returns the initial value of a parameter of the scene.
     pub fn value(&self, parameter: &str) -> Option<f64> {
         let given = self.parameters.iter().find(|(name, _)| name == parameter);
         let default = || self.problem.parameters().into_iter().find(|(name, _)| name == parameter);
         given.map(|(_, value)| *value).or_else(|| default()?.1)
     }
 
-    /// Returns all initial parameters, in the problem's order.
+    /// Returns the initial values of all parameters, in the order of the problem's parameters.
     ///
     /// # Errors
     /// [`SceneError::MissingParameters`] if some parameters have neither a default nor a value in
@@ -189,8 +194,8 @@ impl Scene {
         }
     }
 
-    /// Returns the scene with some values set, without runs and sweeps, as applied to a single run
-    /// or sweep.
+    /// Returns a copy of the scene with some values changed and without runs and sweeps, from which
+    /// a single run or sweep is resolved.
     pub(super) fn with(&self, set: &[(String, String)]) -> Result<Scene, SceneError> {
         let mut scene = Scene {
             title: self.title.clone(),
@@ -212,15 +217,15 @@ impl Scene {
         Ok(scene)
     }
 
-    /// Sorts values so that a method is set before its settings.
+    /// Sorts changed values so that the selection of a method precedes the settings of the method.
     fn choices_first<'a>(&self, values: &'a [(String, String)]) -> Vec<&'a (String, String)> {
         let mut values: Vec<&(String, String)> = values.iter().collect();
         values.sort_by_key(|(name, _)| !self.problem.model().chooses(name));
         values
     }
 
-    /// Changes one value. A setting that belongs only to the methods of some runs is changed in
-    /// these runs.
+    /// Changes one value. A setting that applies only to the methods of some runs is changed in
+    /// these runs only.
     fn assign_or_leave_to_runs(&mut self, name: &str, value: &str) -> Result<(), SceneError> {
         let Err(refused) = self.assign(name, value) else { return Ok(()) };
         if !matches!(refused, SceneError::NoEffect { .. }) {
@@ -277,7 +282,7 @@ impl Scene {
         Ok(())
     }
 
-    /// Rejects a name that is neither a parameter nor a setting.
+    /// Returns an error if a name is neither a parameter nor a setting.
     fn require_name(&self, name: &str) -> Result<(), SceneError> {
         match self.problem.require_parameter(name) {
             Err(SceneError::UnknownName(_)) => {}
@@ -287,7 +292,7 @@ impl Scene {
         Err(UnknownName::new("parameter or setting", name, known).into())
     }
 
-    /// Returns the names of all settings, also of those of other methods.
+    /// Returns the names of all settings, including settings of methods that are not selected.
     pub fn setting_names(&self) -> Vec<String> {
         let names = |settings: Vec<(String, String)>| settings.into_iter().map(|(name, _)| name);
         let mut known = self.problem.model().setting_names();
@@ -297,7 +302,7 @@ impl Scene {
         known
     }
 
-    /// Returns the settings of the problem and of the continuation by name, with their values.
+    /// Returns the names and values of the settings of the problem and of the continuation.
     ///
     /// ```
     /// use tangency::scene::{BUILT_IN, Scene};
@@ -310,13 +315,15 @@ impl Scene {
         [self.problem.settings(), settings(&self.settings)].concat()
     }
 
-    /// Returns the run that sets a parameter or setting, so that [`set`](Self::set) refuses it.
+    /// Returns the run that sets a parameter or setting, which [`set`](Self::set) therefore refuses
+    /// to change.
     pub fn run_that_sets(&self, name: &str) -> Option<&str> {
         let sets = |run: &&Run| run.set.iter().any(|(key, _)| key == name);
         self.runs.iter().find(sets).map(|run| run.name.as_str())
     }
 
-    /// Returns every parameter and setting by name, to save with the branches.
+    /// Returns the names and values of all parameters and settings, which are saved together with
+    /// the branches.
     pub(super) fn record(&self) -> Vec<(String, String)> {
         let mut record = self.problem.settings();
         let values = self.values().unwrap_or_default();

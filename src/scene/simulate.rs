@@ -1,5 +1,4 @@
-//! Histories by simulation, for transients and for motions that do not converge to a periodic
-//! orbit.
+//! Simulated histories, for transients and for motions that do not converge to a periodic orbit.
 
 use super::discretisation::no_start;
 use super::error::SceneError;
@@ -24,19 +23,19 @@ use std::error::Error;
 use std::sync::Arc;
 
 /// A simulation of a vector field, or of a hybrid system from a state of its first mode. A Filippov
-/// system starts on the side of the surface on which the state is. Times are in periods of the
-/// forcing, or in units of time for systems without forcing.
+/// system starts on the side of the surface on which its initial state lies. All times are in
+/// periods of the forcing, or in units of time for systems without forcing.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Simulated {
-    /// The initial states by name; others are zero.
+    /// The initial states by name; states that are not named are zero.
     #[serde(deserialize_with = "values")]
     pub state: Vec<(String, f64)>,
-    /// The simulated run whose final state is the initial state instead.
+    /// The name of the earlier simulated run whose final state is used as the initial state.
     pub after: Option<String>,
-    /// The duration of the transient before the history.
+    /// The duration of the transient, which precedes the history and is not saved.
     pub transient: f64,
-    /// The duration of the history.
+    /// The duration of the saved history.
     pub duration: f64,
 }
 
@@ -47,7 +46,8 @@ impl Default for Simulated {
 }
 
 impl Simulated {
-    /// Returns a copy that starts in the problem's initial states, unless it states others.
+    /// Returns a copy of the simulation that starts in the problem's initial states; states that
+    /// the simulation itself gives keep their values.
     pub(super) fn from(&self, initial: &[(String, f64)]) -> Self {
         let mut state = self.state.clone();
         let stated = |name: &String| self.state.iter().any(|(known, _)| known == name);
@@ -56,14 +56,15 @@ impl Simulated {
     }
 }
 
-/// The name of the count of events per period of the forcing (or in the whole history).
+/// The name of the column for the number of events per period of the forcing, or in the whole
+/// history for systems without forcing.
 const EVENTS: &str = "events";
 
-/// The number of samples per step in a history.
+/// The number of samples per integration step in a history.
 const SAMPLES: usize = 8;
 
-/// Simulates a system through a transient and a history; returns the history as a branch of one
-/// point, and the final state.
+/// Simulates a system, first through a transient and then through a history; returns the history as
+/// a branch with one point, and the final state.
 pub(super) fn simulate(
     system: &dyn HybridEquations,
     name: &str,
@@ -97,8 +98,8 @@ pub(super) fn simulate(
     .map_err(failed)
 }
 
-/// Runs a cancellable motion with the default settings, and switches to the implicit method if the
-/// field is stiff.
+/// Runs a cancellable simulation with the default settings, and repeats it with the implicit method
+/// if the vector field is stiff.
 pub(super) fn moved<T, E: Error + 'static>(
     cancel: &CancelToken,
     follow: impl Fn(HybridSettings) -> Result<T, E>,
@@ -113,7 +114,8 @@ pub(super) fn moved<T, E: Error + 'static>(
     }
 }
 
-/// Returns whether an explicit method failed because the field is, or may be, stiff.
+/// Returns whether an explicit integration method failed because the vector field is, or may be,
+/// stiff.
 fn is_stiff(cause: &(dyn Error + 'static)) -> bool {
     match cause.downcast_ref::<FlowError>() {
         Some(cause) => cause.is_stiff(),
@@ -126,7 +128,7 @@ fn search(system: &dyn HybridEquations, simulated: &Simulated, p: &[f64]) -> Cyc
     CycleSearch { transient: simulated.transient * system.period(p), ..CycleSearch::default() }
 }
 
-/// Estimates and reports how long a simulation may take to converge.
+/// Estimates and reports how long a simulation may take until it converges.
 pub(super) fn foresee_settling(
     system: &dyn HybridEquations,
     run: &str,
@@ -144,8 +146,7 @@ pub(super) fn foresee_settling(
     Ok(())
 }
 
-/// Returns the periodic motion to which a simulation converges, as an orbit of the system with its
-/// itinerary.
+/// Returns the periodic motion to which a simulation converges, as an orbit with its itinerary.
 pub(super) fn settled(
     system: Arc<dyn HybridEquations>,
     run: &str,
@@ -158,7 +159,7 @@ pub(super) fn settled(
     HybridOrbit::of_cycle(system, &cycle, p).map_err(no_start)
 }
 
-/// Returns the equilibrium to which a simulation converges, as a mode and its states.
+/// Returns the equilibrium to which a simulation converges, as its mode and its states.
 pub(super) fn rested(
     system: &dyn HybridEquations,
     run: &str,
@@ -193,8 +194,8 @@ fn found(
     }))
 }
 
-/// Returns a state of the first mode, given by name with zero for other states; the system then
-/// determines the initial mode.
+/// Returns a state of the first mode from values given by name, with zero for all other states; the
+/// system then determines the initial mode.
 pub(super) fn stated(mode: &Mode, given: &[(String, f64)]) -> Result<HybridState<f64>, SceneError> {
     let mut x = vec![0.0; mode.states.len()];
     for (name, value) in given {
@@ -203,7 +204,8 @@ pub(super) fn stated(mode: &Mode, given: &[(String, f64)]) -> Result<HybridState
     Ok(HybridState { mode: 0, time: 0.0, x })
 }
 
-/// Returns the history of every state; for cumulative states of a mode, their sum.
+/// Returns the history of every state of the system; cumulative states of a mode are represented by
+/// their sum.
 fn curves(system: &dyn HybridEquations, pieces: &[Piece], begin: f64) -> Vec<Profile> {
     let (modes, counted) = (system.modes(), system.cumulative_states());
     let mut curves: Vec<Profile> = Vec::new();
@@ -228,19 +230,19 @@ fn curves(system: &dyn HybridEquations, pieces: &[Piece], begin: f64) -> Vec<Pro
     curves
 }
 
-/// Returns the names of the extremes of a state.
+/// Returns the names of the columns for the maximum and the minimum of a state.
 fn extremes(state: &str) -> [String; 3] {
     [format!("max_{state}"), format!("min_{state}"), format!("{state}_range")]
 }
 
-/// Returns the monitors that histories through the given modes may have.
+/// Returns the names of the monitors that a history through the given modes may have.
 pub(super) fn history_columns(modes: &[Mode]) -> Vec<String> {
     let states = distinct(modes.iter().flat_map(|mode| &mode.states));
     [EVENTS.into()].into_iter().chain(states.into_iter().flat_map(extremes)).collect()
 }
 
-/// Returns a branch of one point, with the extremes of all states as monitors, and the curves as
-/// profiles.
+/// Returns a history as a branch with one point: the extremes of all states are monitors, and the
+/// curves in time are profiles.
 fn branch(
     system: &dyn HybridEquations,
     name: &str,
@@ -303,7 +305,7 @@ fn branch(
     }
 }
 
-/// Returns time histories, and the phase portrait of the first two states.
+/// Returns the curves of the states in time, and the phase portrait of the first two states.
 fn profiles(curves: &[Profile]) -> Vec<Profile> {
     let filled = curves.iter().filter(|curve| !curve.points.is_empty());
     let mut profiles: Vec<Profile> = filled.cloned().collect();

@@ -7,14 +7,14 @@ use std::path::{Path, PathBuf};
 /// The files to which a scene may refer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Files<'a> {
-    /// The folder to which file names are relative.
+    /// The folder to which the names of files are relative.
     pub folder: &'a Path,
-    /// The maximum size of a file.
+    /// The maximum size of a file in bytes.
     pub limit: SizeLimit,
 }
 
 impl<'a> Files<'a> {
-    /// Allows files of a folder, of up to 256 MB.
+    /// Allows a scene to refer to files in a folder, each of up to 256 MB.
     pub fn of(folder: &'a Path) -> Self {
         Files { folder, limit: SizeLimit::default() }
     }

@@ -1,11 +1,11 @@
-//! The content of a text: a model, or a scene.
+//! The contents of a text that states a problem: a model or a scene.
 
 use super::error::SceneError;
 use super::problem::Problem;
 use super::request::Request;
 use super::statement::Scene;
 
-/// The content of a text that states a problem.
+/// The contents of a text that states a problem: a model or a scene.
 #[derive(Clone, Debug)]
 #[expect(clippy::large_enum_variant, reason = "few exist at a time")]
 pub enum Stated {
@@ -16,10 +16,10 @@ pub enum Stated {
 }
 
 impl Stated {
-    /// Returns the scene with a request applied; the scene of a model has the title.
+    /// Returns the scene with a request applied; for a model, `title` is the title of the scene.
     ///
     /// # Errors
-    /// As [`Scene::of_model`] and [`Scene::requested`].
+    /// The errors of [`Scene::of_model`] and [`Scene::requested`].
     pub fn requested(self, title: &str, request: &Request) -> Result<Scene, SceneError> {
         match self {
             Stated::Model(problem) => Scene::of_model(problem, title, request),
@@ -27,7 +27,8 @@ impl Stated {
         }
     }
 
-    /// Returns the scene as written; the scene of a model has the title and no runs.
+    /// Returns the scene as written; for a model, `title` is the title of the scene, which has no
+    /// runs.
     pub fn as_written(self, title: &str, request: &Request) -> Scene {
         match self {
             Stated::Model(problem) => Scene::of_problem(problem, title, request),

@@ -1,4 +1,4 @@
-//! The statement of a scene: runs and sweeps of a problem.
+//! The statement of a scene, that is, the runs and sweeps of a problem.
 
 use super::local::Local;
 use super::notation::{value, values};
@@ -13,103 +13,110 @@ use crate::core::system::Kind;
 use crate::output::Plot;
 use serde::{Deserialize, Serialize};
 
-/// A scene: a problem, its runs and sweeps, and their plots.
+/// A scene, which consists of a problem, its runs and sweeps, and the plot of their results.
 ///
-/// [`Catalogue::parse`](super::Catalogue::parse) reads a scene from RON: first with the text of its
-/// problem, `P`, which the catalogue then replaces by the named [`Problem`].
+/// [`Catalogue::parse`](super::Catalogue::parse) reads a scene from RON in two steps: first, the
+/// type `P` of the problem is the problem's text, and then the catalogue replaces the text by the
+/// [`Problem`] that it names.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Scene<P = Problem> {
-    /// The title of its diagram.
+    /// The title of the scene's diagram.
     pub title: String,
-    /// The subject in one line, for lists of scenes.
+    /// The subject of the scene in one line, shown in lists of scenes.
     #[serde(skip_serializing_if = "is_default")]
     pub summary: Option<String>,
-    /// The problem and its terms.
+    /// The problem of the scene, with its settings.
     #[serde(default)]
     pub problem: P,
-    /// The file that states the problem's equations, in place of `problem`; `None` once it has been
-    /// read.
+    /// The file that contains the problem's equations, given instead of `problem`; `None` after the
+    /// file has been read.
     #[serde(default, skip_serializing)]
     pub model: Option<String>,
-    /// The initial values of parameters that differ from the problem's defaults; of all parameters,
-    /// if there are no defaults. A value may be a formula of numbers, such as `"8/3"`.
+    /// The initial values of the parameters that differ from the problem's default values; for a
+    /// problem without default values, the initial values of all parameters. The value of a
+    /// parameter may be a formula of numbers, such as `"8/3"`.
     #[serde(default, deserialize_with = "values", skip_serializing_if = "is_default")]
     pub parameters: Vec<(String, f64)>,
-    /// The requested relative error of special points, or of ends at bounds in scenes without other
-    /// special points. The error applies to the parameters that vary along the branch, and to the
-    /// columns that the setting `refine` names. An important end can be stated in `marks`. The
-    /// cheapest orders, modes, meshes or tolerances that meet the accuracy are chosen, in place of
-    /// stated ones, and special points are not refined further.
+    /// The requested relative error of special points; in scenes without other special points, of
+    /// ends at bounds. The requested error applies to the parameters that vary along the branch,
+    /// and to the columns that the setting `refine` names. To apply the requested error to an
+    /// important end of a branch, state the end in `marks`. The cheapest orders, modes, meshes or
+    /// tolerances that reach the accuracy are chosen automatically; they replace the stated
+    /// settings, and special points are not refined further.
     #[serde(skip_serializing_if = "is_default")]
     pub accuracy: Option<f64>,
-    /// Settings of the continuation.
+    /// The settings of the continuation.
     #[serde(default, skip_serializing_if = "is_default")]
     pub settings: Settings,
     /// The plot of the branches.
     #[serde(default, skip_serializing_if = "is_default")]
     pub plot: Plot,
-    /// The runs to trace, in order.
+    /// The runs to trace, in the order of execution.
     #[serde(default, skip_serializing_if = "is_default")]
     pub runs: Vec<Run>,
-    /// The sweeps, in order.
+    /// The sweeps, in the order of execution.
     #[serde(default, skip_serializing_if = "is_default")]
     pub sweeps: Vec<Sweep>,
 }
 
-/// One branch, or one curve of special points.
+/// A run, which traces one branch or one curve of special points.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Run {
-    /// The name of the branch.
+    /// The name of the run and of its branch.
     pub name: String,
-    /// The differences from the scene, as for `--set`: parameters and settings by name.
+    /// The parameters and settings whose values in this run differ from the scene, by name, as for
+    /// `--set`.
     #[serde(default, skip_serializing_if = "is_default")]
     pub set: Vec<(String, String)>,
-    /// The start of the branch.
+    /// The start of the branch, for example a guess or a special point of an earlier run.
     #[serde(default, skip_serializing_if = "is_default")]
     pub start: Start,
-    /// The local map near a grazing whose fixed or periodic points are traced, in place of orbits
+    /// The local map near a grazing whose fixed or periodic points the run traces instead of orbits
     /// of the flow.
     #[serde(skip_serializing_if = "is_default")]
     pub local: Option<Local>,
-    /// Whether each iterate of a point of the local map impacts; by default one iterate without
-    /// impact. A start from another run keeps the iterates of that run.
+    /// Whether each iterate of a periodic point of the local map impacts; the default is one
+    /// iterate without impact. A run that starts from another run of a local map uses the iterates
+    /// of that run.
     #[serde(default, skip_serializing_if = "is_default")]
     pub impacts: Vec<bool>,
-    /// The curve of folds (`LP`) or period doublings (`PD`) that emanates from the grazing of the
-    /// local map, as a Taylor series to the map's order, in place of points of the map. One of the
-    /// map's two parameters is varied.
+    /// The kind of the curve, folds (`LP`) or period doublings (`PD`), that emanates from the
+    /// grazing of the local map and is traced as a Taylor series to the map's order, instead of
+    /// points of the map. Along the Taylor series of such a curve, one of the two parameters of the
+    /// local map is varied.
     #[serde(skip_serializing_if = "is_default")]
     pub expanded: Option<Kind>,
-    /// The kind of special point that is held along a curve of special points.
+    /// The kind of special point that all points of a curve of special points have in common.
     #[serde(skip_serializing_if = "is_default")]
     pub hold: Option<Kind>,
-    /// The parameter or monitor that is held at a level along a curve of marks.
+    /// The parameter or monitor that keeps a given value along a curve of marked points.
     #[serde(skip_serializing_if = "is_default")]
     pub hold_level: Option<(String, f64)>,
     /// The varied parameters with their ranges, the continuation parameter first. A simulation
-    /// without varied parameters is kept as a history.
+    /// without varied parameters is saved as a history.
     #[serde(default, skip_serializing_if = "is_default")]
     pub along: Vec<Range>,
-    /// Bounds of parameters and monitors, at which the branch ends.
+    /// The bounds of parameters and monitors at which the branch ends.
     #[serde(default, skip_serializing_if = "is_default")]
     pub bounds: Vec<Range>,
-    /// Values of parameters and monitors at which the branch is marked.
+    /// The values of parameters and monitors at which points of the branch are marked.
     #[serde(default, deserialize_with = "values", skip_serializing_if = "is_default")]
     pub marks: Vec<(String, f64)>,
-    /// Values of monitors at which a solution touches a surface, marked as grazings (`G`). The
-    /// branch continues beyond them, ignoring the contact.
+    /// The values of monitors at which a solution grazes a surface; these points are marked as
+    /// grazings (`G`). The branch continues beyond these grazings and ignores the contact.
     #[serde(default, deserialize_with = "values", skip_serializing_if = "is_default")]
     pub grazings: Vec<(String, f64)>,
-    /// Whether the branch continues beyond grazings with virtual solutions, which pass through
-    /// surfaces.
+    /// Whether the branch continues beyond grazings with virtual solutions, which cross surfaces
+    /// without an event.
     #[serde(default, skip_serializing_if = "is_default")]
     pub beyond_grazings: bool,
-    /// The direction of the trace.
+    /// The direction in which the branch is traced.
     #[serde(default, skip_serializing_if = "is_default")]
     pub direction: Way,
-    /// Whether the branch is kept; false for a run that only provides the start of others.
+    /// Whether the branch is saved and drawn; false for a run that only provides the start of other
+    /// runs.
     #[serde(default = "yes", skip_serializing_if = "is_yes")]
     pub shown: bool,
 }
@@ -127,7 +134,7 @@ fn is_default<T: Default + PartialEq>(value: &T) -> bool {
 }
 
 impl Run {
-    /// Creates a run from rest, in both directions.
+    /// Creates a run that starts from rest and is traced in both directions.
     pub fn along(name: &str, along: Vec<Range>) -> Self {
         Run {
             name: name.into(),
@@ -149,11 +156,12 @@ impl Run {
     }
 }
 
-/// A range; an omitted end is open. An end may be a formula of numbers, such as `"8/3"`.
+/// A range of a parameter or monitor; an omitted end is open. An end of a range may be a formula of
+/// numbers, such as `"8/3"`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Range {
-    /// The parameter or monitor.
+    /// The name of the parameter or monitor.
     pub name: String,
     /// The lower end.
     #[serde(default, deserialize_with = "value", skip_serializing_if = "is_default")]
@@ -164,8 +172,8 @@ pub struct Range {
 }
 
 impl Range {
-    /// Returns the usual range of a parameter with a given value: from zero to twice the value, or
-    /// from −1 to 1.
+    /// Returns the range over which a parameter with a given value is varied by default: from zero
+    /// to twice the value, or from −1 to 1 if the value is zero.
     ///
     /// ```
     /// use tangency::scene::Range;
@@ -180,7 +188,7 @@ impl Range {
         Range { name: name.into(), low: Some(low), high: Some(high) }
     }
 
-    /// Returns the range as numbers; open ends are infinite.
+    /// Returns the ends of the range as numbers; open ends are infinite.
     pub fn interval(&self) -> std::ops::RangeInclusive<f64> {
         self.low.unwrap_or(f64::NEG_INFINITY)..=self.high.unwrap_or(f64::INFINITY)
     }
@@ -192,37 +200,40 @@ impl Range {
     }
 }
 
-/// The start of a run.
+/// The start of a run, from which its branch is traced.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 #[non_exhaustive]
 pub enum Start {
-    /// At rest: all unknowns are zero.
+    /// The run starts at rest: all unknowns are zero.
     #[default]
     Rest,
-    /// Near a guess: values of unknowns by name. The others have their initial value, or are zero.
+    /// The run starts near a guess, which gives values of unknowns by name. Unknowns that the guess
+    /// omits have their initial value, or are zero.
     Guess(#[serde(deserialize_with = "values")] Vec<(String, f64)>),
-    /// Near a profile given as a table, for boundary-value problems.
+    /// The run starts near a profile given as a table, for boundary-value problems.
     Profile(Profile),
-    /// At the periodic motion to which a simulation converges; without varied parameters, the
-    /// simulated history itself.
+    /// The run starts at the periodic motion to which a simulation converges; without varied
+    /// parameters, the result of the run is the simulated history.
     Simulated(Simulated),
-    /// At a special point of an earlier run.
+    /// The run starts at a special point of an earlier run.
     From {
         /// The name of the earlier run.
         run: String,
-        /// The kind of special point.
+        /// The kind of the special point.
         kind: Kind,
-        /// The index of the special point among its kind, in the order of the branch, from 0.
+        /// The index of the special point among the special points of its kind, in the order of the
+        /// branch, counted from 0.
         #[serde(default)]
         nth: usize,
-        /// Whether to leave the special point along the other branch.
+        /// Whether to follow the other branch through the special point.
         #[serde(default)]
         switch: bool,
-        /// The index of the branch to take, if several others cross or emanate there, from 0.
+        /// The index of the branch to follow, counted from 0, if several other branches cross at
+        /// the special point or emanate from it.
         #[serde(default)]
         which: usize,
-        /// Whether to start there even if the special point has not converged.
+        /// Whether to start at the special point even if it has not converged.
         #[serde(default)]
         unconverged: bool,
     },
@@ -235,9 +246,9 @@ pub enum Way {
     /// Both directions.
     #[default]
     Both,
-    /// The direction in which the last varied parameter increases.
+    /// Only the direction in which the last varied parameter increases.
     Forward,
-    /// The direction in which the last varied parameter decreases.
+    /// Only the direction in which the last varied parameter decreases.
     Backward,
 }
 
@@ -247,44 +258,46 @@ pub enum Way {
 pub struct Sweep {
     /// The name of the sweep.
     pub name: String,
-    /// The differences from the scene, as for `--set`: parameters by name.
+    /// The parameters and settings whose values in this sweep differ from the scene, by name, as
+    /// for `--set`.
     #[serde(default)]
     pub set: Vec<(String, String)>,
-    /// The local map near a grazing to iterate, in place of motion. Its states are deviations from
-    /// the grazing.
+    /// The local map near a grazing that is iterated instead of simulating the motion. The states
+    /// of the local map are deviations from the grazing.
     pub local: Option<Local>,
-    /// The event at which a hybrid system without forcing is sampled, just after the event. Periods
-    /// are then returns to the event.
+    /// The event just after which a hybrid system without forcing is sampled. For such a sweep, a
+    /// period is the time between two returns to the event.
     #[serde(default)]
     pub at: Option<String>,
-    /// The parameters or initial states to vary; the last one varies fastest.
+    /// The parameters or initial states to vary; the last of them varies fastest.
     pub over: Vec<Grid>,
-    /// The order of the runs, which determines their initial states.
+    /// The order of the runs of the sweep, which determines their initial states.
     #[serde(default)]
     pub order: Order,
     /// The number of parallel strands into which the axis is divided if each run starts at the end
-    /// of the previous one. Each strand begins at the initial state.
+    /// of the previous run. Each strand begins at the initial state.
     #[serde(default = "one")]
     pub strands: usize,
-    /// The initial states by name; others are zero. Each entry makes a separate sweep. By default
-    /// one sweep, from rest.
+    /// The initial states by name; states that are not named are zero. Each entry of the list makes
+    /// a separate sweep. The default is one sweep that starts from rest.
     #[serde(default)]
     pub starts: Vec<Vec<(String, f64)>>,
-    /// The settings of the search for attractors.
+    /// The settings of the search for the attractor of each run.
     #[serde(default)]
     pub search: AttractorSearch,
-    /// The search for the crisis at which the attractor of each run is lost.
+    /// The search for the crisis at which the attractor of each run disappears.
     pub crisis: Option<SoughtCrisis>,
-    /// The measures of every recorded period, by the names of the problem's monitors.
+    /// The measures that are recorded in every period, given by the names of the problem's
+    /// monitors.
     #[serde(default)]
     pub measures: Vec<String>,
-    /// The tolerance of the flow, absolute and relative.
+    /// The absolute and relative tolerance of the integration.
     #[serde(default = "flow_tolerance")]
     pub flow_tolerance: f64,
 }
 
 impl Sweep {
-    /// Creates a sweep over some values, with every run starting from rest.
+    /// Creates a sweep over some axes, in which every run starts from rest.
     pub(super) fn over(name: &str, over: Vec<Grid>) -> Self {
         Sweep {
             name: name.into(),
@@ -315,30 +328,30 @@ fn flow_tolerance() -> f64 {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Grid {
-    /// The parameter or state.
+    /// The name of the parameter or state.
     pub name: String,
     /// The first value.
     pub low: f64,
     /// The last value.
     pub high: f64,
-    /// The number of values.
+    /// The number of values along the axis.
     pub count: usize,
 }
 
-/// The parameter and range of the search for a crisis ([`CrisisSearch`]).
+/// The parameter, and the range of the parameter, in which a crisis is searched ([`CrisisSearch`]).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SoughtCrisis {
-    /// The parameter to vary.
+    /// The name of the parameter to vary.
     pub name: String,
-    /// The first value of the parameter.
+    /// The first value of the varied parameter.
     pub from: f64,
-    /// The last value of the parameter.
+    /// The last value of the varied parameter.
     pub to: f64,
-    /// The number of steps.
+    /// The number of steps between the first and the last value of the parameter.
     #[serde(default = "one")]
     pub steps: usize,
-    /// The maximum length of the final interval that contains the crisis.
+    /// The maximum length of the parameter interval in which the crisis is finally located.
     pub tolerance: f64,
 }
 

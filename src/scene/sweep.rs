@@ -1,4 +1,5 @@
-//! Sweeps of a scene: the attractors of motion, over parameters and initial states.
+//! Sweeps of a scene, which compute the attractors of motions over ranges of parameters and initial
+//! states.
 
 use super::error::SceneError;
 use super::forecast::SweepForecast;
@@ -22,20 +23,21 @@ use std::sync::Arc;
 
 /// An observer of the runs of sweeps.
 pub trait SweepWatch {
-    /// Called when a sweep begins; the table contains its finished runs.
+    /// Called when a sweep begins; the table contains the runs that are already finished.
     fn begin(&mut self, _sweep: &SweepTable) {}
 
     /// Called with the estimated work of the sweep that begins.
     fn work(&mut self, _work: &SweepForecast) {}
 
-    /// Called when a run is finished; `_known` contains its result as the last one.
+    /// Called when a run is finished; `_known` contains all results, with the result of this run as
+    /// the last one.
     fn found(&mut self, _known: &Sweeps, _found: &Found) {}
 }
 
 impl SweepWatch for () {}
 
 impl Scene {
-    /// Rejects runs of another scene.
+    /// Returns an error if the known runs belong to another scene.
     ///
     /// # Errors
     /// [`SceneError::OtherScene`].
@@ -45,7 +47,7 @@ impl Scene {
 }
 
 impl ResolvedSweep {
-    /// Returns the plan of the runs, for motion that starts in a given mode.
+    /// Returns the plan of the sweep's runs, for a motion that starts in a given mode.
     pub fn plan(&self, mode: &Mode) -> Result<Plan, SceneError> {
         let (sweep, parameters) = (&self.sweep, self.problem.parameter_names());
         let axis = |&Grid { ref name, low, high, count }: &Grid| {
@@ -67,12 +69,12 @@ impl ResolvedSweep {
         Ok(plan)
     }
 
-    /// Returns the motion to sample.
+    /// Returns the motion that the sweep samples.
     pub fn motion(&self) -> Result<Arc<dyn HybridEquations>, SceneError> {
         self.problem.model().motion()
     }
 
-    /// Creates the empty table of a number of runs.
+    /// Creates an empty table for a given number of runs.
     pub fn table(&self, runs: usize, layout: &Layout) -> SweepTable {
         let Sweep { name, over, crisis, .. } = &self.sweep;
         let axes: Vec<String> = over.iter().map(|grid| grid.name.clone()).collect();
@@ -80,7 +82,8 @@ impl ResolvedSweep {
         SweepTable::new(name, (&axes, crisis), runs, layout)
     }
 
-    /// Returns the system to sample once in every period: the problem's motion, or a local map.
+    /// Returns the system that is sampled once in every period: the motion of the problem, or a
+    /// local map.
     fn sampled<'a>(
         &self,
         motion: &'a dyn HybridEquations,
@@ -102,7 +105,8 @@ impl ResolvedSweep {
     }
 }
 
-/// Computes the sweeps of a scene, or a part of them, except for runs with known results.
+/// Computes the sweeps of a scene, or a part of the sweeps, except runs whose results are already
+/// known.
 ///
 /// ```
 /// use tangency::core::sweep::Part;
@@ -121,7 +125,7 @@ impl ResolvedSweep {
 /// ```
 ///
 /// # Errors
-/// [`SceneError`] if a sweep is invalid, or the known results belong to another scene.
+/// [`SceneError`] if a sweep is invalid, or if the known results belong to another scene.
 pub fn sweep(
     scene: &Scene,
     name: &str,
@@ -159,11 +163,11 @@ pub fn sweep(
     Ok(all)
 }
 
-/// A sweep before execution.
+/// A sweep that has not been executed yet.
 struct Prepared<'a> {
     resolved: &'a ResolvedSweep,
     motion: Arc<dyn HybridEquations>,
-    /// The local map, if one is iterated.
+    /// The local map that the sweep iterates; `None` if the sweep simulates the motion.
     map: Option<LocalMap>,
     layout: Layout,
     plan: Plan,
@@ -179,12 +183,12 @@ impl<'a> Prepared<'a> {
         Ok(Prepared { resolved, motion, map, layout, plan })
     }
 
-    /// Returns the empty table of the sweep.
+    /// Returns the table of the sweep, without results.
     fn table(&self) -> SweepTable {
         self.resolved.table(self.plan.runs(), &self.layout)
     }
 
-    /// Computes the remaining runs.
+    /// Computes the runs of the sweep whose results are not known yet.
     fn execute(
         &self,
         part: Part,

@@ -1,4 +1,4 @@
-//! Problems whose equations are given as text in a scene, or in a file that the scene names.
+//! Problems whose equations are given as text, in a scene or in a file that the scene names.
 
 use super::discretisation::{
     BoundarySettings, FieldSettings, HybridOrbitSettings, MapSettings, ProblemSettings,
@@ -21,11 +21,11 @@ pub(super) fn kind_of(name: &str) -> Option<(&'static str, &'static [&'static st
     KINDS.iter().copied().find(|(kind, _)| *kind == name)
 }
 
-/// The field of a scene that names a file of equations.
+/// The name of the field of a scene that names a file of equations.
 const FILE: &str = "model";
 
-/// Parses the problem whose equations and settings are in the brackets of `part`, which begins at
-/// position `at` of the scene's text.
+/// Parses the problem whose equations and settings are between the brackets of `part`, which begins
+/// at the offset `at` of the scene's text.
 pub(super) fn stated(
     scene: SceneText,
     (kind, fields): (&'static str, &[&'static str]),
@@ -65,7 +65,8 @@ pub(super) fn stated(
     problem(stated, &settings).map_err(|error| misread(&source, at, error).into())
 }
 
-/// Replaces some parts of a text by blanks and keeps line ends, so that positions do not change.
+/// Replaces some parts of a text by blanks but keeps the line ends, so that the positions of all
+/// other parts do not change.
 fn blanked(text: &str, parts: &[Range<usize>]) -> String {
     let mut bytes = text.as_bytes().to_vec();
     for part in parts {
@@ -74,13 +75,13 @@ fn blanked(text: &str, parts: &[Range<usize>]) -> String {
     String::from_utf8(bytes).unwrap_or_default()
 }
 
-/// Parses the name of a file in a scene.
+/// Parses the name of a file of equations in a scene.
 fn file_name(value: &str) -> Result<String, SceneError> {
     let read = options().from_str(value);
     read.map_err(|error| SceneError::value(FILE, value, reason(&error.code)))
 }
 
-/// Returns the model in a file that a scene names, and its statement.
+/// Returns the model in a file that a scene names, and the statement of the model.
 pub(super) fn of_file(
     scene: SceneText,
     file: &str,
@@ -91,7 +92,7 @@ pub(super) fn of_file(
     of_text(&path, &String::from_utf8_lossy(&bytes), given)
 }
 
-/// Parses the model in the text of a file.
+/// Parses the model in the text of a file of equations.
 fn of_text(path: &Path, text: &str, given: &[String]) -> Result<Stated, SceneError> {
     let source = Source::new(path.display().to_string(), text);
     let file = Some(path.to_path_buf());
@@ -123,7 +124,7 @@ fn of_text(path: &Path, text: &str, given: &[String]) -> Result<Stated, SceneErr
     Ok(stated)
 }
 
-/// Returns what to use in place of options of XPPAUT without effect.
+/// Returns suggestions of settings that replace the XPPAUT options that have no effect.
 fn substitutes(options: &[String]) -> Vec<&'static str> {
     let begins = |option: &String, names: &[&str]| {
         let name = option.split_once("option `").map(|(_, option)| option.to_lowercase());
@@ -141,12 +142,12 @@ fn substitutes(options: &[String]) -> Vec<&'static str> {
     used.map(|(_, instead)| instead).collect()
 }
 
-/// Returns whether a file is an XPPAUT model, by its name.
+/// Returns whether the name of a file is the name of an XPPAUT model.
 pub(super) fn is_ode(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("ode"))
 }
 
-/// Returns the problem of a file of equations, with default settings.
+/// Returns the problem that a file of equations states, with default settings.
 pub(super) fn with_default_settings(
     scene: SceneText,
     file: &str,
@@ -206,8 +207,8 @@ impl Problem {
     /// Reads the problem in a file, which contains RON or an XPPAUT model, with default settings.
     ///
     /// # Errors
-    /// [`SceneError::File`] for a file that cannot be read, [`SceneError::Model`] for one that
-    /// cannot be parsed.
+    /// [`SceneError::File`] if the file cannot be read, [`SceneError::Model`] if the file cannot be
+    /// parsed.
     pub fn from_file(path: &Path, given: &[String]) -> Result<Self, SceneError> {
         let scene = SceneText { text: "", files: Some(Files::of(Path::new(""))) };
         with_default_settings(scene, &path.to_string_lossy(), given)
@@ -216,12 +217,12 @@ impl Problem {
     /// Parses the problem in the text of a file, as [`from_file`](Self::from_file) does.
     ///
     /// # Errors
-    /// [`SceneError::Model`] for a text that cannot be parsed.
+    /// [`SceneError::Model`] if the text cannot be parsed.
     pub fn from_text(path: &Path, text: &str, given: &[String]) -> Result<Self, SceneError> {
         with_defaults(of_text(path, text, given)?)
     }
 
-    /// Returns whether a file with this text states equations rather than a scene.
+    /// Returns whether a file with this text contains equations and not a scene.
     pub fn is_file_of_equations(path: &Path, text: &str) -> bool {
         is_ode(path) || kind_of(language::statement_in(text).0).is_some()
     }

@@ -1,4 +1,4 @@
-//! Tracing the runs of a scene, one after another.
+//! Tracing of the runs of a scene, one after another.
 
 use super::discretisation::Started;
 use super::error::SceneError;
@@ -18,16 +18,17 @@ use crate::output::Document;
 use cpu_time::ThreadTime;
 use std::time::Duration;
 
-/// The results of a scene: all traced branches, and the error that stopped the scene, if any.
+/// The results of a scene: all traced branches, and the error that stopped the scene, if an error
+/// occurred.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outcome {
-    /// The branches that are shown.
+    /// The document of the branches that are shown.
     pub document: Document,
-    /// The reason why the scene stopped before its last run.
+    /// The reason why the scene stopped before its last run; `None` if all runs were traced.
     pub error: Option<SceneError>,
 }
 
-/// Traces runs, one after another.
+/// Traces the given runs, one after another.
 pub(super) fn traced(resolution: &Resolution, observer: &mut dyn SceneObserver) -> Outcome {
     let mut tracing = Tracing::default();
     for resolved in &resolution.runs {
@@ -40,8 +41,8 @@ pub(super) fn traced(resolution: &Resolution, observer: &mut dyn SceneObserver) 
     tracing.outcome(resolution)
 }
 
-/// Traces runs, one after another, and leaves out those that fail. Returns the first error as the
-/// outcome's, and all errors with the names of their runs.
+/// Traces the given runs, one after another, and omits runs that fail. Returns the outcome, which
+/// contains the first error, and all errors with the names of their runs.
 pub(super) fn traced_each(
     resolution: &Resolution,
     observer: &mut dyn SceneObserver,
@@ -61,7 +62,7 @@ pub(super) fn traced_each(
     (tracing.outcome(resolution), failed)
 }
 
-/// The traced runs, with their branches.
+/// The runs that have been traced, with their branches.
 #[derive(Default)]
 pub(super) struct Tracing {
     pub runs: Vec<Run>,
@@ -70,12 +71,12 @@ pub(super) struct Tracing {
     /// The bounds and marks without effect: the number of the branch, and the name of the column
     /// that the branch lacks.
     idle: Vec<(usize, String)>,
-    /// The error of the failed run.
+    /// The error of the run that failed.
     pub error: Option<SceneError>,
 }
 
 impl Tracing {
-    /// Traces one more run.
+    /// Traces one more run, and adds its branch to the results.
     pub fn run(
         &mut self,
         resolved: &Resolved,
@@ -124,10 +125,10 @@ impl Tracing {
     }
 }
 
-/// The final states of simulated runs, by the run's name.
+/// The final states of simulated runs, by the name of the run.
 type LastStates = Vec<(String, HybridState<f64>)>;
 
-/// Returns a simulated history as a branch of one point.
+/// Returns a simulated history as a branch with one point.
 fn history(
     resolved: &Resolved,
     simulated: &Simulated,
@@ -144,7 +145,8 @@ fn history(
     Ok(branch)
 }
 
-/// Returns the system of a run with the solution to which the motion converges.
+/// Returns the system of equations of a run, with the solution to which the simulated motion
+/// converges.
 fn settled(
     resolved: &Resolved,
     simulated: &Simulated,
@@ -158,7 +160,7 @@ fn settled(
     model.settled(run, &simulated, p, &resolved.settings.cancel)
 }
 
-/// Returns the system of a run, and initial unknowns for Newton's method.
+/// Returns the system of equations of a run, and the initial unknowns for Newton's method.
 fn started(
     resolved: &Resolved,
     done: &[Branch],
@@ -220,8 +222,8 @@ fn trace(
     Ok((branch, idle))
 }
 
-/// Corrects the first point of a run, and calls a continuation with the result and the elapsed
-/// time.
+/// Corrects the first point of a run, and calls a function with the started continuation and the
+/// elapsed time.
 fn begun<R>(
     resolved: &Resolved,
     done: &[Branch],
@@ -268,7 +270,7 @@ fn begun<R>(
 }
 
 impl Resolved {
-    /// Returns the error of a run, replaced by a cancellation if the run was cancelled.
+    /// Returns the error of a run, or the error of a cancelled run if the run was cancelled.
     fn unless_cancelled(&self, cause: SceneError) -> SceneError {
         match self.settings.cancel.is_cancelled() {
             true => SceneError::GivenUp { run: self.run.name.clone() },
@@ -276,16 +278,17 @@ impl Resolved {
         }
     }
 
-    /// Checks that a branch begins where the run starts.
+    /// Checks that a branch begins at the start of the run.
     ///
     /// # Errors
-    /// [`SceneError`] with the reason if no branch begins there.
+    /// [`SceneError`] with the reason why no branch begins at the start of the run.
     pub(super) fn begins(&self) -> Result<(), SceneError> {
         begun(&self.without_idle().0, &[], &mut (), |_, _, _| ())
             .map_err(|cause| self.unless_cancelled(cause))
     }
 
-    /// Rejects a run that starts where equations given as text have no finite value.
+    /// Returns an error if a run starts where the equations, given as text, do not have finite
+    /// values.
     fn check_begin(&self) -> Result<(), SceneError> {
         let given = match (&self.from, &self.run.start) {
             (None, Start::Rest) => &[][..],
@@ -302,8 +305,8 @@ impl Resolved {
     }
 }
 
-/// Returns the system of a run: the problem's own system, or the system of the points of a local
-/// map.
+/// Returns the system of equations of a run: the problem's own system, or the system of points of a
+/// local map.
 fn system_of(resolved: &Resolved, done: &[Branch]) -> Result<Box<dyn System>, SceneError> {
     let run = &resolved.run;
     let Some(local @ Local { run: from, kind, nth, .. }) = &run.local else {
@@ -319,7 +322,8 @@ fn system_of(resolved: &Resolved, done: &[Branch]) -> Result<Box<dyn System>, Sc
     }
 }
 
-/// Returns the local map that a sweep iterates, after the runs that find its grazing.
+/// Returns the local map that a sweep iterates, after tracing the runs that find the grazing of the
+/// map.
 pub(super) fn map_of(
     resolution: &Resolution,
     resolved: &ResolvedSweep,
@@ -334,12 +338,13 @@ pub(super) fn map_of(
     resolved.problem.model().local_map(name, local, at, &resolved.cancel)
 }
 
-/// Applies the values changed by a run also to the point that it starts from.
+/// Applies the values that a run changes to the special point at which the run starts.
 fn begin_from<'a>(curve: Continuation<'a>, resolved: &Resolved) -> Continuation<'a> {
     resolved.changed.iter().fold(curve, |curve, (name, value)| curve.at(name, *value))
 }
 
-/// Applies the varied parameters, bounds, marks, holds and direction of a run.
+/// Applies the varied parameters, bounds, marks, held conditions and direction of a run to its
+/// continuation.
 fn conditions<'a>(mut curve: Continuation<'a>, run: &Run) -> Continuation<'a> {
     for range in &run.along {
         curve = curve.along(&range.name, range.interval());
@@ -369,7 +374,8 @@ fn conditions<'a>(mut curve: Continuation<'a>, run: &Run) -> Continuation<'a> {
     }
 }
 
-/// Returns the initial unknowns of a branch, with the values of a guess in place of some groups.
+/// Returns the initial unknowns of a branch; the values of a guess replace the initial values of
+/// some groups of unknowns.
 fn guess(
     groups: &[Group],
     values: &[(String, f64)],
@@ -383,8 +389,8 @@ fn guess(
     Ok(with_values(groups, values, initial))
 }
 
-/// Returns unknowns with a constant value in each named group or element of an array; for duplicate
-/// names the last value counts.
+/// Returns unknowns in which each named group or element has a constant value; if a name occurs
+/// several times, its last value is used.
 fn with_values(groups: &[Group], values: &[(String, f64)], mut z: Vec<f64>) -> Vec<f64> {
     for (name, value) in values {
         let mut rest = &mut z[..];
@@ -400,7 +406,7 @@ fn with_values(groups: &[Group], values: &[(String, f64)], mut z: Vec<f64>) -> V
     z
 }
 
-/// Returns the special point of an earlier run that a run starts from.
+/// Returns the special point of an earlier run at which a run starts.
 fn point_of<'a>(
     run: &str,
     done: &'a [Branch],

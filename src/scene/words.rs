@@ -1,12 +1,12 @@
-//! Checks of the names and texts of a scene.
+//! Checks of the names and texts in a scene.
 
 use super::error::SceneError;
 use super::statement::Scene;
 use crate::output::{Invalid, entry, text};
 
 impl Scene {
-    /// Rejects control characters, and names of sweeps that are invalid as names of archive
-    /// entries.
+    /// Returns an error if a name or text contains control characters, or if the name of a sweep is
+    /// invalid as the name of an archive entry.
     pub(super) fn check_words(&self) -> Result<(), SceneError> {
         self.words().map_err(|invalid| SceneError::invalid(invalid.to_string()))
     }

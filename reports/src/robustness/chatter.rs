@@ -1,4 +1,5 @@
-//! A bouncing ball that comes to rest after infinitely many impacts in a finite time.
+//! Robustness map of chatter: a bouncing ball comes to rest after infinitely many impacts in a
+//! finite time.
 
 use super::grid::{Found, Panel, from_to, map};
 use crate::RobustnessMap;
@@ -7,8 +8,8 @@ use tangency::core::hybrid::{
 };
 use tangency::core::scalar::Scalar;
 
-/// A ball over the ground, `y'' = −1`, with restitution `e`; `rests` names the mode at rest after
-/// infinitely many impacts.
+/// A ball above the ground, `y'' = −1`, with coefficient of restitution `e`; the field `rests`
+/// tells whether the system declares that the ball rests after infinitely many impacts.
 struct Ball {
     rests: bool,
 }
@@ -55,15 +56,16 @@ impl HybridSystem for Ball {
     }
 }
 
-/// The initial height; the ball falls for a time of 1 from here.
+/// The initial height of the ball, from which it falls to the ground in a time of 1.
 const HEIGHT: f64 = 0.5;
 
-/// Returns the time of coming to rest, by the geometric series of the times of flight.
+/// Returns the time at which the ball comes to rest: the sum of the geometric series of the times
+/// of flight.
 fn rest(restitution: f64) -> f64 {
     (1.0 + restitution) / (1.0 - restitution)
 }
 
-/// Returns the height of the ball at a time.
+/// Returns the exact height of the ball at a time.
 fn height(restitution: f64, time: f64) -> f64 {
     if time >= rest(restitution) {
         return 0.0;
@@ -77,7 +79,8 @@ fn height(restitution: f64, time: f64) -> f64 {
     flown * (speed - 0.5 * flown)
 }
 
-/// Follows the core's motion up to a fraction of the time to rest.
+/// Follows the ball by the hybrid flow of the core, up to a given fraction of the time at which the
+/// ball comes to rest.
 fn followed(rests: bool, settings: HybridSettings, restitution: f64, part: f64) -> Found {
     let end = part * rest(restitution);
     let ball = Ball { rests };
@@ -103,8 +106,8 @@ fn followed(rests: bool, settings: HybridSettings, restitution: f64, part: f64) 
     }
 }
 
-/// Follows the ball by steps of equal length; the velocity is reversed after a step that ends below
-/// the ground.
+/// Follows the ball by time steps of equal length; the velocity is reversed after a step that ends
+/// below the ground.
 fn stepped(restitution: f64, part: f64) -> Found {
     let (end, step) = (part * rest(restitution), 0.01_f64);
     let (mut y, mut v, mut t) = (HEIGHT, 0.0_f64, 0.0_f64);

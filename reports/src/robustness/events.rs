@@ -1,4 +1,5 @@
-//! Two crossings that merge where a motion touches a surface, and the touching itself.
+//! Robustness maps of events: two crossings of a surface that merge where a motion grazes the
+//! surface, and the grazing point.
 
 use super::grid::{Found, Panel, from_to, map};
 use crate::RobustnessMap;
@@ -13,7 +14,8 @@ use tangency::hybrid_system;
 use tangency::scene::{Scene, execute};
 
 hybrid_system! {
-    /// `x'' = −x`, below and above the level 1; crossing the level changes only the mode.
+    /// The oscillator `x'' = −x`, with one mode below and one mode above the level 1; crossing the
+    /// level changes only the mode.
     struct Level [] {
         mode below [x, v] {
             d/dt x = v;
@@ -30,7 +32,7 @@ hybrid_system! {
 
 const BELOW: usize = 0;
 
-/// The end time of the motion `(1 + δ) cos(t − TOP)`, which starts at 0.
+/// The end time of the motion `(1 + δ) cos(t − TOP)`, which starts at time 0.
 const END: f64 = 4.0;
 const TOP: f64 = 1.9;
 
@@ -38,12 +40,12 @@ fn start(beyond: f64) -> [f64; 2] {
     [(1.0 + beyond) * TOP.cos(), (1.0 + beyond) * TOP.sin()]
 }
 
-/// Returns half the time between the crossings: `cos τ = 1/(1 + δ)`.
+/// Returns half the time `τ` between the two crossings, from `cos τ = 1/(1 + δ)`.
 fn half(beyond: f64) -> f64 {
     2.0 * (0.5 * beyond / (1.0 + beyond)).sqrt().asin()
 }
 
-/// Passes each step of the motion to a callback.
+/// Passes each integration step of the motion to a callback.
 fn flowed<'a>(
     beyond: f64,
     observe: impl FnMut(&mut tangency::core::ode::Step<InMode<'a, Level>, f64>) -> ControlFlow<()>,
@@ -52,8 +54,8 @@ fn flowed<'a>(
     Flow::<f64>::default().observe(&field, 0.0, END, &mut start(beyond), &[], observe).map(|_| ())
 }
 
-/// Detects sign changes at the ends of a given number of parts of each step, or of the whole
-/// motion.
+/// Detects sign changes between the ends of parts: a given number of equal parts of each
+/// integration step, or of the whole motion.
 fn signs(beyond: f64, parts: Option<usize>) -> Found {
     let (mut changes, mut above) = (0, false);
     let mut at = [0.0; 2];
@@ -81,10 +83,10 @@ fn signs(beyond: f64, parts: Option<usize>) -> Found {
     }
 }
 
-/// The error of the level due to the tolerance of flows.
+/// The error of the grazing level that the tolerance of the flow causes.
 const ERROR: f64 = 1e-11;
 
-/// Detects the crossings by the event search of hybrid motions.
+/// Detects the crossings by the event location of the hybrid flow.
 fn hybrid(beyond: f64) -> Found {
     let mut state = HybridState { mode: BELOW, time: 0.0, x: start(beyond).into() };
     let events = HybridFlow::new(&Level, HybridSettings::default())
@@ -110,7 +112,7 @@ fn hybrid(beyond: f64) -> Found {
     }
 }
 
-/// Finds the largest value inside steps.
+/// Finds the maximum of the motion, including maxima inside integration steps.
 fn largest(beyond: f64) -> Found {
     let (mut extrema, mut top) = (Extrema::default(), f64::NEG_INFINITY);
     let flowed = flowed(beyond, |step| {
@@ -125,8 +127,8 @@ fn largest(beyond: f64) -> Found {
     }
 }
 
-/// Orbits of the impact oscillator without impacts, with clearance 1, started at a forcing below or
-/// beyond the grazing by a given fraction.
+/// A scene of orbits of the impact oscillator without impacts, with clearance 1; the branch starts
+/// at a forcing that is a given fraction below or above the grazing value.
 const ORBITS: &str = r#"Scene(
     title: "Orbits without impacts",
     problem: ImpactOscillator(method: shooting()),
@@ -135,13 +137,13 @@ const ORBITS: &str = r#"Scene(
     runs: [(name: "orbits", along: [(name: "amplitude", low: 0.0, high: 1.0)])],
 )"#;
 
-/// Returns the forcing at which the orbits graze: `√((1 − ω²)² + (cω)²)`.
+/// Returns the amplitude of the forcing at which the orbits graze: `√((1 − ω²)² + (cω)²)`.
 fn grazing_force() -> f64 {
     let (frequency, damping) = (1.2_f64, 0.1);
     (1.0 - frequency * frequency).hypot(damping * frequency)
 }
 
-/// Locates the grazing on the branch of orbits.
+/// Locates the grazing point on the branch of orbits.
 fn touching(part: f64) -> Found {
     let amplitude = grazing_force() * (1.0 - part);
     let scene = Scene::parse(ORBITS).and_then(|mut scene| {

@@ -1,9 +1,9 @@
-//! Robustness maps: runs a method at every place of a grid.
+//! Computation of robustness maps: a method runs at every place of a grid.
 
 use crate::{Cell, Class, Outcome, Region, RobustnessMap, Tried};
 use std::fmt::Display;
 
-/// The outcome of a method at one place.
+/// The outcome of a method at one place of the grid.
 #[derive(Clone, Debug)]
 pub(super) struct Found {
     pub class: Class,
@@ -12,22 +12,22 @@ pub(super) struct Found {
 }
 
 impl Found {
-    /// Creates the outcome of a correct result.
+    /// Creates the outcome of a method whose result is correct.
     pub fn right(name: &'static str) -> Self {
         Found { class: Class::Right, name, message: None }
     }
 
-    /// Creates the outcome of a correct result of another method that took over.
+    /// Creates the outcome of a method that handed over to another method, whose result is correct.
     pub fn handed_over(name: &'static str) -> Self {
         Found { class: Class::HandedOver, name, message: None }
     }
 
-    /// Creates the outcome of a failure reported with its cause.
+    /// Creates the outcome of a method that reports a failure and its cause.
     pub fn reported(name: &'static str, why: impl Display) -> Self {
         Found { class: Class::Reported, name, message: Some(why.to_string()) }
     }
 
-    /// Creates the outcome of a wrong result without any report.
+    /// Creates the outcome of a method whose result is wrong and that reports no failure.
     pub fn silent(name: &'static str) -> Self {
         Found { class: Class::Silent, name, message: None }
     }
@@ -39,7 +39,7 @@ pub(super) fn from_to(low: f64, high: f64, count: usize) -> Vec<f64> {
     (0..count).map(|k| low + (high - low) * k as f64 / parts).collect()
 }
 
-/// A method with its outcomes, before these have positions in the map.
+/// A method with its outcomes, before these outcomes are converted to indices in the map.
 struct Attempt {
     name: String,
     naive: bool,
@@ -54,12 +54,12 @@ pub(super) struct Panel {
 }
 
 impl Panel {
-    /// Creates a panel with its title and the labels of its axes.
+    /// Creates a panel with its title and the labels of its two axes.
     pub fn new(title: &str, x: &str, y: &str) -> Self {
         Panel { title: title.into(), labels: [x.into(), y.into()], attempts: Vec::new() }
     }
 
-    /// Creates a panel of one method, with the method's name.
+    /// Creates a panel of a single method, titled with the method's name.
     pub fn of(
         (name, naive): (&str, bool),
         [x, y]: [&str; 2],
@@ -69,7 +69,7 @@ impl Panel {
         Panel::new(name, x, y).over((name, naive), places, method)
     }
 
-    /// Runs a method at every place.
+    /// Runs a method at every place of the panel's grid.
     pub fn over(
         mut self,
         (name, naive): (&str, bool),
@@ -82,14 +82,14 @@ impl Panel {
         self
     }
 
-    /// Runs a method in a separate row.
+    /// Runs a method at every place of a separate row of the panel.
     pub fn row(self, name: (&str, bool), xs: &[f64], mut method: impl FnMut(f64) -> Found) -> Self {
         let y = [self.attempts.len() as f64];
         self.over(name, [xs, &y], |x, _| method(x))
     }
 }
 
-/// Returns the map of panels.
+/// Returns the robustness map that consists of the given panels.
 pub(super) fn map(name: &str, panels: Vec<Panel>) -> RobustnessMap {
     let found = panels.iter().flat_map(|panel| &panel.attempts).flat_map(|a| &a.places);
     let mut outcomes: Vec<Outcome> = Vec::new();
@@ -114,7 +114,8 @@ pub(super) fn map(name: &str, panels: Vec<Panel>) -> RobustnessMap {
     }
 }
 
-/// Converts the outcomes of a method to positions; the first message of each outcome is kept.
+/// Converts the outcomes of a method to indices in the map's list of outcomes; of each outcome,
+/// only the first error message is kept.
 fn tried(attempt: Attempt, outcomes: &[Outcome]) -> Tried {
     let mut cells: Vec<Cell> = Vec::new();
     for ([x, y], Found { class, name, message }) in attempt.places {

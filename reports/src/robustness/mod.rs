@@ -1,9 +1,9 @@
-//! Robustness maps: where methods succeed, report failures, or are silently wrong.
+//! Robustness maps, which show where methods succeed, report failures, or are silently wrong.
 //!
-//! A map runs methods on a grid over the quantities that make them fail: the distance from a fold,
-//! the size of a multiplier, the rate of a stiff field. Each cell runs the method and is classified
-//! by its error type or by comparison with an exact answer. Naive methods are included to show
-//! silent failures.
+//! A map runs methods on a grid of the quantities that make the methods fail, such as the distance
+//! from a fold, the modulus of a multiplier, or the rate of a stiff field. Each cell of the grid is
+//! classified by the error type that the method returns, or by comparison of its result with an
+//! exact answer. Naive methods are included to show failures that are not reported.
 
 mod chatter;
 mod events;

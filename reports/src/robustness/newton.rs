@@ -1,5 +1,5 @@
-//! Newton's iteration near a fold: with the load held, without and with damping, and with the load
-//! free.
+//! Robustness map of Newton's iteration near a fold: at fixed load, with and without damping, and
+//! with the load as an unknown.
 
 use super::grid::{Found, Panel, from_to, map};
 use crate::{Class, RobustnessMap};
@@ -15,19 +15,21 @@ use tangency::problems::classic::ParallelPlate;
 /// The load at the fold.
 const PULL_IN: f64 = 4.0 / 27.0;
 
-/// Returns the residual, with the derivative with respect to the deflection or the load.
+/// Returns the residual of the equilibrium equation, and its derivative with respect to the
+/// deflection or the load.
 fn residual(u: Dual64, load: Dual64) -> Dual64 {
     let mut r = [Dual64::from(0.0)];
     ParallelPlate.residual(&[u], &[load], &mut r);
     r[0]
 }
 
-/// Returns the residual and its derivative with respect to the deflection.
+/// Returns the residual of the equilibrium equation and its derivative with respect to the
+/// deflection.
 fn by_deflection(u: f64, load: f64) -> Dual64 {
     residual(Dual64::from(u).derivative(), load.into())
 }
 
-/// Classifies the deflection at which the iteration ended.
+/// Classifies the deflection to which Newton's iteration converged.
 fn judged(u: f64, load: f64) -> Found {
     let r = by_deflection(u, load);
     // Near the fold, the deflection is determined only up to the square root of the error of the
@@ -41,7 +43,7 @@ fn judged(u: f64, load: f64) -> Found {
     }
 }
 
-/// Repeats Newton's formula until the deflection no longer changes.
+/// Applies Newton's formula repeatedly until the deflection no longer changes.
 fn plain(share: f64, guess: f64) -> Found {
     let (load, mut u) = (share * PULL_IN, guess);
     for _ in 0..LIMITS.max_iterations {
@@ -79,8 +81,8 @@ fn damped(share: f64, guess: f64) -> Found {
     }
 }
 
-/// Runs Tangency's Newton iteration with the load as an unknown, on the line normal to the curve of
-/// constant residual through the guess.
+/// Runs Tangency's Newton iteration with the load as an unknown; the iterates are restricted to the
+/// normal, at the guess, of the curve of constant residual.
 fn extended(share: f64, guess: f64) -> Found {
     let (load, mut system) = (share * PULL_IN, Dense::new(ParallelPlate));
     let start = [guess, load];
@@ -102,8 +104,8 @@ fn extended(share: f64, guess: f64) -> Found {
     }
 }
 
-/// Returns the result of arclength continuation from rest for a load: the two deflections, or an
-/// earlier fold.
+/// Returns the two deflections that arclength continuation from rest finds at a given load, or
+/// reports that the fold lies below this load.
 fn from_rest(share: f64) -> Found {
     let (load, mut system) = (share * PULL_IN, Dense::new(ParallelPlate));
     let traced = Continuation::new(&mut system).along("load", 0.0..=1.0).mark("load", load).trace();

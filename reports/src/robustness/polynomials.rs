@@ -1,4 +1,5 @@
-//! The functions of plates by powers and by recurrence, in numbers with 7 and with 16 digits.
+//! Robustness map of the plates' shape functions, evaluated by powers and by recurrence, in single
+//! (7 digits) and double precision (16 digits).
 
 use super::grid::{Found, Panel, from_to, map};
 use crate::RobustnessMap;
@@ -12,8 +13,8 @@ fn number<T: Float>(value: f64) -> T {
     T::from(value).unwrap_or_else(T::nan)
 }
 
-/// Evaluates `f_r = Σ (−1)ⁿ (2r−2n−7)!!/(2ⁿ n! (r−2n−1)!) ξ^{r−2n−1}`, `r > 4` (N. S. Bardell,
-/// 1991), by its powers.
+/// Evaluates the shape function `f_r = Σ (−1)ⁿ (2r−2n−7)!!/(2ⁿ n! (r−2n−1)!) ξ^{r−2n−1}`, `r > 4`
+/// (N. S. Bardell, 1991), by its powers.
 fn in_powers<T: Float>(order: usize, xi: T) -> T {
     let product = |to: usize, stride: usize| {
         (1..=to).rev().step_by(stride).fold(T::one(), |product, v| product * number(v as f64))
@@ -32,7 +33,7 @@ fn in_powers<T: Float>(order: usize, xi: T) -> T {
     (0..=(order - 1) / 2).fold(T::zero(), |sum, n| sum + term(n))
 }
 
-/// Divides one product by another, factor by factor.
+/// Divides one product of factors by another, factor by factor.
 fn ratio<T: Float>(above: impl Iterator<Item = f64>, below: impl Iterator<Item = f64>) -> T {
     let (mut above, mut below) = (above.fuse(), below.fuse());
     let mut value = T::one();
@@ -44,7 +45,7 @@ fn ratio<T: Float>(above: impl Iterator<Item = f64>, below: impl Iterator<Item =
     }
 }
 
-/// Evaluates the same function from three Legendre polynomials: with `n = r − 3`,
+/// Evaluates the shape function `f_r` from three Legendre polynomials: with `n = r − 3`,
 /// `P_{n+2}/((2n+1)(2n+3)) − 2 P_n/((2n−1)(2n+3)) + P_{n−2}/((2n−1)(2n+1))`.
 fn from_legendre<T: Float>(order: usize, polynomial: impl Fn(usize) -> T) -> T {
     let n = order - 3;
@@ -55,7 +56,7 @@ fn from_legendre<T: Float>(order: usize, polynomial: impl Fn(usize) -> T) -> T {
         + polynomial(n - 2) / (low * middle)
 }
 
-/// Uses the recurrence `k P_k = (2k − 1) ξ P_{k−1} − (k − 1) P_{k−2}`.
+/// Evaluates Legendre polynomials by the recurrence `k P_k = (2k − 1) ξ P_{k−1} − (k − 1) P_{k−2}`.
 fn by_recurrence<T: Float>(order: usize, xi: T) -> T {
     let mut values = vec![T::one(), xi];
     for k in 2..=order {
@@ -65,8 +66,9 @@ fn by_recurrence<T: Float>(order: usize, xi: T) -> T {
     from_legendre(order, |n| values[n])
 }
 
-/// Evaluates Laplace's integral, `P_n(ξ) = 1/π ∫₀^π (ξ + i √(1 − ξ²) cos φ)ⁿ dφ`, which equals the
-/// sum over at least `n` equidistant angles. No power exceeds 1, so no digits are lost.
+/// Evaluates a Legendre polynomial by Laplace's integral, `P_n(ξ) = 1/π ∫₀^π (ξ + i √(1 − ξ²) cos
+/// φ)ⁿ dφ`, which equals the mean over at least `n` equidistant angles. No power in Laplace's sum
+/// exceeds 1 in modulus, so the sum loses no digits.
 fn exact(order: usize, xi: f64) -> f64 {
     let legendre = |n: usize| {
         let parts = n + 2;
@@ -80,8 +82,8 @@ fn exact(order: usize, xi: f64) -> f64 {
     from_legendre(order, legendre)
 }
 
-/// Classifies the fraction of digits that the function of an order loses, relative to its largest
-/// value.
+/// Classifies the number of digits that the evaluation of a shape function of a given order loses,
+/// relative to the function's largest value.
 fn judged(order: usize, digits: f64, value: impl Fn(f64) -> f64) -> Found {
     let grid = || (-100..=100).map(|i| f64::from(i) / 100.0);
     let size = grid().map(|xi| exact(order, xi).abs()).fold(0.0, f64::max);

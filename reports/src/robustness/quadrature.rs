@@ -1,5 +1,5 @@
-//! The load `1/(1 − w)²` near contact: the number of Gauss points, and the errors estimated by the
-//! plate model.
+//! Robustness map of the integral of the load `1/(1 − w)²` near contact: the number of Gauss
+//! points, and the errors that the plate model estimates.
 
 use super::grid::{Found, Panel, from_to, map};
 use crate::RobustnessMap;
@@ -9,8 +9,8 @@ use tangency::core::numerics::gauss_legendre;
 use tangency::core::system::Kind;
 use tangency::problems::plate::{Orders, Ritz, RitzSettings, Supports, Units};
 
-/// Computes `∬ dx dy/(1 − w)²` over a quarter of a clamped plate, `w = W (16 x² (1 − x)² y² (1 −
-/// y)²)`, with a given number of points in each direction.
+/// Computes the integral `∬ dx dy/(1 − w)²` over a quarter of a clamped plate with the deflection
+/// `w = W (16 x² (1 − x)² y² (1 − y)²)`, with a given number of Gauss points in each direction.
 fn load(largest: f64, points: usize) -> f64 {
     let (nodes, weights) = gauss_legendre(points);
     let place = |(node, weight): (&f64, &f64)| {
@@ -25,10 +25,10 @@ fn load(largest: f64, points: usize) -> f64 {
     line.iter().map(along).sum()
 }
 
-/// A number of points that is sufficient for the whole map.
+/// A number of Gauss points that is sufficient for the whole map.
 const MANY: usize = 256;
 
-/// Classifies the relative error for a number of points.
+/// Classifies the relative error of the integral for a number of Gauss points.
 fn judged(error: f64) -> Found {
     match error {
         ..1e-9 => Found::right("nine digits"),
@@ -38,7 +38,8 @@ fn judged(error: f64) -> Found {
     }
 }
 
-/// Traces a branch from rest to a largest deflection, with marks on the way.
+/// Traces a branch of the plate from rest up to a largest deflection, with marked points on the
+/// way.
 fn traced(orders: [usize; 2], refinement: f64, gaps: &[f64]) -> Traced {
     let supports: Supports =
         "CCCC".parse().map_err(|e: tangency::problems::plate::PlateError| one_line(&e))?;
@@ -57,7 +58,7 @@ fn traced(orders: [usize; 2], refinement: f64, gaps: &[f64]) -> Traced {
     marked.trace().map_err(|cause| one_line(&cause))
 }
 
-/// Returns the load at a mark, and its error.
+/// Returns the load at a marked point of the branch, and the error of this load.
 fn marked(branch: &Branch, gap: f64) -> Option<[f64; 2]> {
     let deflection = branch.column("max_deflection")?;
     let near = |value: f64| (value - 1.0 + gap).abs() < 1e-9;
@@ -66,11 +67,11 @@ fn marked(branch: &Branch, gap: f64) -> Option<[f64; 2]> {
     Some([point.value(branch.column("load")?)?, point.error])
 }
 
-/// A branch, or the reason for its failure.
+/// A branch, or the reason why its computation failed.
 type Traced = Result<Branch, String>;
 
-/// Compares a mark of a branch with the mark of a finer branch; a missing mark is explained by the
-/// end of the branch.
+/// Compares a marked point of a branch with the same point of a more accurate branch; if the point
+/// is missing, the reason why the branch ended is reported.
 fn compared(branch: &Traced, finer: &Traced, gap: f64) -> Found {
     let (branch, finer) = match (branch, finer) {
         (Ok(branch), Ok(finer)) => (branch, finer),

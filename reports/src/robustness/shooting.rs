@@ -1,4 +1,5 @@
-//! Orbits of growing multipliers by shooting over segments and by collocation.
+//! Robustness map of periodic orbits with large multipliers, computed by multiple shooting and by
+//! collocation.
 
 use super::grid::{Found, Panel, from_to, map};
 use crate::RobustnessMap;
@@ -11,8 +12,8 @@ use tangency::core::system::Kind;
 use tangency::vector_field;
 
 vector_field! {
-    /// `x' = λ(x − A cos t) − A sin t`, `y' = −λ(y − A sin t) + A cos t`: for every rate λ, the
-    /// periodic solution is `(A cos t, A sin t)`, with the multipliers `exp(±2πλ)`.
+    /// The equations `x' = λ(x − A cos t) − A sin t`, `y' = −λ(y − A sin t) + A cos t`: for every
+    /// rate λ, the periodic solution is `(A cos t, A sin t)`, and its multipliers are `exp(±2πλ)`.
     struct Saddle [x, y; amplitude, rate; t] {
         let (sine, cosine) = t.sin_cos();
         d/dt x = rate * (x - amplitude * cosine) - amplitude * sine;
@@ -21,15 +22,15 @@ vector_field! {
     }
 }
 
-/// The amplitude at which the branch is marked, where `x` reaches 1.5.
+/// The amplitude at which a point of the branch is marked: `x` reaches 1.5 there.
 const MARKED: f64 = 1.5;
-/// The largest relative error of a result that counts as right.
+/// The largest relative error with which a result counts as right.
 const DIGITS: f64 = 1e-9;
-/// The largest ratio of an error to its estimate for an honest estimate.
+/// The largest ratio of an error to its estimate with which the estimate counts as honest.
 const HONEST: f64 = 10.0;
 
-/// Traces the branch over the amplitude, from a guess that is off by a few hundredths, and
-/// classifies the result.
+/// Traces the branch of orbits over the amplitude from an inexact guess, which is wrong by a few
+/// hundredths, and classifies the result.
 fn judged(system: Result<BoundarySystem, BoundaryError>, multiplier: f64) -> Found {
     let mut system = match system {
         Ok(system) => system,
@@ -65,7 +66,8 @@ fn judged(system: Result<BoundarySystem, BoundaryError>, multiplier: f64) -> Fou
     }
 }
 
-/// Compares the mark with the exact amplitude, and its error with the estimate.
+/// Compares the computed amplitude of the marked point with the exact amplitude, and the actual
+/// error with the estimated error.
 fn compared(branch: &Branch) -> Found {
     let Some(point) = branch.of_kind(Kind::UZ).next() else {
         return match &branch.ends[1] {

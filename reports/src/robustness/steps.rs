@@ -1,4 +1,5 @@
-//! Steps along a sharp bend near another branch: without control, of equal length, and adaptive.
+//! Robustness map of continuation steps along a sharp bend near another branch: steps without
+//! control, steps of equal length, and adaptive steps.
 
 use super::grid::{Found, Panel, from_to, map};
 use crate::{Class, RobustnessMap};
@@ -8,7 +9,7 @@ use tangency::core::problem::ZeroProblem;
 use tangency::core::system::{Dense, Kind};
 use tangency::problems::classic::Hyperbola;
 
-/// Returns `F` and its derivatives with respect to `x` and `μ`.
+/// Returns the function `F` and its derivatives with respect to `x` and `μ`.
 fn linearised([x, mu]: [f64; 2], epsilon: f64) -> [f64; 3] {
     let derivative = |x: Dual64, mu: Dual64| {
         let mut r = [Dual64::from(0.0)];
@@ -20,8 +21,8 @@ fn linearised([x, mu]: [f64; 2], epsilon: f64) -> [f64; 3] {
     [by_x.re, by_x.eps, by_mu.eps]
 }
 
-/// Steps along the tangent and applies Newton's formula across it; the point of convergence is the
-/// next point.
+/// Traces a branch by steps along the tangent, each corrected by Newton's iteration across the
+/// tangent; every converged point is accepted as the next point.
 fn uncontrolled(epsilon: f64, step: f64) -> Found {
     let mut at = [(1.0 + epsilon * epsilon).sqrt(), -1.0];
     let mut before = [-1.0, 1.0];
@@ -56,12 +57,12 @@ fn uncontrolled(epsilon: f64, step: f64) -> Found {
     arrived(at[0])
 }
 
-/// Determines the branch reached beyond the bend.
+/// Returns the branch on which the continuation is after the bend.
 fn arrived(x: f64) -> Found {
     if x > 0.0 { Found::right("followed") } else { Found::silent("jumped to the other branch") }
 }
 
-/// Traces the branch by the core's steps, with a minimum and a maximum length.
+/// Traces the branch by the adaptive steps of the core, with a minimum and a maximum step length.
 fn traced(epsilon: f64, [min_step, max_step]: [f64; 2]) -> Result<Branch, TraceError> {
     let settings = Settings { initial_step: max_step, max_step, min_step, ..Settings::default() };
     let mut system = Dense::new(Hyperbola);
@@ -74,10 +75,10 @@ fn traced(epsilon: f64, [min_step, max_step]: [f64; 2]) -> Result<Branch, TraceE
         .trace()
 }
 
-/// The approximate distance below which two branches count as crossing.
+/// The approximate distance below which two neighbouring branches count as crossing each other.
 const CROSSING: f64 = 5e-4;
 
-/// Classifies the result of the core.
+/// Classifies the branch that the core traced.
 fn judged(epsilon: f64, traced: Result<Branch, TraceError>) -> Found {
     let branch = match traced {
         Ok(branch) => branch,

@@ -1,4 +1,4 @@
-//! Stiff fields: explicit methods and the implicit one.
+//! Robustness map of stiff fields: explicit integration methods and the implicit method.
 
 use super::grid::{Found, Panel, from_to, map};
 use crate::RobustnessMap;
@@ -6,12 +6,12 @@ use tangency::core::failure::FlowError;
 use tangency::core::ode::{Flow, Scheme, Settings};
 use tangency::problems::classic::ProtheroRobinson;
 
-/// The duration of the flow.
+/// The length of the integration interval.
 const TIME: f64 = 2.0;
-/// The largest allowed error at the end, in units of the tolerance.
+/// The largest allowed error at the end of the integration, in units of the tolerance.
 const TOLERANCES: f64 = 100.0;
 
-/// Returns the error at the end and the number of evaluations of the field.
+/// Returns the error at the end of the integration, and the number of evaluations of the field.
 fn flowed(scheme: Scheme, rate: f64, tolerance: f64) -> Result<(f64, usize), FlowError> {
     let mut x = [1.0];
     // All tolerances on the map are valid.
@@ -46,7 +46,8 @@ fn tried(scheme: Scheme, rate: f64, tolerance: f64) -> Found {
     }
 }
 
-/// Switches to the implicit method if the explicit method reports a stiff field.
+/// Integrates with the explicit method, and switches to the implicit method if the explicit method
+/// reports that the field is stiff.
 fn handed_over(rate: f64, tolerance: f64) -> Found {
     match flowed(Scheme::DormandPrince8, rate, tolerance) {
         Err(FlowError::Stiff { .. } | FlowError::TooManySteps { .. }) => {

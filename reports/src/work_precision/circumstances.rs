@@ -1,9 +1,9 @@
-//! The circumstances of a measurement: machine, compiler and date.
+//! The machine, the compiler and the date of a measurement.
 
 use crate::Circumstances;
 use std::time::SystemTime;
 
-/// Returns the current machine, program and date.
+/// Returns the current machine, the compiler of this program, and today's date.
 pub(super) fn now(runs: usize) -> Circumstances {
     let date = humantime::format_rfc3339_seconds(SystemTime::now()).to_string();
     Circumstances {
@@ -15,7 +15,7 @@ pub(super) fn now(runs: usize) -> Circumstances {
     }
 }
 
-/// Returns the name of the processor, or at least its kind.
+/// Returns the model name of the processor, or its architecture if the name is unknown.
 fn processor() -> String {
     let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let named =

@@ -1,4 +1,5 @@
-//! The error of the curve drawn through the points of a branch, by the number of points.
+//! Work-precision diagram of the curve interpolated between the points of a branch: its error
+//! against the number of points.
 
 use super::plan::{Answer, Method, Plan};
 use crate::Drawn;
@@ -8,27 +9,27 @@ use tangency::core::system::Dense;
 use tangency::zero_problem;
 
 zero_problem! {
-    /// A plate attracted by an electrode: `load = u (1 − u)²`.
+    /// The equilibrium of a plate attracted by an electrode: `load = u (1 − u)²`.
     struct Plate [u; load] {
         0 = load / (T::one() - u).powi(2) - u;
         monitor deflection = u;
     }
 }
 
-/// The number of deflections at which the curves are compared.
+/// The number of deflections at which interpolated curves are compared.
 const PLACES: usize = 400;
 
 /// The largest deflection.
 const END: f64 = 0.9;
 
-/// The interpolation between points.
+/// The interpolation between neighbouring points of a branch.
 #[derive(Clone, Copy)]
 enum Joined {
     Straight,
     Cubic,
 }
 
-/// Traces the branch with a given error of its curve.
+/// Traces the branch with a given tolerance for the error of the interpolated curve.
 fn branch(curve_error: f64) -> Result<Branch, String> {
     let mut plate = Dense::new(Plate);
     let settings = Settings { curve_error, ..Settings::default() };
@@ -36,7 +37,8 @@ fn branch(curve_error: f64) -> Result<Branch, String> {
     run.settings(settings).trace().map_err(|cause| one_line(&cause))
 }
 
-/// Returns the load and the deflection at a fraction of the way between two points.
+/// Returns the interpolated load and deflection at a given fraction of the arclength between two
+/// points of a branch.
 fn between([from, to]: [&Point; 2], joined: Joined, share: f64) -> Option<[f64; 2]> {
     let [a, b] = [from.slopes.as_ref()?, to.slopes.as_ref()?];
     let length = b.position - a.position;
@@ -51,7 +53,7 @@ fn between([from, to]: [&Point; 2], joined: Joined, share: f64) -> Option<[f64; 
     Some([at(0)?, at(1)?])
 }
 
-/// Returns the load of the curve at a deflection, by bisection.
+/// Returns the load of the interpolated curve at a given deflection, by bisection.
 fn load(branch: &Branch, joined: Joined, deflection: f64) -> Option<f64> {
     let reaches = |point: &Point| point.value(1).is_some_and(|u| u >= deflection);
     let end = branch.points.iter().position(reaches)?.max(1);
@@ -65,13 +67,13 @@ fn load(branch: &Branch, joined: Joined, deflection: f64) -> Option<f64> {
     Some(between(pair, joined, low)?[0])
 }
 
-/// Returns the loads at equidistant deflections.
+/// Returns the loads of the interpolated curve at equidistant deflections.
 fn loads(branch: &Branch, joined: Joined) -> Option<Vec<f64>> {
     let places = (1..PLACES).map(|k| END * k as f64 / PLACES as f64);
     places.map(|deflection| load(branch, joined, deflection)).collect()
 }
 
-/// Plans the error of the curve against the number of points.
+/// Plans the diagram of the error of the interpolated curve against the number of points.
 pub(super) fn plans() -> Vec<Plan> {
     let exact = Method::new("load = u (1 − u)²", "", || {
         let places = (1..PLACES).map(|k| END * k as f64 / PLACES as f64);

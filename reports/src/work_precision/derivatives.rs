@@ -1,5 +1,5 @@
-//! Forward dual numbers compared with finite differences: the derivative of a period with an
-//! impact, its multipliers, and a fold.
+//! Work-precision diagrams of forward dual numbers and finite differences: for the Jacobian of a
+//! period map with an impact, for its multipliers, and for a fold.
 
 use super::differences::{By, IMPACTING};
 use super::fold;
@@ -7,14 +7,14 @@ use super::period::Period;
 use super::plan::{Answer, Method, Plan};
 use nalgebra::Matrix2;
 
-/// Returns the moduli of the two multipliers, the larger one first.
+/// Returns the moduli of the two Floquet multipliers, the larger one first.
 fn multipliers(matrix: &Matrix2<f64>) -> Vec<f64> {
     let mut sizes: Vec<f64> = matrix.complex_eigenvalues().iter().map(|mu| mu.norm()).collect();
     sizes.sort_by(|a, b| b.total_cmp(a));
     sizes
 }
 
-/// Plans the matrix, its multipliers, and a fold.
+/// Plans the diagrams of the Jacobian matrix, of its multipliers, and of a fold.
 pub(super) fn plans() -> Vec<Plan> {
     let x = IMPACTING.settled();
     let plan = |title: &str, numbers: fn(&Matrix2<f64>) -> Vec<f64>| {

@@ -1,4 +1,4 @@
-//! Derivatives by dual numbers, and by finite differences for comparison.
+//! Derivatives by dual numbers, and derivatives by finite differences for comparison.
 
 use super::period::{Period, parameters};
 use super::plan::{Answer, Method};
@@ -7,7 +7,7 @@ use std::iter;
 use std::ops::RangeInclusive;
 use tangency::core::ode::work;
 
-/// A difference rule with its step.
+/// A rule of finite differences, with its step size.
 #[derive(Clone, Copy)]
 pub(super) enum Differences {
     OneSided(f64),
@@ -15,7 +15,7 @@ pub(super) enum Differences {
 }
 
 impl Differences {
-    /// Computes the derivative of a function with respect to all its arguments.
+    /// Computes the Jacobian matrix of a function with respect to all its arguments.
     pub fn matrix<const N: usize, const M: usize>(
         self,
         of: impl Fn(SVector<f64, N>) -> Result<SVector<f64, M>, String>,
@@ -40,10 +40,10 @@ impl Differences {
     }
 }
 
-/// The period map on the branch with one impact per period.
+/// The period map of Mita's actuator on the branch of orbits with one impact per period.
 pub(super) const IMPACTING: Period = Period { impacts: true, p: parameters(0.4), tolerance: 1e-12 };
 
-/// The way of computing a derivative.
+/// The method by which derivatives are computed.
 #[derive(Clone, Copy)]
 pub(super) enum By {
     Duals,
@@ -51,7 +51,8 @@ pub(super) enum By {
 }
 
 impl By {
-    /// Returns dual numbers, and differences with several steps.
+    /// Returns all methods of differentiation: dual numbers, and finite differences with several
+    /// step sizes.
     pub fn all(exponents: RangeInclusive<i32>) -> Vec<By> {
         let steps = || exponents.clone().map(|k| 10.0_f64.powi(-k));
         let one_sided = steps().map(Differences::OneSided);
@@ -59,8 +60,8 @@ impl By {
         iter::once(By::Duals).chain(differences.map(By::Differences)).collect()
     }
 
-    /// Returns a method that computes numbers with these derivatives, and counts evaluations of the
-    /// field.
+    /// Returns a method that computes numbers from derivatives of this kind, and that counts the
+    /// evaluations of the field.
     pub fn method(self, find: impl Fn(By) -> Result<Vec<f64>, String> + 'static) -> Method {
         let (line, setting) = match self {
             By::Duals => ("dual numbers", String::new()),
@@ -78,7 +79,7 @@ impl By {
         })
     }
 
-    /// Computes the derivative of the image with respect to the state.
+    /// Computes the Jacobian matrix of the period map with respect to the state.
     pub fn matrix(self, x: [f64; 2]) -> Result<Matrix2<f64>, String> {
         match self {
             By::Duals => IMPACTING.derivative(x),

@@ -1,18 +1,18 @@
-//! A grazing located by repeated simulation, with the largest displacement on a mesh or inside
-//! steps, and by its defining system.
+//! Work-precision diagram of a grazing point: located by repeated simulation, with the largest
+//! displacement taken on a mesh or inside integration steps, and located by its defining system.
 
 use super::period::{Period, parameters};
 use super::plan::{Answer, Method, Plan};
 use super::scenes::{Counted, GRAZING, PASSING, tracing};
 use tangency::core::ode::work;
 
-/// The clearance of the stopper.
+/// The distance between the resting mass and the stopper.
 const CLEARANCE: f64 = 0.5;
-/// The voltages that bracket the grazing.
+/// The two voltages between which the orbit grazes the stopper.
 const BRACKET: [f64; 2] = [0.2, 0.24];
 
-/// The distance of the orbit without impacts from the stopper; each orbit starts the search for the
-/// next one.
+/// The distance of the orbit without impacts from the stopper, as a function of the voltage; each
+/// orbit is the initial guess for the next orbit.
 struct Distance {
     near: [f64; 2],
     tolerance: f64,
@@ -27,7 +27,7 @@ impl Distance {
     }
 }
 
-/// The method to find a zero.
+/// The method that finds the zero of the distance.
 #[derive(Clone, Copy)]
 enum Finder {
     Bisection,
@@ -79,7 +79,7 @@ fn repeated(line: &'static str, finder: Finder, tolerance: f64, mesh: Option<usi
     })
 }
 
-/// Plans the grazing of the orbit without impacts.
+/// Plans the diagram of the voltage at which the orbit without impacts grazes the stopper.
 pub(super) fn plans() -> Vec<Plan> {
     let defining = |tolerance: &str, line: &str| {
         let settings = [("flow_tolerance", tolerance)];

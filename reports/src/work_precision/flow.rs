@@ -1,5 +1,5 @@
-//! Integrators: on the stick phase of Mita's actuator, over an impacting period, on a stiff field,
-//! and on dual numbers.
+//! Work-precision diagrams of integrators: on the stick phase of Mita's actuator, over a period
+//! with an impact, on a stiff field, and on dual numbers.
 
 use super::period::{PERIOD, parameters};
 use super::plan::{Answer, Method, Plan};
@@ -20,7 +20,7 @@ const SCHEMES: [(Scheme, &str); 3] = [
 
 const TOLERANCES: [f64; 7] = [1e-3, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-13];
 
-/// Integrates a field over a time, in a scalar type.
+/// Integrates a vector field over a given time in a given scalar type.
 fn over<F: VectorField + 'static, T: Scalar>(
     field: F,
     settings: Settings,
@@ -38,7 +38,7 @@ fn over<F: VectorField + 'static, T: Scalar>(
     }
 }
 
-/// Returns methods of all schemes and tolerances.
+/// Returns a method for each integration scheme and each tolerance.
 fn all(method: impl Fn(Settings) -> Box<dyn FnMut() -> Result<Answer, String>>) -> Vec<Method> {
     let one = |(scheme, name): &(Scheme, &str), tolerance: f64| {
         let settings = Settings { max_steps: 1_000_000, ..Settings::new(*scheme, tolerance) };
@@ -48,7 +48,8 @@ fn all(method: impl Fn(Settings) -> Box<dyn FnMut() -> Result<Answer, String>>) 
     SCHEMES.iter().flat_map(of).collect()
 }
 
-/// Returns the motion with a smaller error than all others.
+/// Returns the reference method, whose integration error is smaller than the error of all other
+/// methods.
 fn exact<R>(motion: impl Fn(Settings) -> R) -> Method
 where
     R: FnMut() -> Result<Answer, String> + 'static,
@@ -57,20 +58,20 @@ where
     Method::new("order 8", "at a tolerance of 1e-15", motion(settings))
 }
 
-/// Integrates the stick phase over a period, in a scalar type.
+/// Integrates the stick phase of Mita's actuator over a period, in a given scalar type.
 fn stuck<T: Scalar>(settings: Settings) -> impl FnMut() -> Result<Answer, String> + 'static {
     let field = InMode { system: &Actuator, mode: Actuator::STICK };
     over(field, settings, ([0.1, -0.2].map(T::constant).to_vec(), PERIOD), parameters(0.2).to_vec())
 }
 
-/// Plans the stick phase over a period.
+/// Plans the diagram of the stick phase over a period.
 fn stick() -> Plan {
     Plan::of("Mita's actuator sticking, one period", exact(stuck::<f64>))
         .with(all(|settings| Box::new(stuck::<f64>(settings))))
         .recommending("order 8", "1e-12")
 }
 
-/// Plans a period with an impact and a slip.
+/// Plans the diagram of a period with an impact and a slip.
 fn impacting() -> Plan {
     let motion = |settings: Settings| {
         move || {
@@ -88,7 +89,7 @@ fn impacting() -> Plan {
         .recommending("order 8", "1e-10")
 }
 
-/// Plans a stiff field.
+/// Plans the diagram of a stiff field.
 fn stiff() -> Plan {
     let time = 2.0_f64;
     let exact = move || Ok(Answer { numbers: vec![time.cos()], work: 0.0 });
@@ -99,7 +100,7 @@ fn stiff() -> Plan {
         .recommending("Rodas5P, order 5", "1e-10")
 }
 
-/// Plans the stick phase on several types of dual numbers.
+/// Plans the diagram of the stick phase on several types of dual numbers.
 fn duals() -> Plan {
     fn methods<T: Scalar>(line: &'static str) -> impl Iterator<Item = Method> {
         [1e-4, 1e-6, 1e-8, 1e-10, 1e-12].into_iter().map(move |tolerance| {

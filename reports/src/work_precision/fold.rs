@@ -1,10 +1,10 @@
-//! The fold of orbits with one impact per period: the solution of `f(x, V) − x = 0`,
-//! `det(∂f/∂x − I) = 0` in state and voltage by Newton's method, with derivatives of first and
-//! second order by dual numbers or by differences.
+//! Work-precision diagrams of the fold of orbits with one impact per period. The fold solves `f(x,
+//! V) − x = 0`, `det(∂f/∂x − I) = 0` for state and voltage by Newton's method, with derivatives of
+//! first and second order by dual numbers or by finite differences.
 //!
-//! Along the curve of orbits the voltage is stationary at the fold. Therefore its error is the
-//! square of the error of the state, and the digits of the determinant that differences lose affect
-//! mainly the state.
+//! At the fold, the voltage is stationary along the curve of orbits. Therefore the error of the
+//! voltage at the fold is of the order of the square of the error of the state, and the digits of
+//! the determinant that finite differences lose affect mainly the state.
 
 use super::differences::{By, Differences, IMPACTING};
 use super::orbit;
@@ -14,26 +14,26 @@ use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 use std::ops::Range;
 use tangency::core::scalar::{DualChunk, Scalar};
 
-/// Displacement, velocity and voltage at the beginning of a period, close enough to the fold for
-/// Newton's method to converge.
+/// The displacement, the velocity and the voltage at the beginning of a period, close enough to the
+/// fold for Newton's method to converge.
 const NEAR: [f64; 3] = [0.033, -0.476, 0.1765];
 
-/// Returns the map at a voltage, in the scalar type of the voltage.
+/// Returns the period map at a voltage, in the scalar type of the voltage.
 fn period<T: Scalar>(voltage: T, tolerance: f64) -> Period<T> {
     let mut p = parameters(0.0).map(T::constant);
     p[0] = voltage;
     Period { tolerance, ..IMPACTING }.at(p)
 }
 
-/// Evaluates the defining system of the fold, for a state, its image, and the derivative of the
-/// image.
+/// Evaluates the defining system of the fold from a state, its image under the period map, and the
+/// Jacobian matrix of the map.
 fn defining<T: Scalar>([x, u]: [T; 2], image: Vector2<T>, by_state: Matrix2<T>) -> [T; 3] {
     let [[a, b], [c, d]] = by_state.transpose().data.0;
     [image[0] - x, image[1] - u, (a - 1.0) * (d - 1.0) - b * c]
 }
 
-/// Evaluates the defining system and its derivative with respect to state and voltage by nested
-/// dual numbers.
+/// Evaluates the defining system of the fold and its derivative with respect to state and voltage,
+/// by nested dual numbers.
 fn by_duals(z: Vector3<f64>, tolerance: f64) -> Result<(Vector3<f64>, Matrix3<f64>), String> {
     let [x, u, voltage] = [0, 1, 2].map(|k| DualChunk::<f64, 8>::seeded(z[k], k));
     let (x, period) = ([x, u], period(voltage, tolerance));
@@ -42,7 +42,7 @@ fn by_duals(z: Vector3<f64>, tolerance: f64) -> Result<(Vector3<f64>, Matrix3<f6
     Ok((equations.map(|equation| equation.re), derivatives))
 }
 
-/// Evaluates the defining system and its derivative by nested differences.
+/// Evaluates the defining system of the fold and its derivative by nested finite differences.
 fn by_differences(
     rule: Differences,
     z: Vector3<f64>,
@@ -76,7 +76,7 @@ fn fold(by: By, tolerance: f64) -> Result<[f64; 3], String> {
     Err("Newton's method does not converge".into())
 }
 
-/// Plans two diagrams: the voltage at the fold, and the state there.
+/// Plans two diagrams: for the voltage at the fold, and for the state at the fold.
 pub(super) fn plans() -> [Plan; 2] {
     let plan = |title: &str, part: Range<usize>| {
         let of = part.clone();

@@ -1,5 +1,5 @@
-//! Dense and sparse matrices for each number of unknowns: Bratu's problem on a line and in a
-//! square.
+//! Diagrams of the time that dense and sparse matrices take, against the number of unknowns:
+//! Bratu's problem on a line and in a square.
 
 use super::plan::{Answer, Method, Plan};
 use crate::Drawn;
@@ -9,12 +9,13 @@ use tangency::core::problem::{Names, ZeroProblem};
 use tangency::core::scalar::Scalar;
 use tangency::core::system::{Dense, Kind, Sparse, System};
 
-/// Bratu's problem, `Δu + λ eᵘ = 0` with `u = 0` at the edges, by second-order differences.
+/// Bratu's problem, `Δu + λ eᵘ = 0` with `u = 0` on the boundary, discretised by second-order
+/// differences.
 #[derive(Clone, Copy)]
 struct Bratu {
-    /// The number of interior points in each direction.
+    /// The number of interior mesh points in each direction.
     points: usize,
-    /// The number of directions: 1 or 2.
+    /// The number of spatial dimensions: 1 or 2.
     directions: u32,
 }
 
@@ -50,7 +51,7 @@ impl ZeroProblem for Bratu {
     }
 }
 
-/// Computes the load at the fold, from a branch traced to twice the deflection at the fold.
+/// Computes the load λ at the fold, from a branch traced to twice the deflection at the fold.
 fn fold(system: &mut dyn System, most: f64) -> Result<Answer, String> {
     let unknowns = system.names().dimension();
     let settings = Settings { max_points: 60, ..Settings::default() };
@@ -60,8 +61,8 @@ fn fold(system: &mut dyn System, most: f64) -> Result<Answer, String> {
     Ok(Answer { numbers: vec![fold.parameters[0]], work: unknowns as f64 })
 }
 
-/// Plans the time of a branch against its unknowns. The error is the discretisation error of the
-/// finite differences.
+/// Plans the diagram of the time to trace a branch against the number of unknowns. The error in the
+/// diagram is the discretisation error of the finite differences.
 fn plan(name: &str, directions: u32, exact: f64, points: [&[usize]; 2]) -> Plan {
     let most = 2.0 * exact;
     let method = |sparse: bool, points: usize| {
@@ -82,7 +83,7 @@ fn plan(name: &str, directions: u32, exact: f64, points: [&[usize]; 2]) -> Plan 
         .with(sparse.iter().map(|points| method(true, *points)))
 }
 
-/// Plans time against unknowns on a line and in a square.
+/// Plans the diagrams of time against the number of unknowns, on a line and in a square.
 pub(super) fn plans() -> Vec<Plan> {
     // 8 (θ / cosh θ)² with θ tanh θ = 1.
     let line = plan(

@@ -1,12 +1,13 @@
-//! Local maps near grazing compared with the flow: folds near the degenerate point, by order of the
-//! map.
+//! Work-precision diagram of local maps near grazing, compared with the flow: folds near a
+//! degenerate grazing point, by order of the map.
 
 use super::plan::{Answer, Method, Plan};
 use super::scenes::{Sought, found, scene};
 use crate::Drawn;
 use tangency::core::system::Kind;
 
-/// Orbits of the flow and points of the map of the degenerate point.
+/// A scene with orbits of the flow and with fixed points of the local map at the degenerate grazing
+/// point.
 const SCENE: &str = r#"Scene(
     title: "Flow and local map",
     problem: Mita(),
@@ -35,16 +36,17 @@ const SCENE: &str = r#"Scene(
     ],
 )"#;
 
-/// The frequency of the degenerate point.
+/// The forcing frequency at the degenerate grazing point.
 const DEGENERATE: f64 = 0.487808700;
 
-/// A fold of the flow, and of the map.
+/// A fold of the flow, and the corresponding fold of the local map.
 const FOLDS: [Sought; 2] = [
     Sought { branch: "P(1,1)", kind: Kind::LP, column: "voltage" },
     Sought { branch: "P(1,1) by the local map", kind: Kind::LP, column: "voltage" },
 ];
 
-/// Compares the two folds at a distance in frequency from the degenerate point.
+/// Compares the folds of flow and map at a given distance in frequency from the degenerate grazing
+/// point.
 fn apart(order: usize, distance: f64) -> Method {
     let (order, frequency) = (order.to_string(), (DEGENERATE + distance).to_string());
     let settings = [("order", &*order), ("frequency", &*frequency)];
@@ -55,7 +57,8 @@ fn apart(order: usize, distance: f64) -> Method {
     })
 }
 
-/// Plans the error of the map against the distance.
+/// Plans the diagram of the error of the local map against the distance from the degenerate grazing
+/// point.
 pub(super) fn plans() -> Vec<Plan> {
     let distances = || (0..6).rev().map(|halvings| 4e-3 * 0.5_f64.powi(halvings));
     let of = |order| distances().map(move |distance| apart(order, distance));

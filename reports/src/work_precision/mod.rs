@@ -1,8 +1,9 @@
 //! Work-precision diagrams: the error of methods against their CPU time.
 //!
-//! A [`Plan`] states a problem, the reference method, and the methods that solve the problem, each
-//! with settings of growing effort. [`measure`] runs them: every answer and every time is measured
-//! by running the method, and every error is the distance from the reference.
+//! A [`Plan`] consists of a problem, the reference method, and the methods that solve the problem,
+//! each with several settings of growing effort. [`measure`] runs all methods of a plan: every
+//! answer and every time comes from a run of the method, and every error is the distance of its
+//! answer from the reference answer.
 
 mod circumstances;
 mod curve;
@@ -26,7 +27,8 @@ pub use plan::{Answer, Effort, Method, Plan, WorkPrecisionError};
 use crate::report::entries;
 use crate::{Entry, WorkPrecision};
 
-/// A work-precision diagram: its name and the function that plans it.
+/// An entry of the list of work-precision diagrams: a name, and the function that plans the
+/// diagram.
 pub type Diagram = Entry<fn() -> Vec<Plan>>;
 
 /// All work-precision diagrams.
@@ -44,7 +46,7 @@ pub const DIAGRAMS: &[Diagram] = entries![
     "curve": "the error of the curve through the points of a branch, against the number of points", curve::plans;
 ];
 
-/// Measures a work-precision diagram.
+/// Measures the methods of a work-precision diagram.
 ///
 /// ```
 /// use tangency_reports::work_precision::{DIAGRAMS, Effort, measure};
@@ -57,7 +59,7 @@ pub const DIAGRAMS: &[Diagram] = entries![
 /// ```
 ///
 /// # Errors
-/// [`WorkPrecisionError`] if the reference of a plan fails.
+/// [`WorkPrecisionError`] if the reference method of a plan fails.
 pub fn measure(entry: &Diagram, effort: Effort) -> Result<WorkPrecision, WorkPrecisionError> {
     let panels = (entry.make)().into_iter().map(|plan| plan.measure(effort));
     Ok(WorkPrecision {

@@ -1,4 +1,5 @@
-//! Equations given as text compared with compiled equations: the cost of tapes of formulas.
+//! Work-precision diagrams of equations given as text, compared with compiled equations: the time
+//! that evaluating formulas from text costs.
 
 use super::plan::{Answer, Method, Plan};
 use super::scenes::{Counted, Sought, scene, tracing};
@@ -9,7 +10,8 @@ use tangency::core::sweep::Part;
 use tangency::core::system::Kind;
 use tangency::scene::sweep;
 
-/// Orbits of the isothermal reaction up to their first period doubling; the problem is inserted.
+/// A scene of orbits of the isothermal reaction up to their first period doubling; the text of the
+/// problem is inserted.
 const ORBITS: &str = r#"Scene(
     title: "Isothermal reaction",
     problem: PROBLEM,
@@ -34,7 +36,8 @@ const REACTION: &str = r#"Equations(states: [
     ("y3", "y3*(16.5 - y1 - y3/2) + 0.1"),
 ])"#;
 
-/// Attractors of the impact oscillator, orbits with one impact per period; the problem is inserted.
+/// A scene of attractors of the impact oscillator, orbits with one impact per period; the text of
+/// the problem is inserted.
 const SWEEP: &str = r#"Scene(
     title: "Impacts",
     problem: PROBLEM,
@@ -64,10 +67,11 @@ const OSCILLATOR: &str = r#"HybridEquations(
     period: "2*pi/frequency",
 )"#;
 
-/// The period of an orbit in periods of the forcing, and the final states of runs.
+/// The answers that are compared: the period of an orbit in periods of the forcing, and the final
+/// states of the runs of a sweep.
 const ENDS: [&str; 3] = ["periods", "end_0", "end_1"];
 
-/// A method's settings, with their description.
+/// The settings of a method, with a description of the settings.
 type Setting = (Vec<(&'static str, &'static str)>, String);
 
 fn orbits(title: &str, finest: Setting, settings: Vec<Setting>, counted: Counted) -> Plan {
@@ -86,7 +90,7 @@ fn orbits(title: &str, finest: Setting, settings: Vec<Setting>, counted: Counted
     Plan::of(title, method(lines[0], finest)).counting(unit).relative().with(methods)
 }
 
-/// Plans a period doubling by collocation and by shooting.
+/// Plans the diagrams of a period doubling, computed by collocation and by shooting.
 fn doublings() -> [Plan; 2] {
     let on = |intervals: &'static str| -> Setting {
         (
@@ -105,7 +109,7 @@ fn doublings() -> [Plan; 2] {
     ]
 }
 
-/// Plans a sweep with impacts.
+/// Plans the diagram of a sweep with impacts.
 fn impacts() -> Plan {
     let method = |(line, problem): (&str, &str), flow_tolerance: &str| {
         let text = SWEEP.replace("PROBLEM", problem);
@@ -130,7 +134,8 @@ fn impacts() -> Plan {
     plan.drawing(Drawn::ErrorAgainstTime).with(methods)
 }
 
-/// Plans orbits by collocation and by shooting, and a sweep.
+/// Plans all diagrams of equations given as text: orbits by collocation, orbits by shooting, and a
+/// sweep.
 pub(super) fn plans() -> Vec<Plan> {
     let [collocation, shooting] = doublings();
     vec![collocation, shooting, impacts()]

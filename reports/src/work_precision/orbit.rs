@@ -1,12 +1,12 @@
-//! A fold, a period doubling and a grazing of Mita's actuator, by method, number of segments and
-//! mesh.
+//! Work-precision diagrams of a fold, a period doubling and a grazing of Mita's actuator, by
+//! method, number of shooting segments and number of mesh intervals.
 
 use super::plan::{Method, Plan};
 use super::scenes::{Counted, Sought, tracing};
 use tangency::core::system::Kind;
 
-/// Orbits with one impact per period at ω = 0.5, on meshes of a fixed size, from their grazing past
-/// the fold to the period doubling.
+/// A scene of orbits with one impact per period at ω = 0.5, on meshes of fixed size, from their
+/// grazing past the fold to the period doubling.
 const ORBITS: &str = r#"Scene(
     title: "Orbits with an impact a period",
     problem: Mita(),
@@ -46,14 +46,14 @@ fn collocation(degree: usize, intervals: usize, sought: &'static [Sought]) -> Me
     tracing(line, ORBITS, &settings, sought, Counted::Unknowns)
 }
 
-/// Returns the method that finds the fold on a branch.
+/// Returns the method that finds the fold on the branch of orbits.
 pub(super) fn fold_on_a_branch() -> Method {
     let line = ("on the branch of orbits", "1e-12".into());
     let settings = [("flow_tolerance", "1e-12")];
     tracing(line, ORBITS, &settings, POINTS[1].1, Counted::Evaluations)
 }
 
-/// Plans a panel for each kind of point.
+/// Plans a diagram for each kind of special point.
 pub(super) fn plans() -> Vec<Plan> {
     let plan = |(title, sought): (&str, &'static [Sought])| {
         let reference = shooting(("DormandPrince8", "order 8"), 1, "1e-14", sought);

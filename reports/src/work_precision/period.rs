@@ -1,5 +1,5 @@
-//! Maps over a period of the forcing of Mita's actuator, without impacts and with one impact per
-//! period, in any scalar type.
+//! The stroboscopic maps of Mita's actuator, without impacts and with one impact per period, in any
+//! scalar type.
 
 use nalgebra::{Matrix2, Vector2};
 use num_dual::Dual;
@@ -17,34 +17,35 @@ use tangency::problems::mita::Actuator;
 /// The period of the forcing at ω = 0.5.
 pub(super) const PERIOD: f64 = TAU;
 
-/// The number of periods after which motion from rest is close to its attractor.
+/// The number of forcing periods after which the motion from rest is close to its attractor.
 const TRANSIENT: usize = 150;
 
-/// The frame at rest.
+/// The vector field of the mode in which the frame sticks.
 const STICK: InMode<Actuator> = InMode { system: &Actuator, mode: Actuator::STICK };
 
-/// The parameters of the actuator.
+/// The parameters of Mita's actuator.
 pub(super) type Parameters<T = f64> = [T; Actuator::DEFAULTS.len()];
 
-/// Returns the parameters at a voltage, for ω = 0.5.
+/// Returns the parameters of Mita's actuator at a voltage, for ω = 0.5.
 pub(super) const fn parameters(voltage: f64) -> Parameters {
     let mut p = Actuator::DEFAULTS;
     p[0] = voltage;
     p
 }
 
-/// A map over a period of the forcing, of displacement and velocity while the frame rests.
+/// The stroboscopic map over one forcing period; its states are displacement and velocity while the
+/// frame sticks.
 #[derive(Clone, Copy)]
 pub(super) struct Period<T = f64> {
-    /// Whether there is a stopper, with impacts and slips.
+    /// Whether the actuator has a stopper, which causes impacts and slip phases.
     pub impacts: bool,
     pub p: Parameters<T>,
-    /// The tolerance of the flow.
+    /// The tolerance of the integration.
     pub tolerance: f64,
 }
 
 impl<T: Scalar> Period<T> {
-    /// Returns a copy with other parameters.
+    /// Returns a copy of the map with other parameters.
     pub fn at<U: Scalar>(self, p: Parameters<U>) -> Period<U> {
         Period { impacts: self.impacts, p, tolerance: self.tolerance }
     }
@@ -54,7 +55,7 @@ impl<T: EventNumber> Period<T>
 where
     GuardOf<'static>: Watchable<T>,
 {
-    /// Returns the state after a period.
+    /// Returns the image of a state after one forcing period.
     pub fn image(self, x: [T; 2]) -> Result<Vector2<T>, String> {
         let flow = Settings::new(Scheme::DormandPrince8, self.tolerance);
         let (mut x, p, begin, period) = (x.to_vec(), self.p, T::zero(), T::constant(PERIOD));
@@ -82,7 +83,7 @@ where
     Dual<T>: EventNumber,
     GuardOf<'static>: Watchable<Dual<T>>,
 {
-    /// Computes the derivative of the image with respect to the state by dual numbers.
+    /// Computes the Jacobian matrix of the map with respect to the state, by dual numbers.
     pub fn derivative(self, x: [T; 2]) -> Result<Matrix2<T>, String> {
         let wide = self.at(self.p.map(Dual::from_re));
         let column = |k: usize| {
@@ -96,7 +97,7 @@ where
 }
 
 impl Period {
-    /// Returns the state to which motion from rest converges approximately.
+    /// Returns the approximate state to which the motion from rest converges.
     pub fn settled(self) -> Result<[f64; 2], String> {
         let mut x = Vector2::zeros();
         for _ in 0..TRANSIENT {
@@ -105,7 +106,7 @@ impl Period {
         self.fixed_point(x.into())
     }
 
-    /// Computes the fixed point near a state by Newton's method.
+    /// Computes the fixed point of the map near a given state, by Newton's method.
     pub fn fixed_point(self, near: [f64; 2]) -> Result<[f64; 2], String> {
         let mut x = Vector2::from(near);
         for _ in 0..20 {
@@ -120,8 +121,8 @@ impl Period {
         Err(format!("Newton's method finds no orbit at the voltage {}", self.p[0]))
     }
 
-    /// Returns the largest displacement within the period from a state, ignoring the stopper: the
-    /// exact one, or the largest on a mesh of the given number of parts.
+    /// Returns the largest displacement within one period from a given state, without the stopper:
+    /// the exact maximum, or the maximum over a mesh of a given number of intervals.
     pub fn largest(self, x: [f64; 2], mesh: Option<usize>) -> Result<f64, String> {
         let settings = Settings::new(Scheme::DormandPrince8, self.tolerance);
         let mut flow = Flow::<f64>::new(settings).map_err(|cause| one_line(&cause))?;

@@ -1,20 +1,21 @@
-//! Plans of measurements: problems, references and methods.
+//! Plans of work-precision measurements: problems, references and methods.
 
 use crate::{Clock, Drawn, Line, Measured, Measurement};
 use cpu_time::ProcessTime;
 use std::time::Instant;
 
-/// The effort of a measurement: the number of runs of each method.
+/// The effort of the measurements, which determines how many times each method runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Effort {
-    /// Every method runs once: errors equal the errors at full effort, times are rough.
+    /// Every method runs once: the errors are the same as at full effort, but the measured times
+    /// are inaccurate.
     Quick,
-    /// Times are medians of several runs.
+    /// Every method runs several times, and its time is the median.
     Full,
 }
 
 impl Effort {
-    /// Returns the number of runs of each method.
+    /// Returns how many times each method runs.
     pub fn runs(self) -> usize {
         match self {
             Effort::Quick => 1,
@@ -23,19 +24,19 @@ impl Effort {
     }
 }
 
-/// The result of a method.
+/// The answer of a method, with its amount of work.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Answer {
-    /// The numbers to compare; NaN for missing ones.
+    /// The numbers that are compared with the reference; missing numbers are NaN.
     pub numbers: Vec<f64>,
-    /// The amount of work, such as evaluations or unknowns.
+    /// The amount of work of the method, such as evaluations or unknowns.
     pub work: f64,
 }
 
-/// The function of a method, which returns its result, or the reason for a failure in words.
+/// The function that runs a method and returns its answer, or the reason for its failure as text.
 type Run = Box<dyn FnMut() -> Result<Answer, String>>;
 
-/// A method with a setting.
+/// A method with one of its settings.
 pub struct Method {
     line: String,
     setting: String,
@@ -43,7 +44,7 @@ pub struct Method {
 }
 
 impl Method {
-    /// Creates a method with its name and a setting, in words.
+    /// Creates a method with its name and a description of its setting.
     pub fn new(
         line: impl Into<String>,
         setting: impl Into<String>,
@@ -58,11 +59,11 @@ impl Method {
 #[non_exhaustive]
 #[error("the reference fails, {method}, {setting}: {cause}")]
 pub struct WorkPrecisionError {
-    /// The name of the method.
+    /// The name of the reference method.
     pub method: String,
-    /// The setting of the method.
+    /// The setting of the reference method.
     pub setting: String,
-    /// The reason for the failure.
+    /// The reason why the reference method failed.
     pub cause: String,
 }
 
@@ -88,7 +89,7 @@ pub struct Plan {
     measured: Measured,
     reference: Method,
     methods: Vec<Method>,
-    /// Whether errors are divided by the reference.
+    /// Whether errors are relative, that is, divided by the reference answer.
     relative: bool,
 }
 
@@ -103,31 +104,31 @@ impl Plan {
         Plan { measured, reference, methods: Vec::new(), relative: false }
     }
 
-    /// Sets the unit of work.
+    /// Sets the unit in which work is counted.
     pub fn counting(mut self, work: &str) -> Self {
         self.measured.work = work.into();
         self
     }
 
-    /// Labels every point of the figure with its work.
+    /// Labels every point of the figure with its amount of work.
     pub fn marked(mut self) -> Self {
         self.measured.marked = true;
         self
     }
 
-    /// Sets the axes of the figure.
+    /// Sets the quantities on the axes of the figure.
     pub fn drawing(mut self, drawn: Drawn) -> Self {
         self.measured.drawn = drawn;
         self
     }
 
-    /// Sets the clock; by default the processor's clock.
+    /// Sets the clock by which methods are timed; the default is CPU time.
     pub fn by(mut self, clock: Clock) -> Self {
         self.measured.clock = clock;
         self
     }
 
-    /// Divides errors by the reference.
+    /// Makes errors relative to the reference answer.
     pub fn relative(mut self) -> Self {
         self.relative = true;
         self.measured.error = "relative error".into();
@@ -140,13 +141,13 @@ impl Plan {
         self
     }
 
-    /// Recommends one of the methods with its setting.
+    /// Marks one of the methods, with a setting, as recommended.
     pub fn recommending(mut self, line: &str, setting: &str) -> Self {
         self.measured.recommended = Some((line.into(), setting.into()));
         self
     }
 
-    /// Runs all methods; a failure counts as a measurement.
+    /// Runs all methods of the plan; the failure of a method counts as a measurement.
     ///
     /// # Errors
     /// [`WorkPrecisionError`] if the reference method fails.
@@ -179,15 +180,16 @@ impl Plan {
     }
 }
 
-/// Returns the larger error; NaN is the largest.
+/// Returns the larger of two errors; NaN counts as larger than every number.
 fn worse(a: f64, b: f64) -> f64 {
     if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) }
 }
 
-/// The time in seconds below which a method is run repeatedly for one measurement.
+/// The running time, in seconds, below which a method is run repeatedly for one measurement.
 const SHORTEST: f64 = 5e-3;
 
-/// Returns an answer and its time: the median of several runs, after a first one.
+/// Returns the answer of a method and its running time: the median of several runs that follow a
+/// first, untimed run.
 fn timed(method: &mut Method, clock: Clock, effort: Effort) -> (Result<Answer, String>, f64) {
     let (answer, first) = clocked(clock, &mut method.run);
     if effort == Effort::Quick || answer.is_err() {
@@ -206,7 +208,7 @@ fn timed(method: &mut Method, clock: Clock, effort: Effort) -> (Result<Answer, S
     (answer, times[times.len() / 2])
 }
 
-/// Returns the result of a function, and its time in seconds.
+/// Returns the result of a function, and the time that the function took in seconds.
 fn clocked<R>(clock: Clock, run: impl FnOnce() -> R) -> (R, f64) {
     match clock {
         Clock::Processor => {

@@ -1,11 +1,11 @@
-//! Pull-in of a plate, by model and number of functions.
+//! Work-precision diagram of the pull-in of a plate, by plate model and number of shape functions.
 
 use super::plan::{Method, Plan};
 use super::scenes::{Counted, Sought, number_of, tracing};
 use tangency::core::system::Kind;
 
-/// A supported square plate with a gap of twice its thickness, through pull-in; special points are
-/// not refined.
+/// A scene of a simply supported square plate with a gap of twice its thickness, traced through
+/// pull-in; special points are not refined.
 pub(super) const PLATE: &str = r#"Scene(
     title: "A supported plate",
     problem: Plate(supports: "SSSS", in_plane: slide),
@@ -21,8 +21,8 @@ fn plate(line: &str, setting: String, settings: &[(&str, &str)]) -> Method {
     tracing((line, setting), PLATE, settings, PULL_IN, Counted::Unknowns)
 }
 
-/// Returns the full model with the given numbers of transverse and in-plane functions in each
-/// direction.
+/// Returns the settings of the full plate model with given numbers of transverse and in-plane shape
+/// functions in each direction.
 fn ritz(line: &str, transverse: usize, in_plane: usize) -> Method {
     let orders =
         format!("(transverse: ({transverse}, {transverse}), in_plane: ({in_plane}, {in_plane}))");
@@ -34,7 +34,7 @@ fn reference() -> Method {
     plate(line, String::new(), &[("orders", "(transverse: (14, 14), in_plane: (20, 20))")])
 }
 
-/// Plans the models of the plate.
+/// Plans the diagram that compares the models of the plate.
 pub(super) fn models() -> Vec<Plan> {
     let mut methods = Vec::new();
     for (line, model, projection) in [
@@ -61,7 +61,7 @@ pub(super) fn models() -> Vec<Plan> {
     vec![plan.recommending("full model", "6 and 8")]
 }
 
-/// Plans the transverse and in-plane orders of the plate.
+/// Plans the diagram of the numbers of transverse and in-plane shape functions of the plate.
 pub(super) fn orders() -> Vec<Plan> {
     let over = |in_plane| {
         let line = format!("in-plane order {in_plane}");

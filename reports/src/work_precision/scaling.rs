@@ -1,4 +1,5 @@
-//! The scaling of time with unknowns, intervals and segments, parameters, and threads.
+//! Diagrams of computing time against unknowns, against mesh intervals and shooting segments,
+//! against parameters, and against threads.
 
 use super::differences::{Differences, IMPACTING};
 use super::period::Period;
@@ -17,7 +18,7 @@ use tangency::core::scalar::DualChunk;
 use tangency::core::sweep::Part;
 use tangency::scene::sweep;
 
-/// Attractors of Mita's actuator beyond grazing: cycles and chaos.
+/// A scene of attractors of Mita's actuator beyond grazing: periodic orbits and chaos.
 const SWEEP: &str = r#"Scene(
     title: "Beyond grazing",
     problem: Mita(),
@@ -29,7 +30,7 @@ const SWEEP: &str = r#"Scene(
     )],
 )"#;
 
-/// Plans time against the unknowns of a plate.
+/// Plans the diagram of computing time against the number of unknowns of a plate.
 fn unknowns() -> Plan {
     let plate = |line: &str, order: usize| {
         let in_plane = order + 2;
@@ -49,7 +50,8 @@ fn unknowns() -> Plan {
     plan.counting("unknowns").relative().drawing(Drawn::TimeAgainstWork).with(methods)
 }
 
-/// Plans time against intervals of collocation and segments of shooting.
+/// Plans the diagram of computing time against mesh intervals of collocation and segments of
+/// shooting.
 fn pieces() -> Plan {
     let orbits = |line: String, pieces: usize, settings: &[(&str, &str)]| {
         let count = pieces.to_string();
@@ -74,8 +76,8 @@ fn pieces() -> Plan {
     plan.drawing(Drawn::TimeAgainstWork).with(methods)
 }
 
-/// Computes the derivative of a period with an impact with respect to its first parameters, in
-/// passes of `W` parameters.
+/// Computes the derivative of the period map with an impact with respect to its first `count`
+/// parameters, by dual numbers with `W` parameters in each pass.
 fn duals<const W: usize>(count: usize, x: [f64; 2], tolerance: f64) -> Result<Vec<f64>, String>
 where
     DualChunk<f64, W>: EventNumber,
@@ -92,7 +94,8 @@ where
     Ok(numbers)
 }
 
-/// Computes the same derivative in a pass for each parameter.
+/// Computes the derivative of the period map with respect to its first `count` parameters, by dual
+/// numbers with one pass for each parameter.
 fn one_by_one(count: usize, x: [f64; 2], tolerance: f64) -> Result<Vec<f64>, String> {
     let (mut numbers, period) = (Vec::new(), Period { tolerance, ..IMPACTING });
     for parameter in 0..count {
@@ -104,7 +107,8 @@ fn one_by_one(count: usize, x: [f64; 2], tolerance: f64) -> Result<Vec<f64>, Str
     Ok(numbers)
 }
 
-/// Computes the same derivative by one-sided differences.
+/// Computes the derivative of the period map with respect to its first `N` parameters, by one-sided
+/// finite differences.
 fn differences<const N: usize>(x: [f64; 2]) -> Result<Vec<f64>, String> {
     let image = |first: SVector<f64, N>| {
         let mut p = IMPACTING.p;
@@ -115,7 +119,7 @@ fn differences<const N: usize>(x: [f64; 2]) -> Result<Vec<f64>, String> {
     Ok(Differences::OneSided(1e-7).matrix(image, here)?.as_slice().to_vec())
 }
 
-/// Plans time against the number of parameters of a derivative.
+/// Plans the diagram of computing time against the number of parameters of a derivative.
 fn parameters() -> Plan {
     let x = IMPACTING.settled();
     let tolerance = IMPACTING.tolerance;
@@ -150,7 +154,7 @@ fn parameters() -> Plan {
     plan
 }
 
-/// Plans time against threads.
+/// Plans the diagram of computing time against the number of threads.
 fn threads() -> Plan {
     let scene = scene(SWEEP, &[]);
     let method = |threads: NonZeroUsize| {
@@ -172,7 +176,7 @@ fn threads() -> Plan {
     plan.by(Clock::Wall).drawing(Drawn::TimeAgainstWork).with(counts.map(method))
 }
 
-/// Plans plates, orbits, derivatives and sweeps.
+/// Plans the four diagrams of computing time: for plates, orbits, derivatives and sweeps.
 pub(super) fn plans() -> Vec<Plan> {
     vec![unknowns(), pieces(), parameters(), threads()]
 }

@@ -1,4 +1,5 @@
-//! Methods defined by settings of a scene, with special points of the scene as answers.
+//! Methods given by settings of a scene; the answers are the coordinates of special points of the
+//! scene.
 
 use super::plan::{Answer, Method};
 use tangency::core::failure::one_line;
@@ -6,7 +7,8 @@ use tangency::core::ode::work;
 use tangency::core::system::Kind;
 use tangency::scene::{Scene, SceneError, execute};
 
-/// A special point to find in a scene: the first one of a kind on a branch, and its column.
+/// A special point to find in a traced scene: the first point of a kind on a branch, and the column
+/// whose value is the answer.
 #[derive(Clone, Copy)]
 pub(super) struct Sought {
     pub branch: &'static str,
@@ -14,7 +16,7 @@ pub(super) struct Sought {
     pub column: &'static str,
 }
 
-/// Orbits without impacts up to their grazing.
+/// A scene of orbits without impacts, traced up to their grazing.
 pub(super) const PASSING: &str = r#"Scene(
     title: "Orbits without impacts",
     problem: Mita(),
@@ -23,25 +25,25 @@ pub(super) const PASSING: &str = r#"Scene(
     runs: [(name: "P(0,1)", along: [(name: "voltage", low: 0.2, high: 0.24)])],
 )"#;
 
-/// The grazing of the orbits without impacts.
+/// The grazing point of the orbits without impacts.
 pub(super) const GRAZING: &[Sought] =
     &[Sought { branch: "P(0,1)", kind: Kind::G, column: "voltage" }];
 
-/// The unit of the work of a scene.
+/// The unit in which the work of tracing a scene is counted.
 #[derive(Clone, Copy)]
 pub(super) enum Counted {
-    /// The unknowns of the branch.
+    /// The number of unknowns of the branch.
     Unknowns,
-    /// Evaluations of the field by flows.
+    /// The number of evaluations of the vector field by flows.
     Evaluations,
 }
 
-/// Formats a number with a noun: `1 mode`, `2 modes`.
+/// Formats a number followed by a noun in the singular or plural: `1 mode`, `2 modes`.
 pub(super) fn number_of(count: usize, what: &str) -> String {
     format!("{count} {what}{}", if count == 1 { "" } else { "s" })
 }
 
-/// Returns a scene with settings, or its error.
+/// Returns a scene with changed settings, or the error of the scene.
 pub(super) fn scene(text: &str, settings: &[(&str, &str)]) -> Result<Scene, String> {
     let set = |mut scene: Scene| -> Result<Scene, SceneError> {
         settings.iter().try_for_each(|(name, value)| scene.set(name, value))?;
@@ -50,14 +52,14 @@ pub(super) fn scene(text: &str, settings: &[(&str, &str)]) -> Result<Scene, Stri
     Scene::parse(text).and_then(set).map_err(|cause| one_line(&cause))
 }
 
-/// The results of a scene.
+/// The branches of a traced scene.
 pub(super) struct Found {
     pub numbers: Vec<f64>,
     unknowns: usize,
     evaluations: u64,
 }
 
-/// Traces a scene and looks for special points.
+/// Traces a scene, and returns the values at the special points to find.
 pub(super) fn found(scene: &Scene, sought: &[Sought]) -> Result<Found, String> {
     let before = work().evaluations;
     let outcome = execute(scene, None, &mut ());
@@ -78,7 +80,7 @@ pub(super) fn found(scene: &Scene, sought: &[Sought]) -> Result<Found, String> {
     }
 }
 
-/// Returns the method that traces a scene with settings and looks for special points.
+/// Returns the method that traces a scene with given settings and finds its special points.
 pub(super) fn tracing(
     (line, setting): (&str, String),
     text: &str,

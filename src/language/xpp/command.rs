@@ -1,17 +1,18 @@
-//! Lists of names with values, and unsupported commands.
+//! Parses lists of names with values, and rejects unsupported commands of XPPAUT.
 
 use super::super::source::{ModelError, Source};
 use super::function;
 use super::option::number;
 use super::origin::{Named, Slice, Text};
 
-/// The form of an initial value or a parameter.
+/// The required form of an initial value or a parameter, for messages.
 pub(super) const NUMBER: &str = "a number: XPPAUT does not accept formulas here; \
                       a constant that depends on others is written `!b=2*a`";
 const CHEMICAL: &str = "pHtools commands state chemical equilibria, not equations";
 const VOLTERRA: &str = "integral equations have no counterpart among models";
 
-/// Commands without a counterpart: their first letters, a description, the reason, and the remedy.
+/// XPPAUT commands that have no counterpart in this library: the first letters of the command, a
+/// description, the reason for the rejection, and the remedy.
 pub(super) const REFUSED: [(&str, &str, &str, Option<&str>); 18] = [
     ("MKSOL", "a pHtools command (`mksol`)", CHEMICAL, None),
     ("ADDTOSOL", "a pHtools command", CHEMICAL, None),
@@ -73,7 +74,8 @@ pub(super) const REFUSED: [(&str, &str, &str, Option<&str>); 18] = [
     ),
 ];
 
-/// Rejects calls without a counterpart, before any other error in a line.
+/// Rejects calls of functions that have no counterpart, before any other error in the line is
+/// reported.
 pub(super) fn refuse_calls(source: &Source, line: Slice) -> Result<(), ModelError> {
     let plain = |word: &str| {
         let start = line.text.get(..word.len());
@@ -108,7 +110,7 @@ pub(super) fn refuse_calls(source: &Source, line: Slice) -> Result<(), ModelErro
     Ok(())
 }
 
-/// Parses names with values, as in `a=1,b=2 c=3`.
+/// Parses a list of names with values, such as `a=1,b=2 c=3`.
 pub(super) fn values_of(source: &Source, list: Slice) -> Result<Vec<Named>, ModelError> {
     let (mut values, mut rest) = (Vec::new(), list.trim());
     let ends = |c: char| c == ',' || c == '=' || c.is_whitespace();
@@ -138,7 +140,7 @@ pub(super) fn values_of(source: &Source, list: Slice) -> Result<Vec<Named>, Mode
     Ok(values)
 }
 
-/// Returns the names between the brackets of a function.
+/// Returns the names of the arguments between the brackets of a function.
 pub(super) fn arguments_of(within: Slice) -> Vec<Text> {
     let (mut arguments, mut rest) = (Vec::new(), Some(within));
     while let Some(list) = rest {

@@ -1,4 +1,5 @@
-//! The common fields of a statement, everything except its states.
+//! Conversion of the fields that statements of all kinds have, that is, all fields except the
+//! states.
 
 use super::super::source::{Fault, ModelError, Phrase};
 use super::super::statement::{Formulas as Pairs, Shared};
@@ -10,7 +11,7 @@ use super::parts::{Parts, Sort};
 use super::phrase::{arguments_of, name_of, pair, written};
 use super::tree::Known;
 
-/// Returns the common fields, everything except states.
+/// Returns the fields that statements of all kinds have, that is, all fields except the states.
 pub(super) fn common(
     names: &Names,
     parts: &Parts,
@@ -53,7 +54,7 @@ pub(super) fn common(
     Ok(Shared { parameters, definitions, functions, monitors, initial })
 }
 
-/// Returns XPPAUT's `mod`, for positive and negative divisors.
+/// Returns the formula of XPPAUT's `mod`, for positive and negative divisors.
 fn modulo(names: &Names) -> (Phrase, Vec<Phrase>, Phrase) {
     let (name, arguments) = (names.written(Known::Modulo), vec!["a".into(), "b".into()]);
     let negative = "if(a < 0 & mod(-a, -b) > 0)then(b - mod(-a, -b))else(mod(abs(a), -b))";
@@ -61,7 +62,7 @@ fn modulo(names: &Names) -> (Phrase, Vec<Phrase>, Phrase) {
     (name.into(), arguments, formula.into())
 }
 
-/// Returns the initial values of all states; 0 by default.
+/// Returns the initial values of all states; the default value is 0.
 fn initial_of(names: &Names, parts: &Parts) -> Result<Pairs, ModelError> {
     let mut initial: Pairs = parts
         .states

@@ -1,4 +1,5 @@
-//! Decides from the formulas whether motion continues beyond a condition after its event.
+//! Decides from the formulas whether the motion crosses the surface of a `global` condition at its
+//! event.
 
 use super::super::affine::Affine;
 use super::super::assembling::Assembling;
@@ -11,23 +12,25 @@ use std::collections::BTreeMap;
 /// The relative size below which a constant counts as zero.
 const ROUNDING: f64 = 1e-12;
 
-/// The conditions of a file, with one mode for the two sides of each condition.
+/// The `global` conditions of a file, in a system in which both sides of each condition share one
+/// mode.
 pub(super) struct Crossings {
     conditions: Vec<Condition>,
-    /// The affine rates of states, and the states on which each rate depends.
+    /// The rate of each state if it is affine, and the states on which the rate depends.
     rates: Vec<(Option<Affine>, Vec<bool>)>,
-    /// States and time as affine values.
+    /// The states and the time, as affine values.
     inputs: BTreeMap<Value, Affine>,
 }
 
-/// The function that is positive before a condition, and its affine resets.
+/// A `global` condition: the function that is positive before its event, and the resets; `None`
+/// replaces a formula that is not affine.
 struct Condition {
     guard: Option<Affine>,
     resets: BTreeMap<usize, Option<Affine>>,
 }
 
 impl Crossings {
-    /// Collects the conditions of a statement with one mode.
+    /// Collects the `global` conditions of a statement that has one mode.
     pub fn of(source: &Source, statement: &HybridEquations) -> Result<Self, ModelError> {
         let common = statement.common();
         let basis = Basis::of(source, common, &[])?;
@@ -61,8 +64,8 @@ impl Crossings {
         Ok(Crossings { conditions, rates, inputs })
     }
 
-    /// Returns whether motion may continue in its direction after the event of a condition; `None`
-    /// if the relevant parts of the formulas are not affine.
+    /// Returns whether the motion may cross the surface of a condition after its event, in the
+    /// direction in which it arrives; `None` if the relevant parts of the formulas are not affine.
     pub fn goes_on(&self, k: usize) -> Option<bool> {
         let Condition { guard, resets } = &self.conditions[k];
         let guard = guard.as_ref()?;

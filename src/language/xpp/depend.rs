@@ -1,13 +1,13 @@
-//! Indirect dependencies of formulas, and substitution of formulas for names.
+//! Indirect dependencies between formulas, and substitution of formulas for names.
 
 use super::super::syntax::{Node, Step};
 use super::tree::{Known, Tree};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// The maximum size of a formula after substitution.
+/// The maximum number of nodes of a formula after substitution.
 const LARGEST: usize = 20_000;
 
-/// The formulas of names.
+/// The formulas that define constants, fixed quantities and functions.
 #[derive(Default)]
 pub(super) struct Formulas {
     pub constants: Vec<Option<Tree>>,
@@ -25,12 +25,13 @@ impl Formulas {
         }
     }
 
-    /// Returns all names on which a formula depends directly or indirectly.
+    /// Returns all names on which a formula depends, directly or through the formulas of other
+    /// names.
     pub fn all_names(&self, tree: &Tree) -> BTreeSet<Known> {
         self.reached(tree, |_| true)
     }
 
-    /// Returns the names on which a formula depends directly or through functions.
+    /// Returns the names on which a formula depends, directly or through the formulas of functions.
     pub fn by_functions(&self, tree: &Tree) -> BTreeSet<Known> {
         self.reached(tree, |known| matches!(known, Known::Function(_)))
     }
@@ -46,15 +47,15 @@ impl Formulas {
         found
     }
 
-    /// Returns a function that depends on itself, if any.
+    /// Returns the index of a function that depends on itself, or `None` if no function does.
     pub fn circular(&self) -> Option<usize> {
         let circular =
             |k: &usize| self.by_functions(&self.functions[*k]).contains(&Known::Function(*k));
         (0..self.functions.len()).find(circular)
     }
 
-    /// Sorts constants that are formulas so that each follows its dependencies, or returns one that
-    /// depends on itself.
+    /// Returns an order of the constants that are formulas in which each constant follows the
+    /// constants on which it depends; the error is a constant that depends on itself.
     pub fn order(&self) -> Result<Vec<usize>, usize> {
         let count = self.constants.len();
         let needs = |k: usize| -> Vec<usize> {
@@ -91,8 +92,8 @@ impl Formulas {
         Ok(order)
     }
 
-    /// Substitutes new values of states in a formula; with `fixed`, also in the quantities that
-    /// depend on them.
+    /// Substitutes new values for states in a formula; if `fixed` is true, also in the quantities
+    /// that depend on these states.
     pub fn after(&self, tree: &Tree, states: &BTreeMap<usize, Tree>, fixed: bool) -> Option<Tree> {
         let mut left = LARGEST;
         self.replaced(tree, &Replacing { states, fixed }, None, &mut left)
@@ -151,7 +152,7 @@ impl Formulas {
     }
 }
 
-/// The formulas that replace names.
+/// The formulas that are substituted for names.
 struct Replacing<'a> {
     states: &'a BTreeMap<usize, Tree>,
     fixed: bool,

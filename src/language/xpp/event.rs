@@ -1,8 +1,8 @@
-//! Conditions with resets, `global`, as guards.
+//! Conversion of XPPAUT's `global` lines, which are conditions with resets, to guards.
 //!
-//! Motion may continue in its direction after a condition is met, or the condition may be met at
-//! the start: motion is then in an additional mode until it returns. If the resets stop the motion,
-//! as at impacts, there is one mode.
+//! After a condition is met, the motion may cross its surface, or the motion may start beyond the
+//! surface: an additional mode then lasts until the motion returns. If the resets prevent a
+//! crossing, as at impacts, the condition needs only one mode.
 
 use super::super::basis::Kind;
 use super::super::operation::Operation;
@@ -20,26 +20,27 @@ use super::trial::{TRIALS, Trial};
 use crate::core::hybrid::HybridSystem;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// The maximum number of conditions with an additional mode.
+/// The maximum number of conditions for which an additional mode is created.
 const PASSED: usize = 3;
 
-/// The value below which a condition counts as zero.
+/// The absolute value below which the function of a condition counts as zero.
 const ROUNDING: f64 = 1e-9;
 
 /// A resolved condition.
 pub(super) struct Event {
     /// The function that is positive before the event.
     guard: Tree,
-    /// The states on which the guard depends.
+    /// The states on which the function of the guard depends.
     depends: BTreeSet<usize>,
-    /// The reset states, with formulas in the states before the event.
+    /// The states that the event resets, with formulas in terms of the states before the event.
     resets: BTreeMap<usize, Tree>,
-    /// The whole statement, for errors.
+    /// The phrase of the whole `global` line, for error messages.
     place: Phrase,
 }
 
 impl Event {
-    /// Resolves a condition and its resets; each reset applies to those after it.
+    /// Resolves the names in a condition and its resets; as in XPPAUT, each reset affects the
+    /// formulas of the resets after it.
     pub fn read(
         names: &Names,
         formulas: &Formulas,
@@ -89,7 +90,7 @@ impl Event {
     }
 }
 
-/// Describes the result of testing a condition.
+/// Describes the result of the random trials of a condition.
 fn tried_out(source: &Source, place: &Phrase, goes_on: bool) -> String {
     let line = source.line_of(place).unwrap_or_default();
     let result = match goes_on {
@@ -115,24 +116,24 @@ fn too_large(source: &Source, place: &Phrase) -> ModelError {
     source.fault_of(place, Fault::TooLarge { what, limit: 20_000 })
 }
 
-/// A file with events.
+/// The contents of a file that contains events.
 pub(super) struct Hybrid<'a, 's> {
     pub names: &'a Names<'s>,
     pub formulas: &'a Formulas,
     pub parts: &'a Parts,
     pub events: Vec<Event>,
-    /// The rates of states.
+    /// The states with their rates.
     pub rates: Pairs,
-    /// Everything else, as a statement without modes and guards.
+    /// All other fields, as a statement without modes and guards.
     pub rest: HybridEquations,
 }
 
-/// For each mode, whether each condition has been passed.
+/// Whether each condition has been passed, for one mode.
 type Passed = Vec<bool>;
 
 impl Hybrid<'_, '_> {
-    /// Returns the statement, with as many modes as needed, and descriptions of the tested
-    /// conditions.
+    /// Returns the statement with the required number of modes, and descriptions of the conditions
+    /// that were decided by random trials.
     pub fn statement(self) -> Result<(HybridEquations, Vec<String>), ModelError> {
         let plain = self.with_modes(&[], &Vec::new())?;
         let source = self.names.source;
@@ -168,7 +169,7 @@ impl Hybrid<'_, '_> {
         }
     }
 
-    /// Returns the initial states.
+    /// Returns the initial values of the states.
     fn start(&self, model: &super::super::Hybrid) -> Vec<f64> {
         let initial = model.basis().initial_at(0.0, &model.basis().defaults);
         let value = |name: &String| {
@@ -177,8 +178,8 @@ impl Hybrid<'_, '_> {
         model.modes().swap_remove(0).states.iter().map(value).collect()
     }
 
-    /// Returns the statement in which motion may be beyond some of the conditions; the motion
-    /// starts in the first mode.
+    /// Returns the statement with modes beyond the given conditions; the motion starts in the first
+    /// mode.
     fn with_modes(
         &self,
         passable: &[usize],
@@ -216,7 +217,8 @@ impl Hybrid<'_, '_> {
         Ok(statement)
     }
 
-    /// Returns the guard at which motion returns from beyond a condition.
+    /// Returns the guard whose event occurs when the motion returns across the surface of a
+    /// condition.
     fn back(
         &self,
         k: usize,
@@ -234,7 +236,7 @@ impl Hybrid<'_, '_> {
         }
     }
 
-    /// Returns the guard at which a condition is met, in a mode.
+    /// Returns the guard whose event occurs when a condition is met, in a given mode.
     fn guard(
         &self,
         k: usize,
@@ -287,8 +289,8 @@ impl Hybrid<'_, '_> {
         Ok(Guard { function: Some(function), next, reset, ..Guard::default() })
     }
 
-    /// Returns the values set at an event, including further resets if it meets other conditions
-    /// immediately.
+    /// Returns the states that an event resets, with their formulas, including the resets of other
+    /// conditions that are met immediately after the event.
     fn resets(
         &self,
         k: usize,

@@ -1,4 +1,4 @@
-//! Formulas in XPPAUT's language, with resolved names.
+//! Parses formulas in XPPAUT's language, and resolves the names in them.
 
 use super::super::operation::Operation;
 use super::super::source::{Fault, ModelError};
@@ -9,18 +9,18 @@ use super::origin::Slice;
 use super::tree::{Known, Tree};
 use std::ops::Range;
 
-/// Parses a formula; for a function, with its arguments.
+/// Parses a formula; the formula of a function may contain the function's arguments.
 pub(super) fn read(names: &Names, text: Slice, arguments: &[String]) -> Result<Tree, ModelError> {
     let nodes = nodes(text.text, Dialect::Xpp);
     let nodes = nodes.map_err(|(part, fault)| text.part(part).fault(names.source, fault))?;
     Reader { names, text, arguments }.tree(&nodes, Index::Outside)
 }
 
-/// The index of the sum that contains a formula.
+/// The value of the summation index, for a formula inside a sum.
 #[derive(Clone, Copy, PartialEq)]
 enum Index {
     Outside,
-    /// The index does not have a value yet.
+    /// The formula is inside a sum whose index does not have a value yet.
     Free,
     At(i64),
 }
@@ -55,7 +55,7 @@ impl<'a> Reader<'a, '_> {
         self.text.part(place.clone())
     }
 
-    /// Returns the value of a formula of numbers, if it is one.
+    /// Returns the value of a formula that contains only numbers, or `None` for any other formula.
     fn value(&self, tree: &Tree) -> Option<f64> {
         tree.value(&|k| self.names.values[k])
     }
@@ -90,7 +90,7 @@ impl<'a> Reader<'a, '_> {
         known.map(Tree::name).ok_or_else(|| self.names.unknown_in_formula(self.part(place)))
     }
 
-    /// Rejects functions without a counterpart.
+    /// Rejects a call of a function that has no counterpart in this library.
     fn refuse(&self, name: &str, place: &Range<usize>) -> Result<(), ModelError> {
         let refused = REFUSED.iter().find(|(known, ..)| known.eq_ignore_ascii_case(name));
         refused.map_or(Ok(()), |(_, what, why)| {
@@ -188,7 +188,8 @@ impl<'a> Reader<'a, '_> {
         }
     }
 
-    /// Resolves `shift(x,2)`: the second name after `x`.
+    /// Resolves a call such as `shift(x,2)`, which denotes the second name after `x` in XPPAUT's
+    /// tables.
     fn shift(&self, arguments: Vec<Tree>, place: &Range<usize>) -> Result<Tree, ModelError> {
         let (source, word) = (self.names.source, self.part(place));
         let [of, by] = &arguments[..] else {

@@ -2,7 +2,8 @@
 
 use super::super::operation::{Function, function};
 
-/// Functions without a counterpart: a description, and the reason.
+/// XPPAUT functions that have no counterpart in this library: the name, a description, and the
+/// reason for the rejection.
 pub(super) const REFUSED: [(&str, &str, &str); 15] = [
     ("DELAY", "a delay (`delay`)", "the equations of a model cannot contain delays"),
     ("DEL_SHFT", "a delay (`del_shft`)", "the equations of a model cannot contain delays"),
@@ -25,7 +26,8 @@ pub(super) const REFUSED: [(&str, &str, &str); 15] = [
     ("SET", "the function `set`", "quantities cannot be set while others are computed"),
 ];
 
-/// Returns the function with a name that both XPPAUT and the language have.
+/// Returns the function with a given name if XPPAUT and this library's language both have this
+/// function.
 pub(super) fn built_in(name: &str) -> Option<&'static Function> {
     function(&name.to_ascii_lowercase()).filter(|function| function.of_xpp)
 }

@@ -1,9 +1,9 @@
-//! The syntax of conditions with resets, `global`.
+//! The syntax of XPPAUT's `global` lines, which are conditions with resets.
 
 use super::super::source::{ModelError, Source};
 use super::origin::{Named, Slice, Text};
 
-/// A condition with resets.
+/// A parsed `global` line: a condition and its resets.
 pub(super) struct Global {
     pub falls: bool,
     pub condition: Text,
@@ -11,7 +11,7 @@ pub(super) struct Global {
 }
 
 impl Global {
-    /// Parses `sign {condition} {name=formula;…}` after the keyword.
+    /// Parses the text `sign {condition} {name=formula;…}` that follows the keyword `global`.
     pub fn read(source: &Source, rest: Slice) -> Result<Global, ModelError> {
         let form = "a sign, a condition and resets, as in `global 1 {x-1} {x=0;y=y+1}`";
         let wrong = || rest.expected(source, form);
@@ -50,7 +50,7 @@ impl Global {
     }
 }
 
-/// Parses the assignments between the second braces.
+/// Parses the resets, which are assignments between the second pair of braces.
 fn resets_of(source: &Source, list: Slice) -> Result<Vec<Named>, ModelError> {
     let (mut resets, mut rest) = (Vec::new(), list);
     while !rest.text.trim().is_empty() {

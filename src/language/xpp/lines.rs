@@ -1,20 +1,21 @@
-//! Lines: joins continued lines, and writes out arrays and blocks.
+//! The lines of an XPPAUT file: joins continued lines, and expands arrays and blocks.
 
 use super::super::source::{Fault, ModelError, Source};
 use super::origin::{Slice, Text};
 use std::ops::ControlFlow;
 
-/// The maximum number of elements of all arrays.
+/// The maximum number of elements of all arrays of a file together.
 const ELEMENTS: usize = 500_000;
-/// The maximum number of letters of written-out arrays.
+/// The maximum number of letters in the expanded arrays of a file.
 const LETTERS: usize = 4_000_000;
-/// The maximum length of a source.
+/// The maximum length of a file in bytes.
 const LONGEST: usize = 16_000_000;
 
-/// A callback for each line, with whether the line belongs to an array; a break ends the file.
+/// A callback that receives each line and whether the line belongs to an array; it returns a break
+/// to end the file.
 pub(super) type Visit<'v> = &'v mut dyn FnMut(Text, bool) -> Result<ControlFlow<()>, ModelError>;
 
-/// Returns the lines of a source, joining those that end in a backslash with the next one.
+/// Returns the lines of a source, and joins each line that ends in a backslash with the next line.
 fn joined(source: &Source) -> Vec<Text> {
     let (mut lines, mut open, mut at) = (Vec::new(), None::<Text>, 0);
     for whole in source.text.split_inclusive('\n') {
@@ -32,14 +33,15 @@ fn joined(source: &Source) -> Vec<Text> {
     lines
 }
 
-/// Returns whether a line is a comment, or lists options or sets, whose indices are kept.
+/// Returns whether a line is a comment or a list of options or sets; indices in such a line are not
+/// expanded.
 fn is_plain(text: &str) -> bool {
     let word = text.trim_start();
     let set = word.get(..4).is_some_and(|first| first.eq_ignore_ascii_case("set "));
     set || text.starts_with('@') || word.is_empty() || word.starts_with(['#', '"'])
 }
 
-/// Visits all lines, with arrays written out, until the callback ends the file.
+/// Passes all lines, with expanded arrays, to the callback until it ends the file.
 pub(super) fn for_each(source: &Source, visit: Visit) -> Result<(), ModelError> {
     if source.text.len() > LONGEST {
         let fault = Fault::TooLarge { what: "letters of a file", limit: LONGEST };
@@ -89,7 +91,7 @@ fn refuse_range(source: &Source, line: Slice) -> Result<(), ModelError> {
     }
 }
 
-/// The remaining part of the limits.
+/// The numbers of array elements and letters that have been expanded so far.
 struct Budget<'s> {
     source: &'s Source,
     elements: usize,
@@ -97,7 +99,7 @@ struct Budget<'s> {
 }
 
 impl Budget<'_> {
-    /// Writes lines out for all indices of a range.
+    /// Expands lines for all indices of a range.
     fn write_out(
         &mut self,
         lines: &[Slice],
@@ -132,14 +134,15 @@ impl Budget<'_> {
     }
 }
 
-/// The range of a line, `[1..9]`.
+/// The range of indices of a line, such as `[1..9]`.
 struct Range<'a> {
     brackets: Slice<'a>,
     first: i64,
     last: i64,
 }
 
-/// Returns the positions and contents of brackets, except the brackets of integrals.
+/// Returns the position and the contents of each pair of square brackets, except the brackets of
+/// integrals.
 fn brackets<'a>(source: &Source, line: Slice<'a>) -> Result<Vec<(usize, Slice<'a>)>, ModelError> {
     let (mut found, mut at) = (Vec::new(), 0);
     while let Some(open) = line.text[at..].find('[').map(|open| at + open) {
@@ -178,7 +181,7 @@ fn range_of<'a>(source: &Source, line: Slice<'a>) -> Result<Option<Range<'a>>, M
     Ok(found)
 }
 
-/// Returns a line that does not belong to an array.
+/// Returns the text of a line that does not belong to an array.
 fn alone(source: &Source, line: Slice) -> Result<Text, ModelError> {
     if let Some(at) = line.text.find("](0)") {
         let place = line.part(at..at + 4);
@@ -189,7 +192,7 @@ fn alone(source: &Source, line: Slice) -> Result<Text, ModelError> {
     subscripted(source, line, None)
 }
 
-/// Returns a line with `[j+1]` replaced by a number.
+/// Returns a line in which index expressions such as `[j+1]` are replaced by their values.
 fn subscripted(source: &Source, line: Slice, k: Option<i64>) -> Result<Text, ModelError> {
     if !line.text.contains('[') {
         return Ok(line.to_text());
@@ -212,7 +215,7 @@ fn subscripted(source: &Source, line: Slice, k: Option<i64>) -> Result<Text, Mod
     Ok(text)
 }
 
-/// Returns the value between brackets.
+/// Returns the integer between square brackets.
 fn index(source: &Source, whole: Slice, inner: Slice, k: Option<i64>) -> Result<i64, ModelError> {
     let forms = "`[j]`, `[j+1]`, `[j-1]`, `[j*2]` or a whole number in brackets";
     let plain: String = inner.text.chars().filter(|c| *c != ' ').collect();

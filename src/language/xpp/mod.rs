@@ -1,11 +1,11 @@
-//! Reads XPPAUT's `.ode` files, as in `tangency trace model.ode`.
+//! Converts XPPAUT's `.ode` files to statements of equations, as in `tangency trace model.ode`.
 //!
 //! [`read`] converts a file into a [`Statement`] with the semantics of XPPAUT (B. Ermentrout,
 //! *Simulating, Analyzing, and Animating Dynamical Systems*, SIAM 2002): letter case is ignored,
 //! comparisons bind as strongly as powers, all operators associate to the left, quantities are
-//! computed in their order, and resets apply to those after them. Arrays are written out, as in
-//! XPPAUT. Constructs without a counterpart are rejected with their line and column; lines without
-//! effect are listed.
+//! computed in their order in the file, and each reset affects the resets after it. Arrays are
+//! expanded into their elements, as in XPPAUT. Constructs that have no counterpart in this library
+//! are rejected with their line and column; lines that have no effect are listed.
 //!
 //! ```
 //! use tangency::core::problem::VectorField;
@@ -47,23 +47,23 @@ use super::source::{ModelError, Source};
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Ode {
-    /// The equations: `Equations`, a `Map`, or with events `HybridEquations`.
+    /// The equations: `Equations`, a `Map`, or `HybridEquations` for a file with events.
     pub statement: Statement,
-    /// The numerical options, such as the duration of a simulation.
+    /// The numerical options of the file, such as the duration of a simulation.
     pub options: Options,
-    /// The lines without effect, in words, with line numbers.
+    /// Descriptions of the lines that have no effect, with line numbers.
     pub ignored: Vec<String>,
-    /// Names that had to be changed, with their new names.
+    /// The names that had to be changed, with their new names.
     pub renamed: Vec<(String, String)>,
-    /// The conditions with resets for which random trials decided whether motion continues beyond
-    /// them, because the formulas are not affine.
+    /// Descriptions of the `global` conditions for which random trials decided whether the motion
+    /// crosses the surface of the condition, because the formulas are not affine.
     pub tried: Vec<String>,
-    /// The last state of a map that uses `t`: it counts the iterates.
+    /// The additional last state of a map that uses `t`; this state counts the iterates.
     pub clock: Option<String>,
 }
 
 impl Ode {
-    /// Returns the options of simulations, which branches do not need.
+    /// Returns the options that only simulations use, and that continuation does not need.
     ///
     /// ```
     /// use tangency::language::{Source, xpp};
@@ -81,7 +81,7 @@ impl Ode {
     }
 }
 
-/// Reads an `.ode` file.
+/// Parses an XPPAUT `.ode` file.
 ///
 /// ```
 /// use tangency::core::problem::VectorField;
@@ -102,7 +102,7 @@ impl Ode {
 /// ```
 ///
 /// # Errors
-/// [`ModelError`] with the place of an error or of an unsupported construct.
+/// [`ModelError`] with the place, for an error or an unsupported construct in the file.
 pub fn read(source: &Source) -> Result<Ode, ModelError> {
     let parts = parts::Parts::read(source)?;
     model::understood(source, parts)

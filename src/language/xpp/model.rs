@@ -1,4 +1,4 @@
-//! Conversion of the contents of a file to a statement.
+//! Conversion of the contents of an XPPAUT file to a statement.
 
 use super::super::Statement;
 use super::super::source::{Fault, ModelError, Phrase, Source};
@@ -13,7 +13,7 @@ use super::phrase::{arguments_of, pair, written};
 use super::tree::{Known, Tree};
 use super::{Ode, formula};
 
-/// Returns the model that a file states.
+/// Returns the model that an XPPAUT file contains.
 pub(super) fn understood(source: &Source, parts: Parts) -> Result<Ode, ModelError> {
     check_sizes(source, &parts)?;
     let mut names = Names::of(source, &parts)?;
@@ -49,10 +49,11 @@ pub(super) fn understood(source: &Source, parts: Parts) -> Result<Ode, ModelErro
     Ok(Ode { statement, options, ignored, renamed, tried, clock: names.clock })
 }
 
-/// The maximum number of functions, and of conditions with resets.
+/// The maximum number of functions, and the maximum number of `global` conditions.
 const MOST: usize = 200;
 
-/// Rejects numbers of functions or conditions whose mutual substitution would take too long.
+/// Returns an error if a file contains more functions or conditions than can be substituted into
+/// each other in a reasonable time.
 fn check_sizes(source: &Source, parts: &Parts) -> Result<(), ModelError> {
     let function =
         parts.functions.get(MOST).map(|function| ("functions", function.named.name.all()));
@@ -63,8 +64,8 @@ fn check_sizes(source: &Source, parts: &Parts) -> Result<(), ModelError> {
     }
 }
 
-/// Returns the statement of a file, of the matching kind, and descriptions of the tested
-/// conditions.
+/// Returns the statement of a file, as the kind of equations that fits the file, and descriptions
+/// of the conditions that were decided by random trials.
 fn statement(
     names: &Names,
     formulas: &Formulas,
@@ -93,8 +94,8 @@ fn statement(
     Ok((Statement::HybridEquations(statement), tried))
 }
 
-/// Returns the formulas of constants, quantities and functions. Rejects formulas that depend on
-/// themselves or on later quantities.
+/// Returns the formulas of the constants, the fixed quantities and the functions of a file. A
+/// formula that depends on itself or on quantities defined later is an error.
 fn formulas_of(names: &Names, parts: &Parts) -> Result<Formulas, ModelError> {
     let mut formulas = Formulas::default();
     for function in &parts.functions {
@@ -120,7 +121,8 @@ fn formulas_of(names: &Names, parts: &Parts) -> Result<Formulas, ModelError> {
     Ok(formulas)
 }
 
-/// Rejects constants that depend on quantities that vary: XPPAUT computes them only once.
+/// Returns an error if a constant depends on a quantity that varies, because XPPAUT computes
+/// constants only once.
 fn check_constants(names: &Names, parts: &Parts, formulas: &Formulas) -> Result<(), ModelError> {
     for ((_, named), tree) in parts.constants.iter().zip(&formulas.constants) {
         let Some(tree) = tree else { continue };
@@ -139,8 +141,8 @@ fn check_constants(names: &Names, parts: &Parts, formulas: &Formulas) -> Result<
     Ok(())
 }
 
-/// Rejects quantities that are used before they are computed: XPPAUT would use their values from
-/// the previous step.
+/// Returns an error if a quantity is used before it is computed, because XPPAUT would use its value
+/// from the previous step.
 fn check_order(names: &Names, parts: &Parts, formulas: &Formulas) -> Result<(), ModelError> {
     for (k, (named, tree)) in parts.fixed.iter().zip(&formulas.fixed).enumerate() {
         let later = |known: &Known| matches!(known, Known::Fixed(other) if *other >= k);
@@ -157,7 +159,8 @@ fn check_order(names: &Names, parts: &Parts, formulas: &Formulas) -> Result<(), 
     Ok(())
 }
 
-/// Returns the monitors; in XPPAUT their names may coincide with other names.
+/// Returns the monitors of the file, renamed if necessary: in XPPAUT, the name of a monitor may
+/// coincide with another name.
 fn monitors_of(
     names: &mut Names,
     parts: &Parts,

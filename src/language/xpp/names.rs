@@ -1,4 +1,4 @@
-//! The names of a file: their meaning, and their spelling in the statement.
+//! The names in an XPPAUT file: their meaning, and their spelling in the converted statement.
 
 use super::super::operation::function;
 use super::super::source::{Fault, ModelError, Source};
@@ -10,7 +10,7 @@ use crate::core::problem::UnknownName;
 use std::cell::Cell;
 use std::collections::{HashMap, HashSet};
 
-/// Names reserved by XPPAUT, in addition to the names of functions.
+/// The names that XPPAUT reserves, in addition to the names of functions.
 const RESERVED: [&str; 16] = [
     "SHIFT", "IF", "THEN", "ELSE", "SUM", "OF", "NOT", "PI", "T", "I'", "START", "END", "MOUSE_X",
     "MOUSE_Y", "MOUSE_VX", "MOUSE_VY",
@@ -22,34 +22,35 @@ fn is_reserved(upper: &str) -> bool {
     refused || RESERVED.contains(&upper) || built_in(upper).is_some()
 }
 
-/// The names of a file.
+/// The names in an XPPAUT file.
 pub(super) struct Names<'s> {
     pub source: &'s Source,
     known: HashMap<String, Known>,
-    /// The spelling of states, constants, fixed quantities and functions in the statement.
+    /// The spelling of each state in the converted statement.
     states: Vec<String>,
     constants: Vec<String>,
     fixed: Vec<String>,
     functions: Vec<String>,
-    /// The numbers of arguments of functions.
+    /// The number of arguments of each function.
     pub arguments: Vec<usize>,
-    /// The values of constants that are numbers.
+    /// The value of each constant that is a number; `None` for other constants.
     pub values: Vec<Option<f64>>,
-    /// The state that counts iterates, if there is one.
+    /// The name of the state that counts iterates, for a map that uses `t`.
     pub clock: Option<String>,
-    /// Names with a different spelling in the statement.
+    /// The names whose spelling in the converted statement is different, with the new spelling.
     pub renamed: Vec<(String, String)>,
-    /// All spellings in use.
+    /// All spellings that are already in use.
     taken: HashSet<String>,
-    /// Whether a divisor of `mod` may be negative, and the name of the function for this case.
+    /// Whether a formula contains `mod` with a divisor that may be negative, so that the statement
+    /// needs a separate function for `mod`.
     pub needs_modulo: Cell<bool>,
     modulo: String,
-    /// The remaining number of parts for writing out sums.
+    /// The number of formula parts into which sums may still be expanded.
     pub budget: Cell<usize>,
 }
 
 impl<'s> Names<'s> {
-    /// Collects the names that a file declares.
+    /// Collects the names that an XPPAUT file declares.
     pub fn of(source: &'s Source, parts: &Parts) -> Result<Self, ModelError> {
         let mut names = Names {
             source,
@@ -113,8 +114,8 @@ impl<'s> Names<'s> {
         Ok(written)
     }
 
-    /// Returns an unused valid spelling of a name; for a function, one that is not a function of
-    /// the language.
+    /// Returns an unused, valid spelling of a name; the spelling of a function also differs from
+    /// all functions of the language.
     pub fn free(&mut self, name: &str, is_function: bool) -> String {
         let mut written: String = name.replace('.', "_");
         let ours = |written: &str| {
@@ -128,7 +129,7 @@ impl<'s> Names<'s> {
         written
     }
 
-    /// Returns whether a spelling is in use.
+    /// Returns whether a spelling is already in use.
     pub fn is_taken(&self, name: &str) -> bool {
         self.taken.contains(name) || name == "t"
     }
@@ -142,7 +143,7 @@ impl<'s> Names<'s> {
         }
     }
 
-    /// Returns the state with this name.
+    /// Returns the index of the state with a given name.
     pub fn state(&self, name: &Text) -> Result<usize, ModelError> {
         match self.find(name.all().text) {
             Some(Known::State(k)) => Ok(k),
@@ -150,7 +151,7 @@ impl<'s> Names<'s> {
         }
     }
 
-    /// Returns the error of an unknown name.
+    /// Returns the error for an unknown name.
     pub fn unknown<'n>(
         &self,
         what: &str,
@@ -161,7 +162,7 @@ impl<'s> Names<'s> {
         name.fault(self.source, Fault::Unknown(UnknownName::new(what, name.text, known)))
     }
 
-    /// Returns the error of an unknown name in a formula.
+    /// Returns the error for an unknown name in a formula.
     pub fn unknown_in_formula(&self, name: Slice) -> ModelError {
         // The first elements of long arrays are enough in the list of known names.
         let quantities = [&self.states, &self.constants, &self.fixed];
@@ -169,7 +170,7 @@ impl<'s> Names<'s> {
         self.unknown("name", name, known.chain(&self.functions))
     }
 
-    /// Returns the spelling of a name in the statement.
+    /// Returns the spelling of a name in the converted statement.
     pub fn written(&self, known: Known) -> String {
         match known {
             Known::State(k) => self.states[k].clone(),
@@ -185,7 +186,7 @@ impl<'s> Names<'s> {
         }
     }
 
-    /// Returns the name a given number of places after another one in XPPAUT's tables.
+    /// Returns the name that is a given number of places after another name in XPPAUT's tables.
     pub fn shifted(&self, known: Known, by: i64) -> Option<Known> {
         let states = self.states.len() as i64;
         let variable = |k: i64| match k {
@@ -208,7 +209,7 @@ impl<'s> Names<'s> {
     }
 }
 
-/// Rejects an invalid name.
+/// Returns an error if a name is invalid.
 pub(super) fn check(source: &Source, name: Slice) -> Result<(), ModelError> {
     let letter = |c: char| c.is_ascii_alphabetic() || c == '_';
     let inner = |c: char| letter(c) || c.is_ascii_digit() || c == '.';

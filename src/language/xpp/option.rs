@@ -1,9 +1,9 @@
-//! Options, given after `@`.
+//! The options of an XPPAUT file, given on lines that begin with `@`.
 
 use super::super::source::{ModelError, Source};
 use super::origin::Slice;
 
-/// The numerical options of a file, such as the duration of a simulation.
+/// The numerical options of an XPPAUT file, such as the duration of a simulation.
 ///
 /// ```
 /// use tangency::language::{Source, xpp};
@@ -16,32 +16,32 @@ use super::origin::Slice;
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Options {
-    /// The initial time: `t0`, 0 by default.
+    /// The initial time, XPPAUT's option `t0`; 0 by default.
     pub start: f64,
     /// The duration: `total`.
     pub total: Option<f64>,
-    /// The duration of the transient to discard: `trans`.
+    /// The duration of the transient to discard, XPPAUT's option `trans`.
     pub transient: Option<f64>,
-    /// The bound of all quantities: `bound`, or `bounds`.
+    /// The bound on all quantities, XPPAUT's option `bound` or `bounds`.
     pub bounds: Option<f64>,
-    /// The number of mesh intervals of an orbit in AUTO: `ntst`.
+    /// The number of mesh intervals of a periodic orbit in AUTO, XPPAUT's option `ntst`.
     pub ntst: Option<usize>,
-    /// The number of points between two outputs of AUTO, 0 for none: `npr`.
+    /// The number of points between two outputs of AUTO, XPPAUT's option `npr`; 0 for no output.
     pub npr: Option<usize>,
 }
 
-/// The settings of a line of options.
+/// The settings found on the option lines of a file.
 #[derive(Default)]
 pub(super) struct Found {
     pub options: Options,
-    /// Whether the method is the method for maps.
+    /// Whether the selected integration method is XPPAUT's method for maps.
     pub discrete: bool,
     pub ignored: Vec<String>,
 }
 
 impl Found {
-    /// Parses a line after its `@`. XPPAUT recognises an option by its first letters, and the last
-    /// occurrence counts.
+    /// Parses the part of an option line that follows `@`. XPPAUT recognises an option by its first
+    /// letters, and uses the last value if an option occurs several times.
     pub fn read(&mut self, source: &Source, line: Slice) -> Result<(), ModelError> {
         let mut at = 0;
         for piece in line.text.split_inclusive([' ', ',', '\t']) {
@@ -104,7 +104,7 @@ impl Found {
     }
 }
 
-/// Parses a text as a number, as in C, if all of it is one.
+/// Parses a whole text as a number in the syntax of C; returns `None` if it is not a number.
 pub(super) fn number(text: &str) -> Option<f64> {
     let text = text.trim();
     let plain = text.bytes().all(|b| b.is_ascii_digit() || b"+-.eE".contains(&b));

@@ -1,4 +1,4 @@
-//! The contents of the lines of a file, before names are resolved.
+//! The contents of an XPPAUT file, line by line, before names are resolved.
 
 use super::super::source::{ModelError, Source};
 use super::command::{NUMBER, REFUSED, arguments_of, refuse_calls, values_of};
@@ -8,13 +8,13 @@ use super::option::{Found, number};
 use super::origin::{Named, Slice, Text};
 use std::ops::ControlFlow;
 
-/// A function: its name, its arguments and its formula.
+/// A function defined in the file: its name, its arguments and its formula.
 pub(super) struct Function {
     pub named: Named,
     pub arguments: Vec<Text>,
 }
 
-/// A constant: a parameter, a number, or a formula of other constants.
+/// The kind of a constant: a parameter, a number, or a formula of other constants.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Sort {
     Parameter,
@@ -22,26 +22,26 @@ pub(super) enum Sort {
     Derived,
 }
 
-/// All contents of a file, in order.
+/// All contents of an XPPAUT file, in the order of the file.
 #[derive(Default)]
 pub(super) struct Parts {
-    /// States with their rates, or next values.
+    /// The states, each with the formula of its rate or, for a map, of its next value.
     pub states: Vec<Named>,
-    /// Whether the states have next values.
+    /// Whether the formulas of the states are next values, so that the file describes a map.
     pub is_map: bool,
     pub constants: Vec<(Sort, Named)>,
     pub fixed: Vec<Named>,
     pub functions: Vec<Function>,
     pub monitors: Vec<Named>,
     pub initial: Vec<Named>,
-    /// Initial values given as formulas, of elements of arrays.
+    /// The initial values of array elements that are given as formulas.
     pub initial_formulas: Vec<Named>,
     pub globals: Vec<Global>,
     pub found: Found,
 }
 
 impl Parts {
-    /// Parses all lines of a source.
+    /// Parses all lines of an XPPAUT file.
     pub fn read(source: &Source) -> Result<Parts, ModelError> {
         let mut parts = Parts::default();
         lines::for_each(source, &mut |line, array| parts.line(source, line.all(), array))?;
@@ -107,7 +107,7 @@ impl Parts {
         go_on
     }
 
-    /// Parses `name = formula`, `!name = formula`, and `0 = formula`.
+    /// Parses a line of the form `name = formula`, `!name = formula` or `0 = formula`.
     fn assignment(&mut self, source: &Source, name: Slice, value: Slice) -> Result<(), ModelError> {
         if name.text == "0" {
             let reason = "only differential equations and maps have a counterpart among models";
@@ -123,7 +123,7 @@ impl Parts {
         Ok(())
     }
 
-    /// Parses `dx/dt = formula`.
+    /// Parses a line of the form `dx/dt = formula`.
     fn rate(&mut self, source: &Source, line: Slice) -> Result<(), ModelError> {
         let wrong = || line.expected(source, "a statement, as in `dx/dt=-x`");
         let (left, _, right) = line.split(&['=']).ok_or_else(wrong)?;
@@ -137,7 +137,7 @@ impl Parts {
         Ok(())
     }
 
-    /// Parses `x(t+1) = formula`, `x(0) = number`, `f(a,b) = formula`.
+    /// Parses a line of the form `x(t+1) = formula`, `x(0) = number` or `f(a,b) = formula`.
     fn bracket(
         &mut self,
         source: &Source,
@@ -176,7 +176,7 @@ impl Parts {
         Ok(())
     }
 
-    /// Parses a line that begins with a command: XPPAUT recognises it by its first letters.
+    /// Parses a line that begins with a command; XPPAUT recognises a command by its first letters.
     fn command(
         &mut self,
         source: &Source,

@@ -1,4 +1,4 @@
-//! Names and formulas in the notation of the statement.
+//! Converts names and formulas of an XPPAUT file to the notation of statements.
 
 use super::super::source::{Fault, ModelError, Phrase, Source};
 use super::names::{Names, check};
@@ -27,7 +27,7 @@ pub(super) fn arguments_of(
     Ok(arguments)
 }
 
-/// Returns a name with its formula, in the notation of the statement.
+/// Returns a name and its formula in the notation of statements.
 pub(super) fn pair(
     names: &Names,
     named: &Named,
@@ -38,7 +38,7 @@ pub(super) fn pair(
     (name_of(names, named.name.all()), formula)
 }
 
-/// Returns a formula in the notation of the statement.
+/// Returns a formula in the notation of statements.
 pub(super) fn written(names: &Names, place: Slice, tree: &Tree, arguments: &[String]) -> Phrase {
     let text = tree.written(&|known| match known {
         Known::Argument(k) => arguments[k].clone(),
@@ -47,7 +47,7 @@ pub(super) fn written(names: &Names, place: Slice, tree: &Tree, arguments: &[Str
     place.phrase(names.source, text)
 }
 
-/// Returns a name in the notation of the statement.
+/// Returns a name in the notation of statements.
 pub(super) fn name_of(names: &Names, name: Slice) -> Phrase {
     let written = names.find(name.text).map_or(name.text.into(), |known| names.written(known));
     name.phrase(names.source, written)

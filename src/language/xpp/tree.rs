@@ -1,37 +1,37 @@
-//! Formulas with resolved names, and their conversion to the language of models.
+//! Formulas of an XPPAUT file with resolved names, and their conversion to the language of models.
 
 use super::super::operation::Operation;
 use super::super::syntax::{COMPARISON, INFIX, Infix, Node, POWER, SIGN, Step, value_of};
 use std::collections::BTreeSet;
 
-/// The meaning of a name.
+/// The meaning of a name in an XPPAUT file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Known {
     State(usize),
     Constant(usize),
     Fixed(usize),
     Function(usize),
-    /// A function that the language has, too.
+    /// A function that the language of models has, too.
     BuiltIn(&'static str),
-    /// `mod` of a divisor that may be negative.
+    /// The function `mod` with a divisor that may be negative.
     Modulo,
-    /// An argument of the function that contains the name.
+    /// An argument of the function whose formula contains the name.
     Argument(usize),
     Time,
     Pi,
-    /// The index of the sum that contains the name.
+    /// The summation index of the sum that contains the name.
     Index,
 }
 
-/// The binding strength of formulas that need no brackets.
+/// The binding strength of formulas that never need brackets.
 const WHOLE: u8 = 9;
 
-/// A formula, in postfix order.
+/// A formula in postfix order, with resolved names.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Tree(pub Vec<Node<Known>>);
 
 impl Tree {
-    /// Builds a formula from a step and its operands.
+    /// Builds a formula from its last step and the operands of this step.
     pub fn of(step: Step<Known>, operands: impl IntoIterator<Item = Tree>) -> Tree {
         let mut operands = operands.into_iter();
         let mut nodes = operands.next().unwrap_or_default().0;
@@ -54,7 +54,7 @@ impl Tree {
         Tree::of(Step::Apply(operation), operands)
     }
 
-    /// Negates the formula; for a difference, swaps the operands.
+    /// Returns the negative of the formula; a difference is negated by exchanging its operands.
     pub fn negated(mut self) -> Tree {
         match self.0.last().map(|node| &node.step) {
             Some(Step::Apply(Operation::Negate)) => {
@@ -76,8 +76,7 @@ impl Tree {
         }
     }
 
-    /// Rebuilds a formula from its operands upward: the callback receives a node and the rebuilt
-    /// operands.
+    /// Rebuilds a formula, operands first: the callback receives a node and its rebuilt operands.
     pub fn rebuilt<E>(
         &self,
         f: &mut impl FnMut(&Node<Known>, Vec<Tree>) -> Result<Tree, E>,
@@ -90,7 +89,7 @@ impl Tree {
         Ok(made.pop().unwrap_or_default())
     }
 
-    /// Returns the names that occur in the formula, including functions.
+    /// Returns the names that occur in the formula, including the names of functions.
     pub fn names(&self) -> BTreeSet<Known> {
         let (mut names, mut open) = (BTreeSet::new(), vec![&self.0]);
         while let Some(nodes) = open.pop() {
@@ -105,7 +104,8 @@ impl Tree {
         names
     }
 
-    /// Returns the value of the formula if it depends on known constants only.
+    /// Returns the value of the formula if it contains only numbers and constants with known
+    /// values.
     pub fn value(&self, constant: &dyn Fn(usize) -> Option<f64>) -> Option<f64> {
         let mut values: Vec<f64> = Vec::new();
         for Node { step, .. } in &self.0 {
@@ -125,13 +125,14 @@ impl Tree {
         values.pop()
     }
 
-    /// Returns the formula as text, with the given spelling of names.
+    /// Returns the formula as text, with given spellings of the names.
     pub fn written(&self, names: &dyn Fn(Known) -> String) -> String {
         written(&self.0, names)
     }
 }
 
-/// Converts nodes to text, together with the binding strength of each formula's weakest operator.
+/// Converts nodes to text, and returns for each formula the binding strength of its weakest
+/// operator.
 fn written(nodes: &[Node<Known>], names: &dyn Fn(Known) -> String) -> String {
     let mut done: Vec<(String, u8)> = Vec::new();
     let within = |(text, strength): (String, u8), least: u8| {

@@ -1,10 +1,11 @@
-//! Random trials of the motion at a condition.
+//! Random trials that decide whether the motion crosses the surface of a `global` condition at its
+//! event.
 
 use super::super::Hybrid;
 use crate::core::hybrid::HybridSystem;
 use std::collections::BTreeSet;
 
-/// A condition under trial.
+/// A `global` condition whose behaviour is decided by random trials.
 pub(super) struct Trial<'m> {
     pub system: &'m Hybrid,
     pub guard: usize,
@@ -12,7 +13,7 @@ pub(super) struct Trial<'m> {
     pub x: Vec<f64>,
 }
 
-/// The number of states on a condition to try.
+/// The number of states on the surface of a condition that are tried.
 pub(super) const TRIALS: usize = 24;
 /// The relative size below which a guard and its rate count as zero.
 const ZERO: f64 = 1e-7;
@@ -22,7 +23,7 @@ impl Trial<'_> {
         self.system.guard(self.guard, 0, t, x, &self.system.defaults())
     }
 
-    /// Returns the rate of the guard.
+    /// Returns the rate of change of the guard's function along the motion.
     fn speed(&self, t: f64, x: &[f64]) -> f64 {
         let mut f = vec![0.0; x.len()];
         self.system.field(0, t, x, &self.system.defaults(), &mut f);
@@ -41,7 +42,8 @@ impl Trial<'_> {
         value < 0.0 || (value == 0.0 && self.speed(self.start, &self.x) < 0.0)
     }
 
-    /// Returns whether motion may continue in its direction after the event.
+    /// Returns whether, for at least one of the tried states, the motion crosses the surface of the
+    /// condition after its event.
     pub fn goes_on(&self, depends: &BTreeSet<usize>) -> bool {
         if depends.is_empty() {
             return true;
@@ -59,7 +61,7 @@ impl Trial<'_> {
         })
     }
 
-    /// Returns a state on the condition, close to a given state.
+    /// Returns a state on the surface of the condition, close to a given state.
     fn on_condition(&self, t: f64, mut x: Vec<f64>, depends: &BTreeSet<usize>) -> Option<Vec<f64>> {
         for _ in 0..30 {
             let value = self.value(t, &x);
