@@ -56,7 +56,7 @@ const start = () => {
   current = own;
   $("#stop").hidden = false;
   document.body.dataset.busy = "true";
-  const call = { trace: { page: id, turn, setup: own.setup } };
+  const call = { trace: { page: id, turn, setup: { ...own.setup, draft: live } } };
   follow(call, own.abort.signal, message => { if (current === own) take(own, message); })
     .then(ended => { if (!ended) throw new TypeError("the connection was lost"); })
     .catch(error => { if (current === own && error.name !== "AbortError") lost(); })

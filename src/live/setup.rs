@@ -42,6 +42,10 @@ pub struct Setup {
     pub x: Option<String>,
     /// The column on the vertical axis of the diagram; `None` for the default column.
     pub y: Option<String>,
+    /// Whether a control is being dragged: special points then lack sensitivities, which the
+    /// diagram does not show.
+    #[serde(skip_serializing)]
+    pub draft: bool,
 }
 
 /// The maximum number of generations of emanating branches.
@@ -155,7 +159,8 @@ impl Setup {
         if let (Stated::Model(problem), true) = (&stated, request.along.is_empty()) {
             request.along.extend(first_range(problem, &self.set));
         }
-        let scene = stated.requested(&self.name, &request)?;
+        let mut scene = stated.requested(&self.name, &request)?;
+        scene.settings.without_sensitivities = self.draft;
         match self.runs.is_empty() {
             true => Ok(scene),
             false => scene.with_runs(self.runs.iter().cloned()),

@@ -44,6 +44,8 @@ pub(super) struct Corrector<'a> {
     pub refines: bool,
     /// Whether the phase response is computed at special points of cycles.
     pub phase_response: bool,
+    /// Whether special points have sensitivities.
+    pub sensitivities: bool,
 }
 
 /// Sets the units of null vectors to the scales with these weights. Collocation uses the units of
@@ -77,6 +79,7 @@ impl<'a> Corrector<'a> {
             matrix_error: 0.0,
             refines: settings.refinement > 0.0,
             phase_response: settings.phase_response,
+            sensitivities: !settings.without_sensitivities,
         }
     }
 

@@ -63,7 +63,7 @@ fn solve_with<'m>(
     event: &Event,
     guess: &[f64],
 ) -> Result<Solved, NewtonError> {
-    let Corrector { equations, norm, event_tolerances, refines, .. } = corrector;
+    let Corrector { equations, norm, event_tolerances, refines, sensitivities, .. } = corrector;
     let weights = &norm.weights;
     let n = equations.dimension();
     let mut unknowns = guess.to_vec();
@@ -78,7 +78,7 @@ fn solve_with<'m>(
     let error = converge(equations, &mut unknowns, &all, *event_tolerances)?;
     let mut meaning = Meaning::of(equations, event, &unknowns);
     // If the mesh is refined, the finest mesh gives the derivatives.
-    if !(*refines && equations.system().representation().is_on_mesh()) {
+    if *sensitivities && !(*refines && equations.system().representation().is_on_mesh()) {
         meaning.differentiate(equations, event, &unknowns);
     }
     Ok(Solved { unknowns, meaning, error })

@@ -79,7 +79,7 @@ impl Refiner {
             let next = finer.and_then(|system| system.refined(&x));
             let mut meaning = Meaning::of(&mut equations, event, &unknowns);
             // The first discretisation may be the only one that converges.
-            if rung == 1 || next.is_none() {
+            if corrector.sensitivities && (rung == 1 || next.is_none()) {
                 meaning.differentiate(&mut equations, event, &unknowns);
             }
             coarser.push(meaning);

@@ -78,6 +78,10 @@ pub struct Settings {
     /// while the branch is in memory, so that other branches can start from them.
     #[serde(skip)]
     pub keep_solutions: bool,
+    /// Whether special points lack sensitivities, for a picture that only lasts until the next one.
+    /// Sensitivities to other parameters can take a third of the time of a trace.
+    #[serde(skip)]
+    pub without_sensitivities: bool,
     /// Cancels the trace, which then ends with
     /// [`End::Interrupted`](super::end::End::Interrupted) and keeps its points.
     #[serde(skip)]
@@ -107,6 +111,7 @@ impl Default for Settings {
             tolerances: Vec::new(),
             phase_response: false,
             keep_solutions: false,
+            without_sensitivities: false,
             cancel: CancelToken::default(),
         }
     }
