@@ -1,4 +1,4 @@
-//! Critical eigenvalues and multipliers, with their vectors.
+//! Critical eigenvalues and multipliers, with their left and right eigenvectors.
 
 use super::forms::{Forms, inner, leading};
 use super::polynomials::{Variable, ZERO};
@@ -8,17 +8,18 @@ use crate::core::linalg::Form;
 use crate::core::problem::Dynamics;
 use faer::c64;
 
-/// A critical exponent `σ = iω`: an eigenvalue, or the multiplier `e^σ` of an orbit. If `σ` is not
-/// real, its conjugate is also critical.
+/// A critical exponent `σ = iω`: `σ` is an eigenvalue of an equilibrium, or `e^σ` is a multiplier
+/// of an orbit. If `σ` is not real, its conjugate is also critical.
 pub(super) struct Eigenvalue {
     form: Form,
-    /// The right vector `q` with `⟨q, q⟩ = 1`, integrated over the period; or a Jordan chain `L q₀
-    /// = 0`, `L q₁ = −L' q₀` of a double eigenvalue. A real `q` that changes the period is scaled
-    /// such that `dτ/dt = 1 − ξ`.
+    /// The right eigenvector `q` with `⟨q, q⟩ = 1`, integrated over the period; for a double
+    /// eigenvalue, a Jordan chain `L q₀ = 0`, `L q₁ = −L' q₀`. A real `q` that changes the period
+    /// is instead scaled such that `dτ/dt = 1 − ξ`.
     pub right: Vec<Vec<c64>>,
-    /// The left vector: `p* L = 0`, and `p* L' q = −1` for the last vector `q` of the chain.
+    /// The left eigenvector `p`: `p* L = 0`, and `p* L' q = −1` for the last vector `q` of the
+    /// Jordan chain.
     pub left: Vec<c64>,
-    /// Whether `q` is scaled by the change of the period.
+    /// Whether the size of `q` is fixed by the change of the period.
     pub by_period: bool,
     null: NullSpace,
 }
@@ -31,8 +32,9 @@ impl Eigenvalue {
         Ok(it)
     }
 
-    /// Computes the null vectors; the left one is not scaled. They are not shared, since several
-    /// pairs may be critical.
+    /// Computes the null vectors of a critical eigenvalue; the left null vector is not scaled. The
+    /// null vectors of each eigenvalue are computed separately, since several pairs may be
+    /// critical.
     fn new(forms: &mut Forms, form: Form) -> Result<Self, Failure> {
         let mut null = NullSpace::default();
         null.units().clone_from(forms.at.null.units());
@@ -75,7 +77,8 @@ impl Eigenvalue {
         }
     }
 
-    /// The variables of the critical deviations.
+    /// The variables that represent the critical deviations: their number and whether they are
+    /// complex.
     pub fn variables(&self) -> Vec<Variable> {
         match self.form {
             Form::Oscillation(_) => vec![Variable::Complex, Variable::Conjugate],
@@ -83,12 +86,13 @@ impl Eigenvalue {
         }
     }
 
-    /// Returns the null vectors and the factors of the bordered matrix.
+    /// Returns the null vectors of a form of the linearisation, and the factors of the bordered
+    /// matrix.
     fn known(&mut self, forms: &mut Forms) -> Result<&mut NullVectors, Failure> {
         self.null.of(&mut *forms.at.system, forms.at.x, self.form, None)
     }
 
-    /// The number by which a critical vector is divided to scale it.
+    /// The number by which a critical vector is divided to normalise it.
     fn size(&mut self, forms: &mut Forms, q: &[c64]) -> Result<f64, Failure> {
         let [re, im] = [forms.direction(q, |c| c.re), forms.direction(q, |c| c.im)];
         let deviation = forms.deviation(&[&re, &im], self.omega())?;
@@ -105,7 +109,7 @@ impl Eigenvalue {
         Ok(sign * deviation.square.sqrt())
     }
 
-    /// Scales the left vector to the last right vector.
+    /// Scales the left eigenvector such that `p* L' q = −1` for the last right vector `q`.
     fn scale_left(&mut self, forms: &mut Forms) -> Result<(), Failure> {
         let last = self.last().to_vec();
         let growth = self.growth(forms, &last)?;
@@ -114,7 +118,7 @@ impl Eigenvalue {
         Ok(())
     }
 
-    /// The last vector of the chain.
+    /// The last right vector of the Jordan chain.
     pub fn last(&self) -> &[c64] {
         self.right.last().map_or(&[], Vec::as_slice)
     }

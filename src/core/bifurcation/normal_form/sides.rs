@@ -1,4 +1,5 @@
-//! The division of the plane of two parameters by a curve of bifurcations, from normal forms.
+//! The division of the plane of two parameters by a curve of bifurcations: the solutions on each
+//! side of the curve, computed from normal forms.
 
 use super::crossing::{is_rounding, third};
 use super::forms::{Forms, inner};
@@ -7,27 +8,31 @@ use crate::core::bifurcation::at::At;
 use crate::core::failure::Failure;
 use crate::core::linalg::{Form, dot};
 
-/// (R) A second derivative smaller than this, relative to the terms of its sum, may be rounding or
-/// mesh error, as at a cusp.
+/// (R) A second derivative smaller than this, relative to the terms of its sum, may consist only of
+/// rounding or discretisation errors, as at a cusp.
 const VANISHES: f64 = 1e-6;
 
-/// The division of the plane of two parameters at a point of a curve of bifurcations.
+/// The division of the plane of two parameters by a curve of bifurcations, at one point of the
+/// curve.
 #[derive(Debug)]
 pub(crate) struct Division {
-    /// A normal of the curve: the gradient of a function of the two released parameters that is
-    /// zero on the curve.
+    /// A normal vector of the curve: the gradient of a function of the two released parameters that
+    /// is zero on the curve.
     pub normal: [f64; 2],
-    /// The solutions on the side where that function is positive: for each, the number of unstable
-    /// directions minus the number of noncritical unstable directions.
+    /// The solutions on the side of the curve to which the normal points. Each entry is the number
+    /// of unstable critical directions of one solution: all its unstable directions minus its
+    /// noncritical ones.
     pub positive: &'static [usize],
-    /// The solutions on the other side, likewise.
+    /// The solutions on the side opposite to the normal: the number of unstable critical directions
+    /// of each solution.
     pub negative: &'static [usize],
 }
 
-/// Computes the division at a point of a curve in two released parameters; `None` if it is unknown.
+/// A function that computes the division of the plane of two released parameters at a point of a
+/// curve; `None` if the division is unknown.
 ///
 /// # Errors
-/// [`Failure`] where a derivative does not exist, or a matrix is singular.
+/// [`Failure`] if a derivative does not exist, or if a matrix is singular.
 pub(crate) type ComputeDivision = fn(&mut At) -> Result<Option<Division>, Failure>;
 
 /// Evaluates a function at the unit directions of the two released parameters.
