@@ -5,9 +5,9 @@ use crate::core::failure::Failure;
 use crate::core::linalg::norm;
 use std::ops::Range;
 
-/// (H) The nonlinear fraction of the terms, averaged over the equations, below which nonlinear
-/// terms are insignificant, and the fraction from which they are significant. Few equations consist
-/// of rounding errors only.
+/// (H) Two bounds for the nonlinear fraction of the terms, averaged over the equations: nonlinear
+/// terms are insignificant below the first bound, and significant above the second bound. The
+/// average may contain a few equations that consist of rounding errors only.
 const LINEAR: f64 = 0.05;
 const NONLINEAR: f64 = 0.3;
 
