@@ -36,8 +36,8 @@ pub(super) struct Half {
     /// The position of the last point: the arclength from the start, measured in the scales at the
     /// start.
     pub position: f64,
-    /// The factor by which a unit of scaled arclength has grown since the start because the scales
-    /// have increased.
+    /// The factor that converts arclength in the current scales to arclength in the scales at the
+    /// start; it grows as the scales increase.
     pub growth: f64,
     /// The reference point that a closed curve passes again.
     pub closing: Option<Reference>,
