@@ -13,6 +13,7 @@ const NONLINEAR: f64 = 0.3;
 
 /// (R) The smallest length in the search; a very small bound, so that unknowns can have any unit.
 const SMALLEST: f64 = 1e-30;
+/// (R) The largest length in the search.
 const LARGEST: f64 = 1e30;
 
 /// (H) The accuracy of the computed length, as a factor.

@@ -14,6 +14,7 @@ use crate::core::system::Effort;
 /// (H) The number of samples of rounding errors from which the errors of named numbers are
 /// estimated.
 const SAMPLES: usize = 2;
+/// (H) The factor by which errors estimated from samples of rounding errors may be too small by chance.
 const CAUTION: f64 = 4.0;
 
 /// (R) The derivative of an unfolding unknown with respect to a parameter is zero up to rounding if
