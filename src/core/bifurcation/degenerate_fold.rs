@@ -2,8 +2,9 @@
 //! orbits with a double multiplier 1 or −1.
 //!
 //! Cusps are zeros of `a = wᵀ F_zz[v, v]`, and Bogdanov–Takens points are zeros of `c = wᵀ L' v`.
-//! The null vectors `v` and `w` depend on `x`. Their bordered systems are differentiated to `M (δv,
-//! δg) = −(δF_z v, 0)` and `Mᵀ (δw, δg) = −(δF_zᵀ w, 0)`, and transposed to
+//! The null vectors `v` and `w` depend on `x`. Differentiating the bordered systems of the null
+//! vectors gives `M (δv, δg) = −(δF_z v, 0)` and `Mᵀ (δw, δg) = −(δF_zᵀ w, 0)`. Transposing these
+//! systems gives
 //!
 //! ```text
 //!     qᵀ δv = −ξᵀ δF_z v   with  Mᵀ (ξ, ·) = (q, 0)

@@ -17,9 +17,9 @@ impl Kind {
 }
 
 /// The defining system of folds, where `F_z` is singular. The equation is `g(z, p) = 0` with `∇g =
-/// −∇ₓ(wᵀ F_z v)`. Its left side is multiplied by the sign of the determinant of the bordered
-/// matrix: `g` is the ratio of `det F_z` to that determinant, which may change sign far from any
-/// fold.
+/// −∇ₓ(wᵀ F_z v)`. The left side of the fold equation is multiplied by the sign of the determinant
+/// of the bordered matrix, because `g` is the ratio of `det F_z` to this determinant, which may
+/// change sign far from any fold.
 ///
 /// The equation of a period doubling is the same with `F_z` replaced by the linearisation with
 /// antiperiodic boundary conditions, `v(1) = −v(0)`, which differs from `F_z` by a constant matrix.
@@ -76,7 +76,7 @@ impl DefiningSystem for Fold {
 }
 
 /// (R) A slope of the continued parameter with respect to scaled arclength counts as zero up to
-/// rounding if it is smaller than this.
+/// rounding if it is smaller than this threshold.
 pub(crate) const VERTICAL: f64 = 1e-7;
 
 /// The test function of folds: the component of the tangent along the continued parameter.

@@ -60,7 +60,7 @@ impl NullSpace {
     /// Chooses new borders for a form of the matrix, close to its null vectors at a point.
     ///
     /// # Errors
-    /// As for [`of`](NullSpace::of).
+    /// The same errors as for [`of`](NullSpace::of).
     pub fn start(
         &mut self,
         system: &mut dyn System,

@@ -24,8 +24,8 @@ const EIGENVALUES: usize = 4;
 /// PD, BP  towards = −p B(q, z_λ)/(p L' q)
 /// ```
 ///
-/// These formulas hold for each of the two parameters `λ`; `q` and `p` are the null vectors of the
-/// linearisation `L`, and `B = F_zz`.
+/// The formulas for `towards` hold for each of the two parameters `λ`; `q` and `p` are the null
+/// vectors of the linearisation `L`, and `B = F_zz`.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::core) struct Sides {
     /// A normal covector of the curve: the derivatives, with respect to both parameters, of a

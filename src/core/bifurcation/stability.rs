@@ -3,13 +3,14 @@
 use crate::core::linalg::Spectrum;
 use crate::core::problem::Dynamics;
 
-/// Eigenvalues whose real part is smaller than this, relative to the largest eigenvalue, count as
-/// neither stable nor unstable: conserved quantities and continuous symmetries cause eigenvalues
-/// that are zero up to rounding.
+/// Eigenvalues whose real part is smaller than this threshold, relative to the largest eigenvalue,
+/// count as neither stable nor unstable: conserved quantities and continuous symmetries cause
+/// eigenvalues that are zero up to rounding.
 const NEUTRAL: f64 = 1e-13;
 
-/// Multipliers closer to the unit circle than this count as neither stable nor unstable. The bound
-/// is larger than for eigenvalues because multipliers contain the discretisation error of orbits.
+/// Multipliers whose distance from the unit circle is less than this threshold count as neither
+/// stable nor unstable. The bound is larger than for eigenvalues because multipliers contain the
+/// discretisation error of orbits.
 const NEUTRAL_MULTIPLIER: f64 = 1e-9;
 
 /// The numbers of unstable eigenvalues or multipliers of several types, from which bifurcations are
@@ -33,12 +34,13 @@ pub struct Stability {
     pub complex: usize,
     /// The number of real multipliers less than −1; 0 for an equilibrium.
     pub flipped: usize,
-    /// The number of real negative multipliers, including stable ones.
+    /// The number of real negative multipliers, both stable and unstable.
     pub negative: usize,
     /// Whether the number of pairs of eigenvalues with a positive sum, or of pairs of multipliers
-    /// with a product larger than 1, is odd. This parity is the sign of the determinant of the
-    /// bialternate product, which changes at Hopf and torus points and at neutral saddles, but not
-    /// at folds. The parity can be computed from the rightmost eigenvalues.
+    /// with a product larger than 1, is odd. The parity of the number of such pairs is the sign of
+    /// the determinant of the bialternate product, which changes at Hopf and torus points and at
+    /// neutral saddles, but not at folds. The parity can be computed from the rightmost
+    /// eigenvalues.
     pub odd_pairs: bool,
 }
 
@@ -194,13 +196,13 @@ pub(in crate::core) fn unstable_besides(
 const CERTAIN: f64 = 100.0;
 
 /// (R) The stability of a noncritical eigenvalue is certain only if its distance from the imaginary
-/// axis exceeds this (first number), relative to the largest eigenvalue; the stability of a
-/// multiplier, only if its distance from the unit circle exceeds this (second number).
+/// axis exceeds this threshold (first number), relative to the largest eigenvalue; the stability of
+/// a multiplier, only if its distance from the unit circle exceeds this threshold (second number).
 const FAR: [f64; 2] = [1e-9, 1e-7];
 
 /// (H) The stability of all eigenvalues is uncertain if the critical eigenvalues are farther than
-/// this from the imaginary axis, relative to the largest eigenvalue (first number), or the critical
-/// multipliers farther than this from the unit circle (second number).
+/// this threshold from the imaginary axis, relative to the largest eigenvalue (first number), or
+/// the critical multipliers farther than this threshold from the unit circle (second number).
 const NEAR: [f64; 2] = [1e-5, 1e-2];
 
 /// Counts the unstable noncritical eigenvalues or multipliers at a special point; `None` if the

@@ -51,8 +51,8 @@ pub enum Passage {
 pub enum Needs {
     /// No further data.
     Point,
-    /// The test function needs the eigenvalues or multipliers, from which the numbers of unstable
-    /// ones are also computed.
+    /// The test function needs the eigenvalues or multipliers, or the number of unstable
+    /// eigenvalues or multipliers.
     Eigenvalues,
     /// The test function needs the defining system of the event: its value is the first left side.
     DefiningSystem,

@@ -22,8 +22,8 @@ use nalgebra::{Complex, DMatrix, Schur};
 /// singular at the arclength `d` beyond a step of length `ℓ`. `M₁⁻¹ M₀ − 1` maps a vector to a
 /// vector at least `ℓ/d` times as long as the component of the first vector along the null vector.
 /// The length of the image therefore bounds the distance to any singular matrix. The solution of a
-/// linear system with a generic right side has a larger component than this along all null vectors
-/// except rapidly oscillating ones. (A generic vector itself has a smaller component if its
+/// linear system with a generic right side has a component larger than this constant along all null
+/// vectors except rapidly oscillating ones. (A generic vector itself has a smaller component if its
 /// dimension is large.) With a smaller constant, branch points are counted more often; with a
 /// larger constant, null vectors are missed.
 const SHARE: f64 = 0.02;
@@ -36,9 +36,9 @@ const AHEAD: f64 = 12.0;
 /// because all eigenvalues are near 1 except eigenvalues that pass zero.
 const VECTORS: usize = 10;
 
-/// (H) The Arnoldi iteration stops when the new vector, before normalisation, is shorter than this.
-/// A negative eigenvalue, whose distance from 1 exceeds 1, would make the new vector longer if it
-/// were not yet found.
+/// (H) The Arnoldi iteration stops when the new vector, before normalisation, is shorter than this
+/// threshold. A negative eigenvalue, whose distance from 1 exceeds 1, would make the new vector
+/// longer if it were not yet found.
 const SPENT: f64 = 1e-2;
 
 /// The ratio of imaginary to real part below which an eigenvalue counts as real. The Arnoldi
@@ -51,7 +51,7 @@ fn is_real(value: &Complex<f64>) -> bool {
 }
 
 /// (R) A matrix is singular up to rounding if its inverse enlarges generic vectors by more than
-/// this, compared with the inverse of a neighbouring matrix. The bound is 1/√ε.
+/// this threshold, compared with the inverse of a neighbouring matrix. The bound is 1/√ε.
 const SINGULAR: f64 = 1e8;
 
 /// (H) The number of starting vectors for computing distances to branch points. One starting vector

@@ -11,8 +11,9 @@ use super::located::Located;
 use crate::core::bifurcation::Quantity;
 use crate::core::system::Kind;
 
-/// (H) Two events closer to each other than this, in scaled arclength, count as one point, as does
-/// an event this close to the start. Located points are accurate to 1e-10 or better.
+/// (H) Two events count as one point if their distance is less than this threshold, in scaled
+/// arclength. An event counts as lying at the start if its distance from the start is less than
+/// this threshold. Located points are accurate to 1e-10 or better.
 pub(super) const AT_START: f64 = 1e-6;
 
 /// (R) A saved end of a branch lies on a bound if the bounded monitor differs from the bound by
@@ -83,14 +84,14 @@ impl Bounds {
     }
 
     /// Returns the bound at the start that the branch would cross immediately in the given
-    /// direction, if there is one.
+    /// direction; `None` if the branch would cross no bound.
     pub fn left_at_once(&self, start: &CurvePoint, backward: bool) -> Option<usize> {
         let way = if backward { -1.0 } else { 1.0 };
         self.left(start, |i| way * self.slopes[i])
     }
 
     /// Returns the bound at the start that the branch would cross if the test functions changed by
-    /// the given amounts, if there is one.
+    /// the given amounts; `None` if the branch would cross no bound.
     pub fn left(&self, start: &CurvePoint, change: impl Fn(usize) -> f64) -> Option<usize> {
         let leaves =
             |i: &usize| start.tests[*i] == Some(0.0) && change(*i) * self.bounds[*i].side > 0.0;

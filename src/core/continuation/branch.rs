@@ -70,8 +70,8 @@ pub struct SpecialPoint {
     /// The name of the event at the special point, such as `fold`, `frequency_ratio = 0.12` or `end
     /// of the branch`.
     pub event: String,
-    /// A standard name more specific than the kind of the special point, such as `grazing-sliding`,
-    /// if there is one.
+    /// A standard name of the special point that is more specific than its kind, such as
+    /// `grazing-sliding`; `None` if the point has no such name.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub subkind: Option<String>,
     /// The index of the preceding regular point: the special point lies between
@@ -124,7 +124,7 @@ pub struct SpecialPoint {
     /// respect to this position at the special point, if known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub slopes: Option<Slopes>,
-    /// The mesh of the unknowns; empty if there is no mesh.
+    /// The mesh of the unknowns; empty if the solutions have no mesh.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub mesh: Vec<f64>,
     /// For each released parameter, the difference between two values: the value for which `state`
@@ -253,8 +253,8 @@ impl Branch {
 
     /// Returns the solution at a special point, for
     /// [`System::resume_from`](crate::core::system::System::resume_from). Tracing a branch does not
-    /// change the system of the caller, so the mesh, period or itinerary of that system may differ
-    /// from those of the solution.
+    /// change the system of the caller, so that system may have another mesh, period or itinerary
+    /// than the solution.
     pub fn solution(&self, special: &SpecialPoint) -> Solution {
         let (n, mut slopes) = (special.state.len(), vec![0.0; special.parameters.len()]);
         let known = special.tangent.len() == n + self.released.len();

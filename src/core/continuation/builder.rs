@@ -292,8 +292,8 @@ impl<'a> Continuation<'a> {
     }
 
     /// Records a function of points as a further monitor, which can be marked and bounded by its
-    /// name. This monitor has no gradient. Therefore it cannot be held at a level along a curve,
-    /// and its levels are located by bracketing.
+    /// name. A monitor given by a function of points has no gradient. Therefore such a monitor
+    /// cannot be held at a level along a curve, and its levels are located by bracketing.
     ///
     /// ```
     /// use tangency::core::continuation::Continuation;
@@ -319,8 +319,9 @@ impl<'a> Continuation<'a> {
     }
 
     /// Records a function `f(z, p)` of the unknowns and all parameters, written for dual numbers,
-    /// as a further monitor. The gradient of this monitor is computed by automatic differentiation.
-    /// Therefore its levels are located by Newton's method and can be held along a curve.
+    /// as a further monitor. The gradient of a monitor written for dual numbers is computed by
+    /// automatic differentiation. Therefore the levels of such a monitor are located by Newton's
+    /// method and can be held along a curve.
     ///
     /// ```
     /// use tangency::core::continuation::Continuation;

@@ -18,8 +18,9 @@ pub(super) struct Reference {
 }
 
 /// (R) A corrected point is identified with the reference point if their distance is smaller than
-/// this, in units of the tolerance of Newton's method. Both points have an error of that tolerance
-/// divided by the smallest singular value of the Jacobian.
+/// this threshold, in units of the tolerance of Newton's method. The error of the corrected point
+/// and of the reference point is the tolerance divided by the smallest singular value of the
+/// Jacobian.
 const SAME: f64 = 1e3;
 
 /// (D) Solutions on different meshes are identified if their difference is at most this factor

@@ -21,20 +21,20 @@ const SAMPLES: [f64; 5] = [0.03, 0.22, 0.517, 0.76, 0.96];
 /// the ends are corrected to 1e-10 in arclength, 1e-7 of the shortest relevant step.
 const ENDS: RangeInclusive<f64> = -1e-6..=1.0 + 1e-6;
 
-/// (R) Zeros of eigenvalues closer to each other than this, in units of the interval, count as
-/// equal. Eigenvalues, and their interpolating polynomials in a short interval, are accurate to
-/// rounding, 1e-16.
+/// (R) Zeros of eigenvalues closer to each other than this threshold, in units of the interval,
+/// count as equal. Eigenvalues, and their interpolating polynomials in a short interval, are
+/// accurate to rounding, 1e-16.
 const TOGETHER: f64 = 1e-7;
 
-/// (D) On a mesh, zeros closer to each other than this, in scaled arclength, count as equal. The
-/// bound is the discretisation error of usual meshes.
+/// (D) On a mesh, zeros closer to each other than this threshold, in scaled arclength, count as
+/// equal. The bound is the discretisation error of usual meshes.
 const ON_MESH: f64 = 1e-6;
 
 /// (H) An interval is cut next to all zeros if the cut removes at least this fraction of the
 /// interval.
 const WORTH_CUTTING: f64 = 0.25;
 
-/// (H) Frequencies whose relative difference is smaller than this count as equal.
+/// (H) Two frequencies count as equal if their relative difference is smaller than this threshold.
 const SAME_FREQUENCY: f64 = 1e-6;
 
 /// A group of equal eigenvalues, or pairs of eigenvalues, that are critical at the same point.
@@ -117,8 +117,8 @@ impl Cluster {
         if (0.0..self.length).contains(&cut) && cut > 0.0 { cut } else { self.middle() }
     }
 
-    /// A position close to the middle of the interval. The exact middle is avoided, because
-    /// symmetric problems may be singular there.
+    /// A position close to the middle of the interval. The exact middle of the interval is avoided,
+    /// because symmetric problems may be singular in the middle.
     fn middle(&self) -> f64 {
         SAMPLES[2] * self.length
     }

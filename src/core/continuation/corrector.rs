@@ -17,10 +17,10 @@ use crate::core::system::{Kind, Representation, Solution};
 /// the next point.
 pub(super) const MATRIX_ERROR: f64 = 1e-4;
 
-/// (H) If the component of the tangent along the parameter is smaller than this, the tangent is
-/// computed again from the matrix at the point itself, because the sign of the component detects
-/// folds. With an older matrix, the error of the tangent is `MATRIX_ERROR` times the condition
-/// number of the matrix.
+/// (H) If the component of the tangent along the parameter is smaller than this threshold, the
+/// tangent is computed again from the matrix at the point itself, because the sign of the component
+/// detects folds. With an older matrix, the error of the tangent is `MATRIX_ERROR` times the
+/// condition number of the matrix.
 const UNCERTAIN: f64 = 0.05;
 
 /// (D) The error of the parameters is estimated as this power of the error of the solution, since

@@ -71,8 +71,8 @@ pub(super) fn tangents_at_crossing(
     Ok(unloaded.collect())
 }
 
-/// (R) A parameter component of a tangent smaller than this, in units of its scale, is zero up to
-/// rounding if the unknowns change by their scales.
+/// (R) A parameter component of a tangent smaller than this threshold, in units of its scale, is
+/// zero up to rounding if the unknowns change by their scales.
 const VERTICAL: f64 = 1e-9;
 
 /// Returns the distance along a branch with a vertical tangent at a branch point, after which the

@@ -108,7 +108,8 @@ fn clear_rounding(equations: &mut Extended, unknowns: &mut [f64], weights: &[f64
     equations.load(unknowns);
 }
 
-/// (R) A component smaller than this, in units of its scale, may consist only of rounding errors.
+/// (R) A component smaller than this threshold, in units of its scale, may consist only of rounding
+/// errors.
 const SMALL: f64 = 1e-9;
 
 /// Solves a defining system, and estimates the error of the first released parameter. The estimate

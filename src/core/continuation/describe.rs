@@ -76,9 +76,9 @@ pub(super) fn describe(
 const INACCURATE: f64 = 1e-2;
 
 /// Removes the multipliers of a converged special point of periodic orbits if all of them are far
-/// from the critical value. The critical multiplier is then lost in rounding or discretisation
-/// errors, and other multipliers may also be wrong. The number of unstable multipliers is taken
-/// from the points on both sides.
+/// from the critical value. If no multiplier is near the critical value, the critical multiplier is
+/// lost in rounding or discretisation errors, and other multipliers may also be wrong. The number
+/// of unstable multipliers is taken from the points on both sides.
 fn doubt_multipliers(
     special: &mut SpecialPoint,
     critical: Critical,
@@ -181,9 +181,9 @@ fn common_count(critical: Critical, [before, after]: [Option<usize>; 2]) -> Opti
     (before.abs_diff(after) <= critical.count()).then_some(before.min(after))
 }
 
-/// Returns the tangent at a special point, and assembles the matrix there; `share` is the relative
-/// position of the special point in the interval. At a branch point, which has several tangents,
-/// returns the tangent closest to the direction of the branch.
+/// Returns the tangent at a special point, and assembles the matrix at this point; `share` is the
+/// relative position of the special point in the interval. At a branch point, which has several
+/// tangents, returns the tangent closest to the direction of the branch.
 fn tangent_between(
     corrector: &mut Corrector,
     crossing: bool,

@@ -9,13 +9,13 @@ use crate::core::bifurcation::At;
 use crate::core::system::{Approach, HOMOCLINIC_RATES, Traits};
 
 /// (H) A branch ends after this number of consecutive points whose mesh is too coarse; mesh
-/// adaptation may lag behind the solution for a few steps.
+/// adaptation may follow changes of the solution with a delay of a few steps.
 const MOST_COARSE: usize = 3;
 
-/// (H) A branch ends after this number of consecutive steps towards a homoclinic orbit. In steps
-/// towards a homoclinic orbit, the parameters first change by more, and then by less than the
-/// errors of Newton's method and of the mesh. Farther along the branch, the parameters contain only
-/// numerical noise.
+/// (H) A branch ends after this number of consecutive steps towards a homoclinic orbit. When a
+/// branch approaches a homoclinic orbit, the changes of the parameters per step decrease to less
+/// than the errors of Newton's method and of the mesh. Farther along the branch, the parameters
+/// contain only numerical noise.
 const MOST_STILL: usize = 3;
 
 /// (H) Fewer steps towards a homoclinic orbit suffice to end the branch if the period has grown by
@@ -53,8 +53,9 @@ pub(super) struct EarlyEnd {
     coarse: usize,
     /// The number of consecutive steps towards a homoclinic orbit.
     still: usize,
-    /// Whether constant parameters indicate a homoclinic orbit. They do if the parameters changed
-    /// earlier along the branch, or if the branch started near a homoclinic orbit.
+    /// Whether constant parameters indicate a homoclinic orbit. Constant parameters are an
+    /// indication if the parameters changed earlier along the branch, or if the branch started near
+    /// a homoclinic orbit.
     may_halt: bool,
     /// The shortest and the last period along this half of the branch.
     periods: Option<[f64; 2]>,
@@ -68,8 +69,8 @@ pub(super) struct EarlyEnd {
     pub small: bool,
 }
 
-/// (D) States smaller than this, in units of their scales, have at most three significant digits,
-/// because tolerances of 1e-10 are relative to the scales.
+/// (D) States smaller than this threshold, in units of their scales, have at most three significant
+/// digits, because tolerances of 1e-10 are relative to the scales.
 const SMALL: f64 = 1e-7;
 
 impl EarlyEnd {

@@ -92,8 +92,8 @@ fn is_noise(Interval { from, to, .. }: Interval, it: &Located, flat: bool) -> bo
     it.special.kind == Kind::LP && noise
 }
 
-/// (R) If a multiplier is closer to 1 than this, rounding determines whether it is larger than 1.
-/// The bound is ten times the bound for neutral multipliers.
+/// (R) If a multiplier is closer to 1 than this threshold, rounding determines whether it is larger
+/// than 1. The bound is ten times the bound for neutral multipliers.
 const AT_ONE: f64 = 1e-8;
 
 /// Whether a fold did not converge and its critical multiplier equals 1, up to rounding, at both ends
@@ -103,8 +103,8 @@ fn stays_at_one(dynamics: Dynamics, Interval { from, to, .. }: Interval, it: &Lo
     it.special.kind == Kind::LP && !it.special.converged && [from, to].into_iter().all(is_at_one)
 }
 
-/// (H) No multiplier passes 1 in a step if all multipliers at its ends are farther from 1 than
-/// this.
+/// (H) No multiplier passes 1 in a step if all multipliers at its ends are farther from 1 than this
+/// threshold.
 const FAR_FROM_ONE: f64 = 0.1;
 
 /// Whether an unconverged branch point of cycles is an artefact of a coarse mesh, which is assumed
@@ -150,12 +150,14 @@ fn is_double_value(curve: &mut Curve, Interval { from, to, .. }: Interval, it: &
 const ONE_POINT: f64 = 1e-3;
 
 /// The kinds of points, besides folds, at which the parameter may have an extremum: a pitchfork on
-/// its curved branch, and the end of a curve that is its own mirror image. These points are not
-/// reported as folds, because the defining system of folds is singular at them.
+/// its curved branch, and the end of a curve that is its own mirror image. An extremum of the
+/// parameter at a point of these kinds is not reported as a fold, because the defining system of
+/// folds is singular at the point.
 const TURNS: [Kind; 3] = [Kind::BP, Kind::HB, Kind::GH];
 
 /// Whether an event is the extremum of the parameter at another special point found in the step.
-/// This test takes less time than an attempt to solve a singular defining system.
+/// Testing for such an extremum takes less time than an attempt to solve a singular defining
+/// system.
 fn is_turn_of_another((locator, index): (&mut Locator, usize), found: &[Located]) -> bool {
     if !matches!(locator.curve.detector.events[index].kind, Kind::LP | Kind::CP) {
         return false;

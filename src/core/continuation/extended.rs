@@ -1,6 +1,6 @@
 //! The extended system from which points and tangents of a curve are computed: a zero problem
-//! together with the held defining systems. Its unknowns are `X = (z, y, p)`, where `y` are the
-//! auxiliary unknowns and `p` only the released parameters.
+//! together with the held defining systems. The unknowns of the extended system are `X = (z, y,
+//! p)`, where `y` are the auxiliary unknowns and `p` contains only the released parameters.
 //!
 //! ```text
 //!     F(z, p) + Σ yⱼ bⱼ = 0      n equations

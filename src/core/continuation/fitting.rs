@@ -116,8 +116,8 @@ fn arrived(
 }
 
 /// Whether the test functions of all events at a point have the same signs as on its former mesh.
-/// Slopes of opposite signs are ignored if the numbers of unstable multipliers agree: a multiplier
-/// would pass 1 at a true fold, so the difference is a discretisation error.
+/// A change of the sign of the slope is ignored if the number of unstable multipliers is unchanged:
+/// at a true fold, a multiplier would pass 1, so the sign change is a discretisation error.
 fn same_side(curve: &Curve, before: &CurvePoint, after: &CurvePoint) -> bool {
     let counts = [before.point.unstable, after.point.unstable];
     let no_fold = counts[0].is_some() && counts[0] == counts[1];

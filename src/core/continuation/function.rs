@@ -64,8 +64,8 @@ impl Attached {
     }
 }
 
-/// The defining system `f(z, p) = level`. Its gradient is computed with forward-mode dual numbers;
-/// one evaluation gives the derivatives with respect to [`CHUNK`] components of `(z, p)`.
+/// The defining system `f(z, p) = level`. The gradient of `f` is computed with forward-mode dual
+/// numbers; one evaluation gives the derivatives with respect to [`CHUNK`] components of `(z, p)`.
 pub(crate) struct Equation {
     function: DualFunction,
     level: f64,

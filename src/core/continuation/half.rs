@@ -92,9 +92,9 @@ impl Half {
         Slopes { position, columns }.placed(self.position, self.growth)
     }
 
-    /// Returns the reason why this half of the branch ends after a successful step without a
-    /// terminal event, if there is a reason. If there is none, returns whether the branch makes
-    /// hardly any progress (`Crawl`). `snakes` specifies whether snaking ends the half.
+    /// Checks, after a successful step without a terminal event, whether this half of the branch
+    /// ends. Returns the reason for the end, if it ends, or the data of a branch that makes hardly
+    /// any progress (`Crawl`). `snakes` specifies whether snaking ends the half.
     pub fn early_end(
         &mut self,
         corrector: &mut Corrector,

@@ -1,6 +1,6 @@
 //! Points at which a curve is its own mirror image: a test function changes sign at the point, and
-//! the parameters are even functions of the test function. Beyond the point, the curve repeats
-//! itself. At the point, the equations of the curve are singular, so the values at the point are
+//! the parameters are even functions of the test function. Beyond such a point, the curve repeats
+//! itself. At such a point, the equations of the curve are singular, so the values at the point are
 //! computed as limits.
 
 use super::cluster::interpolated;

@@ -18,14 +18,14 @@ const SAMPLES: usize = 2;
 const CAUTION: f64 = 4.0;
 
 /// (R) The derivative of an unfolding unknown with respect to a parameter is zero up to rounding if
-/// it is smaller than this, relative to its terms. If the derivative is larger, the branch point
-/// does not persist when the parameter changes.
+/// it is smaller than this threshold, relative to its terms. If the derivative is larger, the
+/// branch point does not persist when the parameter changes.
 const BREAKS_UP: f64 = 1e-7;
 
-/// (R) A sensitivity is zero up to rounding if it is smaller than this, in units of the rounding
-/// errors of its terms. Alternatively, the resulting change of the released parameter, when the
-/// other parameter changes by its own size, is compared with the rounding error of the released
-/// parameter.
+/// (R) A sensitivity is zero up to rounding if it is smaller than this threshold, in units of the
+/// rounding errors of its terms. Alternatively, the resulting change of the released parameter,
+/// when the other parameter changes by its own size, is compared with the rounding error of the
+/// released parameter.
 const NOISE: f64 = 16.0;
 
 /// The named numbers, type and sensitivities of a special point.

@@ -11,11 +11,11 @@ use crate::core::problem::{Group, Names};
 /// change along the tangent when the parameter changes by the length of its range; if the tangent
 /// is vertical, its change over [`StartSizes::reach`]. If a parameter has no finite range, its
 /// scale is initially its change along the tangent when the unknowns change by their size, and
-/// later the distance that the parameter has covered. If none of these data exists for a group, its
-/// scale is its unit; if it has no unit, the scale of the largest other group. Hence the computed
-/// points do not depend on units, unless a group is zero at all points of the tangent at the start.
-/// If such a group has an unusual size, set its scale
-/// ([`Continuation::scale`](super::builder::Continuation::scale)).
+/// later the distance that the parameter has covered. If a group is zero at the start and does not
+/// change along the tangent, its scale is its unit; if the group has no unit, its scale is the
+/// scale of the largest other group. Hence the computed points do not depend on units, unless a
+/// group is zero at all points of the tangent at the start. If such a group has an unusual size,
+/// set its scale ([`Continuation::scale`](super::builder::Continuation::scale)).
 ///
 /// ```
 /// use tangency::core::continuation::{Metric, StartSizes};
@@ -241,22 +241,23 @@ impl ScaledNorm {
     }
 }
 
-/// (R) A group of unknowns smaller than this, relative to its change along the tangent over the
-/// range of the parameter, is zero up to rounding; the start of a curve is accurate to 1e-10.
+/// (R) A group of unknowns smaller than this threshold, relative to its change along the tangent
+/// over the range of the parameter, is zero up to rounding; the start of a curve is accurate to
+/// 1e-10.
 const ZERO: f64 = 1e-9;
 
 /// (D) A group that is smaller than other groups by this factor, relative to its change along the
-/// tangent, is zero up to the error of the start. This error is the discretisation error if the
-/// curve emanates from a special point.
+/// tangent, is zero up to the error of the start. The error of the start is the discretisation
+/// error if the curve emanates from a special point.
 const SMALL: f64 = 1e-5;
 
-/// (R) Unknowns and their changes along the tangent that are smaller than this, in the given units,
-/// are zero up to rounding; the start of a curve is accurate to 1e-10.
+/// (R) Unknowns and their changes along the tangent that are smaller than this threshold, in the
+/// given units, are zero up to rounding; the start of a curve is accurate to 1e-10.
 const NOTHING: f64 = 1e-9;
 
-/// (R) The parameter component of a tangent is zero up to rounding if it is smaller than this,
-/// relative to the component along the unknowns, both in units of their scales. The bound is about
-/// 1e4 ε, for matrices with a condition number up to 1e4.
+/// (R) The parameter component of a tangent is zero up to rounding if it is smaller than this
+/// threshold, relative to the component along the unknowns, both in units of their scales. The
+/// bound is about 1e4 ε, for matrices with a condition number up to 1e4.
 const VERTICAL: f64 = 1e-12;
 
 /// (R) The threshold that replaces [`VERTICAL`] on a mesh, on which tangents are accurate to about
@@ -267,20 +268,21 @@ const VERTICAL_ON_MESH: f64 = 1e-8;
 const DOUBTFUL: f64 = 1e-6;
 
 /// (R) A component that was zero before a correction counts as a rounding error if it is smaller
-/// than this, in units of its scale. The same bound applies to the components of a unit tangent.
+/// than this threshold, in units of its scale. The same bound applies to the components of a unit
+/// tangent.
 const RESIDUE: f64 = 1e-14;
 
 /// (R) A parameter is constant, up to rounding, if it changes by less than this fraction of its value
 /// while the unknowns change by their sizes.
 const STILL: f64 = 1e-8;
 
-/// (R) The start is near a fold if all groups are smaller than this, relative to their changes
-/// along the tangent over the range of the parameter; if all groups are smaller than [`ORIGIN`],
-/// the start is at the origin.
+/// (R) The start is near a fold if all groups are smaller than this threshold, relative to their
+/// changes along the tangent over the range of the parameter; if all groups are smaller than
+/// [`ORIGIN`], the start is at the origin.
 const FOLD: f64 = 1e-8;
 
-/// (R) The start is at the origin if all groups are smaller than this, relative to their changes
-/// along the tangent (see [`FOLD`]).
+/// (R) The start is at the origin if all groups are smaller than this threshold, relative to their
+/// changes along the tangent (see [`FOLD`]).
 const ORIGIN: f64 = 1e-14;
 
 /// (H) The start must be corrected again if a new scale is smaller than the former scale by more

@@ -70,8 +70,8 @@ pub struct Newton {
 const LEAST_DAMPING: f64 = 1.0 / 256.0;
 /// The contraction below which the corrections are assumed to converge quadratically.
 const GOOD_CONTRACTION: f64 = 0.25;
-/// A correction is expected to be the last correction if it changes the matrix by less than this,
-/// relative to the matrix.
+/// A correction is expected to be the last correction if it changes the matrix by less than this
+/// threshold, relative to the matrix.
 const NEARLY_LINEAR: f64 = 1e-4;
 /// A correction below this fraction of the tolerance is not applied.
 const NEGLIGIBLE: f64 = 1e-3;
@@ -82,7 +82,8 @@ const MEASURABLE: f64 = 3e-7;
 /// Corrections that no longer decrease consist only of rounding errors if they are smaller than
 /// this factor times a sample of rounding errors.
 const NOISE: f64 = 30.0;
-/// Corrections larger than this are not rounding errors, so the point is not a solution.
+/// The largest correction that may consist of rounding errors; if a correction is larger, the point
+/// is not a solution.
 const MOST_NOISE: f64 = 1e-7;
 
 /// The equations to solve, with their closing equation and the weights of the scaled norm.
@@ -269,8 +270,8 @@ impl Newton {
         }
     }
 
-    /// Whether the residual at the new point shows convergence; this test applies to equations so
-    /// nearly linear that the first correction is expected to be the last.
+    /// Whether the residual at the new point shows convergence. The test is used only for equations
+    /// so nearly linear that the first correction is expected to be the last correction.
     fn simplified_step(&mut self, problem: &mut Problem, unknowns: &mut [f64]) -> bool {
         self.try_correction(unknowns, 1.0);
         let evaluated = problem.equations.residual(&self.trial, problem.closing, &mut self.next);

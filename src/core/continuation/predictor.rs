@@ -12,8 +12,8 @@ use std::ops::Range;
 const MOST_CURVED: f64 = 0.3;
 
 /// (H) The largest difference between the polynomial and the tangent prediction in a group of
-/// unknowns, relative to the norm of the group. This bound applies near an extremum of the group,
-/// where its part of the step vanishes.
+/// unknowns, relative to the norm of the group. The bound on this difference applies near an
+/// extremum of the group, where the part of the step in the group vanishes.
 const MOST_TURNED: f64 = 0.02;
 
 /// (H) The smallest cosine of the angle between the tangents at an earlier and the current point:

@@ -33,14 +33,14 @@ const NOWHERE: f64 = 0.03;
 const LITTLE: f64 = 1e-6;
 
 /// (H) A branch makes no net progress if its mean step is shorter than this fraction of the largest
-/// allowed step. With such steps, the maximal number of points would cover one hundredth of the
-/// largest allowed step.
+/// allowed step. With a mean step of this length, the maximal number of points would cover one
+/// hundredth of the largest allowed step.
 const CREEPING: f64 = 1e-5;
 
 /// (H) A branch is reported as slow (`Crawl`) if over [`MANY`] points each quantity changes by less than
-/// this fraction of its scale, and by less than this fraction of the arclength. The unknowns then change,
-/// for example because a front moves along a mesh, but all quantities in a bifurcation diagram are almost
-/// constant.
+/// this fraction of its scale, and by less than this fraction of the arclength. On a slow branch, the
+/// unknowns may change, for example because a front moves along a mesh, but all quantities in a
+/// bifurcation diagram are almost constant.
 const CRAWLING: f64 = 0.01;
 
 /// (H) Path lengths are compared only along a part of the branch on which the scale of each group

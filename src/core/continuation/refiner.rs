@@ -168,10 +168,10 @@ impl Refiner {
     }
 }
 
-/// Replaces the multipliers of a special point, and the number of unstable ones, by values on a
-/// finer discretisation. The replacement is necessary at a fold of cycles, where the multiplier 1 is
-/// double with a single eigenvector: a discretisation error changes the two multipliers by its
-/// square root.
+/// Replaces the multipliers of a special point, and the number of unstable multipliers, by their
+/// values on a finer discretisation. The replacement is necessary at a fold of cycles, where the
+/// multiplier 1 is double with a single eigenvector: a discretisation error changes the two
+/// multipliers by its square root.
 fn take_spectrum(
     special: &mut SpecialPoint,
     event: &Event,

@@ -24,8 +24,8 @@ use crate::core::problem::Dynamics;
 use crate::core::system::Kind;
 use std::sync::Arc;
 
-/// (R) Parts of a step shorter than this, in scaled arclength, count as points. The bound is the
-/// tolerance of Newton's method.
+/// (R) Parts of a step shorter than this threshold, in scaled arclength, count as points. The bound
+/// is the tolerance of Newton's method.
 const SHORTEST: f64 = 1e-10;
 
 /// (H) The maximal number of cuts by which a step is divided. Separating two events requires five
@@ -281,8 +281,9 @@ impl Parts<'_, '_> {
         Some(Located { event: None, along, unknowns, special })
     }
 
-    /// Records the special point at which `count` eigenvalues pass zero. These eigenvalues are not
-    /// counted in its stability; if their number is unknown (0), stability is undefined.
+    /// Records the special point at which `count` eigenvalues pass zero. The eigenvalues that pass
+    /// zero are not counted in the stability of the special point; if their number is unknown (0),
+    /// stability is undefined.
     fn record(
         &mut self,
         event: (Kind, &str),

@@ -34,9 +34,9 @@ pub struct Settings {
     /// The maximal number of points in each direction (at least 1).
     pub max_points: usize,
     /// The largest estimated distance, in scaled arclength, between the branch and the cubic
-    /// interpolant of its points and tangents (more than 0). This distance is the accuracy of plots
-    /// between points. The target of the step control is one tenth of this distance; a step with a
-    /// larger distance is repeated with a shorter length.
+    /// interpolant of its points and tangents (more than 0). The setting `curve_error` determines
+    /// the accuracy of plots between points. The target of the step control is one tenth of this
+    /// distance; a step with a larger distance is repeated with a shorter length.
     pub curve_error: f64,
     /// The scaled correction below which Newton's method has converged along the branch (between
     /// 1e-15 and 1e-3).

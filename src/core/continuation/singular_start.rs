@@ -19,11 +19,11 @@ const MOVED: f64 = 1e-5;
 /// at the second point.
 const ELSEWHERE: f64 = 1e-2;
 
-/// (R) A sum smaller than this, relative to its terms, vanishes up to rounding.
+/// (R) A sum smaller than this threshold, relative to its terms, vanishes up to rounding.
 const VANISHES: f64 = 1e-9;
 
-/// (R) Coefficients smaller than this, relative to the largest coefficient, are zero up to
-/// rounding.
+/// (R) Coefficients smaller than this threshold, relative to the largest coefficient, are zero up
+/// to rounding.
 const NOTHING: f64 = 1e-9;
 
 /// Moves a start whose tangent is undetermined by a small change of the parameter within its range,
@@ -88,7 +88,8 @@ pub(super) fn off_fold(corrector: &mut Corrector, unknowns: &mut Vec<f64>, tange
     }
 }
 
-/// Returns the conserved linear combination of unknowns as text, if there is one.
+/// Returns the conserved linear combination of unknowns as text; `None` if no linear combination is
+/// conserved.
 fn conserved(corrector: &mut Corrector, start: &[f64]) -> Option<String> {
     corrector.equations.load(start);
     let At { system, x, .. } = corrector.equations.at();

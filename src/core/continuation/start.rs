@@ -28,13 +28,13 @@ use crate::core::failure::Failure;
 use crate::core::linalg::{dot, generic, largest};
 use crate::core::system::{Kind, Representation, Site, Solution, Start};
 
-/// (D) Unknowns whose sizes differ by less than this, relative to their size, count as equal in
-/// size: the two halves of a doubled orbit differ by the discretisation error.
+/// (D) Unknowns whose sizes differ by less than this threshold, relative to their size, count as
+/// equal in size: the two halves of a doubled orbit differ by the discretisation error.
 const EQUAL: f64 = 1e-4;
 
-/// (D) If a curve emanates at a limit of admissible solutions, levels closer to the start than
-/// this, in scaled arclength, are identified with that limit. The bound is the square root of the
-/// discretisation error, because the maximum of an orbit depends quadratically on arclength.
+/// (D) If a curve emanates at a limit of admissible solutions, levels closer to the start than this
+/// threshold, in scaled arclength, are identified with that limit. The bound is the square root of
+/// the discretisation error, because the maximum of an orbit depends quadratically on arclength.
 const AT_LIMIT: f64 = 1e-2;
 
 /// (H) The maximal number of times that mesh intervals are added at the start of a curve. Each

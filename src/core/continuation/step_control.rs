@@ -23,7 +23,8 @@ pub(super) const MOST_DISTANT: f64 = 0.25;
 /// them.
 pub(super) const LARGEST_ANGLE: f64 = 0.4;
 /// (H) The target for the angle between the tangents at both ends of a step, in radians. With this
-/// target, the angle of the next step is less than `LARGEST_ANGLE` even if the curvature doubles.
+/// target, the angle between the tangents of the next step is less than `LARGEST_ANGLE` even if the
+/// curvature doubles.
 const AIMED_ANGLE: f64 = 0.2;
 /// (H) The target for the error of the cubic interpolant, in units of `curve_error`. A step that is
 /// longer by a factor of 1.75 has ten times the error, and is rejected.
@@ -42,8 +43,8 @@ const CROSSED: f64 = 3e-3;
 /// vanishes within this multiple of the step length.
 const VANISHES_WITHIN: f64 = 2.0;
 /// (R) A cycle counts as an equilibrium if its amplitude relative to the preceding cycle is smaller
-/// than this. Where amplitudes vanish at a Hopf point, steps across that point end far beyond it,
-/// with a larger amplitude.
+/// than this threshold. Where amplitudes vanish at a Hopf point, steps across that point end far
+/// beyond it, with a larger amplitude.
 const SHRUNK: f64 = 1e-6;
 
 /// An accepted step of the continuation, with its data.

@@ -229,8 +229,8 @@ impl Steps<'_> {
         marked
     }
 
-    /// Creates a half of the branch that consists of the start only, which is then an end of the
-    /// branch.
+    /// Creates a half of the branch that consists of the start only, so that the start is an end of
+    /// the branch.
     fn empty_half(&mut self, end: End) -> Half {
         let Curve { corrector, recorder, refiner, .. } = &mut self.curve;
         let mut special = recorder.end_point(corrector, &self.start, &end, 0);
@@ -325,7 +325,7 @@ impl Steps<'_> {
         }
     }
 
-    /// Returns to the start and begins the other half of the branch, if it is to be traced. The
+    /// Returns to the start and begins the other half of the branch, if both halves are traced. The
     /// mesh of the start is restored, and all data adapted along the first half are reset, so that
     /// the two halves are independent of each other.
     fn turn_back(&mut self, ahead: Half) {
@@ -434,8 +434,8 @@ impl Steps<'_> {
     }
 
     /// Whether the mesh is too coarse for the solution at the end of a step, but fine enough for
-    /// the solution at its beginning. Such a step is shortened, because the mesh is adapted after
-    /// each point and can follow the solution in shorter steps.
+    /// the solution at its beginning. A step with such an end is shortened, because the mesh is
+    /// adapted after each point and can follow the solution in shorter steps.
     fn outruns_mesh(&mut self, from: &CurvePoint, step: &Step) -> bool {
         let limit = self.settings.max_mesh_error;
         let mut error = |place: &CurvePoint| self.curve.corrector.mesh_error(&place.unknowns);

@@ -93,8 +93,8 @@ pub(super) fn divides(kind: Kind) -> bool {
     !matches!(kind, Kind::UZ | Kind::RG | Kind::EP)
 }
 
-/// (H) No additional point is computed between special points closer to each other than this, in
-/// scaled arclength, because they coincide in a plot.
+/// (H) No additional point is computed between special points closer to each other than this
+/// threshold, in scaled arclength, because they coincide in a plot.
 const APART: f64 = 1e-3;
 
 /// Returns the position in a step at which an additional point must be computed; `None` if no

@@ -21,7 +21,7 @@ impl<'a> Continuation<'a> {
     /// a whole with an observer ([`Steps::run`]).
     ///
     /// # Errors
-    /// As for [`trace`](Continuation::trace).
+    /// The same errors as for [`trace`](Continuation::trace).
     pub fn steps(mut self) -> Result<Steps<'a>, TraceError> {
         self.errors.extend(self.settings.check().err().map(TraceError::from));
         match self.errors.len() {

@@ -126,8 +126,9 @@ fn crossings_at(special: &SpecialPoint) -> usize {
 }
 
 /// Removes unconverged events that were detected by numbers of unstable eigenvalues, if the
-/// remaining events explain the change of stability in the step. Such an event may be detected
-/// erroneously near a fold at which two real eigenvalues also become complex.
+/// remaining events explain the change of stability in the step. An event may be detected
+/// erroneously by a number of eigenvalues near a fold at which two real eigenvalues also become
+/// complex.
 pub(super) fn without_doubtful_counts(
     detector: &Detector,
     from: &CurvePoint,

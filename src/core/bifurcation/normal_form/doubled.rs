@@ -14,8 +14,8 @@ const NONLINEAR: f64 = 0.1;
 /// (H) The largest angle of the critical multipliers of the first doubled orbit.
 const WIDEST: f64 = 0.3;
 
-/// (R) A cubic coefficient smaller than this, relative to the terms of its sum, is zero up to
-/// rounding.
+/// (R) A cubic coefficient smaller than this threshold, relative to the terms of its sum, is zero
+/// up to rounding.
 const VANISHES: f64 = 1e-7;
 
 /// The first doubled orbit of a curve, near the periodic orbit traversed twice.

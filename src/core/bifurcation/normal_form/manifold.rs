@@ -9,10 +9,10 @@
 //! ```
 //!
 //! where `K` selects the initial states in the closing condition: the next period begins at
-//! `W(R(ξ))`. Both equations have the form `F + K Δ W = 0`, with `K = −1` for equilibria.
-//! Deviations of equilibria change like `e^{σt}`, and `L(σ) = F_z + σ K`; deviations of orbits
-//! change by the factor `e^σ` in a period, and `L(σ) = F_z + (e^σ − 1) K`. The coefficients of each
-//! monomial `ξ^α` are computed order by order from
+//! `W(R(ξ))`. The equations for equilibria and for orbits have the common form `F + K Δ W = 0`,
+//! with `K = −1` for equilibria. Deviations of equilibria change like `e^{σt}`, and `L(σ) = F_z + σ
+//! K`; deviations of orbits change by the factor `e^σ` in a period, and `L(σ) = F_z + (e^σ − 1) K`.
+//! The coefficients of each monomial `ξ^α` are computed order by order from
 //!
 //! ```text
 //!     L(σ·α) W_α = −N_α − K D_α − Σ_j R_jα K q_j,

@@ -145,9 +145,9 @@ pub(in crate::core::bifurcation) fn double_hopf(at: &mut At) -> Result<NormalFor
     two_pairs(at, names, &["hh_p11", "hh_p22"])
 }
 
-/// The normal form of a double torus point of periodic orbits. Its equations for the rates per time
-/// are the same as for a double Hopf point, with `∫₀ᵀ⟨q, q⟩ dt = 1`. The pair with index 1 has the
-/// larger angle.
+/// The normal form of a double torus point of periodic orbits. The amplitude equations, with rates
+/// per time, are the same as for a double Hopf point, and the critical vectors are normalised by
+/// `∫₀ᵀ⟨q, q⟩ dt = 1`. The pair with index 1 has the larger angle.
 pub(in crate::core::bifurcation) fn double_torus(at: &mut At) -> Result<NormalForm, Failure> {
     let names = ["nsns_p11", "nsns_p12", "nsns_p21", "nsns_p22", "nsns_theta", "nsns_delta"];
     two_pairs(at, names, &["nsns_p11", "nsns_p22"])

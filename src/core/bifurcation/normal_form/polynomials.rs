@@ -38,8 +38,8 @@ fn product(space: &Space, a: &[c64], b: &[c64]) -> Coefficients {
     product
 }
 
-/// Returns each monomial as a polynomial in new variables, given the old variables as polynomials
-/// in the new ones.
+/// Returns each monomial of the old variables as a polynomial in new variables, given the old
+/// variables as polynomials in the new variables.
 pub(super) fn substitution(space: &Space, variables: &[Coefficients]) -> Vec<Coefficients> {
     let mut all = vec![vec![ZERO; space.len()]];
     all[0][0] = ONE;

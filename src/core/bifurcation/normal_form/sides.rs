@@ -8,8 +8,8 @@ use crate::core::bifurcation::at::At;
 use crate::core::failure::Failure;
 use crate::core::linalg::{Form, dot};
 
-/// (R) A second derivative smaller than this, relative to the terms of its sum, may consist only of
-/// rounding or discretisation errors, as at a cusp.
+/// (R) A second derivative smaller than this threshold, relative to the terms of its sum, may
+/// consist only of rounding or discretisation errors, as at a cusp.
 const VANISHES: f64 = 1e-6;
 
 /// The division of the plane of two parameters by a curve of bifurcations, at one point of the
@@ -20,8 +20,8 @@ pub(crate) struct Division {
     /// is zero on the curve.
     pub normal: [f64; 2],
     /// The solutions on the side of the curve to which the normal points. Each entry is the number
-    /// of unstable critical directions of one solution: all its unstable directions minus its
-    /// noncritical ones.
+    /// of unstable critical directions of one solution: the number of its unstable directions minus
+    /// the number of its noncritical unstable directions.
     pub positive: &'static [usize],
     /// The solutions on the side opposite to the normal: the number of unstable critical directions
     /// of each solution.
@@ -129,8 +129,8 @@ fn of_pitchforks(normal: [f64; 2], cubic: [f64; 2]) -> Option<Division> {
 }
 
 /// Returns the division of the parameter plane by a curve of transcritical points. The discriminant
-/// of the quadratic equation for `ξ` is a quadratic form in the two parameters. The form is the
-/// square of a linear function, so two solutions exist on each side of the curve.
+/// of the quadratic equation for `ξ` is a quadratic form in the two parameters. This quadratic form
+/// is the square of a linear function, so two solutions exist on each side of the curve.
 fn of_transcritical_points(discriminant: [[f64; 2]; 2]) -> Option<Division> {
     let [first, second] = discriminant;
     let normal = if first[0].abs() > second[1].abs() { first } else { second };
