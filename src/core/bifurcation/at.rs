@@ -15,7 +15,7 @@ pub struct At<'a> {
     /// The auxiliary unknowns of the defining systems held along the curve, such as the frequency
     /// `ω` along a curve of Hopf points.
     pub held: &'a [f64],
-    /// The null vectors at this point, shared by all defining systems and test functions.
+    /// The null vectors at this point, which all defining systems and test functions share.
     pub null: &'a mut NullSpace,
 }
 

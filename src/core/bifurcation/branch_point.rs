@@ -14,7 +14,7 @@ impl Kind {
     pub const BP: Kind = Kind::new("BP", "branch point");
 }
 
-/// A branch point: `J = [F_z  F_p]` has rank `n − 1`.
+/// The defining system of branch points, where the Jacobian `J = [F_z  F_p]` has rank `n − 1`.
 ///
 /// An auxiliary unknown `β` unfolds the problem, `F + β b = 0`. The bordered matrix `M`, with two
 /// rows `C`, defines `ζᵢ`, `w` and `gᵢ`:

@@ -189,7 +189,7 @@ fn intersection(forms: &[DMatrix<f64>]) -> Vec<Vec<f64>> {
     roots.iter().map(|root| root.as_slice().to_vec()).collect()
 }
 
-/// Refines a root near a direction; `None` if the root is not isolated.
+/// Refines an approximate root direction by Newton's method; `None` if the root is not isolated.
 fn polished(forms: &[DMatrix<f64>], mut a: DVector<f64>) -> Option<DVector<f64>> {
     let count = a.len();
     let size = forms.iter().fold(0.0, |most: f64, form| most.max(form.amax()));

@@ -78,15 +78,17 @@ pub trait DefiningSystem: Send {
     fn values(&mut self, at: At, y: &[f64], values: &mut [f64]) -> Result<(), Failure>;
 
     /// Computes the gradients of the left sides at the point where
-    /// [`values`](DefiningSystem::values) was called last: `rows` with respect to `x` (`k + 1` rows
-    /// of the same length as `x`; only released parameters count), `own` with respect to `y` (`k +
-    /// 1` rows of `k`).
+    /// [`values`](DefiningSystem::values) was called last: `rows` receives the gradients with
+    /// respect to `x` (`k + 1` rows of the same length as `x`, in which only the entries of the
+    /// unknowns and the released parameters are used), `own` the gradients with respect to `y`
+    /// (`k + 1` rows of length `k`).
     ///
     /// # Errors
     /// The same errors as for [`values`](DefiningSystem::values).
     fn gradients(&mut self, at: At, rows: &mut [f64], own: &mut [f64]) -> Result<(), Failure>;
 
-    /// Returns the vector `b` if the `j`-th auxiliary unknown unfolds the problem: `F + yⱼ b = 0`.
+    /// Returns the vector `b` if the `j`-th auxiliary unknown unfolds the problem, `F + yⱼ b = 0`;
+    /// `None` if it does not.
     fn unfolding<'b>(&'b self, _j: usize, _null: &'b NullSpace) -> Option<&'b [f64]> {
         None
     }

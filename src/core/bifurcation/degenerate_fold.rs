@@ -55,12 +55,12 @@ impl DegenerateFold {
         Self::new(Kind::BT, Form::Jacobian)
     }
 
-    /// Creates the defining system of a double multiplier 1 of orbits.
+    /// Creates the defining system of periodic orbits with a double multiplier 1.
     pub fn double_one() -> Self {
         Self::new(Kind::R1, Form::Jacobian)
     }
 
-    /// Creates the defining system of a double multiplier −1 of orbits.
+    /// Creates the defining system of periodic orbits with a double multiplier −1.
     pub fn double_minus_one() -> Self {
         Self::new(Kind::R2, Form::Antiperiodic)
     }

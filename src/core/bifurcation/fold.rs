@@ -144,7 +144,8 @@ fn turn_of_cubic(low: f64, high: f64, mean: f64) -> f64 {
 pub(super) struct FlippedCount;
 
 impl TestFunction for FlippedCount {
-    /// `Π (1 + μ)/(1 + |μ|)` over all multipliers, which vanishes where one multiplier is −1.
+    /// Returns the product `Π (1 + μ)/(1 + |μ|)` over all multipliers `μ`, which vanishes if one
+    /// multiplier is −1.
     fn value(&self, _at: &mut At, known: &PointValues) -> Result<Option<f64>, Failure> {
         Ok(known.spectrum.map(|spectrum| spectrum.iter().map(flip_factor).product()))
     }

@@ -34,7 +34,7 @@ impl Kind {
 pub(super) struct GrazingBifurcation {
     kind: Kind,
     fold: Fold,
-    /// The null vectors of the other family's orbits.
+    /// The null vectors of the orbits of the other family.
     null: NullSpace,
     /// Whether the orbits along the curve include the event that becomes tangent at the grazing.
     passes: bool,

@@ -37,7 +37,7 @@ pub struct Hopf {
     /// stored by form of the linearisation, without regard to frequency. `None` if this defining
     /// system uses the shared null vectors.
     own: Option<NullSpace>,
-    /// `ω` at the last evaluation.
+    /// The frequency or angle `ω` at the last evaluation.
     omega: f64,
     /// A buffer for a complex vector.
     vector: Vec<f64>,

@@ -12,7 +12,8 @@ use crate::core::system::{Functional, Kind};
 /// point ([`Hopf`](super::Hopf)). The real and the imaginary part together define the resonance.
 pub(super) struct Resonance {
     angle: f64,
-    /// The part of the equation `g = 0`: 0 for the real part, 1 for the imaginary part.
+    /// The index of the part of the equation `g = 0`: 0 for the real part, 1 for the imaginary
+    /// part.
     part: usize,
     form: Vec<f64>,
 }

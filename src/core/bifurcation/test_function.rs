@@ -31,7 +31,7 @@ pub struct Reading {
     pub slope: f64,
     /// The sign of the determinant of the Jacobian bordered by the tangent.
     pub determinant: f64,
-    /// The counts of unstable eigenvalues or multipliers, if known.
+    /// The numbers of unstable eigenvalues or multipliers, if known.
     pub stability: Option<Stability>,
 }
 

@@ -1,4 +1,5 @@
-//! Branches as data: the result of a trace, which can be saved, drawn, restarted and tested.
+//! The data of branches: the result of a continuation, which can be saved, plotted, and used to
+//! start other branches.
 
 use super::end::End;
 use super::settings::Settings;
@@ -137,7 +138,8 @@ pub struct SpecialPoint {
     /// The unknowns that are arrays with two indices, reduced to fewer entries for output.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub fields: Vec<PlaneField>,
-    /// The reason why the phase response is missing from the profiles, if it was requested.
+    /// The reason why the phase response curve is missing from `profiles`, if it was requested and
+    /// could not be computed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub without_phase_response: Option<String>,
 }
@@ -190,7 +192,7 @@ pub struct Sensitivity {
     pub slopes: Vec<f64>,
 }
 
-/// A branch: a curve of zeros with the data recorded along it.
+/// A branch: a curve of zeros of the equations, with the data recorded along the curve.
 ///
 /// Points are stored in order from one end of the branch to the other; `ends[0]` describes the end
 /// at the first point, `ends[1]` the end at the last point.

@@ -40,7 +40,7 @@ pub struct Continuation<'a> {
     pub(super) attached: Vec<Attached>,
     pub(super) held: Vec<(Kind, Option<MakeCondition>)>,
     pub(super) settings: Settings,
-    /// The saved solution at which the curve starts; `None` if it starts at a guess.
+    /// The saved solution at which the curve starts; `None` if the curve starts at a guess.
     pub(super) origin: Option<Solution>,
     /// The names and values of the monitors at the saved end at which the curve starts.
     pub(super) end: Vec<(String, f64)>,

@@ -64,8 +64,8 @@ pub(super) struct Cluster {
 }
 
 impl Cluster {
-    /// Computes the cluster in an interval over which the number of unstable eigenvalues changes by
-    /// `change`.
+    /// Computes the cluster of eigenvalues that pass zero in an interval over which the number of
+    /// unstable eigenvalues changes by `change`.
     pub fn of(locator: &mut Locator, change: usize) -> Option<Self> {
         let places = samples(locator)?;
         let length = locator.interval.length;
@@ -144,7 +144,8 @@ impl Cluster {
         })
     }
 
-    /// Classifies the eigenvalues that pass zero.
+    /// Classifies the eigenvalues that pass zero into groups: real eigenvalues, multipliers −1, and
+    /// pairs by frequency.
     pub fn groups(&self, dynamics: Dynamics) -> Vec<Group> {
         let distance = |k: &usize| (self.abscissae[*k] - self.along).abs();
         let nearest = (0..SAMPLES.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)));

@@ -191,8 +191,8 @@ impl<'a> Corrector<'a> {
         tangent
     }
 
-    /// Returns the derivative of a parameter or a monitor along the curve; `None` if it is not
-    /// differentiable.
+    /// Returns the derivative of a parameter or a monitor along the curve; `None` if the monitor is
+    /// not differentiable.
     pub fn slope_of(
         &mut self,
         quantity: Quantity,

@@ -13,7 +13,7 @@ pub(super) fn turns(before: Option<f64>, after: Option<f64>) -> bool {
     matches!((before, after), (Some(before), Some(after)) if before * after < 0.0)
 }
 
-/// The events that are monitored along a curve.
+/// The events that are monitored along a curve, and the evaluation of their test functions.
 pub(super) struct Detector {
     pub events: Vec<Event>,
     /// The defining systems whose left sides serve as test functions, one for each event that needs

@@ -146,12 +146,13 @@ pub enum End {
     Infinite {
         /// The name of the group of unknowns that grows.
         name: String,
-        /// The norm of the group where the parameters became constant.
+        /// The norm of the group of unknowns at the point where the parameters became constant.
         from: f64,
-        /// The norm of the group at the end.
+        /// The norm of the group of unknowns at the end of the branch.
         to: f64,
     },
-    /// The curve converges to a point, such as a manifold of a saddle to a stable node.
+    /// The curve converges to a point, for example an invariant manifold of a saddle to a stable
+    /// node.
     #[error("the curve converges to the point ({}), which iterates do not reach", numbers(point))]
     ConvergesTo {
         /// The states of the point to which the curve converges.

@@ -23,7 +23,7 @@ pub enum TraceError {
     #[error("the start {name} = {value} is not in its range {low} to {high}")]
     #[diagnostic(help("start within the range, or widen the range"))]
     OutOfRange {
-        /// The parameter or monitor.
+        /// The name of the parameter or monitor.
         name: String,
         /// The value of the parameter or monitor at the start.
         value: f64,
@@ -35,7 +35,7 @@ pub enum TraceError {
     /// The range of a parameter or monitor is empty or contains NaN.
     #[error("the range of {name}, {low} to {high}, is empty: its lower end comes first")]
     EmptyRange {
-        /// The parameter or monitor.
+        /// The name of the parameter or monitor.
         name: String,
         /// The lower end.
         low: f64,
@@ -138,7 +138,7 @@ pub enum TraceError {
         branch: String,
         /// The label.
         label: usize,
-        /// The kind of the point.
+        /// The kind of the special point.
         kind: crate::core::system::Kind,
         /// The values of the continued parameter between which the special point lies.
         bracket: [f64; 2],
@@ -167,7 +167,7 @@ pub enum TraceError {
     /// Several errors of the other variants.
     #[error("{}", several(.0))]
     Several(Vec<TraceError>),
-    /// Newton's method failed at the start.
+    /// Newton's method failed at the start of the curve.
     #[error("could not compute the starting point of the branch `{branch}` at {place}: {cause}")]
     #[diagnostic(forward(cause))]
     Start {

@@ -153,7 +153,7 @@ impl Event {
         Self::with_test(name, Kind::UZ, Excess(quantity, level), make)
     }
 
-    /// Restricts the event to sign changes in one direction.
+    /// Restricts the event to sign changes of the test function in one direction.
     pub fn in_direction(mut self, direction: Direction) -> Self {
         self.direction = direction;
         self

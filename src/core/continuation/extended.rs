@@ -147,8 +147,8 @@ impl<'a> Extended<'a> {
         self.system.names()
     }
 
-    /// Returns typical sizes of the groups of unknowns; empty if the sizes are unknown. On a mesh,
-    /// unspecified sizes are 1.
+    /// Returns typical sizes of the groups of unknowns; empty if the sizes are unknown. If
+    /// solutions have a mesh, unspecified sizes are 1.
     pub(crate) fn unknown_scales(&self) -> Vec<f64> {
         let mut scales = self.system.unknown_scales(&self.x[self.dimension()..]);
         if scales.is_empty() && self.system.representation().is_on_mesh() {

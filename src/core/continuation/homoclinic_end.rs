@@ -20,8 +20,9 @@ use crate::core::system::{
     Emanating, HOMOCLINIC_RADIUS, HOMOCLINIC_RATES, Kind, Refinement, Solution, System,
 };
 
-/// (H) The ratio of the distances from the equilibrium at which two orbits begin and end. The
-/// difference of the two orbits is the estimate of the truncation error of the homoclinic orbit.
+/// (H) The ratio of the truncation distances of two approximations of a homoclinic orbit, which
+/// begin and end at different distances from the equilibrium. The difference of the two orbits is
+/// the estimate of the truncation error of the homoclinic orbit.
 const WIDER: f64 = 10.0;
 
 /// (H) The largest allowed difference between the parameter at the end of a branch and the

@@ -25,8 +25,8 @@ const MOST_BESIDE: f64 = 0.5;
 /// solution by less than this fraction of the length of its bracket.
 const BESIDE_CURVE: f64 = 1e-3;
 
-/// (H) The distance, as a fraction of the bracket, at which the sign change of a branch point is
-/// checked on both sides.
+/// (H) The distance on both sides of a branch point, as a fraction of the bracket, at which the
+/// sign change of its test function is checked.
 const BESIDE_POINT: f64 = 0.02;
 
 /// (H) The positions at which a bracket is divided, in units of its length: first the middle, and

@@ -1,9 +1,9 @@
 //! Damped Newton's method on the bordered system, with an affine-invariant convergence test.
 //!
-//! After each correction `Δ = −M⁻¹G(X)`, the simplified correction at the new point, `Δ̄ = −M⁻¹G(X
-//! + λΔ)`, is computed with the same factorisation. The simplified correction measures the residual
-//! independently of the units of equations (P. Deuflhard, *Newton Methods for Nonlinear Problems*,
-//! 2004, sections 2.1 and 3.3). The Newton step is accepted if `‖Δ̄‖ ≤ (1 − λ/4)‖Δ‖`; if not, the
+//! After each correction `Δ = −M⁻¹G(X)`, the simplified correction at the new point,
+//! `Δ̄ = −M⁻¹G(X + λΔ)`, is computed with the same factorisation. The simplified correction measures
+//! the residual independently of the units of equations (P. Deuflhard, *Newton Methods for Nonlinear
+//! Problems*, 2004, sections 2.1 and 3.3). The Newton step is accepted if `‖Δ̄‖ ≤ (1 − λ/4)‖Δ‖`; if not, the
 //! damping factor `λ` is halved. The iteration has converged if the scaled norm of the next
 //! correction, predicted from the observed quadratic convergence, is smaller than the tolerance.
 //!
@@ -73,7 +73,7 @@ const GOOD_CONTRACTION: f64 = 0.25;
 /// A correction is expected to be the last correction if it changes the matrix by less than this
 /// threshold, relative to the matrix.
 const NEARLY_LINEAR: f64 = 1e-4;
-/// A correction below this fraction of the tolerance is not applied.
+/// The fraction of the tolerance below which a correction is not applied.
 const NEGLIGIBLE: f64 = 1e-3;
 /// The error allowed in evaluations at the start of the iteration, as a fraction of the tolerance.
 pub(in crate::core) const ROUGHLY: f64 = 2e-4;

@@ -9,7 +9,7 @@ use crate::core::problem::{Names, columns_showing, position};
 use crate::core::system::{HOMOCLINIC_GAP, HOMOCLINIC_TESTS, Kind};
 use std::sync::Arc;
 
-/// The quantities of a problem, including user-defined monitors.
+/// The parameters and monitors of a problem, including user-defined monitors.
 pub(super) struct Quantities<'c> {
     names: &'c Names,
     attached: &'c [Attached],

@@ -205,7 +205,7 @@ struct Deflated<'a> {
     sizes: Vec<f64>,
     /// The middle of the box.
     middle: Vec<f64>,
-    /// The point `(z, p)`.
+    /// The current point `(z, p)`.
     x: Vec<f64>,
     /// A buffer for the residual `F`, which is overwritten by `F_z⁻¹ F`.
     correction: Vec<f64>,

@@ -38,7 +38,7 @@ impl Snaking {
     ///
     /// Near a homoclinic orbit to another cycle, each further revolution about that cycle adds two
     /// folds to the branch and the same time to the period (P. Hirschberg and C. Laing, *Physica D*
-    /// 89:1, 1995). The folds converge to two values of the parameter.
+    /// 89:1, 1995). The parameter values at these folds converge to two limits.
     pub fn reached(&mut self, corrector: &mut Corrector, step: Interval) -> Option<End> {
         let Interval { from, to, .. } = step;
         let [a, b] = [from, to].map(|place| corrector.slope(&place.tangent));

@@ -21,9 +21,8 @@ const NONSMOOTH_FOLD: &str = "boundary equilibrium: nonsmooth fold";
 /// sizes of the states. Located points are accurate to 1e-10.
 const VANISHES: f64 = 1e-6;
 
-/// Returns the equilibria of other modes that coincide with an equilibrium at the boundary of its
-/// mode, as pairs of mode and states. Only the modes that may follow the vanishing guards are
-/// considered.
+/// Returns the equilibria of other modes that coincide with a boundary equilibrium, as pairs of
+/// mode and states. Only the modes that may follow the vanishing guards are considered.
 pub(super) fn neighbours(rest: &RestInMode, z: &[f64], p: &[f64]) -> Vec<(usize, Vec<f64>)> {
     let (system, mode, modes) = (rest.system(), rest.mode, rest.system().modes());
     let mut found: Vec<(usize, Vec<f64>)> = Vec::new();
@@ -105,8 +104,8 @@ pub(super) fn no_neighbour(rest: &RestInMode) -> Failure {
     ))
 }
 
-/// Returns the name of a boundary equilibrium, from the sides on which the two equilibria are
-/// admissible.
+/// Returns the name of a boundary equilibrium, which depends on the sides on which the equilibria
+/// of the two modes are admissible.
 ///
 /// The monitors `distance` of the two equilibria vanish together, so their gradients with respect
 /// to the parameters are parallel. The signs of the largest components of the gradients determine

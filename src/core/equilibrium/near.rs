@@ -5,7 +5,7 @@ use crate::core::hybrid::{Guard, HybridEquations, Mode};
 use nalgebra::{DMatrix, DVector};
 use num_dual::Dual64;
 
-/// (H) The maximal number of Newton iterations from a state nearly at rest.
+/// (H) The maximal number of Newton iterations that start from a state nearly at rest.
 const ITERATIONS: usize = 10;
 
 /// (R) Newton's iteration has converged if the correction is no larger than this threshold, in

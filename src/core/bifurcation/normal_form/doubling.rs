@@ -36,7 +36,7 @@ pub(in crate::core::bifurcation) fn doubling_rate(at: &mut At) -> Result<f64, Fa
     Ok(reduced(at)?.cubic)
 }
 
-/// The third-order expansion of doubled orbits.
+/// The third-order terms of the expansion of doubled orbits.
 struct Doubling {
     critical: Critical<Vec<f64>>,
     cubic: f64,

@@ -25,7 +25,7 @@ pub(super) struct Eigenvalue {
 }
 
 impl Eigenvalue {
-    /// Computes a simple eigenvalue.
+    /// Computes the eigenvectors of a simple critical eigenvalue.
     pub fn simple(forms: &mut Forms, form: Form) -> Result<Self, Failure> {
         let mut it = Self::new(forms, form)?;
         it.scale_left(forms)?;
@@ -56,7 +56,8 @@ impl Eigenvalue {
         Ok(it)
     }
 
-    /// Computes a real double eigenvalue with one eigenvector.
+    /// Computes the Jordan chain and the left vector of a real double eigenvalue with one
+    /// eigenvector.
     pub fn double(forms: &mut Forms, form: Form) -> Result<Self, Failure> {
         // p* L' q₀ = 0.
         let mut it = Self::new(forms, form)?;
@@ -139,7 +140,7 @@ impl Eigenvalue {
         Ok(joined(&out))
     }
 
-    /// Solves with the singular matrix `L`, bordered by its null vectors.
+    /// Solves a linear system with the singular matrix `L`, bordered by its null vectors.
     pub fn solve_within_border(
         &mut self,
         forms: &mut Forms,
@@ -163,13 +164,13 @@ fn real(v: &[f64]) -> Vec<c64> {
     v.iter().map(|c| c64::new(*c, 0.0)).collect()
 }
 
-/// Joins a complex vector from its real parts followed by its imaginary parts.
+/// Creates a complex vector from its real parts followed by its imaginary parts.
 fn joined(parts: &[f64]) -> Vec<c64> {
     let (re, im) = parts.split_at(parts.len() / 2);
     re.iter().zip(im).map(|(re, im)| c64::new(*re, *im)).collect()
 }
 
-/// Separates a complex vector into its real parts followed by its imaginary parts.
+/// Returns the real parts of a complex vector, followed by its imaginary parts.
 fn separated(v: &[c64]) -> Vec<f64> {
     v.iter().map(|c| c.re).chain(v.iter().map(|c| c.im)).collect()
 }

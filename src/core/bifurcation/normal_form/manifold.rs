@@ -126,7 +126,7 @@ impl<'e> Critical<'e> {
         all
     }
 
-    /// The difference of two exponents; modulo `2π` for multipliers.
+    /// Returns the difference of two critical exponents; for multipliers, modulo `2π`.
     fn difference(&self, one: f64, other: f64) -> f64 {
         let difference = one - other;
         if self.orbit { difference - TAU * (difference / TAU).round() } else { difference }

@@ -1,11 +1,12 @@
 //! Normal forms of special points: a few coefficients that determine the local dynamics.
 //!
 //! Near a special point the critical deviations `ξ` are reduced to a center manifold. For
-//! equilibria, this gives Kuznetsov's coefficients (Yu. A. Kuznetsov, *Elements of Applied
-//! Bifurcation Theory*, 3rd ed. 2004, chapters 5 and 8). For periodic orbits, it gives the periodic
-//! normal forms of Kuznetsov, Govaerts, Doedel and Dhooge (*SIAM J. Numer. Anal.* 43:1407, 2005),
-//! by Lyapunov–Schmidt reduction of the discretised equations: the same multilinear forms serve
-//! both discretisations, forced, autonomous and hybrid orbits, and cycles of maps.
+//! equilibria, the reduction to a center manifold gives Kuznetsov's coefficients (Yu. A. Kuznetsov,
+//! *Elements of Applied Bifurcation Theory*, 3rd ed. 2004, chapters 5 and 8). For periodic orbits,
+//! the reduction gives the periodic normal forms of Kuznetsov, Govaerts, Doedel and Dhooge (*SIAM
+//! J. Numer. Anal.* 43:1407, 2005), by Lyapunov–Schmidt reduction of the discretised equations: the
+//! same multilinear forms serve both discretisations, forced, autonomous and hybrid orbits, and
+//! cycles of maps.
 //!
 //! Notation: `L(σ)` is the linearisation for deviations that change like `e^{σt}` (deviations of
 //! orbits change by the factor `e^σ` in a period). At the critical exponent `σ₀`, `L(σ₀) q = 0` and
@@ -121,7 +122,7 @@ impl NormalForm {
 /// define rates of change.
 ///
 /// # Errors
-/// [`Failure`] where a coefficient is undefined, as at a strong resonance.
+/// [`Failure`] if a coefficient is undefined, as at a strong resonance.
 pub(crate) type ComputeNormalForm = fn(&mut At) -> Result<NormalForm, Failure>;
 
 /// Whether the equations define rates of change. The equilibrium equations of potentials and of

@@ -44,9 +44,9 @@ pub(in crate::core::bifurcation) fn fold_hopf(at: &mut At) -> Result<NormalForm,
 ///     dv/dt = a₂₀ v² + a₀₂ |z|² + a₃₀ v³ + a₁₂ v |z|²,     d|z|/dt = b₁₁ v |z| + b₂₁ v² |z| + b₀₃ |z|³,
 /// ```
 ///
-/// The critical vectors are normalised by `∫₀ᵀ⟨q, q⟩ dt = 1`. If the period is free, `dτ/dt = 1 − v
-/// + …`; if the period is fixed, `a₂₀ > 0`. The numbers `s = sign a₂₀ a₀₂`, `θ = b₁₁/a₂₀` and `E`
-/// correspond to `s`, `θ` and `E` of a fold–Hopf point.
+/// The critical vectors are normalised by `∫₀ᵀ⟨q, q⟩ dt = 1`. If the period is free,
+/// `dτ/dt = 1 − v + …`; if the period is fixed, `a₂₀ > 0`. The numbers `s = sign a₂₀ a₀₂`,
+/// `θ = b₁₁/a₂₀` and `E` correspond to `s`, `θ` and `E` of a fold–Hopf point.
 pub(in crate::core::bifurcation) fn fold_torus(at: &mut At) -> Result<NormalForm, Failure> {
     let Some(&angle) = at.held.first() else { return Ok(NormalForm::default()) };
     let (motion, any_sign) = reduced(at, [Form::Jacobian, Form::Oscillation(angle)])?;
@@ -101,7 +101,7 @@ struct FoldInteraction {
 }
 
 impl FoldInteraction {
-    /// Returns the normal form; the arguments are the names of `s`, `θ` and `E`.
+    /// Returns the normal form of the interaction; the arguments are the names of `s`, `θ` and `E`.
     fn normal_form(&self, [s, theta, e]: [&'static str; 3]) -> NormalForm {
         let FoldInteraction { a20, a02, a30, a12, b11, b21, b03 } = self;
         let sign = (a20 * a02).signum();

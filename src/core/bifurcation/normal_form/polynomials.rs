@@ -11,7 +11,7 @@ pub(super) const ZERO: c64 = c64::new(0.0, 0.0);
 pub(super) const ONE: c64 = c64::new(1.0, 0.0);
 pub(super) const I: c64 = c64::new(0.0, 1.0);
 
-/// A variable of a polynomial.
+/// The type of a variable of a polynomial: real, or one of a complex conjugate pair.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Variable {
     /// A real variable.
@@ -22,14 +22,14 @@ pub(super) enum Variable {
     Conjugate,
 }
 
-/// Creates a linear polynomial from variables and their factors.
+/// Creates a linear polynomial from variables and their coefficients.
 pub(super) fn linear(space: &Space, terms: &[(usize, c64)]) -> Coefficients {
     let mut polynomial = vec![ZERO; space.len()];
     terms.iter().for_each(|(variable, factor)| polynomial[1 + variable] = *factor);
     polynomial
 }
 
-/// The product of two polynomials.
+/// Returns the product of two polynomials.
 fn product(space: &Space, a: &[c64], b: &[c64]) -> Coefficients {
     let mut product = vec![ZERO; space.len()];
     for [i, j, k] in &space.products {

@@ -5,8 +5,8 @@
 //! vector field `V` is the normal form, a rate per time (Yu. A. Kuznetsov and H. G. E. Meijer,
 //! *SIAM J. Sci. Comput.* 26:1932, 2005, for maps; V. De Witte, F. Della Rossa, W. Govaerts and Yu.
 //! A. Kuznetsov, *SIAM J. Appl. Dyn. Syst.* 12:722, 2013, for cycles). The critical vectors are
-//! normalised by `∫₀ᵀ⟨q, q⟩ dt = 1`; for maps, `T = 1`, and the mean of `⟨q, q⟩` over the cycle is
-//! 1.
+//! normalised by `∫₀ᵀ⟨q, q⟩ dt = 1`; for maps, `T = 1`, and the mean of `⟨q, q⟩` over the cycle
+//! is 1.
 
 use super::NormalForm;
 use super::eigenvalue::Eigenvalue;

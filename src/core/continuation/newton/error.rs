@@ -17,7 +17,7 @@ pub enum NewtonError {
         iterations: usize,
         /// The scaled norm of the last correction.
         correction: f64,
-        /// The last damping factor.
+        /// The last damping factor that was tried.
         damping: f64,
     },
     /// The equations or their Jacobian cannot be evaluated, or the Jacobian is singular.
