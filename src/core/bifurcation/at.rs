@@ -10,12 +10,12 @@ pub struct At<'a> {
     /// The unknowns and all parameters, `x = (z, p)`.
     pub x: &'a [f64],
     /// Positions of the released parameters among all parameters. Only derivatives with respect to
-    /// these parameters are computed.
+    /// the released parameters are computed.
     pub released: &'a [usize],
-    /// The auxiliary unknowns of the held defining systems, such as the frequency `ω` along a curve
-    /// of Hopf points.
+    /// The auxiliary unknowns of the defining systems held along the curve, such as the frequency
+    /// `ω` along a curve of Hopf points.
     pub held: &'a [f64],
-    /// The null vectors at this point, shared by all defining systems and test functions.
+    /// The null vectors at this point, which all defining systems and test functions share.
     pub null: &'a mut NullSpace,
 }
 
@@ -27,12 +27,12 @@ impl At<'_> {
     }
 }
 
-/// A quantity that can be held at a level.
+/// A parameter or a monitor that a defining system can hold at a given level.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Quantity {
-    /// The parameter at this position.
+    /// The parameter with this index among all parameters.
     Parameter(usize),
-    /// The monitor at this position.
+    /// The monitor with this index among all monitors.
     Monitor(usize),
 }

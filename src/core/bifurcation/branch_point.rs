@@ -14,24 +14,27 @@ impl Kind {
     pub const BP: Kind = Kind::new("BP", "branch point");
 }
 
-/// A branch point: `J = [F_z  F_p]` has rank `n − 1`.
+/// The defining system of branch points, where the Jacobian `J = [F_z  F_p]` has rank `n − 1`.
 ///
-/// With an auxiliary unknown `β` that unfolds the problem, `F + β b = 0`, and the bordered matrix
+/// An auxiliary unknown `β` unfolds the problem, `F + β b = 0`. The bordered matrix `M`, with two
+/// rows `C`, defines `ζᵢ`, `w` and `gᵢ`:
 ///
 /// ```text
 ///     M = ⎡ J  b ⎤        M ⎡ ζᵢ ⎤ = eₙ₊ᵢ,       Mᵀ (w, g₁, g₂) = e_last
 ///         ⎣ C  0 ⎦          ⎣ hᵢ ⎦
 /// ```
 ///
-/// with two rows `C`, the branch point is `F + β b = 0, g₁ = g₂ = 0`, and `∇gᵢ = −∇ₓ(wᵀ F_x ζᵢ)`.
-/// The defining system adds two equations and one unknown, so it can be held along a curve like any
-/// other. Where the branch point persists, as for pitchforks of symmetric problems, `β` stays zero.
+/// The equations of the branch point are `F + β b = 0` and `g₁ = g₂ = 0`, with `∇gᵢ = −∇ₓ(wᵀ F_x
+/// ζᵢ)`. The defining system of branch points adds two equations and one unknown, so it can be held
+/// along a curve like any other defining system. Where the branch point persists along a curve, as
+/// pitchforks of symmetric problems do, `β` stays zero.
 pub struct BranchPoint {
     parameter: usize,
 }
 
 impl BranchPoint {
-    /// Creates the defining system of branch points on branches in the parameter at this position.
+    /// Creates the defining system of branch points on branches in the parameter with index
+    /// `parameter`.
     pub fn new(parameter: usize) -> Self {
         BranchPoint { parameter }
     }
@@ -108,7 +111,8 @@ impl TestFunction for BorderedDeterminant {
         0.5
     }
 
-    /// The real eigenvalue nearest to zero; `None` for multipliers, whose counts are used instead.
+    /// The real eigenvalue nearest to zero; `None` for periodic orbits, whose unstable multipliers
+    /// are counted instead.
     fn smooth(&self, _: &Reading, spectrum: &[(f64, f64)], of: Dynamics) -> Option<f64> {
         let real = spectrum.iter().filter(|l| l.1 == 0.0 && of != Dynamics::Periodic);
         nearest_to_zero(real.map(|l| l.0))

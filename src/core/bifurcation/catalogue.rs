@@ -1,6 +1,6 @@
-//! The catalogue of bifurcations: the row of a kind contains the curves it lies on, its test
-//! function on each of them, and its defining system. To add a kind, write a file with its defining
-//! system, and add a row here.
+//! The catalogue of bifurcations. Each row describes one kind of bifurcation: the types of curves
+//! on which it occurs, its test function on each type of curve, and its defining system. To add a
+//! kind of bifurcation, write a file with its defining system, and add a row to the catalogue.
 
 use super::branch_point::{BorderedDeterminant, BranchPoint};
 use super::defining_system::DefiningSystem;
@@ -19,10 +19,10 @@ use serde::{Deserialize, Deserializer};
 use std::f64::consts::PI;
 use std::sync::{Arc, LazyLock};
 
-/// Makes a defining system for branches in the parameter at this position.
+/// A function that creates a defining system for branches in the parameter with the given index.
 pub(crate) type Make = fn(usize) -> Box<dyn DefiningSystem>;
 
-/// Makes a test function.
+/// A function that creates a test function.
 pub(crate) type MakeTest = fn() -> Arc<dyn TestFunction>;
 
 /// A kind of bifurcation.
@@ -30,30 +30,33 @@ pub(crate) struct Bifurcation {
     pub kind: Kind,
     /// The eigenvalues or multipliers that are critical at the point.
     pub critical: Critical,
-    /// The normal form on branches of solutions.
+    /// Computes the normal form at such a bifurcation on a branch of solutions.
     pub normal_form: Option<ComputeNormalForm>,
-    /// The solutions on the two sides of a curve of such points.
+    /// Computes which solutions exist on the two sides of a curve of such bifurcations in the plane
+    /// of two parameters.
     pub division: Option<ComputeDivision>,
     pub seen: &'static [Sighting],
 }
 
 /// The detection of a kind of bifurcation on one type of curve.
 pub(crate) struct Sighting {
-    /// The kinds held along the curve; empty for branches of solutions.
+    /// The kinds of bifurcation whose defining systems are held along the curve; empty for branches
+    /// of solutions.
     pub held: &'static [Kind],
-    /// The type of the solutions.
+    /// The type of the solutions on the curve.
     pub of: Solutions,
     /// The name of the bifurcation on this curve.
     pub name: &'static str,
-    /// The test function.
+    /// The function that creates the test function of the bifurcation on this type of curve.
     pub test: MakeTest,
-    /// The defining system, which is regular at the point together with the curve. `None` if the
-    /// point is located by bracketing, because it has no defining system or because the curve's own
-    /// equations are singular there and its values are limits.
+    /// The function that creates the defining system, which together with the equations of the
+    /// curve is regular at the point. `None` if the point is located by bracketing, because it has
+    /// no defining system or because the equations of the curve are singular at the point and its
+    /// values are computed as limits.
     pub defined_by: Option<Make>,
     pub beyond: Beyond,
-    /// The kinds of points whose curves emanate there, besides the curve on which the point is
-    /// found; one entry for each curve.
+    /// The kinds of points whose curves emanate from the bifurcation, besides the curve on which it
+    /// is found; one entry for each emanating curve.
     #[cfg_attr(not(feature = "scene"), expect(dead_code, reason = "scenes follow curves"))]
     pub leaving: &'static [Kind],
 }
@@ -69,25 +72,27 @@ pub(crate) enum Solutions {
 /// The continuation of a curve beyond a bifurcation.
 #[derive(Clone, Copy)]
 pub(crate) enum Beyond {
-    /// The curve continues.
+    /// The curve continues beyond the bifurcation.
     Further,
-    /// The curve continues, but the defining systems held along it do not define the point. This
-    /// one replaces them.
-    Through(Make),
-    /// The curve ends. The defining systems held along it are singular there, and this one replaces
+    /// The curve continues beyond the bifurcation, but the defining systems held along the curve do
+    /// not define the bifurcation point. The defining system created by this function replaces
     /// them.
+    Through(Make),
+    /// The curve ends at the bifurcation. The defining systems held along the curve are singular at
+    /// its end, and the defining system created by this function replaces them.
     End(Make),
-    /// The curve retraces itself, as its own mirror image, and therefore ends.
+    /// The continuation ends at the bifurcation, because beyond it the curve would retrace itself
+    /// as its own mirror image.
     Mirror,
 }
 
 impl Sighting {
-    /// Whether a curve of such points, in one more parameter, can be followed.
+    /// Whether the curve of such bifurcations can be continued with one more released parameter.
     fn can_be_held(&self) -> bool {
         matches!(self.beyond, Beyond::Further) && self.defined_by.is_some()
     }
 
-    /// Adds the kinds of the curves that emanate there.
+    /// Sets the kinds of the curves that emanate from the bifurcation.
     const fn leading_to(self, leaving: &'static [Kind]) -> Self {
         Sighting { leaving, ..self }
     }
@@ -123,7 +128,7 @@ const fn seen(
     Sighting { held, of, name, test, defined_by: Some(defined_by), beyond, leaving: &[] }
 }
 
-/// A point that is located by bracketing.
+/// Creates the detection of a bifurcation that is located by bracketing.
 const fn bracketed(
     held: &'static [Kind],
     of: Solutions,
@@ -165,14 +170,15 @@ const FLIP: Make = |_| Box::new(Fold::period_doubling());
 const TORUS: Make = |_| Box::new(Hopf::neimark_sacker());
 const CUSP: Make = |_| Box::new(DegenerateFold::cusp());
 
-/// The test function of a resonance: the angle of the torus points of a curve, minus a level.
+/// The test function of a resonance on a curve of torus points: the angle of the critical
+/// multipliers, minus a level.
 macro_rules! angle {
     ($level:expr) => {
         || Arc::new(Auxiliary { unknown: 0, level: $level })
     };
 }
 
-/// All kinds, in the order in which they are tested.
+/// All kinds of bifurcation, in the order in which they are tested.
 pub(crate) static CATALOGUE: [Bifurcation; 24] = [
     row(
         Kind::BP,
@@ -445,29 +451,31 @@ impl Kind {
     pub const ZH: Kind = Kind::new("ZH", "fold–Hopf point");
     /// `HH`: a double Hopf (Hopf–Hopf) point of equilibria.
     pub const HH: Kind = Kind::new("HH", "double Hopf point");
-    /// `R1`: a resonance 1:1 of orbits, a double multiplier 1.
+    /// `R1`: a resonance 1:1 of periodic orbits, with a double multiplier 1.
     pub const R1: Kind = Kind::new("R1", "resonance 1:1");
-    /// `R2`: a resonance 1:2 of orbits, a double multiplier −1.
+    /// `R2`: a resonance 1:2 of periodic orbits, with a double multiplier −1.
     pub const R2: Kind = Kind::new("R2", "resonance 1:2");
-    /// `R3`: a resonance 1:3 of orbits, multipliers `e^{±2πi/3}`.
+    /// `R3`: a resonance 1:3 of periodic orbits, with the multipliers `e^{±2πi/3}`.
     pub const R3: Kind = Kind::new("R3", "resonance 1:3");
-    /// `R4`: a resonance 1:4 of orbits, multipliers `±i`.
+    /// `R4`: a resonance 1:4 of periodic orbits, with the multipliers `±i`.
     pub const R4: Kind = Kind::new("R4", "resonance 1:4");
-    /// `GPD`: a generalised period doubling, where the branch of doubled orbits changes sides.
+    /// `GPD`: a generalised period doubling, where the emanating branch of doubled orbits changes
+    /// between supercritical and subcritical.
     pub const GPD: Kind = Kind::new("GPD", "generalised period doubling");
-    /// `CH`: a Chenciner point, where the branch of tori changes sides.
+    /// `CH`: a Chenciner point, where the emanating branch of tori changes between supercritical
+    /// and subcritical.
     pub const CH: Kind = Kind::new("CH", "Chenciner point");
-    /// `LPPD`: a fold–flip point of orbits, multipliers 1 and −1.
+    /// `LPPD`: a fold–flip point of periodic orbits, with the multipliers 1 and −1.
     pub const LPPD: Kind = Kind::new("LPPD", "fold–flip point");
-    /// `LPNS`: a fold–torus point of orbits, multipliers 1 and `e^{±iθ}`.
+    /// `LPNS`: a fold–torus point of periodic orbits, with the multipliers 1 and `e^{±iθ}`.
     pub const LPNS: Kind = Kind::new("LPNS", "fold–torus point");
-    /// `PDNS`: a flip–torus point of orbits, multipliers −1 and `e^{±iθ}`.
+    /// `PDNS`: a flip–torus point of periodic orbits, with the multipliers −1 and `e^{±iθ}`.
     pub const PDNS: Kind = Kind::new("PDNS", "flip–torus point");
-    /// `NSNS`: a double torus point of orbits, two critical pairs of multipliers.
+    /// `NSNS`: a double torus point of periodic orbits, with two critical pairs of multipliers.
     pub const NSNS: Kind = Kind::new("NSNS", "double torus point");
 }
 
-/// Returns the row of a kind.
+/// Returns the row of a kind of bifurcation in the catalogue.
 pub(crate) fn row_of(kind: Kind) -> Option<&'static Bifurcation> {
     CATALOGUE.iter().find(|row| row.kind == kind)
 }
@@ -488,7 +496,8 @@ pub(crate) fn leaving(held: Kind, kind: Kind) -> &'static [Kind] {
     row_of(kind).and_then(|row| row.seen.iter().find(on)).map_or(&[], |it| it.leaving)
 }
 
-/// Whether all solutions at special points of a kind are periodic orbits, or close to one.
+/// Whether the solutions at all special points of this kind are periodic orbits, or are close to
+/// one.
 #[cfg(feature = "scene")]
 pub(crate) fn is_of_orbits(kind: Kind) -> bool {
     let seen = row_of(kind).map_or(&[][..], |row| row.seen);
@@ -496,7 +505,7 @@ pub(crate) fn is_of_orbits(kind: Kind) -> bool {
 }
 
 /// Whether a curve that emanates at a codimension-two point of equilibria consists of cycles.
-/// `held` is the kind of the curve.
+/// `held` is the kind of the points along the emanating curve.
 pub(crate) fn is_of_cycles(point: Kind, held: Kind) -> bool {
     matches!(
         (point, held),
@@ -504,9 +513,9 @@ pub(crate) fn is_of_cycles(point: Kind, held: Kind) -> bool {
     )
 }
 
-/// Whether a curve that emanates at a codimension-two point consists of doubled orbits: the curve
-/// at a resonance 1:2 on a curve of torus points does, as does the second curve at other resonances
-/// 1:2.
+/// Whether a curve that emanates at a codimension-two point consists of doubled orbits. Examples
+/// are the curve that emanates at a resonance 1:2 found on a curve of torus points, and the second
+/// curve that emanates at a resonance 1:2 found on another curve.
 pub(crate) fn is_of_doubled((point, on): (Kind, Option<Kind>), held: Kind, which: usize) -> bool {
     match (point, held) {
         (Kind::GPD, Kind::LP) => true,
@@ -515,7 +524,7 @@ pub(crate) fn is_of_doubled((point, on): (Kind, Option<Kind>), held: Kind, which
     }
 }
 
-/// Returns the kinds of points on curves at which other curves emanate.
+/// Returns the kinds of codimension-two points at which further curves of bifurcations emanate.
 #[cfg(feature = "scene")]
 pub(crate) fn crossings() -> Vec<Kind> {
     let leads = |row: &&Bifurcation| row.seen.iter().any(|it| !it.leaving.is_empty());
@@ -523,12 +532,13 @@ pub(crate) fn crossings() -> Vec<Kind> {
 }
 
 impl Bifurcation {
-    /// Adds the division of the plane of two parameters by a curve of such points.
+    /// Sets the function that computes how a curve of such bifurcations divides the plane of two
+    /// parameters.
     const fn dividing(self, division: ComputeDivision) -> Self {
         Bifurcation { division: Some(division), ..self }
     }
 
-    /// Returns the detection and definition of such points on curves along which points of the
+    /// Returns the detection of this bifurcation on curves along which the defining systems of the
     /// kinds `others` are held.
     pub fn on(&self, dynamics: Dynamics, others: &[Kind]) -> Option<&Sighting> {
         let fits = |it: &&Sighting| {
@@ -537,8 +547,8 @@ impl Bifurcation {
         self.seen.iter().filter(|it| it.can_be_held()).find(fits)
     }
 
-    /// Returns the reason why such points cannot be held along a curve with the kinds `others`;
-    /// `None` if they can.
+    /// Returns the reason why this bifurcation cannot be held along a curve together with the kinds
+    /// `others`; `None` if it can be held.
     pub fn why_not_held(&self, dynamics: Dynamics, others: &[Kind]) -> Option<String> {
         if self.on(dynamics, others).is_some() {
             return None;

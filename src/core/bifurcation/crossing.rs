@@ -8,7 +8,7 @@ use crate::core::linalg::{Form, dot, generic};
 use nalgebra::{DMatrix, DVector};
 
 impl NullVectors {
-    /// Computes the forms `wⱼᵀ F_xx[ζᵢ, ζₖ]` and the size of their terms.
+    /// Computes the quadratic forms `wⱼᵀ F_xx[ζᵢ, ζₖ]` and the size of their largest term.
     fn forms(&self, at: &mut At) -> Result<(Vec<DMatrix<f64>>, f64), Failure> {
         let count = self.right.len();
         let mut second = vec![0.0; at.system.names().dimension()];
@@ -40,8 +40,8 @@ impl NullVectors {
     }
 }
 
-/// Forms are zero up to rounding if they are smaller than this, relative to the second derivatives
-/// that they consist of.
+/// A quadratic form is zero up to rounding if it is smaller than this factor times the largest term
+/// of its sum of second derivatives.
 const VANISHES: f64 = 1e-9;
 
 /// Returns the tangents, as directions of `x`, of the branches that cross at a branch point where
@@ -53,11 +53,11 @@ const VANISHES: f64 = 1e-9;
 /// ```
 ///
 /// (H. B. Keller, *Numerical solution of bifurcation and nonlinear eigenvalue problems*, 1977). For
-/// `m = 1` this is one quadratic equation with two roots.
+/// `m = 1` the algebraic bifurcation equations are one quadratic equation with two roots.
 ///
 /// # Errors
-/// [`Failure::Undetermined`] if there are no two isolated real solutions: the point is isolated or
-/// degenerate.
+/// [`Failure::Undetermined`] if the algebraic bifurcation equations do not have two isolated real
+/// solutions: the branch point is isolated or degenerate.
 pub(crate) fn branches_at(
     mut at: At,
     parameter: usize,
@@ -78,12 +78,14 @@ pub(crate) fn branches_at(
     roots.iter().map(|root| null.direction(&mut at, root)).collect()
 }
 
-/// (R) The part of `F_p` outside the range of `F_z`, relative to `F_p` nearby, that counts as
-/// rounding: at a special point located to 1e-10 the null vectors are more accurate than this.
+/// (R) `F_p` lies in the range of `F_z` if its component outside the range is smaller than this
+/// factor times `F_p` at a nearby point. At a special point located to 1e-10, the null vectors are
+/// more accurate than this factor.
 const IN_RANGE: f64 = 1e-5;
 
-/// Whether `F_p` lies in the range of `F_z` where `m` eigenvalues vanish: if so, branches cross
-/// there, and otherwise the branch has a fold. `beside` is a nearby point.
+/// Whether `F_p` lies in the range of `F_z` at a point where `m` eigenvalues vanish. Branches cross
+/// at the point if `F_p` lies in the range; the branch has a fold if it does not. `beside` is a
+/// nearby point.
 pub(crate) fn parameter_in_range(
     at: At,
     beside: &[f64],
@@ -102,14 +104,16 @@ pub(crate) fn parameter_in_range(
     Ok(null.left.iter().all(|left| dot(left, &slope).abs() <= IN_RANGE * terms(left)))
 }
 
-/// Computes the distance along a branch that emanates vertically at a branch point, in a given
-/// direction, at which the parameter has changed by `distance`: with `p = b₃ s²/b₁ + …`,
+/// Computes the arclength `s` along a branch that emanates vertically from a branch point, in a
+/// given direction, at which the parameter has changed by `distance`. The parameter changes by `p =
+/// b₃ s²/b₁ + …`, where
 ///
 /// ```text
 ///     b₁ = wᵀ F_xx[t, e_p],   b₃ = −wᵀ (F_xxx[t, t, t] + 3 F_xx[t, y])/6,   J y = −F_xx[t, t].
 /// ```
 ///
-/// Returns the smallest value over all left null vectors; `None` if none gives a finite value.
+/// Returns the smallest arclength over all left null vectors; `None` if the arclength is infinite
+/// or undefined for all of them.
 pub(crate) fn vertical_reach(
     at: At,
     (parameter, m): (usize, usize),
@@ -167,7 +171,7 @@ fn quadratic(form: &DMatrix<f64>) -> Vec<Vec<f64>> {
     vec![vec![q, a], vec![c, q]]
 }
 
-/// The number of starting directions of Newton's method for each unknown.
+/// The number of starting directions of Newton's method per unknown.
 const STARTS: usize = 60;
 
 /// Computes the isolated real directions in which several quadratic forms vanish, by Newton's
@@ -185,7 +189,7 @@ fn intersection(forms: &[DMatrix<f64>]) -> Vec<Vec<f64>> {
     roots.iter().map(|root| root.as_slice().to_vec()).collect()
 }
 
-/// Refines a root near a direction; `None` if the root is not isolated.
+/// Refines an approximate root direction by Newton's method; `None` if the root is not isolated.
 fn polished(forms: &[DMatrix<f64>], mut a: DVector<f64>) -> Option<DVector<f64>> {
     let count = a.len();
     let size = forms.iter().fold(0.0, |most: f64, form| most.max(form.amax()));

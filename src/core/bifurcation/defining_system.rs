@@ -1,9 +1,10 @@
-//! Defining systems: equations that hold at a special point, and all along a curve of such points.
+//! Defining systems: equations that hold at a special point, and at all points of a curve of
+//! special points of the same kind.
 //!
-//! A defining system adds `k + 1` equations in `x = (z, p)` and `k` auxiliary unknowns `y`. With
-//! one more released parameter it can be held along a curve; together with a branch it defines a
-//! point. The same mechanism therefore locates every special point and follows every curve of such
-//! points.
+//! A defining system adds `k + 1` equations in `x = (z, p)` and `k` auxiliary unknowns `y`. If one
+//! more parameter is released, a defining system can be held along a curve; together with the
+//! equations of a branch, it defines a point on the branch. Defining systems therefore serve both
+//! to locate special points and to continue curves of special points.
 
 use super::at::At;
 use super::null::NullSpace;
@@ -50,12 +51,14 @@ pub trait DefiningSystem: Send {
         0
     }
 
-    /// The names of the first auxiliary unknowns, which are recorded along a curve of such points.
+    /// The names of the first auxiliary unknowns, which are recorded along a curve of special
+    /// points of this kind.
     fn names(&self) -> &'static [&'static str] {
         &[]
     }
 
-    /// Whether the values need the assembled `F_z`; the assembly then also yields the residual.
+    /// Whether evaluating the left sides requires the assembled `F_z`, whose assembly also yields
+    /// the residual.
     fn assembles(&self) -> bool {
         false
     }
@@ -63,7 +66,7 @@ pub trait DefiningSystem: Send {
     /// Prepares the defining system near a point: chooses borders and the auxiliary unknowns `y`.
     ///
     /// # Errors
-    /// [`Failure`] if the equations cannot be stated there.
+    /// [`Failure`] if the defining system cannot be set up near the point.
     fn start(&mut self, _at: At, _y: &mut [f64]) -> Result<(), Failure> {
         Ok(())
     }
@@ -71,25 +74,27 @@ pub trait DefiningSystem: Send {
     /// Evaluates the `k + 1` left sides of the equations.
     ///
     /// # Errors
-    /// [`Failure`] outside the domain, or where the bordered matrix is singular.
+    /// [`Failure`] if the point lies outside the domain, or if the bordered matrix is singular.
     fn values(&mut self, at: At, y: &[f64], values: &mut [f64]) -> Result<(), Failure>;
 
     /// Computes the gradients of the left sides at the point where
-    /// [`values`](DefiningSystem::values) was called last: `rows` with respect to `x` (`k + 1` rows
-    /// of the same length as `x`; only released parameters count), `own` with respect to `y` (`k +
-    /// 1` rows of `k`).
+    /// [`values`](DefiningSystem::values) was called last: `rows` receives the gradients with
+    /// respect to `x` (`k + 1` rows of the same length as `x`, in which only the entries of the
+    /// unknowns and the released parameters are used), `own` the gradients with respect to `y`
+    /// (`k + 1` rows of length `k`).
     ///
     /// # Errors
-    /// As for the values.
+    /// The same errors as for [`values`](DefiningSystem::values).
     fn gradients(&mut self, at: At, rows: &mut [f64], own: &mut [f64]) -> Result<(), Failure>;
 
-    /// Returns the vector `b` if the `j`-th auxiliary unknown unfolds the problem: `F + yⱼ b = 0`.
+    /// Returns the vector `b` if the `j`-th auxiliary unknown unfolds the problem, `F + yⱼ b = 0`;
+    /// `None` if it does not.
     fn unfolding<'b>(&'b self, _j: usize, _null: &'b NullSpace) -> Option<&'b [f64]> {
         None
     }
 
     /// Turns the borders of this defining system towards the current null vectors, so that the
-    /// bordered matrix stays well conditioned along a curve. The borders of the shared null vectors
-    /// are always turned.
+    /// bordered matrix stays well conditioned along a curve. The null vectors that all defining
+    /// systems share have borders of their own, which are turned independently of this method.
     fn adapt(&mut self) {}
 }

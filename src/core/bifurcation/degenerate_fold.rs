@@ -1,16 +1,17 @@
-//! Codimension-two points on curves of folds: cusps and Bogdanov–Takens points; and double
-//! multipliers 1 and −1 of orbits.
+//! Codimension-two points with a degenerate fold: cusps, Bogdanov–Takens points, and periodic
+//! orbits with a double multiplier 1 or −1.
 //!
-//! Cusps are zeros of `a = wᵀ F_zz[v, v]`, Bogdanov–Takens points zeros of `c = wᵀ L' v`. The null
-//! vectors depend on `x`; differentiating their bordered systems, `M (δv, δg) = −(δF_z v, 0)` and
-//! `Mᵀ (δw, δg) = −(δF_zᵀ w, 0)`, and transposing gives
+//! Cusps are zeros of `a = wᵀ F_zz[v, v]`, and Bogdanov–Takens points are zeros of `c = wᵀ L' v`.
+//! The null vectors `v` and `w` depend on `x`. Differentiating the bordered systems of the null
+//! vectors gives `M (δv, δg) = −(δF_z v, 0)` and `Mᵀ (δw, δg) = −(δF_zᵀ w, 0)`. Transposing these
+//! systems gives
 //!
 //! ```text
 //!     qᵀ δv = −ξᵀ δF_z v   with  Mᵀ (ξ, ·) = (q, 0)
 //!     hᵀ δw = −wᵀ δF_z η   with  M (η, ·) = (h, 0)
 //! ```
 //!
-//! so that the gradients of `a` and `c` are also gradients of bilinear forms in `F_z`.
+//! Therefore the gradients of `a` and `c` are computed as gradients of bilinear forms in `F_z`.
 
 use super::at::At;
 use super::defining_system::DefiningSystem;
@@ -27,9 +28,10 @@ impl Kind {
 }
 
 /// A degenerate point of a curve of folds: a cusp, where `a = wᵀ F_zz[v, v] = 0`, or a
-/// Bogdanov–Takens point, where `c = wᵀ L' v = 0` and the eigenvalue zero is double. `L' = −1` is
-/// the derivative of the linearisation with respect to the exponent of deviations; with `L'` of
-/// orbits, `c = 0` is a resonance 1:1, or 1:2 on curves of period doublings.
+/// Bogdanov–Takens point, where `c = wᵀ L' v = 0` and the eigenvalue zero is double. For
+/// equilibria, `L' = −1` is the derivative of the linearisation with respect to the exponent of
+/// deviations. With the `L'` of periodic orbits, `c = 0` defines a resonance 1:1 on curves of
+/// folds, and a resonance 1:2 on curves of period doublings.
 pub struct DegenerateFold {
     kind: Kind,
     form: Form,
@@ -53,23 +55,24 @@ impl DegenerateFold {
         Self::new(Kind::BT, Form::Jacobian)
     }
 
-    /// Creates the defining system of a double multiplier 1 of orbits.
+    /// Creates the defining system of periodic orbits with a double multiplier 1.
     pub fn double_one() -> Self {
         Self::new(Kind::R1, Form::Jacobian)
     }
 
-    /// Creates the defining system of a double multiplier −1 of orbits.
+    /// Creates the defining system of periodic orbits with a double multiplier −1.
     pub fn double_minus_one() -> Self {
         Self::new(Kind::R2, Form::Antiperiodic)
     }
 
-    /// Creates the defining system of a double eigenvalue: `BT`, `R1` or `R2`.
+    /// Creates the defining system of a double eigenvalue or multiplier of the kind `BT`, `R1` or
+    /// `R2`.
     pub(super) fn double(kind: Kind) -> Self {
         let form = if kind == Kind::R2 { Form::Antiperiodic } else { Form::Jacobian };
         Self::new(kind, form)
     }
 
-    /// The linearisation that has the double eigenvalue.
+    /// The form of the linearisation with the double eigenvalue.
     pub(super) fn form(&self) -> Form {
         self.form
     }

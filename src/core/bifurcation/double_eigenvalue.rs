@@ -1,5 +1,5 @@
-//! Curves of critical pairs that begin at a double eigenvalue: Hopf points at a Bogdanov–Takens
-//! point, torus points at the resonances 1:1 and 1:2.
+//! Curves of critical pairs that begin at a double eigenvalue: curves of Hopf points begin at
+//! Bogdanov–Takens points, and curves of torus points at resonances 1:1 and 1:2.
 
 use super::at::At;
 use super::defining_system::DefiningSystem;
@@ -10,16 +10,16 @@ use crate::core::linalg::{Border, Factors, Form, dot};
 use crate::core::problem::Dynamics;
 use crate::core::system::{Functional, Kind};
 
-/// Whether a curve of critical pairs of the kind `pairs` begins at a special point, at the double
-/// eigenvalue 0 or the double multiplier 1 or −1.
+/// Whether a curve of critical pairs of the kind `pairs` begins at a special point of the kind
+/// `point`, which has a double eigenvalue 0 or a double multiplier 1 or −1.
 pub(crate) fn has_pairs_beside(point: Kind, pairs: Kind) -> bool {
     matches!((point, pairs), (Kind::BT, Kind::HB) | (Kind::R1 | Kind::R2, Kind::TR))
 }
 
-/// Computes the derivative of `x` by `ω²`, at `ω = 0`, along the curve of points with the critical
-/// pair `σ₀ ± iω` that begins where `σ₀` is a double eigenvalue. Two parameters are released.
+/// Computes `dx/d(ω²)` at `ω = 0` along the curve of points with the critical pair `σ₀ ± iω`; the
+/// curve begins at the point where `σ₀` is a double eigenvalue. Two parameters must be released.
 ///
-/// The multiplier of the bordered matrix `L(σ₀ + s)` is
+/// The multiplier `g` of the border of `L(σ₀ + s)` is
 ///
 /// ```text
 ///     g = γ(x) + β(x) s + g₂ s² + g₃ s³ + …,    ∇γ = −∇(wᵀ F_z v),    ∇β = −∇(wᵀ L' v),
@@ -27,12 +27,12 @@ pub(crate) fn has_pairs_beside(point: Kind, pairs: Kind) -> bool {
 ///     L v₁ = −L' v,      L v₂ = −(L' v₁ + ½ L'' v)    within the border,
 /// ```
 ///
-/// with `γ = β = 0` at the point, `L''' = L'' = L'` for orbits and `L'' = 0` for equilibria. The
-/// multiplier vanishes at `s = ±iω` if `γ = g₂ ω²` and `β = g₃ ω²`, to first order in `ω²`; `F = 0`
-/// determines the other unknowns.
+/// At the double eigenvalue, `γ = β = 0`; `L''' = L'' = L'` for orbits and `L'' = 0` for
+/// equilibria. To first order in `ω²`, the border's multiplier `g` vanishes at `s = ±iω` if `γ = g₂
+/// ω²` and `β = g₃ ω²`; the equations `F = 0` determine the other unknowns.
 ///
 /// # Errors
-/// [`Failure::Undetermined`] if the parameters do not unfold the point.
+/// [`Failure::Undetermined`] if the two released parameters do not unfold the double eigenvalue.
 pub(crate) fn pairs_beside(at: &mut At, kind: Kind) -> Result<Vec<f64>, Failure> {
     let (n, length) = (at.system.names().dimension(), at.x.len());
     let &[one, other] = at.released else {

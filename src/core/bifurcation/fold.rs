@@ -10,22 +10,23 @@ use crate::core::linalg::Form;
 use crate::core::system::{Functional, Kind};
 
 impl Kind {
-    /// `LP`: a limit point or fold.
+    /// `LP`: a limit point, also called fold.
     pub const LP: Kind = Kind::new("LP", "fold");
     /// `PD`: a period doubling of periodic orbits.
     pub const PD: Kind = Kind::new("PD", "period doubling");
 }
 
-/// A fold: `F_z` is singular. The equation is `g(z, p) = 0` with `∇g = −∇ₓ(wᵀ F_z v)`, multiplied
-/// by the sign of the bordered determinant: `g` is the ratio of `det F_z` to the bordered
-/// determinant, which may change sign far from any fold.
+/// The defining system of folds, where `F_z` is singular. The equation is `g(z, p) = 0` with `∇g =
+/// −∇ₓ(wᵀ F_z v)`. The left side of the fold equation is multiplied by the sign of the determinant
+/// of the bordered matrix, because `g` is the ratio of `det F_z` to this determinant, which may
+/// change sign far from any fold.
 ///
-/// A period doubling has the same equation for the linearisation with antiperiodic boundary
-/// conditions, `v(1) = −v(0)`, which differs from `F_z` by a constant.
+/// The equation of a period doubling is the same with `F_z` replaced by the linearisation with
+/// antiperiodic boundary conditions, `v(1) = −v(0)`, which differs from `F_z` by a constant matrix.
 #[derive(Default)]
 pub struct Fold {
     form: Form,
-    /// The sign of the bordered determinant.
+    /// The sign of the determinant of the bordered matrix.
     sign: f64,
 }
 
@@ -74,7 +75,8 @@ impl DefiningSystem for Fold {
     }
 }
 
-/// (R) A slope of the continued parameter, by scaled arclength, that counts as rounding.
+/// (R) A slope of the continued parameter with respect to scaled arclength counts as zero up to
+/// rounding if it is smaller than this threshold.
 pub(crate) const VERTICAL: f64 = 1e-7;
 
 /// The test function of folds: the component of the tangent along the continued parameter.
@@ -85,8 +87,8 @@ impl TestFunction for ParameterSlope {
         Ok(Some(known.slope))
     }
 
-    /// Where slopes are errors of the mesh, as in a canard explosion, a fold is detected by a real
-    /// multiplier that passes 1.
+    /// Detects a fold by a real multiplier that passes 1 if the slope of the parameter is as small
+    /// as the discretisation error of the mesh, as in a canard explosion.
     fn passes(&self, [before, after]: [&Reading; 2]) -> Option<Passage> {
         if let (Some(from), Some(to)) = (before.stability, after.stability)
             && self.counts([before, after])
@@ -123,8 +125,8 @@ impl TestFunction for ParameterSlope {
     }
 }
 
-/// Returns the zero in 0..1 of a quadratic slope that goes from `low` to `high`, of opposite sign,
-/// and has the given `mean`.
+/// Returns the zero in 0..1 of a quadratic function with the value `low` at 0, the value `high` of
+/// opposite sign at 1, and the given `mean`.
 fn turn_of_cubic(low: f64, high: f64, mean: f64) -> f64 {
     // The slope low (1 − s) + high s + 6 c s (1 − s) has the given mean.
     let c = mean - 0.5 * (low + high);
@@ -134,15 +136,16 @@ fn turn_of_cubic(low: f64, high: f64, mean: f64) -> f64 {
     -2.0 * low / (b + root.copysign(high - low))
 }
 
-/// The test function of period doublings: the counts of real multipliers outside the unit circle.
+/// The test function of period doublings: the numbers of real multipliers outside the unit circle.
 ///
-/// The number of unstable real multipliers changes by one where one of them passes 1, at a fold or
-/// a branch point, or passes −1. A multiplier that passes through infinity, as at a grazing,
-/// changes sign and stays unstable.
+/// The number of unstable real multipliers changes by one where a multiplier passes 1, at a fold or
+/// a branch point, and where a multiplier passes −1, at a period doubling. A multiplier that passes
+/// through infinity, as at a grazing bifurcation, changes sign and stays unstable.
 pub(super) struct FlippedCount;
 
 impl TestFunction for FlippedCount {
-    /// `Π (1 + μ)/(1 + |μ|)` over all multipliers, which vanishes where one multiplier is −1.
+    /// Returns the product `Π (1 + μ)/(1 + |μ|)` over all multipliers `μ`, which vanishes if one
+    /// multiplier is −1.
     fn value(&self, _at: &mut At, known: &PointValues) -> Result<Option<f64>, Failure> {
         Ok(known.spectrum.map(|spectrum| spectrum.iter().map(flip_factor).product()))
     }
@@ -171,7 +174,8 @@ impl TestFunction for FlippedCount {
     }
 }
 
-/// `(1 + μ)/(1 + |μ|)`; for each multiplier of a complex pair, its modulus.
+/// Returns `(1 + μ)/(1 + |μ|)` of a real multiplier `μ`, and the modulus of this ratio for a
+/// complex multiplier.
 fn flip_factor(mu: &(f64, f64)) -> f64 {
     let size = mu.0.hypot(mu.1);
     match (mu.1 == 0.0, size.is_finite()) {

@@ -10,40 +10,42 @@ use crate::core::linalg::{Border, Factors, Form, dot, generic};
 use crate::core::system::{Across, Functional, Kind, Limit, System};
 
 impl Kind {
-    /// `GD`: a degenerate grazing: the branch of orbits with the event begins there at a fold,
+    /// `GD`: a degenerate grazing, where the branch of orbits with the event begins at a fold,
     /// `∂P/∂θ = 0`.
     pub const GD: Kind = Kind::new("GD", "degenerate grazing");
-    /// `GF`: a degenerate grazing of flip type: a period doubling of the orbits with the event ends
-    /// there.
+    /// `GF`: a degenerate grazing of flip type, where a curve of period doublings of the orbits
+    /// with the event ends.
     pub const GF: Kind = Kind::new("GF", "degenerate grazing of flip type");
-    /// `GL`: a nonhyperbolic grazing of fold type: the orbit without the event has a multiplier 1.
+    /// `GL`: a nonhyperbolic grazing of fold type, where the orbit without the event has a
+    /// multiplier 1.
     pub const GL: Kind = Kind::new("GL", "nonhyperbolic grazing of fold type");
-    /// `GP`: a nonhyperbolic grazing of flip type: the orbit without the event has a multiplier −1.
+    /// `GP`: a nonhyperbolic grazing of flip type, where the orbit without the event has a
+    /// multiplier −1.
     pub const GP: Kind = Kind::new("GP", "nonhyperbolic grazing of flip type");
 }
 
-/// A codimension-two point on a curve of grazings. The grazing orbit belongs to two families, with
-/// and without the event at the grazing point. The linearisation `F_z` of either family is singular
-/// somewhere along the curve: for orbits with the event where the grazing is *degenerate*, for
-/// orbits without the event where it is *nonhyperbolic*. The curve consists of orbits of either
-/// family; where the orbits of the other family are singular
-/// ([`OrbitEvents::across`](crate::core::system::OrbitEvents::across)), the fold (or period
-/// doubling) is stated for them.
+/// A codimension-two point on a curve of grazings. The grazing orbit belongs to two families of
+/// periodic orbits: orbits with the event at the grazing point, and orbits without it. The
+/// linearisation `F_z` of one family is singular at the codimension-two point: of the orbits with
+/// the event if the grazing is *degenerate*, of the orbits without the event if the grazing is
+/// *nonhyperbolic*. The equations of the curve describe orbits of one family only. If the orbits of
+/// the other family are singular, the equation of the fold (or period doubling) is evaluated at an
+/// orbit of that other family ([`OrbitEvents::across`](crate::core::system::OrbitEvents::across)).
 pub(super) struct GrazingBifurcation {
     kind: Kind,
     fold: Fold,
-    /// The null vectors of the other family's orbits.
+    /// The null vectors of the orbits of the other family.
     null: NullSpace,
-    /// Whether the orbits along the curve have the event that becomes tangent.
+    /// Whether the orbits along the curve include the event that becomes tangent at the grazing.
     passes: bool,
-    /// The number of unknowns of the singular orbits.
+    /// The number of unknowns of the orbits whose linearisation is singular.
     unknowns: usize,
     factors: Factors,
 }
 
 impl GrazingBifurcation {
-    /// Creates the defining system of a kind: a fold (`GD`, `GL`) or a period doubling (`GF`, `GP`)
-    /// of the singular orbits.
+    /// Creates the defining system of a kind of degenerate or nonhyperbolic grazing: a fold (`GD`,
+    /// `GL`) or a period doubling (`GF`, `GP`) of the orbits with or without the event.
     pub fn of(kind: Kind) -> Self {
         let fold = match [Kind::GF, Kind::GP].contains(&kind) {
             true => Fold::period_doubling(),
@@ -53,14 +55,16 @@ impl GrazingBifurcation {
         GrazingBifurcation { kind, fold, null, passes: false, unknowns: 0, factors }
     }
 
-    /// Whether the singular orbits are those along the curve.
+    /// Whether the orbits along the curve themselves become singular, and not the orbits of the
+    /// other family.
     fn own(&self) -> bool {
         self.passes == [Kind::GD, Kind::GF].contains(&self.kind)
     }
 
-    /// Returns the singular orbits and their fold at a point after the start. Orbits with another
-    /// number of unknowns than at the start are rejected: along the curve, further surfaces may be
-    /// touched.
+    /// Returns the defining system of the fold or period doubling, and the orbit of the singular
+    /// family at which the defining system is evaluated. An orbit whose number of unknowns differs
+    /// from the number at the start of the curve is rejected: orbits along the curve may graze
+    /// further surfaces.
     fn singular<'a>(&'a mut self, at: &'a mut At) -> Result<(&'a mut Fold, At<'a>), Failure> {
         let at = if self.own() { at.again() } else { across(at, self.passes, &mut self.null)? };
         match at.system.names().dimension() == self.unknowns {
@@ -71,9 +75,10 @@ impl GrazingBifurcation {
         }
     }
 
-    /// Computes the gradient, by the released parameters, of the fold's left side for the other
-    /// orbits. The parameters determine these orbits: `F_z δz + F_p δp = 0`, while the monitor that
-    /// vanishes at a grazing stays zero.
+    /// Computes the gradient, with respect to the released parameters, of the left side of the fold
+    /// equation for the orbits of the other family. The parameters determine the orbits of the
+    /// other family: `F_z δz + F_p δp = 0`, while the monitor that vanishes at a grazing stays
+    /// zero.
     fn gradient_across(&mut self, mut at: At) -> Result<Vec<f64>, Failure> {
         let mut factors = std::mem::take(&mut self.factors);
         let (fold, mut at) = self.singular(&mut at)?;
@@ -104,7 +109,7 @@ impl GrazingBifurcation {
     }
 }
 
-/// Returns the limit that a solution has reached: the one with the smallest monitor, in units of
+/// Returns the limit that a solution has reached: the limit whose monitor is smallest in units of
 /// its scale.
 fn limit_reached(system: &mut dyn System, x: &[f64]) -> Result<Option<Limit>, Failure> {
     let n = system.names().dimension();
@@ -121,12 +126,13 @@ fn limit_reached(system: &mut dyn System, x: &[f64]) -> Result<Option<Limit>, Fa
     Ok(reached)
 }
 
-/// (H) A solution is at a limit if the monitor is smaller than this, in units of its scale.
+/// (H) A solution is at a limit if the monitor of the limit is smaller than this threshold, in
+/// units of its scale.
 const REACHED: f64 = 1e-6;
 
-/// Returns the same orbit without an event of zero speed that leaves the motion unchanged. The
-/// linearisation is singular with the event and regular without it. `None` if there is no such
-/// event.
+/// Returns the same orbit without an event of zero speed that leaves the motion unchanged; `None`
+/// if the orbit has no such event. The linearisation is singular if the event is included, and
+/// regular if it is omitted.
 pub(in crate::core) fn without_event<'a>(
     system: &'a mut dyn System,
     x: &[f64],
@@ -143,7 +149,7 @@ pub(in crate::core) fn without_event<'a>(
     if changes { None } else { system.events()?.across(x, true).ok()? }
 }
 
-/// Returns the orbits on the other side of a grazing, which the parameters determine.
+/// Returns the orbit on the other side of a grazing, which is determined by the parameters.
 fn across<'a>(at: &'a mut At, passes: bool, null: &'a mut NullSpace) -> Result<At<'a>, Failure> {
     let across = at.system.events().map(|events| events.across(at.x, passes));
     let Across { system, x } = across.transpose()?.flatten().ok_or_else(no_other)?;
@@ -194,8 +200,8 @@ impl DefiningSystem for GrazingBifurcation {
     }
 }
 
-/// The test function of an orbit's order of events: 1 if they occur in the prescribed order of
-/// modes, −1 otherwise.
+/// The test function of the order of events along an orbit: 1 if the events occur in the prescribed
+/// order of modes, −1 if they do not.
 pub(crate) struct OrderOfEvents;
 
 impl TestFunction for OrderOfEvents {

@@ -20,23 +20,26 @@ impl Kind {
     pub const TR: Kind = Kind::new("TR", "torus point");
 }
 
-/// A Hopf point: `F_z` has the eigenvalue `iω`, with the auxiliary unknown `ω > 0`. On a periodic
-/// orbit the same equations define a torus point, with the multiplier `e^{iω}`.
+/// The defining system of Hopf points, where `F_z` has the eigenvalue `iω`; `ω > 0` is an auxiliary
+/// unknown. For periodic orbits, the same equations define a torus point, where an orbit has the
+/// multiplier `e^{iω}`.
 ///
-/// The complex matrix `L(ω)` ([`Form::Oscillation`]; `F_z − iω` for an equilibrium) is bordered as
-/// at a fold; the multiplier `g = −w* L v` is complex, so there are two equations, `Re g = Im g =
-/// 0`, with `δg = −w* δF_z v − w* (∂L/∂ω) v δω`.
+/// The complex matrix `L(ω)` ([`Form::Oscillation`]; `F_z − iω` for an equilibrium) is bordered in
+/// the same way as `F_z` at a fold. The border's multiplier `g = −w* L v` is complex, so the
+/// defining system consists of two equations, `Re g = Im g = 0`, with `δg = −w* δF_z v − w* (∂L/∂ω)
+/// v δω`.
 pub struct Hopf {
     /// Whether the solutions are periodic orbits.
     periodic: bool,
     /// The frequency that selects one of several nearly critical pairs.
     near: Option<f64>,
-    /// Separate null vectors of a second critical pair: shared null vectors are stored by form,
-    /// whatever the frequency. `None` if the null vectors are shared.
+    /// Separate null vectors of a second critical pair, needed because the shared null vectors are
+    /// stored by form of the linearisation, without regard to frequency. `None` if this defining
+    /// system uses the shared null vectors.
     own: Option<NullSpace>,
-    /// `ω` at the last evaluation.
+    /// The frequency or angle `ω` at the last evaluation.
     omega: f64,
-    /// Buffers for a complex vector, another one, and the gradient of a form.
+    /// A buffer for a complex vector.
     vector: Vec<f64>,
     slope: Vec<f64>,
     form: Vec<f64>,
@@ -53,8 +56,9 @@ impl Hopf {
         Self::new(true)
     }
 
-    /// Creates the defining system of the pair with this frequency or angle, even if other pairs
-    /// are critical. If no pair is near, the given frequency is the initial value.
+    /// Creates the defining system of the critical pair nearest to this frequency or angle, even if
+    /// other pairs are critical. If no pair is near, the given frequency is the initial value of
+    /// the auxiliary unknown `ω`.
     pub(crate) fn near(frequency: f64, periodic: bool) -> Self {
         Hopf { near: Some(frequency), ..Self::new(periodic) }
     }
@@ -160,9 +164,10 @@ impl DefiningSystem for Hopf {
 }
 
 /// Returns the imaginary part of the complex pair nearest to the imaginary axis, or the angle of
-/// the pair of multipliers nearest to the unit circle. With a frequency `near`, returns the value
-/// of the pair nearest to it, or `near` if every pair is farther from it than the eigenvalue 0 or
-/// the multipliers 1 and −1. The pair with the frequency `held` is excluded.
+/// the pair of multipliers nearest to the unit circle. If a frequency `near` is given, returns the
+/// frequency or angle of the pair nearest to `near`, or `near` itself if every pair is farther from
+/// it than the eigenvalue 0 or the multipliers 1 and −1. The pair with the frequency `held` is
+/// excluded.
 fn crossing_frequency(at: &mut At, near: Option<f64>, held: Option<f64>) -> Result<f64, Failure> {
     let mut spectrum =
         at.system.spectrum(at.x, SpectrumRequest { count: usize::MAX })?.unwrap_or_default();
@@ -192,16 +197,18 @@ fn crossing_frequency(at: &mut At, near: Option<f64>, held: Option<f64>) -> Resu
     }
 }
 
-/// (H) A frequency is nonzero if its square exceeds rounding: a fold solves the equations of a Hopf
-/// point with `ω = 0`, where Newton's method converges to the square root of its tolerance, 1e-6 of
-/// the frequencies nearby.
+/// (H) A frequency counts as nonzero if its ratio to the frequencies of nearby pairs exceeds this
+/// threshold. A fold solves the equations of a Hopf point with `ω = 0`, and Newton's method
+/// determines `ω = 0` only to the square root of its tolerance.
 const REAL: f64 = 1e-6;
 
-/// The test function of Hopf and torus points: the count of unstable eigenvalues, and the parity of
-/// pairs with a positive sum (for multipliers, with a product larger than 1).
+/// The test function of Hopf and torus points: the number of unstable eigenvalues, and the parity
+/// of the number of pairs of eigenvalues with a positive sum (of multipliers with a product larger
+/// than 1).
 ///
-/// A neutral saddle, where two real eigenvalues are `λ` and `−λ`, does not change the count. A fold
-/// does not change the parity.
+/// At a neutral saddle, where two real eigenvalues are `λ` and `−λ`, the number of unstable
+/// eigenvalues does not change. At a fold, the parity of the number of pairs with a positive sum
+/// does not change.
 pub(super) struct UnstablePairs;
 
 impl TestFunction for UnstablePairs {
@@ -227,7 +234,8 @@ impl TestFunction for UnstablePairs {
         0.5
     }
 
-    /// Whether the frequency is nonzero: folds near a Bogdanov–Takens point are rejected.
+    /// Whether the frequency of a computed Hopf or torus point is nonzero, in order to reject folds
+    /// near a Bogdanov–Takens point.
     fn confirms(&self, frequency: f64, spectra: [&[(f64, f64)]; 2], of: Dynamics) -> bool {
         let periodic = of == Dynamics::Periodic;
         let size = |&(re, im): &(f64, f64)| if periodic { im / re.hypot(im) } else { im };
@@ -236,8 +244,8 @@ impl TestFunction for UnstablePairs {
         omega.abs() > REAL * pairs.reduce(f64::min).unwrap_or(0.0)
     }
 
-    /// The real part of the pair nearest to the imaginary axis; `None` for multipliers, whose
-    /// counts are used instead.
+    /// The real part of the pair of eigenvalues nearest to the imaginary axis; `None` for periodic
+    /// orbits, whose unstable multipliers are counted instead.
     fn smooth(&self, _: &Reading, spectrum: &[(f64, f64)], of: Dynamics) -> Option<f64> {
         let pairs = spectrum.iter().filter(|l| l.1 > 0.0 && of != Dynamics::Periodic);
         nearest_to_zero(pairs.map(|l| l.0))

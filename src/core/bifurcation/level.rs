@@ -6,7 +6,7 @@ use super::test_function::{Bracketed, PointValues, TestFunction};
 use crate::core::failure::Failure;
 use crate::core::system::{Functional, Kind};
 
-/// A parameter or a monitor at a given level.
+/// The defining system of points where a parameter or a monitor has a given value, its level.
 ///
 /// ```
 /// use tangency::core::bifurcation::{At, DefiningSystem, Level, NullSpace, Quantity};
@@ -81,7 +81,7 @@ impl DefiningSystem for Level {
     }
 }
 
-/// The test function of a level: the parameter or monitor, minus the level.
+/// The test function of a level: the value of the parameter or monitor, minus the level.
 pub(crate) struct Excess(pub Quantity, pub f64);
 
 impl TestFunction for Excess {
@@ -107,8 +107,8 @@ impl TestFunction for Excess {
     }
 }
 
-/// Returns the zero in 0..1 of a parabola that goes from `low` to `high`, of opposite sign, and has
-/// the given `slope` at the end.
+/// Returns the zero in 0..1 of a parabola with the value `low` at 0, the value `high` of opposite
+/// sign at 1, and the given `slope` at 1.
 fn zero_of_parabola(low: f64, high: f64, slope: f64) -> f64 {
     // high + slope (s − 1) + c (s − 1)²
     let c = low - high + slope;

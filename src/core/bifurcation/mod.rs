@@ -1,12 +1,13 @@
-//! Defines bifurcations by minimally augmented systems, with test functions and normal forms.
+//! Bifurcations: minimally augmented defining systems, test functions and normal forms.
 //!
-//! A matrix that is singular at the bifurcation is bordered so that the bordered matrix is regular.
-//! The border's multiplier `g` vanishes where the matrix is singular, and its gradient is `−∇(wᵀ
-//! F_x v)` with the null vectors `v`, `w` from the bordered system (A. Griewank and G. Reddien,
-//! *IMA J. Numer. Anal.* 4 (1984); W. Govaerts, *Numerical Methods for Bifurcations of Dynamical
-//! Equilibria*, SIAM 2000, chapters 3 and 4).
+//! A matrix that is singular at the bifurcation is bordered by additional rows and columns such
+//! that the bordered matrix is regular. The border's multiplier `g` vanishes where the matrix is
+//! singular, and its gradient is `−∇(wᵀ F_x v)` with the null vectors `v`, `w` from the bordered
+//! system (A. Griewank and G. Reddien, *IMA J. Numer. Anal.* 4 (1984); W. Govaerts, *Numerical
+//! Methods for Bifurcations of Dynamical Equilibria*, SIAM 2000, chapters 3 and 4).
 //!
-//! One defining system locates a special point on a branch, and defines the curve of such points:
+//! The same defining system locates a fold on a branch, and defines the curve of folds in two
+//! parameters:
 //!
 //! ```
 //! use tangency::prelude::*;

@@ -1,4 +1,5 @@
-//! Null vectors by bordering: of `F_z` near a fold, of `[F_z  F_p]` near a branch point.
+//! Null vectors by bordering: null vectors of `F_z` near a fold, and of `[F_z  F_p]` near a branch
+//! point.
 
 use crate::core::failure::Failure;
 use crate::core::linalg::{
@@ -8,23 +9,23 @@ use crate::core::system::System;
 use std::mem::discriminant;
 
 /// The null vectors of a system at one point, one entry for each requested form of the matrix. All
-/// defining systems and test functions at a point share them, so each form costs one factorisation
-/// per point.
+/// defining systems and test functions at a point share these null vectors, so each form costs one
+/// factorisation per point.
 #[derive(Default)]
 pub struct NullSpace {
     entries: Vec<NullVectors>,
-    /// Sizes of the components of `x`; null vectors are orthonormal in these units. 0 for unknown
-    /// sizes; if empty, all units are 1.
+    /// The sizes of the components of `x`, used as units: null vectors are orthonormal in these
+    /// units. An unknown size is 0; if the list is empty, all units are 1.
     units: Vec<f64>,
 }
 
 impl NullSpace {
-    /// Returns the null vectors of a form of `F_z`, or of `[F_z  F_p]` with the parameter `p` at
-    /// this position, near a point where the rank falls by one. The first request at a point
-    /// factors the bordered matrix; later requests only compare `x`.
+    /// Returns the null vectors of a form of `F_z`, or of `[F_z  F_p]` for the parameter `p` with
+    /// the index `parameter`, near a point where the rank falls by one. The first call at a point
+    /// factors the bordered matrix; later calls with the same `x` return the stored null vectors.
     ///
     /// # Errors
-    /// [`Failure`] where the matrix cannot be evaluated, or the bordered matrix is singular.
+    /// [`Failure`] if the matrix cannot be evaluated, or if the bordered matrix is singular.
     pub fn of(
         &mut self,
         system: &mut dyn System,
@@ -45,21 +46,21 @@ impl NullSpace {
         Ok(entry)
     }
 
-    /// The sizes of the first `n` components of `x`; empty if unknown.
+    /// Returns the sizes of the first `n` components of `x`; empty if the sizes are unknown.
     pub(crate) fn sizes(&self, n: usize) -> &[f64] {
         &self.units[..n.min(self.units.len())]
     }
 
-    /// The sizes of the components of `x`, the units in which null vectors are orthonormal; 0 for
-    /// unknown sizes.
+    /// Returns the sizes of the components of `x`, which are the units in which null vectors are
+    /// orthonormal; an unknown size is 0.
     pub(crate) fn units(&mut self) -> &mut Vec<f64> {
         &mut self.units
     }
 
-    /// Chooses new borders of a form, near the null vectors at a point.
+    /// Chooses new borders for a form of the matrix, close to its null vectors at a point.
     ///
     /// # Errors
-    /// As for [`of`](NullSpace::of).
+    /// The same errors as for [`of`](NullSpace::of).
     pub fn start(
         &mut self,
         system: &mut dyn System,
@@ -73,7 +74,7 @@ impl NullSpace {
         entry.start(system, x, (1, units))
     }
 
-    /// The column that borders a form.
+    /// Returns the column that borders a form of the matrix.
     pub(super) fn border(&self, form: Form, parameter: Option<usize>) -> Option<&[f64]> {
         let entry = self.entries.iter().find(|entry| entry.is_of(form, parameter))?;
         entry.borders.first().map(Vec::as_slice)
@@ -91,7 +92,8 @@ impl NullSpace {
         self.entries.iter_mut().for_each(|entry| entry.at.clear());
     }
 
-    /// Returns the position of a form's entry, after creating it if necessary.
+    /// Returns the index of the entry of a form of the matrix; the entry is created if it does not
+    /// exist.
     fn entry(&mut self, form: Form, parameter: Option<usize>) -> usize {
         let known = self.entries.iter().position(|entry| entry.is_of(form, parameter));
         known.unwrap_or_else(|| {
@@ -101,8 +103,8 @@ impl NullSpace {
     }
 }
 
-/// The right and left null vectors of a matrix `J` near a point where its rank falls by `m`, from a
-/// bordered matrix of size `N` that is regular there:
+/// The right and left null vectors of a matrix `J` near a point where its rank falls by `m`,
+/// computed from a bordered matrix of size `N` that is regular near that point:
 ///
 /// ```text
 ///     M = ⎡ J  B ⎤        M ⎡ ζᵢ ⎤ = eₙ₊ᵢ,       Mᵀ ⎡ wⱼ ⎤ = e_(N−m+j)
@@ -110,38 +112,39 @@ impl NullSpace {
 /// ```
 ///
 /// `J` is `F_z` (possibly with antiperiodic boundary conditions), with `m` right null vectors, or
-/// `[F_z  F_p]` with a parameter `p`, with `m + 1` right null vectors. For `m = 1` the last
-/// components `gᵢ` of `hᵢ`, which are `−wᵀ J ζᵢ`, vanish exactly where the rank of `J` falls. In a
-/// complex form ([`Form::Oscillation`]) all vectors are stored as real parts followed by imaginary
-/// parts.
+/// `[F_z  F_p]` with a parameter `p`, with `m + 1` right null vectors. For `m = 1`, the last
+/// components `gᵢ = −wᵀ J ζᵢ` of the vectors `hᵢ` vanish exactly where the rank of `J` falls. For a
+/// complex form of the matrix ([`Form::Oscillation`]), each vector is stored as its real part
+/// followed by its imaginary part.
 #[derive(Default)]
 pub struct NullVectors {
-    /// The right null vectors as directions of `x`: zero in all parameters except `p`. For complex
-    /// vectors, the real part followed by the imaginary part.
+    /// The right null vectors as directions of `x`: all parameter components except the component
+    /// of `p` are zero. A complex vector is stored as its real part followed by its imaginary part.
     pub right: Vec<Vec<f64>>,
     /// The left null vectors.
     pub left: Vec<Vec<f64>>,
     /// The multipliers `gᵢ`.
     pub g: Vec<f64>,
-    /// The linearisation that has the null vectors.
+    /// The form of the linearisation whose null vectors are stored.
     form: Form,
-    /// The factors of `M`.
+    /// The factors of the bordered matrix `M`.
     pub factors: Factors,
-    /// The columns of `B`.
+    /// The columns of the border `B`.
     borders: Vec<Vec<f64>>,
-    /// The position of `p` among all parameters.
+    /// The index of the parameter `p` among all parameters.
     parameter: Option<usize>,
-    /// The point of the null vectors; empty if they have not been computed.
+    /// The point `x` at which the null vectors were computed; empty before the first computation.
     at: Vec<f64>,
-    /// The rows of `C`, by the unknowns and `p`.
+    /// The rows of the border `C`, with one column for each unknown and for `p`.
     rows: Vec<Vec<f64>>,
-    /// The unit direction of `p`.
+    /// The unit direction of the parameter `p`.
     direction: Vec<f64>,
-    /// The changes of the equations when the unknowns change by their sizes.
+    /// The sizes of the equations: the change of each equation when all unknowns change by their
+    /// sizes.
     terms: Vec<f64>,
-    /// The sizes of the unknowns; empty if unknown.
+    /// The sizes of the unknowns; empty if the sizes are unknown.
     sizes: Vec<f64>,
-    /// The border of `F_z`: column by column, then row by row.
+    /// The columns of the border of `F_z`, one after another.
     columns: Vec<f64>,
     border_rows: Vec<f64>,
     corner: Vec<f64>,
@@ -157,7 +160,8 @@ fn orthonormal(vectors: &mut [Vec<f64>]) {
     }
 }
 
-/// Divides a row by the sizes of the unknowns (in one or two parts) and of `p`, the last component.
+/// Divides the components of a row by the sizes of the unknowns (for complex rows, in both the real
+/// and the imaginary part), and the last component by the size of the parameter `p`.
 fn divide(row: &mut [f64], units: &[f64], (n, parameter): (usize, Option<usize>)) {
     let unit = |k: usize| units.get(k).copied().filter(|unit| *unit > 0.0).unwrap_or(1.0);
     let end = row.len() - usize::from(parameter.is_some());
@@ -167,11 +171,13 @@ fn divide(row: &mut [f64], units: &[f64], (n, parameter): (usize, Option<usize>)
     }
 }
 
-/// (H) If terms cancel to this fraction, borders are nearly orthogonal to the null vectors.
+/// (H) Borders count as nearly orthogonal to the null vectors if the terms of their inner product
+/// cancel by this factor.
 const CANCELLED: f64 = 1e4;
 
 impl NullVectors {
-    /// Creates the null vectors of a form of `F_z`, with or without the column of a parameter.
+    /// Creates the storage for null vectors of a form of `F_z`, with or without the column of a
+    /// parameter.
     pub(super) fn new(form: Form, parameter: Option<usize>) -> Self {
         NullVectors { form, parameter, ..NullVectors::default() }
     }
@@ -180,8 +186,8 @@ impl NullVectors {
         discriminant(&self.form) == discriminant(&form) && self.parameter == parameter
     }
 
-    /// Chooses borders near the null vectors at a point where the rank falls by `m`, for unknowns
-    /// of the given sizes.
+    /// Chooses borders close to the null vectors at a point where the rank falls by `m`; the sizes
+    /// of the unknowns are given.
     pub(super) fn start(
         &mut self,
         system: &mut dyn System,
@@ -221,9 +227,10 @@ impl NullVectors {
         Ok(())
     }
 
-    /// Computes the sizes of the equations: their changes when all arguments change by their sizes,
-    /// with factors that avoid cancellation. First derivatives alone may vanish, as at a pitchfork.
-    /// Equations of interpolated solutions are already in the units of the states.
+    /// Computes the sizes of the equations: the change of each equation when all its arguments
+    /// change by their sizes, multiplied by factors that avoid cancellation. Finite changes are
+    /// used because first derivatives may vanish, as at a pitchfork. Equations of interpolated
+    /// solutions are already in the units of the states.
     fn measure(
         &mut self,
         system: &mut dyn System,
@@ -249,8 +256,8 @@ impl NullVectors {
         Ok(())
     }
 
-    /// Gives the borders of a real form the signs of earlier borders, so that functions of the null
-    /// vectors keep their signs along a curve.
+    /// Gives the new borders of a real form of the matrix the same signs as the earlier borders, so
+    /// that functions of the null vectors keep their signs along a curve.
     fn orient(&mut self, (borders, rows): &(Vec<Vec<f64>>, Vec<Vec<f64>>)) {
         if self.parts() > 1 {
             return;
@@ -263,8 +270,9 @@ impl NullVectors {
         }
     }
 
-    /// Sets to zero the components of a null direction of `[F_z  F_p]` that are rounding, except on
-    /// a mesh, where special points have the error of the mesh.
+    /// Sets to zero the components of a null direction of `[F_z  F_p]` that consist only of
+    /// rounding errors. Directions of solutions on a mesh are left unchanged, because special
+    /// points on a mesh have a discretisation error.
     pub(super) fn clear_rounding(
         &mut self,
         system: &mut dyn System,
@@ -301,8 +309,8 @@ impl NullVectors {
         Ok(())
     }
 
-    /// Whether the borders are near the null vectors: `C ζ = 1` and `wᵀ B = 1` are sums without
-    /// cancellation.
+    /// Whether the borders are close to the null vectors: the sums `C ζ = 1` and `wᵀ B = 1` are
+    /// free of cancellation.
     pub(super) fn is_well_bordered(&self) -> bool {
         let of_p = self.rows.len() - self.borders.len();
         let mut sums = self.rows.iter().skip(of_p).zip(self.right.iter().skip(of_p));
@@ -313,7 +321,7 @@ impl NullVectors {
         sums.all(|pair| size(pair) <= CANCELLED) && left.all(|pair| size(pair) <= CANCELLED)
     }
 
-    /// The number of real numbers in each component.
+    /// The number of real numbers per component: 2 for a complex form, 1 for a real form.
     fn parts(&self) -> usize {
         if matches!(self.form, Form::Oscillation(_)) { 2 } else { 1 }
     }
@@ -327,7 +335,7 @@ impl NullVectors {
         Ok(())
     }
 
-    /// Evaluates `F_z` and, where a parameter is released, `F_p`.
+    /// Evaluates `F_z` and, if a parameter `p` is included, `F_p`.
     fn linearise(&mut self, system: &mut dyn System, x: &[f64]) -> Result<(), Failure> {
         system.assemble(x)?;
         if self.parameter.is_some() {
@@ -337,7 +345,7 @@ impl NullVectors {
         Ok(())
     }
 
-    /// Solves for the null vectors with the current borders.
+    /// Computes the null vectors with the current borders.
     fn solve(&mut self, system: &mut dyn System) -> Result<(), Failure> {
         let (n, width, parts) = (system.names().dimension(), self.rows.len(), self.parts());
         let (of_p, length) = (width - self.borders.len(), parts * n);
@@ -375,7 +383,7 @@ impl NullVectors {
         Ok(())
     }
 
-    /// Turns the borders to the null vectors, which are orthonormalised in units of the sizes of
+    /// Sets the borders to the current null vectors, orthonormalised in units of the sizes of the
     /// equations and unknowns.
     fn adapt(&mut self, units: &[f64]) {
         self.at.clear();

@@ -1,9 +1,11 @@
-//! Kinds of special points that a flow with few states cannot have, because it preserves orientation.
+//! Kinds of special points that cannot occur in a flow with few states, because a flow preserves
+//! orientation.
 
 use crate::core::system::Kind;
 
-/// Whether orbits can be special points of a kind if they have this number of nontrivial
-/// multipliers, whose product is positive: the flow of a field preserves orientation.
+/// Whether a special point of a kind can occur on periodic orbits with the given number of
+/// nontrivial multipliers. The product of these multipliers is positive, because the flow of a
+/// vector field preserves orientation.
 pub(in crate::core) fn is_possible(kind: Kind, multipliers: usize) -> bool {
     let (critical, negative) = match kind {
         Kind::PD | Kind::GPD => (1, true),

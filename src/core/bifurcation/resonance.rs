@@ -1,4 +1,4 @@
-//! Resonances of orbits: the defining system of torus points with a given angle.
+//! Resonances of periodic orbits: the defining system of torus points with a given angle.
 
 use super::at::At;
 use super::defining_system::DefiningSystem;
@@ -7,11 +7,13 @@ use crate::core::failure::Failure;
 use crate::core::linalg::Form;
 use crate::core::system::{Functional, Kind};
 
-/// A multiplier `e^{iθ}` with a given angle `θ`: the real or the imaginary part of `g = −w* L v =
-/// 0`, as for a torus point ([`Hopf`](super::Hopf)). Both parts together define the resonance.
+/// One of the two equations of a resonance, where an orbit has a multiplier `e^{iθ}` with a given
+/// angle `θ`: the real or the imaginary part of `g = −w* L v = 0`, with the same `g` as for a torus
+/// point ([`Hopf`](super::Hopf)). The real and the imaginary part together define the resonance.
 pub(super) struct Resonance {
     angle: f64,
-    /// 0 for the real part, 1 for the imaginary part.
+    /// The index of the part of the equation `g = 0`: 0 for the real part, 1 for the imaginary
+    /// part.
     part: usize,
     form: Vec<f64>,
 }

@@ -8,12 +8,15 @@ use crate::core::failure::Failure;
 use crate::core::linalg::SpectrumRequest;
 use crate::core::system::Kind;
 
-/// (H) The number of requested eigenvalues: two critical pairs near a double Hopf point.
+/// (H) The number of eigenvalues to compute: enough for two critical pairs near a double Hopf
+/// point.
 const EIGENVALUES: usize = 4;
 
-/// The solutions near a point of a curve of bifurcations, in the plane of the two released
-/// parameters. With `n` noncritical unstable directions, a fold separates no solution from two with
-/// `n` and `n + 1`; a Hopf or torus point `n` from `n + 2`, a period doubling `n` from `n + 1`.
+/// The solutions near a point of a curve of bifurcations, on both sides of the curve in the plane
+/// of the two released parameters. Let `n` be the number of noncritical unstable directions. On one
+/// side of a fold, two solutions with `n` and `n + 1` unstable directions exist, and on the other
+/// side no solution. At a Hopf or torus point, the number of unstable directions changes between
+/// `n` and `n + 2`, and at a period doubling between `n` and `n + 1`.
 ///
 /// ```text
 /// LP      towards = −sign(p B(q, q)) p F_λ
@@ -21,27 +24,31 @@ const EIGENVALUES: usize = 4;
 /// PD, BP  towards = −p B(q, z_λ)/(p L' q)
 /// ```
 ///
-/// for both parameters `λ`, with the null vectors `q`, `p` of the linearisation `L` and `B = F_zz`.
+/// The formulas for `towards` hold for each of the two parameters `λ`; `q` and `p` are the null
+/// vectors of the linearisation `L`, and `B = F_zz`.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::core) struct Sides {
-    /// A normal of the curve as a covector: the derivatives, with respect to both parameters, of a
-    /// function that increases towards one side.
+    /// A normal covector of the curve: the derivatives, with respect to both parameters, of a
+    /// function that increases from one side of the curve to the other.
     pub towards: [f64; 2],
-    /// The number of unstable directions of each solution on that side, in increasing order. Cycles
-    /// that emanate at a Hopf point, tori and doubled orbits are not included.
+    /// The number of unstable directions of each solution on the side to which the normal `towards`
+    /// points, in increasing order. Cycles that emanate from Hopf points, tori and doubled orbits
+    /// are not included.
     pub there: Vec<usize>,
-    /// The number of unstable directions of each solution on the other side.
+    /// The number of unstable directions of each solution on the side opposite to the normal
+    /// `towards`.
     pub opposite: Vec<usize>,
-    /// The number of noncritical unstable directions on the curve.
+    /// The number of noncritical unstable directions of the solution on the curve itself.
     pub unstable: usize,
 }
 
 impl Sides {
-    /// Computes the sides of a curve of points of a kind; `None` if such curves do not divide the
-    /// plane, if rates are unknown, or if another eigenvalue is nearly critical.
+    /// Computes the solutions on the two sides of a curve of bifurcations of a kind; `None` if such
+    /// curves do not divide the parameter plane, if growth rates are undefined, or if another
+    /// eigenvalue is nearly critical.
     ///
     /// # Errors
-    /// [`Failure`] where eigenvalues or derivatives do not exist, or a matrix is singular.
+    /// [`Failure`] if eigenvalues or derivatives do not exist, or if a matrix is singular.
     pub fn of(kind: Kind, mut at: At) -> Result<Option<Self>, Failure> {
         let Some(row) = row_of(kind) else { return Ok(None) };
         let Some(divide) = row.division else { return Ok(None) };

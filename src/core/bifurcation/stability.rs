@@ -3,15 +3,18 @@
 use crate::core::linalg::Spectrum;
 use crate::core::problem::Dynamics;
 
-/// Eigenvalues this close to zero, relative to the largest one, and multipliers this close to the
-/// unit circle count as neither stable nor unstable: conserved quantities and continuous symmetries
-/// put them there up to rounding.
+/// Eigenvalues whose real part is smaller than this threshold, relative to the largest eigenvalue,
+/// count as neither stable nor unstable: conserved quantities and continuous symmetries cause
+/// eigenvalues that are zero up to rounding.
 const NEUTRAL: f64 = 1e-13;
 
-/// The bound for neutral multipliers, which is larger because of the mesh error of orbits.
+/// Multipliers whose distance from the unit circle is less than this threshold count as neither
+/// stable nor unstable. The bound is larger than for eigenvalues because multipliers contain the
+/// discretisation error of orbits.
 const NEUTRAL_MULTIPLIER: f64 = 1e-9;
 
-/// The counts of unstable eigenvalues or multipliers, by which bifurcations are detected.
+/// The numbers of unstable eigenvalues or multipliers of several types, from which bifurcations are
+/// detected.
 ///
 /// ```
 /// use tangency::core::bifurcation::Stability;
@@ -31,16 +34,18 @@ pub struct Stability {
     pub complex: usize,
     /// The number of real multipliers less than −1; 0 for an equilibrium.
     pub flipped: usize,
-    /// The number of real negative multipliers, including stable ones.
+    /// The number of real negative multipliers, both stable and unstable.
     pub negative: usize,
-    /// Whether an odd number of pairs of eigenvalues have a positive sum, or of multipliers a
-    /// product larger than 1: the sign of the bialternate product, which changes at Hopf and torus
-    /// points and at neutral saddles, but not at folds. The rightmost eigenvalues suffice.
+    /// Whether the number of pairs of eigenvalues with a positive sum, or of pairs of multipliers
+    /// with a product larger than 1, is odd. The parity of the number of such pairs is the sign of
+    /// the determinant of the bialternate product, which changes at Hopf and torus points and at
+    /// neutral saddles, but not at folds. The parity can be computed from the rightmost
+    /// eigenvalues.
     pub odd_pairs: bool,
 }
 
 impl Stability {
-    /// Counts the unstable values of a spectrum.
+    /// Counts the unstable eigenvalues or multipliers of a spectrum.
     pub fn of(dynamics: Dynamics, spectrum: &[(f64, f64)]) -> Self {
         let neutral = neutral_bound(dynamics, spectrum);
         let unstable = || spectrum.iter().filter(|l| growth(dynamics, l) > neutral);
@@ -62,9 +67,9 @@ impl Stability {
     }
 }
 
-/// Whether an odd number of pairs have a positive sum, or a product larger than 1. Only pairs of
-/// real values and pairs of conjugates matter; the number of other pairs is even. Neutral values
-/// are excluded.
+/// Whether the number of pairs of eigenvalues with a positive sum, or of pairs of multipliers with
+/// a product larger than 1, is odd. Only pairs of real values and pairs of conjugates are counted,
+/// since the number of other such pairs is even. Neutral eigenvalues and multipliers are excluded.
 fn has_odd_pairs(dynamics: Dynamics, spectrum: &[(f64, f64)], neutral: f64) -> bool {
     let grows = |a: f64, b: f64| match dynamics {
         Dynamics::Flow => a + b > 0.0,
@@ -84,31 +89,32 @@ fn has_odd_pairs(dynamics: Dynamics, spectrum: &[(f64, f64)], neutral: f64) -> b
     pairs % 2 == 1
 }
 
-/// The signed distance of an eigenvalue from the imaginary axis, or of a multiplier from the unit
-/// circle; positive if unstable.
+/// Returns the signed distance of an eigenvalue from the imaginary axis, or of a multiplier from
+/// the unit circle; the distance is positive if the eigenvalue or multiplier is unstable.
 fn growth(dynamics: Dynamics, &(re, im): &(f64, f64)) -> f64 {
     if dynamics == Dynamics::Periodic { re.hypot(im) - 1.0 } else { re }
 }
 
-/// The largest modulus of a growth that counts as neutral.
+/// Returns the largest distance from the imaginary axis, or from the unit circle, at which an
+/// eigenvalue or multiplier counts as neutral.
 fn neutral_bound(dynamics: Dynamics, spectrum: &[(f64, f64)]) -> f64 {
     if dynamics == Dynamics::Periodic { NEUTRAL_MULTIPLIER } else { NEUTRAL * largest(spectrum) }
 }
 
-/// The largest modulus of an eigenvalue.
+/// Returns the largest modulus of all eigenvalues in a spectrum.
 fn largest(spectrum: &[(f64, f64)]) -> f64 {
     spectrum.iter().fold(0.0, |most: f64, (re, im)| most.max(re.hypot(*im)))
 }
 
-/// The smallest distance of an eigenvalue from the imaginary axis, relative to the largest one, or
-/// of a multiplier from the unit circle.
+/// Returns the smallest distance of an eigenvalue from the imaginary axis, relative to the largest
+/// eigenvalue, or of a multiplier from the unit circle.
 pub(in crate::core) fn nearest_to_critical(dynamics: Dynamics, spectrum: &[(f64, f64)]) -> f64 {
     let size = if dynamics == Dynamics::Periodic { 1.0 } else { largest(spectrum) };
     let distances = spectrum.iter().map(|l| growth(dynamics, l).abs() / size);
     distances.fold(f64::INFINITY, f64::min)
 }
 
-/// The number of eigenvalues that are neither stable nor unstable.
+/// Returns the number of eigenvalues or multipliers that count as neither stable nor unstable.
 pub(in crate::core) fn neutral(dynamics: Dynamics, spectrum: &[(f64, f64)]) -> usize {
     let bound = neutral_bound(dynamics, spectrum);
     spectrum.iter().filter(|l| growth(dynamics, l).abs() <= bound).count()
@@ -119,11 +125,11 @@ pub(in crate::core) fn neutral(dynamics: Dynamics, spectrum: &[(f64, f64)]) -> u
 pub(crate) enum Critical {
     /// Unknown.
     None,
-    /// An eigenvalue 0, or a multiplier 1.
+    /// A critical eigenvalue 0, or a critical multiplier 1.
     One,
     /// A multiplier −1.
     MinusOne,
-    /// A pair `±iω`, or `e^{±iθ}`.
+    /// A critical pair of eigenvalues `±iω`, or of multipliers `e^{±iθ}`.
     Pair,
 }
 
@@ -137,7 +143,8 @@ impl Critical {
         }
     }
 
-    /// The possible changes of the number of unstable eigenvalues or multipliers; empty if unknown.
+    /// The possible changes of the number of unstable eigenvalues or multipliers at the special
+    /// point; empty if unknown.
     pub fn changes(self) -> &'static [isize] {
         match self {
             Critical::None => &[],
@@ -146,7 +153,7 @@ impl Critical {
         }
     }
 
-    /// The distance of an eigenvalue or multiplier from being critical.
+    /// Returns the distance of an eigenvalue or multiplier from its critical value.
     pub fn distance(self, dynamics: Dynamics, &(re, im): &(f64, f64)) -> f64 {
         let periodic = dynamics == Dynamics::Periodic;
         match self {
@@ -160,7 +167,7 @@ impl Critical {
     }
 }
 
-/// Returns a spectrum without the `count` eigenvalues of the smallest `distance`.
+/// Returns a spectrum without the `count` eigenvalues whose `distance` is smallest.
 pub(in crate::core) fn without_critical(
     spectrum: &[(f64, f64)],
     count: usize,
@@ -172,7 +179,7 @@ pub(in crate::core) fn without_critical(
     (0..spectrum.len()).filter(|k| !critical.contains(k)).map(|k| spectrum[k]).collect()
 }
 
-/// Returns the number of unstable eigenvalues besides the critical ones.
+/// Returns the number of unstable eigenvalues or multipliers, without the critical ones.
 pub(in crate::core) fn unstable_besides(
     critical: Critical,
     dynamics: Dynamics,
@@ -183,21 +190,24 @@ pub(in crate::core) fn unstable_besides(
     Stability::of(dynamics, &others).unstable
 }
 
-/// (H) The side of an eigenvalue is certain if its distance from the axis is larger than the error
-/// by this factor. The error is the distance of the critical eigenvalues, which are exactly on the
-/// axis.
+/// (H) The stability of a noncritical eigenvalue is certain if its distance from the imaginary axis
+/// exceeds the numerical error by this factor. The numerical error is estimated by the computed
+/// distance of the critical eigenvalues from the axis, which is zero in theory.
 const CERTAIN: f64 = 100.0;
 
-/// (R) The side of an eigenvalue is certain only beyond this distance from the axis, relative to
-/// the largest one; of a multiplier, from the unit circle.
+/// (R) The stability of a noncritical eigenvalue is certain only if its distance from the imaginary
+/// axis exceeds this threshold (first number), relative to the largest eigenvalue; the stability of
+/// a multiplier, only if its distance from the unit circle exceeds this threshold (second number).
 const FAR: [f64; 2] = [1e-9, 1e-7];
 
-/// (H) If the critical eigenvalues are farther than this from the axis, relative to the largest
-/// one, or the critical multipliers from the unit circle, no side is certain.
+/// (H) The stability of all eigenvalues is uncertain if the critical eigenvalues are farther than
+/// this threshold from the imaginary axis, relative to the largest eigenvalue (first number), or
+/// the critical multipliers farther than this threshold from the unit circle (second number).
 const NEAR: [f64; 2] = [1e-5, 1e-2];
 
-/// Counts the unstable noncritical eigenvalues at a special point; `None` if the error of the
-/// critical ones is large, or leaves the sign of another eigenvalue open.
+/// Counts the unstable noncritical eigenvalues or multipliers at a special point; `None` if the
+/// error of the critical eigenvalues is large, or too large to determine the stability of another
+/// eigenvalue.
 pub(in crate::core) fn certain_count(
     dynamics: Dynamics,
     spectrum: &[(f64, f64)],
@@ -221,11 +231,11 @@ pub(in crate::core) fn certain_count(
     certain.then(|| Stability::of(dynamics, &others).unstable)
 }
 
-/// Larger eigenvalues are infinite up to rounding.
+/// The modulus above which an eigenvalue or multiplier is infinite up to rounding.
 const INFINITE: f64 = 1e8;
 
-/// Returns the first eigenvalues of a spectrum by decreasing real part, so that each of them is
-/// continuous along a branch; empty if one is infinite.
+/// Returns the first `count` eigenvalues of a spectrum, sorted by decreasing real part so that each
+/// eigenvalue is continuous along a branch; empty if one of them is infinite.
 pub(in crate::core) fn deciding(spectrum: &[(f64, f64)], count: usize) -> Spectrum {
     let mut first: Spectrum = spectrum.iter().take(count).copied().collect();
     if !first.iter().all(|(real, imaginary)| real.hypot(*imaginary) < INFINITE) {

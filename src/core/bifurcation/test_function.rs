@@ -1,4 +1,4 @@
-//! Test functions, which detect an event between two points of a curve.
+//! Test functions, which detect events between two points of a curve.
 
 use super::at::{At, Quantity};
 use super::normal_form::ComputeRate;
@@ -6,7 +6,7 @@ use super::stability::Stability;
 use crate::core::failure::Failure;
 use crate::core::problem::Dynamics;
 
-/// The values at a point of a curve that test functions use besides the system and `x`.
+/// The data at a point of a curve that test functions use in addition to the system and `x`.
 #[derive(Clone, Copy, Default)]
 pub struct PointValues<'s> {
     /// The component of the tangent along the continued parameter.
@@ -19,59 +19,63 @@ pub struct PointValues<'s> {
     pub monitors: &'s [f64],
 }
 
-/// The values of a test function and of stability at a point, compared between two points of a
-/// curve.
+/// The value of a test function and the stability at a point of a curve. Events are detected by
+/// comparing the readings at two points.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Reading {
-    /// Smaller slopes may be errors.
+    /// The bound for `slope` below which the slope may consist only of numerical errors.
     pub vertical: f64,
-    /// The value of the test function, if any.
+    /// The value of the test function, if it is defined at the point.
     pub value: Option<f64>,
     /// The component of the tangent along the continued parameter, in scaled arclength.
     pub slope: f64,
     /// The sign of the determinant of the Jacobian bordered by the tangent.
     pub determinant: f64,
-    /// The counts of unstable eigenvalues or multipliers, if known.
+    /// The numbers of unstable eigenvalues or multipliers, if known.
     pub stability: Option<Stability>,
 }
 
 /// The direction in which a test function passes an event along a curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Passage {
-    /// From negative to positive; for counts, from fewer to more unstable eigenvalues.
+    /// The test function changes from negative to positive, or the number of unstable eigenvalues
+    /// increases.
     Rising,
-    /// From positive to negative; for counts, from more to fewer unstable eigenvalues.
+    /// The test function changes from positive to negative, or the number of unstable eigenvalues
+    /// decreases.
     Falling,
 }
 
-/// The data that a test function needs besides the point.
+/// The data that a test function needs in addition to the point of the curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Needs {
     /// No further data.
     Point,
-    /// The eigenvalues or multipliers, which also give the counts of stability.
+    /// The test function needs the eigenvalues or multipliers, or the number of unstable
+    /// eigenvalues or multipliers.
     Eigenvalues,
-    /// The event's defining system, whose first left side is the value.
+    /// The test function needs the defining system of the event: its value is the first left side.
     DefiningSystem,
 }
 
-/// The ends of an interval in which a test function vanishes.
+/// The data at the ends of an interval in which a test function vanishes.
 #[derive(Clone, Copy, Debug)]
 pub struct Bracketed {
-    /// The values at the ends.
+    /// The values of the test function at the ends of the interval.
     pub values: [f64; 2],
     /// The arclength of the interval.
     pub length: f64,
     /// The change of the continued parameter over the interval.
     pub rise: f64,
-    /// The derivative of the value by arclength at the second end, if known.
+    /// The derivative of the test function with respect to arclength at the second end, if known.
     pub slope: Option<f64>,
 }
 
-/// A function of the points of a curve that detects an event between two of them.
+/// A function of the points of a curve that detects an event between two points.
 ///
-/// A value that changes sign is enough. An implementation can compare counts instead, as the test
-/// functions of Hopf points and period doublings do.
+/// An implementation needs only a value that changes sign at the event. Instead of signs, an
+/// implementation can compare numbers of unstable eigenvalues, as the test functions of Hopf points
+/// and period doublings do.
 ///
 /// ```
 /// use tangency::core::bifurcation::{At, Passage, PointValues, Reading, TestFunction};
@@ -87,81 +91,85 @@ pub struct Bracketed {
 /// assert_eq!(Product.passes([&before, &after]), Some(Passage::Rising));
 /// ```
 pub trait TestFunction: Send + Sync {
-    /// Computes the value at a point; `None` if undefined.
+    /// Computes the value of the test function at a point; `None` if the value is undefined.
     ///
     /// # Errors
-    /// [`Failure`] where the branch cannot be continued either.
+    /// [`Failure`] only for errors that also prevent the continuation of the branch.
     fn value(&self, at: &mut At, known: &PointValues) -> Result<Option<f64>, Failure>;
 
-    /// Returns the direction in which the event is passed between two points, if it is; by default
-    /// where the value changes sign.
+    /// Returns the direction in which the curve passes the event between two points, or `None` if
+    /// the event does not lie between them. By default, the event is passed if the value changes
+    /// sign.
     fn passes(&self, [before, after]: [&Reading; 2]) -> Option<Passage> {
         sign_change(before.value?, after.value?)
     }
 
-    /// The data that the function needs besides the point.
+    /// The data that the test function needs in addition to the point of the curve.
     fn needs(&self) -> Needs {
         Needs::Point
     }
 
-    /// Whether the value changes sign when the curve is reversed.
+    /// Whether the value of the test function changes sign when the direction of the curve is
+    /// reversed.
     fn is_odd(&self) -> bool {
         false
     }
 
-    /// Whether counts of eigenvalues detect the event between two points.
+    /// Whether the event between two points is detected by the numbers of unstable eigenvalues.
     fn counts(&self, _ends: [&Reading; 2]) -> bool {
         self.needs() == Needs::Eigenvalues
     }
 
-    /// Whether a passage between two points may be rounding: it then counts only if stability
-    /// changes and the event's defining system converges.
+    /// Whether a sign change between two points may be caused by rounding. A doubtful sign change
+    /// counts as an event only if stability changes and Newton's method converges on the defining
+    /// system of the event.
     fn is_doubtful(&self, _ends: [&Reading; 2]) -> bool {
         false
     }
 
-    /// Whether the value jumps where a decision changes: no defining system converges there.
+    /// Whether the value is a discontinuous indicator, such as the order of events, which jumps at
+    /// the event; Newton's method on a defining system cannot converge at a jump.
     fn is_decision(&self) -> bool {
         false
     }
 
-    /// Whether the value may also change sign by passing infinity.
+    /// Whether the value of the test function may also change sign at a pole.
     fn has_poles(&self) -> bool {
         false
     }
 
-    /// The parameter or monitor of a level event, and the level.
+    /// The parameter or monitor and the level, if the event is a level of a parameter or monitor.
     fn level(&self) -> Option<(Quantity, f64)> {
         None
     }
 
-    /// The position and the level of an auxiliary unknown of the curve, for an event at such a
-    /// level.
+    /// The index and the level of an auxiliary unknown of the curve, if the event is a level of an
+    /// auxiliary unknown.
     fn auxiliary(&self) -> Option<(usize, f64)> {
         None
     }
 
-    /// Estimates the position of the event in an interval, as a fraction of its length: by default,
-    /// the zero of a linear function.
+    /// Estimates the position of the event in an interval, as a fraction of the length of the
+    /// interval. By default, the test function is interpolated linearly.
     fn guess(&self, within: &Bracketed) -> f64 {
         let [low, high] = within.values;
         low / (low - high)
     }
 
-    /// Whether a solution of the defining system is the event, judged by the first auxiliary
-    /// unknown and by the spectra at the ends of the interval. Other events may solve the same
-    /// equations.
+    /// Whether a solution of the defining system is the event, which is decided from the first
+    /// auxiliary unknown and from the spectra at the ends of the interval. Events of other kinds
+    /// may satisfy the same defining system.
     fn confirms(&self, _unknown: f64, _spectra: [&[(f64, f64)]; 2], _of: Dynamics) -> bool {
         true
     }
 
-    /// The value of a smooth function with the same zeros, or `None`. An extremum of this function
-    /// close to zero shows that one step contains two events.
+    /// Returns the value of a smooth function with the same zeros as the test function, if one
+    /// exists. A step with an extremum of the smooth function close to zero may contain two events.
     fn smooth(&self, reading: &Reading, _spectrum: &[(f64, f64)], _of: Dynamics) -> Option<f64> {
         reading.value
     }
 
-    /// Whether the smooth function depends on the eigenvalues.
+    /// Whether the function [`smooth`](Self::smooth) depends on the eigenvalues.
     fn is_spectral(&self) -> bool {
         self.needs() == Needs::Eigenvalues
     }
@@ -180,9 +188,10 @@ impl TestFunction for ConditionValue {
     }
 }
 
-/// The test function of a level of an auxiliary unknown along the curve.
+/// The test function of a level of an auxiliary unknown along the curve: the unknown minus the
+/// level.
 pub(super) struct Auxiliary {
-    /// The position among the auxiliary unknowns.
+    /// The index of the unknown among the auxiliary unknowns.
     pub unknown: usize,
     pub level: f64,
 }
@@ -197,8 +206,8 @@ impl TestFunction for Auxiliary {
     }
 }
 
-/// The test function of criticality: the rate whose sign determines whether emanating solutions
-/// attract; undefined at strong resonances.
+/// The test function of criticality: the normal-form coefficient whose sign determines whether the
+/// emanating solutions are attracting. The coefficient is undefined at strong resonances.
 pub(super) struct Criticality(pub ComputeRate);
 
 impl TestFunction for Criticality {
@@ -209,13 +218,15 @@ impl TestFunction for Criticality {
         }
     }
 
-    /// The rate has poles where another eigenvalue is also critical.
+    /// Returns true: the normal-form coefficient has poles where another eigenvalue is also
+    /// critical.
     fn has_poles(&self) -> bool {
         true
     }
 }
 
-/// The test function of shrinking cycles: the amplitude relative to the last accepted cycle.
+/// The test function of cycles that shrink to an equilibrium: the amplitude relative to the
+/// amplitude of the last accepted cycle.
 pub(super) struct Amplitude;
 
 impl TestFunction for Amplitude {
@@ -228,7 +239,8 @@ impl TestFunction for Amplitude {
     }
 }
 
-/// Returns the direction in which a value passes zero between two points, if it does.
+/// Returns the direction in which a value changes sign between two points; `None` if its sign does
+/// not change.
 pub(super) fn sign_change(before: f64, after: f64) -> Option<Passage> {
     match (before, after) {
         (before, after) if before < 0.0 && after >= 0.0 => Some(Passage::Rising),
@@ -237,7 +249,7 @@ pub(super) fn sign_change(before: f64, after: f64) -> Option<Passage> {
     }
 }
 
-/// Returns the value nearest to zero.
+/// Returns the value with the smallest modulus.
 pub(super) fn nearest_to_zero(values: impl Iterator<Item = f64>) -> Option<f64> {
     values.min_by(|a, b| a.abs().total_cmp(&b.abs()))
 }

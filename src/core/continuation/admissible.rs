@@ -1,36 +1,39 @@
-//! Admissibility of solutions and branch switching at limits: the only module of continuation that
-//! uses a system's interface for orbits with events.
+//! Admissibility of solutions, and branch switching at limits such as grazings. No other module of
+//! continuation uses the interface of systems for orbits with events.
 
 use super::event::Event;
 use crate::core::bifurcation::Quantity;
 use crate::core::failure::Failure;
 use crate::core::system::{Emanating, Kind, Limit, System};
 
-/// The kind of special points at which a limit vanishes.
+/// The kind of special points at which the monitor of a limit vanishes.
 pub(super) const AT_LIMIT: Kind = Kind::G;
 
-/// (D) A limit vanishes at a start if it is smaller than this, in units of its scale: a saved point
-/// at a limit is accurate to rounding on its own mesh, and to the error of the coarser mesh on
-/// another.
+/// (D) The monitor of a limit counts as zero at the start of a branch if it is smaller than this
+/// threshold, in units of its scale. A saved point at a limit is accurate to rounding on its own
+/// mesh; interpolated to another mesh, it is only accurate to the discretisation error of the
+/// coarser mesh.
 const VANISHES: f64 = 1e-6;
 
-/// (R) A solution is beyond a limit if the limit is more negative than this, in units of its scale:
-/// points have an error of 1e-10.
+/// (R) A solution lies beyond a limit if minus the monitor of the limit exceeds this threshold, in
+/// units of its scale; the computed points have an error of 1e-10.
 const BEYOND: f64 = 1e-9;
 
-/// Returns the limits of solutions at parameters `p`; empty if solutions have no events.
+/// Returns the limits of the admissible solutions at the parameters `p`; empty if the solutions of
+/// the system have no events.
 pub(super) fn limits(system: &mut dyn System, p: &[f64]) -> Vec<Limit> {
     system.events().map_or_else(Vec::new, |events| events.limits(p))
 }
 
-/// Returns the value below which a monitor vanishes as a limit.
+/// Returns the bound below which the monitor of a limit counts as zero.
 pub(super) fn zero(system: &mut dyn System, p: &[f64], monitor: usize) -> f64 {
     let limit = limits(system, p).into_iter().find(|limit| limit.monitor == monitor);
     VANISHES * limit.map_or(1.0, |limit| limit.scale)
 }
 
-/// Divides the limits at a solution, as monitors, into those that vanish there and all others.
-/// Several limits vanish where an event coincides with a zero-length segment.
+/// Divides the monitors of all limits into the monitors that vanish at a solution and all other
+/// monitors. The monitors of several limits vanish if an event coincides with a segment of zero
+/// length.
 pub(super) fn divided(
     system: &mut dyn System,
     x: &[f64],
@@ -45,18 +48,18 @@ pub(super) fn divided(
     Ok((monitors(vanishing), monitors(others)))
 }
 
-/// Whether all limits are above a fraction of their scales.
+/// Whether the monitors of all limits are larger than a fraction of their scales.
 fn are_above(limits: &[Limit], monitors: &[f64], part: f64) -> bool {
     !limits.iter().any(|limit| monitors[limit.monitor] < part * limit.scale)
 }
 
-/// Whether a solution is within all limits, up to the error of points.
+/// Whether a solution lies within all limits, up to the numerical error of computed points.
 pub(super) fn is_within(system: &mut dyn System, p: &[f64], monitors: &[f64]) -> bool {
     are_above(&limits(system, p), monitors, -BEYOND)
 }
 
-/// Whether an event is a limit that vanishes at two solutions up to the error of points, so that
-/// its signs there are random.
+/// Whether an event is a limit whose monitor vanishes at two solutions up to the numerical error of
+/// computed points, so that its signs at the two solutions are random.
 pub(super) fn stays_at_limit(
     system: &mut dyn System,
     p: &[f64],
@@ -71,11 +74,11 @@ pub(super) fn stays_at_limit(
     values.iter().all(|value| value.as_ref().is_some_and(vanishes))
 }
 
-/// Checks the order of events of a solution `x = (z, p)`; at a limit the order is undetermined and
-/// is not checked.
+/// Checks the order of events of a solution `x = (z, p)`. At a limit, the order of events is
+/// undetermined and is not checked.
 ///
 /// # Errors
-/// [`Failure::Mismatch`] with the event that leads to another mode.
+/// [`Failure::Mismatch`], naming the event that leads to another mode than prescribed.
 pub(super) fn check(system: &mut dyn System, x: &[f64], monitors: &[f64]) -> Result<(), Failure> {
     let p = &x[system.names().dimension()..];
     match system.events() {
@@ -84,7 +87,8 @@ pub(super) fn check(system: &mut dyn System, x: &[f64], monitors: &[f64]) -> Res
     }
 }
 
-/// Returns a branch that emanates at a limit, counted from 0; `None` for systems without limits.
+/// Returns the branch with the index `which`, counted from 0, among the branches that emanate at a
+/// limit; `None` for systems without events.
 pub(super) fn emanating(
     system: &mut dyn System,
     x: &[f64],
@@ -93,8 +97,8 @@ pub(super) fn emanating(
     system.events().map(|events| events.emanating(x, which)).transpose()
 }
 
-/// Returns the standard name of a solution `x = (z, p)` at an event, if the event is a vanishing
-/// limit.
+/// Returns the standard name, such as `grazing-sliding`, of a solution `x = (z, p)` at an event, if
+/// the event is a limit.
 pub(super) fn subkind(event: &Event, system: &mut dyn System, x: &[f64]) -> Option<String> {
     match (event.kind, event.test.level()?) {
         (AT_LIMIT, (Quantity::Monitor(monitor), _)) => {

@@ -1,11 +1,13 @@
-//! Singular matrices of a curve without eigenvalues, by Arnoldi's method.
+//! Detection of singular Jacobians along a curve by Arnoldi's method, without computing the
+//! eigenvalues of `F_z`.
 //!
-//! Along a step the matrix `M = [F_z F_p; row]` goes from `M₀` to `M₁`. If the matrix changes
-//! linearly, the number of singular matrices in between is the number of negative eigenvalues of
-//! `M₁⁻¹ M₀`. The other eigenvalues cluster around 1, since `M₀` and `M₁` are neighbouring
-//! discretised operators, so a few Arnoldi vectors find the negative ones. With the derivative `M'`
-//! along the tangent, `M + d M'` is singular at the distances `d = −1/λ` with the eigenvalues `λ`
-//! of `M⁻¹ M'`: the nearest distances belong to the dominant eigenvalues.
+//! Along a step, the matrix `M = [F_z F_p; row]` changes from `M₀` to `M₁`. If the matrix changes
+//! linearly, the number of singular matrices along the step is the number of negative eigenvalues
+//! of `M₁⁻¹ M₀`. The other eigenvalues cluster around 1, since `M₀` and `M₁` are neighbouring
+//! discretised operators. The negative eigenvalues are therefore found with a few Arnoldi vectors.
+//! Let `M'` be the derivative of `M` along the tangent. `M + d M'` is singular at the distances `d
+//! = −1/λ`, where `λ` are the eigenvalues of `M⁻¹ M'`: the dominant eigenvalues give the nearest
+//! distances.
 
 use super::corrector::Corrector;
 use super::curve_point::CurvePoint;
@@ -16,55 +18,59 @@ use crate::core::linalg::{difference, dot, generic, orthogonalise};
 use crate::core::system::Refinement;
 use nalgebra::{Complex, DMatrix, Schur};
 
-/// (H) If `M` is singular at the arclength `d` beyond a step of length `ℓ`, `M₁⁻¹ M₀ − 1` makes a
-/// vector at least `ℓ/d` times its share of the null vector long: this length bounds the distance
-/// to any singular matrix. A solution of a problem with generic right sides has a larger share than
-/// this of all null vectors except rapidly oscillating ones. (A generic vector itself has a smaller
-/// share if it has many components.) A smaller constant costs more counts; a larger one misses null
-/// vectors.
+/// (H) The smallest component along a null vector that a test vector is assumed to have. Let `M` be
+/// singular at the arclength `d` beyond a step of length `ℓ`. `M₁⁻¹ M₀ − 1` maps a vector to a
+/// vector at least `ℓ/d` times as long as the component of the first vector along the null vector.
+/// The length of the image therefore bounds the distance to any singular matrix. The solution of a
+/// linear system with a generic right side has a component larger than this constant along all null
+/// vectors except rapidly oscillating ones. (A generic vector itself has a smaller component if its
+/// dimension is large.) With a smaller constant, branch points are counted more often; with a
+/// larger constant, null vectors are missed.
 const SHARE: f64 = 0.02;
 
-/// (H) The maximal look-ahead, in lengths of a step: at larger distances the matrix may change
-/// differently.
+/// (H) The maximal distance beyond a step, in units of the step length, for which branch points are
+/// excluded: farther along the curve, the matrix may change differently.
 const AHEAD: f64 = 12.0;
 
-/// (H) The maximal number of vectors for counting: all eigenvalues except those that pass zero are
-/// near 1.
+/// (H) The maximal number of Arnoldi vectors for counting branch points. A few vectors suffice
+/// because all eigenvalues are near 1 except eigenvalues that pass zero.
 const VECTORS: usize = 10;
 
-/// (H) The iteration stops at a new vector component smaller than this: a missing negative
-/// eigenvalue, at a distance of more than 1 from 1, would make the component larger.
+/// (H) The Arnoldi iteration stops when the new vector, before normalisation, is shorter than this
+/// threshold. A negative eigenvalue, whose distance from 1 exceeds 1, would make the new vector
+/// longer if it were not yet found.
 const SPENT: f64 = 1e-2;
 
-/// Eigenvalues with a smaller imaginary part, relative to the real part, count as real: the
-/// iteration stops at residuals of [`SPENT`], which may split two equal eigenvalues by the square
-/// root of the residual.
+/// The ratio of imaginary to real part below which an eigenvalue counts as real. The Arnoldi
+/// iteration stops at residuals of [`SPENT`], which may split two equal real eigenvalues into a
+/// complex pair by the square root of the residual.
 const REAL: f64 = 0.1;
 
 fn is_real(value: &Complex<f64>) -> bool {
     value.im.abs() <= REAL * value.re.abs()
 }
 
-/// (R) A matrix whose inverse enlarges generic vectors by more than this, relative to a
-/// neighbouring matrix, is singular up to rounding: the inverse of √ε.
+/// (R) A matrix is singular up to rounding if its inverse enlarges generic vectors by more than
+/// this threshold, compared with the inverse of a neighbouring matrix. The bound is 1/√ε.
 const SINGULAR: f64 = 1e8;
 
-/// (H) The number of starting vectors for distances: one vector shows only one of several equal
-/// eigenvalues, and no more than this many pass zero together.
+/// (H) The number of starting vectors for computing distances to branch points. One starting vector
+/// finds only one of several equal eigenvalues, and at most this number of eigenvalues is assumed
+/// to pass zero together.
 const BLOCK: usize = 6;
 
-/// (H) The maximal number of iterations for the eigenvalues of a matrix with at most 18 rows; each
-/// eigenvalue takes about two.
+/// (H) The maximal number of iterations of the Schur decomposition of a matrix with at most 18
+/// rows; each eigenvalue requires about two iterations.
 const ITERATIONS: usize = 1000;
 
-/// The branch points in a step.
+/// The branch points along one step of a curve.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Crossings {
-    /// The number of branch points, if the matrix changes linearly.
+    /// The number of branch points along the step, which is exact if the matrix changes linearly.
     pub count: usize,
     /// Whether the end of the step is itself a branch point, up to rounding.
     pub singular: bool,
-    /// The arclength beyond the step that contains no branch point.
+    /// The length of the part of the curve after the step that contains no branch point.
     pub quiet: f64,
 }
 
@@ -87,8 +93,8 @@ impl<'p, 'a> Factored<'p, 'a> {
         solution
     }
 
-    /// Makes a vector orthogonal to others of scaled length 1 and scales it to length 1. Returns
-    /// the overlaps and the length of the remainder.
+    /// Makes a vector orthogonal to other vectors of scaled length 1 and scales it to length 1.
+    /// Returns its inner products with the other vectors, and its length after orthogonalisation.
     fn orthogonal(&self, v: &mut [f64], others: &[Vec<f64>]) -> (Vec<f64>, f64) {
         let product = |a: &[f64], b: &[f64]| -> f64 {
             a.iter().zip(b).zip(self.weights).map(|((a, b), w)| a * b * w).sum()
@@ -97,8 +103,9 @@ impl<'p, 'a> Factored<'p, 'a> {
         (overlaps, scale_to_one(v, self.weights))
     }
 
-    /// Computes the eigenvalues of an operator on the Krylov space of some vectors (Arnoldi), with
-    /// a dimension of at most `most`; empty if the operator cannot be evaluated.
+    /// Computes the Ritz values of an operator by Arnoldi's method, on the Krylov space of the
+    /// given starting vectors with a dimension of at most `most`; empty if the operator cannot be
+    /// evaluated.
     fn ritz_values(
         &mut self,
         starts: Vec<Vec<f64>>,
@@ -133,14 +140,14 @@ impl<'p, 'a> Factored<'p, 'a> {
         schur.map_or_else(Vec::new, |schur| schur.complex_eigenvalues().iter().copied().collect())
     }
 
-    /// Computes `M⁻¹ M₀ v` with the matrix `M₀` of another point and this row.
+    /// Computes `M⁻¹ M₀ v`, where `M₀` is the matrix at the point `from` with the last row `row`.
     fn carried_back(&mut self, from: &[f64], row: &[f64], v: &[f64]) -> Result<Vec<f64>, Failure> {
         let direction = self.equations.direction_of(v);
         self.solved(from, &[&direction], dot(row, v))
     }
 
-    /// Computes `M⁻¹ M' v` with the derivative of the matrix along the tangent, at the point of the
-    /// factored matrix.
+    /// Computes `M⁻¹ M' v`, where `M'` is the derivative of `M` along the tangent at the point of
+    /// the factored matrix `M`.
     fn changed(
         &mut self,
         unknowns: &[f64],
@@ -151,7 +158,8 @@ impl<'p, 'a> Factored<'p, 'a> {
         self.solved(unknowns, &[&along, &direction], 0.0)
     }
 
-    /// Computes `M⁻¹ (F_x[…], last)` with a derivative at a point.
+    /// Computes `M⁻¹ (b, last)`, where `b` is the derivative of `F` along the given directions at a
+    /// point.
     fn solved(
         &mut self,
         unknowns: &[f64],
@@ -167,8 +175,8 @@ impl<'p, 'a> Factored<'p, 'a> {
         Ok(out)
     }
 
-    /// Returns the distances along the curve from a point, with this tangent, to the nearest
-    /// singular matrices, in increasing order.
+    /// Returns the distances along the curve from a point with the given tangent to the nearest
+    /// points where the matrix is singular, in increasing order.
     fn distances(mut self, unknowns: &[f64], tangent: &[f64]) -> Result<Vec<f64>, Failure> {
         let row: Vec<f64> = tangent.iter().zip(self.weights).map(|(t, w)| t * w).collect();
         self.equations.assemble(unknowns)?;
@@ -183,8 +191,8 @@ impl<'p, 'a> Factored<'p, 'a> {
     }
 }
 
-/// Counts the branch points in a step of this length. The last factored matrix must be the one at
-/// the end of the step, with this row.
+/// Counts the branch points along a step of the given length. The last factored matrix must be the
+/// matrix at the end of the step, with the last row `row`.
 pub(super) fn count_crossings(
     corrector: &mut Corrector,
     from: &CurvePoint,
@@ -213,13 +221,14 @@ pub(super) fn count_crossings(
 }
 
 /// Returns the distances along the curve from a point to the nearest branch points, in increasing
-/// order; `None` if they cannot be computed.
+/// order; `None` if the distances cannot be computed.
 pub(super) fn distances(corrector: &mut Corrector, place: &CurvePoint) -> Option<Vec<f64>> {
     Factored::of(corrector).distances(&place.unknowns, &place.tangent).ok()
 }
 
-/// Computes the distance, measured from a point, between the nearest branch point of this
-/// multiplicity and the same branch point on a finer discretisation: 0 for exact equations, or if
+/// Computes the shift of a branch point when the discretisation is refined: the difference of its
+/// distances from a given point on the two discretisations. The branch point is the nearest one
+/// with the multiplicity `count`. The shift is 0 for equations that are not discretised, or if
 /// special points are not refined.
 pub(super) fn shift_on_finer(
     corrector: &mut Corrector,

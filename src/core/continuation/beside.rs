@@ -1,5 +1,5 @@
-//! Starting points of curves near a codimension-two point at which the equations of the curve are
-//! singular.
+//! Starting points of curves that emanate from a codimension-two point at which the equations of
+//! the curve are singular.
 
 use super::builder::Continuation;
 use super::event::MakeCondition;
@@ -11,18 +11,20 @@ use crate::core::linalg::norm;
 use crate::core::problem::{Dynamics, Names};
 use crate::core::system::{Kind, Site, Solution, Start};
 
-/// (H) The largest angle between the multipliers of the first orbit of a curve of torus points and
-/// their value at the resonance.
+/// (H) The largest angle by which the critical multipliers of the first orbit on a curve of torus
+/// points may differ from their value at the resonance.
 const WIDEST: f64 = 0.3;
 
-/// Iterates over the kinds held by name, without user-defined defining systems.
+/// Iterates over the kinds of points that are held along a curve, without user-defined defining
+/// systems.
 fn held<'c>(curve: &'c Continuation) -> impl Iterator<Item = Kind> + 'c {
     let known = |(kind, make): &(Kind, Option<MakeCondition>)| make.is_none().then_some(*kind);
     curve.held.iter().filter_map(known)
 }
 
-/// Returns the amplitude of the first orbit of a curve of special cycles at a codimension-two point
-/// of equilibria, or of doubled orbits at one of orbits; `None` for other curves.
+/// Returns the amplitude of the first orbit of a curve that emanates from a codimension-two point,
+/// if the curve consists of special cycles near an equilibrium, or of doubled orbits; `None` for
+/// other curves.
 pub(super) fn amplitude(curve: &Continuation, point: &Solution) -> Option<f64> {
     let which = point.switch.unwrap_or(0);
     let leaves = |held| match point.mesh.is_empty() {
@@ -33,9 +35,9 @@ pub(super) fn amplitude(curve: &Continuation, point: &Solution) -> Option<f64> {
     (of_orbits && held(curve).any(leaves)).then_some(curve.settings.initial_step)
 }
 
-/// Computes the start of a curve of doubled orbits, or of critical pairs at a double eigenvalue,
-/// near the point from which the system has resumed; `None` for other curves. The guess is stored
-/// in the curve's `x`.
+/// Computes the start of a curve of doubled orbits, or of critical pairs that emanate at a double
+/// eigenvalue, near the codimension-two point from which the system has resumed; `None` for other
+/// curves. The guess of the first point is stored in `x` of `curve`.
 pub(super) fn beside(
     curve: &mut Continuation,
     point: &Solution,
@@ -52,19 +54,20 @@ pub(super) fn beside(
     Ok(Some(start))
 }
 
-/// Returns the positions of the parameters that are released under these names.
+/// Returns the indices of the released parameters among all parameters.
 pub(super) fn released_in(names: &Names, released: &[(String, [f64; 2])]) -> Vec<usize> {
     let place = |(name, _): &(String, _)| names.parameters.iter().position(|known| known == name);
     released.iter().filter_map(place).collect()
 }
 
-/// Returns the resumed point, in the curve's released parameters.
+/// Returns the point from which the system has resumed, with the released parameters of the curve.
 fn at<'c>(curve: &'c mut Continuation, released: &'c [usize], null: &'c mut NullSpace) -> At<'c> {
     let Continuation { system, x, .. } = curve;
     At { system: &mut **system, x, released, held: &[], null }
 }
 
-/// Computes the first doubled orbit of a curve, from the orbit that is traversed twice.
+/// Computes the first orbit of a curve of doubled orbits, starting from the codimension-two orbit
+/// traversed twice.
 fn doubled(
     curve: &mut Continuation,
     (kind, part): (Kind, f64),
@@ -83,9 +86,10 @@ fn doubled(
     Ok(Start { site, one_sided, angle, ..Start::point(z, direction) })
 }
 
-/// Computes the first point of a curve of critical pairs: at the double eigenvalue itself their
-/// frequency is 0, or their angle 0 or π. States and parameters change by a fraction of their sizes
-/// and ranges, and parameters stay within their ranges.
+/// Computes the first point of a curve of critical pairs that emanates from a double eigenvalue,
+/// where the frequency of the pair is 0, or the angle of its multipliers is 0 or π. States change
+/// by a fraction of their sizes, parameters by a fraction of their ranges, and parameters stay
+/// within their ranges.
 fn critical_pairs(curve: &mut Continuation, kind: Kind) -> Result<Start, Failure> {
     let released = released_in(curve.system.names(), &curve.released);
     let n = curve.system.names().dimension();

@@ -11,8 +11,9 @@ use super::locator::Locator;
 const BEYOND_BISECTION: i32 = 1;
 
 impl Locator<'_, '_> {
-    /// Cuts the bracket at a corrected point of the branch, at the distance `along` from the first
-    /// point; returns false if the correction fails.
+    /// Divides the bracket at a corrected point of the branch, at the distance `along` from the
+    /// first point of the step, and keeps the part that contains the event. Returns false if the
+    /// correction fails.
     pub fn narrow(&mut self, event: &Event, bracket: &mut Bracket, along: f64) -> bool {
         let guess = bracket.between((along - bracket.low) / (bracket.high - bracket.low));
         let Ok(corrected) = self.corrected(guess, along) else { return false };
@@ -38,8 +39,9 @@ impl Locator<'_, '_> {
     }
 
     /// Locates the zero of a test function without a defining system by the ITP method (I. F. D.
-    /// Oliveira and R. H. C. Takahashi, ACM Trans. Math. Softw. 47:5, 2020): as fast as the secant
-    /// method, with at most one evaluation more than bisection.
+    /// Oliveira and R. H. C. Takahashi, ACM Trans. Math. Softw. 47:5, 2020). The ITP method
+    /// converges as fast as the secant method, and needs at most one evaluation more than
+    /// bisection.
     pub fn bisect(&mut self, event: &Event, bracket: &mut Bracket) -> Located {
         let whole = bracket.high - bracket.low;
         let halvings = halvings() + BEYOND_BISECTION;
@@ -73,8 +75,9 @@ impl Locator<'_, '_> {
         Located::new((event.kind, &event.name), along, unknowns, error).converged(converged)
     }
 
-    /// Finds the last point before an event that can be recorded, by bisection, if the event itself
-    /// cannot: for example the bound `p = 0` of a branch with a monitor `1/p`.
+    /// Finds by bisection the last point before an event at which all monitors can be recorded, if
+    /// they cannot be recorded at the event itself. An example is the bound `p = 0` of a branch
+    /// with a monitor `1/p`.
     pub fn last_recorded(&mut self, index: usize) -> Located {
         let event = self.curve.detector.events[index].clone();
         let mut bracket = Bracket::new(&mut self.curve.corrector, self.interval, (index, &event));

@@ -1,4 +1,4 @@
-//! The levels that bound a branch, and the terminal events that end it.
+//! Bounds of parameters and monitors, and the terminal events at which a branch ends.
 
 use super::admissible::AT_LIMIT;
 use super::curve::Curve;
@@ -11,34 +11,36 @@ use super::located::Located;
 use crate::core::bifurcation::Quantity;
 use crate::core::system::Kind;
 
-/// (H) Events closer to each other than this, or to the start, in scaled arclength, are at one
-/// point: located points are accurate to 1e-10 or better, and no result would distinguish two
-/// events this close.
+/// (H) Two events count as one point if their distance is less than this threshold, in scaled
+/// arclength. An event counts as lying at the start if its distance from the start is less than
+/// this threshold. Located points are accurate to 1e-10 or better.
 pub(super) const AT_START: f64 = 1e-6;
 
-/// (R) A saved end lies on a bound if its column differs from the bound by less than this fraction
-/// of the bound, or of the change of the column over the scales of the branch.
+/// (R) A saved end of a branch lies on a bound if the bounded monitor differs from the bound by
+/// less than this fraction of the bound, or of the change of the monitor per unit of scaled
+/// arclength.
 const ON_BOUND: f64 = 1e-9;
 
-/// A level that bounds a branch.
+/// A lower or upper bound of a parameter or monitor, at which a branch ends.
 pub(super) struct Bound {
-    /// −1 for a lower bound, 1 for an upper bound.
+    /// The sign that distinguishes bounds: −1 for a lower bound, 1 for an upper bound.
     pub side: f64,
-    /// The range of the bounded quantity.
+    /// The range of the bounded parameter or monitor.
     pub range: [f64; 2],
 }
 
-/// The bounds of a branch, which are the first of its events.
+/// The bounds of a branch, which come first in its list of events.
 pub(super) struct Bounds {
     pub bounds: Vec<Bound>,
-    /// The derivatives of the bounds' test functions by arclength at the start.
+    /// The derivatives of the test functions of the bounds with respect to arclength at the start.
     pub slopes: Vec<f64>,
 }
 
 impl Bounds {
-    /// Moves the start back to the bound at which its branch had ended, by at most `reach` in
-    /// scaled arclength. `saved` contains the monitors at that end: an end located on a finer
-    /// discretisation misses its bound on a coarser one.
+    /// Moves a start at the saved end of a branch back to the bound at which the branch had ended,
+    /// by at most `reach` in scaled arclength. `saved` contains the monitors at the saved end. The
+    /// move is necessary because an end located on a finer discretisation does not lie exactly on
+    /// the bound on a coarser discretisation.
     pub fn return_to(
         &self,
         (saved, reach): (&[(String, f64)], f64),
@@ -67,7 +69,7 @@ impl Bounds {
         }
     }
 
-    /// Rejects a start beyond a bound.
+    /// Returns an error if the start lies beyond a bound.
     pub fn check(&self, start: &CurvePoint, events: &[Event]) -> Result<(), TraceError> {
         let beyond = self.bounds.iter().enumerate().find_map(|(i, bound)| {
             let test = start.tests[i].filter(|test| test * bound.side > 0.0)?;
@@ -81,32 +83,33 @@ impl Bounds {
         }
     }
 
-    /// Returns the bound at the start that the branch would cross in a direction, if any.
+    /// Returns the bound at the start that the branch would cross immediately in the given
+    /// direction; `None` if the branch would cross no bound.
     pub fn left_at_once(&self, start: &CurvePoint, backward: bool) -> Option<usize> {
         let way = if backward { -1.0 } else { 1.0 };
         self.left(start, |i| way * self.slopes[i])
     }
 
-    /// Returns the bound at the start that would be crossed with the given changes of the test
-    /// functions, if any.
+    /// Returns the bound at the start that the branch would cross if the test functions changed by
+    /// the given amounts; `None` if the branch would cross no bound.
     pub fn left(&self, start: &CurvePoint, change: impl Fn(usize) -> f64) -> Option<usize> {
         let leaves =
             |i: &usize| start.tests[*i] == Some(0.0) && change(*i) * self.bounds[*i].side > 0.0;
         (0..self.bounds.len()).find(leaves)
     }
 
-    /// Whether there are bounds on a column.
+    /// Whether the parameter or monitor with this name is bounded.
     pub fn are_on(&self, column: &str, events: &[Event]) -> bool {
         events[..self.bounds.len()].iter().any(|event| event.name == column)
     }
 
-    /// Whether the event at this position is a bound.
+    /// Whether the event with this index is a bound.
     pub fn holds(&self, event: usize) -> bool {
         event < self.bounds.len()
     }
 
-    /// Returns the first terminal event, which ends the branch, and removes it and all events
-    /// beyond it from `found`.
+    /// Returns the first terminal event in `found`, which ends the branch, and removes this event
+    /// and all later events from `found`.
     pub fn end(&self, events: &[Event], found: &mut Vec<Located>) -> Option<(End, Located)> {
         let terminal =
             |located: &Located| located.event.is_some_and(|event| events[event].terminal);
@@ -141,7 +144,7 @@ impl Bounds {
     }
 }
 
-/// The end of a branch at a bound, with the standard name of the solution there.
+/// Returns the end of a branch at a bound, with the standard name of the solution at the end.
 pub(super) fn end_at(bound: &Event, subkind: Option<String>) -> Option<End> {
     let name = bound.name.clone();
     Some(match bound.test.level()? {

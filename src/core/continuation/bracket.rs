@@ -6,8 +6,8 @@ use super::event::Event;
 use super::hermite::{Knot, hermite};
 use crate::core::bifurcation::{Bracketed, TestFunction};
 
-/// (R) A bracket shorter than this, in units of the step, counts as a point: 1e4 ε, since
-/// differences of points in it lose all but four digits.
+/// (R) A bracket shorter than this threshold, in units of the step, counts as a point. The bound is
+/// 1e4 ε: differences between points in a shorter bracket have fewer than four correct digits.
 pub(super) const POINT: f64 = 1e-12;
 
 /// The number of bisections that reduce a step to a point.
@@ -17,7 +17,7 @@ pub(super) fn halvings() -> i32 {
 
 /// A subinterval of a step that contains an event.
 pub(super) struct Bracket {
-    /// The position of the event among the events of the curve.
+    /// The index of the event among all events of the curve.
     pub index: usize,
     pub low: f64,
     pub high: f64,
@@ -26,8 +26,8 @@ pub(super) struct Bracket {
     pub tests: [f64; 2],
     /// The derivative of the test function at the second end, if known.
     pub slope: Option<f64>,
-    /// Whether neither half of the bracket contains the event: its counts changed because of
-    /// several other events.
+    /// Whether neither half of the bracket contains the event: the numbers of unstable eigenvalues
+    /// changed because of several other events.
     pub is_empty: bool,
 }
 
@@ -51,8 +51,8 @@ impl Bracket {
         }
     }
 
-    /// Estimates the point at which the test function vanishes; `parameter` is the position of the
-    /// continued parameter in `X`.
+    /// Estimates the point in the bracket at which the test function vanishes; `parameter` is the
+    /// index of the continued parameter in the extended unknowns `X`.
     pub fn guess(&self, test: &dyn TestFunction, parameter: usize) -> Vec<f64> {
         let [start, end] = self.at_ends(parameter);
         let fraction = test.guess(&Bracketed {
@@ -64,7 +64,8 @@ impl Bracket {
         self.between(fraction.clamp(0.02, 0.98))
     }
 
-    /// Returns a point between the ends, on the cubic with their tangents.
+    /// Returns a point between the ends of the bracket, on the cubic Hermite interpolant of both
+    /// ends and their tangents.
     pub fn between(&self, fraction: f64) -> Vec<f64> {
         let length = self.high - self.low;
         // Tangents are derivatives with respect to scaled arclength, and the bracket is part of a
@@ -77,13 +78,14 @@ impl Bracket {
         hermite(&knots, fraction * length)
     }
 
-    /// Returns the change of the continued parameter over the bracket, plus the error of the ends.
+    /// Returns the change of the continued parameter over the bracket, plus the parameter error of
+    /// its ends.
     pub fn reach(&self, corrector: &Corrector) -> f64 {
         let [start, end] = self.at_ends(corrector.equations.parameters_at());
         (end - start).abs() + corrector.parameter_error()
     }
 
-    /// A component of the unknowns at both ends.
+    /// Returns one component of the unknowns at both ends of the bracket.
     pub fn at_ends(&self, component: usize) -> [f64; 2] {
         [0, 1].map(|end| self.ends[end].unknowns[component])
     }

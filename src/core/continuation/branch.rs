@@ -1,4 +1,5 @@
-//! Branches as data: the result of a trace, which can be saved, drawn, restarted and tested.
+//! The data of branches: the result of a continuation, which can be saved, plotted, and used to
+//! start other branches.
 
 use super::end::End;
 use super::settings::Settings;
@@ -22,24 +23,26 @@ pub struct Point {
     /// The number of unstable eigenvalues; `None` if stability is not defined, or not
     /// [determined](Self::undetermined).
     pub unstable: Option<usize>,
-    /// The reason why eigenvalues or multipliers are not determined, if so. Test functions that
-    /// depend on them are not evaluated at the point.
+    /// The reason why the eigenvalues or multipliers could not be determined; `None` if they were
+    /// determined. Test functions that depend on undetermined eigenvalues are not evaluated at the
+    /// point.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub undetermined: Option<String>,
     /// The leading eigenvalues or multipliers, [`Settings::eigenvalues`] in number, as (real part,
-    /// imaginary part), by decreasing real part. Empty at the ends of the branch, where one is
-    /// infinite (at a grazing), and if stability is not defined.
+    /// imaginary part), by decreasing real part. The list is empty at the ends of the branch, at
+    /// points with an infinite multiplier (at a grazing), and if stability is not defined.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub eigenvalues: Spectrum,
-    /// False for virtual solutions: orbits that cross a surface without its event.
+    /// Whether the solution is admissible; false for virtual solutions, which are orbits that cross
+    /// a surface without its event.
     #[serde(default = "yes", skip_serializing_if = "bool::clone")]
     pub admissible: bool,
-    /// The position along the branch, and the derivatives of the columns with respect to the
-    /// position, if known.
+    /// The arclength position along the branch, and the derivatives of parameters and monitors with
+    /// respect to this position, if known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub slopes: Option<Slopes>,
-    /// The solution, from which a branch can start, if [`Settings::keep_solutions`] is set; it is
-    /// not saved to files.
+    /// The solution at the point, from which a branch can start. The solution is kept only if
+    /// [`Settings::keep_solutions`] is set, and is not saved to files.
     #[serde(skip)]
     pub solution: Option<Arc<Solution>>,
 }
@@ -60,16 +63,20 @@ fn is_one(count: &usize) -> bool {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SpecialPoint {
-    /// The label, unique within the branch: 1, 2, … in the order in which the points were found.
+    /// The label of the special point, unique within the branch: 1, 2, … in the order in which
+    /// special points were found.
     pub label: usize,
-    /// The kind of the point.
+    /// The kind of the special point.
     pub kind: Kind,
-    /// The name of the event: `fold`, `frequency_ratio = 0.12`, `end of the branch`.
+    /// The name of the event at the special point, such as `fold`, `frequency_ratio = 0.12` or `end
+    /// of the branch`.
     pub event: String,
-    /// The standard name of the point beyond its kind, if any: `grazing-sliding`.
+    /// A standard name of the special point that is more specific than its kind, such as
+    /// `grazing-sliding`; `None` if the point has no such name.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub subkind: Option<String>,
-    /// The special point lies between `Branch::points[after]` and the next point.
+    /// The index of the preceding regular point: the special point lies between
+    /// `Branch::points[after]` and the next regular point.
     pub after: usize,
     /// All parameters, in the order of [`Branch::parameters`].
     pub parameters: Vec<f64>,
@@ -78,54 +85,61 @@ pub struct SpecialPoint {
     /// The number of noncritical unstable eigenvalues; `None` if stability is not defined, or not
     /// [determined](Self::undetermined).
     pub unstable: Option<usize>,
-    /// The reason why eigenvalues or multipliers are not determined, if so.
+    /// The reason why the eigenvalues or multipliers could not be determined; `None` if they were
+    /// determined.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub undetermined: Option<String>,
-    /// The leading eigenvalues or multipliers, at most [`SpecialPoint::EIGENVALUES`], in the order
-    /// of a [`Point`].
+    /// The leading eigenvalues or multipliers, at most [`SpecialPoint::EIGENVALUES`] in number, in
+    /// the same order as in a [`Point`].
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub eigenvalues: Spectrum,
-    /// Numbers of the point: the frequency of a Hopf point, the angle of a torus point, the
-    /// coefficients of normal forms.
+    /// Named numbers that characterise the special point, such as the frequency of a Hopf point,
+    /// the angle of a torus point, or the coefficients of normal forms.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub numbers: Vec<Number>,
     /// The derivatives of the point's released parameters with respect to the other parameters.
-    /// Empty if the point has no defining system.
+    /// The list is empty if the kind of the point has no defining system.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub sensitivities: Vec<Sensitivity>,
-    /// The number of simultaneously critical eigenvalues, or pairs, if greater than one.
+    /// The number of simultaneously critical eigenvalues, or pairs of eigenvalues, if this number
+    /// is greater than one.
     #[serde(default = "one", skip_serializing_if = "is_one")]
     pub multiplicity: usize,
-    /// The estimated absolute error of the continued parameter (of the first released one on a
-    /// curve of events), from Newton's last correction, rounding, and the discretisation where the
-    /// problem can be refined.
+    /// The estimated absolute error of the continued parameter (the first released parameter on a
+    /// curve of special points). The estimate includes Newton's last correction, rounding, and, if
+    /// the problem can be refined, the discretisation error.
     pub error: f64,
-    /// Values of the continued parameter at the two points of the branch that enclose it.
+    /// The values of the continued parameter at two points of the branch that enclose the special
+    /// point.
     pub bracket: [f64; 2],
-    /// Whether Newton's method converged on the defining system; otherwise `error` is the width of
-    /// the bracket, and tables show the bracket only.
+    /// Whether Newton's method converged on the defining system. If not, `error` is the width of
+    /// the bracket, and tables show only the bracket.
     pub converged: bool,
-    /// The unknowns `z` on the branch's own discretisation, from which the branch can be restarted.
+    /// The unknowns `z` on the discretisation of the branch, from which the branch can be
+    /// restarted.
     pub state: Vec<f64>,
     /// The direction of the branch at the point, from its first point to its last: `(z, released
     /// parameters)`, of scaled length 1.
     pub tangent: Vec<f64>,
-    /// The position along the branch, and the derivatives of the columns at the point, if known.
+    /// The arclength position along the branch, and the derivatives of parameters and monitors with
+    /// respect to this position at the special point, if known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub slopes: Option<Slopes>,
-    /// The mesh of the unknowns; empty if there is no mesh.
+    /// The mesh of the unknowns; empty if the solutions have no mesh.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub mesh: Vec<f64>,
-    /// For each released parameter, the difference between the value for which `state` solves the
-    /// equations on this mesh and the refined value in `parameters`; empty if zero.
+    /// For each released parameter, the difference between two values: the value for which `state`
+    /// solves the equations on the mesh of the branch, and the refined value in `parameters`. The
+    /// list is empty if all differences are zero.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub mesh_shift: Vec<f64>,
-    /// Curves of the solution that the problem provides.
+    /// Curves that show the solution, such as profiles of the states, if the problem provides them.
     pub profiles: Vec<Profile>,
-    /// The arrays with two indices among the unknowns, thinned out.
+    /// The unknowns that are arrays with two indices, reduced to fewer entries for output.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub fields: Vec<PlaneField>,
-    /// The reason why the phase response is missing from the profiles, if it was requested.
+    /// The reason why the phase response curve is missing from `profiles`, if it was requested and
+    /// could not be computed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub without_phase_response: Option<String>,
 }
@@ -134,16 +148,16 @@ pub struct SpecialPoint {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Number {
-    /// The name: `hopf_frequency`, `l1`.
+    /// The name of the number, such as `hopf_frequency` or `l1`.
     pub name: String,
     /// The value.
     pub value: f64,
-    /// The estimated absolute error.
+    /// The estimated absolute error of the number.
     pub error: f64,
 }
 
 impl Number {
-    /// Whether the number is a detail, omitted from the summary lines of the command line.
+    /// Whether the number is a detail that the command line omits from summary lines.
     ///
     /// ```
     /// use tangency::core::continuation::Number;
@@ -154,7 +168,8 @@ impl Number {
         DETAILS.contains(&self.name.as_str())
     }
 
-    /// Whether the value is larger than its error. Tables leave the other values empty.
+    /// Whether the value is larger than its error. Tables show an empty cell for a value that is
+    /// smaller than its error.
     ///
     /// ```
     /// use tangency::core::continuation::Number;
@@ -172,73 +187,76 @@ impl Number {
 pub struct Sensitivity {
     /// The constant parameter.
     pub by: String,
-    /// The derivatives of the released parameters at the special point by the constant parameter,
-    /// in the order of [`Branch::released`].
+    /// The derivatives of the released parameters at the special point with respect to the constant
+    /// parameter, in the order of [`Branch::released`].
     pub slopes: Vec<f64>,
 }
 
-/// A branch: a curve of zeros with the data recorded along it.
+/// A branch: a curve of zeros of the equations, with the data recorded along the curve.
 ///
-/// Points run from one end to the other; `ends[0]` belongs to the first point, `ends[1]` to the
-/// last.
+/// Points are stored in order from one end of the branch to the other; `ends[0]` describes the end
+/// at the first point, `ends[1]` the end at the last point.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Branch {
-    /// The name, unique within a document.
+    /// The name of the branch, unique within a document.
     pub name: String,
-    /// The kind of the curve: `None` for solutions, `Some(LP)` for a curve of folds, and so on.
+    /// The kind of the points of the curve: `None` for a branch of solutions, `Some(LP)` for a
+    /// curve of folds, and so on.
     pub condition: Option<Kind>,
-    /// The itinerary of hybrid orbits in words, if solutions of the problem have different
-    /// itineraries.
+    /// The itinerary of hybrid orbits, described in words, if solutions of the problem can have
+    /// different itineraries.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub itinerary: String,
     /// The discretisation method, such as `collocation(4)`; empty if solutions are not discretised.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub method: String,
-    /// Groups of unknowns, in the order of the states.
+    /// The groups of unknowns, in the order in which `state` stores them.
     pub unknowns: Vec<Group>,
-    /// Names of all parameters.
+    /// The names of all parameters.
     pub parameters: Vec<String>,
-    /// Names of the parameters that vary along the branch, the continued one first.
+    /// The names of the parameters that vary along the branch; the continued parameter comes first.
     pub released: Vec<String>,
-    /// Names of all monitors.
+    /// The names of all monitors.
     pub monitors: Vec<String>,
-    /// The regular points, from one end to the other.
+    /// The regular points, in order from one end of the branch to the other.
     pub points: Vec<Point>,
-    /// The special points, in the order of the branch.
+    /// The special points, in their order along the branch.
     pub special: Vec<SpecialPoint>,
     /// The solutions on the two sides of a curve in two parameters, between its special points.
-    /// Empty for branches of solutions, and if unknown.
+    /// The list is empty for branches of solutions, and if the solutions on the two sides are
+    /// unknown.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub stretches: Vec<Stretch>,
-    /// The reasons why the branch ended, at its first and at its last point.
+    /// The reasons why the branch ended: at its first point and at its last point.
     pub ends: [End; 2],
-    /// Events that were passed but could not be evaluated, with the reasons.
+    /// Warnings about events that were passed but could not be evaluated, with the reasons.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<String>,
-    /// The settings of the trace.
+    /// The settings with which the branch was traced.
     pub settings: Settings,
 }
 
 impl Branch {
-    /// The special points of one kind, in the order of the branch.
+    /// Returns the special points of one kind, in their order along the branch.
     pub fn of_kind(&self, kind: Kind) -> impl Iterator<Item = &SpecialPoint> {
         self.special.iter().filter(move |point| point.kind == kind)
     }
 
-    /// The converged special points of one kind, in the order of the branch.
+    /// Returns the converged special points of one kind, in their order along the branch.
     pub fn converged_points(&self, kind: Kind) -> impl Iterator<Item = &SpecialPoint> {
         self.of_kind(kind).filter(|point| point.converged)
     }
 
-    /// Returns the special point with a label.
+    /// Returns the special point with the given label.
     pub fn labelled(&self, label: usize) -> Option<&SpecialPoint> {
         self.special.iter().find(|point| point.label == label)
     }
 
     /// Returns the solution at a special point, for
-    /// [`System::resume_from`](crate::core::system::System::resume_from). A trace does not change
-    /// the caller's system, which may have another mesh, period or itinerary.
+    /// [`System::resume_from`](crate::core::system::System::resume_from). Tracing a branch does not
+    /// change the system of the caller, so that system may have another mesh, period or itinerary
+    /// than the solution.
     pub fn solution(&self, special: &SpecialPoint) -> Solution {
         let (n, mut slopes) = (special.state.len(), vec![0.0; special.parameters.len()]);
         let known = special.tangent.len() == n + self.released.len();
@@ -274,14 +292,16 @@ impl Branch {
         }
     }
 
-    /// The names of the columns common to all points: parameters, then monitors.
+    /// Returns the names of the columns common to all points: the parameters, followed by the
+    /// monitors.
     pub fn columns(&self) -> impl Iterator<Item = &str> {
         self.parameters.iter().chain(&self.monitors).map(String::as_str)
     }
 
-    /// Returns the position of a parameter or a monitor among [`columns`](Branch::columns); after
-    /// them, of the real or imaginary part of an eigenvalue or multiplier stored with points:
-    /// `eigenvalue[0]`, `eigenvalue[0].imaginary`, ….
+    /// Returns the index of a column: of a parameter or a monitor among
+    /// [`columns`](Branch::columns), or of the real or imaginary part of a stored eigenvalue or
+    /// multiplier (`eigenvalue[0]`, `eigenvalue[0].imaginary`, …), whose columns follow the
+    /// monitors.
     ///
     /// ```
     /// use tangency::core::continuation::Settings;
@@ -306,9 +326,9 @@ impl Branch {
         })
     }
 
-    /// Returns the columns that show a quantity: the [column](Self::column) of its name. For
-    /// equilibria, `max_x` and `min_x` also select `x`; for orbits, `x` also selects `max_x` and
-    /// `min_x`.
+    /// Returns the columns that show a quantity: usually the single [column](Self::column) with its
+    /// name. For equilibria, `max_x` and `min_x` also select `x`; for orbits, `x` also selects
+    /// `max_x` and `min_x`.
     ///
     /// ```
     /// use tangency::output::example_branch;
@@ -324,7 +344,7 @@ impl Branch {
 }
 
 impl Point {
-    /// Creates an admissible point without eigenvalues.
+    /// Creates a regular point of an admissible solution, without eigenvalues.
     pub fn new(parameters: Vec<f64>, monitors: Vec<f64>, unstable: Option<usize>) -> Self {
         Point {
             parameters,
@@ -338,7 +358,8 @@ impl Point {
         }
     }
 
-    /// The value of a column: parameters first, then monitors, then eigenvalues.
+    /// Returns the value in a column; the columns are the parameters, the monitors and the
+    /// eigenvalues, in this order.
     pub fn value(&self, column: usize) -> Option<f64> {
         let eigenvalues = self.eigenvalues.iter().flat_map(|(real, imaginary)| [real, imaginary]);
         self.parameters.iter().chain(&self.monitors).chain(eigenvalues).nth(column).copied()
@@ -349,7 +370,7 @@ impl SpecialPoint {
     /// The maximal number of eigenvalues stored with a special point.
     pub const EIGENVALUES: usize = 10;
 
-    /// Creates a special point without values.
+    /// Creates a special point whose values are not yet set.
     pub(crate) fn new(kind: Kind, event: impl Into<String>) -> Self {
         SpecialPoint {
             label: 0,
@@ -379,7 +400,7 @@ impl SpecialPoint {
         }
     }
 
-    /// Returns the number of this name.
+    /// Returns the named number of the special point with this name.
     pub fn number(&self, name: &str) -> Option<&Number> {
         self.numbers.iter().find(|number| number.name == name)
     }
@@ -391,18 +412,18 @@ impl SpecialPoint {
         Point { undetermined, slopes, ..point }
     }
 
-    /// The value of a column: parameters first, then monitors.
+    /// Returns the value in a column; the columns are the parameters followed by the monitors.
     pub fn value(&self, column: usize) -> Option<f64> {
         self.parameters.iter().chain(&self.monitors).nth(column).copied()
     }
 }
 
-/// A point or special point of a branch while it is traced.
+/// A regular or special point, reported while a branch is traced.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Traced {
-    /// A regular point was computed; the start comes first.
+    /// A regular point was computed. The first reported point is the start of the branch.
     Point(Point),
-    /// A special point was found, before the next regular point.
+    /// A special point was found; it is reported before the next regular point.
     Special(Box<SpecialPoint>),
 }

@@ -1,5 +1,5 @@
-//! Branch-jump detection: rejects a step that crosses to a neighbouring branch, or that skips part
-//! of its own branch.
+//! Branch-jump detection: rejects a continuation step that crosses to a neighbouring branch, or
+//! that skips part of the branch.
 
 use super::curve::Curve;
 use super::curve_point::{CurvePoint, Interval};
@@ -8,31 +8,33 @@ use super::extended::Closing;
 use super::located::Located;
 use super::newton::NewtonError;
 
-/// (D) Branches closer than this, in scaled arclength, are considered to cross. Discretised
-/// equations with a symmetry that their mesh lacks miss a branch point by the square root of their
-/// error: 1e-7 on usual meshes, and more on coarse ones.
+/// (D) Two branches closer to each other than this threshold, in scaled arclength, are considered
+/// to cross. A mesh that lacks a symmetry of the equations perturbs a branch point into two
+/// separate branches; their distance is the square root of the discretisation error, which is 1e-7
+/// on usual meshes and larger on coarse meshes.
 const CROSSING: f64 = 3e-4;
 
-/// A branch point near a step of a curve.
+/// A branch point near a continuation step, or a nearly crossing branch.
 pub(super) struct Near {
     /// The distance of the branch point from the first point of the step.
     pub along: f64,
-    /// The distance between the two branches where they turn away from each other instead of
+    /// The smallest distance between the two branches if they turn away from each other instead of
     /// crossing.
     pub gap: f64,
-    /// Whether the branches cross, up to the error of a mesh.
+    /// Whether the two branches cross, up to the discretisation error of the mesh.
     pub crosses: bool,
 }
 
-/// Finds a branch point near a guess, within a step of this length; `None` if no branch point is
-/// found.
+/// Finds a branch point near a guess, within a step of the given length; `None` if no branch point
+/// is found.
 ///
-/// The defining system of branch points unfolds the problem, `F + β b = 0`. If `β ≠ 0` at its
-/// solution, the branches turn away from each other instead of crossing. Let `s` be the distance of
-/// the solution from a point of the curve along the tangent of this point, and `d` the size of
-/// Newton's correction of the solution with the equations linearised at this point. Near the
-/// solution the branches are close to the hyperbola `u v = d s`, where `u` and `v` are the
-/// coordinates along its asymptotes, so their separation is `2 √(d s)`.
+/// The defining system of branch points unfolds the problem, `F + β b = 0`. If `β ≠ 0` at the
+/// solution of this defining system, the two branches turn away from each other instead of
+/// crossing. Let `s` be the distance of the solution from the point `from` of the curve, measured
+/// along the tangent at `from`. Let `d` be the size of Newton's correction of the solution,
+/// computed with the equations linearised at `from`. Near the solution, the two branches are close
+/// to the hyperbola `u v = d s`, where `u` and `v` are the coordinates along its asymptotes. The
+/// distance between the branches is therefore `2 √(d s)`.
 pub(super) fn branch_point_near(
     curve: &mut Curve,
     from: &CurvePoint,
@@ -60,7 +62,8 @@ pub(super) fn branch_point_near(
     Ok(Some(Near { along, gap, crosses }))
 }
 
-/// Rejects a step that has passed a branch point which is not on the curve.
+/// Rejects a step that has passed a branch point which does not lie on the curve, so that the step
+/// has crossed to another branch.
 pub(super) fn check_branch_jump(curve: &mut Curve, step: Interval) -> Result<(), NewtonError> {
     if !curve.recorder.solutions || !curve.detector.passes_branch_point(step) {
         return Ok(());
@@ -71,25 +74,26 @@ pub(super) fn check_branch_jump(curve: &mut Curve, step: Interval) -> Result<(),
     }
 }
 
-/// (H) If the prediction error of a point is less than this fraction of the step, the point is on
-/// the same smooth piece of the curve.
+/// (H) A new point lies on the same smooth part of the curve as the previous point if its
+/// prediction error is smaller than this fraction of the step.
 const WELL_PREDICTED: f64 = 0.01;
 
-/// (H) The largest distance, in units of the step, between the curve and the cubic with the
-/// tangents of both ends in the middle of a step: a prediction error of `WELL_PREDICTED`
-/// corresponds to one sixteenth of that from the cubic.
+/// (H) The largest distance, in units of the step and in the middle of the step, between the curve
+/// and the cubic Hermite interpolant of both ends and their tangents. A prediction error of
+/// `WELL_PREDICTED` corresponds to a distance one sixteenth as large from the interpolant.
 const MOST_BENT: f64 = 0.02;
 
-/// (D) Steps shorter than this may be as short as the error of interpolating a solution to a new
-/// mesh.
+/// (D) A step shorter than this threshold may be no longer than the error of interpolating a
+/// solution to a new mesh.
 pub(super) const MESH: f64 = 1e-3;
 
-/// The checked point is not exactly in the middle, where symmetric problems may be singular.
+/// The position of the checked point as a fraction of the step. The point is not exactly in the
+/// middle of the step, where symmetric problems may be singular.
 const MIDDLE: f64 = 0.517;
 
-/// Rejects a step with a large prediction error if the middle of the curve deviates from a smooth
-/// curve, as at a narrow piece with two folds, or a branch that turns back at the tip of a
-/// pitchfork.
+/// Rejects a step with a large prediction error if the branch deviates from a smooth curve in the
+/// middle of the step. Examples are a narrow part of the branch with two folds, and a branch that
+/// turns back at the tip of a pitchfork.
 pub(super) fn check_middle(
     curve: &mut Curve,
     step: Interval,

@@ -1,4 +1,5 @@
-//! The builder of a curve to be traced.
+//! The builder that specifies the start, parameters, bounds and defining systems of a curve before
+//! it is traced.
 
 use super::branch::Branch;
 use super::error::TraceError;
@@ -14,7 +15,7 @@ use std::cmp::Ordering;
 use std::ops::{Bound, RangeBounds};
 use std::sync::Arc;
 
-/// A curve to be traced, as a builder.
+/// Builder of a curve: specifies its start, parameters, bounds and defining systems, and traces it.
 ///
 /// ```
 /// use tangency::core::continuation::Continuation;
@@ -39,13 +40,13 @@ pub struct Continuation<'a> {
     pub(super) attached: Vec<Attached>,
     pub(super) held: Vec<(Kind, Option<MakeCondition>)>,
     pub(super) settings: Settings,
-    /// The saved solution at which the curve starts; `None` if it starts at a guess.
+    /// The saved solution at which the curve starts; `None` if the curve starts at a guess.
     pub(super) origin: Option<Solution>,
-    /// The monitors at the saved end at which the curve starts, by name.
+    /// The names and values of the monitors at the saved end at which the curve starts.
     pub(super) end: Vec<(String, f64)>,
-    /// The number of the other branch to follow, counted from 0.
+    /// The index, counted from 0, of the emanating branch to follow.
     pub(super) switch: Option<usize>,
-    /// Whether to continue beyond grazings.
+    /// Whether to continue the curve beyond grazings, along virtual orbits.
     pub(super) beyond: bool,
     pub(super) forward: bool,
     pub(super) backward: bool,
@@ -53,12 +54,12 @@ pub struct Continuation<'a> {
 }
 
 impl<'a> Continuation<'a> {
-    /// Creates a curve of zeros of this system, starting at `z = 0` and at the default values of the
-    /// parameters (`p = 0` without default values), unless [`from`](Self::from) and [`at`](Self::at)
-    /// state others.
+    /// Creates a curve of zeros of this system. The curve starts at `z = 0` and at the default
+    /// values of the parameters (at `p = 0` if the parameters have no default values), unless
+    /// [`from`](Self::from) and [`at`](Self::at) specify another start.
     ///
-    /// If tracing would change the system (its mesh, period or itinerary), a copy is used, and the
-    /// caller's system is unchanged.
+    /// If tracing changes the mesh, period or itinerary of the system, a copy of the system is
+    /// traced, and the system of the caller is unchanged.
     pub fn new(system: &'a mut dyn System) -> Self {
         let system = SystemRef::Borrowed(system).duplicated();
         let names = system.names();
@@ -92,16 +93,16 @@ impl<'a> Continuation<'a> {
         self
     }
 
-    /// Sets the settings of steps and of Newton's method.
+    /// Sets the settings of the continuation steps and of Newton's method.
     pub fn settings(mut self, settings: Settings) -> Self {
         self.settings = settings;
         self
     }
 
-    /// Sets the start: the unknowns `z` (a guess, corrected with the given parameters), or a
-    /// solution with its parameters. Points of a branch contain solutions if
-    /// [`keep_solutions`](Settings::keep_solutions) is set; special points always do
-    /// ([`Branch::solution`]).
+    /// Sets the start of the curve: a guess of the unknowns `z`, which is corrected with the given
+    /// parameters, or a solution with its parameters. Special points of a branch always contain
+    /// their solutions ([`Branch::solution`]); regular points contain their solutions if
+    /// [`keep_solutions`](Settings::keep_solutions) is set.
     ///
     /// ```
     /// use tangency::core::continuation::{Continuation, Settings};
@@ -139,7 +140,7 @@ impl<'a> Continuation<'a> {
         self
     }
 
-    /// Sets a parameter's value at the start.
+    /// Sets the value of a parameter at the start of the curve.
     pub fn at(mut self, parameter: &str, value: f64) -> Self {
         let names = self.system.names();
         match position("parameter", parameter, &names.parameters) {
@@ -152,7 +153,8 @@ impl<'a> Continuation<'a> {
         self
     }
 
-    /// Starts at a special point of a branch: its state, parameters and direction.
+    /// Starts the curve at a special point of a branch, with the state, parameters and direction of
+    /// that point.
     ///
     /// ```
     /// use tangency::core::continuation::Continuation;
@@ -177,8 +179,8 @@ impl<'a> Continuation<'a> {
         self.restart_anyway(branch, label)
     }
 
-    /// Starts at a special point as [`restart`](Self::restart) does, even if the point has not
-    /// converged.
+    /// Starts the curve at a special point as [`restart`](Self::restart) does, but also accepts a
+    /// point at which Newton's method has not converged.
     pub fn restart_anyway(mut self, branch: &Branch, label: usize) -> Self {
         let Some(special) = branch.labelled(label) else {
             let (branch, last) = (branch.name.clone(), branch.special.len());
@@ -206,22 +208,24 @@ impl<'a> Continuation<'a> {
         self.from(&Solution { parameters, tangent, mesh_shift, ..solution })
     }
 
-    /// Releases a parameter within a range, such as `0.0..=1.0` or `0.0..`; the continued parameter
-    /// comes first. The length of the range is the parameter's scale.
+    /// Releases a parameter within a range, such as `0.0..=1.0` or `0.0..`. The parameter released
+    /// first is the continued parameter. The length of the range is used as the scale of the
+    /// parameter.
     pub fn along(mut self, parameter: &str, range: impl RangeBounds<f64>) -> Self {
         self.released.push(named_range(parameter, range, &mut self.errors));
         self
     }
 
-    /// Bounds a parameter or a monitor: the branch ends at the bound. If the state `x` moves, a bound of
-    /// `x` applies to `max_x` and `min_x`.
+    /// Sets bounds of a parameter or a monitor, at which the branch ends. If solutions are orbits,
+    /// a bound of a state `x` applies to the monitors `max_x` and `min_x`.
     pub fn bound(mut self, name: &str, range: impl RangeBounds<f64>) -> Self {
         self.bounds.push(named_range(name, range, &mut self.errors));
         self
     }
 
-    /// Marks points at which a parameter or a monitor takes a value, as `UZ`. If the state `x` moves, a
-    /// mark of `x` applies to `max_x` and `min_x`.
+    /// Marks the points at which a parameter or a monitor takes a given value, as special points of the
+    /// kind `UZ`. If solutions are orbits, a mark of a state `x` applies to the monitors `max_x` and
+    /// `min_x`.
     ///
     /// ```
     /// use tangency::core::continuation::Continuation;
@@ -243,7 +247,8 @@ impl<'a> Continuation<'a> {
         self
     }
 
-    /// Marks points at which a monitor takes a value and the solution touches a surface, as `G`.
+    /// Marks the points at which a monitor takes a given value and the solution grazes a surface,
+    /// as special points of the kind `G`.
     ///
     /// ```
     /// # use tangency::core::continuation::Continuation;
@@ -274,8 +279,9 @@ impl<'a> Continuation<'a> {
         self
     }
 
-    /// Sets the scale of a group of unknowns, or of a released parameter. Default: the largest norm
-    /// of the group so far (or the length of the parameter's range).
+    /// Sets the scale of a group of unknowns, or of a released parameter. The default scale of a
+    /// group is its largest norm so far along the curve; the default scale of a parameter is the
+    /// length of its range.
     pub fn scale(mut self, name: &str, size: f64) -> Self {
         if !(size.is_finite() && size > 0.0) {
             let (what, name, range) = ("the scale", name.into(), "finite and more than 0");
@@ -286,7 +292,8 @@ impl<'a> Continuation<'a> {
     }
 
     /// Records a function of points as a further monitor, which can be marked and bounded by its
-    /// name. It has no gradient, so it cannot be held, and its levels are located by bracketing.
+    /// name. A monitor given by a function of points has no gradient. Therefore such a monitor
+    /// cannot be held at a level along a curve, and its levels are located by bracketing.
     ///
     /// ```
     /// use tangency::core::continuation::Continuation;
@@ -311,9 +318,10 @@ impl<'a> Continuation<'a> {
         self
     }
 
-    /// Records a function `f(z, p)` of the unknowns and all parameters on dual numbers as a further
-    /// monitor. It has a gradient, so its levels are ordinary special points and can be held along
-    /// a curve.
+    /// Records a function `f(z, p)` of the unknowns and all parameters, written for dual numbers,
+    /// as a further monitor. The gradient of a monitor written for dual numbers is computed by
+    /// automatic differentiation. Therefore the levels of such a monitor are located by Newton's
+    /// method and can be held along a curve.
     ///
     /// ```
     /// use tangency::core::continuation::Continuation;
@@ -338,18 +346,19 @@ impl<'a> Continuation<'a> {
     }
 
     /// Holds the defining system of a kind of special point along the curve; one more parameter
-    /// must be released. A codimension-two point can be held together with the kind on whose curves
-    /// it lies.
+    /// must be released. The defining system of a codimension-two point can be held together with
+    /// the defining system of a curve on which such points lie.
     ///
-    /// A system of cycles also starts curves at codimension-two points of equilibria: folds at a
-    /// generalised Hopf point, torus points at a fold–Hopf or double Hopf point. At a double Hopf
-    /// point, [`switch_to(1)`](Self::switch_to) selects the cycles of the pair with the smaller
-    /// frequency.
+    /// For a system of cycles, curves also start at codimension-two points of equilibria: curves of
+    /// folds of cycles at a generalised Hopf point, and curves of torus points at a fold–Hopf or
+    /// double Hopf point. At a double Hopf point, [`switch_to(1)`](Self::switch_to) selects the
+    /// cycles of the pair with the smaller frequency.
     ///
     /// Curves of torus points also start at resonances 1:1 and 1:2, and curves of folds of doubled
-    /// orbits at a generalised period doubling. At a 1:2 resonance with a negative coefficient
-    /// `r2_a`, [`switch_to(1)`](Self::switch_to) selects the torus points of doubled orbits, which
-    /// are also selected, without this call, if the resonance lies on a curve of torus points.
+    /// orbits start at a generalised period doubling. At a 1:2 resonance with a negative
+    /// coefficient `r2_a`, [`switch_to(1)`](Self::switch_to) selects the torus points of doubled
+    /// orbits. If the resonance was found on a curve of torus points, the torus points of doubled
+    /// orbits are selected by default.
     pub fn hold(mut self, kind: Kind) -> Self {
         self.held.push((kind, None));
         self
@@ -370,7 +379,7 @@ impl<'a> Continuation<'a> {
         self
     }
 
-    /// Holds a user-defined defining system.
+    /// Holds a user-defined defining system along the curve.
     pub fn hold_condition<C: DefiningSystem + 'static>(
         mut self,
         condition: impl Fn() -> C + Send + Sync + 'static,
@@ -386,15 +395,18 @@ impl<'a> Continuation<'a> {
         self
     }
 
-    /// Follows the *other* branch at the branch point where the curve starts.
+    /// Starts at a branch point and follows the *other* branch, not the branch on which the branch
+    /// point was found.
     pub fn switch(self) -> Self {
         self.switch_to(0)
     }
 
-    /// Selects the branch to follow, counted from 0. At a branch point where several branches cross
-    /// (`multiplicity` above 1), the parent branch is not counted. At a grazing with several
-    /// grazed guards, branch 0 has the events of all guards; the next branches have the event of
-    /// one guard each, in the order of the grazing points, then of each pair, and so on.
+    /// Selects one of the branches that emanate at the start by its index, counted from 0. At a
+    /// branch point where several branches cross (`multiplicity` above 1), the parent branch is not
+    /// counted. If an orbit grazes several guards, the orbits of branch 0 include the events of all
+    /// grazed guards. The orbits of the next branches include the event of a single guard, in the
+    /// order of the grazing points along the orbit; the following branches include the events of
+    /// two guards, and so on.
     pub fn switch_to(mut self, which: usize) -> Self {
         self.switch = Some(which);
         self
@@ -413,7 +425,7 @@ impl<'a> Continuation<'a> {
     }
 }
 
-/// Returns a range with its name, or an error if the range is empty or NaN.
+/// Returns the bounds of a range with its name, or an error if the range is empty or contains NaN.
 fn named_range(
     name: &str,
     range: impl RangeBounds<f64>,

@@ -1,4 +1,4 @@
-//! Detection of closed curves, which return to their start.
+//! Detection of closed curves, which return to their starting point.
 
 use super::corrector::Corrector;
 use super::curve_point::{CurvePoint, Interval};
@@ -8,22 +8,23 @@ use super::newton::scaled_norm;
 use crate::core::linalg::{difference, dot};
 use crate::core::system::{Kind, Solution};
 
-/// A point near the start of a curve, which a closed curve passes again.
+/// A reference point near the start of a curve, which a closed curve passes again.
 pub(super) struct Reference {
     place: CurvePoint,
-    /// The solution on its own mesh, if any.
+    /// The solution at the reference point, stored with its mesh; `None` if solutions have no mesh.
     saved: Option<Solution>,
-    /// The estimated relative error of the solution.
+    /// The estimated relative discretisation error of the solution.
     mesh_error: f64,
 }
 
-/// (R) A corrected point closer to the reference than this, in units of the tolerance, is the
-/// reference: both points have the error of Newton's method, divided by the smallest singular value
-/// of the matrix.
+/// (R) A corrected point is identified with the reference point if their distance is smaller than
+/// this threshold, in units of the tolerance of Newton's method. The error of the corrected point
+/// and of the reference point is the tolerance divided by the smallest singular value of the
+/// Jacobian.
 const SAME: f64 = 1e3;
 
-/// (D) The largest ratio between the difference of solutions on different meshes and their
-/// estimated errors, which are accurate to a factor of two or three.
+/// (D) Solutions on different meshes are identified if their difference is at most this factor
+/// times the sum of their estimated errors; the estimates are accurate to a factor of two or three.
 const MESHES: f64 = 5.0;
 
 impl Reference {
@@ -33,8 +34,9 @@ impl Reference {
         Reference { place, saved: Some(saved).filter(|saved| !saved.mesh.is_empty()), mesh_error }
     }
 
-    /// Returns the distance along a step at which it passes through the reference in the
-    /// reference's direction, if it does, as verified by a Newton correction there.
+    /// Returns the distance along a step at which the curve passes through the reference point in
+    /// the same direction as at the start; `None` if the curve does not pass through it. The
+    /// passage is verified by a Newton correction.
     pub fn passed(&self, corrector: &mut Corrector, step: Interval) -> Option<f64> {
         let CurvePoint { unknowns, tangent, .. } = &self.place;
         let row = corrector.norm.covector(&step.from.tangent);
@@ -55,9 +57,10 @@ impl Reference {
         })
     }
 
-    /// Whether a step comes near the reference, judged by quantities that do not depend on the
-    /// phase: the parameters and the scalar unknowns. With an itinerary, scalar unknowns depend on
-    /// the first segment and on the forcing period, and are ignored.
+    /// Whether a step passes near the reference point, as far as the quantities that do not depend
+    /// on the phase show: the parameters and the scalar unknowns. For orbits with an itinerary,
+    /// only the parameters are compared, because scalar unknowns depend on the first segment and on
+    /// the forcing period.
     fn may_be_passed(&self, corrector: &Corrector, saved: &Solution, step: Interval) -> bool {
         let groups = &corrector.equations.names().unknowns;
         let scalars = match saved.itinerary.is_empty() {
@@ -72,8 +75,8 @@ impl Reference {
     }
 }
 
-/// Returns the distance along a step at which it passes through a point with this error, if it
-/// does.
+/// Returns the distance along a step at which the curve passes through the point `target`, up to
+/// its error `error`; `None` if the curve does not pass through the point.
 fn passes(corrector: &mut Corrector, target: &[f64], step: Interval, error: f64) -> Option<f64> {
     let start = &step.from.unknowns;
     let row = corrector.norm.covector(&step.from.tangent);
@@ -91,8 +94,9 @@ fn passes(corrector: &mut Corrector, target: &[f64], step: Interval, error: f64)
     (miss < exact.max(error).min(0.1 * step.length)).then_some(along)
 }
 
-/// Returns the branch point, among the events found, at which a branch of doubled orbits returns to
-/// its parent branch. Beyond this point the branch repeats itself, half a period later.
+/// Returns the index in `found` of the branch point at which a branch of doubled orbits returns to
+/// its parent branch. Beyond this branch point, the branch consists of the same orbits again,
+/// shifted by half a period.
 pub(super) fn returns_to_parent(
     equations: &mut Extended,
     found: &[Located],

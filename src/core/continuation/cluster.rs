@@ -1,4 +1,5 @@
-//! Clusters of eigenvalues that pass zero in a short interval: their zeros and their types.
+//! Clusters of eigenvalues that pass zero in a short interval of the branch: the positions of their
+//! zeros, and the types of eigenvalues.
 
 use super::arnoldi::{distances, shift_on_finer};
 use super::corrector::Corrector;
@@ -11,57 +12,60 @@ use crate::core::numerics::lagrange;
 use crate::core::problem::Dynamics;
 use std::ops::RangeInclusive;
 
-/// (H) Sample points in an interval, in units of its length: not at the ends and the middle, where
-/// symmetric problems may be singular.
+/// (H) The sample points in an interval, in units of its length. The ends and the middle are
+/// avoided, because symmetric problems may be singular at these points.
 const SAMPLES: [f64; 5] = [0.03, 0.22, 0.517, 0.76, 0.96];
 
-/// (R) The range of zeros that count as inside an interval, in units of its length. An end may be a
-/// zero; the ends are corrected to 1e-10 in arclength, 1e-7 of the shortest relevant step.
+/// (R) The range in which a zero counts as inside an interval, in units of the length of the
+/// interval. The range is slightly larger than the interval because an end may itself be a zero:
+/// the ends are corrected to 1e-10 in arclength, 1e-7 of the shortest relevant step.
 const ENDS: RangeInclusive<f64> = -1e-6..=1.0 + 1e-6;
 
-/// (R) Zeros of eigenvalues closer to each other than this, in units of the interval, are equal:
-/// eigenvalues are accurate to rounding, 1e-16, and so are polynomials in a short interval.
+/// (R) Zeros of eigenvalues closer to each other than this threshold, in units of the interval,
+/// count as equal. Eigenvalues, and their interpolating polynomials in a short interval, are
+/// accurate to rounding, 1e-16.
 const TOGETHER: f64 = 1e-7;
 
-/// (D) On a mesh, zeros closer to each other than this, in scaled arclength, are equal: the error
-/// of usual meshes.
+/// (D) On a mesh, zeros closer to each other than this threshold, in scaled arclength, count as
+/// equal. The bound is the discretisation error of usual meshes.
 const ON_MESH: f64 = 1e-6;
 
-/// (H) An interval is cut beside the zeros if that removes at least this fraction of it.
+/// (H) An interval is cut next to all zeros if the cut removes at least this fraction of the
+/// interval.
 const WORTH_CUTTING: f64 = 0.25;
 
-/// (H) Frequencies with a smaller relative difference are equal.
+/// (H) Two frequencies count as equal if their relative difference is smaller than this threshold.
 const SAME_FREQUENCY: f64 = 1e-6;
 
-/// Eigenvalues that are critical together.
+/// A group of equal eigenvalues, or pairs of eigenvalues, that are critical at the same point.
 #[derive(Clone, Copy)]
 pub(super) struct Group {
     pub critical: Critical,
-    /// The frequency or the angle of a pair.
+    /// The frequency or the angle of the critical pair.
     pub frequency: f64,
-    /// The number of eigenvalues, or pairs.
+    /// The number of eigenvalues, or pairs of eigenvalues, in the group.
     pub count: usize,
 }
 
 /// Eigenvalues that pass zero in an interval.
 pub(super) struct Cluster {
-    /// Corrected points of the interval, with their positions.
+    /// The corrected points in the interval, with their positions in it.
     pub places: Vec<CurvePoint>,
     abscissae: Vec<f64>,
     length: f64,
     /// The number of eigenvalues that pass zero.
     pub count: usize,
-    /// The zero of the eigenvalues' mean, on the polynomial through its values, and the change of
-    /// that zero without the first sample.
+    /// The zero of the mean of the eigenvalues, computed from the polynomial through its sampled
+    /// values, and the change of this zero if the first sample is omitted.
     pub along: f64,
     pub uncertainty: f64,
-    /// The zeros of the eigenvalues, in order.
+    /// The zeros of the individual eigenvalues, in increasing order.
     zeros: Vec<f64>,
 }
 
 impl Cluster {
-    /// Computes the cluster in an interval over which the number of unstable eigenvalues changes by
-    /// `change`.
+    /// Computes the cluster of eigenvalues that pass zero in an interval over which the number of
+    /// unstable eigenvalues changes by `change`.
     pub fn of(locator: &mut Locator, change: usize) -> Option<Self> {
         let places = samples(locator)?;
         let length = locator.interval.length;
@@ -81,20 +85,21 @@ impl Cluster {
         Some(Cluster { places, abscissae, length, count, along, uncertainty, zeros })
     }
 
-    /// The largest distance of a zero from the zero of the mean.
+    /// Returns the largest distance of the zero of an eigenvalue from the zero of their mean.
     pub fn spread(&self) -> f64 {
         self.zeros.iter().fold(0.0, |most: f64, zero| most.max((zero - self.along).abs()))
     }
 
-    /// Whether all zeros are equal, up to rounding and the mesh error.
+    /// Whether the zeros of all eigenvalues are equal, up to rounding and the discretisation error.
     pub fn coincides(&self, corrector: &mut Corrector) -> bool {
         let mesh = corrector.equations.system().representation().mesh;
         let error = if mesh.is_empty() { TOGETHER * self.length } else { ON_MESH };
         self.zeros.len() == self.count && self.spread() <= error
     }
 
-    /// Returns the position at which to cut the interval: beside all zeros if they occupy a small
-    /// part of it, and otherwise in the widest gap between two zeros.
+    /// Returns the position at which to cut the interval. If all zeros lie in a small part of the
+    /// interval, the cut lies next to this part; if not, it lies in the widest gap between two
+    /// zeros.
     pub fn cut(&self) -> f64 {
         let [Some(first), Some(last)] = [self.zeros.first(), self.zeros.last()] else {
             return self.middle();
@@ -112,13 +117,15 @@ impl Cluster {
         if (0.0..self.length).contains(&cut) && cut > 0.0 { cut } else { self.middle() }
     }
 
-    /// A point close to the middle; in the middle itself symmetric problems may be singular.
+    /// A position close to the middle of the interval. The exact middle of the interval is avoided,
+    /// because symmetric problems may be singular in the middle.
     fn middle(&self) -> f64 {
         SAMPLES[2] * self.length
     }
 
-    /// Returns the unknowns at the zero of the mean, on polynomials through the samples. The
-    /// equations may be singular at that point, but not beside it.
+    /// Returns the unknowns at the zero of the mean eigenvalue, interpolated by polynomials through
+    /// the samples. The unknowns are interpolated because the equations may be singular at the
+    /// zero, but are regular at the samples.
     pub fn unknowns(&self) -> Vec<f64> {
         let component = |i: usize| {
             let values: Vec<f64> = self.places.iter().map(|place| place.unknowns[i]).collect();
@@ -127,8 +134,8 @@ impl Cluster {
         (0..self.places[0].unknowns.len()).map(component).collect()
     }
 
-    /// Estimates the contribution of the discretisation to the error of the continued parameter,
-    /// which has this slope.
+    /// Estimates the discretisation error of the continued parameter at the zero, given the slope
+    /// of the parameter.
     pub fn mesh_share(&self, curve: &mut Curve, unknowns: &[f64], slope: f64) -> Option<f64> {
         let (first, refines) = (&self.places[0], curve.refiner.accuracy > 0.0);
         Some(match first.spectrum {
@@ -137,7 +144,8 @@ impl Cluster {
         })
     }
 
-    /// Classifies the eigenvalues that pass zero.
+    /// Classifies the eigenvalues that pass zero into groups: real eigenvalues, multipliers −1, and
+    /// pairs by frequency.
     pub fn groups(&self, dynamics: Dynamics) -> Vec<Group> {
         let distance = |k: &usize| (self.abscissae[*k] - self.along).abs();
         let nearest = (0..SAMPLES.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)));
@@ -173,9 +181,9 @@ impl Cluster {
     }
 }
 
-/// Returns numbers that vanish with the passing eigenvalues, at sample points in order, and their
-/// count. The numbers are growth rates, or, without eigenvalues, the distances to singular matrices
-/// in the interval.
+/// Returns, at each sample point, numbers that vanish where eigenvalues pass zero, and the number
+/// of these eigenvalues. The numbers are growth rates, or, if eigenvalues are not computed, the
+/// distances to singular matrices in the interval.
 fn vanishing(
     curve: &mut Curve,
     places: &[CurvePoint],
@@ -214,12 +222,13 @@ fn samples(locator: &mut Locator) -> Option<Vec<CurvePoint>> {
     SAMPLES.into_iter().map(point).collect()
 }
 
-/// The growth rate: the real part of an eigenvalue, or the logarithm of a multiplier's modulus.
+/// Returns the growth rate: the real part of an eigenvalue, or the logarithm of the modulus of a
+/// multiplier.
 pub(super) fn rate(&(re, im): &(f64, f64), dynamics: Dynamics) -> f64 {
     if dynamics == Dynamics::Periodic { re.hypot(im).ln() } else { re }
 }
 
-/// Returns the `count` growth rates nearest to zero, in order.
+/// Returns the `count` growth rates nearest to zero, in increasing order.
 fn nearest(spectrum: &[(f64, f64)], count: usize, dynamics: Dynamics) -> Vec<f64> {
     let mut rates: Vec<f64> = spectrum.iter().map(|l| rate(l, dynamics)).collect();
     rates.sort_by(|a, b| a.abs().total_cmp(&b.abs()));
@@ -228,13 +237,13 @@ fn nearest(spectrum: &[(f64, f64)], count: usize, dynamics: Dynamics) -> Vec<f64
     rates
 }
 
-/// Evaluates the polynomial through these values (Lagrange) at a point.
+/// Evaluates the Lagrange polynomial through the given values at a point.
 pub(super) fn interpolated(abscissae: &[f64], values: &[f64], at: f64) -> f64 {
     values.iter().enumerate().map(|(k, value)| lagrange(abscissae, k, at) * value).sum()
 }
 
-/// Computes a zero, in a step of this length, of the polynomial through values whose first and last
-/// one differ in sign, by the secant method.
+/// Computes a zero of the polynomial through sampled values, in a step of the given length, by the
+/// secant method. The first and the last value must differ in sign.
 fn root(abscissae: &[f64], values: &[f64], length: f64) -> Option<f64> {
     let line = |a: f64, fa: f64, b: f64, fb: f64| a - fa * (b - a) / (fb - fa);
     let last = values.len() - 1;

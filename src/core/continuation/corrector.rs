@@ -1,4 +1,5 @@
-//! Newton's method on hyperplanes across a curve, and the tangent from the last factored matrix.
+//! Corrects points of a curve by Newton's method on hyperplanes across the curve, and computes
+//! tangents from the last factored matrix.
 
 use super::curve_point::CurvePoint;
 use super::event::MakeCondition;
@@ -11,22 +12,24 @@ use crate::core::failure::Failure;
 use crate::core::linalg::clear_rounding;
 use crate::core::system::{Kind, Representation, Solution};
 
-/// (H) The largest relative error of a matrix used for the tangent, which only predicts, and for
-/// the number of unstable eigenvalues.
+/// (H) The largest relative error of the matrix from which the tangent and the number of unstable
+/// eigenvalues are computed. A small error is acceptable because the tangent serves only to predict
+/// the next point.
 pub(super) const MATRIX_ERROR: f64 = 1e-4;
 
-/// (H) If the tangent's component along the parameter is smaller than this, its sign, which detects
-/// folds, is computed from the matrix at the point itself: the error of the tangent is
-/// `MATRIX_ERROR` times the condition number of the matrix.
+/// (H) If the component of the tangent along the parameter is smaller than this threshold, the
+/// tangent is computed again from the matrix at the point itself, because the sign of the component
+/// detects folds. With an older matrix, the error of the tangent is `MATRIX_ERROR` times the
+/// condition number of the matrix.
 const UNCERTAIN: f64 = 0.05;
 
-/// (D) The error of parameters is this power of the error of the solution, since collocation
-/// converges faster at the mesh nodes: the smallest ratio of the two orders, `2m` and `m + 1`, for
-/// degrees from 3.
+/// (D) The error of the parameters is estimated as this power of the error of the solution, since
+/// collocation converges faster at the mesh nodes. The exponent is the smallest ratio of the two
+/// orders of convergence, `2m` and `m + 1`, for degrees `m ≥ 3`.
 pub(super) const SUPERCONVERGENCE: f64 = 1.5;
 
-/// (H) The ratio between the error of a parameter's slope and the error of the solution: in a
-/// canard explosion, parameter errors change sign within a hundredth of the scaled arclength.
+/// (H) The ratio between the error of the slope of a parameter and the error of the solution. In a
+/// canard explosion, parameter errors change sign within 0.01 of scaled arclength.
 const WAVES: f64 = 10.0;
 
 /// The equations of a curve with the norm that defines its arclength.
@@ -38,18 +41,19 @@ pub(super) struct Corrector<'a> {
     pub tolerances: Tolerances,
     /// The tolerances of Newton's method at special points.
     pub event_tolerances: Tolerances,
-    /// The relative error of the matrix used for the last tangent and for eigenvalues.
+    /// The relative error of the matrix from which the last tangent and the eigenvalues were
+    /// computed.
     pub matrix_error: f64,
     /// Whether special points are refined on finer discretisations.
     pub refines: bool,
-    /// Whether the phase response is computed at special points of cycles.
+    /// Whether the phase response curve is computed at special points of cycles.
     pub phase_response: bool,
     /// Whether special points have sensitivities.
     pub sensitivities: bool,
 }
 
-/// Sets the units of null vectors to the scales with these weights. Collocation uses the units of
-/// the field instead.
+/// Sets the units of null vectors to the scales that correspond to the given weights. For
+/// collocation, the units of the vector field are used instead.
 fn measure_null_vectors(equations: &mut Extended, weights: &[f64]) {
     let (n, first) = (equations.dimension(), equations.parameters_at());
     let At { system, x, released, null, .. } = equations.at();
@@ -83,14 +87,15 @@ impl<'a> Corrector<'a> {
         }
     }
 
-    /// Changes the scales, and discards Newton's convergence data, which used the former scales.
+    /// Changes the scales, and discards the convergence data of Newton's method, which were
+    /// measured in the former scales.
     pub fn set_metric(&mut self, metric: Metric) {
         self.norm = ScaledNorm::new(metric, self.equations.names());
         measure_null_vectors(&mut self.equations, &self.norm.weights);
         self.newton = Newton::default();
     }
 
-    /// Corrects `X` on a hyperplane.
+    /// Corrects the extended unknowns `X` on a hyperplane by Newton's method.
     pub fn correct(
         &mut self,
         unknowns: &mut [f64],
@@ -100,9 +105,10 @@ impl<'a> Corrector<'a> {
         self.newton.solve(equations, unknowns, Some(closing), &norm.weights, *tolerances)
     }
 
-    /// Returns the tangent at a corrected point, of scaled length 1. The last factored matrix, with
-    /// the same `row`, differs from the matrix at the point by the relative error `matrix_error`;
-    /// if this is too large, the matrix at the point is factored.
+    /// Returns the tangent at a corrected point, of scaled length 1. The tangent is computed from
+    /// the last factored matrix with the same `row`, which differs from the matrix at the point by
+    /// the relative error `matrix_error`. If this error is too large, the matrix at the point is
+    /// factored.
     pub fn tangent(
         &mut self,
         unknowns: &[f64],
@@ -123,14 +129,15 @@ impl<'a> Corrector<'a> {
         Ok(self.factored_tangent())
     }
 
-    /// The scaled component of a direction along the continued parameter.
+    /// Returns the component of a direction along the continued parameter, in units of its scale.
     pub fn slope(&self, direction: &[f64]) -> f64 {
         let parameter = self.equations.parameters_at();
         self.norm.scaled(parameter, direction[parameter])
     }
 
-    /// Sets rounding errors in a point of the curve and its tangent to zero. Both are unchanged on
-    /// a mesh, or if no group is small enough to be a rounding error.
+    /// Sets components of a point of the curve and of its tangent that consist only of rounding
+    /// errors to zero. On a mesh, or if no group of unknowns is small enough to be a rounding
+    /// error, the point and the tangent are unchanged.
     pub fn without_rounding(&mut self, unknowns: &[f64], tangent: &[f64]) -> [Vec<f64>; 2] {
         let is_exact = self.is_exact();
         let names = self.equations.names();
@@ -139,7 +146,7 @@ impl<'a> Corrector<'a> {
         cleared.unwrap_or_else(|| [unknowns.to_vec(), tangent.to_vec()])
     }
 
-    /// Whether solutions are accurate to rounding, without a mesh error.
+    /// Whether solutions are accurate to rounding, without a discretisation error.
     pub fn is_exact(&mut self) -> bool {
         !self.equations.system().representation().is_on_mesh()
     }
@@ -170,7 +177,8 @@ impl<'a> Corrector<'a> {
         Ok([both, direction])
     }
 
-    /// Factors the matrix of a curve with a closing row at an assembled point.
+    /// Factors the matrix of a curve, whose last row is the closing equation, at a point where the
+    /// matrix has been assembled.
     pub fn factor_at(&mut self, unknowns: &[f64], row: &[f64]) -> Result<(), Failure> {
         let mut residual = vec![0.0; unknowns.len()];
         self.equations.residual(unknowns, None, &mut residual)?;
@@ -186,8 +194,8 @@ impl<'a> Corrector<'a> {
         tangent
     }
 
-    /// Returns the derivative of a parameter or a monitor along the curve; `None` if it is not
-    /// differentiable.
+    /// Returns the derivative of a parameter or a monitor along the curve; `None` if the monitor is
+    /// not differentiable.
     pub fn slope_of(
         &mut self,
         quantity: Quantity,
@@ -203,8 +211,8 @@ impl<'a> Corrector<'a> {
         }
     }
 
-    /// Returns the derivatives of all parameters and monitors along the curve; `None` for those
-    /// that are not differentiable.
+    /// Returns the derivatives of all parameters and monitors along the curve; the derivative of a
+    /// monitor that is not differentiable is `None`.
     pub fn slopes(
         &mut self,
         [unknowns, tangent]: [&[f64]; 2],
@@ -220,25 +228,26 @@ impl<'a> Corrector<'a> {
         .collect()
     }
 
-    /// The error of the continued parameter at an ordinary point that follows from Newton's
-    /// tolerance.
+    /// Returns the error of the continued parameter at a regular point that is due to the tolerance
+    /// of Newton's method.
     pub fn parameter_error(&self) -> f64 {
         self.tolerances.tolerance / self.norm.scaled(self.equations.parameters_at(), 1.0)
     }
 
-    /// Estimates the relative error of a solution due to its mesh.
+    /// Estimates the relative discretisation error of a solution on its mesh.
     pub fn mesh_error(&mut self, unknowns: &[f64]) -> f64 {
         self.equations.load(unknowns);
         let At { system, x, .. } = self.equations.at();
         system.traits(x).mesh_error
     }
 
-    /// The largest slope of the continued parameter that may be an error of the mesh.
+    /// Returns the largest slope of the continued parameter that may be due to discretisation
+    /// errors.
     pub fn vertical(&mut self, unknowns: &[f64]) -> f64 {
         VERTICAL.max(WAVES * self.mesh_error(unknowns))
     }
 
-    /// The mesh error of the continued parameter.
+    /// Returns the discretisation error of the continued parameter.
     pub fn mesh_share(&mut self, unknowns: &[f64]) -> f64 {
         self.mesh_error(unknowns) * unknowns[self.equations.parameters_at()].abs()
     }
@@ -251,8 +260,8 @@ impl<'a> Corrector<'a> {
     }
 
     /// Adapts the number of mesh intervals to a point, and interpolates `directions` to the new
-    /// mesh. Returns whether the mesh changed; if so, the point must be corrected and the held
-    /// defining systems restarted.
+    /// mesh. Returns whether the mesh changed; after a change, the point must be corrected and the
+    /// held defining systems must be restarted.
     pub fn fit(
         &mut self,
         unknowns: &mut Vec<f64>,
@@ -279,7 +288,8 @@ impl<'a> Corrector<'a> {
     }
 
     /// Adapts the mesh, scales and borders after a point was accepted, and interpolates `others` to
-    /// a new mesh. Returns the length of the old tangent in the new scales, which may be larger.
+    /// a new mesh. Returns the length of the old tangent in the new scales, which may have
+    /// increased.
     pub fn accept(&mut self, place: &mut CurvePoint, mut others: Vec<&mut [f64]>) -> f64 {
         let n = self.equations.dimension();
         let mut directions: Vec<&mut [f64]> =
@@ -297,12 +307,13 @@ impl<'a> Corrector<'a> {
         length
     }
 
-    /// Resets the data adapted along the curve: scales, the curvature of the equations, and the
-    /// borders of the held defining systems.
+    /// Resets the data that are adapted along the curve: scales, the curvature of the equations,
+    /// and the borders of the held defining systems.
     ///
     /// # Errors
-    /// [`Failure`] if the defining systems cannot be started there. The former ones are then kept;
-    /// their borders remain usable unless the number of unknowns has changed.
+    /// [`Failure`] if the defining systems cannot be set up at the point. After an error, the
+    /// former defining systems are kept; their borders remain usable unless the number of unknowns
+    /// has changed.
     pub fn restore(
         &mut self,
         unknowns: &[f64],
@@ -320,7 +331,7 @@ impl<'a> Corrector<'a> {
         })
     }
 
-    /// Returns the solution at a point of a branch of solutions, on the current mesh.
+    /// Returns the solution at a point of a branch, on the current mesh.
     pub fn solution_at(&mut self, place: &CurvePoint) -> Solution {
         let (n, error) = (self.equations.dimension(), self.parameter_error());
         let mut direction = self.equations.direction_of(&place.tangent);

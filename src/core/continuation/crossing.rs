@@ -8,29 +8,29 @@ use crate::core::bifurcation::{branches_at, vertical_reach};
 use crate::core::failure::Failure;
 use crate::core::linalg::{difference, dot};
 
-/// (H) The largest ratio, for a step from a branch point, of its component along the parent branch
-/// to its component along the traced branch: on the right branch the former is of second order in
-/// the step.
+/// (H) The largest ratio of two components of the first step from a branch point: its component
+/// along the parent branch, and its component along the traced branch. If the step stays on the
+/// traced branch, its component along the parent branch is of second order in the step.
 const MOST_OF_PARENT: f64 = 0.5;
 
-/// The start of a curve at a branch point, along a tangent other than the tangent of the parent
+/// The start of a curve at a branch point, along the tangent of a branch other than the parent
 /// branch.
 pub(super) struct Departure {
     unknowns: Vec<f64>,
-    /// The two tangents, both of scaled length 1.
+    /// The tangents of the parent branch and of the traced branch, both of scaled length 1.
     tangent: Vec<f64>,
     parent: Vec<f64>,
 }
 
 impl Departure {
-    /// Creates the departure from a branch point on a parent branch with the tangent `parent`.
+    /// Creates the start at a branch point of a parent branch, whose tangent is `parent`.
     pub fn new(norm: &ScaledNorm, start: &CurvePoint, mut parent: Vec<f64>) -> Self {
         norm.rescale(&mut parent);
         Departure { unknowns: start.unknowns.clone(), tangent: start.tangent.clone(), parent }
     }
 
-    /// Rejects a first step that lies on the parent branch, from its components along the two
-    /// tangents.
+    /// Rejects a first step that stays on the parent branch, which is detected from the components
+    /// of the step along the two tangents.
     pub fn check(
         &self,
         norm: &ScaledNorm,
@@ -49,8 +49,9 @@ impl Departure {
     }
 }
 
-/// Returns the tangents, of scaled length 1, of the branches that cross at a branch point where the
-/// null space of `F_z` has this many more dimensions than at a regular point.
+/// Returns the tangents, of scaled length 1, of the branches that cross at a branch point. The
+/// dimension of the null space of `F_z` at the branch point exceeds its dimension at a regular
+/// point by the given number.
 ///
 /// # Errors
 /// [`Failure::Undetermined`] if the algebraic bifurcation equations do not determine a tangent.
@@ -70,12 +71,13 @@ pub(super) fn tangents_at_crossing(
     Ok(unloaded.collect())
 }
 
-/// (R) A parameter component of a tangent, in units of its scale, that is rounding if the unknowns
-/// change by their scales.
+/// (R) A parameter component of a tangent smaller than this threshold, in units of its scale, is
+/// zero up to rounding if the unknowns change by their scales.
 const VERTICAL: f64 = 1e-9;
 
-/// Returns the distance along a vertical tangent at a branch point after which the parameter has
-/// changed by its scale; `None` if unknown, or if the tangent is not vertical.
+/// Returns the distance along a branch with a vertical tangent at a branch point, after which the
+/// parameter has changed by its scale; `None` if the distance is unknown, or if the tangent is not
+/// vertical.
 pub(super) fn reach_at_crossing(
     corrector: &mut Corrector,
     unknowns: &[f64],

@@ -1,4 +1,4 @@
-//! A curve with the components that compute and record its points.
+//! A curve, together with the components that compute and record its points.
 
 use super::arnoldi::{Crossings, count_crossings};
 use super::corrector::Corrector;
@@ -10,11 +10,11 @@ use super::refiner::Refiner;
 use crate::core::bifurcation::{Reading, nearest_to_critical};
 use crate::core::failure::Failure;
 
-/// (H) The factor by which the error of eigenvalues may exceed the error of the matrix, which is
-/// known only along the last correction.
+/// (H) The factor by which the error of eigenvalues may exceed the error of the matrix. The error
+/// of the matrix is known only along the direction of the last correction.
 const SPREAD: f64 = 1e3;
 
-/// A curve with the components that compute and record its points.
+/// A curve, together with the components that compute and record its points.
 pub(super) struct Curve<'a> {
     pub corrector: Corrector<'a>,
     pub detector: Detector,
@@ -23,8 +23,8 @@ pub(super) struct Curve<'a> {
 }
 
 impl Curve<'_> {
-    /// Returns the tangent at a corrected point, with respect to `row`. The last factored matrix,
-    /// with the same `row`, differs from the matrix at the point by the relative error
+    /// Returns the tangent at a corrected point, oriented by `row`. The last factored matrix, which
+    /// has the same `row`, differs from the matrix at the point by the relative error
     /// `matrix_error`.
     pub fn tangent(
         &mut self,
@@ -48,8 +48,8 @@ impl Curve<'_> {
         Ok(tangent)
     }
 
-    /// Records the point with the last tangent: monitors, stability (which costs a spectrum) if
-    /// requested, and test functions.
+    /// Records the point at which the last tangent was computed: its monitors, its test functions
+    /// and, if requested, its stability, which requires a spectrum.
     pub fn point(
         &mut self,
         unknowns: Vec<f64>,
@@ -74,7 +74,7 @@ impl Curve<'_> {
         self.tested(unknowns, tangent, determinant, recorded?)
     }
 
-    /// Adds the values of the test functions to a recorded point.
+    /// Evaluates the test functions at a recorded point and stores their values in the point.
     pub fn tested(
         &mut self,
         unknowns: Vec<f64>,
@@ -98,7 +98,7 @@ impl Curve<'_> {
         })
     }
 
-    /// Returns the reading of an event's test function at a point.
+    /// Returns the value of the test function of an event and the stability at a point.
     pub fn reading(&self, event: usize, place: &CurvePoint) -> Reading {
         Reading {
             value: place.tests[event],
@@ -121,8 +121,9 @@ impl Curve<'_> {
         self.point(unknowns, tangent, stability)
     }
 
-    /// Counts the branch points in a step to a point, if requested and not known from eigenvalues.
-    /// The last factored matrix must be the one of that point, with this row.
+    /// Counts the branch points in a step to a point, if the count is requested and not known from
+    /// eigenvalues. The last factored matrix must be the matrix at that point with the last row
+    /// `row`.
     pub fn crossings(
         &mut self,
         from: &CurvePoint,

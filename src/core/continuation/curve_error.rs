@@ -1,15 +1,15 @@
-//! Arclength, and the error of the piecewise cubic curve through the points of a branch with their
-//! tangents.
+//! Arclength, and the error of the piecewise cubic curve that interpolates the points of a branch
+//! and their tangents.
 
 use super::curve_point::CurvePoint;
 use super::hermite::{Knot, hermite};
 use super::metric::ScaledNorm;
 use crate::core::linalg::{difference, dot};
 
-/// Estimates the distance of the curve from the cubic between two points, in scaled arclength: in
-/// the middle, across the chord, by comparison with the quintic that also contains the point
-/// `before`. Without that point, returns the error of the cubic on a circle, `θ⁴/384` times the
-/// radius.
+/// Estimates the distance between the curve and its cubic interpolant between two points, in scaled
+/// arclength. The distance is computed in the middle, perpendicular to the chord, by comparison
+/// with the quintic that also interpolates the point `before`. If `before` is not given, returns
+/// the error of the cubic interpolant of a circular arc, `θ⁴/384` times the radius.
 pub(super) fn curve_error(
     norm: &ScaledNorm,
     before: Option<&CurvePoint>,
@@ -35,22 +35,22 @@ pub(super) fn curve_error(
     norm.of(&across)
 }
 
-/// Creates a knot at a position, with the tangent as the derivative with respect to the arclength
-/// in this norm.
+/// Creates a knot of the interpolant at a position; the tangent is its derivative with respect to
+/// the arclength measured in the given norm.
 fn knot<'a>(norm: &ScaledNorm, u: f64, place: &'a CurvePoint) -> Knot<'a> {
     let CurvePoint { unknowns, tangent, .. } = place;
     Knot { u, x: unknowns, tangent, speed: norm.of(tangent) }
 }
 
-/// The angle between the tangents at two points, in radians, to third order.
+/// Returns the angle between the tangents at two points, in radians, accurate to third order.
 fn turn(norm: &ScaledNorm, [from, to]: [&[f64]; 2]) -> f64 {
     let size = norm.of(from) / norm.of(to);
     let same: Vec<f64> = to.iter().map(|t| size * t).collect();
     norm.distance(from, &same) / norm.of(from)
 }
 
-/// The scaled arclength between two points with their tangents: the chord, plus its difference from
-/// the arc on a circle.
+/// Estimates the scaled arclength between two points from their tangents: the length of the chord,
+/// corrected by the difference between arc and chord on a circle.
 pub(super) fn arclength(norm: &ScaledNorm, from: [&[f64]; 2], to: [&[f64]; 2]) -> f64 {
     let turn = turn(norm, [from[1], to[1]]);
     norm.distance(from[0], to[0]) * (1.0 + turn * turn / 24.0)

@@ -5,29 +5,30 @@ use super::hermite::{Knot, hermite};
 use crate::core::bifurcation::Stability;
 use crate::core::linalg::{Spectrum, dot};
 
-/// A point of the curve with the data for the next step and for events.
+/// A point of a curve with the data needed for the next step and for the detection of events.
 #[derive(Clone)]
 pub(super) struct CurvePoint {
     pub unknowns: Vec<f64>,
     /// The tangent, of scaled length 1.
     pub tangent: Vec<f64>,
-    /// The values of the events' test functions; `None` if unknown.
+    /// The values of the test functions of all events; an unknown value is `None`.
     pub tests: Vec<Option<f64>>,
     pub point: Point,
     /// All eigenvalues or multipliers, if known.
     pub spectrum: Option<Spectrum>,
-    /// The counts of unstable eigenvalues or multipliers, if known.
+    /// The numbers of unstable eigenvalues or multipliers, if known.
     pub stability: Option<Stability>,
-    /// Smaller slopes of the continued parameter may be errors of the mesh.
+    /// The bound below which slopes of the continued parameter may be due to discretisation errors.
     pub vertical: f64,
     /// The sign of the determinant of the Jacobian bordered by the tangent.
     pub determinant: f64,
-    /// The arclength after this point without a branch point, if eigenvalues are not computed.
+    /// The length of the part of the curve after this point that contains no branch point, if
+    /// eigenvalues are not computed.
     pub quiet: f64,
 }
 
 impl CurvePoint {
-    /// The unknowns and the tangent.
+    /// Returns the unknowns and the tangent of the point.
     pub fn on_curve(&self) -> [&[f64]; 2] {
         [&self.unknowns, &self.tangent]
     }
@@ -38,14 +39,14 @@ impl CurvePoint {
 pub(super) struct Interval<'p> {
     pub from: &'p CurvePoint,
     pub to: &'p CurvePoint,
-    /// The distance between the hyperplanes through the two points, along the tangent of the first
-    /// one.
+    /// The distance between the hyperplanes through the two points, measured along the tangent at
+    /// the first point.
     pub length: f64,
 }
 
 impl Interval<'_> {
-    /// Returns the point at the distance `along` from the first point, on the cubic with the
-    /// tangents of both ends; `row` is the covector of the first tangent.
+    /// Returns the point at the distance `along` from the first point, on the cubic Hermite
+    /// interpolant of both ends and their tangents; `row` is the covector of the first tangent.
     pub fn cubic(&self, row: &[f64], along: f64) -> Vec<f64> {
         let Interval { from, to, length } = *self;
         let speed = dot(row, &to.tangent);
@@ -56,13 +57,13 @@ impl Interval<'_> {
         hermite(&knots, along)
     }
 
-    /// Returns the point of the chord at this fraction of its length.
+    /// Returns the point of the chord at the given fraction of its length.
     pub fn chord(&self, share: f64) -> Vec<f64> {
         let ends = self.from.unknowns.iter().zip(&self.to.unknowns);
         ends.map(|(a, b)| a + share * (b - a)).collect()
     }
 
-    /// A component of the unknowns at both ends.
+    /// Returns one component of the unknowns at both ends of the interval.
     pub fn ends(&self, component: usize) -> [f64; 2] {
         [self.from, self.to].map(|end| end.unknowns[component])
     }

@@ -8,9 +8,9 @@ use super::meaning::Meaning;
 use super::newton::{Newton, NewtonError, Tolerances};
 use crate::core::linalg::{self, along};
 
-/// Solves an event's defining system from a guess on the curve, and computes the position of the
-/// solution along `row` from the point `base`. Afterwards the curve's own defining systems are held
-/// again.
+/// Solves the defining system of an event, starting from a guess on the curve, and computes the
+/// position of the solution along `row`, measured from the point `base`. On return, only the
+/// defining systems of the curve itself are held.
 pub(super) fn solve(
     corrector: &mut Corrector,
     event: &Event,
@@ -48,7 +48,7 @@ pub(super) fn solve(
     Ok(located)
 }
 
-/// A solution of a defining system.
+/// A solution of the defining system of an event.
 struct Solved {
     unknowns: Vec<f64>,
     meaning: Meaning,
@@ -56,7 +56,7 @@ struct Solved {
     error: f64,
 }
 
-/// Solves with further defining systems held.
+/// Solves the equations of the curve with additional defining systems held.
 fn solve_with<'m>(
     corrector: &mut Corrector,
     makes: impl Iterator<Item = &'m MakeCondition>,
@@ -84,12 +84,13 @@ fn solve_with<'m>(
     Ok(Solved { unknowns, meaning, error })
 }
 
-/// (H) The number of samples from which rounding is estimated: a single one may be small by chance.
+/// (H) The number of samples from which rounding errors are estimated; a single sample may be small
+/// by chance.
 const SAMPLES: usize = 2;
 
-/// Sets components of `z` that are rounding errors to zero at a solution, with the last factored
-/// matrix. `weights` are the inverse squares of the scales. Does nothing on a mesh, or if the
-/// residual cannot be evaluated.
+/// Sets the components of `z` at a solution that consist only of rounding errors to zero, as
+/// estimated with the last factored matrix. `weights` are the inverse squares of the scales. The
+/// components are unchanged on a mesh, or if the residual cannot be evaluated.
 fn clear_rounding(equations: &mut Extended, unknowns: &mut [f64], weights: &[f64]) {
     if equations.system().representation().is_on_mesh() {
         return;
@@ -107,11 +108,12 @@ fn clear_rounding(equations: &mut Extended, unknowns: &mut [f64], weights: &[f64
     equations.load(unknowns);
 }
 
-/// (R) A component smaller than this, in units of its scale, may be rounding.
+/// (R) A component smaller than this threshold, in units of its scale, may consist only of rounding
+/// errors.
 const SMALL: f64 = 1e-9;
 
-/// Solves a defining system, and estimates the error of the first released parameter: several times
-/// the second of two further corrections.
+/// Solves a defining system, and estimates the error of the first released parameter. The estimate
+/// is a multiple of the second of two additional Newton corrections.
 pub(super) fn converge(
     equations: &mut Extended,
     unknowns: &mut [f64],

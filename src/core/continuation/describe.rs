@@ -18,7 +18,7 @@ use crate::core::linalg::{Spectrum, dot};
 use crate::core::problem::Dynamics;
 use crate::core::system::{Kind, System};
 
-/// Records the special point of an event in an interval.
+/// Records the special point at which an event was located in an interval of the branch.
 pub(super) fn describe(
     curve: &mut Curve,
     index: usize,
@@ -71,12 +71,14 @@ pub(super) fn describe(
     Ok(Located { event: Some(index), along, unknowns, special })
 }
 
-/// (H) The largest error of a critical multiplier with which the others are reliable.
+/// (H) The largest error of a critical multiplier for which the other multipliers are considered
+/// reliable.
 const INACCURATE: f64 = 1e-2;
 
-/// Removes the multipliers of a converged special point of orbits if none of them is near the
-/// critical value: rounding or the mesh hides that multiplier, and others may be wrong as well. The
-/// count is taken from both sides.
+/// Removes the multipliers of a converged special point of periodic orbits if all of them are far
+/// from the critical value. If no multiplier is near the critical value, the critical multiplier is
+/// lost in rounding or discretisation errors, and other multipliers may also be wrong. The number
+/// of unstable multipliers is taken from the points on both sides.
 fn doubt_multipliers(
     special: &mut SpecialPoint,
     critical: Critical,
@@ -100,8 +102,8 @@ fn doubt_multipliers(
     }
 }
 
-/// Adds the error of the discretisation to a special point, and refines the point on a finer mesh
-/// if its kind requires it; `beside` is a point of the branch near it.
+/// Adds the discretisation error to the error of a special point, and refines the special point on
+/// a finer mesh if its kind requires refinement; `beside` is a nearby point of the branch.
 fn with_error(
     curve: &mut Curve,
     event: &Event,
@@ -141,8 +143,9 @@ fn with_error(
     special
 }
 
-/// Adds the error of the discretisation to the numbers of a point that is located by bracketing: a
-/// finer discretisation gives the point of the curve with the same value of the last parameter.
+/// Adds the discretisation error to the named numbers of a special point that is located by
+/// bracketing. The error is computed from the point of the curve on a finer discretisation that has
+/// the same value of the last parameter.
 fn refine_numbers(curve: &mut Curve, event: &Event, special: &mut SpecialPoint, beside: &Point) {
     let Curve { corrector, recorder, refiner, .. } = curve;
     let Some(&last) = corrector.equations.released.last() else { return };
@@ -170,17 +173,17 @@ fn own_count(
     Some(unstable_besides(critical, system.dynamics(), spectrum))
 }
 
-/// Returns the number of unstable eigenvalues at a point that has not converged: the smaller of the
-/// numbers on the two sides. `None` if the sides differ by more than the critical eigenvalues, as
-/// beyond a singularity.
+/// Returns the number of unstable eigenvalues at a special point that has not converged: the
+/// smaller of the numbers on the two sides; `None` if these two numbers differ by more than the
+/// number of critical eigenvalues, as beyond a singularity.
 fn common_count(critical: Critical, [before, after]: [Option<usize>; 2]) -> Option<usize> {
     let (before, after) = (before?, after?);
     (before.abs_diff(after) <= critical.count()).then_some(before.min(after))
 }
 
-/// Returns the tangent at a special point, which is left assembled; `share` is its relative
-/// position in the interval. At a branch point, where there are several tangents, it is the one
-/// nearest to the direction of the branch.
+/// Returns the tangent at a special point, and assembles the matrix at this point; `share` is the
+/// relative position of the special point in the interval. At a branch point, which has several
+/// tangents, returns the tangent closest to the direction of the branch.
 fn tangent_between(
     corrector: &mut Corrector,
     crossing: bool,

@@ -8,15 +8,16 @@ use crate::core::bifurcation::PointValues;
 use crate::core::failure::Failure;
 use crate::core::system::Kind;
 
-/// Whether a sign changes.
+/// Whether two numbers have opposite signs.
 pub(super) fn turns(before: Option<f64>, after: Option<f64>) -> bool {
     matches!((before, after), (Some(before), Some(after)) if before * after < 0.0)
 }
 
-/// The events that are monitored along a curve.
+/// The events that are monitored along a curve, and the evaluation of their test functions.
 pub(super) struct Detector {
     pub events: Vec<Event>,
-    /// Defining systems whose values are test functions, one for each event that needs it.
+    /// The defining systems whose left sides serve as test functions, one for each event that needs
+    /// a defining system.
     tested: Vec<Option<Tested>>,
 }
 
@@ -25,13 +26,14 @@ impl Detector {
         Detector { tested: events.iter().map(Event::tested).collect(), events }
     }
 
-    /// Starts the defining systems whose values are test functions, at the start of a curve.
+    /// Prepares, at the start of a curve, the defining systems whose left sides serve as test
+    /// functions.
     pub fn start(&mut self, equations: &mut Extended) -> Result<(), Failure> {
         self.tested.iter_mut().flatten().try_for_each(|tested| tested.state(equations.at()))
     }
 
-    /// Re-evaluates the defining systems whose values are test functions at a point, since the
-    /// signs of null vectors may have changed.
+    /// Evaluates again, at a point, the defining systems whose left sides serve as test functions,
+    /// since the signs of null vectors may have changed.
     pub fn restate(&mut self, equations: &mut Extended, place: &mut CurvePoint) {
         equations.load(&place.unknowns);
         for (tested, value) in self.tested.iter_mut().zip(&mut place.tests) {
@@ -44,28 +46,29 @@ impl Detector {
         }
     }
 
-    /// Whether a test function needs the matrix at the point itself.
+    /// Whether some test function needs the matrix at the point itself, not the matrix of an
+    /// earlier Newton iteration.
     pub fn needs_matrix(&self) -> bool {
         self.tested.iter().flatten().any(|tested| tested.stated && tested.condition.assembles())
     }
 
-    /// Whether the sign of an event's test function is arbitrary: the sign of a determinant, or of
-    /// null vectors.
+    /// Whether the sign of the test function of an event is arbitrary, because it depends on the
+    /// sign of a determinant or of null vectors.
     pub fn is_sign_free(&self, index: usize) -> bool {
         self.tested[index].is_some() || self.branch_points() == Some(index)
     }
 
-    /// The position of the event for branch points.
+    /// Returns the index of the event that detects branch points.
     pub fn branch_points(&self) -> Option<usize> {
         self.events.iter().position(|event| event.kind == Kind::BP && event.condition.is_some())
     }
 
-    /// Whether a branch point is passed between two points.
+    /// Whether the step between two points passes a branch point.
     pub fn passes_branch_point(&self, Interval { from, to, .. }: Interval) -> bool {
         self.branch_points().is_some_and(|index| turns(from.tests[index], to.tests[index]))
     }
 
-    /// Evaluates the events' test functions at the recorded point, with its tangent.
+    /// Evaluates the test functions of all events at a recorded point with its tangent.
     pub fn values(
         &mut self,
         equations: &mut Extended,
@@ -86,7 +89,8 @@ impl Detector {
         values.collect()
     }
 
-    /// Reverses the direction of the curve at a point.
+    /// Reverses the direction of the curve at a point: its tangent and the test functions that
+    /// depend on the direction.
     pub fn reverse(&self, place: &mut CurvePoint) {
         place.tangent.iter_mut().for_each(|t| *t = -*t);
         place.determinant = -place.determinant;

@@ -1,4 +1,5 @@
-//! Detection of pairs of events within one step: a test function has the same sign at both ends.
+//! Detection of two events of the same kind within one step, where the test function has the same
+//! sign at both ends of the step.
 
 use super::curve::Curve;
 use super::curve_point::CurvePoint;
@@ -8,17 +9,19 @@ use super::step_control::{LARGEST_ANGLE, MOST_DISTANT, Step};
 use crate::core::linalg::dot;
 use crate::core::numerics::extremum;
 
-/// (H) An extremum predicted this close to zero, relative to the values at the ends, is examined:
-/// the parabola may be wrong by a third of the smaller end value.
+/// (H) A predicted extremum of a test function is examined if it is closer to zero than this
+/// threshold, relative to the values at the ends. The interpolating parabola may be wrong by a
+/// third of the smaller end value.
 const NEAR: f64 = 0.3;
 
 /// (H) The number of trial points for one extremum; for a smooth function, the last two or three
-/// are within rounding of it.
+/// trial points agree with the extremum up to rounding.
 const TRIALS: usize = 4;
 
-/// Returns a shorter step, to a point between `from` and the end of `step` where some test function
-/// has the opposite sign to both ends. Candidates are extrema, close to or beyond zero, of the
-/// parabola through the last three values.
+/// Returns a shorter step, which ends between `from` and the end of `step` at a point where some
+/// test function has the opposite sign to its values at both ends. Candidates for this point are
+/// extrema, close to or beyond zero, of the parabola through the last three values of the test
+/// function.
 pub(super) fn double_crossing(
     curve: &mut Curve,
     before: &Earlier,
@@ -54,8 +57,8 @@ pub(super) fn double_crossing(
 }
 
 /// Searches for a point at which a function has the opposite sign to the last two of three samples
-/// `(length, value)`. Stability is computed at trial points if it `decides`, and at the end of the
-/// new step.
+/// `(length, value)`. Stability is computed at the end of the new step, and, if `decides` is set,
+/// also at each trial point.
 fn search(
     locator: &mut Locator,
     mut samples: Vec<(f64, f64)>,

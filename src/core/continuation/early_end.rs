@@ -1,5 +1,5 @@
-//! Branch ends where Newton's method still converges: meshes that are too coarse, and homoclinic
-//! orbits.
+//! Ends of branches at points where Newton's method still converges: because the mesh is too
+//! coarse, or because orbits approach a homoclinic orbit.
 
 use super::corrector::{Corrector, SUPERCONVERGENCE};
 use super::curve_point::CurvePoint;
@@ -9,74 +9,78 @@ use crate::core::bifurcation::At;
 use crate::core::system::{Approach, HOMOCLINIC_RATES, Traits};
 
 /// (H) A branch ends after this number of consecutive points whose mesh is too coarse; mesh
-/// adaptation may lag behind the solution for a few steps.
+/// adaptation may follow changes of the solution with a delay of a few steps.
 const MOST_COARSE: usize = 3;
 
-/// (H) A branch ends after this number of consecutive steps towards a homoclinic orbit. In such
-/// steps the parameters change by no more than the errors of Newton's method and of the mesh, after
-/// larger changes before; beyond, only noise remains.
+/// (H) A branch ends after this number of consecutive steps towards a homoclinic orbit. When a
+/// branch approaches a homoclinic orbit, the changes of the parameters per step decrease to less
+/// than the errors of Newton's method and of the mesh. Farther along the branch, the parameters
+/// contain only numerical noise.
 const MOST_STILL: usize = 3;
 
-/// (H) Fewer steps suffice if the period has grown by this factor in the meantime: the additional
-/// time is spent near the equilibrium, where the mesh soon fails.
+/// (H) Fewer steps towards a homoclinic orbit suffice to end the branch if the period has grown by
+/// this factor during these steps. The additional time is spent near the equilibrium, where the
+/// mesh soon becomes too coarse.
 const GROWN: f64 = 1.1;
 
-/// (H) Near a homoclinic orbit the extents of a cycle change by less than this fraction of the
-/// growth of the period, both relative to their sizes: only the time near the equilibrium grows.
+/// (H) Near a homoclinic orbit, only the time near the equilibrium grows: the relative change of
+/// the extents of a cycle is smaller than this fraction of the relative change of its period.
 const STILL: f64 = 0.05;
 
-/// (H) The distance from the equilibrium must fall below this fraction of its value where the
-/// parameters stopped changing.
+/// (H) The branch ends when the distance of the cycle from the equilibrium is smaller than this
+/// fraction of the distance at the point where the parameters became constant.
 const NEARER: f64 = 0.8;
 
 /// (H) A cycle is near a homoclinic orbit if its distance from an equilibrium is less than this
-/// fraction of its extents. The cycles of slow–fast systems spend long times near saddles at 5e-4
-/// and more.
+/// fraction of its extents. Cycles of slow–fast systems, which are not homoclinic, spend long times
+/// at distances of 5e-4 and more from saddles.
 const NEAR: f64 = 2e-4;
 
-/// (H) A leading eigenvalue smaller than this fraction of the largest one on this half of the
-/// branch is near zero: homoclinic orbits to a non-hyperbolic equilibrium take infinite time, and
-/// steps towards them become ever smaller.
+/// (H) A leading eigenvalue counts as nearly zero if it is smaller than this fraction of its
+/// largest value on the same half of the branch. Homoclinic orbits to a non-hyperbolic equilibrium
+/// take infinite time in the truncated problem, and steps towards them become ever smaller.
 const WEAK: f64 = 1e-3;
 
-/// (H) If no step succeeds, a leading eigenvalue smaller than this fraction of the largest one is
+/// (H) If no step succeeds, a leading eigenvalue smaller than this fraction of its largest value is
 /// reported as the reason.
 const WEAK_AT_FAILURE: f64 = 0.05;
 
-/// The state of the checks for an early end along a half of a branch.
+/// The state of the checks, along one half of a branch, for an end at a point where Newton's method
+/// still converges.
 #[derive(Default)]
 pub(super) struct EarlyEnd {
     /// The number of consecutive points whose mesh is too coarse.
     coarse: usize,
     /// The number of consecutive steps towards a homoclinic orbit.
     still: usize,
-    /// Whether constant parameters indicate a homoclinic orbit: after earlier changes, or from a
-    /// start near one.
+    /// Whether constant parameters indicate a homoclinic orbit. Constant parameters are an
+    /// indication if the parameters changed earlier along the branch, or if the branch started near
+    /// a homoclinic orbit.
     may_halt: bool,
-    /// The shortest and the last period.
+    /// The shortest and the last period along this half of the branch.
     periods: Option<[f64; 2]>,
-    /// The approach of the cycle to an equilibrium where the parameters stopped changing, and its
-    /// period there.
+    /// The distance of the cycle from an equilibrium and its period, at the point where the
+    /// parameters became constant.
     halt: Option<(Approach, f64)>,
-    /// For each leading eigenvalue of the saddles of homoclinic orbits, the largest and the last
-    /// value.
+    /// The largest and the last value, along this half of the branch, of each leading eigenvalue of
+    /// the saddle of homoclinic orbits.
     rates: [[f64; 2]; 2],
-    /// Whether the states of a segment have become small.
+    /// Whether the states of some segment have become small compared with their scales.
     pub small: bool,
 }
 
-/// (D) States smaller than this, in units of their scales, have at most three significant digits:
-/// tolerances of 1e-10 are relative to the scales.
+/// (D) States smaller than this threshold, in units of their scales, have at most three significant
+/// digits, because tolerances of 1e-10 are relative to the scales.
 const SMALL: f64 = 1e-7;
 
 impl EarlyEnd {
-    /// The number of consecutive steps towards a homoclinic orbit, including the last one.
+    /// Returns the number of consecutive steps towards a homoclinic orbit, including the last step.
     pub fn still(&self) -> usize {
         self.still
     }
 
-    /// Returns the end of the branch at an accepted point, if a check fails; `before` is the
-    /// preceding point.
+    /// Returns the reason why the branch ends at an accepted point, if one of the checks requires
+    /// its end; `before` is the preceding point.
     pub fn reached(
         &mut self,
         corrector: &mut Corrector,
@@ -128,8 +132,8 @@ impl EarlyEnd {
         }
     }
 
-    /// Returns the end of a curve of homoclinic orbits at a nearly non-hyperbolic equilibrium: a
-    /// leading eigenvalue has fallen below a fraction of its largest value.
+    /// Returns the end of a curve of homoclinic orbits whose equilibrium is nearly non-hyperbolic,
+    /// which is detected by a leading eigenvalue below a fraction of its largest value.
     fn weak_saddle(&self, part: f64) -> Option<End> {
         let all = HOMOCLINIC_RATES.into_iter().zip(self.rates);
         let mut weak = all.filter(|(_, [largest, rate])| rate.abs() < part * largest);
@@ -137,7 +141,8 @@ impl EarlyEnd {
         Some(End::WeakSaddle { name: name.into(), largest, rate })
     }
 
-    /// Replaces the end of a half by the reason why no step succeeds there, if known.
+    /// Replaces the end of one half of a branch by the reason why no step succeeds at that end, if
+    /// the reason is known.
     pub fn explained(&self, end: End) -> End {
         match end {
             End::StepTooSmall { .. } | End::NoProgress { .. } | End::MeshTooCoarse { .. } => {
@@ -147,8 +152,8 @@ impl EarlyEnd {
         }
     }
 
-    /// Returns the distance of a cycle from an equilibrium if the cycle has approached a homoclinic
-    /// orbit for several steps.
+    /// Returns the distance of a cycle from an equilibrium, if several consecutive steps have
+    /// approached a homoclinic orbit.
     fn nearer(&mut self, now: Option<Approach>, period: f64, error: f64) -> Option<f64> {
         let Some(now) = now else {
             (self.still, self.halt) = (0, None);
@@ -168,7 +173,7 @@ impl EarlyEnd {
     }
 }
 
-/// The change of the parameters in a step, in units of their scales.
+/// Returns the change of the parameters in a step, in units of their scales.
 fn changed(corrector: &Corrector, place: &CurvePoint, before: &CurvePoint) -> f64 {
     let first = corrector.equations.parameters_at();
     let parameters = place.unknowns[first..].iter().zip(&before.unknowns[first..]);
@@ -177,19 +182,19 @@ fn changed(corrector: &Corrector, place: &CurvePoint, before: &CurvePoint) -> f6
     changes.fold(0.0, f64::max)
 }
 
-/// Computes the approach of a cycle to an equilibrium.
+/// Computes the smallest distance of a cycle from an equilibrium.
 fn approach(corrector: &mut Corrector, place: &CurvePoint) -> Option<Approach> {
     corrector.equations.load(&place.unknowns);
     let At { system, x, .. } = corrector.equations.at();
     system.discretised()?.approach(x)
 }
 
-/// (H) If deviations grow by more than this over a segment, the growth is reported as the reason
-/// for short steps.
+/// (H) If deviations grow by more than this factor over a segment, the growth is reported as the
+/// reason why steps are short.
 const STEEP: f64 = 1e5;
 
-/// Returns the growth of deviations over a segment of the last assembled point, if the growth may
-/// be the reason why a half of a branch ended.
+/// Returns the factor by which deviations grow over a segment of the last assembled orbit, if the
+/// growth may be the reason why one half of a branch ended.
 pub(super) fn stopping_growth(corrector: &mut Corrector, end: &End) -> Option<f64> {
     let stopped =
         matches!(end, End::StepTooSmall { .. } | End::NoProgress { .. } | End::PointLimit { .. });

@@ -23,16 +23,18 @@ pub enum End {
         /// The bound.
         value: f64,
     },
-    /// The solution touches a surface, and would cross it beyond.
+    /// The orbit grazes a surface at the end of the branch, and would cross the surface beyond the
+    /// end.
     #[error("{}: {name} vanishes", subkind.as_deref().unwrap_or("the solution grazes"))]
     Grazing {
-        /// The monitor that vanishes.
+        /// The name of the monitor that vanishes at the end.
         name: String,
-        /// The standard name of the point, if any: `grazing-sliding`.
+        /// The standard name of the end point, such as `grazing-sliding`, if it has one.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         subkind: Option<String>,
     },
-    /// The reset of an event is discontinuous there, as with an `if`: no solution is close beyond.
+    /// The reset of an event is discontinuous at the end of the branch, for example because of an
+    /// `if`, so that the branch does not continue to nearby solutions.
     #[error(
         "the reset of the event `{event}` jumps: after the event, {state} changes from {from:.6e} to {to:.6e}; \
          start the branch beyond from a simulated cycle"
@@ -40,11 +42,11 @@ pub enum End {
     ResetJumps {
         /// The event.
         event: String,
-        /// The state with the largest jump.
+        /// The name of the state with the largest jump.
         state: String,
-        /// The value of the state after the event, before the jump.
+        /// The value of the state after the event, on the near side of the discontinuity.
         from: f64,
-        /// The value of the state beyond the jump.
+        /// The value of the state after the event, on the far side of the discontinuity.
         to: f64,
     },
     /// The curve is closed: it returned to its start.
@@ -56,17 +58,17 @@ pub enum End {
     /// The maximal number of points was reached.
     #[error("{points} points, as many as `max_points` allows")]
     PointLimit {
-        /// The number of points.
+        /// The number of points on the branch.
         points: usize,
     },
-    /// A step of the smallest allowed length failed.
+    /// The continuation failed with the smallest allowed step.
     #[error("even a step of {step:.1e} fails: {cause}")]
     StepTooSmall {
-        /// The smallest step tried, in units of scaled arclength.
+        /// The length of the smallest attempted step, in scaled arclength.
         step: f64,
-        /// The message of Newton's failure.
+        /// The error message of Newton's method.
         cause: String,
-        /// Newton's failure, which is not saved.
+        /// The error of Newton's method, which is not saved to files.
         #[serde(skip)]
         failure: Option<Box<NewtonError>>,
     },
@@ -76,108 +78,111 @@ pub enum End {
          bound the branch"
     )]
     MeshTooCoarse {
-        /// The estimated relative error.
+        /// The estimated relative error of the solution on its mesh.
         error: f64,
-        /// The largest allowed error.
+        /// The largest allowed relative error of the solution.
         limit: f64,
     },
     /// Cycles approach a homoclinic orbit, or a heteroclinic cycle: the period grows while the
     /// parameters change by no more than their errors, and the orbit approaches an equilibrium.
-    /// Special points that do not converge while the parameters are constant are omitted.
+    /// Special points that are found where the parameters are constant, and do not converge, are
+    /// omitted.
     #[error(
         "the cycles come near a homoclinic orbit: the period grows to {period:.6} while the parameters stand still, and \
          the orbit comes within {distance:.1e} of its size to an equilibrium"
     )]
     Homoclinic {
-        /// The period at the end.
+        /// The period at the end of the branch.
         period: f64,
-        /// The distance from the equilibrium, relative to the size of the orbit.
+        /// The distance of the orbit from the equilibrium, relative to the size of the orbit.
         distance: f64,
     },
-    /// A leading eigenvalue of the equilibrium of homoclinic orbits approaches zero, where orbits
-    /// take infinite time.
+    /// A leading eigenvalue of the equilibrium of homoclinic orbits approaches zero. At zero, the
+    /// approach to the equilibrium is slower than exponential.
     #[error(
         "the equilibrium of the homoclinic orbits is nearly non-hyperbolic: `{name}` falls to {rate:.1e} from \
          {largest:.1e}"
     )]
     WeakSaddle {
-        /// The monitor of the eigenvalue.
+        /// The name of the monitor that contains the eigenvalue.
         name: String,
-        /// The largest real part on this half of the branch.
+        /// The largest real part of the eigenvalue on this half of the branch.
         largest: f64,
-        /// The real part at the end.
+        /// The real part of the eigenvalue at the end of the branch.
         rate: f64,
     },
-    /// The period has grown by more than the setting allows.
+    /// The period has grown by more than the settings allow.
     #[error(
         "the period grows from {shortest:.6} to {period:.6}, by more than `max_period_growth` allows"
     )]
     LongPeriod {
-        /// The period at the end.
+        /// The period at the end of the branch.
         period: f64,
         /// The shortest period on this half of the branch.
         shortest: f64,
     },
-    /// A branch of cycles turns again and again at the same two values of the parameter, while the
-    /// period grows.
+    /// A branch of cycles has many folds at the same two values of the parameter, while the period
+    /// grows (snaking).
     #[error(
         "the branch snakes: its last {turns} turns lie near {:.6} and {:.6} while the period grows from {from:.6} to \
          {to:.6}, as near a homoclinic orbit to another cycle; bound the period to follow it farther",
         values[0], values[1]
     )]
     Snaking {
-        /// The number of turns at the same two values.
+        /// The number of folds at the same two values of the parameter.
         turns: usize,
-        /// The smaller and the larger value of the parameter.
+        /// The two values of the parameter at the folds; the smaller value comes first.
         values: [f64; 2],
-        /// The period at the first of these turns.
+        /// The period at the first of these folds.
         from: f64,
-        /// The period at the end.
+        /// The period at the end of the branch.
         to: f64,
     },
-    /// A group of unknowns grows without bound, while the parameters are constant.
+    /// A group of unknowns grows without bound while the parameters are constant.
     #[error(
         "the branch goes to infinity: {name} grows from {from:.3e} to {to:.3e} while the parameters are constant; \
          bound the branch to end it sooner"
     )]
     Infinite {
-        /// The group of unknowns.
+        /// The name of the group of unknowns that grows.
         name: String,
-        /// The norm of the group where the parameters became constant.
+        /// The norm of the group of unknowns at the point where the parameters became constant.
         from: f64,
-        /// The norm of the group at the end.
+        /// The norm of the group of unknowns at the end of the branch.
         to: f64,
     },
-    /// The curve converges to a point, such as a manifold of a saddle to a stable node.
+    /// The curve converges to a point, for example an invariant manifold of a saddle to a stable
+    /// node.
     #[error("the curve converges to the point ({}), which iterates do not reach", numbers(point))]
     ConvergesTo {
-        /// The states of the point.
+        /// The states of the point to which the curve converges.
         point: Vec<f64>,
     },
-    /// The branch did not advance over many steps.
+    /// The branch did not make net progress over many steps.
     #[error(
         "no progress: over the last {points} points, {way:.1e} of scaled arclength, each parameter and group of \
          unknowns moved by at most {ahead:.1e} of its path length: the discretisation may be too coarse, or the \
          solution is dominated by rounding; refine it, or bound the branch"
     )]
     NoProgress {
-        /// The number of points.
+        /// The number of points over which the branch made no net progress.
         points: usize,
-        /// The length of these steps.
+        /// The total arclength of the steps without net progress.
         way: f64,
-        /// The largest ratio of a quantity's net change over these steps to the length of its path.
+        /// The largest ratio, over all recorded quantities, of the net change of a quantity in
+        /// these steps to the length of its path.
         ahead: f64,
     },
-    /// A terminal event happened.
+    /// A terminal event occurred, which ends the branch.
     #[error("the event `{event}` ends the branch")]
     Event {
         /// The event.
         event: String,
     },
-    /// Interrupted by the user; all points up to there are kept.
+    /// The user interrupted the continuation; all points computed before the interruption are kept.
     #[error("interrupted")]
     Interrupted,
-    /// The branch was only traced in the other direction.
+    /// The branch was traced only in the direction opposite to this end.
     #[error("the start of the branch: this direction was not requested")]
     Start,
 }
@@ -188,9 +193,9 @@ fn numbers(values: &[f64]) -> String {
 }
 
 impl End {
-    /// Whether the end needs no attention: at a bound, a surface, an event or the start, on a
-    /// closed curve, or on request. Summaries explain all other ends, and `--strict` fails for
-    /// them.
+    /// Whether the branch ended as expected: at a bound, a grazing, an event or its start, on a
+    /// closed curve, or on request. Summaries explain all other ends, and the option `--strict`
+    /// turns other ends into errors.
     ///
     /// ```
     /// use tangency::core::continuation::End;
@@ -219,7 +224,7 @@ impl End {
         }
     }
 
-    /// The end where a limit of admissible solutions vanishes.
+    /// Creates the end at a limit of admissible solutions, where the monitor of the limit vanishes.
     pub(super) fn at_limit(name: String, subkind: Option<String>) -> Self {
         End::Grazing { name, subkind }
     }

@@ -1,4 +1,4 @@
-//! Errors at the start of a trace.
+//! Errors that prevent the start of a continuation.
 
 use super::newton::NewtonError;
 use super::settings::SettingError;
@@ -8,46 +8,46 @@ use crate::core::problem::UnknownName;
 
 debug_is_message!(TraceError);
 
-/// Reasons why a trace could not start.
+/// Reasons why the continuation of a curve could not start.
 #[derive(Clone, PartialEq, miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum TraceError {
-    /// A name that does not exist in the problem.
+    /// A name of a parameter, monitor or group of unknowns does not exist in the problem.
     #[error(transparent)]
     #[diagnostic(transparent)]
     UnknownName(#[from] UnknownName),
-    /// A parameter released twice.
+    /// A parameter is released twice.
     #[error("the parameter `{0}` is released twice")]
     Twice(String),
-    /// A start outside a range or bound.
+    /// The start lies outside the range or bounds of a parameter or monitor.
     #[error("the start {name} = {value} is not in its range {low} to {high}")]
     #[diagnostic(help("start within the range, or widen the range"))]
     OutOfRange {
-        /// The parameter or monitor.
+        /// The name of the parameter or monitor.
         name: String,
-        /// The value at the start.
+        /// The value of the parameter or monitor at the start.
         value: f64,
         /// The lower end.
         low: f64,
         /// The upper end.
         high: f64,
     },
-    /// A range that is empty or NaN.
+    /// The range of a parameter or monitor is empty or contains NaN.
     #[error("the range of {name}, {low} to {high}, is empty: its lower end comes first")]
     EmptyRange {
-        /// The parameter or monitor.
+        /// The name of the parameter or monitor.
         name: String,
         /// The lower end.
         low: f64,
         /// The upper end.
         high: f64,
     },
-    /// A mark or a scale that is not a usable number.
+    /// A mark or a scale is not a usable number.
     #[error("{what} of {name} is {value}, but must be {range}")]
     Value {
-        /// The kind of number: `the mark`, `the scale`.
+        /// The role of the number: `the mark` or `the scale`.
         what: &'static str,
-        /// The parameter, monitor or group of unknowns.
+        /// The name of the parameter, monitor or group of unknowns.
         name: String,
         /// The value.
         value: f64,
@@ -61,51 +61,53 @@ pub enum TraceError {
     Released {
         /// The number of released parameters.
         released: usize,
-        /// The number of parameters needed.
+        /// The number of parameters that must be released.
         needed: usize,
     },
-    /// A kind of special point without a defining system in the library.
+    /// The library does not contain a defining system for a kind of special point.
     #[error(
         "curves of {0} points ({meaning}) cannot be followed here: the library has no defining system for them",
         meaning = .0.meaning()
     )]
     NotHeld(crate::core::system::Kind),
-    /// An event whose test function is a defining system with auxiliary unknowns.
+    /// The defining system of an event has auxiliary unknowns, so that its left side cannot serve
+    /// as the test function.
     #[error(
         "the defining system of the event `{0}` has auxiliary unknowns and cannot be a test function"
     )]
     #[diagnostic(help("give a test function with `Event::with_test`"))]
     NoTest(String),
-    /// An event for a parameter or monitor whose position is out of range.
+    /// An event refers to a parameter, monitor or auxiliary unknown whose index is out of range.
     #[error(
         "the event `{event}` refers to {what} {position}, but there are only {count} (numbered from 0)"
     )]
     Position {
         /// The event.
         event: String,
-        /// `parameter`, `monitor` or `auxiliary unknown`.
+        /// The type of the quantity: `parameter`, `monitor` or `auxiliary unknown`.
         what: &'static str,
         /// The position.
         position: usize,
-        /// The number of parameters, monitors or unknowns.
+        /// The number of parameters, monitors or auxiliary unknowns.
         count: usize,
     },
-    /// A monitor without a gradient, which cannot be held.
+    /// A monitor cannot be held at a level, because it has no gradient.
     #[error("the monitor `{0}` has no gradient and cannot be held")]
     #[diagnostic(help("attach the monitor with `smooth_monitor`"))]
     NoGradient(String),
-    /// A state of the wrong length.
+    /// The start has the wrong number of unknowns.
     #[error(
         "the start has {found} unknowns, but the problem has {expected}: was the start computed with \
          other settings?"
     )]
     StateLength {
-        /// The length of the given state.
+        /// The number of unknowns of the given start.
         found: usize,
-        /// The number of unknowns.
+        /// The number of unknowns of the problem.
         expected: usize,
     },
-    /// A solution with a different number of parameters.
+    /// The solution at which the curve starts has a different number of parameters than the
+    /// problem.
     #[error("the solution to start from has {found} parameters, but the problem has {expected}")]
     ParameterCount {
         /// The number of parameters of the solution.
@@ -113,17 +115,18 @@ pub enum TraceError {
         /// The number of parameters of the problem.
         expected: usize,
     },
-    /// A label that does not exist on the branch.
+    /// The branch has no special point with the requested label.
     #[error("branch `{branch}` has no label {label}; its labels are 1 to {last}")]
     Label {
         /// The branch.
         branch: String,
         /// The label.
         label: usize,
-        /// The last label that exists.
+        /// The largest label on the branch.
         last: usize,
     },
-    /// A special point that has not converged, at which a branch starts only on explicit request.
+    /// The special point at which the curve starts has not converged. A curve starts at an
+    /// unconverged point only on explicit request.
     #[error(
         "the {kind} with label {label} of branch `{branch}` has not converged (it lies between {} and {})", bracket[0], bracket[1]
     )]
@@ -135,12 +138,12 @@ pub enum TraceError {
         branch: String,
         /// The label.
         label: usize,
-        /// The kind of the point.
+        /// The kind of the special point.
         kind: crate::core::system::Kind,
-        /// The values of the continued parameter between which the point lies.
+        /// The values of the continued parameter between which the special point lies.
         bracket: [f64; 2],
     },
-    /// A kind of special point that cannot be held for solutions of the problem.
+    /// A kind of special point cannot be held for solutions of the problem.
     #[error("{kind} ({}) cannot be held: {reason}", kind.meaning())]
     NotOfProblem {
         /// The kind.
@@ -148,23 +151,23 @@ pub enum TraceError {
         /// The reason why the kind cannot be held.
         reason: String,
     },
-    /// Two unknowns, parameters or monitors with the same name.
+    /// Two unknowns, parameters or monitors have the same name.
     #[error("two {what} of the problem are called `{name}`")]
     #[diagnostic(help("choose different names"))]
     SameName {
-        /// `unknowns`, `parameters` or `monitors`.
+        /// The type of the quantities with the same name: `unknowns`, `parameters` or `monitors`.
         what: &'static str,
         /// The name.
         name: String,
     },
-    /// A setting out of its range.
+    /// The value of a setting is out of range.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Setting(#[from] SettingError),
-    /// Several of the errors above.
+    /// Several errors of the other variants.
     #[error("{}", several(.0))]
     Several(Vec<TraceError>),
-    /// Newton's method failed at the start.
+    /// Newton's method failed at the start of the curve.
     #[error("could not compute the starting point of the branch `{branch}` at {place}: {cause}")]
     #[diagnostic(forward(cause))]
     Start {

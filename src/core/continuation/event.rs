@@ -11,23 +11,26 @@ use crate::core::scalar::Chunk;
 use crate::core::system::Kind;
 use std::sync::Arc;
 
-/// Makes a new defining system: one for the branch, one for each refinement.
+/// A function that creates a new defining system; it is called once for the branch and once for
+/// each refinement.
 pub(super) type MakeCondition = Arc<dyn Fn() -> Box<dyn DefiningSystem> + Send + Sync>;
 
-/// The sign changes that count as events, along the branch from its first point to its last, the
-/// direction in which the (last released) parameter increases at the start.
+/// The direction of the sign changes that count as events. The direction refers to the branch from
+/// its first point to its last; in this direction, the (last released) parameter increases at the
+/// start.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Direction {
-    /// Both sign changes.
+    /// Sign changes in both directions count as events.
     #[default]
     Either,
-    /// From negative to positive.
+    /// Only sign changes from negative to positive count as events.
     Rising,
-    /// From positive to negative.
+    /// Only sign changes from positive to negative count as events.
     Falling,
 }
 
-/// An event on a branch: a test function that changes sign, and the defining system of the point.
+/// An event on a branch, given by a test function that changes sign at the event, and a defining
+/// system of the event point.
 ///
 /// ```
 /// use tangency::core::bifurcation::Quantity;
@@ -40,40 +43,42 @@ pub enum Direction {
 /// ```
 #[derive(Clone)]
 pub struct Event {
-    /// The name, which is stored with the special point.
+    /// The name of the event, which is stored with the special point.
     pub name: String,
-    /// The kind of special point.
+    /// The kind of special point at the event.
     pub kind: Kind,
-    /// The test function.
+    /// The test function, which changes sign at the event.
     pub test: Arc<dyn TestFunction>,
-    /// The sign changes that count.
+    /// The direction of the sign changes that count as events.
     pub direction: Direction,
     /// Whether the branch ends at the event.
     pub terminal: bool,
-    /// Makes the defining system; without one, the event is located by bracketing on the branch.
+    /// Creates the defining system of the event; if `None`, the event is located by bracketing on
+    /// the branch.
     pub(super) condition: Option<MakeCondition>,
-    /// Makes the defining system that replaces those held along the curve, if those are singular at
-    /// the event.
+    /// Creates the defining system that replaces the defining systems held along the curve, if
+    /// these are singular at the event.
     pub(super) instead: Option<MakeCondition>,
     /// The eigenvalues or multipliers that are critical at the event.
     pub(super) critical: Critical,
     /// The normal form.
     pub(super) normal_form: Option<ComputeNormalForm>,
-    /// Whether the curve is its own mirror image beyond the event; values at the event are then
-    /// limits.
+    /// Whether the curve beyond the event is the mirror image of the curve before it. At such an
+    /// event, values are computed as limits.
     pub(super) mirror: bool,
 }
 
-/// A defining system whose value is a test function.
+/// A defining system whose left side serves as a test function.
 pub(super) struct Tested {
     pub condition: Box<dyn DefiningSystem>,
-    /// Whether the defining system has been started; if not, later points try again.
+    /// Whether the defining system has been set up; if not, the setup is attempted again at later
+    /// points.
     pub stated: bool,
 }
 
 impl Tested {
-    /// Starts the defining system at a point. A solution for which it is undetermined is not an
-    /// error.
+    /// Sets up the defining system at a point. If the defining system is undetermined at the point,
+    /// no error is returned.
     pub fn state(&mut self, at: At) -> Result<(), Failure> {
         match self.condition.start(at, &mut []) {
             Err(Failure::Undetermined(_)) => Ok(()),
@@ -81,7 +86,8 @@ impl Tested {
         }
     }
 
-    /// Returns the value at a point; `None` if it is undetermined there.
+    /// Returns the left side of the defining system at a point; `None` if the defining system is
+    /// undetermined at the point.
     pub fn value(&mut self, at: At) -> Result<Option<f64>, Failure> {
         if !self.stated {
             // Detection begins at the next point; a failure here does not affect the branch.
@@ -111,9 +117,9 @@ impl Event {
         Self::with_test(name, kind, ConditionValue, condition)
     }
 
-    /// Creates the event of a bifurcation, for branches of solutions in this parameter (a position
-    /// among the parameters), or for curves of folds in the case of cusps and Bogdanov–Takens
-    /// points.
+    /// Creates the event of a bifurcation on branches of solutions; the continued parameter is
+    /// given by its index. For cusps and Bogdanov–Takens points, the event is created for curves of
+    /// folds.
     pub fn bifurcation(kind: Kind, parameter: usize) -> Option<Self> {
         let row = catalogue::row_of(kind)?;
         let passed = |it: &&Sighting| matches!(it.beyond, Beyond::Further | Beyond::Through(_));
@@ -121,7 +127,7 @@ impl Event {
         Some(Self::of_catalogue(row, sighting, parameter))
     }
 
-    /// Creates the event of a row of the catalogue, for one type of curve.
+    /// Creates the event of a bifurcation of the catalogue, for one type of curve.
     pub(super) fn of_catalogue(row: &Bifurcation, seen: &Sighting, parameter: usize) -> Self {
         let made = |make: Make| -> MakeCondition { Arc::new(move || make(parameter)) };
         let mirror = matches!(seen.beyond, Beyond::Mirror);
@@ -141,26 +147,26 @@ impl Event {
         }
     }
 
-    /// Creates the event of a parameter or monitor at a level, marked `UZ`.
+    /// Creates the event at which a parameter or monitor takes a given level, with the kind `UZ`.
     pub fn level(name: impl Into<String>, quantity: Quantity, level: f64) -> Self {
         let make = move || Level::new(quantity, level, Kind::UZ);
         Self::with_test(name, Kind::UZ, Excess(quantity, level), make)
     }
 
-    /// Restricts the event to sign changes in one direction.
+    /// Restricts the event to sign changes of the test function in one direction.
     pub fn in_direction(mut self, direction: Direction) -> Self {
         self.direction = direction;
         self
     }
 
-    /// Ends the branch at this event.
+    /// Makes the event terminal, so that the branch ends at it.
     pub fn ending(mut self) -> Self {
         self.terminal = true;
         self
     }
 
     /// Creates an event with any test function and any defining system, which may have auxiliary
-    /// unknowns. All other events are special cases.
+    /// unknowns. The other constructors of events are special cases of this one.
     pub fn with_test<C: DefiningSystem + 'static>(
         name: impl Into<String>,
         kind: Kind,
@@ -171,9 +177,9 @@ impl Event {
         Event { condition: Some(condition), ..Self::without_condition(name, kind, Arc::new(test)) }
     }
 
-    /// Creates an event at sign changes of a function of points, marked `UZ`. The function needs no
-    /// gradient, since the event is located by bracketing on the corrected branch. It should be
-    /// continuous at its zeros.
+    /// Creates an event at the sign changes of a function of points, with the kind `UZ`. The
+    /// function needs no gradient, since the event is located by bracketing on the corrected
+    /// branch. The function should be continuous at its zeros.
     ///
     /// ```
     /// use tangency::core::continuation::{Continuation, Event};
@@ -195,9 +201,9 @@ impl Event {
         Self::without_condition(name, Kind::UZ, Arc::new(OfPoint(function)))
     }
 
-    /// Creates an event at zeros of a function `f(z, p)` of the unknowns and all parameters, marked
-    /// `UZ`. The function is written on dual numbers and so has a gradient; the point is located by
-    /// Newton's method.
+    /// Creates an event at the zeros of a function `f(z, p)` of the unknowns and all parameters,
+    /// with the kind `UZ`. The function is written for dual numbers, from which its gradient is
+    /// computed; the event is located by Newton's method.
     ///
     /// ```
     /// use tangency::core::continuation::{Continuation, Event};
@@ -219,9 +225,9 @@ impl Event {
         Self::new(name, move || Equation::new(function.clone(), 0.0, Kind::UZ))
     }
 
-    /// Creates the event at which an event of an orbit starts to lead to a mode other than the
-    /// itinerary's. The decision has no continuous function, so the point is located by bracketing
-    /// only.
+    /// Creates the event of a branch at which an event of the orbit starts to lead to another mode
+    /// than the itinerary prescribes. The choice of the mode is not a continuous function, so this
+    /// event is located by bracketing only.
     pub(super) fn of_itinerary() -> Self {
         let test = Arc::new(OrderOfEvents);
         Self::without_condition("an event leads to another mode", Kind::G, test)
@@ -247,15 +253,16 @@ impl Event {
         }
     }
 
-    /// Returns the defining system whose value is the test function.
+    /// Returns the defining system whose left side is the test function, if the test function needs
+    /// one.
     pub(super) fn tested(&self) -> Option<Tested> {
         let condition =
             self.condition.as_ref().filter(|_| self.test.needs() == Needs::DefiningSystem);
         condition.map(|make| Tested { condition: make(), stated: false })
     }
 
-    /// Whether the event is passed between two points, in the direction of the branch or
-    /// (`backward`) against it.
+    /// Whether the curve passes the event between two points, which are given in the direction of
+    /// the branch, or, if `backward` is set, in the opposite direction.
     pub(super) fn passed(&self, ends: [&Reading; 2], backward: bool) -> bool {
         let rises = |passage| (passage == Passage::Rising) != backward;
         match self.direction {

@@ -11,7 +11,8 @@ use crate::core::bifurcation::Critical;
 use crate::core::problem::Dynamics;
 use crate::core::system::Kind;
 
-/// Returns all events in an interval in the order of the branch, except those at its start.
+/// Returns all events in an interval in their order along the branch, except events at the start of
+/// the interval.
 pub(super) fn events_between(
     (curve, log, bounds): (&mut Curve, &mut Log, &Bounds),
     interval: Interval,
@@ -79,8 +80,9 @@ pub(super) fn events_between(
     found
 }
 
-/// Whether a fold is only a slope of the wrong sign. At a fold a multiplier passes 1: if counts do
-/// not change, a fold is rejected if it did not converge, or if slopes are errors of the mesh.
+/// Whether an apparent fold is caused only by a numerical error in the sign of the slope. At a true
+/// fold, a multiplier passes 1. If the number of unstable multipliers does not change, a fold is
+/// rejected if it did not converge, or if the slopes are as small as discretisation errors.
 fn is_noise(Interval { from, to, .. }: Interval, it: &Located, flat: bool) -> bool {
     let converged = it.special.converged;
     let noise = match (from.point.unstable, to.point.unstable) {
@@ -90,8 +92,8 @@ fn is_noise(Interval { from, to, .. }: Interval, it: &Located, flat: bool) -> bo
     it.special.kind == Kind::LP && noise
 }
 
-/// (R) If a multiplier is closer to 1 than this, rounding determines its side: ten times the bound
-/// for neutral multipliers.
+/// (R) If a multiplier is closer to 1 than this threshold, rounding determines whether it is larger
+/// than 1. The bound is ten times the bound for neutral multipliers.
 const AT_ONE: f64 = 1e-8;
 
 /// Whether a fold did not converge and its critical multiplier equals 1, up to rounding, at both ends
@@ -101,12 +103,12 @@ fn stays_at_one(dynamics: Dynamics, Interval { from, to, .. }: Interval, it: &Lo
     it.special.kind == Kind::LP && !it.special.converged && [from, to].into_iter().all(is_at_one)
 }
 
-/// (H) No multiplier passes 1 in a step if all multipliers at its ends are farther from 1 than
-/// this.
+/// (H) No multiplier passes 1 in a step if all multipliers at its ends are farther from 1 than this
+/// threshold.
 const FAR_FROM_ONE: f64 = 0.1;
 
-/// Whether an unconverged branch point of cycles is an error of a coarse mesh: no multiplier comes
-/// near 1.
+/// Whether an unconverged branch point of cycles is an artefact of a coarse mesh, which is assumed
+/// if no multiplier comes near 1.
 fn is_regular(dynamics: Dynamics, Interval { from, to, .. }: Interval, it: &Located) -> bool {
     let counts = [from.point.unstable, to.point.unstable];
     let is_far = |place| nearest_to_one(dynamics, place).is_some_and(|near| near > FAR_FROM_ONE);
@@ -115,18 +117,19 @@ fn is_regular(dynamics: Dynamics, Interval { from, to, .. }: Interval, it: &Loca
     candidate && dynamics == Dynamics::Periodic && regular
 }
 
-/// The distance from 1 of the multiplier nearest to 1, or from 0 of the eigenvalue nearest to 0.
+/// Returns the smallest distance between a multiplier and 1, or between an eigenvalue and 0.
 fn nearest_to_one(dynamics: Dynamics, place: &CurvePoint) -> Option<f64> {
     let all = place.spectrum.iter().flat_map(|all| all.iter());
     all.map(|mu| Critical::One.distance(dynamics, mu)).reduce(f64::min)
 }
 
-/// (H) An auxiliary unknown vanishes if it is smaller than this fraction of its larger value at the
-/// ends of a step.
+/// (H) An auxiliary unknown counts as zero if it is smaller than this fraction of the larger of its
+/// values at the ends of a step.
 const VANISHED: f64 = 1e-4;
 
-/// Whether a point at which a critical pair meets another critical value is the end of the curve:
-/// the pair becomes one double value there, and rounding determines the signs of determinants.
+/// Whether an apparent codimension-two point, at which a critical pair meets another critical
+/// value, is in fact the end of the curve. At the end of the curve, the pair becomes one double
+/// critical value, and rounding determines the signs of determinants.
 fn is_double_value(curve: &mut Curve, Interval { from, to, .. }: Interval, it: &Located) -> bool {
     if !matches!(it.special.kind, Kind::ZH | Kind::LPNS | Kind::PDNS) {
         return false;
@@ -142,16 +145,19 @@ fn is_double_value(curve: &mut Curve, Interval { from, to, .. }: Interval, it: &
     })
 }
 
-/// (H) Two events are the same point if they are closer than this fraction of the step.
+/// (H) Two events count as the same point if their distance is smaller than this fraction of the
+/// step.
 const ONE_POINT: f64 = 1e-3;
 
-/// Kinds of points at which the parameter also has an extremum: a pitchfork on its curved branch,
-/// and a curve that ends as its own mirror image. They are not reported as folds, whose defining
-/// system is singular there.
+/// The kinds of points, besides folds, at which the parameter may have an extremum: a pitchfork on
+/// its curved branch, and the end of a curve that is its own mirror image. An extremum of the
+/// parameter at a point of these kinds is not reported as a fold, because the defining system of
+/// folds is singular at the point.
 const TURNS: [Kind; 3] = [Kind::BP, Kind::HB, Kind::GH];
 
-/// Whether an event is the extremum of the parameter at one of the points found in the step. This
-/// test takes less time than an attempt to solve a singular defining system.
+/// Whether an event is the extremum of the parameter at another special point found in the step.
+/// Testing for such an extremum takes less time than an attempt to solve a singular defining
+/// system.
 fn is_turn_of_another((locator, index): (&mut Locator, usize), found: &[Located]) -> bool {
     if !matches!(locator.curve.detector.events[index].kind, Kind::LP | Kind::CP) {
         return false;

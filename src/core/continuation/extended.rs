@@ -1,5 +1,6 @@
-//! The extended system of Newton's method and of the tangent: a zero problem with the held defining
-//! systems, in the unknowns `X = (z, y, p)`, where `p` are the released parameters only.
+//! The extended system from which points and tangents of a curve are computed: a zero problem
+//! together with the held defining systems. The unknowns of the extended system are `X = (z, y,
+//! p)`, where `y` are the auxiliary unknowns and `p` contains only the released parameters.
 //!
 //! ```text
 //!     F(z, p) + Σ yⱼ bⱼ = 0      n equations
@@ -14,7 +15,8 @@ use crate::core::linalg::{Border, Factors, Form, along};
 use crate::core::problem::Names;
 use crate::core::system::{Effort, System, SystemRef};
 
-/// The equation that closes the system: a hyperplane across the curve, or a fixed parameter.
+/// The closing equation of the extended system: a hyperplane across the curve, or a fixed
+/// parameter.
 #[derive(Clone, Copy)]
 pub struct Closing<'a> {
     /// The covector of the hyperplane, of the same length as `X`.
@@ -25,7 +27,7 @@ pub struct Closing<'a> {
     pub length: f64,
 }
 
-/// A zero problem with the held defining systems.
+/// A zero problem together with the held defining systems.
 ///
 /// ```
 /// use tangency::core::continuation::{Extended, Newton, NewtonError, Tolerances};
@@ -44,28 +46,29 @@ pub struct Closing<'a> {
 pub struct Extended<'a> {
     pub(super) system: SystemRef<'a>,
     pub(super) conditions: Vec<Box<dyn DefiningSystem + 'a>>,
-    /// The released parameters, as positions among all parameters.
+    /// The indices of the released parameters among all parameters.
     pub(crate) released: Vec<usize>,
-    /// `x = (z, p)` with all parameters, including constant ones.
+    /// The vector `x = (z, p)`, where `p` are all parameters, including constant ones.
     pub(super) x: Vec<f64>,
-    /// The auxiliary unknowns of the defining systems, as loaded last.
+    /// The auxiliary unknowns of the defining systems, as set by the last load of `X`.
     pub(super) auxiliary: Vec<f64>,
     /// The null vectors at the last evaluated point.
     pub(super) null: NullSpace,
     edges: Edges,
     /// The factors of the last factored matrix.
     pub(crate) factors: Factors,
-    /// The token that cancels assemblies.
+    /// The token that interrupts an assembly.
     pub(crate) cancel: CancelToken,
 }
 
 impl<'a> Extended<'a> {
-    /// Creates the problem at `x = (z, p)` with these parameters released and no defining system.
+    /// Creates the extended system at `x = (z, p)` with the given parameters released and no
+    /// defining system.
     pub fn new(system: &'a mut dyn System, x: &[f64], released: Vec<usize>) -> Self {
         Self::of(SystemRef::Borrowed(system), x, released)
     }
 
-    /// Creates the problem of an owned or borrowed system.
+    /// Creates the extended system of an owned or borrowed zero problem.
     pub(crate) fn of(system: SystemRef<'a>, x: &[f64], released: Vec<usize>) -> Self {
         let mut extended = Extended {
             x: x.to_vec(),
@@ -82,10 +85,11 @@ impl<'a> Extended<'a> {
         extended
     }
 
-    /// Adds a defining system, started at `X`, and returns `X` with its auxiliary unknowns.
+    /// Adds a defining system, sets it up at `X`, and returns `X` extended by the auxiliary
+    /// unknowns of the defining system.
     ///
     /// # Errors
-    /// [`Failure`] if the defining system cannot be started there.
+    /// [`Failure`] if the defining system cannot be set up at `X`.
     pub fn hold(
         &mut self,
         mut condition: Box<dyn DefiningSystem + 'a>,
@@ -103,8 +107,8 @@ impl<'a> Extended<'a> {
         Ok(unknowns)
     }
 
-    /// Replaces the held defining systems by others, which must already be started, and returns the
-    /// former ones.
+    /// Replaces the held defining systems by other defining systems, which must already be set up,
+    /// and returns the former defining systems.
     pub(crate) fn exchange(
         &mut self,
         conditions: Vec<Box<dyn DefiningSystem + 'a>>,
@@ -118,17 +122,17 @@ impl<'a> Extended<'a> {
         former
     }
 
-    /// The number `n` of unknowns of the problem.
+    /// Returns the number `n` of unknowns `z` of the zero problem.
     pub(crate) fn dimension(&self) -> usize {
         self.x.len() - self.system.names().parameters.len()
     }
 
-    /// The length of `X`.
+    /// Returns the number of components of `X`.
     pub(crate) fn length(&self) -> usize {
         self.dimension() + self.auxiliary.len() + self.released.len()
     }
 
-    /// The position of the first released parameter in `X`.
+    /// Returns the index of the first released parameter in `X`.
     pub(crate) fn parameters_at(&self) -> usize {
         self.dimension() + self.auxiliary.len()
     }
@@ -138,13 +142,13 @@ impl<'a> Extended<'a> {
         &mut *self.system
     }
 
-    /// Names of the system.
+    /// Returns the names of the unknowns, parameters and monitors of the zero problem.
     pub(crate) fn names(&self) -> &Names {
         self.system.names()
     }
 
-    /// Typical sizes of the groups of unknowns; empty if unknown. On a mesh, unspecified sizes are
-    /// 1.
+    /// Returns typical sizes of the groups of unknowns; empty if the sizes are unknown. If
+    /// solutions have a mesh, unspecified sizes are 1.
     pub(crate) fn unknown_scales(&self) -> Vec<f64> {
         let mut scales = self.system.unknown_scales(&self.x[self.dimension()..]);
         if scales.is_empty() && self.system.representation().is_on_mesh() {
@@ -153,13 +157,14 @@ impl<'a> Extended<'a> {
         scales
     }
 
-    /// The system together with `x = (z, p)` as loaded last, and the released parameters.
+    /// Returns the zero problem together with the last loaded `x = (z, p)` and the released
+    /// parameters.
     pub(crate) fn at(&mut self) -> At<'_> {
         let Extended { system, x, released, auxiliary, null, .. } = self;
         At { system: &mut **system, x, released, held: auxiliary, null }
     }
 
-    /// Writes `X` into `x = (z, p)`, and returns `x`.
+    /// Loads `X`: writes its unknowns and released parameters into `x = (z, p)`, and returns `x`.
     pub(crate) fn load(&mut self, unknowns: &[f64]) -> &[f64] {
         let n = self.dimension();
         self.x[..n].copy_from_slice(&unknowns[..n]);
@@ -182,7 +187,8 @@ impl<'a> Extended<'a> {
         direction
     }
 
-    /// The named auxiliary unknowns of the defining systems, as loaded last.
+    /// Returns the names and values of the named auxiliary unknowns of the defining systems, as
+    /// last loaded.
     pub(crate) fn recorded(&self) -> impl Iterator<Item = f64> {
         let mut rest = &self.auxiliary[..];
         self.conditions.iter().flat_map(move |condition| {
@@ -192,7 +198,7 @@ impl<'a> Extended<'a> {
         })
     }
 
-    /// Converts `x = (z, p)` to `X`, with zero auxiliary unknowns.
+    /// Converts `x = (z, p)` to `X`, with all auxiliary unknowns set to zero.
     pub fn unload(&self, x: &[f64]) -> Vec<f64> {
         let n = self.dimension();
         let own = std::iter::repeat_n(0.0, self.auxiliary.len());
@@ -200,8 +206,8 @@ impl<'a> Extended<'a> {
         x[..n].iter().copied().chain(own).chain(released).collect()
     }
 
-    /// The sizes of the auxiliary unknowns; `None` for those that unfold the problem and vanish at
-    /// the solution.
+    /// Returns the sizes of the auxiliary unknowns; the size of an auxiliary unknown that unfolds
+    /// the problem, and vanishes at the solution, is `None`.
     pub(crate) fn own_sizes(&self, unknowns: &[f64]) -> Vec<Option<f64>> {
         let place = self.dimension();
         self.conditions
@@ -212,8 +218,8 @@ impl<'a> Extended<'a> {
             .collect()
     }
 
-    /// Adapts the system's mesh and phase condition to `X`, and interpolates `X` and directions to
-    /// the new mesh.
+    /// Adapts the mesh and the phase condition of the zero problem to `X`, and interpolates `X` and
+    /// the given directions to the new mesh.
     pub(crate) fn on_accepted(&mut self, unknowns: &mut [f64], directions: &mut [&mut [f64]]) {
         let n = self.dimension();
         self.load(unknowns);
@@ -224,8 +230,8 @@ impl<'a> Extended<'a> {
         unknowns[..n].copy_from_slice(&self.x[..n]);
     }
 
-    /// Accepts the unknowns of a system whose mesh has changed, and discards data of another number
-    /// of unknowns.
+    /// Loads the unknowns after the mesh of the zero problem has changed, and discards stored data
+    /// whose number of unknowns differs.
     pub(crate) fn adopt(&mut self, unknowns: &[f64]) {
         let n = unknowns.len() - self.auxiliary.len() - self.released.len();
         self.x.splice(..self.dimension(), unknowns[..n].iter().copied());
@@ -234,14 +240,14 @@ impl<'a> Extended<'a> {
         self.resize();
     }
 
-    /// Turns the borders of all defining systems.
+    /// Turns the borders of all defining systems towards the current null vectors.
     pub(crate) fn adapt(&mut self) {
         self.null.adapt();
         self.conditions.iter_mut().for_each(|condition| condition.adapt());
     }
 
-    /// Sets the error that the problem may have in the following evaluations, while a solution is
-    /// only approached. Defining systems must not be started with inexact data.
+    /// Sets the error allowed in evaluations of the zero problem during the first Newton
+    /// iterations. Defining systems must not be set up with inexact data.
     pub(crate) fn set_inexactness(&mut self, error: f64) {
         if (error == 0.0 || self.conditions.is_empty())
             && let Some(system) = self.system.discretised()
@@ -251,15 +257,15 @@ impl<'a> Extended<'a> {
         }
     }
 
-    /// Assembles the problem's matrix at `X`.
+    /// Assembles the matrix `F_z` of the zero problem at `X`.
     pub(crate) fn assemble(&mut self, unknowns: &[f64]) -> Result<(), Failure> {
         self.cancel.check()?;
         self.load(unknowns);
         self.system.assemble(&self.x)
     }
 
-    /// Evaluates the left sides of all equations into `out`, which has the length of `X`. Without a
-    /// closing equation the last entry is not written.
+    /// Evaluates the left sides of all equations into `out`, which has the length of `X`. If no
+    /// closing equation is given, the last entry of `out` is not written.
     pub(crate) fn residual(
         &mut self,
         unknowns: &[f64],
@@ -312,8 +318,8 @@ impl<'a> Extended<'a> {
         system.factor(Form::Jacobian, border, factors)
     }
 
-    /// Computes the tangent of the curve at the point where the matrix was factored with a closing
-    /// row; the product of row and tangent is 1.
+    /// Computes the tangent of the curve at the point where the matrix was last factored with a
+    /// closing row, normalised such that the inner product of the closing row and the tangent is 1.
     pub(crate) fn tangent(&mut self, tangent: &mut [f64]) {
         tangent.fill(0.0);
         if let Some(last) = tangent.last_mut() {
@@ -329,7 +335,7 @@ impl<'a> Extended<'a> {
     }
 }
 
-/// The rows and columns that border the matrix of the problem.
+/// The rows and columns that border the matrix `F_z` of the zero problem.
 #[derive(Default)]
 struct Edges {
     width: usize,
@@ -342,8 +348,8 @@ struct Edges {
 }
 
 impl Edges {
-    /// Allocates for `n` unknowns, `x` of this length, and defining systems with at most `most`
-    /// auxiliary unknowns each.
+    /// Allocates the border for `n` unknowns `z`, a vector `x` of the given length, and defining
+    /// systems with at most `most` auxiliary unknowns each.
     fn resize(&mut self, n: usize, length: usize, width: usize, most: usize) {
         self.width = width;
         self.columns.resize(n * width, 0.0);
@@ -354,7 +360,7 @@ impl Edges {
         self.direction.resize(length, 0.0);
     }
 
-    /// Fills in the rows of the defining systems, and their part of the corner.
+    /// Fills in the rows of the defining systems, and the corresponding part of the corner block.
     fn fill_rows(
         &mut self,
         conditions: &mut [Box<dyn DefiningSystem + '_>],
@@ -383,8 +389,8 @@ impl Edges {
         Ok(())
     }
 
-    /// Fills in the columns of the problem's equations by the auxiliary unknowns and the released
-    /// parameters.
+    /// Fills in the columns that contain the derivatives of the zero problem with respect to the
+    /// auxiliary unknowns and the released parameters.
     fn fill_columns(
         &mut self,
         conditions: &[Box<dyn DefiningSystem + '_>],
@@ -408,7 +414,7 @@ impl Edges {
         Ok(())
     }
 
-    /// Writes the closing row, which comes last.
+    /// Writes the row of the closing equation, which is the last row.
     fn close(&mut self, row: &[f64]) {
         let (width, n) = (self.width, row.len() - self.width);
         self.rows[(width - 1) * n..].copy_from_slice(&row[..n]);

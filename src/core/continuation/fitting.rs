@@ -9,22 +9,24 @@ use super::newton::NewtonError;
 use crate::core::failure::Failure;
 use crate::core::system::{Kind, Solution};
 
-/// (H) The number of points after which a coarser mesh is tried again, once one has failed.
+/// (H) The number of points after which a coarser mesh is tried again, if a coarser mesh has
+/// failed.
 const PATIENCE: usize = 10;
 
-/// The points of a half that are interpolated to another mesh, and their previous mesh.
+/// The points of one half of a branch that are interpolated to a new mesh, together with their
+/// previous mesh.
 struct Before {
     solution: Solution,
     metric: Metric,
     last: CurvePoint,
     others: Vec<[Vec<f64>; 2]>,
-    /// The error due to the previous mesh.
+    /// The discretisation error on the previous mesh.
     error: f64,
 }
 
-/// Adapts the number of mesh intervals to the last point of a half, which is corrected on the new
-/// mesh. The old mesh is kept if the correction fails, if an event would be missed, or if the error
-/// on the new mesh exceeds both the old error and the target.
+/// Adapts the number of mesh intervals to the last point of one half of a branch, and corrects this
+/// point on the new mesh. The old mesh is kept if the correction fails, if an event would be
+/// missed, or if the error on the new mesh exceeds both the old error and the target.
 pub(super) fn fit_mesh(curve: &mut Curve, half: &mut Half, target: f64) {
     let is_fine = curve.corrector.mesh_error(&half.last.unknowns) <= target;
     if is_fine && half.points.len() < half.keeps_mesh
@@ -64,8 +66,9 @@ pub(super) fn fit_mesh(curve: &mut Curve, half: &mut Half, target: f64) {
     }
 }
 
-/// Corrects the last point of a half on the mesh to which it was interpolated; after a large change
-/// of the mesh, the point is far from the curve. A start keeps its parameter.
+/// Corrects the last point of one half of a branch on the mesh to which it was interpolated. After
+/// a large change of the mesh, the interpolated point may be far from the curve. If the point is
+/// the start of the branch, the continued parameter is fixed.
 pub(super) fn settle(curve: &mut Curve, half: &mut Half) {
     let unknowns = half.last.unknowns.clone();
     let mut row = curve.corrector.norm.covector(&half.last.tangent);
@@ -83,13 +86,15 @@ pub(super) fn settle(curve: &mut Curve, half: &mut Half) {
     }
 }
 
-/// Iterates over the points of a half that are interpolated, except the last one.
+/// Iterates over the points of one half of a branch that are interpolated to the new mesh, except
+/// the last point.
 fn others(half: &mut Half) -> impl Iterator<Item = &mut CurvePoint> {
     std::iter::once(&mut half.start).chain(half.predictor.places())
 }
 
-/// Corrects a point on the current mesh, on the hyperplane of a row. If the number of unknowns has
-/// changed, the held defining systems need new borders.
+/// Corrects a point on the current mesh, in the hyperplane through the point that the covector
+/// `row` defines. If the number of unknowns has changed, the held defining systems need new
+/// borders.
 fn arrived(
     curve: &mut Curve,
     mut unknowns: Vec<f64>,
@@ -110,9 +115,9 @@ fn arrived(
     Ok(curve.arrive(unknowns, row, f64::INFINITY, stability)?)
 }
 
-/// Whether a point is on the same side of all events as on its former mesh. At a fold a multiplier
-/// passes 1: if the counts of unstable multipliers agree, slopes of opposite signs are errors of
-/// the mesh.
+/// Whether the test functions of all events at a point have the same signs as on its former mesh.
+/// A change of the sign of the slope is ignored if the number of unstable multipliers is unchanged:
+/// at a true fold, a multiplier would pass 1, so the sign change is a discretisation error.
 fn same_side(curve: &Curve, before: &CurvePoint, after: &CurvePoint) -> bool {
     let counts = [before.point.unstable, after.point.unstable];
     let no_fold = counts[0].is_some() && counts[0] == counts[1];
@@ -129,9 +134,9 @@ fn same_side(curve: &Curve, before: &CurvePoint, after: &CurvePoint) -> bool {
     !decided.any(|(_, (before, after))| flips(before, after))
 }
 
-/// Updates the sign of the determinant at a point on the current mesh, with the branch's tangent
-/// there. The sign of a discretisation's phase condition is constant only on one mesh, so that the
-/// determinant may change sign after a return to an earlier mesh.
+/// Updates the sign of the determinant at a point on the current mesh, with the tangent of the
+/// branch at this point. The sign of the discretised phase condition is constant only as long as
+/// the mesh is unchanged, so the determinant may change sign after a return to an earlier mesh.
 pub(super) fn restate_determinant(
     curve: &mut Curve,
     place: &mut CurvePoint,
@@ -146,7 +151,7 @@ pub(super) fn restate_determinant(
     Ok(turned)
 }
 
-/// Changes the sign of the determinant at a point, and of the test function for branch points.
+/// Reverses the sign of the determinant at a point, and of the test function of branch points.
 fn turn_determinant(curve: &Curve, place: &mut CurvePoint) {
     place.determinant = -place.determinant;
     if let Some(index) = curve.detector.branch_points() {
@@ -181,7 +186,7 @@ fn take(curve: &Curve, half: &mut Half, mut place: CurvePoint) {
     half.last = place;
 }
 
-/// Returns to the mesh of an earlier solution with the given unknowns.
+/// Restores the mesh of an earlier solution with the given unknowns.
 pub(super) fn return_to_mesh(equations: &mut Extended, solution: &Solution, unknowns: &[f64]) {
     if let Some(discretised) = equations.system().discretised() {
         // The solution was computed on this mesh; if it no longer fits, the next step fails.
@@ -190,7 +195,7 @@ pub(super) fn return_to_mesh(equations: &mut Extended, solution: &Solution, unkn
     equations.adopt(unknowns);
 }
 
-/// Returns to the previous mesh.
+/// Restores the previous mesh.
 fn go_back(curve: &mut Curve, half: &mut Half, before: Before) {
     let Before { solution, metric, last, others: saved, error: _ } = before;
     let Curve { corrector, detector, refiner, .. } = curve;

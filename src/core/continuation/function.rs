@@ -1,4 +1,5 @@
-//! User-defined functions of points, on numbers or on dual numbers.
+//! User-defined test functions and monitors: functions of the points of a curve, written for real
+//! numbers or for dual numbers.
 
 use crate::core::bifurcation::{At, DefiningSystem, PointValues, TestFunction};
 use crate::core::failure::Failure;
@@ -6,21 +7,22 @@ use crate::core::scalar::{CHUNK, Chunk};
 use crate::core::system::Kind;
 use std::sync::Arc;
 
-/// Arguments of a user-defined test function or monitor.
+/// The arguments of a user-defined test function or monitor.
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
 pub struct TestPoint<'a> {
-    /// The unknowns, on the discretisation of the point.
+    /// The unknowns `z`, on the discretisation of the point.
     pub state: &'a [f64],
     /// All parameters.
     pub parameters: &'a [f64],
     /// All preceding monitors.
     pub monitors: &'a [f64],
-    /// The eigenvalues or multipliers as (real part, imaginary part); empty if not computed.
+    /// The eigenvalues or multipliers as (real part, imaginary part); empty if they were not
+    /// computed.
     pub eigenvalues: &'a [(f64, f64)],
 }
 
-/// A user-defined function of points as a test function.
+/// A test function given by a user-defined function of points.
 pub(super) struct OfPoint<F>(pub F);
 
 impl<F: Fn(&TestPoint) -> f64 + Send + Sync> TestFunction for OfPoint<F> {
@@ -32,10 +34,11 @@ impl<F: Fn(&TestPoint) -> f64 + Send + Sync> TestFunction for OfPoint<F> {
     }
 }
 
-/// A function of points.
+/// A user-defined function of points.
 pub(crate) type PointFunction = Arc<dyn Fn(&TestPoint) -> f64 + Send + Sync>;
 
-/// A function `f(z, p)` on dual numbers, which has a gradient.
+/// A user-defined function `f(z, p)`, written for dual numbers, from which its gradient is
+/// computed.
 pub(crate) type DualFunction = Arc<dyn Fn(&[Chunk], &[Chunk]) -> Chunk + Send + Sync>;
 
 /// A user-defined monitor of a curve.
@@ -43,12 +46,12 @@ pub(crate) type DualFunction = Arc<dyn Fn(&[Chunk], &[Chunk]) -> Chunk + Send + 
 pub(crate) struct Attached {
     pub name: String,
     pub function: PointFunction,
-    /// The function on dual numbers, if given.
+    /// The function written for dual numbers, if it was given.
     pub dual: Option<DualFunction>,
 }
 
 impl Attached {
-    /// Creates a monitor from a function on dual numbers.
+    /// Creates a monitor from a function written for dual numbers.
     pub fn dual(name: String, dual: DualFunction) -> Self {
         let plain = dual.clone();
         let constant = |x: &f64| Chunk::of(*x);
@@ -61,14 +64,14 @@ impl Attached {
     }
 }
 
-/// The defining system `f(z, p) = level`, with the gradient by forward-mode dual numbers, [`CHUNK`]
-/// components of `(z, p)` in one evaluation.
+/// The defining system `f(z, p) = level`. The gradient of `f` is computed with forward-mode dual
+/// numbers; one evaluation gives the derivatives with respect to [`CHUNK`] components of `(z, p)`.
 pub(crate) struct Equation {
     function: DualFunction,
     level: f64,
     kind: Kind,
     x: Vec<Chunk>,
-    /// The positions in `x` of the components by which gradients are taken.
+    /// The indices of the components of `x` with respect to which gradients are computed.
     components: Vec<usize>,
 }
 

@@ -17,8 +17,8 @@ use super::stretches::Stretches;
 use crate::core::bifurcation::VERTICAL;
 use crate::core::system::Kind;
 
-/// One of the two halves of a branch. The `after` of its special points counts points from the
-/// start, which is 0.
+/// One of the two halves of a branch, from its start to one end. The field `after` of its special
+/// points counts points from the start, which has the index 0.
 pub(super) struct Half {
     pub backward: bool,
     pub points: Vec<Point>,
@@ -27,15 +27,17 @@ pub(super) struct Half {
     pub end: End,
     /// The last point.
     pub last: CurvePoint,
-    /// The start, interpolated to the current mesh.
+    /// The start of the branch, interpolated to the current mesh.
     pub start: CurvePoint,
-    /// The points before the last one.
+    /// The predictor, which stores the points before the last point.
     pub predictor: Predictor,
     /// The length of the next step.
     pub length: f64,
-    /// The position of the last point: the arclength from the start, in the scales at the start.
+    /// The position of the last point: the arclength from the start, measured in the scales at the
+    /// start.
     pub position: f64,
-    /// The factor by which arclength has shrunk since the start, as scales grew.
+    /// The factor that converts arclength in the current scales to arclength in the scales at the
+    /// start; it grows as the scales increase.
     pub growth: f64,
     /// The reference point that a closed curve passes again.
     pub closing: Option<Reference>,
@@ -44,14 +46,15 @@ pub(super) struct Half {
     pub snaking: Snaking,
     /// Whether the last point was corrected again after its interpolation to a new mesh.
     pub settled: bool,
-    /// The number of points up to which a sufficiently fine mesh keeps its intervals.
+    /// The number of points up to which the number of mesh intervals is kept if the mesh is fine
+    /// enough.
     pub keeps_mesh: usize,
-    /// Whether the continued parameter has reversed, as on any closed curve.
+    /// Whether the continued parameter has changed direction, which it does on any closed curve.
     pub turned: bool,
 }
 
 impl Half {
-    /// Creates a half without points.
+    /// Creates one half of a branch, which contains no points yet.
     pub fn new(start: CurvePoint, backward: bool, length: f64) -> Self {
         Half {
             backward,
@@ -75,21 +78,23 @@ impl Half {
         }
     }
 
-    /// Rejects a step: the next step has this length and a new prediction.
+    /// Rejects a step, and sets the length of the next attempt.
     pub fn try_again(&mut self, length: f64) {
         self.length = length;
         self.last.quiet = 0.0;
     }
 
-    /// Returns the position of a point beyond the last one, and the slopes of its columns.
+    /// Returns the arclength position of a point beyond the last point, and the derivatives of its
+    /// parameters and monitors with respect to this position.
     pub fn slopes_at(&self, corrector: &mut Corrector, place: &CurvePoint) -> Slopes {
         let position = arclength(&corrector.norm, self.last.on_curve(), place.on_curve());
         let columns = corrector.slopes(place.on_curve(), place.point.monitors.len());
         Slopes { position, columns }.placed(self.position, self.growth)
     }
 
-    /// Returns the end of the half at a successful step without a terminal event, if any, and
-    /// otherwise whether the branch crawls; `snakes` is whether snaking ends the half.
+    /// Checks, after a successful step without a terminal event, whether this half of the branch
+    /// ends. Returns the reason for the end, if it ends, or the data of a branch that makes hardly
+    /// any progress (`Crawl`). `snakes` specifies whether snaking ends the half.
     pub fn early_end(
         &mut self,
         corrector: &mut Corrector,
@@ -112,8 +117,8 @@ impl Half {
         (end.or_else(|| self.snaking.reached(corrector, step.since(&self.last))), crawl)
     }
 
-    /// Accepts a step; the continued parameter has these slopes at the start and at the end of the
-    /// step.
+    /// Accepts a step, given the slopes of the continued parameter at the start and at the end of
+    /// the step.
     pub fn accept(&mut self, step: Step, [first, last]: [f64; 2]) {
         self.turned |= first.abs().min(last.abs()) < VERTICAL || first * last < 0.0;
         let left = std::mem::replace(&mut self.last, step.place);
@@ -127,14 +132,15 @@ impl Half {
         self.settled = false;
     }
 
-    /// Drops unconverged special points where the parameters are constant, close to a homoclinic
-    /// orbit: the signs of test functions are noise there.
+    /// Removes unconverged special points found close to a homoclinic orbit, where the parameters
+    /// are constant and the signs of test functions are random.
     pub fn drop_noise(&mut self) {
         let moving = (self.points.len() + 1).saturating_sub(self.early_end.still());
         self.special.retain(|special| special.converged || special.after < moving);
     }
 
-    /// Joins this half, the start and the half ahead into one list from end to end.
+    /// Joins the items of this half, the start and the other half into one list, in order from one
+    /// end of the branch to the other.
     pub fn join(mut self, start: Point, ahead: Half, branch: Branch) -> Branch {
         let before = self.points.len();
         self.points.reverse();

@@ -2,18 +2,19 @@
 
 /// A point of an interpolated curve, with its tangent.
 pub(super) struct Knot<'a> {
-    /// The curve parameter at the point.
+    /// The value of the curve parameter `u` at the point.
     pub u: f64,
     /// The point.
     pub x: &'a [f64],
     /// A tangent.
     pub tangent: &'a [f64],
-    /// The rate of `u` along the tangent, `du/ds > 0`.
+    /// The rate of `u` with respect to arclength along the tangent, `du/ds > 0`.
     pub speed: f64,
 }
 
-/// (H) The maximum number of knots. Three knots with their slopes give a polynomial of degree 5.
-/// Higher degrees gain little, and amplify the errors of corrected points.
+/// (H) The maximal number of knots of one interpolating polynomial. Three knots with their slopes
+/// give a polynomial of degree 5. Polynomials of higher degree gain little accuracy, and amplify
+/// the errors of corrected points.
 pub(super) const MOST_KNOTS: usize = 3;
 
 /// Evaluates the polynomial of degree `2k − 1` through `k` knots with their slopes `dX/du`, at `u`.
@@ -30,8 +31,8 @@ pub(super) fn hermite(knots: &[Knot], u: f64) -> Vec<f64> {
     point
 }
 
-/// Evaluates the polynomial with these values and slopes at the knots, at `u`, by Newton's divided
-/// differences with each knot taken twice.
+/// Evaluates at `u` the polynomial that has the given values and slopes at the knots, by Newton's
+/// divided differences with each knot taken twice.
 fn interpolated(knots: &[Knot], u: f64, datum: impl Fn(usize) -> [f64; 2]) -> f64 {
     let count = 2 * knots.len();
     let place = |k: usize| knots[k / 2].u;

@@ -20,18 +20,20 @@ use crate::core::system::{
     Emanating, HOMOCLINIC_RADIUS, HOMOCLINIC_RATES, Kind, Refinement, Solution, System,
 };
 
-/// (H) The ratio of the distances from the equilibrium at which two orbits begin and end. The
-/// difference of the orbits gives the error due to the distance.
+/// (H) The ratio of the truncation distances of two approximations of a homoclinic orbit, which
+/// begin and end at different distances from the equilibrium. The difference of the two orbits is
+/// the estimate of the truncation error of the homoclinic orbit.
 const WIDER: f64 = 10.0;
 
-/// (H) The largest difference between the parameter at the end of a branch and the parameter of the
-/// homoclinic orbit, relative to its range or to its value.
+/// (H) The largest allowed difference between the parameter at the end of a branch and the
+/// parameter of the homoclinic orbit, relative to the range or to the value of the parameter.
 const FAR_OFF: f64 = 1e-3;
 
-/// (R) The parameter has converged if meshes differ by no more than this fraction of its value.
+/// (R) The parameter of the homoclinic orbit has converged if its values on two successive meshes
+/// differ by less than this fraction.
 const SETTLED: f64 = 1e-12;
 
-/// (H) The mesh error at which refinement starts.
+/// (H) The discretisation error of the mesh with which the refinement starts.
 const RESOLVED: f64 = 1e-6;
 
 /// (H) The maximal number of mesh refinements.
@@ -40,7 +42,7 @@ const REFINEMENTS: usize = 3;
 /// A homoclinic orbit on one mesh.
 struct Found {
     parameter: f64,
-    /// The error of Newton's method.
+    /// The error of the parameter due to Newton's method.
     error: f64,
     meaning: Meaning,
     x: Vec<f64>,
@@ -58,14 +60,15 @@ pub(super) enum NotFound {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Newton(#[from] NewtonError),
-    /// Newton's method converges on the first mesh only.
+    /// Newton's method converged on the first mesh, but on no finer mesh, so the discretisation
+    /// error is unknown.
     #[error("Newton's method converges on one mesh only, so the error is unknown")]
     #[diagnostic(help("take more `intervals` (on a finer mesh: {0})"))]
     Unrefined(String),
     /// Newton's method converged to another orbit.
     #[error("Newton's method converges to {found:.6}, away from the end of the branch at {end:.6}")]
     FarOff {
-        /// The parameter of the orbit found.
+        /// The parameter of the computed homoclinic orbit.
         found: f64,
         /// The parameter at the end of the branch.
         end: f64,
@@ -73,14 +76,15 @@ pub(super) enum NotFound {
 }
 
 impl NotFound {
-    /// Whether homoclinic orbits are not supported for the system.
+    /// Whether the homoclinic orbit was not computed because the system does not support homoclinic
+    /// orbits.
     pub fn is_unsupported(&self) -> bool {
         matches!(self, NotFound::Guess(Failure::Unsupported(_)))
     }
 }
 
-/// Sets a special point at the end of a branch of cycles to the location of the homoclinic orbit,
-/// with its error and the numbers of the equilibrium.
+/// Sets the parameter of the special point at the end of a branch of cycles to the parameter of the
+/// homoclinic orbit, with its error, and adds the named numbers of the equilibrium.
 pub(super) fn locate(
     (corrector, refiner): (&mut Corrector, &Refiner),
     place: &CurvePoint,
@@ -126,13 +130,13 @@ pub(super) fn locate(
 /// A homoclinic orbit on the finest mesh.
 struct Settled {
     found: Found,
-    /// The meaning of the point on coarser meshes.
+    /// The named numbers and sensitivities of the homoclinic orbit on coarser meshes.
     coarser: Vec<Meaning>,
-    /// The mesh error of the parameter.
+    /// The discretisation error of the parameter.
     mesh_error: f64,
 }
 
-/// Computes the homoclinic orbit on successively finer meshes, if its system has one.
+/// Computes the homoclinic orbit on successively finer meshes, if the system provides finer meshes.
 fn settle(
     corrector: &Corrector,
     cycle: &Solution,
@@ -165,7 +169,8 @@ fn settle(
     Ok(Settled { found, coarser, mesh_error: error_of_last(&values) })
 }
 
-/// Returns the unknowns of an orbit on a mesh that resolves it, if its system has a different one.
+/// Returns the unknowns of an orbit interpolated to a mesh that resolves the orbit; `None` if the
+/// mesh of the system already does.
 fn fitted(system: &mut dyn System, x: &[f64]) -> Option<Vec<f64>> {
     let mut fitted = x.to_vec();
     let changed = system.discretised()?.fit(&mut fitted, &mut [], RESOLVED);
@@ -173,7 +178,7 @@ fn fitted(system: &mut dyn System, x: &[f64]) -> Option<Vec<f64>> {
     changed.then_some(fitted)
 }
 
-/// Computes the homoclinic orbit on the mesh of its system.
+/// Computes the homoclinic orbit on the current mesh of its system.
 fn on_mesh(
     corrector: &Corrector,
     cycle: &Solution,
@@ -202,9 +207,9 @@ fn on_mesh(
     Ok(Found { parameter, error, meaning, x, finer })
 }
 
-/// Whether Newton's method finds a homoclinic orbit near a guess, with one released parameter,
-/// given by its position, its distance from the point at which the curve starts, and its range.
-/// Unknowns have the scales of the start of a curve.
+/// Whether Newton's method finds a homoclinic orbit near a guess, with one released parameter. The
+/// parameter is given by its index, its distance from the point at which the curve starts, and its
+/// range. The scales of the unknowns are the same as at the start of a curve.
 pub(super) fn is_near(
     guess: &mut Emanating,
     parameters: &[f64],
@@ -233,8 +238,8 @@ struct Solved<'s> {
     error: f64,
 }
 
-/// Solves for the homoclinic orbit near a guess, with one released parameter, and weights of the
-/// unknowns and the parameter.
+/// Computes the homoclinic orbit near a guess by Newton's method, with one released parameter and
+/// the given weights of the unknowns and the parameter.
 fn solve<'s>(
     (system, z, cancel): (&'s mut dyn System, &[f64], CancelToken),
     parameters: &[f64],
@@ -255,8 +260,8 @@ fn solve<'s>(
     Ok(Solved { equations, event, unknowns, error })
 }
 
-/// Computes the rates of the equilibrium, and the sensitivities of the location to other
-/// parameters.
+/// Computes the leading eigenvalues of the equilibrium, and the sensitivities of the parameter of
+/// the homoclinic orbit to other parameters.
 fn meaning(
     equations: &mut Extended,
     event: &Event,

@@ -1,4 +1,4 @@
-//! The end of a branch where a reset is discontinuous.
+//! The end of a branch at a discontinuity of a reset map.
 
 use super::branch::Point;
 use super::curve::Curve;
@@ -14,12 +14,12 @@ use crate::core::system::{Jump, Kind};
 const AHEAD: f64 = 2.0;
 
 /// (H) The distance before a discontinuity at which a branch ends, in units of the searched
-/// distance: closer to it, rounding determines the side of a solution.
+/// distance. Closer to the discontinuity, rounding determines on which side a solution lies.
 const SHORT_OF: f64 = 1e-5;
 
 impl Steps<'_> {
-    /// Returns the end of the branch, with the point there, if no step succeeds because of a
-    /// discontinuous reset ahead.
+    /// Returns the end of the branch and its last point, if no step succeeds because a reset is
+    /// discontinuous at a point ahead.
     pub(super) fn end_at_jump(&mut self, half: &mut Half, step: f64) -> Option<End> {
         let Curve { corrector, recorder, .. } = &mut self.curve;
         let (from, along) = (&half.last, AHEAD * step);

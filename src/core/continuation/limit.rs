@@ -1,6 +1,7 @@
-//! Points at which a curve is its own mirror image: a test function changes sign, and parameters
-//! are even functions of it. Beyond the point the curve repeats itself; at the point its equations
-//! are singular, so the values are computed as limits.
+//! Points at which a curve is its own mirror image: a test function changes sign at the point, and
+//! the parameters are even functions of the test function. Beyond such a point, the curve repeats
+//! itself. At such a point, the equations of the curve are singular, so the values at the point are
+//! computed as limits.
 
 use super::cluster::interpolated;
 use super::event::Event;
@@ -9,21 +10,23 @@ use super::locator::Locator;
 use crate::core::bifurcation::{PointValues, TestFunction};
 
 /// The values of the test function at which the curve is sampled, as fractions of its value at the
-/// beginning of the step: as close to the end as the equations, which are singular there, allow.
+/// beginning of the step. The samples approach the end of the curve as closely as possible, because
+/// the equations are singular at the end itself.
 const SHARES: [f64; 14] =
     [0.8, 0.65, 0.5, 0.4, 0.3, 0.2, 0.15, 0.12, 0.09, 0.06, 0.04, 0.03, 0.02, 0.01];
 
-/// (H) The minimal and maximal number of samples of a polynomial: beyond five samples in the square
-/// of the test function, rounding dominates.
+/// (H) The minimal and the maximal number of samples for an interpolating polynomial. With more
+/// than five samples in the square of the test function, rounding errors dominate.
 const SAMPLES: [usize; 2] = [3, 5];
 
 /// A point of the curve: the value of its test function, and its unknowns.
 type Sample = (f64, Vec<f64>);
 
-/// Computes the point of an interval where a test function vanishes, as the limit of polynomials in
-/// the test function, or in its square for unknowns that are even in it. Close to the end rounding
-/// dominates, far from it the error of the polynomial; the run of samples with the smallest error
-/// of the parameter is used.
+/// Computes the point of an interval where a test function vanishes, by extrapolating the unknowns
+/// with polynomials in the test function. Unknowns that are even functions of the test function are
+/// extrapolated with polynomials in its square. Samples close to the end have large rounding
+/// errors, and samples far from the end a large interpolation error. The sequence of successive
+/// samples that gives the smallest error of the parameter is used.
 pub(super) fn limit(locator: &mut Locator, event: &Event) -> Option<Located> {
     let (root, samples) = sampled(locator, event)?;
     let corrector = &locator.curve.corrector;
@@ -38,8 +41,8 @@ pub(super) fn limit(locator: &mut Locator, event: &Event) -> Option<Located> {
     Some(Located::new((event.kind, &event.name), root, unknowns, error))
 }
 
-/// Returns the point where a linear test function would vanish, and points of the curve
-/// increasingly close to it.
+/// Returns the position at which the linearly interpolated test function vanishes, and points of
+/// the curve increasingly close to this position.
 fn sampled(locator: &mut Locator, event: &Event) -> Option<(f64, Vec<Sample>)> {
     let (interval, test) = (locator.interval, &*event.test);
     let [start, end] = [interval.from, interval.to].map(|end| &end.unknowns[..]);
@@ -57,9 +60,10 @@ fn sampled(locator: &mut Locator, event: &Event) -> Option<(f64, Vec<Sample>)> {
     Some((root, samples))
 }
 
-/// Returns an unknown at the zero of the test function, and the largest change if the nearest or
-/// the farthest sample is omitted: the former shows rounding, the latter the error of the
-/// polynomial. A state of a cycle is a smooth function of the cycle's size, but not an even one.
+/// Returns an unknown at the zero of the test function, and an estimate of its error: the largest
+/// change if the nearest or the farthest sample is omitted. Omitting the nearest sample shows
+/// rounding errors, omitting the farthest sample shows the interpolation error. A state of a cycle
+/// is a smooth function of the size of the cycle, but not an even function.
 fn at_zero(samples: &[Sample], i: usize) -> (f64, f64) {
     let limit = |samples: &[Sample], power: i32| {
         let tests: Vec<f64> = samples.iter().map(|(test, _)| test.powi(power)).collect();
@@ -76,7 +80,8 @@ fn at_zero(samples: &[Sample], i: usize) -> (f64, f64) {
     if smooth.1 < even.1 { smooth } else { even }
 }
 
-/// The value of the test function in which the curve is its own mirror image.
+/// Returns the value at a point of the test function that changes sign where the curve is its own
+/// mirror image.
 fn value(locator: &mut Locator, test: &dyn TestFunction, unknowns: &[f64]) -> Option<f64> {
     let equations = &mut locator.curve.corrector.equations;
     equations.load(unknowns);

@@ -5,23 +5,24 @@ use crate::core::failure::Failure;
 use crate::core::linalg::norm;
 use std::ops::Range;
 
-/// (H) The nonlinear fraction of the terms, averaged over the equations, below which nonlinear
-/// terms are insignificant, and the fraction from which they are significant. Few equations consist
-/// of rounding errors only.
+/// (H) Two bounds for the nonlinear fraction of the terms, averaged over the equations: nonlinear
+/// terms are insignificant below the first bound, and significant above the second bound. The
+/// average may contain a few equations that consist of rounding errors only.
 const LINEAR: f64 = 0.05;
 const NONLINEAR: f64 = 0.3;
 
-/// (R) The range of lengths, which covers unknowns of any unit.
+/// (R) The smallest length in the search; a very small bound, so that unknowns can have any unit.
 const SMALLEST: f64 = 1e-30;
+/// (R) The largest length in the search.
 const LARGEST: f64 = 1e30;
 
-/// (H) The accuracy of the range, as a factor.
+/// (H) The accuracy of the computed length, as a factor.
 const CLOSE: f64 = 1.1;
 
-/// Computes the length along a tangent at which nonlinear terms are comparable with linear ones, or
-/// at which a group of unknowns has changed by its own size; `None` without such a length. At a
-/// Hopf point, and at a branch point of zero solutions, no other length determines the size of the
-/// emanating solutions.
+/// Computes the length along a tangent at which nonlinear terms are comparable with linear terms,
+/// or at which a group of unknowns has changed by its own size; `None` if neither length exists. At
+/// a Hopf point, and at a branch point of zero solutions, no other quantity determines the size of
+/// the emanating solutions.
 pub(super) fn linear_range(
     corrector: &mut Corrector,
     unknowns: &[f64],
@@ -58,7 +59,7 @@ struct Terms<'c, 'a> {
     unknowns: &'c [f64],
     tangent: &'c [f64],
     groups: Vec<Range<usize>>,
-    /// The left sides at the start.
+    /// The left sides of the equations at the start.
     start: Vec<f64>,
 }
 
@@ -75,7 +76,8 @@ impl<'c, 'a> Terms<'c, 'a> {
         Ok(terms)
     }
 
-    /// Returns the change of the left sides over a length of a group's part of the tangent.
+    /// Returns the change of the left sides if one group of unknowns changes by its part of the
+    /// tangent, times a length.
     fn change(&mut self, length: f64, group: &Range<usize>) -> Result<Vec<f64>, Failure> {
         let mut moved = self.unknowns.to_vec();
         let part = moved[group.clone()].iter_mut().zip(&self.tangent[group.clone()]);
@@ -87,9 +89,10 @@ impl<'c, 'a> Terms<'c, 'a> {
         Ok(change)
     }
 
-    /// Returns the nonlinear fraction of the left sides over a length: along a null vector the sum
-    /// of the linear changes of all groups cancels. `None` if nothing changes, or the equations
-    /// cannot be evaluated.
+    /// Returns the nonlinear fraction of the changes of the left sides over a length along the
+    /// tangent; `None` if the left sides do not change, or if they cannot be evaluated. Along a
+    /// null vector, the linear changes due to all groups of unknowns cancel in their sum, so the
+    /// remaining sum is nonlinear.
     fn nonlinearity(&mut self, length: f64) -> Option<f64> {
         let all = self.groups.first()?.start..self.groups.last()?.end;
         let whole = self.change(length, &all).ok()?;
@@ -105,7 +108,8 @@ impl<'c, 'a> Terms<'c, 'a> {
     }
 
     /// Returns the length at which nonlinear terms become significant, searched upwards from
-    /// `from`. At the length `linear`, if known, they are insignificant.
+    /// `from`. `linear` is a length at which nonlinear terms are insignificant, if such a length is
+    /// known.
     fn range(&mut self, from: f64, mut linear: Option<f64>) -> Option<f64> {
         let mut length = from;
         while length < LARGEST {
@@ -122,8 +126,8 @@ impl<'c, 'a> Terms<'c, 'a> {
         None
     }
 
-    /// Bisects for the length at which nonlinear terms become significant, between `low` and
-    /// `high`.
+    /// Computes the length at which nonlinear terms become significant by bisection between `low`
+    /// and `high`.
     fn between(&mut self, mut low: f64, mut high: f64) -> f64 {
         while high > CLOSE * low {
             let middle = (low * high).sqrt();

@@ -16,36 +16,39 @@ use crate::core::bifurcation::Critical;
 use crate::core::failure::Failure;
 use crate::core::system::Kind;
 
-/// (H) The largest distance of an event from the branch, in units of its bracket's length: in steps
-/// that turn by less than `LARGEST_ANGLE`, the curve stays within a tenth.
+/// (H) The largest distance of a located event from the interpolated branch, in units of the length
+/// of its bracket. In steps that turn by less than `LARGEST_ANGLE`, the distance of the curve is
+/// less than 0.1.
 const MOST_BESIDE: f64 = 0.5;
 
-/// (H) A solution of a defining system is on the curve if a correction moves it by less than this
-/// fraction of its bracket.
+/// (H) A solution of a defining system lies on the curve if a correction to the curve moves the
+/// solution by less than this fraction of the length of its bracket.
 const BESIDE_CURVE: f64 = 1e-3;
 
-/// (H) The distance, as a fraction of the bracket, at which the sign change of a branch point is
-/// checked on both sides.
+/// (H) The distance on both sides of a branch point, as a fraction of the bracket, at which the
+/// sign change of its test function is checked.
 const BESIDE_POINT: f64 = 0.02;
 
-/// (H) The positions at which a bracket is cut, in units of its length: in the middle, or beside it
-/// if the curve cannot be corrected there. For critical eigenvalues only the middle is tried, since
-/// the curve may be singular.
+/// (H) The positions at which a bracket is divided, in units of its length: first the middle, and
+/// two other positions if the curve cannot be corrected at the middle. For events with critical
+/// eigenvalues, only the middle is tried, since the curve may be singular at the event.
 const CUTS: [f64; 3] = [0.5, 0.37, 0.71];
 
-/// (R) A solution beyond the end of a bracket by less than this fraction of its length counts as
-/// inside.
+/// (R) A solution that lies outside a bracket by less than this fraction of the length of the
+/// bracket counts as inside.
 const BEYOND: f64 = 1e-9;
 
-/// (R) The number of bisections after which a bracket is as short as rounding.
+/// (R) The number of bisections after which the length of a bracket is of the size of rounding
+/// errors.
 const MOST_HALVINGS: usize = 40;
 
 impl Locator<'_, '_> {
-    /// Locates the event at this position among the events of the curve. Returns `None` if the
-    /// change of sign was not due to this event, but to several others.
+    /// Locates the event with the index `index` among the events of the curve. Returns `None` if
+    /// the sign change was caused by several other events.
     ///
     /// # Errors
-    /// [`Failure`] if the defining system does not apply there, or values cannot be recorded.
+    /// [`Failure`] if the defining system does not apply to the solutions in the interval, or if a
+    /// point cannot be recorded.
     pub fn locate(&mut self, index: usize) -> Result<Option<Located>, Failure> {
         let event = self.curve.detector.events[index].clone();
         let mut bracket = Bracket::new(&mut self.curve.corrector, self.interval, (index, &event));
@@ -79,13 +82,13 @@ impl Locator<'_, '_> {
         describe(self.curve, index, self.interval, located).map(Some)
     }
 
-    /// Solves an event's defining system in a bracket, which is bisected until Newton's method
-    /// converges to a point in it. If Newton's method never converges, returns the middle of the
-    /// last bracket as an unconverged point.
+    /// Solves the defining system of an event in a bracket, which is bisected until Newton's method
+    /// converges to a point inside the bracket. If Newton's method does not converge in any
+    /// bracket, returns the middle of the last bracket as an unconverged point.
     ///
     /// # Errors
     /// [`Failure::NoComplexPair`] and [`Failure::Unsupported`] if the defining system does not
-    /// apply.
+    /// apply to the solutions in the bracket.
     fn solve(&mut self, event: &Event, bracket: &mut Bracket) -> Result<Located, Failure> {
         // Signs of test functions come from a matrix that differs slightly from the point's own.
         let slack = 1e-4 * (bracket.high - bracket.low);
@@ -143,9 +146,10 @@ impl Locator<'_, '_> {
         Ok(Located::new((event.kind, &event.name), along, unknowns, error).converged(false))
     }
 
-    /// Whether a solution of an event's defining system lies on the curve. At a point with several
-    /// critical eigenvalues the defining system is singular, and nearby points solve it, too; the
-    /// defining systems of other events are regular.
+    /// Whether a solution of the defining system of an event lies on the curve. At a point with
+    /// several critical eigenvalues, the defining system of a single critical eigenvalue or pair is
+    /// singular, and nearby points that are not on the curve also satisfy it. The defining systems
+    /// of events without critical eigenvalues are regular, and their solutions are accepted.
     fn is_on_curve(&mut self, event: &Event, bracket: &Bracket, located: &Located) -> bool {
         let curve = &mut *self.curve;
         let critical = event.critical != Critical::None;
@@ -163,9 +167,10 @@ impl Locator<'_, '_> {
         norm.distance(&corrected, unknowns) <= most.max(1e3 * tolerances.tolerance)
     }
 
-    /// Whether an event's test function changes sign near a position in a bracket: between two
-    /// close branch points the defining system is singular, and Newton's method appears to
-    /// converge. Branches that only a mesh separates do not cross.
+    /// Whether the test function of an event changes sign near a position in a bracket. The sign is
+    /// checked because between two close branch points the defining system is nearly singular, and
+    /// Newton's method may appear to converge to a point that is not a branch point. On a mesh, the
+    /// sign is not checked, because a mesh may separate branches that would cross.
     fn turns_at(&mut self, bracket: &Bracket, along: f64) -> bool {
         let system = self.curve.corrector.equations.system();
         if system.representation().is_on_mesh() {
@@ -176,7 +181,8 @@ impl Locator<'_, '_> {
         values.is_none_or(|[before, after]| before * after <= 0.0)
     }
 
-    /// Whether a solution of an event's defining system is that event.
+    /// Whether a solution of the defining system of an event is the event, and not an event of
+    /// another kind that satisfies the same equations.
     fn is_confirmed(&mut self, event: &Event, bracket: &Bracket, located: &Located) -> bool {
         let dynamics = self.curve.corrector.equations.system().dynamics();
         let spectra = [0, 1].map(|end| bracket.ends[end].spectrum.as_deref().unwrap_or_default());
@@ -185,8 +191,8 @@ impl Locator<'_, '_> {
     }
 }
 
-/// Whether a solution of a defining system lies near the branch between the ends of a bracket,
-/// rather than just between the hyperplanes through them.
+/// Whether a solution of a defining system lies close to the branch between the ends of a bracket,
+/// and not only between the hyperplanes through the two ends.
 fn is_near(norm: &ScaledNorm, bracket: &Bracket, along: f64, unknowns: &[f64]) -> bool {
     let length = bracket.high - bracket.low;
     let fraction = ((along - bracket.low) / length).clamp(0.0, 1.0);

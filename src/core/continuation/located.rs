@@ -1,31 +1,32 @@
-//! Special points located between two points of the branch.
+//! Special points located between two points of a branch.
 
 use super::branch::SpecialPoint;
 use crate::core::system::Kind;
 
-/// A special point between two points of the branch.
+/// A special point located between two points of a branch.
 #[derive(Clone)]
 pub(super) struct Located {
-    /// The event's position among the events of the curve; `None` if it is unclassified.
+    /// The index of the event among all events of the curve; `None` if the event is unclassified.
     pub event: Option<usize>,
-    /// The distance from the first point, in scaled arclength.
+    /// The distance of the special point from the first of the two points, in scaled arclength.
     pub along: f64,
-    /// The unknowns of the curve.
+    /// The unknowns of the curve at the special point.
     pub unknowns: Vec<f64>,
-    /// The special point to be saved: initially its kind, error and numbers; all values after
-    /// `describe`.
+    /// The special point to be saved. Initially only its kind, error and named numbers are set;
+    /// `describe` sets all other values.
     pub special: SpecialPoint,
 }
 
 impl Located {
-    /// Creates a point without a description; `error` is the estimated error of the continued
-    /// parameter.
+    /// Creates a located point whose recorded values are not yet set; `error` is the estimated
+    /// error of the continued parameter.
     pub fn new((kind, event): (Kind, &str), along: f64, unknowns: Vec<f64>, error: f64) -> Self {
         let special = SpecialPoint { error, ..SpecialPoint::new(kind, event) };
         Located { event: None, along, unknowns, special }
     }
 
-    /// Shifts the origin to a point at the distance `offset` before the first one.
+    /// Shifts the origin of the distance `along` to a point at the distance `offset` before the
+    /// first point.
     pub fn farther(mut self, offset: f64) -> Self {
         self.along += offset;
         let slopes = self.special.slopes.take();
@@ -33,7 +34,7 @@ impl Located {
         self
     }
 
-    /// Sets whether the point has converged on its defining system or bracket.
+    /// Sets whether the point has converged, either by Newton's method or by bracketing.
     pub fn converged(mut self, converged: bool) -> Self {
         self.special.converged = converged;
         self

@@ -1,4 +1,5 @@
-//! An interval of a curve in which events are located, and the computation of its points.
+//! The interval of a curve in which events are located, and the computation of points in the
+//! interval.
 
 use super::curve::Curve;
 use super::curve_point::{CurvePoint, Interval};
@@ -8,11 +9,11 @@ use super::newton::NewtonError;
 use crate::core::failure::Failure;
 use crate::core::system::Kind;
 
-/// An interval of a curve in which events are located.
+/// The interval of a curve in which events are located, together with the curve.
 pub(super) struct Locator<'c, 'a> {
     pub curve: &'c mut Curve<'a>,
     pub interval: Interval<'c>,
-    /// The covector of the tangent at the first point.
+    /// The covector of the tangent at the first point of the interval.
     pub row: Vec<f64>,
 }
 
@@ -21,7 +22,7 @@ impl<'c, 'a> Locator<'c, 'a> {
         Locator { row: curve.corrector.norm.covector(&interval.from.tangent), curve, interval }
     }
 
-    /// Returns the middle of the interval, as an unconverged point.
+    /// Returns the middle of the interval, as an unconverged special point.
     pub fn middle(&self, event: (Kind, &str)) -> Located {
         let corrector = &self.curve.corrector;
         let [start, end] = self.interval.ends(corrector.equations.parameters_at());
@@ -51,8 +52,9 @@ impl<'c, 'a> Locator<'c, 'a> {
         self.curve.arrive(unknowns, &self.row, matrix_error, stability)
     }
 
-    /// Returns the values of an event's test function on both sides of a position, at the distance
-    /// `reach`. `None` if the curve cannot be corrected there, or the function has no value.
+    /// Returns the values of the test function of an event at the distance `reach` on both sides of
+    /// a position; `None` if the curve cannot be corrected at these two points, or if the test
+    /// function is undefined.
     pub fn values_beside(&mut self, index: usize, along: f64, reach: f64) -> Option<[f64; 2]> {
         let mut values = [0.0; 2];
         for (value, beside) in values.iter_mut().zip([along - reach, along + reach]) {

@@ -1,4 +1,5 @@
-//! The log of a trace: labels, warnings, and items in the order in which they were found.
+//! The log of a continuation: labels, warnings, and computed points in the order in which they were
+//! found.
 
 use super::branch::{Branch, Point, SpecialPoint, Traced};
 use super::progress::Crawl;
@@ -6,13 +7,13 @@ use crate::core::failure::one_line;
 use miette::Diagnostic;
 use std::collections::VecDeque;
 
-/// Assigns labels, and stores items until the iterator returns them.
+/// Assigns labels to special points, and stores computed points until the iterator returns them.
 pub(super) struct Log {
-    /// The branch without its points.
+    /// The branch that is being traced, without its points.
     pub branch: Branch,
-    /// The number of labels assigned.
+    /// The number of labels assigned so far.
     labels: usize,
-    /// Items computed but not yet returned by the iterator.
+    /// The points that are computed but not yet returned by the iterator.
     items: VecDeque<Traced>,
 }
 
@@ -21,17 +22,17 @@ impl Log {
         Log { branch, labels: 0, items: VecDeque::new() }
     }
 
-    /// Returns the next item that was not returned yet.
+    /// Returns the next computed point that has not yet been returned.
     pub fn next(&mut self) -> Option<Traced> {
         self.items.pop_front()
     }
 
-    /// Queues a regular point.
+    /// Appends a regular point to the queue of the iterator.
     pub fn point(&mut self, point: &Point) {
         self.items.push_back(Traced::Point(point.clone()));
     }
 
-    /// Labels a special point, queues it, and adds it to a list.
+    /// Labels a special point, appends it to the queue of the iterator, and adds it to a list.
     pub fn special(&mut self, list: &mut Vec<SpecialPoint>, mut special: SpecialPoint) {
         self.labels += 1;
         special.label = self.labels;
@@ -53,8 +54,8 @@ impl Log {
         ));
     }
 
-    /// Warns, once, that solutions stay at a limit: of simultaneous events, or of events before
-    /// rest.
+    /// Warns, once per branch, that solutions remain at a limit along the branch: because events
+    /// are simultaneous, or because events precede a state of rest.
     pub fn stays_at_limit(&mut self, event: &str) {
         let warning = format!(
             "`{event}` is zero, up to the error of the points, at successive points, which are not \
@@ -83,7 +84,8 @@ impl Log {
         ));
     }
 
-    /// Warns that a branch crawls before a value of the continued parameter.
+    /// Warns that a branch makes hardly any progress before it reaches a value of the continued
+    /// parameter.
     pub fn crawls(&mut self, Crawl { points, change }: &Crawl, value: f64) {
         let (continued, percent) = (&self.branch.released[0], 100.0 * change);
         self.branch.warnings.push(format!(

@@ -1,5 +1,6 @@
-//! The meaning of a located special point: its numbers, the case that they determine, and the
-//! sensitivities of its location to other parameters.
+//! The quantities that characterise a located special point: named numbers such as normal-form
+//! coefficients, the type that they determine, and the sensitivities of its location to other
+//! parameters.
 
 use super::branch::{Number, Sensitivity, SpecialPoint};
 use super::event::Event;
@@ -10,33 +11,39 @@ use crate::core::failure::Failure;
 use crate::core::numerics::error_of_last;
 use crate::core::system::Effort;
 
-/// (H) The number of samples of rounding for errors of numbers, and the factor by which the errors
-/// may be too small by chance.
+/// (H) The number of samples of rounding errors from which the errors of named numbers are
+/// estimated.
 const SAMPLES: usize = 2;
+/// (H) The factor by which errors estimated from samples of rounding errors may be too small by chance.
 const CAUTION: f64 = 4.0;
 
-/// (R) The derivative of an unfolding unknown with respect to a parameter, relative to its terms,
-/// that counts as rounding: with a larger one, the branch point does not persist.
+/// (R) The derivative of an unfolding unknown with respect to a parameter is zero up to rounding if
+/// it is smaller than this threshold, relative to its terms. If the derivative is larger, the
+/// branch point does not persist when the parameter changes.
 const BREAKS_UP: f64 = 1e-7;
 
-/// (R) The size of a sensitivity that counts as rounding of zero, in units of the rounding errors of
-/// its terms, or of the released parameter if the other parameter changes by its own size.
+/// (R) A sensitivity is zero up to rounding if it is smaller than this threshold, in units of the
+/// rounding errors of its terms. Alternatively, the resulting change of the released parameter,
+/// when the other parameter changes by its own size, is compared with the rounding error of the
+/// released parameter.
 const NOISE: f64 = 16.0;
 
-/// The numbers, case and sensitivities of a special point.
+/// The named numbers, type and sensitivities of a special point.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Meaning {
     pub numbers: Vec<Number>,
-    /// Whether such points have a normal form.
+    /// Whether the library computes a normal form for special points of this kind.
     pub classified: bool,
-    /// The case determined by the coefficients.
+    /// The type of the bifurcation, such as `supercritical`, determined by the normal-form
+    /// coefficients.
     pub case: Option<Case>,
     pub sensitivities: Vec<Sensitivity>,
 }
 
 impl Meaning {
-    /// Computes the meaning of a solution of an event's defining system, which `equations` hold.
-    /// Without a mesh, errors of numbers are estimated from samples of rounding; on a mesh, from
+    /// Computes the numbers, type and sensitivities at a solution of the defining system of an
+    /// event; `equations` must hold this defining system. If solutions have no mesh, the errors of
+    /// the numbers are estimated from samples of rounding errors; if they have a mesh, from its
     /// refinement.
     pub fn of(equations: &mut Extended, event: &Event, unknowns: &[f64]) -> Self {
         let (values, case) = numbers(equations, event, unknowns);
@@ -56,7 +63,7 @@ impl Meaning {
         Meaning { numbers: named.collect(), classified, case, sensitivities: Vec::new() }
     }
 
-    /// Adds the sensitivities of the location to other parameters.
+    /// Adds the sensitivities of the location of the special point to other parameters.
     pub fn differentiate(&mut self, equations: &mut Extended, event: &Event, unknowns: &[f64]) {
         // A point at a level of the parameter keeps that value.
         if !matches!(event.test.level(), Some((Quantity::Parameter(_), _))) {
@@ -66,8 +73,9 @@ impl Meaning {
         }
     }
 
-    /// Computes the meaning of a point that is located by bracketing. The error of a number is its
-    /// change between the point and a point `beside`, whose distance is the error of the location.
+    /// Computes the numbers and type of a special point that is located by bracketing. The error of
+    /// a number is the difference between its values at the special point and at the point
+    /// `beside`; the distance between these two points is the error of the location.
     pub fn beside(equations: &mut Extended, event: &Event, [at, beside]: [&[f64]; 2]) -> Self {
         if event.normal_form.is_none() {
             return Meaning::default();
@@ -87,12 +95,12 @@ impl Meaning {
         Meaning { numbers, classified: true, case, ..Meaning::default() }
     }
 
-    /// Returns the current numbers of a special point.
+    /// Returns the numbers and sensitivities that a special point currently contains.
     pub fn taken_from(special: &SpecialPoint) -> Self {
         Meaning { numbers: special.numbers.clone(), ..Meaning::default() }
     }
 
-    /// Writes the meaning into a special point.
+    /// Writes the numbers, type and sensitivities into a special point.
     pub fn give_to(self, special: &mut SpecialPoint) {
         if self.classified {
             // A case is unknown if a determining coefficient is no larger than its error.
@@ -106,8 +114,9 @@ impl Meaning {
         (special.numbers, special.sensitivities) = (self.numbers, self.sensitivities);
     }
 
-    /// Estimates the errors of numbers from those on coarser discretisations, the coarsest first. A
-    /// number that is missing on a coarser one is omitted.
+    /// Estimates the errors of the numbers by comparison with the numbers on coarser
+    /// discretisations, which are listed from the coarsest to the finest. A number that is missing
+    /// on one of the coarser discretisations is removed.
     pub fn after(mut self, coarser: &[Meaning]) -> Self {
         self.numbers.retain_mut(|number| {
             let of = |meaning: &Meaning| {
@@ -125,7 +134,7 @@ impl Meaning {
 }
 
 /// Returns the named auxiliary unknowns of the event, the coefficients of its normal form, and the
-/// case.
+/// type that the coefficients determine.
 fn numbers(
     equations: &mut Extended,
     event: &Event,
@@ -142,7 +151,7 @@ fn numbers(
     (values, case)
 }
 
-/// Estimates the change of numbers due to the rounding errors of the point.
+/// Estimates the changes of the named numbers due to the rounding errors of the special point.
 fn rounding(
     equations: &mut Extended,
     event: &Event,
@@ -165,8 +174,9 @@ fn rounding(
     spreads
 }
 
-/// Computes the derivatives of the released parameters at a special point by every other parameter,
-/// where they are defined: with the defining system `G(X, p) = 0`, `dX/dp = −G_X⁻¹ G_p`.
+/// Computes the derivatives of the released parameters at a special point with respect to every
+/// other parameter, as far as these derivatives exist. The defining system `G(X, p) = 0` implies
+/// `dX/dp = −G_X⁻¹ G_p`.
 fn sensitivities(equations: &mut Extended, unknowns: &[f64]) -> Result<Vec<Sensitivity>, Failure> {
     let (n, first) = (equations.dimension(), equations.parameters_at());
     let mut room = vec![0.0; unknowns.len()];
@@ -217,7 +227,7 @@ fn sensitivities(equations: &mut Extended, unknowns: &[f64]) -> Result<Vec<Sensi
     Ok(all)
 }
 
-/// Returns the positions of unknowns that unfold the problem.
+/// Returns the indices of the auxiliary unknowns that unfold the problem.
 fn unfolding_unknowns(equations: &Extended) -> Vec<usize> {
     let (n, null) = (equations.dimension(), &equations.null);
     let own = equations.conditions.iter().flat_map(|condition| {
@@ -226,7 +236,7 @@ fn unfolding_unknowns(equations: &Extended) -> Vec<usize> {
     own.enumerate().filter(|(_, unfolds)| *unfolds).map(|(j, _)| n + j).collect()
 }
 
-/// Calls a function with exact gradients enabled.
+/// Calls a function while exact gradients are enabled.
 fn exactly<T>(equations: &mut Extended, compute: impl FnOnce(&mut Extended) -> T) -> T {
     let cancel = equations.cancel.clone();
     let set = |equations: &mut Extended, exact_gradients| {
@@ -240,7 +250,8 @@ fn exactly<T>(equations: &mut Extended, compute: impl FnOnce(&mut Extended) -> T
     outcome
 }
 
-/// Computes the gradients of all defining systems with respect to `x`, including every parameter.
+/// Computes the gradients of all held defining systems with respect to `x`, including every
+/// parameter.
 fn gradients(equations: &mut Extended) -> Result<Vec<Vec<f64>>, Failure> {
     let Extended { system, x, conditions, auxiliary, null, .. } = equations;
     let all: Vec<usize> = (0..system.names().parameters.len()).collect();
@@ -257,8 +268,8 @@ fn gradients(equations: &mut Extended) -> Result<Vec<Vec<f64>>, Failure> {
     Ok(gradients)
 }
 
-/// Computes the gradients of a defining system with respect to each parameter separately; NaN where
-/// it is not differentiable.
+/// Computes the derivatives of a defining system with respect to each parameter separately; a
+/// derivative that does not exist is NaN.
 fn one_by_one(condition: &mut dyn DefiningSystem, mut at: At, rows: &mut [f64]) {
     let (k, length, n) = (condition.unknowns(), at.x.len(), at.system.names().dimension());
     let (mut alone, mut own) = (vec![0.0; rows.len()], vec![0.0; (k + 1) * k]);
@@ -271,8 +282,8 @@ fn one_by_one(condition: &mut dyn DefiningSystem, mut at: At, rows: &mut [f64]) 
     }
 }
 
-/// Computes the largest variation of a special point's released parameters, to first order, when
-/// other parameters vary within their tolerances.
+/// Computes the largest variations of the released parameters at a special point, to first order,
+/// when other parameters vary within their tolerances.
 pub(super) fn spreads(
     sensitivities: &[Sensitivity],
     tolerances: &[(String, f64)],

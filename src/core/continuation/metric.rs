@@ -6,16 +6,17 @@ use crate::core::problem::{Group, Names};
 
 /// The scales that make arclength dimensionless: `‖ΔX‖² = Σ_g (‖Δz_g‖/s_g)² + Σ (Δp/s_p)²`.
 ///
-/// `s_g` is the largest Euclidean norm of the group of unknowns on the branch so far; `s_p` is the
-/// length of the parameter's range. The scale of a group that is zero at the start is its change
-/// along the tangent over the parameter's range; where this change is zero, too, the tangent is
-/// computed a small step further along the range. The scale of a parameter without a finite range is
-/// its change along the tangent while the unknowns change by their size, and later the distance it
-/// has covered. Along a vertical tangent the scale of a zero group is its change over
-/// [`StartSizes::reach`]. A group without any of these data has its unit as the scale, or else the
-/// scale of the largest other group. Hence a change of units has no effect other than on the
-/// numbers, unless a group is zero all along the start's tangent: if such a group has an unusual
-/// size, give it a scale ([`Continuation::scale`](super::builder::Continuation::scale)).
+/// `s_g` is the largest Euclidean norm of the group `g` of unknowns on the branch so far; `s_p` is
+/// the length of the range of the parameter `p`. If a group is zero at the start, its scale is its
+/// change along the tangent when the parameter changes by the length of its range; if the tangent
+/// is vertical, its change over [`StartSizes::reach`]. If a parameter has no finite range, its
+/// scale is initially its change along the tangent when the unknowns change by their size, and
+/// later the distance that the parameter has covered. If a group is zero at the start and does not
+/// change along the tangent, the tangent a small step further along the range of the parameter gives
+/// its scale; if the group does not change there either, its scale is its unit; if the group has no unit, its scale is the
+/// scale of the largest other group. Hence the computed points do not depend on units, unless a
+/// group is zero at all points of the tangent at the start. If such a group has an unusual size,
+/// set its scale ([`Continuation::scale`](super::builder::Continuation::scale)).
 ///
 /// ```
 /// use tangency::core::continuation::{Metric, StartSizes};
@@ -40,7 +41,8 @@ pub struct Metric {
     /// Whether the start gives no information about the size of each group.
     unknown: Vec<bool>,
     parameters: Vec<f64>,
-    /// The start values of parameters with an open range and no given scale: their scales grow.
+    /// The values at the start of the parameters with an infinite range and no given scale, whose
+    /// scales grow along the branch; `None` for the other parameters.
     open: Vec<Option<f64>>,
     own: Vec<f64>,
 }
@@ -56,15 +58,16 @@ pub struct StartSizes<'a> {
     pub p: &'a [f64],
     /// The derivatives of the released parameters along the tangent.
     pub p_tangent: &'a [f64],
-    /// The distance along a vertical tangent at which the parameter has changed by its range, or
-    /// nonlinear terms become significant; `None` if unknown.
+    /// The distance along a branch with a vertical tangent at which the parameter has changed by
+    /// the length of its range, or at which nonlinear terms become significant; `None` if unknown.
     pub reach: Option<f64>,
-    /// Typical sizes of the groups of unknowns; empty if unknown.
+    /// The typical sizes of the groups of unknowns; empty if unknown.
     pub units: &'a [f64],
 }
 
 impl StartSizes<'_> {
-    /// The norms of the groups of unknowns and of their derivatives, in units of their sizes.
+    /// Returns the norms of the groups of unknowns and of their derivatives, in units of the
+    /// typical sizes of the groups.
     fn groups(&self, names: &Names) -> [Vec<f64>; 2] {
         [self.z, self.z_tangent].map(|v| {
             let mut sizes = group_norms(names, v);
@@ -76,7 +79,8 @@ impl StartSizes<'_> {
 
 impl Metric {
     /// Computes the scales at the start of a branch, with the ranges of the released parameters.
-    /// `own` contains the auxiliary unknowns, with `None` for those without a weight.
+    /// `own` contains the sizes of the auxiliary unknowns; an unknown without a weight has the size
+    /// `None`.
     pub fn new(
         names: &Names,
         start: &StartSizes,
@@ -139,7 +143,8 @@ impl Metric {
         self
     }
 
-    /// Replaces scales by given ones: of groups, then of released parameters.
+    /// Replaces scales by the given scales; the scales of the groups come first, followed by the
+    /// scales of the released parameters.
     pub fn with_scales(mut self, scales: &[Option<f64>]) -> Self {
         let (groups, parameters) = scales.split_at(self.groups.len().min(scales.len()));
         for ((scale, fixed), given) in self.groups.iter_mut().zip(&mut self.fixed).zip(groups) {
@@ -154,14 +159,14 @@ impl Metric {
         self
     }
 
-    /// Whether the scale of a group is so much smaller that a solution to the tolerance of the
-    /// other metric may not satisfy the tolerance in this one.
+    /// Whether some scale is so much smaller than in another metric that a solution within the
+    /// tolerance of the other metric may not satisfy the same tolerance in this metric.
     pub(super) fn is_finer_than(&self, other: &Metric) -> bool {
         self.groups.iter().zip(&other.groups).any(|(own, other)| own < &(FINER * other))
     }
 
-    /// Increases the scales to the size of the unknowns, and the scales of parameters without a
-    /// range to the distance covered.
+    /// Increases the scales of groups to the sizes of the unknowns, and the scales of parameters
+    /// without a finite range to the distance that they have covered.
     pub fn grow(&mut self, names: &Names, z: &[f64], p: &[f64]) {
         let sizes = group_norms(names, z);
         for ((scale, fixed), size) in self.groups.iter_mut().zip(&self.fixed).zip(sizes) {
@@ -172,8 +177,8 @@ impl Metric {
         }
     }
 
-    /// Adapts the scales to the lengths of the groups on another mesh: norms grow as the square
-    /// root of the number of values.
+    /// Adapts the scales to the number of unknowns in each group on another mesh: norms grow like
+    /// the square root of this number.
     pub(super) fn resample(&mut self, before: &[usize], after: &[usize]) {
         let lengths = before.iter().zip(after);
         for (scale, (before, after)) in self.groups.iter_mut().zip(lengths) {
@@ -181,8 +186,8 @@ impl Metric {
         }
     }
 
-    /// Returns the weights of `X = (z, y, p)` for a system with these names, which may be a
-    /// refinement with the same groups of larger lengths.
+    /// Returns the weights of `X = (z, y, p)` for a system with the given names. The system may be
+    /// a refinement, whose groups contain more unknowns.
     pub fn weights(&self, names: &Names) -> Vec<f64> {
         let mut weights = Vec::new();
         for (group, scale) in names.unknowns.iter().zip(&self.groups) {
@@ -194,10 +199,10 @@ impl Metric {
     }
 }
 
-/// The scaled norm of a curve.
+/// The scaled norm that defines the arclength of a curve.
 pub(super) struct ScaledNorm {
     pub metric: Metric,
-    /// The weights of `X`.
+    /// The weights of the components of `X`.
     pub weights: Vec<f64>,
 }
 
@@ -216,8 +221,8 @@ impl ScaledNorm {
         scale_to_one(direction, &self.weights)
     }
 
-    /// Returns a direction in which components are set to zero that are rounding errors, or mesh
-    /// errors, relative to the largest component.
+    /// Returns a direction in which all components that consist only of rounding or discretisation
+    /// errors, relative to the largest component, are set to zero.
     pub fn without_rounding(&self, direction: &[f64], on_mesh: bool) -> Vec<f64> {
         let least = if on_mesh { VERTICAL_ON_MESH } else { VERTICAL };
         let sizes = direction.iter().zip(&self.weights).map(|(t, w)| t.abs() * w.sqrt());
@@ -226,8 +231,8 @@ impl ScaledNorm {
         direction.iter().zip(sizes).map(kept).collect()
     }
 
-    /// Sets components of a point and a direction that were exactly zero before the correction back
-    /// to zero if they are rounding errors.
+    /// Sets those components of a point and a direction to zero that were exactly zero before the
+    /// correction and have the size of rounding errors after it.
     pub fn without_residue(
         &self,
         [point, direction]: [Vec<f64>; 2],
@@ -242,61 +247,68 @@ impl ScaledNorm {
         [without(point, RESIDUE), without(direction, RESIDUE * length)]
     }
 
-    /// The length of a direction in the scaled norm.
+    /// Returns the length of a direction in the scaled norm.
     pub fn of(&self, direction: &[f64]) -> f64 {
         scaled_norm(direction, &self.weights)
     }
 
-    /// The distance between two points in the scaled norm.
+    /// Returns the distance between two points in the scaled norm.
     pub fn distance(&self, a: &[f64], b: &[f64]) -> f64 {
         self.of(&difference(a, b))
     }
 
-    /// The component at this position, in units of its scale.
+    /// Returns the component with the given index, in units of its scale.
     pub fn scaled(&self, component: usize, value: f64) -> f64 {
         value * self.weights[component].sqrt()
     }
 }
 
-/// (R) A group of unknowns smaller than this, relative to its change along the tangent over the
-/// parameter's range, is zero up to rounding: starts are solutions to 1e-10.
+/// (R) A group of unknowns smaller than this threshold, relative to its change along the tangent
+/// over the range of the parameter, is zero up to rounding; the start of a curve is accurate to
+/// 1e-10.
 const ZERO: f64 = 1e-9;
 
 /// (D) A group that is smaller than other groups by this factor, relative to its change along the
-/// tangent, is zero up to the error of the start: the discretisation error where a curve emanates.
+/// tangent, is zero up to the error of the start. The error of the start is the discretisation
+/// error if the curve emanates from a special point.
 const SMALL: f64 = 1e-5;
 
-/// (R) Unknowns and their changes along the tangent that are smaller than this, in given units, are
-/// rounding: starts are solutions to 1e-10.
+/// (R) Unknowns and their changes along the tangent that are smaller than this threshold, in the
+/// given units, are zero up to rounding; the start of a curve is accurate to 1e-10.
 const NOTHING: f64 = 1e-9;
 
-/// (R) A parameter component of the tangent smaller than this, relative to the unknowns' component,
-/// both in units of their scales, is rounding: about 1e4 ε, for matrices with a condition number up
-/// to 1e4.
+/// (R) The parameter component of a tangent is zero up to rounding if it is smaller than this
+/// threshold, relative to the component along the unknowns, both in units of their scales. The
+/// bound is about 1e4 ε, for matrices with a condition number up to 1e4.
 const VERTICAL: f64 = 1e-12;
 
-/// (R) The threshold [`VERTICAL`] on a mesh, where tangents are accurate to about √ε.
+/// (R) The threshold that replaces [`VERTICAL`] on a mesh, on which tangents are accurate to about
+/// √ε.
 const VERTICAL_ON_MESH: f64 = 1e-8;
 
 /// (H) A group smaller than this fraction of the largest group may be a rounding error.
 const DOUBTFUL: f64 = 1e-6;
 
-/// (R) A component that was zero is a rounding error if it is smaller than this, in units of its
-/// scale; so is a component of a unit tangent.
+/// (R) A component that was zero before a correction counts as a rounding error if it is smaller
+/// than this threshold, in units of its scale. The same bound applies to the components of a unit
+/// tangent.
 const RESIDUE: f64 = 1e-14;
 
 /// (R) A parameter is constant, up to rounding, if it changes by less than this fraction of its value
 /// while the unknowns change by their sizes.
 const STILL: f64 = 1e-8;
 
-/// (R) If all groups are smaller than this, relative to their changes along the tangent over the
-/// parameter's range, the start is near a fold, or, below [`ORIGIN`], at the origin.
+/// (R) The start is near a fold if all groups are smaller than this threshold, relative to their
+/// changes along the tangent over the range of the parameter; if all groups are smaller than
+/// [`ORIGIN`], the start is at the origin.
 const FOLD: f64 = 1e-8;
 
-/// (R) The threshold below which the start is at the origin ([`FOLD`]).
+/// (R) The start is at the origin if all groups are smaller than this threshold, relative to their
+/// changes along the tangent (see [`FOLD`]).
 const ORIGIN: f64 = 1e-14;
 
-/// (H) A scale that is smaller by more than this factor requires another correction.
+/// (H) The start must be corrected again if a new scale is smaller than the former scale by more
+/// than this factor.
 const FINER: f64 = 1e-2;
 
 /// Whether a number can be a scale: its square and the inverse of its square are finite and
@@ -305,33 +317,36 @@ fn is_scale(scale: f64) -> bool {
     (1e-150..1e150).contains(&scale)
 }
 
-/// The smallest ratio of a size to a slope, among the pairs that count.
+/// Returns the smallest ratio of a size to a slope, among the pairs for which `counts` is true.
 fn least_ratio(sizes: &[f64], slopes: &[f64], counts: impl Fn(f64, f64) -> bool) -> f64 {
     let pairs = sizes.iter().zip(slopes).filter(|(size, slope)| counts(**size, **slope));
     pairs.map(|(size, slope)| size / slope).fold(f64::INFINITY, f64::min)
 }
 
-/// The largest rate of a group relative to its size; 1 replaces the size of a zero group.
+/// Returns the largest ratio of the slope of a group to its size; the size of a zero group is taken
+/// as 1.
 fn steepness(sizes: &[f64], slopes: &[f64]) -> f64 {
     let size = |size: f64| if size > 0.0 { size } else { 1.0 };
     sizes.iter().zip(slopes).map(|(s, slope)| slope / size(*s)).fold(0.0, f64::max)
 }
 
-/// The largest ratio of a group's size to its change over the distance `reach` along the tangent,
-/// at most 1.
+/// Returns the largest ratio of the size of a group to its change over the distance `reach` along
+/// the tangent, but at most 1.
 fn largest_known(sizes: &[f64], slopes: &[f64], reach: f64) -> f64 {
     let parts = sizes.iter().zip(slopes).map(|(size, slope)| size / (reach * slope));
     parts.filter(|part| part.is_finite()).fold(0.0, f64::max).min(1.0)
 }
 
-/// Whether the distance along the tangent is so large that the start is near a fold, where the
-/// tangent overestimates the changes of all groups.
+/// Whether the start is near a fold, where the tangent overestimates the changes of all groups. The
+/// start is near a fold if the distance along the tangent over which the parameter changes by its
+/// range is very large.
 fn is_near_fold(sizes: &[f64], slopes: &[f64], reach: f64) -> bool {
     (ORIGIN..FOLD).contains(&largest_known(sizes, slopes, reach))
 }
 
-/// Computes the scales of groups from their sizes and from their slopes over the distance along the
-/// tangent, in units of their typical sizes if given; `None` if both are zero.
+/// Computes the scales of groups from their sizes and from their changes over the distance `reach`
+/// along the tangent; `None` for groups whose size and change are zero. Sizes and changes are in
+/// units of typical sizes if `given` is set.
 fn group_scales(
     sizes: &[f64],
     slopes: &[f64],
@@ -356,7 +371,7 @@ fn with_fallback(scales: &[Option<f64>], given: bool) -> Vec<f64> {
     scales.iter().map(|scale| scale.unwrap_or(unknown)).collect()
 }
 
-/// Divides unknowns by the units of their groups; 1 if there are no units.
+/// Divides unknowns by the units of their groups; if no units are given, all units are 1.
 pub(super) fn in_units(names: &Names, units: &[f64], z: &[f64]) -> Vec<f64> {
     let (mut z, mut start) = (z.to_vec(), 0);
     for (group, unit) in names.unknowns.iter().zip(units) {

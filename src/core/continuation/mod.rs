@@ -1,8 +1,8 @@
-//! Continuation: traces branches of solutions, and locates the special points on them.
+//! Continuation of branches of solutions, and location of the special points on them.
 //!
-//! A [`Continuation`] states a curve; [`trace`](Continuation::trace) follows it by its arclength
-//! (H. B. Keller, *Numerical solution of bifurcation and nonlinear eigenvalue problems*, 1977) and
-//! returns a [`Branch`] with its points and [`SpecialPoint`]s.
+//! A [`Continuation`] specifies a curve; [`trace`](Continuation::trace) computes the curve by
+//! pseudo-arclength continuation (H. B. Keller, *Numerical solution of bifurcation and nonlinear
+//! eigenvalue problems*, 1977) and returns a [`Branch`] with its points and [`SpecialPoint`]s.
 //!
 //! ```
 //! use tangency::prelude::*;
@@ -20,19 +20,21 @@
 //!
 //! # The files
 //!
-//! - **Statement**: `builder` (what a user states), `quantities` and `resolve` (names resolved),
-//!   `start` (the start corrected) with `singular_start`, `trace` (from the statement to the
-//!   branch).
-//! - **Points**: `predictor`, `corrector`, `step_control` with `curve_error` and `branch_jump` (a step
-//!   refused), `recorder` (monitors, stability, profiles), `curve_point`, `curve` (these together).
+//! - **Specification of a curve**: `builder` (the user interface), `quantities` and `resolve`
+//!   (resolution of names), `start` and `singular_start` (correction of the start), `trace`
+//!   (computation of the specified branch).
+//! - **Points**: `predictor`, `corrector`, `step_control`, `curve_error` and `branch_jump` (rejection
+//!   of steps), `recorder` (monitors, stability, profiles), `curve_point`, `curve` (the combination of
+//!   these modules).
 //! - **Events**: `event`, `detector` (test functions), `events_between`, `locate` with
 //!   `defining_system`, `bracket`, `bisection` and `limit`, `describe`, `refiner` (finer
-//!   discretisations), `double_crossing`; `separation` (the events of a step) with `unexplained`
-//!   (changes of stability without an event) and `cluster` (several eigenvalues that pass).
-//! - **Without a branch**: `root_search` (all solutions at given parameters).
-//! - **Branches**: `steps` (the iterator), `half`, `bounds`, `closing`, `early_end`, `snaking`, `jump_end`
-//!   and `progress` (where they end), `log` (labels), `stretches` (the solutions on both sides of a
-//!   curve), `branch`, `slopes` and `stretch` (data).
+//!   discretisations), `double_crossing` (two events in one step), `separation` (several events in
+//!   one step), `unexplained` (changes of stability without an event) and `cluster` (several
+//!   eigenvalues that pass zero together).
+//! - **Solutions without continuation**: `root_search` (all solutions at given parameters).
+//! - **Branches**: `steps` (the iterator over points), `half` (one half of a branch), `bounds`, `closing`,
+//!   `early_end`, `snaking`, `jump_end` and `progress` (reasons for the end of a branch), `log` (labels),
+//!   `stretches` (the solutions on both sides of a curve), `branch`, `slopes` and `stretch` (data).
 
 mod admissible;
 mod arnoldi;

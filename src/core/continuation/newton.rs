@@ -1,14 +1,14 @@
 //! Damped Newton's method on the bordered system, with an affine-invariant convergence test.
 //!
-//! A correction `Δ = −M⁻¹G(X)` is followed by the simplified correction at the new point, `Δ̄ =
-//! −M⁻¹G(X + λΔ)`, with the same factorisation. The simplified correction measures the residual
-//! independently of the units of equations (P. Deuflhard, *Newton Methods for Nonlinear Problems*,
-//! 2004, sections 2.1 and 3.3). The step is accepted if `‖Δ̄‖ ≤ (1 − λ/4)‖Δ‖`, else λ is halved.
-//! The iteration has converged if the next correction, predicted from the observed quadratic
-//! convergence, is below the tolerance in the scaled norm of the branch.
+//! After each correction `Δ = −M⁻¹G(X)`, the simplified correction at the new point,
+//! `Δ̄ = −M⁻¹G(X + λΔ)`, is computed with the same factorisation. The simplified correction measures
+//! the residual independently of the units of equations (P. Deuflhard, *Newton Methods for Nonlinear
+//! Problems*, 2004, sections 2.1 and 3.3). The Newton step is accepted if `‖Δ̄‖ ≤ (1 − λ/4)‖Δ‖`; if not, the
+//! damping factor `λ` is halved. The iteration has converged if the scaled norm of the next
+//! correction, predicted from the observed quadratic convergence, is smaller than the tolerance.
 //!
-//! Each point costs one assembly and one factorisation: the matrix of the last correction also
-//! gives the tangent if it was evaluated close enough to the solution.
+//! Each point of a branch typically costs one assembly and one factorisation: the matrix of the
+//! last correction also gives the tangent if the matrix was evaluated close enough to the solution.
 
 mod error;
 
@@ -27,12 +27,12 @@ pub struct Tolerances {
     pub max_iterations: usize,
 }
 
-/// The convergence of Newton's method.
+/// Convergence data of Newton's method at one point.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Convergence {
     /// The number of factorisations.
     pub iterations: usize,
-    /// The contraction of the first step, `‖Δ̄‖/‖Δ‖`: a measure of nonlinearity.
+    /// The contraction `‖Δ̄‖/‖Δ‖` of the first Newton step, which is a measure of nonlinearity.
     pub contraction: f64,
     /// The scaled norm of the last correction.
     pub correction: f64,
@@ -41,7 +41,7 @@ pub struct Convergence {
     pub matrix_error: f64,
 }
 
-/// Newton's method with its buffers; nothing is allocated after the first use at a given size.
+/// Newton's method with its buffers; memory is allocated only when the number of unknowns changes.
 ///
 /// ```
 /// use tangency::core::continuation::{Extended, Newton, Tolerances};
@@ -66,26 +66,27 @@ pub struct Newton {
     curvature: f64,
 }
 
-/// The iteration fails below this damping factor.
+/// The smallest damping factor; the iteration fails if a smaller damping factor would be needed.
 const LEAST_DAMPING: f64 = 1.0 / 256.0;
-/// Corrections with a smaller contraction converge quadratically.
+/// The contraction below which the corrections are assumed to converge quadratically.
 const GOOD_CONTRACTION: f64 = 0.25;
-/// A correction is expected to be the last if the relative change of the matrix over it is less
-/// than this.
+/// A correction is expected to be the last correction if it changes the matrix by less than this
+/// threshold, relative to the matrix.
 const NEARLY_LINEAR: f64 = 1e-4;
-/// A correction below this fraction of the tolerance is not applied.
+/// The fraction of the tolerance below which a correction is not applied.
 const NEGLIGIBLE: f64 = 1e-3;
-/// The inexactness allowed at the start of the iteration, as a fraction of the tolerance.
+/// The error allowed in evaluations at the start of the iteration, as a fraction of the tolerance.
 pub(in crate::core) const ROUGHLY: f64 = 2e-4;
-/// The ratio of two corrections does not determine the curvature if the first one is smaller than
-/// this.
+/// The smallest first correction for which the ratio of two corrections determines the curvature.
 const MEASURABLE: f64 = 3e-7;
-/// Corrections that no longer shrink are rounding up to this many times a sample of rounding.
+/// Corrections that no longer decrease consist only of rounding errors if they are smaller than
+/// this factor times a sample of rounding errors.
 const NOISE: f64 = 30.0;
-/// Corrections larger than this are not rounding, and the point is not a solution.
+/// The largest correction that may consist of rounding errors; if a correction is larger, the point
+/// is not a solution.
 const MOST_NOISE: f64 = 1e-7;
 
-/// The equations with their closing equation and weights.
+/// The equations to solve, with their closing equation and the weights of the scaled norm.
 struct Problem<'p, 'a> {
     equations: &'p mut Extended<'a>,
     closing: Option<Closing<'p>>,
@@ -94,14 +95,14 @@ struct Problem<'p, 'a> {
 }
 
 impl Problem<'_, '_> {
-    /// Evaluates the residual. Assembles first, because some systems compute the residual during
-    /// assembly.
+    /// Evaluates the residual. Evaluates the residual after assembling the matrix, because some
+    /// systems compute the residual during assembly.
     fn residual(&mut self, unknowns: &[f64], out: &mut [f64]) -> Result<(), Failure> {
         self.equations.assemble(unknowns)?;
         self.equations.residual(unknowns, self.closing, out)
     }
 
-    /// Factors the matrix at the point of the last residual.
+    /// Factors the matrix at the point at which the residual was last evaluated.
     fn factor(&mut self, iteration: usize) -> Result<(), NewtonError> {
         let factored = self.equations.factor(self.closing.map(|closing| closing.row));
         factored.map_err(|cause| NewtonError::Evaluation { iteration, cause })
@@ -113,11 +114,12 @@ impl Problem<'_, '_> {
 }
 
 impl Newton {
-    /// Solves for `X`, which contains the start on entry and the solution on success. `weights`
-    /// belong to the scaled norm `‖Δ‖² = Σ wᵢ Δᵢ²`.
+    /// Solves the equations for `X`, which contains the start on entry and the solution on success.
+    /// `weights` define the scaled norm `‖Δ‖² = Σ wᵢ Δᵢ²`.
     ///
     /// # Errors
-    /// [`NewtonError`]; `X` is then the point at which the iteration stopped.
+    /// [`NewtonError`] if the iteration fails; after an error, `X` is the point at which the
+    /// iteration stopped.
     pub fn solve(
         &mut self,
         equations: &mut Extended,
@@ -176,8 +178,9 @@ impl Newton {
         Err(NewtonError::IterationLimit { iterations: max_iterations, correction, contraction })
     }
 
-    /// Whether a correction, smaller than the preceding one by this ratio, is the last. A
-    /// negligible correction is not applied, so that the assembled data belong to the point.
+    /// Whether a correction is the last correction, given its ratio to the preceding correction. A
+    /// negligible correction is not applied, so that the assembled data remain valid at the
+    /// returned point.
     fn is_last(
         &self,
         ratio: f64,
@@ -198,7 +201,8 @@ impl Newton {
         last
     }
 
-    /// Whether the correction is rounding, so that the point is as accurate as arithmetic allows.
+    /// Whether the correction consists only of rounding errors, so that the point is as accurate as
+    /// the arithmetic allows.
     fn is_rounding(&mut self, problem: &mut Problem, unknowns: &[f64]) -> bool {
         let size = problem.size(&self.correction);
         let Problem { equations, closing, weights, .. } = problem;
@@ -208,11 +212,11 @@ impl Newton {
                 .is_ok_and(|noise| size <= NOISE * scaled_norm(noise, weights))
     }
 
-    /// Returns a sample of the rounding error of a solution. The residual changes with the last
-    /// digit of each unknown, with a random sign in each equation, and the result is Newton's
-    /// correction for this residual (up to signs, a sum over `|M⁻¹| |M| |X| ε`: R. D. Skeel, J. ACM
-    /// 26:494, 1979). The last factored matrix is used; afterwards the assembled data belong to the
-    /// point.
+    /// Returns a sample of the rounding error of a solution. The sampled residual is the change of
+    /// the equations when the last digit of each unknown changes, with a random sign in each
+    /// equation. The sample is Newton's correction for this residual (up to signs, a sum over
+    /// `|M⁻¹| |M| |X| ε`: R. D. Skeel, J. ACM 26:494, 1979). The last factored matrix is used. On
+    /// return, the assembled data belong to the point.
     pub(crate) fn rounding(
         &mut self,
         equations: &mut Extended,
@@ -237,8 +241,8 @@ impl Newton {
     }
 
     /// Returns Newton's next correction at a solution, which estimates the remaining error
-    /// including rounding: with the matrix there (`refactor`), or with the last factored matrix,
-    /// from a nearby point.
+    /// including rounding errors. If `refactor` is set, the matrix at the solution is factored; if
+    /// not, the last factored matrix, which belongs to a nearby point, is used.
     pub(crate) fn residual_correction(
         &mut self,
         equations: &mut Extended,
@@ -266,8 +270,8 @@ impl Newton {
         }
     }
 
-    /// Whether the residual at the new point has converged, for equations so nearly linear that the
-    /// first correction should be the last.
+    /// Whether the residual at the new point shows convergence. The test is used only for equations
+    /// so nearly linear that the first correction is expected to be the last correction.
     fn simplified_step(&mut self, problem: &mut Problem, unknowns: &mut [f64]) -> bool {
         self.try_correction(unknowns, 1.0);
         let evaluated = problem.equations.residual(&self.trial, problem.closing, &mut self.next);
@@ -290,8 +294,8 @@ impl Newton {
         nearly_linear
     }
 
-    /// Applies the correction with the necessary damping, leaves the residual at the new point, and
-    /// returns the contraction of the simplified correction there.
+    /// Applies the correction with the necessary damping, evaluates the residual at the new point,
+    /// and returns the contraction of the simplified correction at the new point.
     fn damped_step(
         &mut self,
         problem: &mut Problem,
@@ -331,7 +335,7 @@ impl Newton {
     }
 }
 
-/// Returns the error if damping does not help.
+/// Returns the error to report if damping does not lead to convergence.
 fn hopeless(
     outcome: Result<(), Failure>,
     iteration: usize,
@@ -354,7 +358,7 @@ fn hopeless(
     }
 }
 
-/// The scaled norm `√(Σ wᵢ dᵢ²)`.
+/// Returns the scaled norm `√(Σ wᵢ dᵢ²)` of a vector `d`.
 pub(crate) fn scaled_norm(d: &[f64], weights: &[f64]) -> f64 {
     d.iter().zip(weights).map(|(d, w)| w * d * d).sum::<f64>().sqrt()
 }

@@ -1,4 +1,4 @@
-//! Prediction of the next point by extrapolation of the curve.
+//! Prediction of the next point of a curve by polynomial extrapolation.
 
 use super::curve_point::CurvePoint;
 use super::hermite::{Knot, MOST_KNOTS, hermite};
@@ -7,52 +7,55 @@ use crate::core::linalg::{advanced, difference, dot, norm as length_of};
 use crate::core::problem::Names;
 use std::ops::Range;
 
-/// (H) The largest deviation of a prediction from the tangent, as a fraction of the step: the angle
-/// of a step is limited to a similar value.
+/// (H) The largest deviation of a prediction from the tangent, as a fraction of the step. The angle
+/// between the tangents at both ends of a step is limited to a similar value.
 const MOST_CURVED: f64 = 0.3;
 
-/// (H) The largest difference between the curved and the tangent prediction in a group of unknowns,
-/// relative to the group's norm: at an extremum of a group its part of the step vanishes, and a
-/// prediction may err by this fraction of its size.
+/// (H) The largest difference between the polynomial and the tangent prediction in a group of
+/// unknowns, relative to the norm of the group. The bound on this difference applies near an
+/// extremum of the group, where the part of the step in the group vanishes.
 const MOST_TURNED: f64 = 0.02;
 
-/// (H) The predictor does not use points with a tangent more than 60° from the current one.
+/// (H) The smallest cosine of the angle between the tangents at an earlier and the current point:
+/// the predictor ignores earlier points whose tangent deviates by more than 60°.
 const LEAST_SPEED: f64 = 0.5;
 
-/// An earlier point, for the predictor and for the detection of pairs of events.
+/// An earlier point of the curve, stored for the predictor and for the detection of two events in
+/// one step.
 pub(super) struct Earlier {
     pub place: CurvePoint,
-    /// The length of the step after this point.
+    /// The length of the step from this point to the next point.
     pub length: f64,
 }
 
-/// The earlier points, the latest first.
+/// The predictor, which stores earlier points of the curve; the latest point comes first.
 #[derive(Default)]
 pub(super) struct Predictor {
     earlier: Vec<Earlier>,
 }
 
 impl Predictor {
-    /// Returns the point before the last one.
+    /// Returns the latest of the earlier points, which precedes the current point.
     pub fn last(&self) -> Option<&Earlier> {
         self.earlier.first()
     }
 
-    /// Stores a point from which a step of this length was made.
+    /// Stores a point, and the length of the step made from it.
     pub fn push(&mut self, place: CurvePoint, length: f64) {
         self.earlier.insert(0, Earlier { place, length });
         self.earlier.truncate(MOST_KNOTS - 1);
     }
 
-    /// Iterates over the points, to interpolate them to a new mesh.
+    /// Iterates over the stored points, so that they can be interpolated to a new mesh.
     pub fn places(&mut self) -> impl Iterator<Item = &mut CurvePoint> {
         self.earlier.iter_mut().map(|earlier| &mut earlier.place)
     }
 
     /// Extrapolates the polynomial through the last points with their tangents; returns the tangent
-    /// prediction if the polynomial is not trusted. The polynomial's parameter is the coordinate
+    /// prediction if the polynomial is unreliable. The polynomial is a function of the coordinate
     /// along the tangent, `u = ⟨row, X − from⟩`, so that the prediction lies on the hyperplane of
-    /// the step. The returned order is the power of the step's length with which the error grows.
+    /// the step. The returned order is the power of the step length with which the prediction error
+    /// grows.
     pub fn predict(
         &self,
         norm: &ScaledNorm,
@@ -83,10 +86,10 @@ impl Predictor {
     }
 }
 
-/// Whether a prediction's `bend` away from the tangent is small relative to the step. Each group is
-/// also checked separately, since a group that is small on this part of the branch has little
-/// weight in the norm: relative to its part of the step, or, at an extremum of the group, relative
-/// to its size.
+/// Whether a polynomial prediction is reliable: its deviation `bend` from the tangent prediction
+/// must be small relative to the step. Each group of unknowns is also checked separately, since a
+/// group that is small on this part of the branch has little weight in the norm. The deviation of a
+/// group is compared with its part of the step, or, at an extremum of the group, with its norm.
 fn is_trusted(
     (norm, names): (&ScaledNorm, &Names),
     bend: &[f64],

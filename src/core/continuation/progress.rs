@@ -1,4 +1,5 @@
-//! Branch ends where every step succeeds: branches that go to infinity, or do not advance.
+//! Detection of branches that go to infinity, or make no net progress, although every step
+//! succeeds.
 
 use super::corrector::Corrector;
 use super::curve_point::CurvePoint;
@@ -6,42 +7,47 @@ use super::end::End;
 use crate::core::linalg::norm;
 
 /// (D) A branch has gone to infinity if a group of unknowns has grown by this factor since the
-/// parameters last changed: no diagram shows both ends of such a piece. The parameters must also
-/// converge, unlike after a fold: in the second half (in the logarithm of the size) they change by
-/// no more than in the first, up to rounding.
+/// parameters last changed: no diagram shows both ends of such a part of a branch. The parameters
+/// must also converge, which they do not after a fold: on the second half of this part, measured by
+/// the logarithm of the norm of the group, the parameters must change by no more than on the first
+/// half, up to rounding.
 const INFINITE: f64 = 1e6;
 const AT_REST: f64 = 1e-13;
 
-/// (D) Parameters are constant if they change by less than this fraction of their scales. On the
-/// way to infinity they converge like a power of the unknowns.
+/// (D) The parameters count as constant if they change by less than this fraction of their scales.
+/// Along a branch that goes to infinity, the parameters converge like a power of the unknowns.
 const STILL: f64 = 1e-4;
 
-/// (H) The number of consecutive points after which the progress of a branch is checked; a sharp
-/// turn takes fewer.
+/// (H) The number of consecutive points after which the progress of a branch is checked. A sharp
+/// turn of a branch requires fewer points.
 const MANY: usize = 200;
 
-/// (H) A quantity does not advance if its largest change is less than this fraction of the sum of
-/// all its changes. For a random walk of [`MANY`] steps the fraction is 1/14, on a closed curve
-/// 1/3. Arclength is not used: where a jump moves along an orbit, the length of a step is the
-/// square root of the jump's displacement, so that the sum grows with the number of steps.
+/// (H) A quantity makes no net progress if its largest distance from its value at the reference
+/// point is less than this fraction of the sum of all its changes. For a random walk of [`MANY`]
+/// steps, the fraction is 1/14; on a closed curve, 1/3. Arclength is not used as a measure: if a
+/// discontinuity moves along an orbit, the length of a step is the square root of the displacement
+/// of the discontinuity, so the sum of lengths grows with the number of steps.
 const NOWHERE: f64 = 0.03;
 
-/// (R) A quantity does not advance if it changes by less than this fraction of its scale.
+/// (R) A quantity makes no net progress if it changes by less than this fraction of its scale.
 const LITTLE: f64 = 1e-6;
 
-/// (H) A branch does not advance if its mean step is shorter than this fraction of the largest
-/// allowed step: the maximal number of points would then cover a hundredth of one step.
+/// (H) A branch makes no net progress if its mean step is shorter than this fraction of the largest
+/// allowed step. With a mean step of this length, the maximal number of points would cover one
+/// hundredth of the largest allowed step.
 const CREEPING: f64 = 1e-5;
 
-/// (H) A branch crawls if over [`MANY`] points each quantity changes by less than this fraction of its
-/// scale, and by less than this fraction of the arclength: the unknowns turn, as where a front moves along
-/// a mesh, but nothing that a diagram shows changes.
+/// (H) A branch is reported as slow (`Crawl`) if over [`MANY`] points each quantity changes by less than
+/// this fraction of its scale, and by less than this fraction of the arclength. On a slow branch, the
+/// unknowns may change, for example because a front moves along a mesh, but all quantities in a
+/// bifurcation diagram are almost constant.
 const CRAWLING: f64 = 0.01;
 
-/// (H) Path lengths are compared while no group's scale grows by more than this factor.
+/// (H) Path lengths are compared only along a part of the branch on which the scale of each group
+/// grows by less than this factor.
 const SAME_SCALE: f64 = 2.0;
 
-/// The quantities compared between points of a half of a branch.
+/// The quantities that are compared between points of one half of a branch.
 #[derive(Clone)]
 struct View {
     /// The released parameters, in units of their scales.
@@ -49,7 +55,7 @@ struct View {
     /// The norms and scales of all groups of unknowns.
     norms: Vec<f64>,
     scales: Vec<f64>,
-    /// The sums of the groups' unknowns, which have a sign.
+    /// The sum of the unknowns of each group, which, unlike the norm, has a sign.
     sums: Vec<f64>,
 }
 
@@ -69,7 +75,8 @@ impl View {
         View { parameters: parameters.collect(), norms, scales, sums }
     }
 
-    /// The changes of all quantities since an earlier point, in units of their current scales.
+    /// Returns the changes of all quantities since an earlier point, in units of their current
+    /// scales.
     fn changes<'a>(&'a self, earlier: &'a View) -> impl Iterator<Item = f64> + 'a {
         let parameters = self.parameters.iter().zip(&earlier.parameters).map(|(a, b)| a - b);
         let groups = [(&self.norms, &earlier.norms), (&self.sums, &earlier.sums)];
@@ -80,30 +87,32 @@ impl View {
     }
 }
 
-/// The progress of a half of a branch.
+/// The progress of the continuation along one half of a branch.
 #[derive(Default)]
 pub(super) struct Progress {
-    /// The point at which parameters last changed.
+    /// The quantities at the last point at which the parameters changed.
     moved: Option<View>,
-    /// The parameters at the point where a group of unknowns was halfway from `moved` to infinity.
+    /// The parameters at the point where a group of unknowns had grown to half of the factor, in
+    /// the logarithm, that counts as infinite growth since `moved`.
     halfway: Option<Vec<f64>>,
     watch: Option<Watch>,
-    /// Whether the branch was found to crawl.
+    /// Whether the branch has already been reported as slow (`Crawl`).
     crawls: bool,
 }
 
-/// A branch that crawls: the number of points, and the largest change of a quantity, in units of its scale.
+/// A slow part of a branch, on which the quantities in a bifurcation diagram are almost constant: the
+/// number of points, and the largest change of a quantity, in units of its scale.
 pub(super) struct Crawl {
     pub points: usize,
     pub change: f64,
 }
 
-/// A reference point, and the progress of the branch since then.
+/// A reference point of a branch, and the progress of the branch since this point.
 struct Watch {
     since: View,
     last: View,
     points: usize,
-    /// The sum of the lengths of all steps.
+    /// The sum of the lengths of all steps since the reference point.
     way: f64,
     /// The path length of each quantity, and its largest distance from the reference point.
     ways: Vec<[f64; 2]>,
@@ -115,7 +124,7 @@ impl Watch {
         Watch { last: since.clone(), since, points: 0, way: 0.0, ways }
     }
 
-    /// Adds the next point.
+    /// Adds the next point of the branch.
     fn advance(&mut self, view: View, length: f64) {
         self.points += 1;
         self.way += length;
@@ -127,14 +136,16 @@ impl Watch {
         self.last = view;
     }
 
-    /// The largest distance of a quantity from the reference point, if the branch crawls.
+    /// Returns the number of points and the largest change of a quantity since the reference point,
+    /// if the branch is slow.
     fn crawl(&self) -> Option<Crawl> {
         let change = self.ways.iter().map(|[_, farthest]| *farthest).fold(0.0, f64::max);
         let crawls = change < CRAWLING * self.way.min(1.0);
         crawls.then_some(Crawl { points: self.points, change })
     }
 
-    /// The largest ratio of a quantity's distance to its path length.
+    /// Returns the largest ratio, over all quantities, of the distance from the reference point to
+    /// the path length.
     fn ahead(&self) -> f64 {
         let advanced = self.ways.iter().filter(|[_, farthest]| *farthest > LITTLE);
         advanced.map(|[way, farthest]| farthest / way).fold(0.0, f64::max)
@@ -142,8 +153,9 @@ impl Watch {
 }
 
 impl Progress {
-    /// Returns the end of the branch, if reached, at a point accepted after a step of this length, and
-    /// otherwise whether the branch crawls, once.
+    /// Checks the progress at a point accepted after a step of the given length. Returns the reason
+    /// why the branch ends, if it ends, and the data of a slow branch, which are returned only once
+    /// per branch.
     pub fn end(
         &mut self,
         corrector: &Corrector,
@@ -188,7 +200,8 @@ impl Progress {
         Some(End::Infinite { name, from: moved.norms[group], to: view.norms[group] })
     }
 
-    /// Returns the end of a branch that does not advance over many points, and whether it crawls.
+    /// Returns the end of a branch that makes no net progress over many points, and the data of a
+    /// branch that is slow.
     fn nowhere(&mut self, view: View, length: f64, max_step: f64) -> (Option<End>, Option<Crawl>) {
         let same = |watch: &&mut Watch| {
             let mut scales = watch.since.scales.iter().zip(&view.scales);

@@ -1,4 +1,4 @@
-//! Parameters and monitors by name, and their level events.
+//! Parameters and monitors by name, and the events at which they take given levels.
 
 use super::admissible::AT_LIMIT;
 use super::error::TraceError;
@@ -9,7 +9,7 @@ use crate::core::problem::{Names, columns_showing, position};
 use crate::core::system::{HOMOCLINIC_GAP, HOMOCLINIC_TESTS, Kind};
 use std::sync::Arc;
 
-/// The quantities of a problem, including user-defined monitors.
+/// The parameters and monitors of a problem, including user-defined monitors.
 pub(super) struct Quantities<'c> {
     names: &'c Names,
     attached: &'c [Attached],
@@ -20,13 +20,14 @@ impl<'c> Quantities<'c> {
         Quantities { names, attached }
     }
 
-    /// The names of the system's monitors, followed by user-defined ones.
+    /// Returns the names of the monitors of the system, followed by the names of user-defined
+    /// monitors.
     pub fn monitors(&self) -> impl Iterator<Item = &'c str> {
         let attached = self.attached.iter().map(|attached| attached.name.as_str());
         self.names.monitors.iter().map(String::as_str).chain(attached)
     }
 
-    /// Rejects duplicate names of unknowns, parameters or monitors.
+    /// Returns an error if two unknowns, parameters or monitors have the same name.
     pub fn check(&self) -> Result<(), TraceError> {
         let sorts: [(_, Vec<&str>); 3] = [
             ("unknowns", self.names.unknowns.iter().map(|group| group.name.as_str()).collect()),
@@ -42,21 +43,22 @@ impl<'c> Quantities<'c> {
         Ok(())
     }
 
-    /// Returns the column of a parameter or monitor; parameters come first.
+    /// Returns the index of the column of a parameter or monitor; the columns of parameters come
+    /// first.
     pub fn column(&self, name: &str) -> Result<usize, TraceError> {
         let parameters = self.names.parameters.iter().map(String::as_str);
         let known: Vec<&str> = parameters.chain(self.monitors()).collect();
         Ok(position("parameter or monitor", name, &known)?)
     }
 
-    /// Returns the columns that show a name: the parameter or monitor, or the maximum and the minimum
-    /// of a state that moves. An unknown name is returned as it is.
+    /// Returns the names of the columns that show a quantity: the parameter or monitor itself, or,
+    /// for a state of an orbit, its maximum and minimum. An unknown name is returned unchanged.
     pub fn showing(&self, name: &str) -> Vec<String> {
         let columns = columns_showing(name, |column| self.column(column).is_ok());
         if columns.is_empty() { vec![name.into()] } else { columns }
     }
 
-    /// Returns the parameter or monitor with a name.
+    /// Returns the parameter or monitor with the given name.
     pub fn find(&self, name: &str) -> Result<Quantity, TraceError> {
         let column = self.column(name)?;
         Ok(match column.checked_sub(self.names.parameters.len()) {
@@ -82,8 +84,8 @@ impl<'c> Quantities<'c> {
         }
     }
 
-    /// Creates the event of a parameter or monitor at a level, located by bracketing if there is no
-    /// gradient.
+    /// Creates the event at which a parameter or monitor takes a level. The event is located by
+    /// bracketing if the monitor has no gradient.
     pub fn event(
         &self,
         kind: Kind,
@@ -95,14 +97,14 @@ impl<'c> Quantities<'c> {
         Event { condition, ..Event::without_condition(name, kind, test) }
     }
 
-    /// Creates the event at which a limit of admissible solutions vanishes.
+    /// Creates the event at which the monitor of a limit of admissible solutions vanishes.
     pub fn limit(&self, monitor: usize) -> Event {
         let name = self.names.monitors[monitor].clone();
         self.event(AT_LIMIT, name, (Quantity::Monitor(monitor), 0.0))
     }
 
-    /// Creates the event at which the gap of an orbit between invariant manifolds closes; `None`
-    /// for other solutions.
+    /// Creates the event at which the gap between the invariant manifolds that an orbit connects
+    /// vanishes; `None` if the solutions of the problem have no gap.
     pub fn homoclinic(&self) -> Option<Event> {
         let monitor = self.names.monitors.iter().position(|name| name == HOMOCLINIC_GAP)?;
         let words = Kind::HOM.meaning();
@@ -117,8 +119,9 @@ impl<'c> Quantities<'c> {
         })
     }
 
-    /// Rejects an event without a test function, or at a position that does not exist; `own` is the
-    /// number of auxiliary unknowns along the curve.
+    /// Returns an error if an event has no test function, or refers to a parameter, monitor or
+    /// auxiliary unknown that does not exist; `own` is the number of auxiliary unknowns along the
+    /// curve.
     pub fn check_event(&self, event: &Event, own: usize) -> Result<(), TraceError> {
         let untested = event.condition.as_ref().is_none_or(|make| make().unknowns() > 0);
         if event.test.needs() == Needs::DefiningSystem && untested {

@@ -1,4 +1,4 @@
-//! Recording of points: monitors, stability, profiles.
+//! Recording of points of a curve: their monitors, stability and profiles.
 
 use super::admissible;
 use super::branch::{Point, SpecialPoint};
@@ -17,41 +17,43 @@ use crate::core::linalg::{Spectrum, SpectrumRequest};
 use crate::core::problem::{Dynamics, PlaneField};
 use crate::core::system::{Across, Kind, System};
 
-/// (H) The minimal number of requested eigenvalues at each point: the rightmost stable ones show
-/// which may reach zero in a step.
+/// (H) The minimal number of eigenvalues computed at each point. The computed eigenvalues include
+/// the rightmost stable eigenvalues, whose real parts may reach zero in the next step.
 const LEAST: usize = 4;
 
-/// The recorded data of a point besides its unknowns.
+/// The recorded data of a point, without its unknowns.
 pub(super) struct Recorded {
     pub point: Point,
     pub spectrum: Option<Spectrum>,
-    /// The eigenvalues without those that are critical all along the curve.
+    /// The eigenvalues, without the eigenvalues that are critical at all points of the curve.
     pub others: Option<Spectrum>,
-    /// The counts of these other eigenvalues.
+    /// The numbers of unstable eigenvalues among `others`.
     pub stability: Option<Stability>,
 }
 
-/// The selection of quantities that are recorded along a curve.
+/// Specifies the quantities that are recorded along a curve, and records them.
 pub(super) struct Recorder {
     /// User-defined monitors.
     attached: Vec<Attached>,
     /// Whether the curve is a branch of solutions, without held defining systems.
     pub solutions: bool,
-    /// Whether stability is computed at all.
+    /// Whether stability is computed along the curve.
     pub stability: bool,
     /// The number of eigenvalues stored with each point.
     eigenvalues: usize,
-    /// The eigenvalues that are critical all along the curve.
+    /// The types of eigenvalues that are critical at all points of the curve.
     critical: Vec<Critical>,
-    /// The kind of points of the curve, if such a curve divides the plane of two parameters.
+    /// The kind of the bifurcation points that form the curve, if such a curve divides the plane of
+    /// two parameters.
     pub dividing: Option<Kind>,
-    /// Whether events are detected by counts of the other eigenvalues.
+    /// Whether events are detected by the numbers of unstable eigenvalues, without the eigenvalues
+    /// that are critical at all points of the curve.
     counts: bool,
 }
 
 impl Recorder {
-    /// Creates the recorder of a curve on which points of the kinds `held` are held, with these
-    /// events.
+    /// Creates the recorder of a curve along which the kinds `held` are held and the given events
+    /// are detected.
     pub fn new(
         attached: Vec<Attached>,
         held: &[Kind],
@@ -74,7 +76,7 @@ impl Recorder {
         Recorder { attached, solutions, stability, eigenvalues, critical, dividing, counts }
     }
 
-    /// Returns a spectrum without the eigenvalues that are critical all along the curve.
+    /// Returns a spectrum without the eigenvalues that are critical at all points of the curve.
     fn others(&self, dynamics: Dynamics, mut spectrum: Spectrum) -> Spectrum {
         for critical in &self.critical {
             let distance = |l: &(f64, f64)| critical.distance(dynamics, l);
@@ -83,18 +85,19 @@ impl Recorder {
         spectrum
     }
 
-    /// Whether eigenvalues are computed at every point: on branches of solutions, if eigenvalues
-    /// are stored, and if events are detected by them, unless stability is disabled.
+    /// Whether eigenvalues are computed at every point. If stability is enabled, eigenvalues are
+    /// computed on branches of solutions, if eigenvalues are stored with points, and if events are
+    /// detected by eigenvalues.
     pub fn wants_stability(&self) -> bool {
         self.stability && (self.solutions || self.keeps_spectra() || self.counts)
     }
 
-    /// Whether eigenvalues are stored with points.
+    /// Whether eigenvalues are stored with the points of the curve.
     pub fn keeps_spectra(&self) -> bool {
         self.eigenvalues > 0
     }
 
-    /// Returns parameters, monitors, stability and eigenvalues at the last assembled point.
+    /// Returns the parameters, monitors, stability and eigenvalues at the last assembled point.
     pub fn record(&self, equations: &mut Extended, stability: bool) -> Result<Recorded, Failure> {
         let at = equations.at();
         let n = at.system.names().dimension();
@@ -118,9 +121,9 @@ impl Recorder {
         Ok(Recorded { point, spectrum, others, stability })
     }
 
-    /// Returns the eigenvalues of the last assembled point, or the reason why they are not
+    /// Returns the eigenvalues of the last assembled point, or the reason why they could not be
     /// determined. On a branch of solutions, an event that leaves the motion unchanged is removed
-    /// first.
+    /// from the orbit before the eigenvalues are computed.
     fn spectrum_of(
         &self,
         system: &mut dyn System,
@@ -140,14 +143,15 @@ impl Recorder {
         }
     }
 
-    /// Returns the leading eigenvalues at a point, if they are determined.
+    /// Returns the leading eigenvalues at a point, if they can be determined.
     pub fn spectrum_at(&self, equations: &mut Extended, unknowns: &[f64]) -> Option<Spectrum> {
         equations.assemble(unknowns).ok()?;
         let At { system, x, .. } = equations.at();
         self.spectrum_of(system, x, SpecialPoint::EIGENVALUES).ok()?.0
     }
 
-    /// Returns the monitors of a system at the last assembled point, followed by user-defined ones.
+    /// Returns the values of the monitors of a system at the last assembled point, followed by the
+    /// values of user-defined monitors.
     pub fn monitors(
         &self,
         At { system, x, .. }: At,
@@ -200,7 +204,7 @@ impl Recorder {
         special
     }
 
-    /// Creates a special point with all data needed to start a branch.
+    /// Creates a special point with all data that are needed to start a branch at it.
     pub fn saved_point(
         &self,
         corrector: &mut Corrector,
@@ -228,7 +232,7 @@ impl Recorder {
     }
 }
 
-/// Creates a special point at the last assembled unknowns, with its tangent.
+/// Creates a special point from the last assembled unknowns and their tangent.
 pub(super) fn special_point(
     corrector: &mut Corrector,
     (kind, event): (Kind, &str),

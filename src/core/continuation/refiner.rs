@@ -1,4 +1,5 @@
-//! Refinement of special points on finer discretisations, if the problem has them.
+//! Refinement of special points on finer discretisations, if the problem provides finer
+//! discretisations.
 
 use super::branch::{Point, SpecialPoint};
 use super::corrector::Corrector;
@@ -13,21 +14,23 @@ use crate::core::numerics::error_of_last;
 use crate::core::problem::Dynamics;
 use crate::core::system::{Kind, Refinement, System};
 
-/// The settings of the refinement of special points.
+/// Refines special points on finer discretisations; contains the settings of the refinement.
 pub(super) struct Refiner {
-    /// Constructors of the held defining systems.
+    /// The constructors of the held defining systems.
     pub held: Vec<MakeCondition>,
-    /// The columns that must converge at special points, besides the released parameters.
+    /// The indices of the parameters and monitors that must converge at special points, in addition
+    /// to the released parameters.
     pub settled: Vec<usize>,
-    /// The relative accuracy of these columns; 0 disables refinement.
+    /// The required relative accuracy of the released parameters and of the columns in `settled`; 0
+    /// disables refinement.
     pub accuracy: f64,
-    /// Tolerances of parameters, by name.
+    /// The tolerances of parameters, with their names.
     pub tolerances: Vec<(String, f64)>,
 }
 
 impl Refiner {
-    /// Refines the start of a curve like a special point, with the last released parameter held
-    /// constant.
+    /// Refines the start of a curve in the same way as a special point, while the last released
+    /// parameter is held constant.
     pub fn refine_start(
         &self,
         corrector: &mut Corrector,
@@ -45,9 +48,10 @@ impl Refiner {
     }
 
     /// Refines the last loaded special point on finer discretisations, until the requested accuracy
-    /// is reached or `rungs` discretisations have been used. The point gets the values of the
-    /// finest one, with its discretisation error added. Returns false if there is no finer
-    /// discretisation. `beside` is a nearby point of the branch, for the sizes of the columns.
+    /// is reached or `rungs` discretisations have been used. The special point receives the values
+    /// on the finest of these discretisations, and the discretisation error is added to its error.
+    /// Returns false if the problem has no finer discretisation. `beside` is a nearby point of the
+    /// branch, from which the sizes of parameters and monitors are estimated.
     pub fn refine(
         &self,
         corrector: &mut Corrector,
@@ -107,8 +111,8 @@ impl Refiner {
         true
     }
 
-    /// Returns the values that must converge at a point: the parameters that vary along the branch,
-    /// and the columns in the setting `refine`.
+    /// Returns the values that must converge at a point: the values of the parameters that vary
+    /// along the branch, and of the parameters and monitors in the setting `refine`.
     fn settling(&self, released: &[usize], point: &Point) -> Vec<f64> {
         let columns = released.iter().chain(&self.settled);
         columns.filter_map(|&column| point.value(column)).collect()
@@ -164,9 +168,10 @@ impl Refiner {
     }
 }
 
-/// Replaces the multipliers of a special point, and their count, by values on a finer
-/// discretisation. At a fold two multipliers are 1 and have one vector, so that an error of the mesh
-/// changes them by its square root.
+/// Replaces the multipliers of a special point, and the number of unstable multipliers, by their
+/// values on a finer discretisation. The replacement is necessary at a fold of cycles, where the
+/// multiplier 1 is double with a single eigenvector: a discretisation error changes the two
+/// multipliers by its square root.
 fn take_spectrum(
     special: &mut SpecialPoint,
     event: &Event,

@@ -1,4 +1,5 @@
-//! Resolution of a stated curve: names, the saved solution, and events.
+//! Preparation of a specified curve: resolves names, loads the saved solution at its start, and
+//! collects its events.
 
 use super::admissible::{self, AT_LIMIT, divided};
 use super::beside::{amplitude, beside, released_in};
@@ -19,24 +20,25 @@ use crate::core::system::{
 };
 use std::sync::Arc;
 
-/// The error for curves of homoclinic orbits with another start.
+/// The error message for a curve of homoclinic orbits that does not start at a suitable cycle.
 const NO_CYCLE: &str = "a branch of homoclinic orbits starts from a cycle near a homoclinic orbit, where a branch of cycles ends";
 
-/// A curve resolved to the names of its system.
+/// The specification of a curve, with names replaced by indices of parameters and monitors.
 pub(super) struct Resolved {
-    /// The positions of the released parameters among all parameters.
+    /// The indices of the released parameters among all parameters.
     pub released: Vec<usize>,
     pub held: Vec<MakeCondition>,
     pub events: Vec<Event>,
-    /// The bounds, which are the first events.
+    /// The bounds of parameters and monitors, which come first in `events`.
     pub bounds: Vec<Bound>,
-    /// User-defined scales, of groups and then of released parameters.
+    /// The user-defined scales: the scales of the groups of unknowns, followed by the scales of the
+    /// released parameters.
     pub scales: Vec<Option<f64>>,
-    /// The columns that must converge at special points.
+    /// The indices of the parameters and monitors that must converge at special points.
     pub settled: Vec<usize>,
 }
 
-/// Resolves the names of a curve, and resumes from its saved solution.
+/// Resolves the names in the specification of a curve, and loads the saved solution at its start.
 pub(super) fn resolve(curve: &mut Continuation) -> Result<(Resolved, Start), TraceError> {
     Quantities::new(curve.system.names(), &curve.attached).check()?;
     if let Some(system) = curve.system.discretised() {
@@ -72,7 +74,8 @@ pub(super) fn resolve(curve: &mut Continuation) -> Result<(Resolved, Start), Tra
     Ok((Resolved { released, held, events, bounds, scales, settled }, start))
 }
 
-/// Passes the saved solution of a curve's start to the system, which may change its mesh for it.
+/// Passes the saved solution at the start of a curve to the system, which may change its mesh to
+/// the mesh of the solution.
 fn take_over(curve: &mut Continuation) -> Result<Start, Failure> {
     let switched = curve.switch.is_some();
     let n = curve.system.names().dimension();
@@ -129,17 +132,18 @@ fn take_over(curve: &mut Continuation) -> Result<Start, Failure> {
     Ok(start)
 }
 
-/// Whether a branch starts at a branch point on the mesh of the saved solution, whose parameters then
-/// are the values of that mesh: near a branch point that is missed by the error of the mesh, the
-/// other branch would be lost. Starts on another mesh, and other orbits beyond an event, have no such
-/// values.
+/// Whether a branch starts at a branch point on the mesh of the saved solution. At such a start, the
+/// parameters are set to their unrefined values on this mesh: at the refined values, which differ
+/// from the branch point of the mesh by the discretisation error, the emanating branch would not be
+/// found. A start on another mesh, or at another orbit beyond an event, has no unrefined values.
 fn stays_on_mesh(start: &Start, kind: Kind) -> bool {
     let is_crossing = start.site == Site::BranchPoint && start.direction.is_some();
     is_crossing && matches!(kind, Kind::BP | Kind::PD)
 }
 
-/// Returns the start of a curve of homoclinic orbits: a saved orbit, an orbit near a cycle, or an
-/// orbit near a Bogdanov–Takens point, in the direction away from the point.
+/// Returns the start of a curve of homoclinic orbits. The start is a saved homoclinic orbit, a
+/// homoclinic orbit near a cycle, or a homoclinic orbit near a Bogdanov–Takens point, from which
+/// the curve is continued in the direction away from that point.
 fn homoclinic(curve: &mut Continuation, mut solution: Solution) -> Result<Start, Failure> {
     let released = released_in(curve.system.names(), &curve.released);
     let system = curve.system.discretised();
@@ -165,14 +169,15 @@ fn homoclinic(curve: &mut Continuation, mut solution: Solution) -> Result<Start,
     Ok(Start { site, one_sided, ..Start::point(z, Some(direction)) })
 }
 
-/// (H) The sizes of the tested loops near a Bogdanov–Takens point, in units of the first one:
-/// larger loops are farther from the normal form, smaller ones are dominated by rounding.
+/// (H) The sizes of homoclinic orbits that are tried near a Bogdanov–Takens point, in units of the
+/// first size. Larger orbits deviate more from the normal form; smaller orbits are dominated by
+/// rounding.
 const LOOPS: [f64; 7] = [1.0, 0.25, 4.0, 0.0625, 16.0, 0.015625, 0.00390625];
 
-/// Returns the homoclinic orbit near a Bogdanov–Takens point, and its parameters: the first of
-/// several sizes that lies within the ranges of the released parameters and converges to a
-/// homoclinic orbit. If no size succeeds, the error for the first loop within the ranges is
-/// returned.
+/// Returns a homoclinic orbit near a Bogdanov–Takens point, and its parameters. Several sizes of
+/// the orbit are tried. The first size is used for which the parameters lie within the ranges of
+/// the released parameters and Newton's method converges to a homoclinic orbit. If no size
+/// succeeds, the error for the first size with parameters within the ranges is returned.
 fn from_takens(
     (system, point): (&dyn Discretised, &Solution),
     (released, ranges): (&[usize], &[(String, [f64; 2])]),
@@ -212,7 +217,7 @@ fn from_takens(
     }))
 }
 
-/// Rejects parameters with the name of a column of homoclinic orbits.
+/// Returns an error if a parameter has the same name as a column of homoclinic orbits.
 fn check_columns(names: &Names) -> Result<(), Failure> {
     match names.parameters.iter().find(|name| names.monitors.contains(name)) {
         Some(name) => Err(Failure::Mismatch(format!(
@@ -222,7 +227,8 @@ fn check_columns(names: &Names) -> Result<(), Failure> {
     }
 }
 
-/// Returns the positions of the released parameters, after checking their values.
+/// Returns the indices of the released parameters among all parameters, after checking their
+/// values.
 fn released(curve: &mut Continuation) -> Result<Vec<usize>, TraceError> {
     let needed = 1 + curve.held.len();
     if curve.released.len() != needed {
@@ -249,18 +255,19 @@ fn released(curve: &mut Continuation) -> Result<Vec<usize>, TraceError> {
     Ok(released)
 }
 
-/// The limits of admissible solutions along a curve, as monitors.
+/// The limits of admissible solutions along a curve, given by the indices of their monitors.
 struct Limits {
-    /// The limits that vanish along the whole curve; the first one is held.
+    /// The monitors of the limits that vanish at all points of the curve; the first of these
+    /// monitors is held at zero.
     vanishing: Vec<usize>,
-    /// The limits that may vanish at a point of the curve.
+    /// The monitors of the limits that may vanish at a single point of the curve.
     others: Vec<usize>,
-    /// Whether solutions have an order of events.
+    /// Whether the solutions have an order of events that must be checked.
     ordered: bool,
 }
 
-/// Returns the limits along a curve. On a curve of points at a limit, the order of events is not
-/// checked, because it depends on rounding.
+/// Returns the limits of admissible solutions along a curve. On a curve of solutions at a limit,
+/// such as a curve of grazings, the order of events is not checked, because it depends on rounding.
 fn limits(curve: &mut Continuation) -> Result<Limits, Failure> {
     let at_limit = curve.held.iter().any(|(kind, make)| *kind == AT_LIMIT && make.is_none());
     let system = &mut *curve.system;
@@ -276,8 +283,8 @@ fn limits(curve: &mut Continuation) -> Result<Limits, Failure> {
     Ok(Limits { vanishing, others, ordered })
 }
 
-/// Rejects kinds that solutions of the problem do not have, and kinds that require another held
-/// kind.
+/// Returns an error if a held kind does not occur for solutions of the problem, or if it requires
+/// another held kind.
 fn check_held(
     held: &[(Kind, Option<MakeCondition>)],
     dynamics: Dynamics,
@@ -292,8 +299,8 @@ fn check_held(
     }
 }
 
-/// Returns constructors of the held defining systems; of the `vanishing` monitors the first one is
-/// held.
+/// Returns the constructors of the held defining systems; the first of the `vanishing` monitors is
+/// held at zero.
 fn held(
     (held, origin): (&[(Kind, Option<MakeCondition>)], Option<&Solution>),
     quantities: &Quantities,
@@ -328,8 +335,8 @@ fn held(
     held.iter().map(make).collect()
 }
 
-/// Collects the events of a curve. The bounds come first, so that a branch ends before events
-/// beyond them.
+/// Collects the events of a curve. The bounds come first, so that a branch ends at a bound before
+/// events beyond it are reported.
 fn gather(
     curve: &Continuation,
     quantities: &Quantities,
@@ -374,8 +381,8 @@ fn gather(
     Ok((events, bounds))
 }
 
-/// Returns the bifurcations of the solutions or special points of a curve, with terminal events
-/// first, because others may be their mirror images.
+/// Returns the events of the bifurcations that can occur on a curve. Terminal events come first,
+/// because other events may be mirror images of terminal events.
 fn bifurcations(
     curve: &Continuation,
     (parameter, multipliers): (usize, Option<usize>),
@@ -398,7 +405,8 @@ fn bifurcations(
     [ends, others].concat()
 }
 
-/// Returns user-defined scales: of groups first, then of released parameters.
+/// Returns the user-defined scales: the scales of the groups of unknowns, followed by the scales of
+/// the released parameters.
 fn scales(curve: &Continuation, released: &[usize]) -> Result<Vec<Option<f64>>, TraceError> {
     let names = curve.system.names();
     let groups = names.unknowns.iter().map(|group| group.name.as_str());

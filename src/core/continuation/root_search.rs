@@ -1,10 +1,11 @@
 //! Search for all solutions in a box at given parameters, by Newton's method with deflation.
 //!
-//! Known solutions `z_k` are removed from `F(z) = 0`: Newton's method is applied to `m(z) F(z)`
-//! with `m = Π (1 + 1/‖z − z_k‖²)`, which has the same solutions except the known ones (P. E.
+//! Known solutions `z_k` of `F(z) = 0` are removed by deflation: Newton's method is applied to
+//! `m(z) F(z)` with `m = Π (1 + 1/‖z − z_k‖²)`, whose zeros are the unknown solutions only (P. E.
 //! Farrell, Á. Birkisson & S. W. Funke, SIAM J. Sci. Comput. 37 (2015) A2026). With `d = F_z⁻¹ F`
-//! and `g = ∇ ln m` its step is `−d / (1 + gᵀd)`: deflation changes only the length and the sign of
-//! Newton's step. The starting points come from a sequence that fills the box evenly.
+//! and `g = ∇ ln m`, the deflated Newton step is `−d / (1 + gᵀd)`: deflation changes only the
+//! length and the sign of the Newton step. The starting points are the points of a sequence that
+//! fills the box evenly.
 
 use crate::core::bifurcation::Stability;
 use crate::core::cancel::CancelToken;
@@ -13,9 +14,9 @@ use crate::core::linalg::{Border, Factors, Form, Spectrum, SpectrumRequest};
 use crate::core::problem::Dynamics;
 use crate::core::system::System;
 
-/// A search for solutions with components in a box. No such search is certain to find all of them:
-/// of the 27 zeros of three coupled cubics, 100 starts occasionally miss one; 900 starts missed
-/// none in 600 runs (`tests/continuation/root_search.rs`).
+/// A search for all solutions with components in a box. The search may miss solutions: a search
+/// with 100 starts for the 27 zeros of three coupled cubics occasionally misses one zero, and a
+/// search with 900 starts missed no zero in 600 runs (`tests/continuation/root_search.rs`).
 ///
 /// ```
 /// use tangency::core::continuation::RootSearch;
@@ -33,13 +34,13 @@ use crate::core::system::System;
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct RootSearch {
-    /// The number of starts.
+    /// The number of starting points of Newton's method.
     pub starts: usize,
-    /// The correction at which Newton's method has converged, relative to the box.
+    /// The correction, relative to the size of the box, below which Newton's method has converged.
     pub tolerance: f64,
-    /// The maximal number of corrections from a start.
+    /// The maximal number of Newton corrections from one starting point.
     pub max_iterations: usize,
-    /// Cancels the search, which then returns the solutions found so far.
+    /// The token that cancels the search; a cancelled search returns the solutions found so far.
     pub cancel: CancelToken,
 }
 
@@ -50,15 +51,16 @@ impl Default for RootSearch {
     }
 }
 
-/// The result of a search.
+/// The result of a search for solutions in a box.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Roots {
-    /// The solutions in the box, ordered by the first component that differs.
+    /// The solutions in the box, sorted by their first component, then by the second, and so on.
     pub roots: Vec<Root>,
-    /// The number of starts.
+    /// The number of starting points of Newton's method.
     pub starts: usize,
-    /// The number of starts without a new solution: Newton's method did not converge, went far out
-    /// of the box, or reached a point where the equations cannot be evaluated.
+    /// The number of attempts that ended without a new solution, because Newton's method did not
+    /// converge, went far out of the box, or reached a point where the equations cannot be
+    /// evaluated.
     pub lost: usize,
     /// The number of solutions found outside the box.
     pub outside: usize,
@@ -67,7 +69,7 @@ pub struct Roots {
 /// A solution with its stability.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Root {
-    /// The components of the solution.
+    /// The components `z` of the solution.
     pub unknowns: Vec<f64>,
     /// The leading eigenvalues or multipliers; empty if the equations describe no motion.
     pub eigenvalues: Spectrum,
@@ -75,25 +77,29 @@ pub struct Root {
     pub unstable: Option<usize>,
 }
 
-/// (H) Two solutions are equal if their distance is less than this fraction of the box.
+/// (H) Two solutions count as equal if their distance is smaller than this fraction of the size of
+/// the box.
 const SAME: f64 = 1e-7;
 
-/// (H) The largest step, as a fraction of the box.
+/// (H) The largest Newton step, as a fraction of the size of the box.
 const LONGEST_STEP: f64 = 0.5;
 
-/// (H) The distance, in box lengths, at which Newton's method is abandoned.
+/// (H) The distance from the middle of the box, in units of its size, beyond which Newton's method
+/// is stopped.
 const FAR: f64 = 3.0;
 
-/// (H) The number of final corrections without deflation.
+/// (H) The number of final Newton corrections without deflation.
 const POLISHED: usize = 3;
 
 impl RootSearch {
-    /// Finds solutions at the parameters `p` with components in a box, an interval for each
-    /// unknown. From each start Newton's method is repeated until it finds no further solution.
+    /// Finds solutions at the parameters `p` with components in a box, which is given by an
+    /// interval for each unknown. From each starting point, Newton's method is repeated until it
+    /// finds no further solution.
     ///
     /// # Errors
-    /// [`Failure::Mismatch`] for another number of intervals, or for an interval that is empty or
-    /// not finite; [`Failure`] if eigenvalues of a solution cannot be computed.
+    /// [`Failure::Mismatch`] if the number of intervals differs from the number of unknowns, or if
+    /// an interval is empty or not finite; [`Failure`] if the eigenvalues of a solution cannot be
+    /// computed.
     pub fn find(
         &self,
         system: &mut dyn System,
@@ -142,8 +148,9 @@ impl RootSearch {
         Ok(found)
     }
 
-    /// Computes the solution at the parameters `p` to which Newton's method converges from a start;
-    /// `None` if it does not. `sizes` are typical sizes of the unknowns.
+    /// Computes the solution at the parameters `p` to which Newton's method converges from a
+    /// starting point; `None` if Newton's method does not converge. `sizes` contains typical sizes
+    /// of the unknowns.
     ///
     /// ```
     /// use tangency::prelude::*;
@@ -167,7 +174,7 @@ impl RootSearch {
     }
 }
 
-/// Compares two solutions by the first component that differs.
+/// Compares two solutions by the first component in which they differ.
 fn in_order(a: &[f64], b: &[f64], within: &[[f64; 2]]) -> std::cmp::Ordering {
     let mut pairs = a.iter().zip(b).zip(within);
     let differ =
@@ -175,9 +182,9 @@ fn in_order(a: &[f64], b: &[f64], within: &[[f64; 2]]) -> std::cmp::Ordering {
     pairs.find(differ).map_or(std::cmp::Ordering::Equal, |((a, b), _)| a.total_cmp(b))
 }
 
-/// Returns the starting point of a given number: the middle of the box first, and then the points
-/// of an additive sequence, `k α` modulo 1 with `α_j = φ^{−j}` and `φ^{n+1} = φ + 1`, which fills a
-/// box of any dimension evenly.
+/// Returns the starting point with a given number. The first starting point is the middle of the
+/// box. The following starting points belong to the additive sequence `k α` modulo 1 with `α_j =
+/// φ^{−j}` and `φ^{n+1} = φ + 1`, which fills a box of any dimension evenly.
 fn point_of(number: usize, within: &[[f64; 2]]) -> Vec<f64> {
     let n = within.len();
     let mut phi = 2.0_f64;
@@ -194,13 +201,13 @@ fn point_of(number: usize, within: &[[f64; 2]]) -> Vec<f64> {
 /// Newton's method with deflation of known solutions.
 struct Deflated<'a> {
     system: &'a mut dyn System,
-    /// The sizes of the box.
+    /// The lengths of the sides of the box.
     sizes: Vec<f64>,
     /// The middle of the box.
     middle: Vec<f64>,
-    /// The point `(z, p)`.
+    /// The current point `(z, p)`.
     x: Vec<f64>,
-    /// The residual `F`, and then `F_z⁻¹ F`.
+    /// A buffer for the residual `F`, which is overwritten by `F_z⁻¹ F`.
     correction: Vec<f64>,
     factors: Factors,
     known: Vec<Vec<f64>>,
@@ -215,7 +222,8 @@ impl<'a> Deflated<'a> {
         Deflated { system, sizes, middle, x, correction, factors, known }
     }
 
-    /// Returns the solution to which Newton's method converges from a start, if it is new.
+    /// Returns the solution to which the deflated Newton's method converges from a starting point,
+    /// if the solution is new.
     fn solve(&mut self, start: &[f64], search: &RootSearch) -> Option<Vec<f64>> {
         let n = start.len();
         self.x[..n].copy_from_slice(start);
@@ -244,7 +252,8 @@ impl<'a> Deflated<'a> {
         None
     }
 
-    /// Returns the solution to which Newton's method converges without deflation, if it is new.
+    /// Returns the solution to which Newton's method converges without deflation, if the solution
+    /// is new.
     fn polished(&mut self, search: &RootSearch) -> Option<Vec<f64>> {
         let n = self.correction.len();
         for _ in 0..POLISHED {
@@ -257,7 +266,7 @@ impl<'a> Deflated<'a> {
         None
     }
 
-    /// Computes `F_z⁻¹ F`, and its length in units of the box.
+    /// Computes `F_z⁻¹ F`, and returns its length in units of the size of the box.
     fn correct(&mut self) -> Result<f64, Failure> {
         let Deflated { system, x, correction, factors, sizes, .. } = self;
         system.residual(x, correction)?;
@@ -267,19 +276,19 @@ impl<'a> Deflated<'a> {
         Ok(correction.iter().zip(sizes).map(|(d, size)| (d / *size).abs()).fold(0.0, f64::max))
     }
 
-    /// The squared distance to a known solution, in units of the box.
+    /// Returns the squared distance to a known solution, in units of the size of the box.
     fn distance(&self, known: &[f64]) -> f64 {
         let parts = self.x.iter().zip(known).zip(&self.sizes);
         parts.map(|((z, known), size)| ((z - known) / size).powi(2)).sum()
     }
 
-    /// The distance to the nearest known solution, in units of the box.
+    /// Returns the distance to the nearest known solution, in units of the size of the box.
     fn nearest(&self) -> f64 {
         let all = self.known.iter().map(|known| self.distance(known));
         all.fold(f64::INFINITY, f64::min).sqrt()
     }
 
-    /// The product `gᵀ d` with `g = ∇ ln Π (1 + 1/‖z − z_k‖²)`.
+    /// Returns the product `gᵀ d` with `g = ∇ ln Π (1 + 1/‖z − z_k‖²)`.
     fn repulsion(&self) -> f64 {
         let of = |known: &Vec<f64>| {
             let squared = self.distance(known);
@@ -291,7 +300,7 @@ impl<'a> Deflated<'a> {
         self.known.iter().map(of).sum()
     }
 
-    /// Computes the eigenvalues of a solution.
+    /// Computes the eigenvalues or multipliers of a solution.
     fn root(&mut self, unknowns: Vec<f64>) -> Result<Root, Failure> {
         self.x[..unknowns.len()].copy_from_slice(&unknowns);
         let dynamics = self.system.dynamics();

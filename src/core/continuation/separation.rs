@@ -1,5 +1,5 @@
-//! Separation of the events of a step, including several that are close together: the step is cut
-//! into parts until the events of each part explain its change of stability.
+//! Separation of several events in one step, which may be close together: the step is divided into
+//! parts until the events found in each part explain the change of stability over this part.
 
 use super::bounds::Bounds;
 use super::branch::{Number, SpecialPoint};
@@ -24,15 +24,15 @@ use crate::core::problem::Dynamics;
 use crate::core::system::Kind;
 use std::sync::Arc;
 
-/// (R) Parts of a step shorter than this, in scaled arclength, are points: the tolerance of
-/// Newton's method.
+/// (R) Parts of a step shorter than this threshold, in scaled arclength, count as points. The bound
+/// is the tolerance of Newton's method.
 const SHORTEST: f64 = 1e-10;
 
-/// (H) The maximal number of cuts of a step. A pair of events needs five cuts, whatever its
-/// distance.
+/// (H) The maximal number of cuts by which a step is divided. Separating two events requires five
+/// cuts, whatever their distance.
 const CUTS: usize = 60;
 
-/// A step that is searched for events, and its parts.
+/// The division of a step into parts, which are searched for events.
 pub(super) struct Parts<'s, 'a> {
     pub curve: &'s mut Curve<'a>,
     pub log: &'s mut Log,
@@ -47,8 +47,8 @@ pub(super) struct Parts<'s, 'a> {
 }
 
 impl Parts<'_, '_> {
-    /// Returns the events in a part, and the change of the number of unstable eigenvalues unless
-    /// the events explain the change.
+    /// Returns the events in a part of the step, and, if these events do not explain it, the change
+    /// of the number of unstable eigenvalues over the part.
     pub fn events(
         &mut self,
         from: &CurvePoint,
@@ -69,8 +69,9 @@ impl Parts<'_, '_> {
         if at_start { self.origin } else { &[] }
     }
 
-    /// Returns the events in a part in which stability changes by more than the events `found`
-    /// explain: the events in the halves of the part, unless the events coincide.
+    /// Returns the events in a part of the step over which stability changes by more than the
+    /// events `found` explain. The part is divided into two parts that are searched separately,
+    /// unless the unexplained events coincide at one point.
     pub fn separated(
         &mut self,
         from: &CurvePoint,
@@ -102,8 +103,9 @@ impl Parts<'_, '_> {
         found
     }
 
-    /// Returns the events of the two parts of an interval that is cut at the distance `along` from
-    /// its first point; `None` if they explain no more than before.
+    /// Returns the events in the two parts of an interval that is divided at the distance `along`
+    /// from its first point; `None` if these events do not explain more of the change of stability
+    /// than the events found without division.
     fn cut(
         &mut self,
         from: &CurvePoint,
@@ -133,7 +135,7 @@ impl Parts<'_, '_> {
         explained.then_some(all)
     }
 
-    /// Returns the two parts of an interval that is cut at the distance `along` from its first
+    /// Returns the two parts of an interval that is divided at the distance `along` from its first
     /// point.
     fn halves(&mut self, from: &CurvePoint, step: &Step, along: f64) -> Option<[Step; 2]> {
         let interval = step.since(from);
@@ -156,8 +158,8 @@ impl Parts<'_, '_> {
         (length > 0.0).then_some([first, second])
     }
 
-    /// Returns the events of an interval in which several eigenvalues pass zero at one point, by
-    /// the types of eigenvalues.
+    /// Returns the events of an interval in which several eigenvalues pass zero at one point: one
+    /// event for each type of eigenvalue.
     fn together(
         &mut self,
         interval: Interval,
@@ -185,13 +187,14 @@ impl Parts<'_, '_> {
         found
     }
 
-    /// Returns the position of the event for points of a kind.
+    /// Returns the index of the event that detects special points of a kind.
     fn event(&self, kind: Kind) -> Option<usize> {
         let mut events = self.curve.detector.events.iter();
         events.position(|event| event.kind == kind && event.condition.is_some())
     }
 
-    /// Locates the point at which one of several pairs is critical, with its own defining system.
+    /// Locates the point at which one of several pairs is critical, with a defining system for the
+    /// frequency of this pair.
     fn pair(&mut self, interval: Interval, cluster: &Cluster, group: Group) -> Option<Located> {
         let dynamics = self.curve.corrector.equations.system().dynamics();
         let index = self.event(kinds(group.critical, dynamics)[0])?;
@@ -209,7 +212,7 @@ impl Parts<'_, '_> {
         inside.then(|| describe(self.curve, index, interval, located).ok()).flatten()
     }
 
-    /// Returns the point at which several eigenvalues are critical together.
+    /// Returns the special point at which several equal eigenvalues are critical together.
     fn multiple(&mut self, interval: Interval, cluster: &Cluster, group: Group) -> Option<Located> {
         let Group { critical, frequency, count } = group;
         let unknowns = cluster.unknowns();
@@ -238,7 +241,8 @@ impl Parts<'_, '_> {
         Some(located)
     }
 
-    /// Returns a point of an interval for a crossing that cannot be classified.
+    /// Returns a special point of the kind `ND` for a passage of eigenvalues through zero that
+    /// cannot be classified.
     fn nameless(&mut self, interval: Interval, cluster: Option<&Cluster>) -> Option<Located> {
         if let Some(cluster) = cluster {
             let event = format!(
@@ -258,7 +262,7 @@ impl Parts<'_, '_> {
         Some(Located { event: None, along, unknowns, special })
     }
 
-    /// Returns the point where the mean of the passing eigenvalues vanishes.
+    /// Returns the special point at which the mean of the eigenvalues that pass zero vanishes.
     fn at_mean(
         &mut self,
         event: (Kind, &str),
@@ -277,8 +281,9 @@ impl Parts<'_, '_> {
         Some(Located { event: None, along, unknowns, special })
     }
 
-    /// Records the special point at which `count` eigenvalues pass zero; they are excluded from its
-    /// stability, which is undefined if `count` is unknown.
+    /// Records the special point at which `count` eigenvalues pass zero. The eigenvalues that pass
+    /// zero are not counted in the stability of the special point; if their number is unknown (0),
+    /// stability is undefined.
     fn record(
         &mut self,
         event: (Kind, &str),
@@ -305,8 +310,8 @@ impl Parts<'_, '_> {
     }
 }
 
-/// Returns the kinds of points at which such eigenvalues are critical; the second one applies where
-/// the parameter has an extremum.
+/// Returns the kinds of points at which eigenvalues of a type are critical; the second kind applies
+/// if the parameter has an extremum at the point.
 fn kinds(critical: Critical, dynamics: Dynamics) -> [Kind; 2] {
     match (critical, dynamics) {
         (Critical::MinusOne, _) => [Kind::PD; 2],

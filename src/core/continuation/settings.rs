@@ -1,11 +1,11 @@
-//! Settings of a trace, with their allowed values.
+//! The settings of a continuation, with their allowed values.
 
 use super::newton::Tolerances;
 use crate::core::cancel::CancelToken;
 use crate::core::system::Kind;
 use serde::{Deserialize, Serialize};
 
-/// A setting outside its allowed range.
+/// The error for a setting whose value is outside its allowed range.
 #[derive(Clone, Debug, PartialEq, miette::Diagnostic, thiserror::Error)]
 #[error("the setting `{name}` is {value}, but must be {range}")]
 pub struct SettingError {
@@ -17,72 +17,81 @@ pub struct SettingError {
     pub range: &'static str,
 }
 
-/// Settings of Newton's method and of steps. Lengths are in units of scaled arclength: the scale of
-/// the continued parameter is the length of its range, the scale of each group of unknowns its
-/// largest norm on the branch so far. No setting therefore depends on units.
+/// The settings of Newton's method and of the continuation steps. Lengths are given in scaled
+/// arclength: the scale of the continued parameter is the length of its range, and the scale of
+/// each group of unknowns is its largest norm on the branch so far. Therefore the settings do not
+/// depend on units.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Settings {
-    /// The first step (more than 0).
+    /// The length of the first step (more than 0).
     pub initial_step: f64,
-    /// The smallest step; the branch ends if it fails (more than 0).
+    /// The length of the smallest step (more than 0). The branch ends if a step of this length
+    /// fails.
     pub min_step: f64,
-    /// The largest step (at least `min_step`).
+    /// The length of the largest step (at least `min_step`).
     pub max_step: f64,
     /// The maximal number of points in each direction (at least 1).
     pub max_points: usize,
-    /// The largest estimated distance, in scaled arclength, of the branch from the cubic curve
-    /// through its points with their tangents: the accuracy of plots between points. Steps aim at a
-    /// tenth of it; a step that exceeds it is repeated with a shorter length (more than 0).
+    /// The largest estimated distance, in scaled arclength, between the branch and the cubic
+    /// interpolant of its points and tangents (more than 0). The setting `curve_error` determines
+    /// the accuracy of plots between points. The target of the step control is one tenth of this
+    /// distance; a step with a larger distance is repeated with a shorter length.
     pub curve_error: f64,
     /// The scaled correction below which Newton's method has converged along the branch (between
     /// 1e-15 and 1e-3).
     pub tolerance: f64,
-    /// The value of `tolerance` at special points (between 1e-15 and 1e-3).
+    /// The scaled correction below which Newton's method has converged at special points (between
+    /// 1e-15 and 1e-3).
     pub event_tolerance: f64,
     /// The maximal number of Newton iterations at a point (at least 2).
     pub max_iterations: usize,
-    /// The requested relative error of special points if the problem can be refined; 0 disables
-    /// refinement, and the `error` then excludes the discretisation (between 0 and 1).
+    /// The requested relative error of special points if the problem can be refined (between 0 and
+    /// 1). The value 0 disables refinement; without refinement, the `error` of special points does
+    /// not include the discretisation error.
     pub refinement: f64,
-    /// The names of parameters and monitors that must have this relative error at special points,
-    /// besides the parameters that vary along the branch.
+    /// The names of parameters and monitors that must reach the relative error `refinement` at
+    /// special points, in addition to the parameters that vary along the branch.
     pub refine: Vec<String>,
-    /// The estimated relative error of the mesh above which intervals are added, and far below
-    /// which added intervals are removed again (more than 0).
+    /// The target for the estimated relative discretisation error (more than 0). Mesh intervals are
+    /// added if the error exceeds the target, and added intervals are removed if the error is far
+    /// below the target.
     pub target_mesh_error: f64,
-    /// The largest estimated relative error due to the mesh of a discretised solution; the branch
-    /// ends beyond it (more than 0).
+    /// The largest estimated relative discretisation error (more than 0). The branch ends if the
+    /// error of its solutions remains larger.
     pub max_mesh_error: f64,
-    /// The largest ratio of a cycle's period to the shortest period; a branch of cycles ends beyond
-    /// it, near a homoclinic orbit (more than 1).
+    /// The largest ratio of the period of a cycle to the shortest period on the branch (more than
+    /// 1). A branch of cycles ends if the ratio is exceeded, as it is near a homoclinic orbit.
     pub max_period_growth: f64,
-    /// The kinds of bifurcations to detect; if empty, all known for a curve. Bounds, marks and
-    /// user-defined events are always detected.
+    /// The kinds of bifurcations to detect; if the list is empty, all kinds known for the type of
+    /// curve are detected. Bounds, marks and user-defined events are always detected.
     pub detect: Vec<Kind>,
-    /// Whether eigenvalues or multipliers are computed along branches of solutions. They determine
-    /// stability, Hopf points, period doublings and torus points.
+    /// Whether eigenvalues or multipliers are computed along branches of solutions. Eigenvalues and
+    /// multipliers are needed to determine stability and to detect Hopf points, period doublings
+    /// and torus points.
     pub stability: bool,
-    /// The interval between points saved with their state, as regular points (`RG`) from which a
-    /// branch can start; 0 for none.
+    /// The number of points after which a point is saved with its state, as a regular point (`RG`)
+    /// at which a branch can start; 0 if no regular points are saved with their states.
     pub save_every: usize,
     /// The number of leading eigenvalues or multipliers stored with each point (at most 16).
     pub eigenvalues: usize,
-    /// Tolerances of parameters, by name: special points get the resulting spread, to first order,
-    /// of each parameter that varies along their branch (more than 0).
+    /// The tolerances of parameters, with their names (more than 0). For each special point, the
+    /// resulting variation of each parameter that varies along the branch is computed to first
+    /// order.
     pub tolerances: Vec<(String, f64)>,
-    /// Whether the phase response of autonomous cycles is computed at special points, as a profile
-    /// for each state.
+    /// Whether the phase response curve of autonomous cycles is computed at special points and
+    /// stored as a profile for each state.
     pub phase_response: bool,
-    /// Whether points contain their solutions ([`Point::solution`](super::branch::Point::solution))
-    /// while the branch is in memory, so that other branches can start from them.
+    /// Whether all points contain their solutions
+    /// ([`Point::solution`](super::branch::Point::solution)) while the branch is in memory, so that
+    /// other branches can start from them.
     #[serde(skip)]
     pub keep_solutions: bool,
     /// Whether special points lack sensitivities, for a picture that only lasts until the next one.
     /// Sensitivities to other parameters can take a third of the time of a trace.
     #[serde(skip)]
     pub without_sensitivities: bool,
-    /// Cancels the trace, which then ends with
+    /// The token that cancels the continuation. A cancelled branch ends with
     /// [`End::Interrupted`](super::end::End::Interrupted) and keeps its points.
     #[serde(skip)]
     pub cancel: CancelToken,
@@ -118,7 +127,7 @@ impl Default for Settings {
 }
 
 impl Settings {
-    /// Returns the stopping criteria of Newton's method with one of the tolerances.
+    /// Returns the stopping criteria of Newton's method for the given tolerance.
     pub(super) fn until(&self, tolerance: f64) -> Tolerances {
         Tolerances { tolerance, max_iterations: self.max_iterations }
     }
@@ -126,7 +135,7 @@ impl Settings {
     /// Checks all settings.
     ///
     /// # Errors
-    /// [`SettingError`] with the first setting outside its range.
+    /// [`SettingError`] naming the first setting whose value is outside its allowed range.
     ///
     /// ```
     /// use tangency::core::continuation::Settings;

@@ -1,5 +1,5 @@
-//! Starts at which the equations are singular: special points, and systems with a conserved
-//! quantity.
+//! Starts of curves at points where the equations are singular: at special points, and in systems
+//! with a conserved quantity.
 
 use super::corrector::Corrector;
 use super::extended::Closing;
@@ -9,26 +9,29 @@ use crate::core::failure::Failure;
 use crate::core::linalg::{Form, dot, generic, largest, norm};
 use crate::core::problem::Dynamics;
 
-/// (D) The distance by which a start at a special point is moved, in units of the parameter's
-/// scale: more than the distance within which a special point is attributed to the start, and too
-/// small to be visible in a diagram.
+/// (D) The distance by which a start at a special point is moved, in units of the scale of the
+/// parameter. The distance is larger than the distance within which a special point is attributed
+/// to the start, and too small to be visible in a diagram.
 const MOVED: f64 = 1e-5;
 
-/// (H) The relative distance from the start at which a conservation law is checked again: a null
-/// vector due to the start alone is not one there.
+/// (H) The relative distance from the start at which a conservation law is checked a second time. A
+/// left null vector that exists only at the start, without a conservation law, is not a null vector
+/// at the second point.
 const ELSEWHERE: f64 = 1e-2;
 
-/// (R) A sum smaller than this, relative to its terms, vanishes up to rounding.
+/// (R) A sum smaller than this threshold, relative to its terms, vanishes up to rounding.
 const VANISHES: f64 = 1e-9;
 
-/// (R) Coefficients smaller than this, relative to the largest, are rounding.
+/// (R) Coefficients smaller than this threshold, relative to the largest coefficient, are zero up
+/// to rounding.
 const NOTHING: f64 = 1e-9;
 
-/// Moves a start without a determined tangent along the parameter, within its range; returns the
-/// tangent and a warning.
+/// Moves a start whose tangent is undetermined by a small change of the parameter within its range,
+/// and returns the tangent at the moved start and a warning.
 ///
 /// # Errors
-/// The `cause` of the missing tangent, or the conservation law that explains it.
+/// If the start cannot be moved, the `cause` of the undetermined tangent, or the conservation law
+/// that explains it.
 pub(super) fn beside<T>(
     corrector: &mut Corrector,
     unknowns: &mut Vec<f64>,
@@ -65,8 +68,9 @@ pub(super) fn beside<T>(
     })
 }
 
-/// Moves a start along its tangent if the parameter is stationary there, because events at a start,
-/// such as a fold, are not detected. A start that cannot be moved is unchanged.
+/// Moves a start along its tangent if the parameter is stationary at the start. The start is moved
+/// because events at a start, such as a fold, are not detected. If the moved start cannot be
+/// corrected, the start is unchanged.
 pub(super) fn off_fold(corrector: &mut Corrector, unknowns: &mut Vec<f64>, tangent: &mut Vec<f64>) {
     let size = corrector.norm.of(tangent);
     if corrector.slope(tangent).abs() > NOTHING * size {
@@ -84,7 +88,8 @@ pub(super) fn off_fold(corrector: &mut Corrector, unknowns: &mut Vec<f64>, tange
     }
 }
 
-/// Returns the conserved sum of unknowns in words, if there is one.
+/// Returns the conserved linear combination of unknowns as text; `None` if no linear combination is
+/// conserved.
 fn conserved(corrector: &mut Corrector, start: &[f64]) -> Option<String> {
     corrector.equations.load(start);
     let At { system, x, .. } = corrector.equations.at();

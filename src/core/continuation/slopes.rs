@@ -1,13 +1,16 @@
-//! The position of a point along its branch, and the slopes of its columns.
+//! The arclength position of a point along its branch, and the slopes of its parameters and
+//! monitors.
 
 use serde::{Deserialize, Serialize};
 
-/// The position of a point along its branch, and the derivatives of its columns by this position.
+/// The arclength position of a point along its branch, and the derivatives of its parameters and
+/// monitors (its columns) with respect to this position.
 ///
-/// Between two points with slopes, a column is the cubic with these values and slopes, to the
-/// accuracy of [`Settings::curve_error`](super::Settings::curve_error). Slopes are computed from
-/// the last factored matrix, which may belong to an earlier Newton iterate; they have at least
-/// three accurate digits.
+/// Between two points, each column is approximated by the cubic polynomial with the values and
+/// slopes at both points, to the accuracy of
+/// [`Settings::curve_error`](super::Settings::curve_error). Slopes are computed from the last
+/// factored matrix, which may belong to an earlier Newton iterate; they have at least three
+/// accurate digits.
 ///
 /// ```
 /// use tangency::core::{continuation::Continuation, system::Dense};
@@ -31,11 +34,11 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Slopes {
-    /// The arclength from the start of the branch in the scales at the start, negative in the
-    /// backward direction.
+    /// The arclength from the start of the branch, measured in the scales at the start; negative in
+    /// the backward direction.
     pub position: f64,
-    /// The derivatives of parameters and monitors with respect to the position; `None` for a column
-    /// without a derivative.
+    /// The derivatives of parameters and monitors with respect to the position; `None` for a
+    /// monitor that is not differentiable.
     pub columns: Vec<Option<f64>>,
 }
 
@@ -46,7 +49,7 @@ impl Slopes {
         Slopes { position: begin + growth * self.position, columns: columns.collect() }
     }
 
-    /// Reverses the direction of the branch.
+    /// Returns the position and slopes for the reversed direction of the branch.
     pub(super) fn reversed(self) -> Self {
         let columns = self.columns.into_iter().map(|slope| Some(-slope?));
         Slopes { position: -self.position, columns: columns.collect() }

@@ -1,41 +1,44 @@
-//! Branches of cycles that turn again and again at the same two parameters while the period grows.
+//! Detection of snaking: branches of cycles with many folds at the same two values of the parameter
+//! while the period grows.
 
 use super::corrector::Corrector;
 use super::curve_point::Interval;
 use super::end::End;
 use crate::core::bifurcation::At;
 
-/// (H) A branch snakes after this number of turns at the same two values of the parameter. The
-/// values of the first turns still change; later turns converge geometrically.
+/// (H) A branch is considered to snake after this number of folds at the same two values of the
+/// parameter. The parameter values at the first folds still differ; the values at later folds
+/// converge geometrically.
 const TURNS: usize = 12;
 
-/// (H) Turns are at the same value if they differ by less than this fraction of the distance of the
-/// two values: the wiggles of a branch near a homoclinic orbit to an equilibrium shrink faster.
+/// (H) Two folds count as lying at the same parameter value if their parameters differ by less than
+/// this fraction of the distance between the two values. The oscillations of a branch near a
+/// homoclinic orbit to an equilibrium shrink faster.
 const SAME: f64 = 0.02;
 
-/// The column of the period of cycles.
+/// The name of the column with the period of cycles.
 pub(super) const PERIOD: &str = "period";
 
-/// The parameter and the period at a turn of the branch.
+/// The parameter and the period at a fold of the branch.
 #[derive(Clone, Copy)]
 struct Turn {
     parameter: f64,
     period: f64,
 }
 
-/// The turns along a half of a branch of cycles.
+/// The folds along one half of a branch of cycles.
 #[derive(Default)]
 pub(super) struct Snaking {
     turns: Vec<Turn>,
 }
 
 impl Snaking {
-    /// Returns the end of a branch of cycles that has turned many times at the same two values, at
-    /// an accepted step.
+    /// Returns the end of a branch of cycles that has many folds at the same two values of the
+    /// parameter. The function is called after each accepted step.
     ///
     /// Near a homoclinic orbit to another cycle, each further revolution about that cycle adds two
-    /// folds and the same time (P. Hirschberg and C. Laing, *Physica D* 89:1, 1995). The folds
-    /// converge to two values of the parameter.
+    /// folds to the branch and the same time to the period (P. Hirschberg and C. Laing, *Physica D*
+    /// 89:1, 1995). The parameter values at these folds converge to two limits.
     pub fn reached(&mut self, corrector: &mut Corrector, step: Interval) -> Option<End> {
         let Interval { from, to, .. } = step;
         let [a, b] = [from, to].map(|place| corrector.slope(&place.tangent));

@@ -28,28 +28,28 @@ use crate::core::failure::Failure;
 use crate::core::linalg::{dot, generic, largest};
 use crate::core::system::{Kind, Representation, Site, Solution, Start};
 
-/// (D) Unknowns with a smaller relative difference in size have equal sizes: the two halves of a
-/// doubled orbit differ by the error of the mesh.
+/// (D) Unknowns whose sizes differ by less than this threshold, relative to their size, count as
+/// equal in size: the two halves of a doubled orbit differ by the discretisation error.
 const EQUAL: f64 = 1e-4;
 
-/// (D) If a curve emanates at a limit of admissible solutions, levels closer than this, in scaled
-/// arclength, are that limit: the square root of the error of the mesh, as an orbit's maximum
-/// depends quadratically on arclength.
+/// (D) If a curve emanates at a limit of admissible solutions, levels closer to the start than this
+/// threshold, in scaled arclength, are identified with that limit. The bound is the square root of
+/// the discretisation error, because the maximum of an orbit depends quadratically on arclength.
 const AT_LIMIT: f64 = 1e-2;
 
 /// (H) The step along the parameter's range that shows the sizes of unknowns which are zero at the
 /// start.
 const FURTHER: f64 = 1e-3;
 
-/// (H) The maximal number of times that mesh intervals are added at a start. Each time their number
-/// may double.
+/// (H) The maximal number of times that mesh intervals are added at the start of a curve. Each
+/// addition may double the number of intervals.
 const MOST_FITTINGS: usize = 10;
 
-/// (H) The maximal number of corrections of a start, with scales computed there: the scales of the
-/// first correction are known from the guess only.
+/// (H) The maximal number of corrections of a start. After each correction, the scales are computed
+/// again, because the scales for the first correction are computed from the guess only.
 const PASSES: usize = 3;
 
-/// Creates the branch without its points.
+/// Creates the branch of a specified curve, without points.
 fn branch(stated: &mut Continuation, held: &[MakeCondition]) -> Branch {
     let Representation { itinerary, method, .. } = stated.system.representation();
     let names = stated.system.names();
@@ -73,7 +73,7 @@ fn branch(stated: &mut Continuation, held: &[MakeCondition]) -> Branch {
     }
 }
 
-/// Corrects the start of a curve, and computes the scales and the tangent there.
+/// Corrects the start of a curve, and computes the scales and the tangent at the start.
 pub(super) fn begin<'a>(
     mut stated: Continuation<'a>,
     resolved: Resolved,
@@ -162,9 +162,9 @@ pub(super) fn begin<'a>(
     })
 }
 
-/// Adapts the mesh of a start: intervals are added until they suffice, and the start is corrected
-/// on each mesh, across the tangent if the direction was known, and otherwise with a fixed
-/// parameter. Returns the tangent.
+/// Adapts the mesh at the start of a curve: intervals are added until the mesh is fine enough, and
+/// the start is corrected on each mesh. The start is corrected in the hyperplane across the tangent
+/// if the direction was known, and with a fixed parameter if not. Returns the tangent.
 fn fit_start(
     corrector: &mut Corrector,
     (unknowns, across): (&mut Vec<f64>, bool),
@@ -185,27 +185,28 @@ fn fit_start(
     Ok(tangent)
 }
 
-/// Computes the scales at a point with a tangent, and the reach along the tangent if known.
+/// A function that computes the scales at a point from the unknowns, the tangent and, if known, the
+/// reach along the tangent.
 type Scaling<'s> = dyn Fn(&Extended, &[f64], &[f64], Option<f64>) -> Metric + 's;
 
-/// The known data of a start before its correction.
+/// The data of a start that are known before its correction.
 struct Beginning<'s> {
     site: Site,
-    /// A known direction of the curve.
+    /// The direction of the curve at the start, if known.
     known: Option<&'s [f64]>,
-    /// The number of bifurcation equations of the branches that cross at the start, and the branch
-    /// to follow.
+    /// The number of algebraic bifurcation equations for the branches that cross at the start, and
+    /// the index of the branch to follow.
     crossing: (usize, Option<usize>),
     /// The range of the continued parameter.
     range: [f64; 2],
     /// The held defining systems.
     held: &'s [MakeCondition],
-    /// The target for the mesh error.
+    /// The target for the discretisation error.
     target: f64,
 }
 
 impl Beginning<'_> {
-    /// Whether only the point is known, without a direction.
+    /// Whether only the starting point is known, without a direction of the curve.
     fn is_anew(&self) -> bool {
         self.site == Site::Point && self.known.is_none() && self.held.is_empty()
     }
@@ -215,15 +216,15 @@ impl Beginning<'_> {
 struct Leaving {
     unknowns: Vec<f64>,
     tangent: Vec<f64>,
-    /// The tangent of the parent branch at a branch point.
+    /// The tangent of the parent branch, if the curve starts at a branch point.
     parent: Option<Vec<f64>>,
     from_branch_point: bool,
-    /// A warning about the start.
+    /// A warning about the start, if any.
     said: Option<String>,
 }
 
-/// Corrects a start with the scales computed there, and computes the tangent. A start that was
-/// corrected with much larger scales is corrected again.
+/// Corrects a start, and computes its scales and its tangent. If the new scales are much smaller
+/// than the scales used in the correction, the start is corrected again.
 fn leave(
     corrector: &mut Corrector,
     unknowns: &[f64],
@@ -326,8 +327,9 @@ fn leave_in_scales(
     Ok(Leaving { unknowns, tangent, parent, from_branch_point, said })
 }
 
-/// Checks the start, discards values there that are rounding, and adapts the mesh. Returns the
-/// derivative of each level's test function along the curve.
+/// Checks the order of events at the start, discards test values that consist only of rounding
+/// errors, and adapts the mesh. Returns the derivative of the test function of each level along the
+/// curve.
 fn settle(
     curve: &mut Curve,
     place: &mut CurvePoint,
@@ -351,7 +353,7 @@ fn settle(
     Ok(slopes)
 }
 
-/// Computes the scales at a point with a tangent.
+/// Computes the scales at a point from the unknowns and the tangent.
 fn metric(
     equations: &Extended,
     (unknowns, tangent, reach): (&[f64], &[f64], Option<f64>),
@@ -371,13 +373,14 @@ fn metric(
 }
 
 /// Returns the number of algebraic bifurcation equations for the branches that cross at a special
-/// point: at a fold, one fewer than the multiplicity.
+/// point. The number is the multiplicity of the point; at a fold, it is one smaller.
 fn equations_at_crossing(origin: &Solution) -> usize {
     (origin.multiplicity - usize::from(origin.kind == Kind::LP).min(origin.multiplicity)).max(1)
 }
 
 /// Returns the tangent of a branch, if known before its start is corrected, and the tangent of the
-/// parent branch: at a branch point both are solutions of the algebraic bifurcation equations.
+/// parent branch. At a branch point, both tangents are computed from the algebraic bifurcation
+/// equations.
 fn leaving(
     corrector: &mut Corrector,
     site: Site,
@@ -413,8 +416,8 @@ fn leaving(
     }
 }
 
-/// Corrects the start on the hyperplane across `direction`, or with a fixed parameter, and returns
-/// the tangent.
+/// Corrects the start in the hyperplane across `direction`, or with a fixed parameter if no
+/// direction is given, and returns the tangent.
 fn first_tangent(
     corrector: &mut Corrector,
     unknowns: &mut [f64],
@@ -451,8 +454,8 @@ fn first_tangent(
     }
 }
 
-/// Corrects on the hyperplane of `row` through the start, and solves for the tangent, of any
-/// length.
+/// Corrects the start in the hyperplane through it that the covector `row` defines, and computes
+/// the tangent, which is not normalised.
 fn correct_start(
     corrector: &mut Corrector,
     unknowns: &mut [f64],
@@ -466,8 +469,8 @@ fn correct_start(
     Ok(tangent)
 }
 
-/// Orients the tangent at the start, of scaled length 1, towards increasing values of the last
-/// released parameter, unless its sign is known.
+/// Scales the tangent at the start to length 1 and orients it towards increasing values of the last
+/// released parameter, unless its direction is already known.
 fn oriented(corrector: &Corrector, mut tangent: Vec<f64>, known: bool) -> Vec<f64> {
     let Corrector { equations, norm, .. } = corrector;
     let (n, last) = (equations.dimension(), tangent.len() - 1);
@@ -512,17 +515,18 @@ fn arrive_first(
     curve.arrive(unknowns, &row, f64::INFINITY, stability)
 }
 
-/// At a Hopf point one nontrivial multiplier equals 1, so stability is undefined there and not
-/// compared with the next point.
+/// Discards the stability at the start of a branch of cycles at a Hopf point. One nontrivial
+/// multiplier equals 1 at the Hopf point, so stability is undefined and must not be compared with
+/// the next point.
 fn forget_stability_at(start: &mut CurvePoint) {
     (start.point.unstable, start.stability) = (None, None);
 }
 
-/// Zeroes the test functions of levels on which a curve starts, up to rounding, so that the first
-/// step does not pass them. Returns the derivative of each level's test function along the curve at
-/// the start.
+/// Sets the test functions of levels on which a curve starts, up to rounding, to exactly zero, so
+/// that the first step does not pass these levels. Returns the derivative of the test function of
+/// each level along the curve at the start.
 ///
-/// A curve that emanates at a level misses the level by the error of the discretisation.
+/// If a curve emanates at a level, its start differs from the level by the discretisation error.
 fn forget_levels_at(curve: &mut Curve, start: &mut CurvePoint, from: &Start) -> Vec<f64> {
     let Curve { corrector, detector, .. } = curve;
     let at_limit = from.site == Site::Limit;

@@ -18,52 +18,56 @@ use crate::core::linalg::{advanced, dot};
 /// (H) The largest distance between the corrected and the predicted point, in units of the step.
 pub(super) const MOST_DISTANT: f64 = 0.25;
 
-/// (H) The largest angle between the tangents at both ends of a step, in radians: a step with a
-/// larger angle may lead to another piece of the curve, or miss two special points.
+/// (H) The largest angle between the tangents at both ends of a step, in radians. A step with a
+/// larger angle may jump to another part of the curve, or pass two special points without detecting
+/// them.
 pub(super) const LARGEST_ANGLE: f64 = 0.4;
-/// (H) The target angle of a step, in radians: if the curvature doubles, the next step still turns
-/// by less than `LARGEST_ANGLE`.
+/// (H) The target for the angle between the tangents at both ends of a step, in radians. With this
+/// target, the angle between the tangents of the next step is less than `LARGEST_ANGLE` even if the
+/// curvature doubles.
 const AIMED_ANGLE: f64 = 0.2;
-/// (H) The target error of the cubic, in units of `curve_error`: a step that is longer by three
-/// quarters has ten times the error, and is rejected.
+/// (H) The target for the error of the cubic interpolant, in units of `curve_error`. A step that is
+/// longer by a factor of 1.75 has ten times the error, and is rejected.
 const AIMED_AT: f64 = 0.1;
-/// (H) The target contraction of Newton's first correction.
+/// (H) The target for the contraction of the first Newton correction in a step.
 const CONTRACTION: f64 = 0.1;
 
 /// (H) The lengths of steps across a branch point, or across an equilibrium to which cycles shrink,
 /// in units of the distance to that point.
 const BEYOND: [f64; 3] = [2.0, 1.6, 3.0];
-/// (H) The minimal distance to a branch point used for such steps, in scaled arclength, so that the
-/// branches are well separated at both ends of the step.
+/// (H) The minimal distance to a branch point, in scaled arclength, from which the length of a step
+/// across the branch point is computed, so that the branches are well separated at both ends of the
+/// step.
 const CROSSED: f64 = 3e-3;
-/// (H) A failed step is near an equilibrium to which cycles shrink if the amplitude vanishes within
-/// this multiple of its length.
+/// (H) A failed step is near an equilibrium to which cycles shrink if the extrapolated amplitude
+/// vanishes within this multiple of the step length.
 const VANISHES_WITHIN: f64 = 2.0;
-/// (R) A cycle is an equilibrium if its amplitude relative to the preceding cycle is less than
-/// this. If amplitudes vanish at a Hopf point, steps across it end far beyond.
+/// (R) A cycle counts as an equilibrium if its amplitude relative to the preceding cycle is smaller
+/// than this threshold. Where amplitudes vanish at a Hopf point, steps across that point end far
+/// beyond it, with a larger amplitude.
 const SHRUNK: f64 = 1e-6;
 
-/// An accepted step and its data.
+/// An accepted step of the continuation, with its data.
 pub(super) struct Step {
     pub place: CurvePoint,
     /// The length of the step.
     pub length: f64,
     /// The length proposed for the next step.
     pub next: f64,
-    /// The branch points passed, if eigenvalues are not computed.
+    /// The branch points that the step has passed, if eigenvalues are not computed.
     pub crossings: Crossings,
-    /// The distance of the point from the predicted one.
+    /// The distance between the corrected and the predicted point.
     pub miss: f64,
 }
 
 impl Step {
-    /// The interval covered by the step.
+    /// Returns the interval of the curve covered by the step.
     pub fn since<'p>(&'p self, from: &'p CurvePoint) -> Interval<'p> {
         Interval { from, to: &self.place, length: self.length }
     }
 }
 
-/// The amplitude of a cycle, relative to the amplitude of the last accepted cycle.
+/// Returns the amplitude of a cycle, relative to the amplitude of the last accepted cycle.
 fn amplitude(corrector: &mut Corrector, unknowns: &[f64]) -> Option<f64> {
     corrector.equations.load(unknowns);
     let At { system, x, .. } = corrector.equations.at();
@@ -76,7 +80,7 @@ fn is_shrunk(corrector: &mut Corrector, unknowns: &[f64]) -> bool {
     amplitude(corrector, unknowns).is_some_and(|it| it != 0.0 && it.abs() < SHRUNK)
 }
 
-/// The limits of steps.
+/// The step control: contains the limits of the step length, and makes steps.
 pub(super) struct StepControl {
     curve_error: f64,
     min_step: f64,
@@ -91,11 +95,11 @@ impl StepControl {
         StepControl { curve_error, min_step, max_step, departure }
     }
 
-    /// Makes one step of at most this length; shorter ones are tried down to `min_step`, and longer
-    /// ones across branch points and equilibria.
+    /// Makes one step of at most the given length. If a step fails, shorter steps are tried down to
+    /// `min_step`, and longer steps are tried across branch points and equilibria.
     ///
     /// # Errors
-    /// The length of the shortest step, and the reason of its failure.
+    /// The length of the shortest attempted step, and the reason why it failed.
     pub fn step(
         &self,
         curve: &mut Curve,
@@ -123,7 +127,7 @@ impl StepControl {
         }
     }
 
-    /// Makes one step of this length, and rejects a jump to another branch.
+    /// Makes one step of the given length, and rejects a jump to another branch.
     fn checked_step(
         &self,
         curve: &mut Curve,
@@ -138,9 +142,9 @@ impl StepControl {
         Ok(step)
     }
 
-    /// Makes a step across an equilibrium to which cycles shrink, if a step of this length fails:
-    /// the equations are singular there, and successively shorter steps would only approach that
-    /// point.
+    /// Makes a step across an equilibrium to which cycles shrink, after a step of the given length
+    /// has failed. The equations are singular at the equilibrium, and successively shorter steps
+    /// would only approach it.
     fn across_equilibrium(
         &self,
         curve: &mut Curve,
@@ -163,8 +167,9 @@ impl StepControl {
         lengths.find_map(|length| self.checked_step(curve, predictor, from, row, length).ok())
     }
 
-    /// Makes a step across a branch point where a mesh without the symmetry of the problem
-    /// separates the branches, and a step has turned to the other branch.
+    /// Makes a step across a branch point, after a step has turned to the other branch. Steps turn
+    /// to the other branch if a mesh without the symmetry of the problem separates the branches
+    /// that cross at the branch point.
     fn across(
         &self,
         curve: &mut Curve,
@@ -207,7 +212,7 @@ impl StepControl {
         })
     }
 
-    /// Makes one step of this length.
+    /// Makes one step of the given length.
     pub fn try_step(
         &self,
         curve: &mut Curve,
@@ -250,9 +255,10 @@ impl StepControl {
         Ok(Step { place, length, next, crossings, miss: distance })
     }
 
-    /// Computes the next length from the target contraction, angle and error of the cubic. The
-    /// contraction grows with the step's length to the power `order` of the predictor, the angle
-    /// linearly, the error of the cubic with the fourth power.
+    /// Computes the length of the next step from the targets for the contraction, the angle and the
+    /// error of the cubic interpolant. The contraction is proportional to the step length to the
+    /// power `order` of the predictor, the angle to the step length, and the error of the cubic
+    /// interpolant to its fourth power.
     fn next_length(
         &self,
         length: f64,

@@ -1,4 +1,4 @@
-//! The iterator over a branch, point by point, during the trace.
+//! The iterator over the points of a branch, which computes the points one after another.
 
 use super::admissible::{is_within, subkind};
 use super::bounds::{AT_START, Bounds, end_at};
@@ -29,25 +29,28 @@ use crate::core::failure::one_line;
 use crate::core::system::{Kind, Solution};
 use std::sync::Arc;
 
-/// Observes a branch during the trace, to print, to show progress, or to cancel.
+/// Observes a branch while it is traced, for example to print points, to show progress, or to
+/// cancel the continuation.
 pub trait Observer {
-    /// Called when a branch begins; its names are known, its points are not.
+    /// Called before the first point of a branch is computed; the branch contains its names but no
+    /// points.
     fn begin(&mut self, _branch: &Branch) {}
 
-    /// Called at each point, the start first. An observer with a clone of [`Settings::cancel`] can
-    /// end the trace.
+    /// Called for each point; the first call is for the start. An observer that holds a clone of
+    /// [`Settings::cancel`] can end the continuation.
     fn point(&mut self, _point: &Point) {}
 
-    /// Called at each special point. Labels are final only when the branch is complete.
+    /// Called for each special point. The labels of special points are final only when the branch
+    /// is complete.
     fn special(&mut self, _branch: &Branch, _special: &SpecialPoint) {}
 }
 
 /// An observer that does nothing.
 impl Observer for () {}
 
-/// A branch during the trace: an iterator over its points and special points as they are found, the
-/// start first, then one half from there, then the other one. Points are computed only when the
-/// iterator is advanced.
+/// A branch that is being traced: an iterator over its points and special points in the order in
+/// which they are computed. The start comes first, followed by the points of one half of the branch
+/// and the points of the other half. Points are computed only when the iterator is advanced.
 ///
 /// ```
 /// use tangency::core::continuation::{Continuation, End, Traced};
@@ -71,33 +74,36 @@ pub struct Steps<'a> {
     pub(super) settings: Settings,
     pub(super) log: Log,
     pub(super) start: CurvePoint,
-    /// The start on its mesh, and its scales, restored before the second half.
+    /// The start on its mesh, and the scales at the start, which are restored before the second
+    /// half is traced.
     pub(super) home: (Solution, Metric),
     pub(super) bounds: Bounds,
-    /// Whether to trace backward, and forward.
+    /// Whether to trace the branch backward, and whether to trace it forward.
     pub(super) directions: [bool; 2],
-    /// Whether the curve starts at a branch point; at a pitchfork the parameter has an extremum
-    /// there, which is not a fold.
+    /// Whether the curve starts at a branch point. At a pitchfork, the parameter has an extremum at
+    /// the start, which is not reported as a fold.
     pub(super) from_branch_point: bool,
     /// The error of the special point at the start.
     pub(super) error: f64,
     /// The kind of the special point at the start, and the kind of the curve on which the point
     /// lies.
     pub(super) origin: Vec<Kind>,
-    /// The marks at the start.
+    /// The marked special points that coincide with the start.
     pub(super) marked: Vec<SpecialPoint>,
-    /// The half that is being traced.
+    /// The half of the branch that is being traced.
     pub(super) current: Option<Half>,
     pub(super) behind: Option<Half>,
     pub(super) ahead: Option<Half>,
 }
 
-/// (H) The factor by which a step that ends at a special point is shortened: enough to determine
-/// signs, and not a fraction at which symmetric problems are singular.
+/// (H) The factor by which a step is shortened if it ends exactly at a special point. The
+/// shortening is large enough to determine the signs of test functions, and avoids fractions of the
+/// step, such as one half, at which symmetric problems are singular.
 const BESIDE: f64 = 0.93;
 
-/// (H) The distances from a singular branch point, in scaled arclength, at which the reference
-/// point of a closed curve is chosen; the smaller ones are used if another event lies between.
+/// (H) The distances from a branch point at the start, in scaled arclength, at which the reference
+/// point of a closed curve may be chosen. Smaller distances are used if another event lies between
+/// the branch point and the reference point.
 const BEHIND: [f64; 4] = [2e-2, 5e-3, 1e-3, 2e-4];
 
 impl Iterator for Steps<'_> {
@@ -126,12 +132,12 @@ impl Iterator for Steps<'_> {
 }
 
 impl Steps<'_> {
-    /// The branch's names and settings, without its points.
+    /// Returns the names and settings of the branch, without its points.
     pub fn branch(&self) -> &Branch {
         &self.log.branch
     }
 
-    /// Whether the branch is traced backward, and forward.
+    /// Returns whether the branch is traced backward, and whether it is traced forward.
     ///
     /// ```
     /// use tangency::core::{continuation::Continuation, system::Dense};
@@ -144,8 +150,8 @@ impl Steps<'_> {
         self.directions
     }
 
-    /// Ends the trace, and returns the branch traced so far; the ends of an incomplete branch are
-    /// [`End::Interrupted`].
+    /// Ends the continuation, and returns the branch traced so far. The ends of an incomplete
+    /// branch are [`End::Interrupted`].
     pub fn finish(mut self) -> Branch {
         self.interrupt();
         let system = self.curve.corrector.equations.system();
@@ -161,7 +167,7 @@ impl Steps<'_> {
         behind.join(start, ahead, self.log.branch)
     }
 
-    /// Traces the whole branch, and reports points to an observer.
+    /// Traces the whole branch, and reports its points to an observer.
     pub fn run(mut self, observer: &mut dyn Observer) -> Branch {
         observer.begin(self.branch());
         while let Some(item) = self.next() {
@@ -183,7 +189,7 @@ impl Steps<'_> {
         }
     }
 
-    /// Records the start, and begins the first half.
+    /// Records the start, and begins the first half of the branch.
     fn begin(&mut self) {
         self.start.point.solution = self.solution_at(&self.start.clone());
         let monitors = self.start.point.monitors.len();
@@ -206,7 +212,7 @@ impl Steps<'_> {
         }
     }
 
-    /// Returns the marks at the start.
+    /// Returns the marked special points that coincide with the start.
     fn marked_start(&mut self) -> Vec<SpecialPoint> {
         let Curve { corrector, detector, recorder, refiner } = &mut self.curve;
         let mut marked = Vec::new();
@@ -223,7 +229,8 @@ impl Steps<'_> {
         marked
     }
 
-    /// Creates a half that consists of the start only, as an end of the branch.
+    /// Creates a half of the branch that consists of the start only, so that the start is an end of
+    /// the branch.
     fn empty_half(&mut self, end: End) -> Half {
         let Curve { corrector, recorder, refiner, .. } = &mut self.curve;
         let mut special = recorder.end_point(corrector, &self.start, &end, 0);
@@ -238,16 +245,17 @@ impl Steps<'_> {
         half
     }
 
-    /// Creates a half that begins at the start, in either direction.
+    /// Creates a half of the branch that begins at the start, in the given direction.
     fn first_half(&mut self, start: CurvePoint, backward: bool) -> Half {
         let closing = self.reference(&start, backward);
         let Settings { max_step, initial_step, .. } = self.settings;
         Half { closing, ..Half::new(start, backward, initial_step.min(max_step)) }
     }
 
-    /// Returns the point that a half passes again if the curve is closed: its start, or, at a
-    /// branch point, a point before the start with no event between them. `None` if a branch
-    /// emanates in one direction only.
+    /// Returns the reference point, which a half of the branch passes again if the curve is closed;
+    /// `None` if the branch emanates from a branch point in one direction only. The reference point
+    /// is the start; if the start is a branch point, it is a point before the start with no event
+    /// between the two points.
     fn reference(&mut self, start: &CurvePoint, backward: bool) -> Option<Reference> {
         if !self.from_branch_point {
             return Some(Reference::new(&mut self.curve.corrector, start.clone()));
@@ -270,14 +278,15 @@ impl Steps<'_> {
         Some(Reference::new(&mut self.curve.corrector, place))
     }
 
-    /// Returns the end of a half that starts at a bound and would leave the range.
+    /// Returns the end of a half of the branch that starts at a bound and would immediately cross
+    /// it.
     fn end_at_once(&mut self, backward: bool) -> Option<End> {
         let index = self.bounds.left_at_once(&self.start, backward)?;
         let start = self.start.clone();
         self.end_on_bound(index, &start)
     }
 
-    /// Returns the end at the bound on which a point lies.
+    /// Returns the end of the branch at the bound on which a point lies.
     fn end_on_bound(&mut self, index: usize, place: &CurvePoint) -> Option<End> {
         let event = &self.curve.detector.events[index];
         let equations = &mut self.curve.corrector.equations;
@@ -316,9 +325,9 @@ impl Steps<'_> {
         }
     }
 
-    /// Returns to the start for the other half, if there is one. The mesh of the start is restored,
-    /// and all data adapted along the first half are reset, so that each half is independent of the
-    /// other.
+    /// Returns to the start and begins the other half of the branch, if both halves are traced. The
+    /// mesh of the start is restored, and all data adapted along the first half are reset, so that
+    /// the two halves are independent of each other.
     fn turn_back(&mut self, ahead: Half) {
         let end = ahead.end.clone();
         self.ahead = Some(ahead);
@@ -351,7 +360,8 @@ impl Steps<'_> {
         }
     }
 
-    /// Advances by at most one step; returns the end of the half, if reached.
+    /// Advances the current half of the branch by at most one step; returns the reason why the half
+    /// ends, if it ends.
     fn advance(&mut self, half: &mut Half) -> Option<End> {
         let points = half.points.len();
         if points == 0
@@ -423,15 +433,17 @@ impl Steps<'_> {
         self.go_on(half, step, found)
     }
 
-    /// Whether the mesh is too coarse for the end of a step, but fine enough for its beginning: the
-    /// mesh is adapted after each point, and can follow shorter steps.
+    /// Whether the mesh is too coarse for the solution at the end of a step, but fine enough for
+    /// the solution at its beginning. A step with such an end is shortened, because the mesh is
+    /// adapted after each point and can follow the solution in shorter steps.
     fn outruns_mesh(&mut self, from: &CurvePoint, step: &Step) -> bool {
         let limit = self.settings.max_mesh_error;
         let mut error = |place: &CurvePoint| self.curve.corrector.mesh_error(&place.unknowns);
         step.length > LEAST_UNEXPLAINED && error(from) <= limit && error(&step.place) > limit
     }
 
-    /// Returns the end where no step succeeds, with a remark if the mesh is too coarse.
+    /// Returns the end of a branch at which no step succeeds; its message states if the mesh is too
+    /// coarse.
     fn end_of_steps(&mut self, half: &Half, (step, cause): (f64, NewtonError)) -> End {
         let error = self.curve.corrector.mesh_error(&half.last.unknowns);
         let target = self.settings.target_mesh_error;
@@ -446,7 +458,7 @@ impl Steps<'_> {
         End::StepTooSmall { step, cause: words, failure: Some(Box::new(cause)) }
     }
 
-    /// Returns all events in an interval, except those at the start of the curve.
+    /// Returns all events in an interval, except events at the start of the curve.
     fn events_between(
         &mut self,
         interval: Interval,
@@ -458,7 +470,7 @@ impl Steps<'_> {
     }
 
     /// Returns the events in a step if they explain the change of the number of unstable
-    /// eigenvalues; `None` if a shorter step may explain it.
+    /// eigenvalues in the step; `None` if the step should be shortened to find an explanation.
     fn explained(
         &mut self,
         from: &CurvePoint,
@@ -476,7 +488,8 @@ impl Steps<'_> {
         }
     }
 
-    /// Records the events found in a step, and accepts the step unless the events end the half.
+    /// Records the events found in a step, and accepts the step unless an event ends this half of
+    /// the branch.
     fn go_on(&mut self, half: &mut Half, mut step: Step, mut found: Vec<Located>) -> Option<End> {
         let points = half.points.len();
         for Located { special, .. } in &mut found {
@@ -526,9 +539,9 @@ impl Steps<'_> {
         end
     }
 
-    /// Returns the end of the branch in this step, if any, and the last point if it lies within the
-    /// step: at a terminal event, or because the curve has closed. Events beyond the end are
-    /// dropped.
+    /// Returns the reason why the branch ends in this step, if it ends, and its last point, if this
+    /// point lies within the step. A branch ends within a step at a terminal event, or because the
+    /// curve has closed. Events beyond the end are removed.
     fn ending(
         &mut self,
         found: &mut Vec<Located>,
@@ -554,7 +567,7 @@ impl Steps<'_> {
         Some((end, Some(at)))
     }
 
-    /// Returns the solution at a point, if points store their solutions.
+    /// Returns the solution at a point, if the settings specify that points store their solutions.
     fn solution_at(&mut self, place: &CurvePoint) -> Option<Arc<Solution>> {
         let keep = self.settings.keep_solutions;
         let condition = self.log.branch.condition;
@@ -562,7 +575,7 @@ impl Steps<'_> {
         keep.then(|| Arc::new(Solution { condition, ..corrector.solution_at(place) }))
     }
 
-    /// Records the last point of a half.
+    /// Records the last point of a half of the branch.
     fn record_end(&mut self, half: &mut Half, at: Option<Located>) {
         let Some(Located { mut special, .. }) = at else {
             let mut start = half.start.clone();

@@ -1,14 +1,16 @@
-//! Stretches of a curve in two parameters between special points, with the solutions on the two
-//! sides.
+//! Stretches of a curve of bifurcations in two parameters: parts between special points, with the
+//! solutions on the two sides of the curve.
 
 use serde::{Deserialize, Serialize};
 
-/// A stretch of a curve of bifurcations in two parameters, with the solutions near it.
+/// A stretch (part between special points) of a curve of bifurcations in two parameters, with the
+/// solutions near the curve.
 ///
-/// Left and right refer to the direction from the first point of the branch to the last one, with
-/// the first released parameter to the right and the second one upwards. A solution that meets
-/// others on the curve is represented by its number of unstable directions: `[0, 1]` and `[]` next
-/// to a fold, `[0]` and `[2]` next to a Hopf point.
+/// Left and right refer to the direction of the curve from its first point to its last point, in a
+/// plot with the first released parameter on the horizontal axis and the second on the vertical
+/// axis. Each solution that undergoes the bifurcation is represented by its number of unstable
+/// directions. Examples are `[0, 1]` and `[]` on the two sides of a curve of folds, and `[0]` and
+/// `[2]` on the two sides of a curve of Hopf points.
 ///
 /// ```
 /// use tangency::core::continuation::Continuation;
@@ -33,16 +35,18 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Stretch {
-    /// The positions of the first and the last point of the stretch among the points of the branch.
+    /// The indices of the first and the last point of the stretch among the points of the branch.
     pub points: [usize; 2],
-    /// The numbers of unstable directions of the solutions on the left, in increasing order.
+    /// The numbers of unstable directions of the solutions on the left of the curve, in increasing
+    /// order.
     pub left: Vec<usize>,
-    /// The numbers of unstable directions of the solutions on the right, in increasing order.
+    /// The numbers of unstable directions of the solutions on the right of the curve, in increasing
+    /// order.
     pub right: Vec<usize>,
 }
 
 impl Stretch {
-    /// Reverses the direction of the branch.
+    /// Returns the stretch for the reversed direction of the branch.
     pub(super) fn reversed(self) -> Self {
         let Stretch { points: [first, last], left, right } = self;
         Stretch { points: [last, first], left: right, right: left }

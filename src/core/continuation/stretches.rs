@@ -1,5 +1,5 @@
-//! Computation of the stretches of curves in two parameters between special points, and of the
-//! solutions on their sides.
+//! Computation of the stretches of curves of bifurcations in two parameters (parts between special
+//! points), and of the solutions on both sides of each stretch.
 
 use super::branch::SpecialPoint;
 use super::corrector::Corrector;
@@ -11,25 +11,30 @@ use crate::core::bifurcation::{Sides, Stability};
 use crate::core::linalg::dot;
 use crate::core::system::Kind;
 
-/// (H) The largest cosine of the angle between a curve and its computed normal. The angle is right
-/// except for mesh errors, and errors near a codimension-two point.
+/// (H) The largest cosine of the angle between a curve and its computed normal. The angle is 90°,
+/// except for discretisation errors and for errors near a codimension-two point.
 const OBLIQUE: f64 = 0.05;
 
 /// The stretches (parts between special points) of one half of a curve in two parameters, collected
 /// while the curve is traced.
 #[derive(Default)]
 pub(super) struct Stretches {
-    /// The completed stretches, with positions counted from the start of the curve, which is 0.
+    /// The completed stretches; the indices of their points are counted from the start of the
+    /// curve, which has the index 0.
     found: Vec<Stretch>,
-    /// The number of noncritical unstable directions on the current stretch, if any.
+    /// The number of noncritical unstable directions on the current stretch; `None` if no stretch
+    /// has begun.
     open: Option<usize>,
-    /// The direction of the last point in the plane of the two parameters, in their scales.
+    /// The direction of the curve at the last point, projected onto the plane of the two
+    /// parameters, in units of their scales.
     direction: [f64; 2],
 }
 
 impl Stretches {
-    /// Extends or ends the current stretch at the point of this position; `special` if a special
-    /// point lies before it. Points with uncertain sides belong to a stretch only if it continues.
+    /// Extends or ends the current stretch at the point with the index `position`; `special`
+    /// specifies whether a special point lies between this point and the previous one. A point at
+    /// which the solutions on the two sides are uncertain belongs to a stretch only if the stretch
+    /// continues beyond it.
     pub fn reach(&mut self, curve: &mut Curve, place: &CurvePoint, position: usize, special: bool) {
         let Some(kind) = curve.recorder.dividing else { return };
         let direction = in_plane(&curve.corrector, &place.tangent);
@@ -52,8 +57,8 @@ impl Stretches {
         }
     }
 
-    /// Joins the stretches of the two halves of a curve with its start at the position `before`,
-    /// and the special points of the whole curve.
+    /// Joins the stretches of the two halves of a curve, whose start has the index `before`;
+    /// `special` contains the special points of the whole curve.
     pub fn join(self, ahead: Stretches, before: usize, special: &[SpecialPoint]) -> Vec<Stretch> {
         let behind = self.found.into_iter().rev().map(|stretch| {
             let points = stretch.points.map(|k| before - k);
@@ -71,7 +76,8 @@ impl Stretches {
     }
 }
 
-/// Whether the stretches on the two sides of the start form one stretch.
+/// Whether the last stretch before the start and the first stretch after the start form one
+/// stretch.
 fn goes_on(last: &Stretch, next: &Stretch, start: usize, special: &[SpecialPoint]) -> bool {
     let [from, to] = [last.points[1], next.points[0]];
     let within = |it: &SpecialPoint| (from..to).contains(&it.after) && divides(it.kind);
@@ -81,18 +87,20 @@ fn goes_on(last: &Stretch, next: &Stretch, start: usize, special: &[SpecialPoint
         && !special.iter().any(within)
 }
 
-/// Whether a stretch ends at a special point of this kind; marks do not end stretches.
+/// Whether a stretch ends at a special point of this kind. Stretches do not end at marks, saved
+/// regular points and ends of branches.
 pub(super) fn divides(kind: Kind) -> bool {
     !matches!(kind, Kind::UZ | Kind::RG | Kind::EP)
 }
 
-/// (H) Special points closer to each other than this, in scaled arclength, need no point between
-/// them: they coincide in a plot.
+/// (H) No additional point is computed between special points closer to each other than this
+/// threshold, in scaled arclength, because they coincide in a plot.
 const APART: f64 = 1e-3;
 
-/// Returns the position in a step of an additional point, halfway between the first two of the
-/// found points at which stability may change; the point has the stability between them. `None` if
-/// no such point is needed.
+/// Returns the position in a step at which an additional point must be computed; `None` if no
+/// additional point is needed. The position lies halfway between the first two special points found
+/// at which stability may change, so that the additional point shows the stability between these
+/// two points.
 pub(super) fn between_changes(found: &[Located]) -> Option<f64> {
     let changes = found.iter().filter(|it| divides(it.special.kind)).map(|it| it.along);
     let changes: Vec<f64> = changes.collect();
@@ -100,14 +108,15 @@ pub(super) fn between_changes(found: &[Located]) -> Option<f64> {
     Some(0.5 * (pair[0] + pair[1]))
 }
 
-/// Projects a tangent onto the plane of the two parameters, in their scales.
+/// Projects a tangent onto the plane of the two parameters, in units of their scales.
 fn in_plane(corrector: &Corrector, tangent: &[f64]) -> [f64; 2] {
     let first = corrector.equations.parameters_at();
     [first, first + 1].map(|k| corrector.norm.scaled(k, tangent[k]))
 }
 
-/// Computes the sides at a point, with the normal in the scales of the parameters; `None` if they
-/// are unknown, or if the normal is not orthogonal to the curve.
+/// Computes the solutions on the two sides of a curve at one of its points, with the normal of the
+/// curve in units of the scales of the parameters; `None` if the solutions are unknown, or if the
+/// computed normal is not orthogonal to the curve.
 fn sides(corrector: &mut Corrector, place: &CurvePoint, kind: Kind) -> Option<Sides> {
     corrector.equations.load(&place.unknowns);
     let sides = Sides::of(kind, corrector.equations.at()).ok()??;
@@ -120,7 +129,8 @@ fn sides(corrector: &mut Corrector, place: &CurvePoint, kind: Kind) -> Option<Si
     right.then_some(Sides { towards, ..sides })
 }
 
-/// Creates a stretch that begins at a position, with the direction of the curve.
+/// Creates a stretch that begins at the point with the given index, from the direction of the curve
+/// at this point.
 fn begin(sides: Sides, direction: [f64; 2], position: usize) -> Option<Stretch> {
     let Sides { towards, there, opposite, .. } = sides;
     let across = direction[0] * towards[1] - direction[1] * towards[0];

@@ -1,4 +1,4 @@
-//! Tracing of a stated curve to its branch.
+//! Computation of the branch of a specified curve.
 
 use super::branch::Branch;
 use super::builder::Continuation;
@@ -11,16 +11,17 @@ impl<'a> Continuation<'a> {
     /// Traces the curve.
     ///
     /// # Errors
-    /// [`TraceError`] if the trace cannot start. A later failure ends the branch with a reason
-    /// ([`Branch::ends`]), and the computed points are kept.
+    /// [`TraceError`] if the continuation cannot start. An error after the start ends the branch
+    /// with a reason ([`Branch::ends`]), and the computed points are kept.
     pub fn trace(self) -> Result<Branch, TraceError> {
         Ok(self.steps()?.run(&mut ()))
     }
 
-    /// Starts to trace the curve, point by point, or as a whole with an observer ([`Steps::run`]).
+    /// Starts to trace the curve. The returned [`Steps`] computes the branch point by point, or as
+    /// a whole with an observer ([`Steps::run`]).
     ///
     /// # Errors
-    /// As for [`trace`](Continuation::trace).
+    /// The same errors as for [`trace`](Continuation::trace).
     pub fn steps(mut self) -> Result<Steps<'a>, TraceError> {
         self.errors.extend(self.settings.check().err().map(TraceError::from));
         match self.errors.len() {
@@ -31,7 +32,7 @@ impl<'a> Continuation<'a> {
     }
 }
 
-/// Prepares the trace of a curve up to its first step.
+/// Prepares the continuation of a curve up to its first step.
 fn prepare(mut curve: Continuation) -> Result<Steps, TraceError> {
     let end = std::mem::take(&mut curve.end);
     let (resolved, start) = resolve(&mut curve)?;

@@ -1,5 +1,5 @@
-//! Changes of stability that no event explains: several eigenvalues that pass zero close together,
-//! or kinds of points that are not detected.
+//! Detection of changes of stability in a step that no detected event explains, because several
+//! eigenvalues pass zero close together, or because the kind of the special point is not detected.
 
 use super::branch::SpecialPoint;
 use super::curve_point::CurvePoint;
@@ -11,15 +11,16 @@ use crate::core::problem::Dynamics;
 use crate::core::system::Kind;
 
 /// (H) The length, in scaled arclength, down to which steps with an unexplained change of the
-/// number of unstable eigenvalues are halved: a tenth of a per cent of the branch, below which two
-/// points are reported as one.
+/// number of unstable eigenvalues are halved. In shorter steps, two special points are reported as
+/// one.
 pub(super) const LEAST_UNEXPLAINED: f64 = 1e-3;
 
-/// Returns the change of the number of unstable eigenvalues in a step whose events are uncertain,
-/// or do not explain the change; a shorter step may then be clearer.
+/// Returns the change of the number of unstable eigenvalues in a step, if the events found in the
+/// step are uncertain or do not explain the change; `None` if the events explain the change. The
+/// events may be easier to identify in a shorter step.
 ///
-/// Newton's method does not converge at a point of higher multiplicity, nor if the step has crossed
-/// to another branch.
+/// Events are uncertain, for example, if Newton's method does not converge at a point of higher
+/// multiplicity, or because the step has crossed to another branch.
 pub(super) fn unexplained(
     detector: &Detector,
     from: &CurvePoint,
@@ -95,7 +96,7 @@ pub(super) fn uncounted(
 }
 
 /// Returns the number of noncritical unstable eigenvalues at a special point; `None` if the number
-/// is uncertain, because the point did not converge or another one is close.
+/// is uncertain, because the point did not converge or because another special point is close.
 fn rest(point: &Located, found: &[Located]) -> Option<isize> {
     let away = |other: &Located| (other.along - point.along).abs();
     let near = found.iter().filter(|other| away(other) < LEAST_UNEXPLAINED).count();
@@ -103,18 +104,19 @@ fn rest(point: &Located, found: &[Located]) -> Option<isize> {
     point.special.unstable.filter(|_| certain).map(|count| count as isize)
 }
 
-/// (H) A fold and a branch point closer than this, in units of the step and in scaled arclength,
-/// may be one point at which two eigenvalues vanish.
+/// (H) A fold and a branch point may be one point at which two eigenvalues vanish, if their
+/// distance is smaller than both of these bounds: the first in units of the step, the second in
+/// scaled arclength.
 const ONE: [f64; 2] = [0.1, 1e-4];
 
-/// Whether a fold may be the same point as a branch point.
+/// Whether a fold may be the same point as a branch point found in the same step.
 fn is_one_with_another(fold: &Located, found: &[Located], length: f64) -> bool {
     let near = (ONE[0] * length).min(ONE[1]);
     let mut others = found.iter().filter(|it| it.special.kind == Kind::BP);
     fold.special.kind == Kind::LP && others.any(|it| (it.along - fold.along).abs() < near)
 }
 
-/// The number of branches that cross the branch at a special point.
+/// Returns the number of other branches that cross the branch at a special point.
 fn crossings_at(special: &SpecialPoint) -> usize {
     match special.kind {
         Kind::BP => special.multiplicity,
@@ -123,8 +125,10 @@ fn crossings_at(special: &SpecialPoint) -> usize {
     }
 }
 
-/// Returns the events without unconverged ones that are detected by counts of eigenvalues, if the
-/// others explain the change of stability: at a fold, two real eigenvalues may also become complex.
+/// Removes unconverged events that were detected by numbers of unstable eigenvalues, if the
+/// remaining events explain the change of stability in the step. An event may be detected
+/// erroneously by a number of eigenvalues near a fold at which two real eigenvalues also become
+/// complex.
 pub(super) fn without_doubtful_counts(
     detector: &Detector,
     from: &CurvePoint,
@@ -144,8 +148,8 @@ pub(super) fn without_doubtful_counts(
     }
 }
 
-/// Whether a step that can be shortened ends at a special point, up to rounding, where signs are
-/// meaningless.
+/// Whether a step ends at a special point up to rounding, so that the signs of test functions at
+/// its end are random, and can still be shortened.
 pub(super) fn ends_on_special_point(dynamics: Dynamics, from: &CurvePoint, step: &Step) -> bool {
     let count = |place: &CurvePoint| place.spectrum.as_ref().map(|all| neutral(dynamics, all));
     let more = matches!((count(from), count(&step.place)), (Some(a), Some(b)) if b > a);

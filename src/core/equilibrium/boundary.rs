@@ -1,5 +1,5 @@
-//! Boundary equilibria, and the equilibria of the modes that follow the guard which an equilibrium
-//! reaches.
+//! Boundary equilibria, at which a guard of the mode vanishes, and the coinciding equilibria of the
+//! modes that follow this guard.
 
 use super::rest::RestInMode;
 use crate::core::failure::Failure;
@@ -7,20 +7,22 @@ use crate::core::linalg::{Border, Factors, Form, dot};
 use crate::core::system::{Functional, System, ZeroSystem};
 use std::sync::Arc;
 
-/// An equilibrium reaches a guard of its mode.
+/// The name of a point at which a guard vanishes at an equilibrium of its mode.
 const BOUNDARY: &str = "boundary equilibrium";
-/// The equilibrium of the mode that follows the guard is admissible on the other side.
+/// The name of a boundary equilibrium if the equilibria of the two modes are admissible on opposite
+/// sides of the point.
 const PERSISTENCE: &str = "boundary equilibrium: persistence";
-/// Both equilibria are admissible on the same side, and neither on the other.
+/// The name of a boundary equilibrium if the equilibria of the two modes are admissible on the same
+/// side of the point, and no equilibrium is admissible on the other side.
 const NONSMOOTH_FOLD: &str = "boundary equilibrium: nonsmooth fold";
 
-/// (D) A guard vanishes if it is smaller than this in units of its scale; a field vanishes
-/// likewise, in units of its changes over the sizes of the states. Located points are accurate to
-/// 1e-10.
+/// (D) A guard counts as zero if it is smaller than this threshold, in units of its scale. A vector
+/// field counts as zero if it is smaller than this threshold, in units of its changes over the
+/// sizes of the states. Located points are accurate to 1e-10.
 const VANISHES: f64 = 1e-6;
 
-/// Returns the equilibria of other modes that coincide with an equilibrium at the boundary of its
-/// mode, as pairs of mode and states. The modes are those that may follow the vanishing guards.
+/// Returns the equilibria of other modes that coincide with a boundary equilibrium, as pairs of
+/// mode and states. Only the modes that may follow the vanishing guards are considered.
 pub(super) fn neighbours(rest: &RestInMode, z: &[f64], p: &[f64]) -> Vec<(usize, Vec<f64>)> {
     let (system, mode, modes) = (rest.system(), rest.mode, rest.system().modes());
     let mut found: Vec<(usize, Vec<f64>)> = Vec::new();
@@ -41,13 +43,13 @@ pub(super) fn neighbours(rest: &RestInMode, z: &[f64], p: &[f64]) -> Vec<(usize,
     found
 }
 
-/// The guards of a mode that vanish at a state.
+/// Returns the guards of a mode that vanish at a state.
 fn vanishing(rest: &RestInMode, z: &[f64], p: &[f64]) -> Vec<usize> {
     let scaled = scaled_guards(rest, z, p);
     scaled.filter(|(_, value)| value.abs() < VANISHES).map(|(guard, _)| guard).collect()
 }
 
-/// The guards of a mode at a state, in units of their scales.
+/// Returns the values of the guards of a mode at a state, in units of their scales.
 fn scaled_guards<'a>(
     rest: &'a RestInMode,
     z: &'a [f64],
@@ -59,7 +61,8 @@ fn scaled_guards<'a>(
     })
 }
 
-/// Whether a state is an equilibrium of another mode, and admissible there up to rounding.
+/// Whether a state is an equilibrium of another mode, and is admissible in that mode up to
+/// rounding.
 fn rests(rest: &RestInMode, mode: usize, z: &[f64], p: &[f64]) -> bool {
     let Ok(other) = RestInMode::new(rest.system.clone(), mode) else { return false };
     if !scaled_guards(&other, z, p).all(|(_, value)| value > -VANISHES) {
@@ -80,8 +83,8 @@ fn rests(rest: &RestInMode, mode: usize, z: &[f64], p: &[f64]) -> bool {
     })
 }
 
-/// Whether an equilibrium is at the boundary of its mode for all parameters: its distance vanishes,
-/// as do the derivatives of the distance with respect to all parameters.
+/// Whether an equilibrium lies on the boundary of its mode for all values of the parameters, which
+/// is assumed if the monitor `distance` and its derivatives with respect to all parameters vanish.
 pub(super) fn stays_at_boundary(system: &mut dyn System, x: &[f64], scale: f64) -> bool {
     let (mut distance, p) = ([0.0], x[system.names().dimension()..].to_vec());
     let known = system.monitors(x, 0, &mut distance).is_ok();
@@ -92,7 +95,8 @@ pub(super) fn stays_at_boundary(system: &mut dyn System, x: &[f64], scale: f64) 
     rates(system, x).is_some_and(|rates| rates.iter().zip(&p).all(still))
 }
 
-/// The error for a boundary equilibrium at which no branch emanates.
+/// Returns the error for a boundary equilibrium from which no branch of equilibria of another mode
+/// emanates.
 pub(super) fn no_neighbour(rest: &RestInMode) -> Failure {
     Failure::Undetermined(format!(
         "no other mode has an equilibrium where the equilibrium of mode `{}` reaches its boundary",
@@ -100,11 +104,12 @@ pub(super) fn no_neighbour(rest: &RestInMode) -> Failure {
     ))
 }
 
-/// Returns the name of a boundary equilibrium, from the sides on which the two equilibria are
-/// admissible.
+/// Returns the name of a boundary equilibrium, which depends on the sides on which the equilibria
+/// of the two modes are admissible.
 ///
-/// The distances of the two equilibria vanish together, so their gradients with respect to the
-/// parameters are parallel: the component of the largest magnitude decides.
+/// The monitors `distance` of the two equilibria vanish together, so their gradients with respect
+/// to the parameters are parallel. The signs of the largest components of the gradients determine
+/// the name.
 pub(super) fn subkind(
     (own, x): (&mut dyn System, &[f64]),
     other: Option<(impl System, Vec<f64>)>,
@@ -121,8 +126,8 @@ pub(super) fn subkind(
     }
 }
 
-/// Returns the rates of the distance of an equilibrium by each parameter; `None` where the
-/// equilibrium does not depend smoothly on the parameters.
+/// Returns the derivatives of the monitor `distance` of an equilibrium with respect to each
+/// parameter; `None` if the equilibrium does not depend smoothly on the parameters.
 fn rates(system: &mut dyn System, x: &[f64]) -> Option<Vec<f64>> {
     let n = system.names().dimension();
     let all: Vec<usize> = (0..x.len() - n).collect();

@@ -1,4 +1,4 @@
-//! The equilibria of a mode as a system of equations.
+//! The equilibria of one mode of a hybrid system, as a system of equations for continuation.
 
 use super::boundary::{neighbours, no_neighbour, stays_at_boundary, subkind};
 use super::error::EquilibriumError;
@@ -15,17 +15,19 @@ use crate::core::system::{
 };
 use std::sync::Arc;
 
-/// The equilibria of one mode of an autonomous hybrid system, `f_m(x, p) = 0`, admissible while the
-/// mode's guards are positive. In a mode that keeps its motion on a surface
-/// ([`constrain`](crate::core::hybrid::HybridSystem::constrain)), the equilibria lie on the
-/// surface, such as the pseudo-equilibria of a Filippov system. The spectrum then has only the
-/// eigenvalues of motion along the surface.
+/// The equilibria of one mode of an autonomous hybrid system, `f_m(x, p) = 0`. An equilibrium is
+/// admissible while the guards of the mode are positive. In a mode whose motion is constrained to a
+/// surface ([`constrain`](crate::core::hybrid::HybridSystem::constrain)), the equilibria lie on the
+/// surface, such as the pseudo-equilibria of a Filippov system. The spectrum of an equilibrium on a
+/// surface contains only the eigenvalues of motion along the surface.
 ///
-/// The monitors are the smallest guard, `distance`, and the system's measures of motion at rest.
-/// Where `distance` vanishes, a branch ends at a boundary equilibrium (`G`): a *persistence* if the
-/// equilibria of the mode that follows the guard are admissible on the other side, a *nonsmooth
-/// fold* if they are on the same side. `switch()` continues on their branch, and `hold(Kind::G)`
-/// follows the point.
+/// The monitors are `distance`, which is the smallest guard, and the measures of the system that
+/// are defined at rest. A branch ends at a boundary equilibrium (`G`) where `distance` vanishes. At
+/// the boundary equilibrium, an equilibrium of the mode that follows the guard may coincide with
+/// the equilibrium of this mode. The point is a *persistence* if the equilibria of the two modes
+/// are admissible on opposite sides of the point, and a *nonsmooth fold* if they are admissible on
+/// the same side. `switch()` continues along the branch of equilibria of the following mode, and
+/// `hold(Kind::G)` continues the boundary equilibrium in one more parameter.
 ///
 /// ```
 /// use tangency::core::continuation::Continuation;
@@ -79,26 +81,27 @@ struct Beside {
 }
 
 impl HybridEquilibria {
-    /// Creates the system of the equilibria of a mode, given by its number.
+    /// Creates the system of equations for the equilibria of the mode with the given number.
     ///
     /// # Errors
-    /// [`EquilibriumError`] if the system depends on time, or the mode does not exist.
+    /// [`EquilibriumError`] if the hybrid system depends on time, or if the mode does not exist.
     pub fn new(system: impl IntoHybrid, mode: usize) -> Result<Self, EquilibriumError> {
         let rest = Arc::new(RestInMode::new(system.into_hybrid(), mode)?);
         Ok(HybridEquilibria { matrix: ZeroSystem::new(rest.clone()), rest, beside: None })
     }
 
-    /// Creates the system of the equilibria of a mode, given by its name.
+    /// Creates the system of equations for the equilibria of the mode with the given name.
     ///
     /// # Errors
-    /// [`EquilibriumError`] if the system depends on time, or no mode has the name.
+    /// [`EquilibriumError`] if the hybrid system depends on time, or if no mode has the given name.
     pub fn in_mode(system: impl IntoHybrid, name: &str) -> Result<Self, EquilibriumError> {
         let system = system.into_hybrid();
         let mode = position("mode", name, system.modes().into_iter().map(|mode| mode.name))?;
         Self::new(system, mode)
     }
 
-    /// Returns the equilibria of another mode of the same system.
+    /// Creates the system of equations for the equilibria of another mode of the same hybrid
+    /// system.
     fn of(&self, mode: usize) -> Result<Self, Failure> {
         Self::new(self.rest.system.clone(), mode)
             .map_err(|error| Failure::Mismatch(one_line(&error)))
@@ -162,8 +165,8 @@ impl System for HybridEquilibria {
         self.matrix.dynamics()
     }
 
-    /// Computes the eigenvalues of motion along the mode's surface, without the `−1/τ` across the
-    /// surface.
+    /// Computes the eigenvalues of motion along the surface of the mode, without the artificial
+    /// eigenvalue `−1/τ` across the surface.
     fn spectrum(
         &mut self,
         x: &[f64],
@@ -195,12 +198,12 @@ impl System for HybridEquilibria {
         self.matrix.unknown_scales(p)
     }
 
-    /// The itinerary of an equilibrium is its mode.
+    /// Returns a representation whose itinerary is the name of the mode.
     fn representation(&self) -> Representation {
         Representation { itinerary: self.rest.name(), ..Representation::default() }
     }
 
-    /// Accepts a saved equilibrium of any mode.
+    /// Resumes from a saved equilibrium, which may belong to another mode.
     fn resume_from(&mut self, solution: &Solution) -> Result<Start, Failure> {
         if !solution.itinerary.is_empty() && solution.itinerary != self.rest.name() {
             let other = Self::in_mode(self.rest.system.clone(), &solution.itinerary);
@@ -229,8 +232,8 @@ impl System for HybridEquilibria {
 }
 
 impl OrbitEvents for HybridEquilibria {
-    /// The distance is a limit if the mode has guards. Equilibria on a surface are those with the
-    /// event.
+    /// Returns the monitor `distance` as a limit of admissible equilibria, if the mode has guards.
+    /// Equilibria on a surface count as solutions with the event.
     fn limits(&self, p: &[f64]) -> Vec<Limit> {
         let scale = self.rest.scales_of_guards(p).into_iter().reduce(f64::min);
         let passes = self.rest.constrained;

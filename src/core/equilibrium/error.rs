@@ -1,12 +1,12 @@
-//! Errors in stating the equilibria of a hybrid system.
+//! Errors in setting up the equations for equilibria of a hybrid system.
 
 use crate::core::problem::UnknownName;
 
-/// Reasons why the equilibria of a hybrid system cannot be stated.
+/// Reasons why the equations for equilibria of a hybrid system cannot be set up.
 #[derive(Clone, Debug, PartialEq, miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum EquilibriumError {
-    /// The system depends on time.
+    /// The hybrid system depends on time.
     #[error("a system that is forced in time has no equilibria")]
     #[diagnostic(help("follow the periodic orbits of the system"))]
     Forced,
@@ -19,10 +19,10 @@ pub enum EquilibriumError {
     NoMode {
         /// The given number.
         number: usize,
-        /// The number of modes.
+        /// The number of modes of the hybrid system.
         count: usize,
     },
-    /// The mode has no states.
+    /// The mode has no states, and therefore no equilibria.
     #[error("mode `{0}` has no states, so it has no equilibria")]
     #[diagnostic(help("use a mode with states"))]
     NoStates(String),

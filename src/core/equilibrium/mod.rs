@@ -1,11 +1,12 @@
-//! Computes the equilibria of hybrid and Filippov systems, and their boundary points.
+//! Equilibria of hybrid and Filippov systems, and their boundary equilibria.
 //!
-//! An equilibrium of a mode is a zero of the mode's field at which the mode's guards are positive.
-//! Where a guard also vanishes, the equilibrium is at the *boundary* of its mode, and an
-//! equilibrium of the mode that follows the guard may coincide with it, such as an equilibrium of
-//! sliding motion (a pseudo-equilibrium) where a field of a Filippov system vanishes on the surface
-//! (M. di Bernardo et al., *SIAM Review* 50:629, 2008). [`HybridEquilibria`] is the problem for
-//! continuation.
+//! An equilibrium of a mode is a zero of the vector field of the mode at which the guards of the
+//! mode are positive. If a guard also vanishes at the equilibrium, the equilibrium lies on the
+//! *boundary* of its mode. An equilibrium of the mode that follows the guard may coincide with the
+//! boundary equilibrium. For example, if a vector field of a Filippov system vanishes on the
+//! surface, its equilibrium coincides with an equilibrium of sliding motion (a pseudo-equilibrium)
+//! (M. di Bernardo et al., *SIAM Review* 50:629, 2008). [`HybridEquilibria`] provides the equations
+//! of equilibria for continuation.
 //!
 //! ```
 //! use tangency::prelude::*;

@@ -1,19 +1,19 @@
-//! Newton's method for an equilibrium near a state.
+//! Computation of an equilibrium near a given state by Newton's method.
 
 use super::rest::left_sides;
 use crate::core::hybrid::{Guard, HybridEquations, Mode};
 use nalgebra::{DMatrix, DVector};
 use num_dual::Dual64;
 
-/// (H) The maximal number of Newton iterations from a state nearly at rest.
+/// (H) The maximal number of Newton iterations that start from a state nearly at rest.
 const ITERATIONS: usize = 10;
 
-/// (R) The iteration has converged if the correction is no larger than this, in units of the
-/// states.
+/// (R) Newton's iteration has converged if the correction is no larger than this threshold, in
+/// units of the sizes of the states.
 const CONVERGED: f64 = 1e-10;
 
 /// Computes the equilibrium of a mode near a state by Newton's method; `None` if the iteration does
-/// not converge, or the equilibrium is not admissible.
+/// not converge, or if the equilibrium is not admissible.
 ///
 /// ```
 /// use tangency::core::equilibrium::equilibrium_near;
@@ -56,7 +56,7 @@ pub fn equilibrium_near(
     None
 }
 
-/// Describes an equilibrium in words: its mode, if there are several, and its states.
+/// Describes an equilibrium as text: its states, and its mode if the system has several modes.
 pub(in crate::core) fn place_in_words(
     system: &dyn HybridEquations,
     mode: usize,

@@ -1,4 +1,4 @@
-//! The zero problem of equilibria in one mode.
+//! The zero problem whose solutions are the equilibria of one mode of a hybrid system.
 
 use super::error::EquilibriumError;
 use crate::core::failure::{Failure, OutOfDomain};
@@ -12,33 +12,34 @@ use crate::core::problem::{
 use crate::core::scalar::Scalar;
 use std::sync::Arc;
 
-/// The monitor that is positive on admissible equilibria; orbits use the same name.
+/// The name of the monitor that is positive at admissible equilibria; the corresponding monitor of
+/// orbits has the same name.
 const DISTANCE: &str = "distance";
 
-/// (H) A state is on the surface of its mode if its distance from the surface, in units of the
-/// state sizes, is no larger than this.
+/// (H) A state lies on the surface of its mode if its distance from the surface, in units of the
+/// sizes of the states, is no larger than this threshold.
 const ON_SURFACE: f64 = 1e-8;
 
-/// The equilibria of one mode as a zero problem:
+/// The zero problem whose solutions are the equilibria of one mode `m`:
 ///
 /// ```text
 ///     f_m(Π x, p) − (x − Π x)/τ = 0
 /// ```
 ///
-/// `Π` projects states onto the surface of the mode's motion
+/// `Π` projects states onto the surface to which the motion of the mode is constrained
 /// ([`constrain`](crate::core::hybrid::HybridSystem::constrain)), and `τ` is the time scale. On the
-/// surface the left side is the mode's field. Its linearisation has the eigenvalues of motion along
-/// the surface and the artificial eigenvalue `−1/τ` across the surface. In modes whose states are
-/// free, `Π x = x`.
+/// surface, the left side equals the vector field of the mode. The eigenvalues of the linearised
+/// left side are the eigenvalues of motion along the surface and an artificial eigenvalue `−1/τ`
+/// across the surface. In modes without such a surface, `Π x = x`.
 pub(super) struct RestInMode {
     pub system: Arc<dyn HybridEquations>,
     pub mode: usize,
-    /// The guards that end the mode.
+    /// The indices of the guards that end the mode.
     pub guards: Vec<usize>,
     names: Names,
-    /// Whether the mode keeps its motion on a surface.
+    /// Whether the motion of the mode is constrained to a surface.
     pub constrained: bool,
-    /// The measures that are defined at rest.
+    /// The measures of the system that are defined at rest.
     measures: Vec<Measure<Observable>>,
 }
 
@@ -73,23 +74,24 @@ impl RestInMode {
         &*self.system
     }
 
-    /// The name of the mode.
+    /// Returns the name of the mode.
     pub fn name(&self) -> String {
         self.system.modes().swap_remove(self.mode).name
     }
 
-    /// Projects a state onto the mode's surface.
+    /// Projects a state onto the surface of this mode.
     fn on_surface<T: EventNumber>(&self, z: &[T], p: &[T]) -> Vec<T> {
         on_surface(self.system(), self.mode, z, p)
     }
 
-    /// The scales of the guards, evaluated with states at half their scales.
+    /// Returns the scales of the guards, evaluated at states of half their typical sizes.
     pub fn scales_of_guards(&self, p: &[f64]) -> Vec<f64> {
         let scale = |guard: &usize| GuardOf::typical(self.system(), *guard, self.mode, p).scale;
         self.guards.iter().map(scale).collect()
     }
 
-    /// Rejects a state off the surface of its mode, and a field that is not tangent to the surface.
+    /// Returns an error if a state does not lie on the surface of the mode, or if the vector field
+    /// is not tangent to the surface.
     pub fn check(&self, z: &[f64], p: &[f64]) -> Result<(), Failure> {
         let (sizes, surface) = (self.system().sizes_of(self.mode, p), self.on_surface(z, p));
         let parts = z.iter().zip(&surface).zip(&sizes).map(|((z, on), size)| (z - on).abs() / size);
@@ -106,12 +108,12 @@ impl RestInMode {
     }
 }
 
-/// The real parts of numbers.
+/// Returns the real parts of generalised (dual) numbers.
 fn real<T: Scalar>(p: &[T]) -> Vec<f64> {
     p.iter().map(T::real).collect()
 }
 
-/// Projects a state of a mode onto the mode's surface.
+/// Projects a state of a mode onto the surface of the mode.
 fn on_surface<T: EventNumber>(
     system: &dyn HybridEquations,
     mode: usize,
@@ -123,7 +125,7 @@ fn on_surface<T: EventNumber>(
     moved
 }
 
-/// Computes the left sides of the equilibrium equations into `r`.
+/// Computes the left sides of the equilibrium equations and writes them into `r`.
 pub(super) fn left_sides<T: EventNumber>(
     (system, mode): (&dyn HybridEquations, usize),
     z: &[T],
@@ -144,7 +146,8 @@ impl<T: EventNumber> ZeroFunctions<T> for RestInMode {
 }
 
 impl<T: GuardNumber + MeasureNumber> ZeroMonitors<T> for RestInMode {
-    /// The distance is the smallest guard, in units in which all guards have the same scale.
+    /// Computes the monitor `distance`, the smallest guard in units in which all guards have the
+    /// same scale, and the measures of the system.
     fn monitors_in(&self, z: &[T], p: &[T], values: &mut [T]) {
         let scales = self.scales_of_guards(&real(p));
         let least = scales.iter().copied().fold(f64::INFINITY, f64::min);

@@ -9,8 +9,9 @@ use crate::core::failure::Failure;
 use crate::core::linalg::{Form, dot, norm};
 use faer::c64;
 
-/// The normal form of a cusp: `v' = β₁ + β₂ v + c v³` with `⟨q, q⟩ = 1`, integrated over the period
-/// for orbits; per time, with `dτ/dt = 1 − v + …` where the period is free.
+/// The normal form of a cusp: `v' = β₁ + β₂ v + c v³` with `⟨q, q⟩ = 1`. For periodic orbits, `⟨q,
+/// q⟩` is integrated over the period, the rates are per time, and `dτ/dt = 1 − v + …` if the period
+/// is free.
 pub(in crate::core::bifurcation) fn cusp(at: &mut At) -> Result<NormalForm, Failure> {
     if !has_rates(at) {
         return Ok(NormalForm::default());
@@ -24,7 +25,8 @@ pub(in crate::core::bifurcation) fn cusp(at: &mut At) -> Result<NormalForm, Fail
 /// The normal form of a Bogdanov–Takens point: `w₀' = w₁`, `w₁' = β₁ + β₂ w₁ + a w₀² + b w₀ w₁`,
 /// with `F_z q₀ = 0`, `F_z q₁ = q₀`, `F_zᵀ p₁ = 0`, `F_zᵀ p₀ = p₁`, `⟨q₀, q₀⟩ = ⟨p₀, q₀⟩ = ⟨p₁, q₁⟩
 /// = 1`, `⟨q₁, q₀⟩ = ⟨p₀, q₁⟩ = 0`: `a = ½ ⟨p₁, B(q₀, q₀)⟩`, `b = ⟨p₀, B(q₀, q₀)⟩ + ⟨p₁, B(q₀,
-/// q₁)⟩`. The largest component of `q₀` is positive; `a/b` does not depend on the size of `q₀`.
+/// q₁)⟩`. The sign of `q₀` is chosen such that its largest component is positive; the ratio `a/b`
+/// does not depend on the size of `q₀`.
 pub(in crate::core::bifurcation) fn bogdanov_takens(at: &mut At) -> Result<NormalForm, Failure> {
     let mut forms = Forms::new(at);
     let n = forms.n;
@@ -59,7 +61,8 @@ pub(in crate::core::bifurcation) fn bautin(at: &mut At) -> Result<NormalForm, Fa
 }
 
 /// The normal form of a generalised period doubling: `dξ/dt = β₁ ξ + β₂ ξ³ + e ξ⁵` with `∫₀ᵀ⟨q, q⟩
-/// dt = 1`. For maps, `ξ → −ξ + … − e ξ⁵` with `T = 1` and a mean of 1 of `⟨q, q⟩` over the cycle.
+/// dt = 1`. For maps, the normal form is `ξ → −ξ + … − e ξ⁵` with `T = 1`, and the mean of `⟨q, q⟩`
+/// over the cycle is 1.
 pub(in crate::core::bifurcation) fn generalised_doubling(
     at: &mut At,
 ) -> Result<NormalForm, Failure> {
@@ -69,7 +72,7 @@ pub(in crate::core::bifurcation) fn generalised_doubling(
 }
 
 /// The normal form of a Chenciner point: `dξ/dt = (β₁ + iθ/T) ξ + (β₂ + i …) ξ |ξ|² + e ξ |ξ|⁴`
-/// with `∫₀ᵀ⟨q, q⟩ dt = 1`. `Im e` depends on the coordinates.
+/// with `∫₀ᵀ⟨q, q⟩ dt = 1`. The imaginary part of `e` depends on the choice of coordinates.
 pub(in crate::core::bifurcation) fn chenciner(at: &mut At) -> Result<NormalForm, Failure> {
     let Some(&angle) = at.held.first() else { return Ok(NormalForm::default()) };
     let e = fifth(at, Form::Oscillation(angle), &[3, 2])?.re;
@@ -77,7 +80,7 @@ pub(in crate::core::bifurcation) fn chenciner(at: &mut At) -> Result<NormalForm,
     Ok(NormalForm::of([("ch_e_re", e)]).decided(case, &["ch_e_re"]))
 }
 
-/// Computes a fifth-order coefficient of the first variable's rate.
+/// Computes a fifth-order coefficient of the rate of the first variable on the center manifold.
 fn fifth(at: &mut At, form: Form, exponents: &[u8]) -> Result<c64, Failure> {
     let mut forms = Forms::new(at);
     let mut one = [Eigenvalue::simple(&mut forms, form)?];

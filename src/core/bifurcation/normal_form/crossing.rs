@@ -7,15 +7,16 @@ use crate::core::failure::Failure;
 use crate::core::linalg::{Form, dot};
 use crate::core::system::Deviation;
 
-/// (R) A quadratic coefficient smaller than this, relative to the terms of its sum, is zero up to
-/// rounding, as at a pitchfork.
+/// (R) A quadratic coefficient smaller than this threshold, relative to the terms of its sum, is
+/// zero up to rounding, as at a pitchfork.
 const VANISHES: f64 = 1e-6;
 
-/// (R) A quadratic coefficient smaller than this, relative to the cubic coefficient for `⟨q, q⟩ =
-/// 1`, is zero up to rounding if all of its terms are.
+/// (R) A quadratic coefficient smaller than this threshold, relative to the cubic coefficient for
+/// `⟨q, q⟩ = 1`, is zero up to rounding, without regard to the terms of its sum.
 const ROUNDING: f64 = 1e-9;
 
-/// Computes the two terms of `p C(q, q, q)/6 + p B(q, h)/2`, `F_z h = −B(q, q)`.
+/// Computes the two terms `p C(q, q, q)/6` and `p B(q, h)/2` of the cubic coefficient, where `F_z h
+/// = −B(q, q)`.
 pub(super) fn third(
     forms: &mut Forms,
     Critical { right: q, left: p, .. }: &Critical<Vec<f64>>,
@@ -34,18 +35,19 @@ pub(super) fn is_rounding((p, second): (&[f64], &[f64]), third: [f64; 2], square
 }
 
 /// The normal form of a branch point: `ξ' = b (λ − λ₀) ξ + a ξ²` at a transcritical point, `ξ' = b
-/// (λ − λ₀) ξ + c ξ³` at a pitchfork, where `ξ` is the deviation from one of the two branches: the
-/// symmetric one at a pitchfork, the one with `b > 0` at a transcritical point. With `t = (s, 1)`,
-/// `F_z s = −F_λ`,
+/// (λ − λ₀) ξ + c ξ³` at a pitchfork. `ξ` is the deviation from one of the two branches: from the
+/// symmetric branch at a pitchfork, from the branch with `b > 0` at a transcritical point. For `t =
+/// (s, 1)` with `F_z s = −F_λ`, the coefficients are
 ///
 /// ```text
 ///     a = −p B(q, q) / (2N),   b = −(p B(q, t) + ξ_λ p B(q, q)) / N,
 ///     c = −p (C(q, q, q) + 3 B(q, h)) / (6N),   F_z h = −B(q, q),
 /// ```
 ///
-/// where `t + ξ_λ q` is the tangent of that branch and `⟨q, q⟩ = 1`. The branch that crosses the
-/// symmetric one has `λ − λ₀ = −(c/b) ξ² + …`, with the number `branch_curvature`. Rates are per
-/// time; for equations without motion only the curvature is meaningful.
+/// where `t + ξ_λ q` is the tangent of the branch from which `ξ` deviates, and `⟨q, q⟩ = 1`. At a
+/// pitchfork, `λ − λ₀ = −(c/b) ξ² + …` along the branch that crosses the symmetric branch; the
+/// coefficient of `ξ²` is recorded as `branch_curvature`. Rates are per time; for equations that
+/// describe no motion, only the curvature is meaningful.
 pub(in crate::core::bifurcation) fn crossing(at: &mut At) -> Result<NormalForm, Failure> {
     let mut forms = Forms::new(at);
     let critical = forms.real(Form::Jacobian)?;

@@ -1,5 +1,5 @@
-//! First doubled orbits near a generalised period doubling or a resonance 1:2, at which curves of
-//! their folds or torus points start.
+//! The first doubled orbits near a generalised period doubling or a resonance 1:2: starting points
+//! of curves of folds or torus points of doubled orbits.
 
 use super::forms::Forms;
 use crate::core::bifurcation::at::At;
@@ -7,37 +7,40 @@ use crate::core::failure::Failure;
 use crate::core::linalg::{Form, dot};
 use crate::core::system::Kind;
 
-/// (H) The largest ratio of second-order to first-order terms of the first doubled orbit.
+/// (H) The largest ratio of second-order to first-order terms in the expansion of the first doubled
+/// orbit.
 const NONLINEAR: f64 = 0.1;
 
 /// (H) The largest angle of the critical multipliers of the first doubled orbit.
 const WIDEST: f64 = 0.3;
 
-/// (R) Cubic terms smaller than this, relative to their parts, are zero up to rounding.
+/// (R) A cubic coefficient smaller than this threshold, relative to the terms of its sum, is zero
+/// up to rounding.
 const VANISHES: f64 = 1e-7;
 
-/// The first doubled orbit of a curve, near the orbit that is traversed twice.
+/// The first doubled orbit of a curve, near the periodic orbit traversed twice.
 pub(crate) struct DoubledOrbit {
-    /// The deviation, as a direction of `x`. The parameters change by its square only.
+    /// The deviation from the periodic orbit traversed twice, as a direction of `x`. The parameters
+    /// change only to second order in this deviation.
     pub deviation: Vec<f64>,
-    /// The angle of the critical multipliers, for torus points.
+    /// The angle of the critical multipliers if the curve consists of torus points.
     pub angle: Option<f64>,
 }
 
 /// Computes the deviation `ε q` of doubled orbits from the orbit at a generalised period doubling
-/// or a resonance 1:2; `at` is that orbit traversed twice. There `F_z` is singular, `F_z q = 0`,
-/// and doubled orbits satisfy
+/// or a resonance 1:2; `at` is the orbit at that point, traversed twice. At that point, `F_z` is
+/// singular with `F_z q = 0`, and doubled orbits satisfy
 ///
 /// ```text
 ///     z = z₀ + ε q + O(ε²),    F_z h = −B(q, q),    κ = p (C(q, q, q) + 3 B(q, h))/6
 /// ```
 ///
-/// At a resonance 1:2, doubled orbits at which the other critical numbers vanish have the
-/// multipliers `e^{±iω}`, `p L' q₁ (iω)² + 2 κ ε² = 0` with `F_z q₁ = −L' q`. The amplitude `ε` is
-/// a fraction of the size of the orbit, reduced where nonlinear terms or the angle are large.
+/// At a resonance 1:2, doubled torus points have the multipliers `e^{±iω}` with `p L' q₁ (iω)² + 2
+/// κ ε² = 0` and `F_z q₁ = −L' q`. The amplitude `ε` is a fraction of the size of the orbit, and is
+/// reduced if nonlinear terms or the angle `ω` are large.
 ///
 /// # Errors
-/// [`Failure::Mismatch`] if no doubled orbit at the resonance has torus points.
+/// [`Failure::Mismatch`] if no torus points of doubled orbits exist near the resonance.
 pub(crate) fn doubled_beside(at: &mut At, kind: Kind, part: f64) -> Result<DoubledOrbit, Failure> {
     let mut forms = Forms::new(at);
     let critical = forms.real(Form::Jacobian)?;

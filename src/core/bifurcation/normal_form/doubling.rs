@@ -9,16 +9,16 @@ use crate::core::system::Deviation;
 use std::f64::consts::PI;
 
 /// The normal form of a period doubling: `dξ/dt = α (λ − λ₀) ξ + c ξ³` with `∫₀ᵀ⟨q, q⟩ dt = 1`.
-/// With the unknowns of two periods, odd deviations `q` (a multiplier −1) and even ones `h` (a
-/// multiplier 1),
+/// In the unknowns of two periods, the deviation `q` (with the multiplier −1) changes sign from one
+/// period to the next, and the deviation `h` (with the multiplier 1) does not. The coefficients are
 ///
 /// ```text
 ///     c = −p (C(q, q, q) + 3 B(q, h)) / (6 N T),    L(0) h = −B(q, q),    α = −p B(q, z_λ) / (N T)
 /// ```
 ///
-/// where `B(q, z_λ)` includes derivatives with respect to the parameter. The doubled orbits
-/// `z = z₀ + ξ q + …` have `λ − λ₀ = −(c/α) ξ² + …`. For maps, `T = 1`, and the mean of `⟨q, q⟩` over
-/// the cycle is 1.
+/// where `B(q, z_λ)` includes derivatives with respect to the parameter. Along the branch of doubled
+/// orbits, `z = z₀ + ξ q + …` and `λ − λ₀ = −(c/α) ξ² + …`. For maps, `T = 1`, and the mean of `⟨q,
+/// q⟩` over the cycle is 1.
 pub(in crate::core::bifurcation) fn doubling(at: &mut At) -> Result<NormalForm, Failure> {
     let Doubling { cubic, size, critical, per_time } = reduced(at)?;
     let mut coefficients = vec![("doubling_c", cubic)];
@@ -31,18 +31,18 @@ pub(in crate::core::bifurcation) fn doubling(at: &mut At) -> Result<NormalForm, 
     Ok(NormalForm { coefficients, case })
 }
 
-/// Computes only the coefficient `c`.
+/// Computes only the cubic coefficient `c` of the normal form of a period doubling.
 pub(in crate::core::bifurcation) fn doubling_rate(at: &mut At) -> Result<f64, Failure> {
     Ok(reduced(at)?.cubic)
 }
 
-/// The third-order expansion of doubled orbits.
+/// The third-order terms of the expansion of doubled orbits.
 struct Doubling {
     critical: Critical<Vec<f64>>,
     cubic: f64,
     /// The sum of the sizes of the terms of `cubic`.
     size: f64,
-    /// The factor that converts to rates per time.
+    /// The factor that converts coefficients to rates per time.
     per_time: f64,
 }
 

@@ -1,4 +1,4 @@
-//! Critical eigenvalues and multipliers, with their vectors.
+//! Critical eigenvalues and multipliers, with their left and right eigenvectors.
 
 use super::forms::{Forms, inner, leading};
 use super::polynomials::{Variable, ZERO};
@@ -8,31 +8,33 @@ use crate::core::linalg::Form;
 use crate::core::problem::Dynamics;
 use faer::c64;
 
-/// A critical exponent `σ = iω`: an eigenvalue, or the multiplier `e^σ` of an orbit. If `σ` is not
-/// real, its conjugate is also critical.
+/// A critical exponent `σ = iω`: `σ` is an eigenvalue of an equilibrium, or `e^σ` is a multiplier
+/// of an orbit. If `σ` is not real, its conjugate is also critical.
 pub(super) struct Eigenvalue {
     form: Form,
-    /// The right vector `q` with `⟨q, q⟩ = 1`, integrated over the period; or a Jordan chain `L q₀
-    /// = 0`, `L q₁ = −L' q₀` of a double eigenvalue. A real `q` that changes the period is scaled
-    /// such that `dτ/dt = 1 − ξ`.
+    /// The right eigenvector `q` with `⟨q, q⟩ = 1`, integrated over the period; for a double
+    /// eigenvalue, a Jordan chain `L q₀ = 0`, `L q₁ = −L' q₀`. A real `q` that changes the period
+    /// is instead scaled such that `dτ/dt = 1 − ξ`.
     pub right: Vec<Vec<c64>>,
-    /// The left vector: `p* L = 0`, and `p* L' q = −1` for the last vector `q` of the chain.
+    /// The left eigenvector `p`: `p* L = 0`, and `p* L' q = −1` for the last vector `q` of the
+    /// Jordan chain.
     pub left: Vec<c64>,
-    /// Whether `q` is scaled by the change of the period.
+    /// Whether the size of `q` is fixed by the change of the period.
     pub by_period: bool,
     null: NullSpace,
 }
 
 impl Eigenvalue {
-    /// Computes a simple eigenvalue.
+    /// Computes the eigenvectors of a simple critical eigenvalue.
     pub fn simple(forms: &mut Forms, form: Form) -> Result<Self, Failure> {
         let mut it = Self::new(forms, form)?;
         it.scale_left(forms)?;
         Ok(it)
     }
 
-    /// Computes the null vectors; the left one is not scaled. They are not shared, since several
-    /// pairs may be critical.
+    /// Computes the null vectors of a critical eigenvalue; the left null vector is not scaled. The
+    /// null vectors of each eigenvalue are computed separately, since several pairs may be
+    /// critical.
     fn new(forms: &mut Forms, form: Form) -> Result<Self, Failure> {
         let mut null = NullSpace::default();
         null.units().clone_from(forms.at.null.units());
@@ -54,7 +56,8 @@ impl Eigenvalue {
         Ok(it)
     }
 
-    /// Computes a real double eigenvalue with one eigenvector.
+    /// Computes the Jordan chain and the left vector of a real double eigenvalue with one
+    /// eigenvector.
     pub fn double(forms: &mut Forms, form: Form) -> Result<Self, Failure> {
         // p* L' q₀ = 0.
         let mut it = Self::new(forms, form)?;
@@ -75,7 +78,8 @@ impl Eigenvalue {
         }
     }
 
-    /// The variables of the critical deviations.
+    /// The variables that represent the critical deviations: their number and whether they are
+    /// complex.
     pub fn variables(&self) -> Vec<Variable> {
         match self.form {
             Form::Oscillation(_) => vec![Variable::Complex, Variable::Conjugate],
@@ -83,12 +87,13 @@ impl Eigenvalue {
         }
     }
 
-    /// Returns the null vectors and the factors of the bordered matrix.
+    /// Returns the null vectors of a form of the linearisation, and the factors of the bordered
+    /// matrix.
     fn known(&mut self, forms: &mut Forms) -> Result<&mut NullVectors, Failure> {
         self.null.of(&mut *forms.at.system, forms.at.x, self.form, None)
     }
 
-    /// The number by which a critical vector is divided to scale it.
+    /// The number by which a critical vector is divided to normalise it.
     fn size(&mut self, forms: &mut Forms, q: &[c64]) -> Result<f64, Failure> {
         let [re, im] = [forms.direction(q, |c| c.re), forms.direction(q, |c| c.im)];
         let deviation = forms.deviation(&[&re, &im], self.omega())?;
@@ -105,7 +110,7 @@ impl Eigenvalue {
         Ok(sign * deviation.square.sqrt())
     }
 
-    /// Scales the left vector to the last right vector.
+    /// Scales the left eigenvector such that `p* L' q = −1` for the last right vector `q`.
     fn scale_left(&mut self, forms: &mut Forms) -> Result<(), Failure> {
         let last = self.last().to_vec();
         let growth = self.growth(forms, &last)?;
@@ -114,7 +119,7 @@ impl Eigenvalue {
         Ok(())
     }
 
-    /// The last vector of the chain.
+    /// The last right vector of the Jordan chain.
     pub fn last(&self) -> &[c64] {
         self.right.last().map_or(&[], Vec::as_slice)
     }
@@ -135,7 +140,7 @@ impl Eigenvalue {
         Ok(joined(&out))
     }
 
-    /// Solves with the singular matrix `L`, bordered by its null vectors.
+    /// Solves a linear system with the singular matrix `L`, bordered by its null vectors.
     pub fn solve_within_border(
         &mut self,
         forms: &mut Forms,
@@ -159,13 +164,13 @@ fn real(v: &[f64]) -> Vec<c64> {
     v.iter().map(|c| c64::new(*c, 0.0)).collect()
 }
 
-/// Joins a complex vector from its real parts followed by its imaginary parts.
+/// Creates a complex vector from its real parts followed by its imaginary parts.
 fn joined(parts: &[f64]) -> Vec<c64> {
     let (re, im) = parts.split_at(parts.len() / 2);
     re.iter().zip(im).map(|(re, im)| c64::new(*re, *im)).collect()
 }
 
-/// Separates a complex vector into its real parts followed by its imaginary parts.
+/// Returns the real parts of a complex vector, followed by its imaginary parts.
 fn separated(v: &[c64]) -> Vec<f64> {
     v.iter().map(|c| c.re).chain(v.iter().map(|c| c.im)).collect()
 }

@@ -9,12 +9,13 @@ use crate::core::problem::Dynamics;
 use crate::core::system::Deviation;
 
 /// The normal form of a fold: `u' = β + a u²` on the center manifold of an equilibrium, `a = ½ ⟨p,
-/// B(q, q)⟩` with `⟨q, q⟩ = ⟨p, q⟩ = 1`. The sign of `a` assumes a `q` whose largest component is
-/// positive.
+/// B(q, q)⟩` with `⟨q, q⟩ = ⟨p, q⟩ = 1`. The sign of `a` refers to the `q` whose largest component
+/// is positive.
 ///
-/// At a fold of cycles with a free period, `dτ/dt = 1 − ξ + …`, `dξ/dt = β + b ξ²`. At a fold of
-/// forced cycles, or of hybrid cycles and maps with a fixed period, `dξ/dt = β + a ξ²` with `∫₀ᵀ⟨q,
-/// q⟩ dt = 1`, and `a > 0`, as `q` may be replaced by `−q`.
+/// The normal form of a fold of cycles with a free period is `dτ/dt = 1 − ξ + …`, `dξ/dt = β + b
+/// ξ²`. The normal form of a fold of forced cycles, of hybrid cycles with a fixed period, or of
+/// maps is `dξ/dt = β + a ξ²` with `∫₀ᵀ⟨q, q⟩ dt = 1`, where `a > 0`, since `q` may be replaced by
+/// `−q`.
 pub(in crate::core::bifurcation) fn fold(at: &mut At) -> Result<NormalForm, Failure> {
     if !has_rates(at) {
         return Ok(NormalForm::default());

@@ -1,4 +1,5 @@
-//! Multilinear forms of a zero problem at a point, null vectors, and linear systems.
+//! Multilinear forms of a zero problem at a point, null vectors of its linearisations, and linear
+//! systems with them.
 
 use crate::core::bifurcation::at::At;
 use crate::core::failure::Failure;
@@ -7,30 +8,31 @@ use crate::core::scalar::Space;
 use crate::core::system::Deviation;
 use faer::c64;
 
-/// `⟨p, q⟩ = p* q`.
+/// The inner product `⟨p, q⟩ = p* q` of complex vectors.
 pub(super) fn inner(p: &[c64], q: &[c64]) -> c64 {
     p.iter().zip(q).map(|(p, q)| p.conj() * q).sum()
 }
 
-/// The component of the largest modulus.
+/// The component of a complex vector with the largest modulus.
 pub(super) fn leading(v: &[f64]) -> f64 {
     v.iter().fold(0.0, |most: f64, c| if c.abs() > most.abs() { *c } else { most })
 }
 
-/// A critical direction of a real form of the linearisation.
+/// A critical direction of a real form of the linearisation: a null vector on the right and on the
+/// left.
 pub(super) struct Critical<V> {
-    /// `q`, as a direction of `x` if it is real.
+    /// The right null vector `q`; if real, a direction of `x`.
     pub right: V,
     /// `p`.
     pub left: V,
-    /// `N = p* L'(σ₀) q`.
+    /// The number `N = p* L'(σ₀) q`.
     pub growth: f64,
 }
 
 /// The multilinear forms of `F` at a point, and linear systems with its linearisations.
 pub(super) struct Forms<'f, 'a> {
     pub at: &'f mut At<'a>,
-    /// The number of unknowns.
+    /// The number of unknowns `z`.
     pub n: usize,
     room: Vec<f64>,
 }
@@ -74,12 +76,12 @@ impl<'f, 'a> Forms<'f, 'a> {
     }
 
     /// Computes the size of a critical direction with the exponent `iω`, from its real part and, if
-    /// it is complex, its imaginary part. The change of the period is its change along the real
-    /// part.
+    /// it is complex, its imaginary part. The returned change of the period refers to the real part
+    /// of the direction.
     ///
-    /// Where the start time is free, as for autonomous orbits with events, it deviates by the `σ`
-    /// for which states at equal times are multiplied by `e^{iω}` in a period: `(e^{iω} − 1) σ =
-    /// δT`. For `ω = 0`, `σ` minimises `⟨q, q⟩`.
+    /// If the start time is free, as for autonomous orbits with events, it is shifted by `σ` such
+    /// that deviations at equal times are multiplied by `e^{iω}` in a period: `(e^{iω} − 1) σ =
+    /// δT`. For `ω = 0`, `σ` is chosen to minimise `⟨q, q⟩`.
     pub fn deviation(&mut self, parts: &[&[f64]], omega: f64) -> Result<Deviation, Failure> {
         let mut part = |k: usize| match parts.get(k) {
             Some(direction) => self.at.system.deviation(self.at.x, direction),
@@ -114,14 +116,14 @@ impl<'f, 'a> Forms<'f, 'a> {
         self.at.system.expand(self.at.x, space, terms)
     }
 
-    /// Returns a part of a complex vector as a direction of `x`.
+    /// Returns the real or imaginary part of a complex vector as a direction of `x`.
     pub fn direction(&self, q: &[c64], part: impl Fn(&c64) -> f64) -> Vec<f64> {
         let mut direction: Vec<f64> = q.iter().map(part).collect();
         direction.resize(self.at.x.len(), 0.0);
         direction
     }
 
-    /// Computes the derivative of `F` along real directions.
+    /// Computes the mixed directional derivative of `F` along one or more real directions of `x`.
     pub fn of(&mut self, directions: &[&Vec<f64>]) -> Result<Vec<f64>, Failure> {
         let directions: Vec<&[f64]> = directions.iter().map(|d| &d[..]).collect();
         self.at.system.derivative(self.at.x, &directions, &mut self.room)?;
@@ -144,7 +146,8 @@ impl<'f, 'a> Forms<'f, 'a> {
         Ok(re.iter().zip(im).map(|(re, im)| c64::new(*re, im)).collect())
     }
 
-    /// Solves with a singular linearisation, bordered by its null vectors.
+    /// Solves a linear system whose matrix is a singular linearisation, bordered by its null
+    /// vectors.
     pub fn solve_within_border(&mut self, right: Vec<f64>) -> Result<Vec<f64>, Failure> {
         let At { system, x, null, .. } = &mut *self.at;
         let null = null.of(&mut **system, x, Form::Jacobian, None)?;
@@ -156,7 +159,8 @@ impl<'f, 'a> Forms<'f, 'a> {
         Ok(solution)
     }
 
-    /// Solves with the transposed singular linearisation, bordered by its null vectors.
+    /// Solves a linear system whose matrix is the transpose of a singular linearisation, bordered
+    /// by its null vectors.
     pub fn solve_within_border_transposed(&mut self, right: Vec<f64>) -> Result<Vec<f64>, Failure> {
         let At { system, x, null, .. } = &mut *self.at;
         let null = null.of(&mut **system, x, Form::Jacobian, None)?;
@@ -175,14 +179,14 @@ impl<'f, 'a> Forms<'f, 'a> {
         Ok(self.room.clone())
     }
 
-    /// Solves with the linearisation; the solution is a direction of `x`.
+    /// Solves a linear system with the matrix `F_z`; the solution is a direction of `x`.
     pub fn solve(&mut self, mut right: Vec<f64>) -> Result<Vec<f64>, Failure> {
         self.factors(Form::Jacobian)?.solve(&mut right);
         right.resize(self.at.x.len(), 0.0);
         Ok(right)
     }
 
-    /// Solves with a form of the linearisation.
+    /// Solves a linear system whose matrix is the given form of the linearisation.
     pub fn solve_with(&mut self, form: Form, right: &[c64]) -> Result<Vec<c64>, Failure> {
         if let Form::Oscillation(omega) = form {
             return self.solve_complex(omega, right);
@@ -205,8 +209,9 @@ impl<'f, 'a> Forms<'f, 'a> {
         Ok(factors)
     }
 
-    /// Solves with the complex linearisation `L(iω)`. Orbits accept complex borders of width 1
-    /// only, so two bordered solutions are combined:
+    /// Solves a linear system with the complex matrix `L(iω)`. The complex linearisation of
+    /// periodic orbits can be factored only with a border of width 1, so the solution of `L h = r`
+    /// is combined from the solutions of two bordered systems:
     ///
     /// ```text
     ///     L h₁ + b g₁ = r,  c* h₁ = 0,      L h₂ + b g₂ = 0,  c* h₂ = 1,      h = h₁ − (g₁/g₂) h₂
@@ -258,14 +263,14 @@ impl<'f, 'a> Forms<'f, 'a> {
         Some(direction)
     }
 
-    /// Computes the direction of the branch, `(z_λ, 1)`, where `F_z` is regular.
+    /// Computes the direction of the branch, `(z_λ, 1)`, at a point where `F_z` is regular.
     pub fn along_branch(&mut self) -> Result<Option<Vec<f64>>, Failure> {
         let direction = self.of_parameter();
         direction.map(|direction| self.along_solutions(direction)).transpose()
     }
 
-    /// Computes the direction of the solutions, `(z_p, 1)`, for a change of the parameter `p` in
-    /// this unit direction, where `F_z` is regular.
+    /// Computes the derivative `(z_p, 1)` of the solution with respect to the parameter `p`, given
+    /// as a unit direction of `x`, at a point where `F_z` is regular.
     pub fn along_solutions(&mut self, mut direction: Vec<f64>) -> Result<Vec<f64>, Failure> {
         let slope = self.of(&[&direction])?;
         let slope = self.solve(slope.into_iter().map(|f| -f).collect())?;
@@ -273,15 +278,15 @@ impl<'f, 'a> Forms<'f, 'a> {
         Ok(direction)
     }
 
-    /// Computes a direction `(s, 1)` with `F_z s = −F_λ` where `F_z` is singular and `F_λ` lies in
-    /// its range.
+    /// Computes a direction `(s, 1)` with `F_z s = −F_λ` at a point where `F_z` is singular and
+    /// `F_λ` lies in its range.
     pub fn along_crossing(&mut self) -> Result<Option<Vec<f64>>, Failure> {
         let direction = self.of_parameter();
         direction.map(|direction| self.along_singular(direction)).transpose()
     }
 
-    /// Computes a direction `(s, 1)` for the parameter in this unit direction, where `F_z` is
-    /// singular.
+    /// Computes a direction `(s, 1)` with `F_z s = −F_p` at a point where `F_z` is singular; the
+    /// parameter `p` is given as a unit direction of `x`.
     pub fn along_singular(&mut self, mut direction: Vec<f64>) -> Result<Vec<f64>, Failure> {
         let slope = self.of(&[&direction])?;
         let slope = self.solve_within_border(slope.into_iter().map(|f| -f).collect())?;

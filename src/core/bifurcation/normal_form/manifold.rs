@@ -1,7 +1,7 @@
 //! Center manifolds of equilibria and orbits to any order, in complex coordinates.
 //!
-//! With critical exponents `σ_j`, right vectors `q_j` and left vectors `p_j`, the manifold `z = z₀
-//! + W(ξ)` and the motion on it satisfy
+//! Let `σ_j` be the critical exponents, `q_j` the right and `p_j` the left eigenvectors. The center
+//! manifold `z = z₀ + W(ξ)` and the motion `R` on the manifold satisfy
 //!
 //! ```text
 //!     equilibria:  F(z₀ + W(ξ)) = DW(ξ) R(ξ),                  ξ' = R(ξ)
@@ -9,19 +9,21 @@
 //! ```
 //!
 //! where `K` selects the initial states in the closing condition: the next period begins at
-//! `W(R(ξ))`. Both equations are `F + K Δ W = 0`, with `K = −1` for equilibria. For deviations that
-//! change like `e^{σt}` or by the factor `e^σ` in a period, `L(σ) = F_z + σ K` or `L(σ) = F_z +
-//! (e^σ − 1) K`. Order by order, for each monomial `ξ^α`,
+//! `W(R(ξ))`. The equations for equilibria and for orbits have the common form `F + K Δ W = 0`,
+//! with `K = −1` for equilibria. Deviations of equilibria change like `e^{σt}`, and `L(σ) = F_z + σ
+//! K`; deviations of orbits change by the factor `e^σ` in a period, and `L(σ) = F_z + (e^σ − 1) K`.
+//! The coefficients of each monomial `ξ^α` are computed order by order from
 //!
 //! ```text
 //!     L(σ·α) W_α = −N_α − K D_α − Σ_j R_jα K q_j,
 //! ```
 //!
-//! where `N_α` and `D_α` follow from other terms. `R_jα = 0` except where `σ·α = σ_j` (for orbits,
-//! modulo `2πi`): there `R_jα` makes the equation solvable, and `p_j* L' W_α = 0` (X. Cabré, E.
-//! Fontich and R. de la Llave, *J. Differential Equations* 218:444, 2005; Yu. A. Kuznetsov and H.
-//! G. E. Meijer, *SIAM J. Sci. Comput.* 26:1932, 2005). Only monomials with `e^{σ·α} = 1` change
-//! the period of an orbit: for other factors `L` omits the period and the phase condition.
+//! where `N_α` and `D_α` follow from terms already computed. The coefficient `R_jα` is zero unless
+//! `σ·α = σ_j` (for orbits, modulo `2πi`). If `σ·α = σ_j`, `R_jα` is chosen such that the equation
+//! is solvable, and `p_j* L' W_α = 0` (X. Cabré, E. Fontich and R. de la Llave, *J. Differential
+//! Equations* 218:444, 2005; Yu. A. Kuznetsov and H. G. E. Meijer, *SIAM J. Sci. Comput.* 26:1932,
+//! 2005). Only monomials with `e^{σ·α} = 1` change the period of an orbit: for all other monomials,
+//! the period and the phase condition are omitted from `L`.
 //!
 //! The map `R` of orbits commutes with its linear part `M`; `R = M exp(T V)` defines the rates `V`.
 
@@ -37,21 +39,21 @@ use crate::core::scalar::Space;
 use faer::c64;
 use std::f64::consts::{PI, TAU};
 
-/// (R) Exponents are equal if they differ by less than this fraction of the largest one, and
-/// exponents of multipliers if they differ by less than this angle.
+/// (R) Critical exponents of equilibria count as equal if they differ by less than this fraction of
+/// the largest exponent; critical exponents of orbits, if they differ by less than this angle.
 const SAME: f64 = 1e-9;
 
 /// The motion on a center manifold.
 pub(super) struct Motion {
     space: &'static Space,
-    /// The rates per time of all variables.
+    /// The rate per time of each variable, as a polynomial in all variables.
     rates: Vec<Coefficients>,
 }
 
 impl Motion {
-    /// Returns the coefficient of a monomial in the rate of a variable. The variables of an
-    /// eigenvalue are one real variable, a complex variable and its conjugate, or the two of a
-    /// Jordan block.
+    /// Returns the coefficient of a monomial in the rate of a variable. A real eigenvalue has one
+    /// real variable, a complex pair has a complex variable and its conjugate, and a double
+    /// eigenvalue has the two variables of a Jordan block.
     pub fn of(&self, variable: usize, exponents: &[u8]) -> c64 {
         self.space.position(exponents).map_or(ZERO, |k| self.rates[variable][k])
     }
@@ -60,10 +62,10 @@ impl Motion {
 /// The critical variables of an equilibrium or orbit.
 struct Critical<'e> {
     eigenvalues: &'e mut [Eigenvalue],
-    /// The first variable of each eigenvalue.
+    /// The index of the first variable of each eigenvalue.
     first: Vec<usize>,
     variables: Vec<Variable>,
-    /// `ω` of each variable.
+    /// The frequency or angle `ω` of each variable.
     omegas: Vec<f64>,
     orbit: bool,
 }
@@ -82,12 +84,13 @@ impl<'e> Critical<'e> {
         Critical { eigenvalues, first, variables, omegas, orbit }
     }
 
-    /// The factor of `K` in `L' = factor K`, and of variables in the linear part of the motion.
+    /// The factor `c` in `L' = c K`, by which variables are also multiplied in the linear part of
+    /// the motion.
     fn multiplier(&self, omega: f64) -> c64 {
         if self.orbit { c64::new(omega.cos(), omega.sin()) } else { ONE }
     }
 
-    /// Returns the linear parts of the motion and of the manifold.
+    /// Returns the linear terms of the motion and of the center manifold.
     fn linear(&self, space: &Space, n: usize) -> (Vec<Coefficients>, Vec<Vec<c64>>) {
         let mut manifold = vec![vec![ZERO; n]];
         let mut rates = Vec::new();
@@ -113,7 +116,7 @@ impl<'e> Critical<'e> {
         (rates, manifold)
     }
 
-    /// Computes `Δ` of each monomial, without the diagonal.
+    /// Computes the operator `Δ` applied to each monomial, without the diagonal part of `Δ`.
     fn advanced(&self, space: &Space, rates: &[Coefficients]) -> Vec<Coefficients> {
         let mut all = match self.orbit {
             true => substitution(space, rates),
@@ -123,19 +126,19 @@ impl<'e> Critical<'e> {
         all
     }
 
-    /// The difference of two exponents; modulo `2π` for multipliers.
+    /// Returns the difference of two critical exponents; for multipliers, modulo `2π`.
     fn difference(&self, one: f64, other: f64) -> f64 {
         let difference = one - other;
         if self.orbit { difference - TAU * (difference / TAU).round() } else { difference }
     }
 
-    /// The largest difference between exponents that count as equal.
+    /// The largest difference between two exponents that count as equal.
     fn rounding(&self) -> f64 {
         let largest = self.omegas.iter().fold(0.0, |most: f64, omega| most.max(omega.abs()));
         SAME * if self.orbit { 1.0 } else { largest }
     }
 
-    /// The linearisation for deviations with a given exponent.
+    /// The form of the linearisation for deviations with a given exponent.
     fn form_of(&self, omega: f64) -> Form {
         let (omega, near) = (self.difference(omega, 0.0), self.rounding());
         if omega.abs() <= near {
@@ -147,8 +150,8 @@ impl<'e> Critical<'e> {
         }
     }
 
-    /// Returns the eigenvalue and the variable with which a monomial of a given exponent resonates:
-    /// the last variable of a Jordan block.
+    /// Returns the eigenvalue and the variable with which a monomial of a given exponent resonates;
+    /// for a Jordan block, its last variable.
     fn resonant(&self, omega: f64) -> Option<(usize, usize)> {
         let near = self.rounding();
         let ends = self.eigenvalues.iter().zip(&self.first).enumerate().flat_map(|(j, it)| {
@@ -199,10 +202,11 @@ fn conjugate(v: &[c64]) -> Vec<c64> {
     v.iter().map(c64::conj).collect()
 }
 
-/// Computes the motion on the center manifold of these eigenvalues, up to an order.
+/// Computes the motion on the center manifold of the given eigenvalues, up to a given order.
 ///
 /// # Errors
-/// [`Failure`] if the equations lack derivatives of this order, or another multiplier is critical.
+/// [`Failure`] if derivatives of the equations are not available to this order, or if a further
+/// multiplier is critical.
 pub(super) fn motion(
     forms: &mut Forms,
     eigenvalues: &mut [Eigenvalue],
@@ -233,7 +237,8 @@ pub(super) fn motion(
     Ok(Motion { space, rates })
 }
 
-/// Adds the terms of one degree, the highest of a space, to the manifold and the motion on it.
+/// Adds the terms of the highest degree of a space of polynomials to the center manifold and to the
+/// motion on it.
 fn add_degree(
     forms: &mut Forms,
     critical: &mut Critical,

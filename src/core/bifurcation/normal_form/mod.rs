@@ -1,16 +1,18 @@
 //! Normal forms of special points: a few coefficients that determine the local dynamics.
 //!
 //! Near a special point the critical deviations `ξ` are reduced to a center manifold. For
-//! equilibria, this gives Kuznetsov's coefficients (Yu. A. Kuznetsov, *Elements of Applied
-//! Bifurcation Theory*, 3rd ed. 2004, chapters 5 and 8). For periodic orbits, it gives the periodic
-//! normal forms of Kuznetsov, Govaerts, Doedel and Dhooge (*SIAM J. Numer. Anal.* 43:1407, 2005),
-//! by Lyapunov–Schmidt reduction of the discretised equations: the same multilinear forms serve
-//! both discretisations, forced, autonomous and hybrid orbits, and cycles of maps.
+//! equilibria, the reduction to a center manifold gives Kuznetsov's coefficients (Yu. A. Kuznetsov,
+//! *Elements of Applied Bifurcation Theory*, 3rd ed. 2004, chapters 5 and 8). For periodic orbits,
+//! the reduction gives the periodic normal forms of Kuznetsov, Govaerts, Doedel and Dhooge (*SIAM
+//! J. Numer. Anal.* 43:1407, 2005), by Lyapunov–Schmidt reduction of the discretised equations: the
+//! same multilinear forms serve both discretisations, forced, autonomous and hybrid orbits, and
+//! cycles of maps.
 //!
-//! Notation: `L(σ)` is the linearisation for deviations that change like `e^{σt}` (by the factor
-//! `e^σ` in a period), `L(σ₀) q = 0` and `p* L(σ₀) = 0` at the critical exponent `σ₀`; `B = F_zz`,
-//! `C = F_zzz`. With `N = p* L'(σ₀) q`, the rate of `ξ` is `−1/N` times the projection by `p*` of
-//! the higher-order terms. For an equilibrium `L(σ) = F_z − σ` and `N = −⟨p, q⟩`.
+//! Notation: `L(σ)` is the linearisation for deviations that change like `e^{σt}` (deviations of
+//! orbits change by the factor `e^σ` in a period). At the critical exponent `σ₀`, `L(σ₀) q = 0` and
+//! `p* L(σ₀) = 0`. `B = F_zz` and `C = F_zzz`. With `N = p* L'(σ₀) q`, the rate of `ξ` is `−1/N`
+//! times the projection by `p*` of the higher-order terms. For an equilibrium `L(σ) = F_z − σ` and
+//! `N = −⟨p, q⟩`.
 
 mod codimension_two;
 mod crossing;
@@ -43,23 +45,25 @@ use super::at::At;
 use crate::core::failure::Failure;
 use crate::core::problem::Dynamics;
 
-/// The coefficients of a normal form, and the case that they determine.
+/// The coefficients of a normal form, and the type of bifurcation that their signs determine, such
+/// as `supercritical`.
 #[derive(Debug, Default)]
 pub(crate) struct NormalForm {
     pub coefficients: Vec<(&'static str, f64)>,
     pub case: Option<Case>,
 }
 
-/// The standard name of a case, determined by the signs of some coefficients.
+/// The type of a bifurcation, such as `supercritical`, determined by the signs of some coefficients
+/// of its normal form.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Case {
-    /// The name, such as `supercritical`.
+    /// The standard name of the type, such as `supercritical`.
     pub word: &'static str,
-    /// The names of the coefficients that determine the case.
+    /// The names of the coefficients whose signs determine the type.
     pub decided_by: &'static [&'static str],
 }
 
-/// The coefficients that the command line omits.
+/// The names of the normal-form coefficients that the command line does not print.
 pub(crate) const DETAILS: [&str; 25] = [
     "c1_re",
     "c1_im",
@@ -89,7 +93,8 @@ pub(crate) const DETAILS: [&str; 25] = [
 ];
 
 impl NormalForm {
-    /// Creates a normal form of coefficients without a case.
+    /// Creates a normal form from its coefficients, without determining the type of the
+    /// bifurcation.
     fn of<const N: usize>(coefficients: [(&'static str, f64); N]) -> Self {
         NormalForm { coefficients: coefficients.into(), case: None }
     }
@@ -105,39 +110,40 @@ impl NormalForm {
         self
     }
 
-    /// Replaces the coefficients that determine the case.
+    /// Replaces the list of coefficients whose signs determine the type.
     fn decided_by(mut self, by: &'static [&'static str]) -> Self {
         self.case = self.case.map(|case| Case { decided_by: by, ..case });
         self
     }
 }
 
-/// Computes the normal form at a special point; on branches of solutions, in the first released
-/// parameter. Empty if the equations give no rates.
+/// A function that computes the normal form at a special point. On branches of solutions, the first
+/// released parameter is the unfolding parameter. The normal form is empty if the equations do not
+/// define rates of change.
 ///
 /// # Errors
-/// [`Failure`] where a coefficient is undefined, as at a strong resonance.
+/// [`Failure`] if a coefficient is undefined, as at a strong resonance.
 pub(crate) type ComputeNormalForm = fn(&mut At) -> Result<NormalForm, Failure>;
 
-/// Whether the equations give rates: the equations of potentials and of second-order motion do not
-/// contain the mass.
+/// Whether the equations define rates of change. The equilibrium equations of potentials and of
+/// second-order motion do not: they do not contain the mass.
 fn has_rates(at: &At) -> bool {
     matches!(at.system.dynamics(), Dynamics::Flow | Dynamics::Periodic)
 }
 
-/// Computes the real part of the cubic coefficient of a normal form, whose sign determines the
-/// case.
+/// A function that computes the real part of the cubic coefficient of a normal form; its sign
+/// distinguishes supercritical from subcritical bifurcations.
 ///
 /// # Errors
-/// As for [`ComputeNormalForm`].
+/// The same errors as for [`ComputeNormalForm`].
 pub(crate) type ComputeRate = fn(&mut At) -> Result<f64, Failure>;
 
-/// (R) A cubic coefficient smaller than this, relative to the terms of its sum, is zero up to
-/// rounding.
+/// (R) A cubic coefficient smaller than this threshold, relative to the terms of its sum, is zero
+/// up to rounding.
 const DEGENERATE: f64 = 1e-9;
 
-/// Returns the case from the sign of the rate `c`, where `ξ' = … + c ξ |ξ|²`: emanating solutions
-/// attract on the center manifold if `c < 0`.
+/// Returns the type of a bifurcation from the sign of the coefficient `c` in `ξ' = … + c ξ |ξ|²`:
+/// if `c < 0`, the emanating solutions are attracting on the center manifold.
 fn criticality(
     (name, c): (&'static [&'static str; 1], f64),
     size: f64,

@@ -10,8 +10,8 @@ use crate::core::linalg::Form;
 use crate::core::problem::Dynamics;
 use faer::c64;
 
-/// Computes the center manifold of two eigenvalues, and whether the sign of a critical vector of
-/// the first one is arbitrary.
+/// Computes the motion on the center manifold of two eigenvalues, and whether the sign of the
+/// critical vector of the first eigenvalue is arbitrary.
 fn reduced(at: &mut At, [first, second]: [Form; 2]) -> Result<(Motion, bool), Failure> {
     let mut forms = Forms::new(at);
     let mut both =
@@ -21,16 +21,16 @@ fn reduced(at: &mut At, [first, second]: [Form; 2]) -> Result<(Motion, bool), Fa
     Ok((motion, periodic && !both[0].by_period))
 }
 
-/// The normal form of a fold–Hopf point,
+/// The normal form of a fold–Hopf point:
 ///
 /// ```text
 ///     v' = G₂₀₀/2 v² + G₀₁₁ |z|² + G₃₀₀/6 v³ + G₁₁₁ v |z|²,
 ///     z' = iω z + G₁₁₀ v z + G₂₁₀/2 v² z + G₀₂₁/2 z |z|²,
 /// ```
 ///
-/// and the numbers that determine the case (Kuznetsov, section 8.5): `s = sign G₂₀₀ G₀₁₁`, `θ = 2
-/// Re G₁₁₀/G₂₀₀`, `E = ½ Re (G₂₁₀ + G₁₁₀ (Re G₀₂₁/G₀₁₁ − G₃₀₀/G₂₀₀ + G₁₁₁/G₀₁₁) − G₀₂₁ G₂₀₀/(2
-/// G₀₁₁))`.
+/// The numbers that determine the unfolding of the fold–Hopf point are (Kuznetsov, section 8.5): `s
+/// = sign G₂₀₀ G₀₁₁`, `θ = 2 Re G₁₁₀/G₂₀₀`, `E = ½ Re (G₂₁₀ + G₁₁₀ (Re G₀₂₁/G₀₁₁ − G₃₀₀/G₂₀₀ +
+/// G₁₁₁/G₀₁₁) − G₀₂₁ G₂₀₀/(2 G₀₁₁))`.
 pub(in crate::core::bifurcation) fn fold_hopf(at: &mut At) -> Result<NormalForm, Failure> {
     let Some(&omega) = at.held.first() else { return Ok(NormalForm::default()) };
     let (motion, _) = reduced(at, [Form::Jacobian, Form::Oscillation(omega)])?;
@@ -38,15 +38,15 @@ pub(in crate::core::bifurcation) fn fold_hopf(at: &mut At) -> Result<NormalForm,
     Ok(form.decided_by(&["zh_s", "zh_theta"]))
 }
 
-/// The normal form of a fold–torus point of orbits,
+/// The normal form of a fold–torus point of periodic orbits:
 ///
 /// ```text
 ///     dv/dt = a₂₀ v² + a₀₂ |z|² + a₃₀ v³ + a₁₂ v |z|²,     d|z|/dt = b₁₁ v |z| + b₂₁ v² |z| + b₀₃ |z|³,
 /// ```
 ///
-/// with `∫₀ᵀ⟨q, q⟩ dt = 1`, and `dτ/dt = 1 − v + …` where the period is free; otherwise `a₂₀ > 0`.
-/// The numbers `s = sign a₂₀ a₀₂`, `θ = b₁₁/a₂₀` and `E` correspond to `s`, `θ` and `E` of a
-/// fold–Hopf point.
+/// The critical vectors are normalised by `∫₀ᵀ⟨q, q⟩ dt = 1`. If the period is free,
+/// `dτ/dt = 1 − v + …`; if the period is fixed, `a₂₀ > 0`. The numbers `s = sign a₂₀ a₀₂`,
+/// `θ = b₁₁/a₂₀` and `E` correspond to `s`, `θ` and `E` of a fold–Hopf point.
 pub(in crate::core::bifurcation) fn fold_torus(at: &mut At) -> Result<NormalForm, Failure> {
     let Some(&angle) = at.held.first() else { return Ok(NormalForm::default()) };
     let (motion, any_sign) = reduced(at, [Form::Jacobian, Form::Oscillation(angle)])?;
@@ -56,8 +56,9 @@ pub(in crate::core::bifurcation) fn fold_torus(at: &mut At) -> Result<NormalForm
     Ok(form.and(interaction.quadratic(names, any_sign)).decided_by(names))
 }
 
-/// The normal form of a fold–flip point of orbits: as for a fold–torus point, with a real amplitude
-/// `y` in place of `z`. Doubled orbits have torus points if `s θ < 0`.
+/// The normal form of a fold–flip point of periodic orbits. The equations are the same as for a
+/// fold–torus point, with a real amplitude `y` in place of the complex `z`. Torus points of doubled
+/// orbits exist near the fold–flip point if `s θ < 0`.
 pub(in crate::core::bifurcation) fn fold_flip(at: &mut At) -> Result<NormalForm, Failure> {
     let (motion, any_sign) = reduced(at, [Form::Jacobian, Form::Antiperiodic])?;
     let interaction = FoldInteraction {
@@ -74,7 +75,7 @@ pub(in crate::core::bifurcation) fn fold_flip(at: &mut At) -> Result<NormalForm,
     Ok(form.and(interaction.quadratic(names, any_sign)).decided_by(names))
 }
 
-/// The coefficients of the interaction of a fold with a pair.
+/// The coefficients of the interaction of a fold with a critical complex pair.
 fn beside_pair(motion: &Motion) -> FoldInteraction {
     FoldInteraction {
         a20: motion.of(0, &[2, 0, 0]).re,
@@ -87,7 +88,8 @@ fn beside_pair(motion: &Motion) -> FoldInteraction {
     }
 }
 
-/// The coefficients of the interaction of a fold with an amplitude `|z|`.
+/// The coefficients of the normal form of a fold that interacts with an oscillation of amplitude
+/// `|z|`.
 struct FoldInteraction {
     a20: f64,
     a02: f64,
@@ -99,7 +101,7 @@ struct FoldInteraction {
 }
 
 impl FoldInteraction {
-    /// Returns the normal form; the arguments are the names of `s`, `θ` and `E`.
+    /// Returns the normal form of the interaction; the arguments are the names of `s`, `θ` and `E`.
     fn normal_form(&self, [s, theta, e]: [&'static str; 3]) -> NormalForm {
         let FoldInteraction { a20, a02, a30, a12, b11, b21, b03 } = self;
         let sign = (a20 * a02).signum();
@@ -115,8 +117,8 @@ impl FoldInteraction {
         NormalForm::of([(s, sign), (theta, ratio), (e, third)]).decided(case, &[])
     }
 
-    /// The second-order coefficients, with `a₂₀ > 0` if the sign of the critical vector is
-    /// arbitrary.
+    /// The second-order coefficients of the normal form, with `a₂₀ > 0` if the sign of the critical
+    /// vector is arbitrary.
     fn quadratic(
         &self,
         names: &[&'static str; 3],
@@ -128,23 +130,24 @@ impl FoldInteraction {
     }
 }
 
-/// The normal form of a double Hopf point,
+/// The normal form of a double Hopf point:
 ///
 /// ```text
 ///     z₁' = iω₁ z₁ + f₂₁₀₀ z₁ |z₁|² + f₁₀₁₁ z₁ |z₂|²,
 ///     z₂' = iω₂ z₂ + g₁₁₁₀ z₂ |z₁|² + g₀₀₂₁ z₂ |z₂|²,
 /// ```
 ///
-/// `p₁₁ = Re f₂₁₀₀`, `p₁₂ = Re f₁₀₁₁`, `p₂₁ = Re g₁₁₁₀`, `p₂₂ = Re g₀₀₂₁`, `θ = p₁₂/p₂₂`, `δ =
-/// p₂₁/p₁₁`; the case is simple if `p₁₁ p₂₂ > 0` (Kuznetsov, section 8.6). The pair with the larger
-/// frequency is the first one.
+/// The recorded numbers are `p₁₁ = Re f₂₁₀₀`, `p₁₂ = Re f₁₀₁₁`, `p₂₁ = Re g₁₁₁₀`, `p₂₂ = Re g₀₀₂₁`,
+/// `θ = p₁₂/p₂₂` and `δ = p₂₁/p₁₁`. The double Hopf point is of the simple type if `p₁₁ p₂₂ > 0`
+/// (Kuznetsov, section 8.6). The pair with index 1 has the larger frequency.
 pub(in crate::core::bifurcation) fn double_hopf(at: &mut At) -> Result<NormalForm, Failure> {
     let names = ["hh_p11", "hh_p12", "hh_p21", "hh_p22", "hh_theta", "hh_delta"];
     two_pairs(at, names, &["hh_p11", "hh_p22"])
 }
 
-/// The normal form of a double torus point of orbits: as for a double Hopf point, per time, with
-/// `∫₀ᵀ⟨q, q⟩ dt = 1`. The pair with the larger angle is the first one.
+/// The normal form of a double torus point of periodic orbits. The amplitude equations, with rates
+/// per time, are the same as for a double Hopf point, and the critical vectors are normalised by
+/// `∫₀ᵀ⟨q, q⟩ dt = 1`. The pair with index 1 has the larger angle.
 pub(in crate::core::bifurcation) fn double_torus(at: &mut At) -> Result<NormalForm, Failure> {
     let names = ["nsns_p11", "nsns_p12", "nsns_p21", "nsns_p22", "nsns_theta", "nsns_delta"];
     two_pairs(at, names, &["nsns_p11", "nsns_p22"])
@@ -163,13 +166,14 @@ fn two_pairs(
     Ok(amplitudes([first, second], names, deciding))
 }
 
-/// The normal form of a flip–torus point of orbits,
+/// The normal form of a flip–torus point of periodic orbits:
 ///
 /// ```text
 ///     dy/dt = p₁₁ y³ + p₁₂ y |z|²,     dz/dt = iθ/T z + (p₂₁ + i …) y² z + (p₂₂ + i …) z |z|²,
 /// ```
 ///
-/// with `∫₀ᵀ⟨q, q⟩ dt = 1`: the amplitude equations are the same as at a double Hopf point.
+/// The critical vectors are normalised by `∫₀ᵀ⟨q, q⟩ dt = 1`. The amplitude equations are the same
+/// as at a double Hopf point.
 pub(in crate::core::bifurcation) fn flip_torus(at: &mut At) -> Result<NormalForm, Failure> {
     let Some(&angle) = at.held.first() else { return Ok(NormalForm::default()) };
     let (motion, _) = reduced(at, [Form::Antiperiodic, Form::Oscillation(angle)])?;
@@ -179,7 +183,8 @@ pub(in crate::core::bifurcation) fn flip_torus(at: &mut At) -> Result<NormalForm
     Ok(amplitudes([first, second], names, &["pdns_p11", "pdns_p22"]))
 }
 
-/// The normal form of two amplitudes, `rᵢ' = rᵢ Σ_j pᵢⱼ rⱼ²`.
+/// The normal form of two interacting oscillations with the amplitudes `rᵢ`: `rᵢ' = rᵢ Σ_j pᵢⱼ
+/// rⱼ²`.
 fn amplitudes(
     [[p11, p12], [p21, p22]]: [[f64; 2]; 2],
     names: [&'static str; 6],

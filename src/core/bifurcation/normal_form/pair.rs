@@ -8,27 +8,28 @@ use crate::core::problem::Dynamics;
 use crate::core::system::Deviation;
 use faer::c64;
 
-/// The first- and third-order expansion of a critical pair, for `q` of any size.
+/// The first- and third-order coefficients of the normal form of a critical pair, for an
+/// eigenvector `q` of any size.
 struct Pair {
-    /// The rate coefficient of `ξ |ξ|²`.
+    /// The coefficient of `ξ |ξ|²` in the rate of `ξ`.
     cubic: c64,
     /// The sum of the sizes of the terms of `Re cubic`.
     size: f64,
-    /// `⟨q, q⟩`, integrated over the period.
+    /// The squared norm `⟨q, q⟩`, integrated over the period.
     square: f64,
     period: f64,
     q: Vec<c64>,
     p: Vec<c64>,
 }
 
-/// Computes the real part of the rate coefficient of `(λ − λ₀) ξ`.
+/// Computes the real part of the coefficient of `(λ − λ₀) ξ` in the rate of `ξ`.
 fn slope(at: &mut At, Pair { q, p, .. }: &Pair) -> Result<Option<f64>, Failure> {
     let mut forms = Forms::new(at);
     let Some(along) = forms.along_branch()? else { return Ok(None) };
     Ok(Some(inner(p, &forms.along(q, &along)?).re))
 }
 
-/// Computes the expansion of a critical pair. With `N = −1`,
+/// Computes the normal-form coefficients of a critical pair. For `N = −1`, they are
 ///
 /// ```text
 ///     c₁ = ½ p* (C(q, q, q̄) + B(q̄, h₂₀) + 2 B(q, h₁₁)),
@@ -83,7 +84,7 @@ pub(in crate::core::bifurcation) fn hopf(at: &mut At) -> Result<NormalForm, Fail
 
 /// The normal form of a torus point: `dξ/dt = (α (λ − λ₀) + iθ/T) ξ + d ξ |ξ|²` with `∫₀ᵀ⟨q, q⟩ dt
 /// = 1` (for maps, `T = 1`, and the mean of `⟨q, q⟩` over the cycle is 1). At strong resonances the
-/// normal form has further terms, and `d` may be infinite.
+/// normal form contains further terms, and `d` may be infinite.
 pub(in crate::core::bifurcation) fn torus(at: &mut At) -> Result<NormalForm, Failure> {
     let Some(&angle) = at.held.first() else { return Ok(NormalForm::default()) };
     let pair = pair(at, angle)?;
@@ -96,7 +97,7 @@ pub(in crate::core::bifurcation) fn torus(at: &mut At) -> Result<NormalForm, Fai
     Ok(NormalForm { coefficients, case })
 }
 
-/// Computes only `Re c₁` or `Re d`.
+/// Computes only `Re c₁` of a Hopf point or `Re d` of a torus point.
 pub(in crate::core::bifurcation) fn pair_rate(at: &mut At) -> Result<f64, Failure> {
     let Some(&omega) = at.held.first() else {
         return Err(Failure::Unsupported("no frequency is known".into()));

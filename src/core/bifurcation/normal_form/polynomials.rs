@@ -3,32 +3,33 @@
 use crate::core::scalar::Space;
 use faer::c64;
 
-/// The coefficients of a polynomial in all variables, one for each monomial of a space.
+/// The coefficients of a polynomial in all variables, one for each monomial of a space of
+/// polynomials.
 pub(super) type Coefficients = Vec<c64>;
 
 pub(super) const ZERO: c64 = c64::new(0.0, 0.0);
 pub(super) const ONE: c64 = c64::new(1.0, 0.0);
 pub(super) const I: c64 = c64::new(0.0, 1.0);
 
-/// A variable of a polynomial.
+/// The type of a variable of a polynomial: real, or one of a complex conjugate pair.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Variable {
     /// A real variable.
     Real,
-    /// The first variable of a pair `z`, `z̄`.
+    /// The first variable `z` of a complex pair `z`, `z̄`.
     Complex,
-    /// The second variable of a pair.
+    /// The second variable `z̄` of a complex pair `z`, `z̄`.
     Conjugate,
 }
 
-/// Creates a linear polynomial from variables and their factors.
+/// Creates a linear polynomial from variables and their coefficients.
 pub(super) fn linear(space: &Space, terms: &[(usize, c64)]) -> Coefficients {
     let mut polynomial = vec![ZERO; space.len()];
     terms.iter().for_each(|(variable, factor)| polynomial[1 + variable] = *factor);
     polynomial
 }
 
-/// The product of two polynomials.
+/// Returns the product of two polynomials.
 fn product(space: &Space, a: &[c64], b: &[c64]) -> Coefficients {
     let mut product = vec![ZERO; space.len()];
     for [i, j, k] in &space.products {
@@ -37,8 +38,8 @@ fn product(space: &Space, a: &[c64], b: &[c64]) -> Coefficients {
     product
 }
 
-/// Returns each monomial as a polynomial in new variables, given the old variables as polynomials
-/// in the new ones.
+/// Returns each monomial of the old variables as a polynomial in new variables, given the old
+/// variables as polynomials in the new variables.
 pub(super) fn substitution(space: &Space, variables: &[Coefficients]) -> Vec<Coefficients> {
     let mut all = vec![vec![ZERO; space.len()]];
     all[0][0] = ONE;
@@ -67,10 +68,10 @@ pub(super) fn derivation(space: &Space, field: &[Coefficients]) -> Vec<Coefficie
     all
 }
 
-/// Computes the vector field `V` whose time-one flow is a map, `S = exp V`, if the linear part of
-/// `S` is triangular with ones on its diagonal. With `S* f = f ∘ S`, it is the series `V = (S* − 1)
-/// ξ − (S* − 1)² ξ/2 + …`, which is finite, since `S* − 1` is nilpotent on polynomials up to an
-/// order.
+/// Computes the vector field `V` whose time-one flow is the map `S = exp V`. The linear part of `S`
+/// must be triangular with ones on its diagonal. With `S* f = f ∘ S`, the vector field is the
+/// series `V = (S* − 1) ξ − (S* − 1)² ξ/2 + …`. The series is finite, since `S* − 1` is nilpotent
+/// on polynomials of bounded degree.
 pub(super) fn logarithm(space: &Space, map: &[Coefficients]) -> Vec<Coefficients> {
     let mut change = substitution(space, map);
     change.iter_mut().enumerate().for_each(|(k, image)| image[k] -= ONE);
@@ -90,7 +91,7 @@ pub(super) fn logarithm(space: &Space, map: &[Coefficients]) -> Vec<Coefficients
     (0..map.len()).map(of_variable).collect()
 }
 
-/// Applies a linear function of polynomials, given by the images of monomials.
+/// Applies a linear map of polynomials, given by the images of the monomials.
 fn applied(images: &[Coefficients], polynomial: &[c64]) -> Coefficients {
     let mut sum = vec![ZERO; polynomial.len()];
     for (image, factor) in images.iter().zip(polynomial).filter(|it| *it.1 != ZERO) {
@@ -99,7 +100,8 @@ fn applied(images: &[Coefficients], polynomial: &[c64]) -> Coefficients {
     sum
 }
 
-/// Changes of variables between `(z, z̄)` and `(u, v)`, `z = u + iv`.
+/// Changes of variables between complex pairs `(z, z̄)` and real pairs `(u, v)`, where `z = u +
+/// iv`.
 pub(super) struct Changes {
     to_real: Vec<Coefficients>,
     to_complex: Vec<Coefficients>,
@@ -121,13 +123,15 @@ impl Changes {
         Changes { to_real: substitution(space, &real), to_complex: substitution(space, &complex) }
     }
 
-    /// Converts vectors of coefficients in `(z, z̄)` to real ones in `(u, v)`.
+    /// Converts vectors of coefficients of polynomials in `(z, z̄)` to real coefficients of
+    /// polynomials in `(u, v)`.
     pub fn to_real(&self, terms: &[Vec<c64>], n: usize) -> Vec<Vec<f64>> {
         let changed = Self::changed(&self.to_real, terms, n);
         changed.iter().map(|vector| vector.iter().map(|c| c.re).collect()).collect()
     }
 
-    /// Converts vectors of real coefficients in `(u, v)` to those in `(z, z̄)`.
+    /// Converts vectors of real coefficients of polynomials in `(u, v)` to coefficients of
+    /// polynomials in `(z, z̄)`.
     pub fn to_complex(&self, terms: &[Vec<f64>], n: usize) -> Vec<Vec<c64>> {
         let complex = |vector: &Vec<f64>| vector.iter().map(|c| c64::new(*c, 0.0)).collect();
         let terms: Vec<Vec<c64>> = terms.iter().map(complex).collect();

@@ -1,4 +1,5 @@
-//! The division of the plane of two parameters by a curve of bifurcations, from normal forms.
+//! The division of the plane of two parameters by a curve of bifurcations: the solutions on each
+//! side of the curve, computed from normal forms.
 
 use super::crossing::{is_rounding, third};
 use super::forms::{Forms, inner};
@@ -7,30 +8,35 @@ use crate::core::bifurcation::at::At;
 use crate::core::failure::Failure;
 use crate::core::linalg::{Form, dot};
 
-/// (R) A second derivative smaller than this, relative to the terms of its sum, may be rounding or
-/// mesh error, as at a cusp.
+/// (R) A second derivative smaller than this threshold, relative to the terms of its sum, may
+/// consist only of rounding or discretisation errors, as at a cusp.
 const VANISHES: f64 = 1e-6;
 
-/// The division of the plane of two parameters at a point of a curve of bifurcations.
+/// The division of the plane of two parameters by a curve of bifurcations, at one point of the
+/// curve.
 #[derive(Debug)]
 pub(crate) struct Division {
-    /// A normal of the curve: the gradient of a function of the two released parameters that is
-    /// zero on the curve.
+    /// A normal vector of the curve: the gradient of a function of the two released parameters that
+    /// is zero on the curve.
     pub normal: [f64; 2],
-    /// The solutions on the side where that function is positive: for each, the number of unstable
-    /// directions minus the number of noncritical unstable directions.
+    /// The solutions on the side of the curve to which the normal points. Each entry is the number
+    /// of unstable critical directions of one solution: the number of its unstable directions minus
+    /// the number of its noncritical unstable directions.
     pub positive: &'static [usize],
-    /// The solutions on the other side, likewise.
+    /// The solutions on the side opposite to the normal: the number of unstable critical directions
+    /// of each solution.
     pub negative: &'static [usize],
 }
 
-/// Computes the division at a point of a curve in two released parameters; `None` if it is unknown.
+/// A function that computes the division of the plane of two released parameters at a point of a
+/// curve; `None` if the division is unknown.
 ///
 /// # Errors
-/// [`Failure`] where a derivative does not exist, or a matrix is singular.
+/// [`Failure`] if a derivative does not exist, or if a matrix is singular.
 pub(crate) type ComputeDivision = fn(&mut At) -> Result<Option<Division>, Failure>;
 
-/// Evaluates a function at the unit directions of the two released parameters.
+/// Computes the gradient of a function with respect to the two released parameters: evaluates its
+/// slope in the unit direction of each of them.
 fn gradient(
     forms: &mut Forms,
     mut slope: impl FnMut(&mut Forms, Vec<f64>) -> Result<f64, Failure>,
@@ -39,9 +45,10 @@ fn gradient(
     Ok([slope(forms, first)?, slope(forms, second)?])
 }
 
-/// The division by a curve of folds. Solutions `z = z₀ + ξ q + …` near a fold satisfy `p F_λ · δλ +
-/// ½ p B(q, q) ξ² = 0`: there are two solutions, with `n` and `n + 1` unstable directions, where
-/// `−(p F_λ · δλ)/(p B(q, q)) > 0`, and none on the other side.
+/// Computes the division of the parameter plane by a curve of folds. Solutions `z = z₀ + ξ q + …`
+/// near a fold satisfy `p F_λ · δλ + ½ p B(q, q) ξ² = 0`. On the side where `−(p F_λ · δλ)/(p B(q,
+/// q)) > 0`, two solutions exist, with `n` and `n + 1` unstable directions; on the other side, no
+/// solution exists near the fold.
 pub(in crate::core::bifurcation) fn of_folds(at: &mut At) -> Result<Option<Division>, Failure> {
     let mut forms = Forms::new(at);
     let critical = forms.real(Form::Jacobian)?;
@@ -57,8 +64,8 @@ pub(in crate::core::bifurcation) fn of_folds(at: &mut At) -> Result<Option<Divis
     Ok(Some(Division { normal, positive: &[0, 1], negative: &[] }))
 }
 
-/// The division by a curve of critical pairs. `normal` is the gradient of the growth rate `Re σ` of
-/// the pair, `σ_λ = p* B(q, z_λ)` with `p* L' q = −1`.
+/// Computes the division of the parameter plane by a curve of critical pairs. The normal is the
+/// gradient of the growth rate `Re σ` of the pair, `σ_λ = p* B(q, z_λ)` with `p* L' q = −1`.
 pub(in crate::core::bifurcation) fn of_pairs(at: &mut At) -> Result<Option<Division>, Failure> {
     let Some(&omega) = at.held.first() else { return Ok(None) };
     let mut forms = Forms::new(at);
@@ -70,8 +77,8 @@ pub(in crate::core::bifurcation) fn of_pairs(at: &mut At) -> Result<Option<Divis
     Ok(Some(Division { normal, positive: &[2], negative: &[0] }))
 }
 
-/// The division by a curve of period doublings. `normal` is the gradient of the logarithm of the
-/// multiplier's modulus.
+/// Computes the division of the parameter plane by a curve of period doublings. The normal is the
+/// gradient of the logarithm of the modulus of the critical multiplier.
 pub(in crate::core::bifurcation) fn of_doublings(at: &mut At) -> Result<Option<Division>, Failure> {
     let mut forms = Forms::new(at);
     let critical = forms.real(Form::Antiperiodic)?;
@@ -83,7 +90,7 @@ pub(in crate::core::bifurcation) fn of_doublings(at: &mut At) -> Result<Option<D
     Ok(Some(Division { normal, positive: &[1], negative: &[0] }))
 }
 
-/// The division by a curve of branch points.
+/// Computes the division of the parameter plane by a curve of branch points.
 pub(in crate::core::bifurcation) fn of_crossings(at: &mut At) -> Result<Option<Division>, Failure> {
     if !has_rates(at) {
         return Ok(None);
@@ -110,8 +117,9 @@ pub(in crate::core::bifurcation) fn of_crossings(at: &mut At) -> Result<Option<D
     Ok(of_transcritical_points([[form(0, 0)?, form(0, 1)?], [form(1, 0)?, form(1, 1)?]]))
 }
 
-/// The division by a curve of pitchforks. `normal` is the gradient of the growth rate of the
-/// symmetric solution; the signs of the cubic rates determine the side of the other solutions.
+/// Returns the division of the parameter plane by a curve of pitchforks. `normal` is the gradient
+/// of the growth rate of the symmetric solution; the sign of the cubic coefficient determines the
+/// side of the curve on which the asymmetric solutions exist.
 fn of_pitchforks(normal: [f64; 2], cubic: [f64; 2]) -> Option<Division> {
     let rate = cubic[0] + cubic[1];
     let certain = rate.abs() > VANISHES * (cubic[0].abs() + cubic[1].abs());
@@ -120,9 +128,9 @@ fn of_pitchforks(normal: [f64; 2], cubic: [f64; 2]) -> Option<Division> {
     certain.then_some(Division { normal, positive, negative })
 }
 
-/// The division by a curve of transcritical points. The discriminant of the quadratic equation for
-/// `ξ` is a quadratic form in the two parameters, and the square of a linear function: there are
-/// two solutions on either side.
+/// Returns the division of the parameter plane by a curve of transcritical points. The discriminant
+/// of the quadratic equation for `ξ` is a quadratic form in the two parameters. This quadratic form
+/// is the square of a linear function, so two solutions exist on each side of the curve.
 fn of_transcritical_points(discriminant: [[f64; 2]; 2]) -> Option<Division> {
     let [first, second] = discriminant;
     let normal = if first[0].abs() > second[1].abs() { first } else { second };

@@ -1,10 +1,11 @@
-//! Normal forms of strong resonances of orbits: double multipliers 1 and −1, and the multipliers
-//! `e^{±2πi/3}` and `±i`.
+//! Normal forms of strong resonances of periodic orbits, where the critical multipliers are a
+//! double 1, a double −1, `e^{±2πi/3}` or `±i`.
 //!
-//! The period map is `R = M exp(T V)` with its linear part `M`, and `V` is the normal form per time
-//! (Yu. A. Kuznetsov and H. G. E. Meijer, *SIAM J. Sci. Comput.* 26:1932, 2005, for maps; V. De
-//! Witte, F. Della Rossa, W. Govaerts and Yu. A. Kuznetsov, *SIAM J. Appl. Dyn. Syst.* 12:722,
-//! 2013, for cycles). `∫₀ᵀ⟨q, q⟩ dt = 1`; for maps `T = 1`, and the mean of `⟨q, q⟩` over the cycle
+//! The period map on the center manifold is `R = M exp(T V)`, where `M` is its linear part and the
+//! vector field `V` is the normal form, a rate per time (Yu. A. Kuznetsov and H. G. E. Meijer,
+//! *SIAM J. Sci. Comput.* 26:1932, 2005, for maps; V. De Witte, F. Della Rossa, W. Govaerts and Yu.
+//! A. Kuznetsov, *SIAM J. Appl. Dyn. Syst.* 12:722, 2013, for cycles). The critical vectors are
+//! normalised by `∫₀ᵀ⟨q, q⟩ dt = 1`; for maps, `T = 1`, and the mean of `⟨q, q⟩` over the cycle
 //! is 1.
 
 use super::NormalForm;
@@ -17,9 +18,9 @@ use crate::core::linalg::Form;
 use std::f64::consts::PI;
 
 /// The normal form of a resonance 1:1: `ξ₁' = ξ₂`, `ξ₂' = β₁ + β₂ ξ₂ + a ξ₁² + b ξ₁ ξ₂`, with
-/// `dτ/dt = 1 − ξ₁ + …` if the period is free, and otherwise `a > 0`. For maps, `ξ₁ → ξ₁ + ξ₂`, `ξ₂
-/// → ξ₂ + a ξ₁² + (b + 2a) ξ₁ ξ₂`. The sign of `a b` determines the case, as at a Bogdanov–Takens
-/// point.
+/// `dτ/dt = 1 − ξ₁ + …` if the period is free, and `a > 0` if the period is fixed. For maps, the
+/// normal form is `ξ₁ → ξ₁ + ξ₂`, `ξ₂ → ξ₂ + a ξ₁² + (b + 2a) ξ₁ ξ₂`. As at a Bogdanov–Takens
+/// point, the sign of `a b` determines the unfolding.
 pub(in crate::core::bifurcation) fn one_to_one(at: &mut At) -> Result<NormalForm, Failure> {
     let mut forms = Forms::new(at);
     let mut double = [Eigenvalue::double(&mut forms, Form::Jacobian)?];
@@ -35,9 +36,9 @@ pub(in crate::core::bifurcation) fn one_to_one(at: &mut At) -> Result<NormalForm
 }
 
 /// The normal form of a resonance 1:2: `ξ₁' = ξ₂`, `ξ₂' = β₁ ξ₁ + β₂ ξ₂ + a ξ₁³ + b ξ₁² ξ₂` in a
-/// frame that turns by half in a period. For maps, `ξ₁ → −ξ₁ + ξ₂`, `ξ₂ → −ξ₂ + C ξ₁³ + D ξ₁² ξ₂`
-/// with `C = a` and `D = −b − 3a`. The case has `s = sign a`; for `b > 0`, time is reversed
-/// (Kuznetsov, section 9.5.3).
+/// frame that rotates by half a turn in a period. For maps, the normal form is `ξ₁ → −ξ₁ + ξ₂`, `ξ₂
+/// → −ξ₂ + C ξ₁³ + D ξ₁² ξ₂` with `C = a` and `D = −b − 3a`. The unfolding depends on `s = sign a`;
+/// if `b > 0`, the unfolding is that for `b < 0` with time reversed (Kuznetsov, section 9.5.3).
 pub(in crate::core::bifurcation) fn one_to_two(at: &mut At) -> Result<NormalForm, Failure> {
     let mut forms = Forms::new(at);
     let mut double = [Eigenvalue::double(&mut forms, Form::Antiperiodic)?];
@@ -53,9 +54,10 @@ pub(in crate::core::bifurcation) fn one_to_two(at: &mut At) -> Result<NormalForm
     Ok(NormalForm::of([("r2_a", a), ("r2_b", b)]).decided(case, &["r2_a", "r2_b"]))
 }
 
-/// The normal form of a resonance 1:3: `ξ' = β ξ + b ξ̄² + c ξ |ξ|²` in a frame that turns by a
-/// third in a period: `|b|` and `Re c`, whose sign determines whether the torus attracts. For maps,
-/// `ξ → e^{2πi/3} (ξ + b ξ̄² + (c + |b|²) ξ |ξ|²)`.
+/// The normal form of a resonance 1:3: `ξ' = β ξ + b ξ̄² + c ξ |ξ|²` in a frame that rotates by a
+/// third of a turn in a period. The recorded numbers are `|b|` and `Re c`; the sign of `Re c`
+/// determines whether the torus is attracting. For maps, the normal form is `ξ → e^{2πi/3} (ξ + b
+/// ξ̄² + (c + |b|²) ξ |ξ|²)`.
 pub(in crate::core::bifurcation) fn one_to_three(at: &mut At) -> Result<NormalForm, Failure> {
     let mut forms = Forms::new(at);
     let mut pair = [Eigenvalue::simple(&mut forms, Form::Oscillation(2.0 * PI / 3.0))?];
@@ -65,9 +67,9 @@ pub(in crate::core::bifurcation) fn one_to_three(at: &mut At) -> Result<NormalFo
     Ok(NormalForm::of([("r3_b", b), ("r3_c_re", c)]).decided(case, &["r3_c_re"]))
 }
 
-/// The normal form of a resonance 1:4: `ξ' = β ξ + c ξ |ξ|² + d ξ̄³` in a frame that turns by a
-/// quarter in a period: `|d|` and `A₀ = c/|d|`, which does not depend on scales. For maps, `ξ → i
-/// (ξ + c ξ |ξ|² + d ξ̄³)`.
+/// The normal form of a resonance 1:4: `ξ' = β ξ + c ξ |ξ|² + d ξ̄³` in a frame that rotates by a
+/// quarter of a turn in a period. The recorded numbers are `|d|` and `A₀ = c/|d|`, which does not
+/// depend on the scale of `ξ`. For maps, the normal form is `ξ → i (ξ + c ξ |ξ|² + d ξ̄³)`.
 pub(in crate::core::bifurcation) fn one_to_four(at: &mut At) -> Result<NormalForm, Failure> {
     let mut forms = Forms::new(at);
     let mut pair = [Eigenvalue::simple(&mut forms, Form::Oscillation(0.5 * PI))?];

@@ -6,7 +6,7 @@ use crate::core::failure::Failure;
 #[derive(Clone, Debug, PartialEq, miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum NewtonError {
-    /// The corrections do not shrink, even with damping.
+    /// The corrections of Newton's method do not decrease, even with damping.
     #[error(
         "Newton stagnated after {iterations} iterations at a scaled correction of {correction:.1e} (damping \
          {damping:.1e})"
@@ -17,20 +17,20 @@ pub enum NewtonError {
         iterations: usize,
         /// The scaled norm of the last correction.
         correction: f64,
-        /// The last damping factor.
+        /// The last damping factor that was tried.
         damping: f64,
     },
-    /// The equations or their matrix cannot be evaluated, or the matrix is singular.
+    /// The equations or their Jacobian cannot be evaluated, or the Jacobian is singular.
     #[error("{}", evaluation(*iteration, cause))]
     #[diagnostic(forward(cause))]
     Evaluation {
-        /// The iteration; 0 at the start.
+        /// The number of the iteration that failed; 0 at the start.
         iteration: usize,
         /// The cause.
         #[source]
         cause: Failure,
     },
-    /// The maximal number of iterations was reached.
+    /// Newton's method did not converge within the maximal number of iterations.
     #[error(
         "Newton did not converge in {iterations} iterations: scaled correction {correction:.1e}, contraction \
          {contraction:.2}"
@@ -41,70 +41,70 @@ pub enum NewtonError {
         iterations: usize,
         /// The scaled norm of the last correction.
         correction: f64,
-        /// The ratio of the last two corrections.
+        /// The ratio of the norms of the last two corrections.
         contraction: f64,
     },
-    /// The tangent turned too far in one step.
+    /// The angle between the tangents at both ends of a step is too large.
     #[error(
         "the tangent turned by {angle:.2} in one step, more than the limit of {largest:.2}: the curve \
          bends too sharply for the step"
     )]
     #[diagnostic(help("lower `min_step`"))]
     Turned {
-        /// The angle in radians.
+        /// The angle between the two tangents, in radians.
         angle: f64,
-        /// The largest allowed angle.
+        /// The largest allowed angle, in radians.
         largest: f64,
     },
-    /// The curve between the ends of the step is too far from a cubic.
+    /// The distance between the curve and its cubic interpolant in the step is too large.
     #[error(
         "between the ends of the step, the curve deviates from its cubic interpolant by {error:.1e}, \
          more than `curve_error`, {largest:.1e}"
     )]
     #[diagnostic(help("lower `min_step` or raise `curve_error`"))]
     Bent {
-        /// The estimated distance in scaled arclength.
+        /// The estimated distance from the cubic interpolant, in scaled arclength.
         error: f64,
         /// The value of the setting `curve_error`.
         largest: f64,
     },
-    /// The step crossed to a neighbouring branch, at this distance in scaled arclength, where the
-    /// curve turns away from that branch.
+    /// The step crossed to a neighbouring branch at a point where the curve turns away from that
+    /// branch. The number is the distance between the two branches, in scaled arclength.
     #[error(
         "the step jumps to another branch, at a distance of {0:.1e} where the branches are close"
     )]
     #[diagnostic(help("lower `min_step`, or the parameter that separates the branches"))]
     BranchJump(f64),
-    /// The corrected point is far from the predicted one, relative to the step: it may belong to
-    /// another branch.
+    /// The distance between the corrected and the predicted point is too large compared with the
+    /// step: the corrected point may lie on another branch.
     #[error(
         "the corrected point is {distance:.1e} from the predicted one after a step of {length:.1e}: \
          another branch is near, or the curve bends too sharply for the step"
     )]
     #[diagnostic(help("lower `min_step`"))]
     Far {
-        /// The distance in scaled arclength.
+        /// The distance between the two points, in scaled arclength.
         distance: f64,
-        /// The length of the step.
+        /// The length of the step, in scaled arclength.
         length: f64,
     },
-    /// No point of the curve was found halfway along a step of this length: the step may have
-    /// skipped a bend to another branch.
+    /// No point of the curve was found halfway along a step of the given length: the step may have
+    /// jumped to another branch.
     #[error(
         "no point of the curve was found halfway along a step of {0:.1e}: another branch is near, or the \
          curve bends too sharply for the step"
     )]
     #[diagnostic(help("lower `min_step`"))]
     NoMiddle(f64),
-    /// A cycle shrank to an equilibrium, which solves the equations with any period, in one step of
-    /// this length.
+    /// A cycle shrank to an equilibrium in one step of the given length; an equilibrium solves the
+    /// equations of a cycle with any period.
     #[error(
         "the cycle shrinks to an equilibrium in a step of {0:.1e}: errors of rounding and discretisation \
          are too large to distinguish nearby cycles from the equilibrium"
     )]
     #[diagnostic(help("take more `intervals`, or collocation"))]
     Shrunk(f64),
-    /// A step of this length from a branch point returned to the parent branch.
+    /// A step of the given length from a branch point returned to the parent branch.
     #[error(
         "a step of {0:.1e} from the branch point returned to the parent branch: second derivatives do not determine \
          the other branch"
@@ -125,7 +125,7 @@ fn evaluation(iteration: usize, cause: &Failure) -> String {
     }
 }
 
-/// Converts an evaluation that failed at the start of the iteration.
+/// Converts the error of a failed evaluation at the start of Newton's iteration.
 impl From<Failure> for NewtonError {
     fn from(cause: Failure) -> Self {
         NewtonError::Evaluation { iteration: 0, cause }
