@@ -262,8 +262,13 @@ impl Measured {
                 Some(_) => writeln!(text, "| | fails |")?,
             }
         }
-        for (name, failure) in self.failures() {
-            writeln!(text, "\n{name} fails: {}.", failure.trim_end_matches('.'))?;
+        let failures = self.failures();
+        if !failures.is_empty() {
+            writeln!(text, "\n```text")?;
+            for (name, failure) in failures {
+                writeln!(text, "{name} fails: {}.", failure.trim_end_matches('.'))?;
+            }
+            writeln!(text, "```")?;
         }
         writeln!(text)
     }
@@ -283,7 +288,8 @@ impl WorkPrecision {
             let _ = panel.table(&mut text, all);
         }
         format!(
-            "{text}{processor}, {cores} cores, {threads}, median of {runs} runs; {compiler}; {date}.\n"
+            "{text}Each time is the median of {runs} runs on {processor}, {cores} cores, {threads}, \
+             compiled by {compiler}, on {date}.\n"
         )
     }
 }

@@ -215,13 +215,15 @@ impl RobustnessMap {
             }
             writeln!(text)?;
         }
-        for (tried, cell) in region.methods.iter().flat_map(|t| t.cells.iter().map(move |c| (t, c)))
-        {
-            if let Some(message) = &cell.message {
+        let cells = region.methods.iter().flat_map(|t| t.cells.iter().map(move |c| (t, c)));
+        let mut messages = cells.filter_map(|(t, c)| Some((t, c, c.message.as_ref()?))).peekable();
+        if messages.peek().is_some() {
+            writeln!(text, "\n```text")?;
+            for (tried, cell, message) in messages {
                 let outcome = &self.outcomes[cell.outcome].name;
-                let message = message.trim_end_matches('.');
-                writeln!(text, "\n{}, {outcome}: {message}.", tried.name)?;
+                writeln!(text, "{}, {outcome}: {}.", tried.name, message.trim_end_matches('.'))?;
             }
+            writeln!(text, "```")?;
         }
         writeln!(text)
     }

@@ -99,7 +99,10 @@ impl Plan {
         let mut measured = Measured::of(title);
         let Method { line, setting, .. } = &reference;
         let comma = if setting.is_empty() { "" } else { ", " };
-        measured.reference = format!("Errors are differences from {line}{comma}{setting}.");
+        measured.reference = format!(
+            "Each error in this table is the difference from a reference result \
+             ({line}{comma}{setting})."
+        );
         (measured.error, measured.work) = ("error".into(), "work".into());
         Plan { measured, reference, methods: Vec::new(), relative: false }
     }
