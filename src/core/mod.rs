@@ -20,6 +20,10 @@
 //! | [`numerics`] | quadrature, interpolation, bracketed roots |
 //! | [`cancel`], [`failure`], [`spelling`] | cancellation of computations; errors of evaluations and solves; suggestions for unknown names |
 //!
+//! The comment of a numerical constant begins with the reason for its value: `Rounding` for bounds on rounding errors,
+//! `Discretisation` for bounds on the errors of meshes and steps, and `Heuristic` for a choice that affects the cost or
+//! the robustness of a method, but not the accuracy of its results.
+//!
 //! A user's problem is wrapped as a system, and branches of solutions of the system are computed:
 //!
 //! ```

@@ -392,9 +392,9 @@ pub(crate) const HOMOCLINIC_TESTS: [(&str, Kind); 5] = [
     ("unstable_share", Kind::OFU),
 ];
 
-/// (D) The smallest distance from the equilibrium at which homoclinic orbits begin and end, in
-/// units of the extents of the orbit: the error of the parameter is proportional to the square, or
-/// a higher power, of this distance.
+/// Discretisation: the smallest distance from the equilibrium at which homoclinic orbits begin and
+/// end, in units of the extents of the orbit: the error of the parameter is proportional to the
+/// square, or a higher power, of this distance.
 pub(crate) const HOMOCLINIC_RADIUS: f64 = 1e-5;
 
 /// A deviation from a solution.
@@ -416,8 +416,8 @@ pub struct Deviation {
     pub lengthening: f64,
 }
 
-/// (R) The fraction of the period below which a change of the period along a deviation counts as a
-/// rounding error.
+/// Rounding: the fraction of the period below which a change of the period along a deviation counts
+/// as a rounding error.
 const SAME_PERIOD: f64 = 1e-9;
 
 impl Default for Deviation {

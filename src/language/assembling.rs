@@ -18,10 +18,10 @@ use std::sync::Arc;
 const WORK: [usize; 2] = [2_000_000, 150];
 /// The maximum number of operations on a tape: for any model, and per state for a large model.
 const OPERATIONS: [usize; 2] = [300_000, 30];
-/// (Heuristic) The number of invalid definitions after which the remaining elements of an array get
+/// Heuristic: the number of invalid definitions after which the remaining elements of an array get
 /// the same error.
 const ERRORS: usize = 100;
-/// (Heuristic) The number of most recent phrases within which an equal phrase is not stored again.
+/// Heuristic: the number of most recent phrases within which an equal phrase is not stored again.
 const RECENT: usize = 8;
 /// The maximum nesting depth of sums and functions.
 const NESTED: usize = 300;

@@ -11,7 +11,7 @@ use crate::core::scalar::Scalar;
 
 /// The name that denotes the number of the event in the formula of its time.
 const NUMBER: &str = "n";
-/// (Rounding) The difference below which two event times count as equal, relative to the interval
+/// Rounding: the difference below which two event times count as equal, relative to the interval
 /// between events.
 const SAME: f64 = 1e-9;
 

@@ -11,18 +11,18 @@ use cpu_time::ThreadTime;
 use std::ops::ControlFlow;
 use std::time::Duration;
 
-/// (Heuristic) The processor time for which a motion is followed in order to estimate its speed.
+/// Heuristic: the processor time for which a motion is followed in order to estimate its speed.
 const TRIAL: Duration = Duration::from_millis(20);
-/// (Heuristic) The maximum number of periods for which a motion is followed in order to estimate
-/// its speed.
+/// Heuristic: the maximum number of periods for which a motion is followed in order to estimate its
+/// speed.
 const TRIAL_PERIODS: u32 = 64;
-/// (Heuristic) The largest number of interval halvings that a forecast assumes: after this number,
+/// Heuristic: the largest number of interval halvings that a forecast assumes: after this number,
 /// the ends of nearly every interval are neighbouring floating-point numbers.
 const MOST_HALVINGS: f64 = 106.0;
-/// (Heuristic) The cost of a period with a tangent vector, in units of the cost of a period without
+/// Heuristic: the cost of a period with a tangent vector, in units of the cost of a period without
 /// tangent vector.
 const WITH_TANGENT: usize = 3;
-/// (Heuristic) The length of a long branch from its start, in units of scaled arclength.
+/// Heuristic: the length of a long branch from its start, in units of scaled arclength.
 const FAR: f64 = 10.0;
 
 /// An observer that stops a motion after a given processor time.

@@ -74,7 +74,7 @@ impl CrisisSearch {
     }
 }
 
-/// (H) The number of earlier states, besides the last state, from which motion must leave an
+/// Heuristic: the number of earlier states, besides the last state, from which motion must leave an
 /// attractor before the attractor counts as lost.
 const STARTS: usize = 3;
 

@@ -26,8 +26,8 @@ use crate::core::ode::Step;
 use crate::core::problem::{FieldIn, Forcing};
 use std::ops::ControlFlow;
 
-/// (H) An event closer to a sampling time than this fraction of the period coincides with the
-/// sample, and the motion is then sampled at a later phase.
+/// Heuristic: an event closer to a sampling time than this fraction of the period coincides with
+/// the sample, and the motion is then sampled at a later phase.
 const AT_EVENT: f64 = 1e-3;
 
 /// Reasons why a simulation found no periodic motion.
@@ -98,7 +98,7 @@ pub enum CycleSearchError {
     NoReturn(f64),
 }
 
-/// (H) A motion comes to rest if the diameter of its returns shrinks to this fraction of the
+/// Heuristic: a motion comes to rest if the diameter of its returns shrinks to this fraction of the
 /// diameter of an earlier return, or of the distance from the start.
 const SHRUNK: f64 = 1e-6;
 

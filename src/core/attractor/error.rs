@@ -65,8 +65,8 @@ pub enum StroboscopicError {
     Map(String),
 }
 
-/// (H) The maximal number of steps of a search for a crisis; a larger number is most likely a
-/// mistake of units.
+/// Heuristic: the maximal number of steps of a search for a crisis; a larger number is most likely
+/// a mistake of units.
 pub(super) const MOST_STEPS: usize = 1_000_000;
 
 /// An invalid setting of a search for a crisis.

@@ -15,8 +15,8 @@ pub struct Exponent {
     pub error: f64,
 }
 
-/// (H) The number of batches in the method of batch means, which gives the standard error of the
-/// exponent.
+/// Heuristic: the number of batches in the method of batch means, which gives the standard error of
+/// the exponent.
 const BATCHES: usize = 20;
 
 /// The growth of a tangent vector from period to period, whose mean is the Lyapunov exponent.
@@ -68,8 +68,8 @@ impl Growth {
     }
 }
 
-/// (D) The smallest multiplier with an accurate digit: smaller ones are dominated by the errors of
-/// flows.
+/// Discretisation: the smallest multiplier with an accurate digit: smaller ones are dominated by
+/// the errors of flows.
 const FORGOTTEN: f64 = 1e-12;
 
 /// Adds a tangent vector, given in units of the states' scales, to the state of a trajectory.

@@ -3,8 +3,8 @@
 use crate::core::hybrid::{HybridEquations, HybridState};
 use std::collections::VecDeque;
 
-/// (H) The period of a cycle is minimal if the distance between states after fewer returns exceeds
-/// the distance after the whole period by this factor.
+/// Heuristic: the period of a cycle is minimal if the distance between states after fewer returns
+/// exceeds the distance after the whole period by this factor.
 const DISTINCT: f64 = 1e3;
 
 /// The scales of the states in each mode, by which sizes and distances are measured; 1 by default.

@@ -12,13 +12,13 @@ use crate::core::problem::{FieldIn, Forcing, Watchable, position};
 use num_dual::Dual64;
 use std::ops::ControlFlow;
 
-/// (H) The time, in units of the time scale, after which states are compared with earlier ones to
-/// detect a motion at rest.
+/// Heuristic: the time, in units of the time scale, after which states are compared with earlier
+/// ones to detect a motion at rest.
 const LOOK: f64 = 50.0;
-/// (D) The largest change of a state that counts as rest, over the time [`LOOK`], in units of the
-/// states' scales: larger than the errors of flows.
+/// Discretisation: the largest change of a state that counts as rest, over the time [`LOOK`], in
+/// units of the states' scales: larger than the errors of flows.
 const MOVED: f64 = 1e-9;
-/// (H) The default longest waiting time for a return, in units of the time scale.
+/// Heuristic: the default longest waiting time for a return, in units of the time scale.
 const LONGEST: f64 = 10_000.0;
 
 /// The motion of an autonomous hybrid system, sampled just after every event of a given name: the

@@ -35,8 +35,8 @@ pub(super) struct Section<T> {
     begins: bool,
 }
 
-/// (R) A crossing within this fraction of the first step is the start itself, which may lie off the
-/// section because of rounding.
+/// Rounding: a crossing within this fraction of the first step is the start itself, which may lie
+/// off the section because of rounding.
 const AT_START: f64 = 1e-6;
 
 impl<T: EventNumber> Section<T> {

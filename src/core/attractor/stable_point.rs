@@ -5,24 +5,25 @@ use super::repetition::StateScales;
 use crate::core::hybrid::Member;
 use crate::core::linalg::difference;
 
-/// (D) The longest Newton step at which a periodic point has converged, in units of the largest
-/// state: ten times the tolerance of flows.
+/// Discretisation: the longest Newton step at which a periodic point has converged, in units of the
+/// largest state: ten times the tolerance of flows.
 const CONVERGED: f64 = 1e-11;
-/// (H) The maximal number of Newton iterations; quadratic convergence needs four.
+/// Heuristic: the maximal number of Newton iterations; quadratic convergence needs four.
 const ROUNDS: usize = 8;
-/// (H) The largest distance of the periodic point from the simulated motion, in units of the
+/// Heuristic: the largest distance of the periodic point from the simulated motion, in units of the
 /// largest state.
 const NEAR: f64 = 0.03;
 
-/// (H) The size, in units of the states' scales, below which a motion counts as rest: the state of
-/// a body that is carried by a support is zero at some phase and then consists of rounding errors.
+/// Heuristic: the size, in units of the states' scales, below which a motion counts as rest: the
+/// state of a body that is carried by a support is zero at some phase and then consists of rounding
+/// errors.
 pub(super) const REST: f64 = 1e-6;
-/// (D) The largest drift of a neutral state in a cycle, as a fraction of the motion's size: equal
-/// to the tolerance of repeating motion.
+/// Discretisation: the largest drift of a neutral state in a cycle, as a fraction of the motion's
+/// size: equal to the tolerance of repeating motion.
 const DRIFT: f64 = 1e-5;
 
-/// (D) The distance, in units of their size, below which two periodic points are equal; Newton's
-/// method is more accurate.
+/// Discretisation: the distance, in units of their size, below which two periodic points are equal;
+/// Newton's method is more accurate.
 pub(super) const SAME: f64 = 1e-8;
 
 /// Computes the stable periodic point of period `q` near a state of a motion, and its exponent, by

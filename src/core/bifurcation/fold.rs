@@ -75,8 +75,8 @@ impl DefiningSystem for Fold {
     }
 }
 
-/// (R) A slope of the continued parameter with respect to scaled arclength counts as zero up to
-/// rounding if it is smaller than this threshold.
+/// Rounding: a slope of the continued parameter with respect to scaled arclength counts as zero up
+/// to rounding if it is smaller than this threshold.
 pub(crate) const VERTICAL: f64 = 1e-7;
 
 /// The test function of folds: the component of the tangent along the continued parameter.

@@ -126,8 +126,8 @@ fn limit_reached(system: &mut dyn System, x: &[f64]) -> Result<Option<Limit>, Fa
     Ok(reached)
 }
 
-/// (H) A solution is at a limit if the monitor of the limit is smaller than this threshold, in
-/// units of its scale.
+/// Heuristic: a solution is at a limit if the monitor of the limit is smaller than this threshold,
+/// in units of its scale.
 const REACHED: f64 = 1e-6;
 
 /// Returns the same orbit without an event of zero speed that leaves the motion unchanged; `None`

@@ -197,8 +197,8 @@ fn crossing_frequency(at: &mut At, near: Option<f64>, held: Option<f64>) -> Resu
     }
 }
 
-/// (H) A frequency counts as nonzero if its ratio to the frequencies of nearby pairs exceeds this
-/// threshold. A fold solves the equations of a Hopf point with `ω = 0`, and Newton's method
+/// Heuristic: a frequency counts as nonzero if its ratio to the frequencies of nearby pairs exceeds
+/// this threshold. A fold solves the equations of a Hopf point with `ω = 0`, and Newton's method
 /// determines `ω = 0` only to the square root of its tolerance.
 const REAL: f64 = 1e-6;
 

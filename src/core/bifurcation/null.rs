@@ -171,8 +171,8 @@ fn divide(row: &mut [f64], units: &[f64], (n, parameter): (usize, Option<usize>)
     }
 }
 
-/// (H) Borders count as nearly orthogonal to the null vectors if the terms of their inner product
-/// cancel by this factor.
+/// Heuristic: Borders count as nearly orthogonal to the null vectors if the terms of their inner
+/// product cancel by this factor.
 const CANCELLED: f64 = 1e4;
 
 impl NullVectors {

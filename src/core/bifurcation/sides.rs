@@ -8,8 +8,8 @@ use crate::core::failure::Failure;
 use crate::core::linalg::SpectrumRequest;
 use crate::core::system::Kind;
 
-/// (H) The number of eigenvalues to compute: enough for two critical pairs near a double Hopf
-/// point.
+/// Heuristic: the number of eigenvalues to compute: enough for two critical pairs near a double
+/// Hopf point.
 const EIGENVALUES: usize = 4;
 
 /// The solutions near a point of a curve of bifurcations, on both sides of the curve in the plane

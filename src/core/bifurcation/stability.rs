@@ -190,19 +190,20 @@ pub(in crate::core) fn unstable_besides(
     Stability::of(dynamics, &others).unstable
 }
 
-/// (H) The stability of a noncritical eigenvalue is certain if its distance from the imaginary axis
-/// exceeds the numerical error by this factor. The numerical error is estimated by the computed
-/// distance of the critical eigenvalues from the axis, which is zero in theory.
+/// Heuristic: the stability of a noncritical eigenvalue is certain if its distance from the
+/// imaginary axis exceeds the numerical error by this factor. The numerical error is estimated by
+/// the computed distance of the critical eigenvalues from the axis, which is zero in theory.
 const CERTAIN: f64 = 100.0;
 
-/// (R) The stability of a noncritical eigenvalue is certain only if its distance from the imaginary
-/// axis exceeds this threshold (first number), relative to the largest eigenvalue; the stability of
-/// a multiplier, only if its distance from the unit circle exceeds this threshold (second number).
+/// Rounding: the stability of a noncritical eigenvalue is certain only if its distance from the
+/// imaginary axis exceeds this threshold (first number), relative to the largest eigenvalue; the
+/// stability of a multiplier, only if its distance from the unit circle exceeds this threshold
+/// (second number).
 const FAR: [f64; 2] = [1e-9, 1e-7];
 
-/// (H) The stability of all eigenvalues is uncertain if the critical eigenvalues are farther than
-/// this threshold from the imaginary axis, relative to the largest eigenvalue (first number), or
-/// the critical multipliers farther than this threshold from the unit circle (second number).
+/// Heuristic: the stability of all eigenvalues is uncertain if the critical eigenvalues are farther
+/// than this threshold from the imaginary axis, relative to the largest eigenvalue (first number),
+/// or the critical multipliers farther than this threshold from the unit circle (second number).
 const NEAR: [f64; 2] = [1e-5, 1e-2];
 
 /// Counts the unstable noncritical eigenvalues or multipliers at a special point; `None` if the

@@ -94,8 +94,8 @@ impl Clone for Shooting {
     }
 }
 
-/// (R) The largest growth of deviations over a segment that is accepted: rounding errors grow by
-/// the same factor, which leaves only one or two correct digits.
+/// Rounding: the largest growth of deviations over a segment that is accepted: rounding errors grow
+/// by the same factor, which leaves only one or two correct digits.
 const LARGEST_GROWTH: f64 = 1e14;
 
 /// Returns the growth of deviations over a segment, from the derivatives with respect to the nodes;

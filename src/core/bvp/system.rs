@@ -211,15 +211,16 @@ impl BoundarySystem {
     }
 }
 
-/// (H) The largest estimated error of a mesh that resolves a trajectory well enough for the start
-/// of a branch.
+/// Heuristic: the largest estimated error of a mesh that resolves a trajectory well enough for the
+/// start of a branch.
 const RESOLVED: f64 = 1e-2;
 
-/// (H) The target error of a mesh that is adapted to a trajectory, equal to a branch's default target.
+/// Heuristic: the target error of a mesh that is adapted to a trajectory, equal to a branch's
+/// default target.
 const DISTRIBUTED: f64 = 1e-4;
 
-/// (H) The refinement of the first estimate: a mesh is first adapted to a solution on `FINER` times
-/// as many equal intervals, then once more on the resulting mesh.
+/// Heuristic: the refinement of the first estimate: a mesh is first adapted to a solution on
+/// `FINER` times as many equal intervals, then once more on the resulting mesh.
 const FINER: usize = 64;
 const DISTRIBUTIONS: usize = 3;
 

@@ -9,14 +9,14 @@ use crate::core::system::{Emanating, Kind, Limit, System};
 /// The kind of special points at which the monitor of a limit vanishes.
 pub(super) const AT_LIMIT: Kind = Kind::G;
 
-/// (D) The monitor of a limit counts as zero at the start of a branch if it is smaller than this
-/// threshold, in units of its scale. A saved point at a limit is accurate to rounding on its own
-/// mesh; interpolated to another mesh, it is only accurate to the discretisation error of the
-/// coarser mesh.
+/// Discretisation: the monitor of a limit counts as zero at the start of a branch if it is smaller
+/// than this threshold, in units of its scale. A saved point at a limit is accurate to rounding on
+/// its own mesh; interpolated to another mesh, it is only accurate to the discretisation error of
+/// the coarser mesh.
 const VANISHES: f64 = 1e-6;
 
-/// (R) A solution lies beyond a limit if minus the monitor of the limit exceeds this threshold, in
-/// units of its scale; the computed points have an error of 1e-10.
+/// Rounding: a solution lies beyond a limit if minus the monitor of the limit exceeds this
+/// threshold, in units of its scale; the computed points have an error of 1e-10.
 const BEYOND: f64 = 1e-9;
 
 /// Returns the limits of the admissible solutions at the parameters `p`; empty if the solutions of

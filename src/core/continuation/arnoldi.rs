@@ -18,27 +18,27 @@ use crate::core::linalg::{difference, dot, generic, orthogonalise};
 use crate::core::system::Refinement;
 use nalgebra::{Complex, DMatrix, Schur};
 
-/// (H) The smallest component along a null vector that a test vector is assumed to have. Let `M` be
-/// singular at the arclength `d` beyond a step of length `ℓ`. `M₁⁻¹ M₀ − 1` maps a vector to a
-/// vector at least `ℓ/d` times as long as the component of the first vector along the null vector.
-/// The length of the image therefore bounds the distance to any singular matrix. The solution of a
-/// linear system with a generic right side has a component larger than this constant along all null
-/// vectors except rapidly oscillating ones. (A generic vector itself has a smaller component if its
-/// dimension is large.) With a smaller constant, branch points are counted more often; with a
-/// larger constant, null vectors are missed.
+/// Heuristic: the smallest component along a null vector that a test vector is assumed to have. Let
+/// `M` be singular at the arclength `d` beyond a step of length `ℓ`. `M₁⁻¹ M₀ − 1` maps a vector to
+/// a vector at least `ℓ/d` times as long as the component of the first vector along the null
+/// vector. The length of the image therefore bounds the distance to any singular matrix. The
+/// solution of a linear system with a generic right side has a component larger than this constant
+/// along all null vectors except rapidly oscillating ones. (A generic vector itself has a smaller
+/// component if its dimension is large.) With a smaller constant, branch points are counted more
+/// often; with a larger constant, null vectors are missed.
 const SHARE: f64 = 0.02;
 
-/// (H) The maximal distance beyond a step, in units of the step length, for which branch points are
-/// excluded: farther along the curve, the matrix may change differently.
+/// Heuristic: the maximal distance beyond a step, in units of the step length, for which branch
+/// points are excluded: farther along the curve, the matrix may change differently.
 const AHEAD: f64 = 12.0;
 
-/// (H) The maximal number of Arnoldi vectors for counting branch points. A few vectors suffice
-/// because all eigenvalues are near 1 except eigenvalues that pass zero.
+/// Heuristic: the maximal number of Arnoldi vectors for counting branch points. A few vectors
+/// suffice because all eigenvalues are near 1 except eigenvalues that pass zero.
 const VECTORS: usize = 10;
 
-/// (H) The Arnoldi iteration stops when the new vector, before normalisation, is shorter than this
-/// threshold. A negative eigenvalue, whose distance from 1 exceeds 1, would make the new vector
-/// longer if it were not yet found.
+/// Heuristic: the Arnoldi iteration stops when the new vector, before normalisation, is shorter
+/// than this threshold. A negative eigenvalue, whose distance from 1 exceeds 1, would make the new
+/// vector longer if it were not yet found.
 const SPENT: f64 = 1e-2;
 
 /// The ratio of imaginary to real part below which an eigenvalue counts as real. The Arnoldi
@@ -50,17 +50,17 @@ fn is_real(value: &Complex<f64>) -> bool {
     value.im.abs() <= REAL * value.re.abs()
 }
 
-/// (R) A matrix is singular up to rounding if its inverse enlarges generic vectors by more than
-/// this threshold, compared with the inverse of a neighbouring matrix. The bound is 1/√ε.
+/// Rounding: a matrix is singular up to rounding if its inverse enlarges generic vectors by more
+/// than this threshold, compared with the inverse of a neighbouring matrix. The bound is 1/√ε.
 const SINGULAR: f64 = 1e8;
 
-/// (H) The number of starting vectors for computing distances to branch points. One starting vector
-/// finds only one of several equal eigenvalues, and at most this number of eigenvalues is assumed
-/// to pass zero together.
+/// Heuristic: the number of starting vectors for computing distances to branch points. One starting
+/// vector finds only one of several equal eigenvalues, and at most this number of eigenvalues is
+/// assumed to pass zero together.
 const BLOCK: usize = 6;
 
-/// (H) The maximal number of iterations of the Schur decomposition of a matrix with at most 18
-/// rows; each eigenvalue requires about two iterations.
+/// Heuristic: the maximal number of iterations of the Schur decomposition of a matrix with at most
+/// 18 rows; each eigenvalue requires about two iterations.
 const ITERATIONS: usize = 1000;
 
 /// The branch points along one step of a curve.

@@ -11,8 +11,8 @@ use crate::core::linalg::norm;
 use crate::core::problem::{Dynamics, Names};
 use crate::core::system::{Kind, Site, Solution, Start};
 
-/// (H) The largest angle by which the critical multipliers of the first orbit on a curve of torus
-/// points may differ from their value at the resonance.
+/// Heuristic: the largest angle by which the critical multipliers of the first orbit on a curve of
+/// torus points may differ from their value at the resonance.
 const WIDEST: f64 = 0.3;
 
 /// Iterates over the kinds of points that are held along a curve, without user-defined defining

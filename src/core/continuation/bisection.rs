@@ -6,8 +6,8 @@ use super::event::Event;
 use super::located::Located;
 use super::locator::Locator;
 
-/// (H) The maximal number of evaluations in excess of plain bisection: the slack `n₀` of the ITP
-/// method, which its authors set to 1.
+/// Heuristic: the maximal number of evaluations in excess of plain bisection: the slack `n₀` of the
+/// ITP method, which its authors set to 1.
 const BEYOND_BISECTION: i32 = 1;
 
 impl Locator<'_, '_> {

@@ -11,13 +11,13 @@ use super::located::Located;
 use crate::core::bifurcation::Quantity;
 use crate::core::system::Kind;
 
-/// (H) Two events count as one point if their distance is less than this threshold, in scaled
-/// arclength. An event counts as lying at the start if its distance from the start is less than
-/// this threshold. Located points are accurate to 1e-10 or better.
+/// Heuristic: two events count as one point if their distance is less than this threshold, in
+/// scaled arclength. An event counts as lying at the start if its distance from the start is less
+/// than this threshold. Located points are accurate to 1e-10 or better.
 pub(super) const AT_START: f64 = 1e-6;
 
-/// (R) A saved end of a branch lies on a bound if the bounded monitor differs from the bound by
-/// less than this fraction of the bound, or of the change of the monitor per unit of scaled
+/// Rounding: a saved end of a branch lies on a bound if the bounded monitor differs from the bound
+/// by less than this fraction of the bound, or of the change of the monitor per unit of scaled
 /// arclength.
 const ON_BOUND: f64 = 1e-9;
 

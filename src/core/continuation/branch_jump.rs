@@ -8,10 +8,10 @@ use super::extended::Closing;
 use super::located::Located;
 use super::newton::NewtonError;
 
-/// (D) Two branches closer to each other than this threshold, in scaled arclength, are considered
-/// to cross. A mesh that lacks a symmetry of the equations perturbs a branch point into two
-/// separate branches; their distance is the square root of the discretisation error, which is 1e-7
-/// on usual meshes and larger on coarse meshes.
+/// Discretisation: two branches closer to each other than this threshold, in scaled arclength, are
+/// considered to cross. A mesh that lacks a symmetry of the equations perturbs a branch point into
+/// two separate branches; their distance is the square root of the discretisation error, which is
+/// 1e-7 on usual meshes and larger on coarse meshes.
 const CROSSING: f64 = 3e-4;
 
 /// A branch point near a continuation step, or a nearly crossing branch.
@@ -74,17 +74,17 @@ pub(super) fn check_branch_jump(curve: &mut Curve, step: Interval) -> Result<(),
     }
 }
 
-/// (H) A new point lies on the same smooth part of the curve as the previous point if its
+/// Heuristic: a new point lies on the same smooth part of the curve as the previous point if its
 /// prediction error is smaller than this fraction of the step.
 const WELL_PREDICTED: f64 = 0.01;
 
-/// (H) The largest distance, in units of the step and in the middle of the step, between the curve
-/// and the cubic Hermite interpolant of both ends and their tangents. A prediction error of
+/// Heuristic: the largest distance, in units of the step and in the middle of the step, between the
+/// curve and the cubic Hermite interpolant of both ends and their tangents. A prediction error of
 /// `WELL_PREDICTED` corresponds to a distance one sixteenth as large from the interpolant.
 const MOST_BENT: f64 = 0.02;
 
-/// (D) A step shorter than this threshold may be no longer than the error of interpolating a
-/// solution to a new mesh.
+/// Discretisation: a step shorter than this threshold may be no longer than the error of
+/// interpolating a solution to a new mesh.
 pub(super) const MESH: f64 = 1e-3;
 
 /// The position of the checked point as a fraction of the step. The point is not exactly in the

@@ -17,14 +17,15 @@ pub(super) struct Reference {
     mesh_error: f64,
 }
 
-/// (R) A corrected point is identified with the reference point if their distance is smaller than
-/// this threshold, in units of the tolerance of Newton's method. The error of the corrected point
-/// and of the reference point is the tolerance divided by the smallest singular value of the
+/// Rounding: a corrected point is identified with the reference point if their distance is smaller
+/// than this threshold, in units of the tolerance of Newton's method. The error of the corrected
+/// point and of the reference point is the tolerance divided by the smallest singular value of the
 /// Jacobian.
 const SAME: f64 = 1e3;
 
-/// (D) Solutions on different meshes are identified if their difference is at most this factor
-/// times the sum of their estimated errors; the estimates are accurate to a factor of two or three.
+/// Discretisation: Solutions on different meshes are identified if their difference is at most this
+/// factor times the sum of their estimated errors; the estimates are accurate to a factor of two or
+/// three.
 const MESHES: f64 = 5.0;
 
 impl Reference {

@@ -12,29 +12,30 @@ use crate::core::numerics::lagrange;
 use crate::core::problem::Dynamics;
 use std::ops::RangeInclusive;
 
-/// (H) The sample points in an interval, in units of its length. The ends and the middle are
+/// Heuristic: the sample points in an interval, in units of its length. The ends and the middle are
 /// avoided, because symmetric problems may be singular at these points.
 const SAMPLES: [f64; 5] = [0.03, 0.22, 0.517, 0.76, 0.96];
 
-/// (R) The range in which a zero counts as inside an interval, in units of the length of the
+/// Rounding: the range in which a zero counts as inside an interval, in units of the length of the
 /// interval. The range is slightly larger than the interval because an end may itself be a zero:
 /// the ends are corrected to 1e-10 in arclength, 1e-7 of the shortest relevant step.
 const ENDS: RangeInclusive<f64> = -1e-6..=1.0 + 1e-6;
 
-/// (R) Zeros of eigenvalues closer to each other than this threshold, in units of the interval,
-/// count as equal. Eigenvalues, and their interpolating polynomials in a short interval, are
-/// accurate to rounding, 1e-16.
+/// Rounding: Zeros of eigenvalues closer to each other than this threshold, in units of the
+/// interval, count as equal. Eigenvalues, and their interpolating polynomials in a short interval,
+/// are accurate to rounding, 1e-16.
 const TOGETHER: f64 = 1e-7;
 
-/// (D) On a mesh, zeros closer to each other than this threshold, in scaled arclength, count as
-/// equal. The bound is the discretisation error of usual meshes.
+/// Discretisation: On a mesh, zeros closer to each other than this threshold, in scaled arclength,
+/// count as equal. The bound is the discretisation error of usual meshes.
 const ON_MESH: f64 = 1e-6;
 
-/// (H) An interval is cut next to all zeros if the cut removes at least this fraction of the
+/// Heuristic: an interval is cut next to all zeros if the cut removes at least this fraction of the
 /// interval.
 const WORTH_CUTTING: f64 = 0.25;
 
-/// (H) Two frequencies count as equal if their relative difference is smaller than this threshold.
+/// Heuristic: two frequencies count as equal if their relative difference is smaller than this
+/// threshold.
 const SAME_FREQUENCY: f64 = 1e-6;
 
 /// A group of equal eigenvalues, or pairs of eigenvalues, that are critical at the same point.

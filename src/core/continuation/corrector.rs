@@ -12,24 +12,24 @@ use crate::core::failure::Failure;
 use crate::core::linalg::clear_rounding;
 use crate::core::system::{Kind, Representation, Solution};
 
-/// (H) The largest relative error of the matrix from which the tangent and the number of unstable
-/// eigenvalues are computed. A small error is acceptable because the tangent serves only to predict
-/// the next point.
+/// Heuristic: the largest relative error of the matrix from which the tangent and the number of
+/// unstable eigenvalues are computed. A small error is acceptable because the tangent serves only
+/// to predict the next point.
 pub(super) const MATRIX_ERROR: f64 = 1e-4;
 
-/// (H) If the component of the tangent along the parameter is smaller than this threshold, the
-/// tangent is computed again from the matrix at the point itself, because the sign of the component
-/// detects folds. With an older matrix, the error of the tangent is `MATRIX_ERROR` times the
-/// condition number of the matrix.
+/// Heuristic: if the component of the tangent along the parameter is smaller than this threshold,
+/// the tangent is computed again from the matrix at the point itself, because the sign of the
+/// component detects folds. With an older matrix, the error of the tangent is `MATRIX_ERROR` times
+/// the condition number of the matrix.
 const UNCERTAIN: f64 = 0.05;
 
-/// (D) The error of the parameters is estimated as this power of the error of the solution, since
-/// collocation converges faster at the mesh nodes. The exponent is the smallest ratio of the two
-/// orders of convergence, `2m` and `m + 1`, for degrees `m ≥ 3`.
+/// Discretisation: the error of the parameters is estimated as this power of the error of the
+/// solution, since collocation converges faster at the mesh nodes. The exponent is the smallest
+/// ratio of the two orders of convergence, `2m` and `m + 1`, for degrees `m ≥ 3`.
 pub(super) const SUPERCONVERGENCE: f64 = 1.5;
 
-/// (H) The ratio between the error of the slope of a parameter and the error of the solution. In a
-/// canard explosion, parameter errors change sign within 0.01 of scaled arclength.
+/// Heuristic: the ratio between the error of the slope of a parameter and the error of the
+/// solution. In a canard explosion, parameter errors change sign within 0.01 of scaled arclength.
 const WAVES: f64 = 10.0;
 
 /// The equations of a curve with the norm that defines its arclength.

@@ -8,9 +8,9 @@ use crate::core::bifurcation::{branches_at, vertical_reach};
 use crate::core::failure::Failure;
 use crate::core::linalg::{difference, dot};
 
-/// (H) The largest ratio of two components of the first step from a branch point: its component
-/// along the parent branch, and its component along the traced branch. If the step stays on the
-/// traced branch, its component along the parent branch is of second order in the step.
+/// Heuristic: the largest ratio of two components of the first step from a branch point: its
+/// component along the parent branch, and its component along the traced branch. If the step stays
+/// on the traced branch, its component along the parent branch is of second order in the step.
 const MOST_OF_PARENT: f64 = 0.5;
 
 /// The start of a curve at a branch point, along the tangent of a branch other than the parent
@@ -71,8 +71,8 @@ pub(super) fn tangents_at_crossing(
     Ok(unloaded.collect())
 }
 
-/// (R) A parameter component of a tangent smaller than this threshold, in units of its scale, is
-/// zero up to rounding if the unknowns change by their scales.
+/// Rounding: a parameter component of a tangent smaller than this threshold, in units of its scale,
+/// is zero up to rounding if the unknowns change by their scales.
 const VERTICAL: f64 = 1e-9;
 
 /// Returns the distance along a branch with a vertical tangent at a branch point, after which the

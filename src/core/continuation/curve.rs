@@ -10,8 +10,8 @@ use super::refiner::Refiner;
 use crate::core::bifurcation::{Reading, nearest_to_critical};
 use crate::core::failure::Failure;
 
-/// (H) The factor by which the error of eigenvalues may exceed the error of the matrix. The error
-/// of the matrix is known only along the direction of the last correction.
+/// Heuristic: the factor by which the error of eigenvalues may exceed the error of the matrix. The
+/// error of the matrix is known only along the direction of the last correction.
 const SPREAD: f64 = 1e3;
 
 /// A curve, together with the components that compute and record its points.

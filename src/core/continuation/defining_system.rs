@@ -84,8 +84,8 @@ fn solve_with<'m>(
     Ok(Solved { unknowns, meaning, error })
 }
 
-/// (H) The number of samples from which rounding errors are estimated; a single sample may be small
-/// by chance.
+/// Heuristic: the number of samples from which rounding errors are estimated; a single sample may
+/// be small by chance.
 const SAMPLES: usize = 2;
 
 /// Sets the components of `z` at a solution that consist only of rounding errors to zero, as
@@ -108,8 +108,8 @@ fn clear_rounding(equations: &mut Extended, unknowns: &mut [f64], weights: &[f64
     equations.load(unknowns);
 }
 
-/// (R) A component smaller than this threshold, in units of its scale, may consist only of rounding
-/// errors.
+/// Rounding: a component smaller than this threshold, in units of its scale, may consist only of
+/// rounding errors.
 const SMALL: f64 = 1e-9;
 
 /// Solves a defining system, and estimates the error of the first released parameter. The estimate

@@ -71,8 +71,8 @@ pub(super) fn describe(
     Ok(Located { event: Some(index), along, unknowns, special })
 }
 
-/// (H) The largest error of a critical multiplier for which the other multipliers are considered
-/// reliable.
+/// Heuristic: the largest error of a critical multiplier for which the other multipliers are
+/// considered reliable.
 const INACCURATE: f64 = 1e-2;
 
 /// Removes the multipliers of a converged special point of periodic orbits if all of them are far

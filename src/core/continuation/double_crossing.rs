@@ -9,13 +9,13 @@ use super::step_control::{LARGEST_ANGLE, MOST_DISTANT, Step};
 use crate::core::linalg::dot;
 use crate::core::numerics::extremum;
 
-/// (H) A predicted extremum of a test function is examined if it is closer to zero than this
+/// Heuristic: a predicted extremum of a test function is examined if it is closer to zero than this
 /// threshold, relative to the values at the ends. The interpolating parabola may be wrong by a
 /// third of the smaller end value.
 const NEAR: f64 = 0.3;
 
-/// (H) The number of trial points for one extremum; for a smooth function, the last two or three
-/// trial points agree with the extremum up to rounding.
+/// Heuristic: the number of trial points for one extremum; for a smooth function, the last two or
+/// three trial points agree with the extremum up to rounding.
 const TRIALS: usize = 4;
 
 /// Returns a shorter step, which ends between `from` and the end of `step` at a point where some

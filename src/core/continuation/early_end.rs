@@ -8,41 +8,42 @@ use super::settings::Settings;
 use crate::core::bifurcation::At;
 use crate::core::system::{Approach, HOMOCLINIC_RATES, Traits};
 
-/// (H) A branch ends after this number of consecutive points whose mesh is too coarse; mesh
+/// Heuristic: a branch ends after this number of consecutive points whose mesh is too coarse; mesh
 /// adaptation may follow changes of the solution with a delay of a few steps.
 const MOST_COARSE: usize = 3;
 
-/// (H) A branch ends after this number of consecutive steps towards a homoclinic orbit. When a
-/// branch approaches a homoclinic orbit, the changes of the parameters per step decrease to less
+/// Heuristic: a branch ends after this number of consecutive steps towards a homoclinic orbit. When
+/// a branch approaches a homoclinic orbit, the changes of the parameters per step decrease to less
 /// than the errors of Newton's method and of the mesh. Farther along the branch, the parameters
 /// contain only numerical noise.
 const MOST_STILL: usize = 3;
 
-/// (H) Fewer steps towards a homoclinic orbit suffice to end the branch if the period has grown by
-/// this factor during these steps. The additional time is spent near the equilibrium, where the
-/// mesh soon becomes too coarse.
+/// Heuristic: fewer steps towards a homoclinic orbit suffice to end the branch if the period has
+/// grown by this factor during these steps. The additional time is spent near the equilibrium,
+/// where the mesh soon becomes too coarse.
 const GROWN: f64 = 1.1;
 
-/// (H) Near a homoclinic orbit, only the time near the equilibrium grows: the relative change of
-/// the extents of a cycle is smaller than this fraction of the relative change of its period.
+/// Heuristic: Near a homoclinic orbit, only the time near the equilibrium grows: the relative
+/// change of the extents of a cycle is smaller than this fraction of the relative change of its
+/// period.
 const STILL: f64 = 0.05;
 
-/// (H) The branch ends when the distance of the cycle from the equilibrium is smaller than this
-/// fraction of the distance at the point where the parameters became constant.
+/// Heuristic: the branch ends when the distance of the cycle from the equilibrium is smaller than
+/// this fraction of the distance at the point where the parameters became constant.
 const NEARER: f64 = 0.8;
 
-/// (H) A cycle is near a homoclinic orbit if its distance from an equilibrium is less than this
-/// fraction of its extents. Cycles of slow–fast systems, which are not homoclinic, spend long times
-/// at distances of 5e-4 and more from saddles.
+/// Heuristic: a cycle is near a homoclinic orbit if its distance from an equilibrium is less than
+/// this fraction of its extents. Cycles of slow–fast systems, which are not homoclinic, spend long
+/// times at distances of 5e-4 and more from saddles.
 const NEAR: f64 = 2e-4;
 
-/// (H) A leading eigenvalue counts as nearly zero if it is smaller than this fraction of its
+/// Heuristic: a leading eigenvalue counts as nearly zero if it is smaller than this fraction of its
 /// largest value on the same half of the branch. Homoclinic orbits to a non-hyperbolic equilibrium
 /// take infinite time in the truncated problem, and steps towards them become ever smaller.
 const WEAK: f64 = 1e-3;
 
-/// (H) If no step succeeds, a leading eigenvalue smaller than this fraction of its largest value is
-/// reported as the reason.
+/// Heuristic: if no step succeeds, a leading eigenvalue smaller than this fraction of its largest
+/// value is reported as the reason.
 const WEAK_AT_FAILURE: f64 = 0.05;
 
 /// The state of the checks, along one half of a branch, for an end at a point where Newton's method
@@ -69,8 +70,8 @@ pub(super) struct EarlyEnd {
     pub small: bool,
 }
 
-/// (D) States smaller than this threshold, in units of their scales, have at most three significant
-/// digits, because tolerances of 1e-10 are relative to the scales.
+/// Discretisation: States smaller than this threshold, in units of their scales, have at most three
+/// significant digits, because tolerances of 1e-10 are relative to the scales.
 const SMALL: f64 = 1e-7;
 
 impl EarlyEnd {
@@ -189,8 +190,8 @@ fn approach(corrector: &mut Corrector, place: &CurvePoint) -> Option<Approach> {
     system.discretised()?.approach(x)
 }
 
-/// (H) If deviations grow by more than this factor over a segment, the growth is reported as the
-/// reason why steps are short.
+/// Heuristic: if deviations grow by more than this factor over a segment, the growth is reported as
+/// the reason why steps are short.
 const STEEP: f64 = 1e5;
 
 /// Returns the factor by which deviations grow over a segment of the last assembled orbit, if the

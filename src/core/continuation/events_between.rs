@@ -92,8 +92,8 @@ fn is_noise(Interval { from, to, .. }: Interval, it: &Located, flat: bool) -> bo
     it.special.kind == Kind::LP && noise
 }
 
-/// (R) If a multiplier is closer to 1 than this threshold, rounding determines whether it is larger
-/// than 1. The bound is ten times the bound for neutral multipliers.
+/// Rounding: if a multiplier is closer to 1 than this threshold, rounding determines whether it is
+/// larger than 1. The bound is ten times the bound for neutral multipliers.
 const AT_ONE: f64 = 1e-8;
 
 /// Whether a fold did not converge and its critical multiplier equals 1, up to rounding, at both ends
@@ -103,8 +103,8 @@ fn stays_at_one(dynamics: Dynamics, Interval { from, to, .. }: Interval, it: &Lo
     it.special.kind == Kind::LP && !it.special.converged && [from, to].into_iter().all(is_at_one)
 }
 
-/// (H) No multiplier passes 1 in a step if all multipliers at its ends are farther from 1 than this
-/// threshold.
+/// Heuristic: no multiplier passes 1 in a step if all multipliers at its ends are farther from 1
+/// than this threshold.
 const FAR_FROM_ONE: f64 = 0.1;
 
 /// Whether an unconverged branch point of cycles is an artefact of a coarse mesh, which is assumed
@@ -123,8 +123,8 @@ fn nearest_to_one(dynamics: Dynamics, place: &CurvePoint) -> Option<f64> {
     all.map(|mu| Critical::One.distance(dynamics, mu)).reduce(f64::min)
 }
 
-/// (H) An auxiliary unknown counts as zero if it is smaller than this fraction of the larger of its
-/// values at the ends of a step.
+/// Heuristic: an auxiliary unknown counts as zero if it is smaller than this fraction of the larger
+/// of its values at the ends of a step.
 const VANISHED: f64 = 1e-4;
 
 /// Whether an apparent codimension-two point, at which a critical pair meets another critical
@@ -145,8 +145,8 @@ fn is_double_value(curve: &mut Curve, Interval { from, to, .. }: Interval, it: &
     })
 }
 
-/// (H) Two events count as the same point if their distance is smaller than this fraction of the
-/// step.
+/// Heuristic: two events count as the same point if their distance is smaller than this fraction of
+/// the step.
 const ONE_POINT: f64 = 1e-3;
 
 /// The kinds of points, besides folds, at which the parameter may have an extremum: a pitchfork on

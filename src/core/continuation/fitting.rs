@@ -9,7 +9,7 @@ use super::newton::NewtonError;
 use crate::core::failure::Failure;
 use crate::core::system::{Kind, Solution};
 
-/// (H) The number of points after which a coarser mesh is tried again, if a coarser mesh has
+/// Heuristic: the number of points after which a coarser mesh is tried again, if a coarser mesh has
 /// failed.
 const PATIENCE: usize = 10;
 

@@ -12,9 +12,9 @@ pub(super) struct Knot<'a> {
     pub speed: f64,
 }
 
-/// (H) The maximal number of knots of one interpolating polynomial. Three knots with their slopes
-/// give a polynomial of degree 5. Polynomials of higher degree gain little accuracy, and amplify
-/// the errors of corrected points.
+/// Heuristic: the maximal number of knots of one interpolating polynomial. Three knots with their
+/// slopes give a polynomial of degree 5. Polynomials of higher degree gain little accuracy, and
+/// amplify the errors of corrected points.
 pub(super) const MOST_KNOTS: usize = 3;
 
 /// Evaluates the polynomial of degree `2k − 1` through `k` knots with their slopes `dX/du`, at `u`.

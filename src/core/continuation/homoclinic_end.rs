@@ -20,23 +20,23 @@ use crate::core::system::{
     Emanating, HOMOCLINIC_RADIUS, HOMOCLINIC_RATES, Kind, Refinement, Solution, System,
 };
 
-/// (H) The ratio of the truncation distances of two approximations of a homoclinic orbit, which
-/// begin and end at different distances from the equilibrium. The difference of the two orbits is
-/// the estimate of the truncation error of the homoclinic orbit.
+/// Heuristic: the ratio of the truncation distances of two approximations of a homoclinic orbit,
+/// which begin and end at different distances from the equilibrium. The difference of the two
+/// orbits is the estimate of the truncation error of the homoclinic orbit.
 const WIDER: f64 = 10.0;
 
-/// (H) The largest allowed difference between the parameter at the end of a branch and the
+/// Heuristic: the largest allowed difference between the parameter at the end of a branch and the
 /// parameter of the homoclinic orbit, relative to the range or to the value of the parameter.
 const FAR_OFF: f64 = 1e-3;
 
-/// (R) The parameter of the homoclinic orbit has converged if its values on two successive meshes
-/// differ by less than this fraction.
+/// Rounding: the parameter of the homoclinic orbit has converged if its values on two successive
+/// meshes differ by less than this fraction.
 const SETTLED: f64 = 1e-12;
 
-/// (H) The discretisation error of the mesh with which the refinement starts.
+/// Heuristic: the discretisation error of the mesh with which the refinement starts.
 const RESOLVED: f64 = 1e-6;
 
-/// (H) The maximal number of mesh refinements.
+/// Heuristic: the maximal number of mesh refinements.
 const REFINEMENTS: usize = 3;
 
 /// A homoclinic orbit on one mesh.

@@ -9,11 +9,11 @@ use super::steps::Steps;
 use crate::core::linalg::advanced;
 use crate::core::system::{Jump, Kind};
 
-/// (H) The distance ahead within which a discontinuity is searched for, in units of the failed
-/// step.
+/// Heuristic: the distance ahead within which a discontinuity is searched for, in units of the
+/// failed step.
 const AHEAD: f64 = 2.0;
 
-/// (H) The distance before a discontinuity at which a branch ends, in units of the searched
+/// Heuristic: the distance before a discontinuity at which a branch ends, in units of the searched
 /// distance. Closer to the discontinuity, rounding determines on which side a solution lies.
 const SHORT_OF: f64 = 1e-5;
 

@@ -15,8 +15,8 @@ use crate::core::bifurcation::{PointValues, TestFunction};
 const SHARES: [f64; 14] =
     [0.8, 0.65, 0.5, 0.4, 0.3, 0.2, 0.15, 0.12, 0.09, 0.06, 0.04, 0.03, 0.02, 0.01];
 
-/// (H) The minimal and the maximal number of samples for an interpolating polynomial. With more
-/// than five samples in the square of the test function, rounding errors dominate.
+/// Heuristic: the minimal and the maximal number of samples for an interpolating polynomial. With
+/// more than five samples in the square of the test function, rounding errors dominate.
 const SAMPLES: [usize; 2] = [3, 5];
 
 /// A point of the curve: the value of its test function, and its unknowns.

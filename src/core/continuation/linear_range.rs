@@ -5,18 +5,19 @@ use crate::core::failure::Failure;
 use crate::core::linalg::norm;
 use std::ops::Range;
 
-/// (H) Two bounds for the nonlinear fraction of the terms, averaged over the equations: nonlinear
-/// terms are insignificant below the first bound, and significant above the second bound. The
-/// average may contain a few equations that consist of rounding errors only.
+/// Heuristic: two bounds for the nonlinear fraction of the terms, averaged over the equations:
+/// nonlinear terms are insignificant below the first bound, and significant above the second bound.
+/// The average may contain a few equations that consist of rounding errors only.
 const LINEAR: f64 = 0.05;
 const NONLINEAR: f64 = 0.3;
 
-/// (R) The smallest length in the search; a very small bound, so that unknowns can have any unit.
+/// Rounding: the smallest length in the search; a very small bound, so that unknowns can have any
+/// unit.
 const SMALLEST: f64 = 1e-30;
-/// (R) The largest length in the search.
+/// Rounding: the largest length in the search.
 const LARGEST: f64 = 1e30;
 
-/// (H) The accuracy of the computed length, as a factor.
+/// Heuristic: the accuracy of the computed length, as a factor.
 const CLOSE: f64 = 1.1;
 
 /// Computes the length along a tangent at which nonlinear terms are comparable with linear terms,

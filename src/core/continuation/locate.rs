@@ -16,30 +16,30 @@ use crate::core::bifurcation::Critical;
 use crate::core::failure::Failure;
 use crate::core::system::Kind;
 
-/// (H) The largest distance of a located event from the interpolated branch, in units of the length
-/// of its bracket. In steps that turn by less than `LARGEST_ANGLE`, the distance of the curve is
-/// less than 0.1.
+/// Heuristic: the largest distance of a located event from the interpolated branch, in units of the
+/// length of its bracket. In steps that turn by less than `LARGEST_ANGLE`, the distance of the
+/// curve is less than 0.1.
 const MOST_BESIDE: f64 = 0.5;
 
-/// (H) A solution of a defining system lies on the curve if a correction to the curve moves the
-/// solution by less than this fraction of the length of its bracket.
+/// Heuristic: a solution of a defining system lies on the curve if a correction to the curve moves
+/// the solution by less than this fraction of the length of its bracket.
 const BESIDE_CURVE: f64 = 1e-3;
 
-/// (H) The distance on both sides of a branch point, as a fraction of the bracket, at which the
-/// sign change of its test function is checked.
+/// Heuristic: the distance on both sides of a branch point, as a fraction of the bracket, at which
+/// the sign change of its test function is checked.
 const BESIDE_POINT: f64 = 0.02;
 
-/// (H) The positions at which a bracket is divided, in units of its length: first the middle, and
-/// two other positions if the curve cannot be corrected at the middle. For events with critical
-/// eigenvalues, only the middle is tried, since the curve may be singular at the event.
+/// Heuristic: the positions at which a bracket is divided, in units of its length: first the
+/// middle, and two other positions if the curve cannot be corrected at the middle. For events with
+/// critical eigenvalues, only the middle is tried, since the curve may be singular at the event.
 const CUTS: [f64; 3] = [0.5, 0.37, 0.71];
 
-/// (R) A solution that lies outside a bracket by less than this fraction of the length of the
+/// Rounding: a solution that lies outside a bracket by less than this fraction of the length of the
 /// bracket counts as inside.
 const BEYOND: f64 = 1e-9;
 
-/// (R) The number of bisections after which the length of a bracket is of the size of rounding
-/// errors.
+/// Rounding: the number of bisections after which the length of a bracket is of the size of
+/// rounding errors.
 const MOST_HALVINGS: usize = 40;
 
 impl Locator<'_, '_> {

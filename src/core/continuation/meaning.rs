@@ -11,19 +11,20 @@ use crate::core::failure::Failure;
 use crate::core::numerics::error_of_last;
 use crate::core::system::Effort;
 
-/// (H) The number of samples of rounding errors from which the errors of named numbers are
+/// Heuristic: the number of samples of rounding errors from which the errors of named numbers are
 /// estimated.
 const SAMPLES: usize = 2;
-/// (H) The factor by which errors estimated from samples of rounding errors may be too small by chance.
+/// Heuristic: the factor by which errors estimated from samples of rounding errors may be too small
+/// by chance.
 const CAUTION: f64 = 4.0;
 
-/// (R) The derivative of an unfolding unknown with respect to a parameter is zero up to rounding if
-/// it is smaller than this threshold, relative to its terms. If the derivative is larger, the
-/// branch point does not persist when the parameter changes.
+/// Rounding: the derivative of an unfolding unknown with respect to a parameter is zero up to
+/// rounding if it is smaller than this threshold, relative to its terms. If the derivative is
+/// larger, the branch point does not persist when the parameter changes.
 const BREAKS_UP: f64 = 1e-7;
 
-/// (R) A sensitivity is zero up to rounding if it is smaller than this threshold, in units of the
-/// rounding errors of its terms. Alternatively, the resulting change of the released parameter,
+/// Rounding: a sensitivity is zero up to rounding if it is smaller than this threshold, in units of
+/// the rounding errors of its terms. Alternatively, the resulting change of the released parameter,
 /// when the other parameter changes by its own size, is compared with the rounding error of the
 /// released parameter.
 const NOISE: f64 = 16.0;

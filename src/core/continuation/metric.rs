@@ -263,52 +263,52 @@ impl ScaledNorm {
     }
 }
 
-/// (R) A group of unknowns smaller than this threshold, relative to its change along the tangent
-/// over the range of the parameter, is zero up to rounding; the start of a curve is accurate to
-/// 1e-10.
+/// Rounding: a group of unknowns smaller than this threshold, relative to its change along the
+/// tangent over the range of the parameter, is zero up to rounding; the start of a curve is
+/// accurate to 1e-10.
 const ZERO: f64 = 1e-9;
 
-/// (D) A group that is smaller than other groups by this factor, relative to its change along the
-/// tangent, is zero up to the error of the start. The error of the start is the discretisation
-/// error if the curve emanates from a special point.
+/// Discretisation: a group that is smaller than other groups by this factor, relative to its change
+/// along the tangent, is zero up to the error of the start. The error of the start is the
+/// discretisation error if the curve emanates from a special point.
 const SMALL: f64 = 1e-5;
 
-/// (R) Unknowns and their changes along the tangent that are smaller than this threshold, in the
-/// given units, are zero up to rounding; the start of a curve is accurate to 1e-10.
+/// Rounding: unknowns and their changes along the tangent that are smaller than this threshold, in
+/// the given units, are zero up to rounding; the start of a curve is accurate to 1e-10.
 const NOTHING: f64 = 1e-9;
 
-/// (R) The parameter component of a tangent is zero up to rounding if it is smaller than this
+/// Rounding: the parameter component of a tangent is zero up to rounding if it is smaller than this
 /// threshold, relative to the component along the unknowns, both in units of their scales. The
 /// bound is about 1e4 ε, for matrices with a condition number up to 1e4.
 const VERTICAL: f64 = 1e-12;
 
-/// (R) The threshold that replaces [`VERTICAL`] on a mesh, on which tangents are accurate to about
-/// √ε.
+/// Rounding: the threshold that replaces [`VERTICAL`] on a mesh, on which tangents are accurate to
+/// about √ε.
 const VERTICAL_ON_MESH: f64 = 1e-8;
 
-/// (H) A group smaller than this fraction of the largest group may be a rounding error.
+/// Heuristic: a group smaller than this fraction of the largest group may be a rounding error.
 const DOUBTFUL: f64 = 1e-6;
 
-/// (R) A component that was zero before a correction counts as a rounding error if it is smaller
-/// than this threshold, in units of its scale. The same bound applies to the components of a unit
-/// tangent.
+/// Rounding: a component that was zero before a correction counts as a rounding error if it is
+/// smaller than this threshold, in units of its scale. The same bound applies to the components of
+/// a unit tangent.
 const RESIDUE: f64 = 1e-14;
 
-/// (R) A parameter is constant, up to rounding, if it changes by less than this fraction of its value
-/// while the unknowns change by their sizes.
+/// Rounding: a parameter is constant, up to rounding, if it changes by less than this fraction of
+/// its value while the unknowns change by their sizes.
 const STILL: f64 = 1e-8;
 
-/// (R) The start is near a fold if all groups are smaller than this threshold, relative to their
-/// changes along the tangent over the range of the parameter; if all groups are smaller than
+/// Rounding: the start is near a fold if all groups are smaller than this threshold, relative to
+/// their changes along the tangent over the range of the parameter; if all groups are smaller than
 /// [`ORIGIN`], the start is at the origin.
 const FOLD: f64 = 1e-8;
 
-/// (R) The start is at the origin if all groups are smaller than this threshold, relative to their
-/// changes along the tangent (see [`FOLD`]).
+/// Rounding: the start is at the origin if all groups are smaller than this threshold, relative to
+/// their changes along the tangent (see [`FOLD`]).
 const ORIGIN: f64 = 1e-14;
 
-/// (H) The start must be corrected again if a new scale is smaller than the former scale by more
-/// than this factor.
+/// Heuristic: the start must be corrected again if a new scale is smaller than the former scale by
+/// more than this factor.
 const FINER: f64 = 1e-2;
 
 /// Whether a number can be a scale: its square and the inverse of its square are finite and

@@ -7,17 +7,17 @@ use crate::core::linalg::{advanced, difference, dot, norm as length_of};
 use crate::core::problem::Names;
 use std::ops::Range;
 
-/// (H) The largest deviation of a prediction from the tangent, as a fraction of the step. The angle
-/// between the tangents at both ends of a step is limited to a similar value.
+/// Heuristic: the largest deviation of a prediction from the tangent, as a fraction of the step.
+/// The angle between the tangents at both ends of a step is limited to a similar value.
 const MOST_CURVED: f64 = 0.3;
 
-/// (H) The largest difference between the polynomial and the tangent prediction in a group of
-/// unknowns, relative to the norm of the group. The bound on this difference applies near an
+/// Heuristic: the largest difference between the polynomial and the tangent prediction in a group
+/// of unknowns, relative to the norm of the group. The bound on this difference applies near an
 /// extremum of the group, where the part of the step in the group vanishes.
 const MOST_TURNED: f64 = 0.02;
 
-/// (H) The smallest cosine of the angle between the tangents at an earlier and the current point:
-/// the predictor ignores earlier points whose tangent deviates by more than 60°.
+/// Heuristic: the smallest cosine of the angle between the tangents at an earlier and the current
+/// point: the predictor ignores earlier points whose tangent deviates by more than 60°.
 const LEAST_SPEED: f64 = 0.5;
 
 /// An earlier point of the curve, stored for the predictor and for the detection of two events in

@@ -6,45 +6,47 @@ use super::curve_point::CurvePoint;
 use super::end::End;
 use crate::core::linalg::norm;
 
-/// (D) A branch has gone to infinity if a group of unknowns has grown by this factor since the
-/// parameters last changed: no diagram shows both ends of such a part of a branch. The parameters
-/// must also converge, which they do not after a fold: on the second half of this part, measured by
-/// the logarithm of the norm of the group, the parameters must change by no more than on the first
-/// half, up to rounding.
+/// Discretisation: a branch has gone to infinity if a group of unknowns has grown by this factor
+/// since the parameters last changed: no diagram shows both ends of such a part of a branch. The
+/// parameters must also converge, which they do not after a fold: on the second half of this part,
+/// measured by the logarithm of the norm of the group, the parameters must change by no more than
+/// on the first half, up to rounding.
 const INFINITE: f64 = 1e6;
 const AT_REST: f64 = 1e-13;
 
-/// (D) The parameters count as constant if they change by less than this fraction of their scales.
-/// Along a branch that goes to infinity, the parameters converge like a power of the unknowns.
+/// Discretisation: the parameters count as constant if they change by less than this fraction of
+/// their scales. Along a branch that goes to infinity, the parameters converge like a power of the
+/// unknowns.
 const STILL: f64 = 1e-4;
 
-/// (H) The number of consecutive points after which the progress of a branch is checked. A sharp
-/// turn of a branch requires fewer points.
+/// Heuristic: the number of consecutive points after which the progress of a branch is checked. A
+/// sharp turn of a branch requires fewer points.
 const MANY: usize = 200;
 
-/// (H) A quantity makes no net progress if its largest distance from its value at the reference
-/// point is less than this fraction of the sum of all its changes. For a random walk of [`MANY`]
-/// steps, the fraction is 1/14; on a closed curve, 1/3. Arclength is not used as a measure: if a
-/// discontinuity moves along an orbit, the length of a step is the square root of the displacement
-/// of the discontinuity, so the sum of lengths grows with the number of steps.
+/// Heuristic: a quantity makes no net progress if its largest distance from its value at the
+/// reference point is less than this fraction of the sum of all its changes. For a random walk of
+/// [`MANY`] steps, the fraction is 1/14; on a closed curve, 1/3. Arclength is not used as a
+/// measure: if a discontinuity moves along an orbit, the length of a step is the square root of the
+/// displacement of the discontinuity, so the sum of lengths grows with the number of steps.
 const NOWHERE: f64 = 0.03;
 
-/// (R) A quantity makes no net progress if it changes by less than this fraction of its scale.
+/// Rounding: a quantity makes no net progress if it changes by less than this fraction of its
+/// scale.
 const LITTLE: f64 = 1e-6;
 
-/// (H) A branch makes no net progress if its mean step is shorter than this fraction of the largest
-/// allowed step. With a mean step of this length, the maximal number of points would cover one
-/// hundredth of the largest allowed step.
+/// Heuristic: a branch makes no net progress if its mean step is shorter than this fraction of the
+/// largest allowed step. With a mean step of this length, the maximal number of points would cover
+/// one hundredth of the largest allowed step.
 const CREEPING: f64 = 1e-5;
 
-/// (H) A branch is reported as slow (`Crawl`) if over [`MANY`] points each quantity changes by less than
-/// this fraction of its scale, and by less than this fraction of the arclength. On a slow branch, the
-/// unknowns may change, for example because a front moves along a mesh, but all quantities in a
-/// bifurcation diagram are almost constant.
+/// Heuristic: a branch is reported as slow (`Crawl`) if over [`MANY`] points each quantity changes
+/// by less than this fraction of its scale, and by less than this fraction of the arclength. On a
+/// slow branch, the unknowns may change, for example because a front moves along a mesh, but all
+/// quantities in a bifurcation diagram are almost constant.
 const CRAWLING: f64 = 0.01;
 
-/// (H) Path lengths are compared only along a part of the branch on which the scale of each group
-/// grows by less than this factor.
+/// Heuristic: Path lengths are compared only along a part of the branch on which the scale of each
+/// group grows by less than this factor.
 const SAME_SCALE: f64 = 2.0;
 
 /// The quantities that are compared between points of one half of a branch.

@@ -17,8 +17,8 @@ use crate::core::linalg::{Spectrum, SpectrumRequest};
 use crate::core::problem::{Dynamics, PlaneField};
 use crate::core::system::{Across, Kind, System};
 
-/// (H) The minimal number of eigenvalues computed at each point. The computed eigenvalues include
-/// the rightmost stable eigenvalues, whose real parts may reach zero in the next step.
+/// Heuristic: the minimal number of eigenvalues computed at each point. The computed eigenvalues
+/// include the rightmost stable eigenvalues, whose real parts may reach zero in the next step.
 const LEAST: usize = 4;
 
 /// The recorded data of a point, without its unknowns.

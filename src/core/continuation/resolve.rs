@@ -169,9 +169,9 @@ fn homoclinic(curve: &mut Continuation, mut solution: Solution) -> Result<Start,
     Ok(Start { site, one_sided, ..Start::point(z, Some(direction)) })
 }
 
-/// (H) The sizes of homoclinic orbits that are tried near a Bogdanov–Takens point, in units of the
-/// first size. Larger orbits deviate more from the normal form; smaller orbits are dominated by
-/// rounding.
+/// Heuristic: the sizes of homoclinic orbits that are tried near a Bogdanov–Takens point, in units
+/// of the first size. Larger orbits deviate more from the normal form; smaller orbits are dominated
+/// by rounding.
 const LOOPS: [f64; 7] = [1.0, 0.25, 4.0, 0.0625, 16.0, 0.015625, 0.00390625];
 
 /// Returns a homoclinic orbit near a Bogdanov–Takens point, and its parameters. Several sizes of

@@ -77,18 +77,18 @@ pub struct Root {
     pub unstable: Option<usize>,
 }
 
-/// (H) Two solutions count as equal if their distance is smaller than this fraction of the size of
-/// the box.
+/// Heuristic: two solutions count as equal if their distance is smaller than this fraction of the
+/// size of the box.
 const SAME: f64 = 1e-7;
 
-/// (H) The largest Newton step, as a fraction of the size of the box.
+/// Heuristic: the largest Newton step, as a fraction of the size of the box.
 const LONGEST_STEP: f64 = 0.5;
 
-/// (H) The distance from the middle of the box, in units of its size, beyond which Newton's method
-/// is stopped.
+/// Heuristic: the distance from the middle of the box, in units of its size, beyond which Newton's
+/// method is stopped.
 const FAR: f64 = 3.0;
 
-/// (H) The number of final Newton corrections without deflation.
+/// Heuristic: the number of final Newton corrections without deflation.
 const POLISHED: usize = 3;
 
 impl RootSearch {

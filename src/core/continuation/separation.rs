@@ -24,12 +24,12 @@ use crate::core::problem::Dynamics;
 use crate::core::system::Kind;
 use std::sync::Arc;
 
-/// (R) Parts of a step shorter than this threshold, in scaled arclength, count as points. The bound
-/// is the tolerance of Newton's method.
+/// Rounding: Parts of a step shorter than this threshold, in scaled arclength, count as points. The
+/// bound is the tolerance of Newton's method.
 const SHORTEST: f64 = 1e-10;
 
-/// (H) The maximal number of cuts by which a step is divided. Separating two events requires five
-/// cuts, whatever their distance.
+/// Heuristic: the maximal number of cuts by which a step is divided. Separating two events requires
+/// five cuts, whatever their distance.
 const CUTS: usize = 60;
 
 /// The division of a step into parts, which are searched for events.

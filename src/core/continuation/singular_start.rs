@@ -9,21 +9,21 @@ use crate::core::failure::Failure;
 use crate::core::linalg::{Form, dot, generic, largest, norm};
 use crate::core::problem::Dynamics;
 
-/// (D) The distance by which a start at a special point is moved, in units of the scale of the
-/// parameter. The distance is larger than the distance within which a special point is attributed
-/// to the start, and too small to be visible in a diagram.
+/// Discretisation: the distance by which a start at a special point is moved, in units of the scale
+/// of the parameter. The distance is larger than the distance within which a special point is
+/// attributed to the start, and too small to be visible in a diagram.
 const MOVED: f64 = 1e-5;
 
-/// (H) The relative distance from the start at which a conservation law is checked a second time. A
-/// left null vector that exists only at the start, without a conservation law, is not a null vector
-/// at the second point.
+/// Heuristic: the relative distance from the start at which a conservation law is checked a second
+/// time. A left null vector that exists only at the start, without a conservation law, is not a
+/// null vector at the second point.
 const ELSEWHERE: f64 = 1e-2;
 
-/// (R) A sum smaller than this threshold, relative to its terms, vanishes up to rounding.
+/// Rounding: a sum smaller than this threshold, relative to its terms, vanishes up to rounding.
 const VANISHES: f64 = 1e-9;
 
-/// (R) Coefficients smaller than this threshold, relative to the largest coefficient, are zero up
-/// to rounding.
+/// Rounding: Coefficients smaller than this threshold, relative to the largest coefficient, are
+/// zero up to rounding.
 const NOTHING: f64 = 1e-9;
 
 /// Moves a start whose tangent is undetermined by a small change of the parameter within its range,

@@ -6,14 +6,14 @@ use super::curve_point::Interval;
 use super::end::End;
 use crate::core::bifurcation::At;
 
-/// (H) A branch is considered to snake after this number of folds at the same two values of the
-/// parameter. The parameter values at the first folds still differ; the values at later folds
+/// Heuristic: a branch is considered to snake after this number of folds at the same two values of
+/// the parameter. The parameter values at the first folds still differ; the values at later folds
 /// converge geometrically.
 const TURNS: usize = 12;
 
-/// (H) Two folds count as lying at the same parameter value if their parameters differ by less than
-/// this fraction of the distance between the two values. The oscillations of a branch near a
-/// homoclinic orbit to an equilibrium shrink faster.
+/// Heuristic: two folds count as lying at the same parameter value if their parameters differ by
+/// less than this fraction of the distance between the two values. The oscillations of a branch
+/// near a homoclinic orbit to an equilibrium shrink faster.
 const SAME: f64 = 0.02;
 
 /// The name of the column with the period of cycles.

@@ -28,25 +28,26 @@ use crate::core::failure::Failure;
 use crate::core::linalg::{dot, generic, largest};
 use crate::core::system::{Kind, Representation, Site, Solution, Start};
 
-/// (D) Unknowns whose sizes differ by less than this threshold, relative to their size, count as
-/// equal in size: the two halves of a doubled orbit differ by the discretisation error.
+/// Discretisation: unknowns whose sizes differ by less than this threshold, relative to their size,
+/// count as equal in size: the two halves of a doubled orbit differ by the discretisation error.
 const EQUAL: f64 = 1e-4;
 
-/// (D) If a curve emanates at a limit of admissible solutions, levels closer to the start than this
-/// threshold, in scaled arclength, are identified with that limit. The bound is the square root of
-/// the discretisation error, because the maximum of an orbit depends quadratically on arclength.
+/// Discretisation: if a curve emanates at a limit of admissible solutions, levels closer to the
+/// start than this threshold, in scaled arclength, are identified with that limit. The bound is the
+/// square root of the discretisation error, because the maximum of an orbit depends quadratically
+/// on arclength.
 const AT_LIMIT: f64 = 1e-2;
 
-/// (H) The step along the parameter's range that shows the sizes of unknowns which are zero at the
-/// start.
+/// Heuristic: the step along the parameter's range that shows the sizes of unknowns which are zero
+/// at the start.
 const FURTHER: f64 = 1e-3;
 
-/// (H) The maximal number of times that mesh intervals are added at the start of a curve. Each
-/// addition may double the number of intervals.
+/// Heuristic: the maximal number of times that mesh intervals are added at the start of a curve.
+/// Each addition may double the number of intervals.
 const MOST_FITTINGS: usize = 10;
 
-/// (H) The maximal number of corrections of a start. After each correction, the scales are computed
-/// again, because the scales for the first correction are computed from the guess only.
+/// Heuristic: the maximal number of corrections of a start. After each correction, the scales are
+/// computed again, because the scales for the first correction are computed from the guess only.
 const PASSES: usize = 3;
 
 /// Creates the branch of a specified curve, without points.

@@ -15,36 +15,37 @@ use super::settings::Settings;
 use crate::core::bifurcation::At;
 use crate::core::linalg::{advanced, dot};
 
-/// (H) The largest distance between the corrected and the predicted point, in units of the step.
+/// Heuristic: the largest distance between the corrected and the predicted point, in units of the
+/// step.
 pub(super) const MOST_DISTANT: f64 = 0.25;
 
-/// (H) The largest angle between the tangents at both ends of a step, in radians. A step with a
-/// larger angle may jump to another part of the curve, or pass two special points without detecting
-/// them.
+/// Heuristic: the largest angle between the tangents at both ends of a step, in radians. A step
+/// with a larger angle may jump to another part of the curve, or pass two special points without
+/// detecting them.
 pub(super) const LARGEST_ANGLE: f64 = 0.4;
-/// (H) The target for the angle between the tangents at both ends of a step, in radians. With this
-/// target, the angle between the tangents of the next step is less than `LARGEST_ANGLE` even if the
-/// curvature doubles.
+/// Heuristic: the target for the angle between the tangents at both ends of a step, in radians.
+/// With this target, the angle between the tangents of the next step is less than `LARGEST_ANGLE`
+/// even if the curvature doubles.
 const AIMED_ANGLE: f64 = 0.2;
-/// (H) The target for the error of the cubic interpolant, in units of `curve_error`. A step that is
-/// longer by a factor of 1.75 has ten times the error, and is rejected.
+/// Heuristic: the target for the error of the cubic interpolant, in units of `curve_error`. A step
+/// that is longer by a factor of 1.75 has ten times the error, and is rejected.
 const AIMED_AT: f64 = 0.1;
-/// (H) The target for the contraction of the first Newton correction in a step.
+/// Heuristic: the target for the contraction of the first Newton correction in a step.
 const CONTRACTION: f64 = 0.1;
 
-/// (H) The lengths of steps across a branch point, or across an equilibrium to which cycles shrink,
-/// in units of the distance to that point.
+/// Heuristic: the lengths of steps across a branch point, or across an equilibrium to which cycles
+/// shrink, in units of the distance to that point.
 const BEYOND: [f64; 3] = [2.0, 1.6, 3.0];
-/// (H) The minimal distance to a branch point, in scaled arclength, from which the length of a step
-/// across the branch point is computed, so that the branches are well separated at both ends of the
-/// step.
+/// Heuristic: the minimal distance to a branch point, in scaled arclength, from which the length of
+/// a step across the branch point is computed, so that the branches are well separated at both ends
+/// of the step.
 const CROSSED: f64 = 3e-3;
-/// (H) A failed step is near an equilibrium to which cycles shrink if the extrapolated amplitude
-/// vanishes within this multiple of the step length.
+/// Heuristic: a failed step is near an equilibrium to which cycles shrink if the extrapolated
+/// amplitude vanishes within this multiple of the step length.
 const VANISHES_WITHIN: f64 = 2.0;
-/// (R) A cycle counts as an equilibrium if its amplitude relative to the preceding cycle is smaller
-/// than this threshold. Where amplitudes vanish at a Hopf point, steps across that point end far
-/// beyond it, with a larger amplitude.
+/// Rounding: a cycle counts as an equilibrium if its amplitude relative to the preceding cycle is
+/// smaller than this threshold. Where amplitudes vanish at a Hopf point, steps across that point
+/// end far beyond it, with a larger amplitude.
 const SHRUNK: f64 = 1e-6;
 
 /// An accepted step of the continuation, with its data.

@@ -96,14 +96,14 @@ pub struct Steps<'a> {
     pub(super) ahead: Option<Half>,
 }
 
-/// (H) The factor by which a step is shortened if it ends exactly at a special point. The
+/// Heuristic: the factor by which a step is shortened if it ends exactly at a special point. The
 /// shortening is large enough to determine the signs of test functions, and avoids fractions of the
 /// step, such as one half, at which symmetric problems are singular.
 const BESIDE: f64 = 0.93;
 
-/// (H) The distances from a branch point at the start, in scaled arclength, at which the reference
-/// point of a closed curve may be chosen. Smaller distances are used if another event lies between
-/// the branch point and the reference point.
+/// Heuristic: the distances from a branch point at the start, in scaled arclength, at which the
+/// reference point of a closed curve may be chosen. Smaller distances are used if another event
+/// lies between the branch point and the reference point.
 const BEHIND: [f64; 4] = [2e-2, 5e-3, 1e-3, 2e-4];
 
 impl Iterator for Steps<'_> {

@@ -11,8 +11,8 @@ use crate::core::bifurcation::{Sides, Stability};
 use crate::core::linalg::dot;
 use crate::core::system::Kind;
 
-/// (H) The largest cosine of the angle between a curve and its computed normal. The angle is 90°,
-/// except for discretisation errors and for errors near a codimension-two point.
+/// Heuristic: the largest cosine of the angle between a curve and its computed normal. The angle is
+/// 90°, except for discretisation errors and for errors near a codimension-two point.
 const OBLIQUE: f64 = 0.05;
 
 /// The stretches (parts between special points) of one half of a curve in two parameters, collected
@@ -93,7 +93,7 @@ pub(super) fn divides(kind: Kind) -> bool {
     !matches!(kind, Kind::UZ | Kind::RG | Kind::EP)
 }
 
-/// (H) No additional point is computed between special points closer to each other than this
+/// Heuristic: no additional point is computed between special points closer to each other than this
 /// threshold, in scaled arclength, because they coincide in a plot.
 const APART: f64 = 1e-3;
 

@@ -10,9 +10,9 @@ use crate::core::bifurcation::{Needs, VERTICAL, catalogue, neutral};
 use crate::core::problem::Dynamics;
 use crate::core::system::Kind;
 
-/// (H) The length, in scaled arclength, down to which steps with an unexplained change of the
-/// number of unstable eigenvalues are halved. In shorter steps, two special points are reported as
-/// one.
+/// Heuristic: the length, in scaled arclength, down to which steps with an unexplained change of
+/// the number of unstable eigenvalues are halved. In shorter steps, two special points are reported
+/// as one.
 pub(super) const LEAST_UNEXPLAINED: f64 = 1e-3;
 
 /// Returns the change of the number of unstable eigenvalues in a step, if the events found in the
@@ -104,7 +104,7 @@ fn rest(point: &Located, found: &[Located]) -> Option<isize> {
     point.special.unstable.filter(|_| certain).map(|count| count as isize)
 }
 
-/// (H) A fold and a branch point may be one point at which two eigenvalues vanish, if their
+/// Heuristic: a fold and a branch point may be one point at which two eigenvalues vanish, if their
 /// distance is smaller than both of these bounds: the first in units of the step, the second in
 /// scaled arclength.
 const ONE: [f64; 2] = [0.1, 1e-4];

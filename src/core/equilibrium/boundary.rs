@@ -16,9 +16,9 @@ const PERSISTENCE: &str = "boundary equilibrium: persistence";
 /// side of the point, and no equilibrium is admissible on the other side.
 const NONSMOOTH_FOLD: &str = "boundary equilibrium: nonsmooth fold";
 
-/// (D) A guard counts as zero if it is smaller than this threshold, in units of its scale. A vector
-/// field counts as zero if it is smaller than this threshold, in units of its changes over the
-/// sizes of the states. Located points are accurate to 1e-10.
+/// Discretisation: a guard counts as zero if it is smaller than this threshold, in units of its
+/// scale. A vector field counts as zero if it is smaller than this threshold, in units of its
+/// changes over the sizes of the states. Located points are accurate to 1e-10.
 const VANISHES: f64 = 1e-6;
 
 /// Returns the equilibria of other modes that coincide with a boundary equilibrium, as pairs of

@@ -5,11 +5,11 @@ use crate::core::hybrid::{Guard, HybridEquations, Mode};
 use nalgebra::{DMatrix, DVector};
 use num_dual::Dual64;
 
-/// (H) The maximal number of Newton iterations that start from a state nearly at rest.
+/// Heuristic: the maximal number of Newton iterations that start from a state nearly at rest.
 const ITERATIONS: usize = 10;
 
-/// (R) Newton's iteration has converged if the correction is no larger than this threshold, in
-/// units of the sizes of the states.
+/// Rounding: Newton's iteration has converged if the correction is no larger than this threshold,
+/// in units of the sizes of the states.
 const CONVERGED: f64 = 1e-10;
 
 /// Computes the equilibrium of a mode near a state by Newton's method; `None` if the iteration does

@@ -16,8 +16,8 @@ use std::sync::Arc;
 /// orbits has the same name.
 const DISTANCE: &str = "distance";
 
-/// (H) A state lies on the surface of its mode if its distance from the surface, in units of the
-/// sizes of the states, is no larger than this threshold.
+/// Heuristic: a state lies on the surface of its mode if its distance from the surface, in units of
+/// the sizes of the states, is no larger than this threshold.
 const ON_SURFACE: f64 = 1e-8;
 
 /// The zero problem whose solutions are the equilibria of one mode `m`:

@@ -10,10 +10,11 @@ use crate::core::scalar::{Chunk, Jet, Narrow};
 use num_dual::{Dual, Dual2, Dual64};
 use std::ops::ControlFlow;
 
-/// (R) Events that would accumulate within this time, in units of the system's time scale, are not
-/// simulated: rounding errors would leave the last event times less accurate than their limit.
+/// Rounding: Events that would accumulate within this time, in units of the system's time scale,
+/// are not simulated: rounding errors would leave the last event times less accurate than their
+/// limit.
 const REST: f64 = 1e-3;
-/// (H) The longest simulation of accumulating events, as a multiple of the expected time of
+/// Heuristic: the longest simulation of accumulating events, as a multiple of the expected time of
 /// accumulation.
 const LONGEST: f64 = 1e3;
 

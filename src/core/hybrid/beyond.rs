@@ -8,14 +8,15 @@ use crate::core::scalar::Scalar;
 use num_dual::Dual;
 use std::ops::ControlFlow;
 
-/// (H) The number of Newton iterations for the time of the virtual point: the first iterations
-/// converge to its value, and each further iteration makes one more order of its derivatives exact.
+/// Heuristic: the number of Newton iterations for the time of the virtual point: the first
+/// iterations converge to its value, and each further iteration makes one more order of its
+/// derivatives exact.
 const ROUNDS: usize = 4;
-/// (H) The largest change of the time in the last Newton iteration, as a fraction of the allowed
-/// time: an error of the time changes the value of the guard only quadratically.
+/// Heuristic: the largest change of the time in the last Newton iteration, as a fraction of the
+/// allowed time: an error of the time changes the value of the guard only quadratically.
 const SETTLED: f64 = 1e-9;
-/// (D) The relative and absolute tolerance of the flow, which is the smallest tolerance used in the
-/// crate.
+/// Discretisation: the relative and absolute tolerance of the flow, which is the smallest tolerance
+/// used in the crate.
 const TOLERANCE: f64 = 1e-13;
 
 /// Computes the **virtual point** of a motion that reaches a surface: the point at which the guard

@@ -15,12 +15,12 @@
 
 use crate::core::scalar::Scalar;
 
-/// (H) Chatter is extrapolated to its accumulation if the ratio of successive intervals and the
-/// ratio of successive approach speeds differ by less than this fraction, since both ratios have
-/// the same limit.
+/// Heuristic: Chatter is extrapolated to its accumulation if the ratio of successive intervals and
+/// the ratio of successive approach speeds differ by less than this fraction, since both ratios
+/// have the same limit.
 const AGREEMENT: f64 = 0.1;
-/// (H) The fraction of the tolerance below which an interval between events counts as zero, so that
-/// the events are simultaneous.
+/// Heuristic: the fraction of the tolerance below which an interval between events counts as zero,
+/// so that the events are simultaneous.
 const INSTANT: f64 = 1e-5;
 
 /// The accumulation of a guard's events, if the series of events ends.

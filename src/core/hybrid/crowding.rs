@@ -1,15 +1,15 @@
 //! Detection of ever more frequent events, for example in a system in which a relay drives the motion
 //! to a state that is reached only after infinitely many switchings.
 
-/// (H) The number of successive events in a window.
+/// Heuristic: the number of successive events in a window.
 const WINDOW: usize = 4000;
-/// (H) The ratio of a window's duration to the previous one below which the window counts as
+/// Heuristic: the ratio of a window's duration to the previous one below which the window counts as
 /// shorter.
 const SHORTER: f64 = 0.97;
-/// (H) The number of successively shorter windows after which the simulation ends.
+/// Heuristic: the number of successively shorter windows after which the simulation ends.
 const MOST: usize = 5;
-/// (H) The mean interval between events, in units of the time scale, above which events are not too
-/// frequent to be simulated.
+/// Heuristic: the mean interval between events, in units of the time scale, above which events are
+/// not too frequent to be simulated.
 const SHORT: f64 = 1e-4;
 
 /// A detector of too frequent events, which counts events in successive windows.

@@ -9,13 +9,13 @@ use crate::core::problem::{FieldIn, Watchable};
 use crate::core::scalar::Scalar;
 use std::ops::ControlFlow;
 
-/// (H) The time, in units of the time scale, within which events count as simultaneous. The number
-/// of simultaneous events is limited, so that a motion with infinitely many events ends with an
-/// error.
+/// Heuristic: the time, in units of the time scale, within which events count as simultaneous. The
+/// number of simultaneous events is limited, so that a motion with infinitely many events ends with
+/// an error.
 pub(super) const INSTANT: f64 = 1e-9;
 
-/// (R) The fraction of a step within which several guards vanish simultaneously: the accuracy of a
-/// root.
+/// Rounding: the fraction of a step within which several guards vanish simultaneously: the accuracy
+/// of a root.
 const TOGETHER: f64 = 1e-12;
 
 /// The end of a leg within an integration step.
@@ -32,15 +32,15 @@ impl<T: Scalar> LocatedEvent<T> {
     }
 }
 
-/// (H) The first step of a leg is at most this multiple of the previous leg's duration: in chatter
-/// the legs become shorter and shorter, and a longer step could miss them.
+/// Heuristic: the first step of a leg is at most this multiple of the previous leg's duration: in
+/// chatter the legs become shorter and shorter, and a longer step could miss them.
 const LEGS: f64 = 4.0;
 
-/// (R) The largest rate at which a guard that lifts off may fall at the start of a leg, in units of
-/// the scales.
+/// Rounding: the largest rate at which a guard that lifts off may fall at the start of a leg, in
+/// units of the scales.
 const RESTING: f64 = 1e-12;
 
-/// (H) The fractions of a step at which a guard must be positive to count as lifting off.
+/// Heuristic: the fractions of a step at which a guard must be positive to count as lifting off.
 const LIFTED: [f64; 5] = [0.01, 0.03, 0.1, 0.3, 1.0];
 
 /// The search for the end of a leg in the integration steps of the leg.

@@ -17,12 +17,12 @@ use crate::core::problem::{Forcing, Watchable};
 use crate::core::scalar::Scalar;
 use std::ops::ControlFlow;
 
-/// (H) The largest integration step, as a fraction of the forcing's period: if a field vanishes, the
-/// integrator cannot see how fast the guards change.
+/// Heuristic: the largest integration step, as a fraction of the forcing's period: if a field
+/// vanishes, the integrator cannot see how fast the guards change.
 const PART_OF_PERIOD: f64 = 0.125;
 
-/// (H) The growth of a state, relative to its size at the start (at least 1), above which a failed
-/// integration step shows that the solution is unbounded.
+/// Heuristic: the growth of a state, relative to its size at the start (at least 1), above which a
+/// failed integration step shows that the solution is unbounded.
 const GROWN: f64 = 1e6;
 
 /// The tolerances and limits of a hybrid simulation.

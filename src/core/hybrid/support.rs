@@ -6,11 +6,11 @@ use super::leg::{GuardOf, Moment};
 use crate::core::problem::{WatchIn, Watchable, gradient};
 use num_dual::Dual;
 
-/// (H) The number of Newton iterations with real gradients: the first iterations converge in value,
-/// and each further iteration makes one more order of derivatives exact.
+/// Heuristic: the number of Newton iterations with real gradients: the first iterations converge in
+/// value, and each further iteration makes one more order of derivatives exact.
 const ROUNDS: usize = 2;
-/// (H) The squared sine of the angle between the gradients of a guard and of its rate, below which
-/// the two gradients count as parallel.
+/// Heuristic: the squared sine of the angle between the gradients of a guard and of its rate, below
+/// which the two gradients count as parallel.
 const APART: f64 = 1e-6;
 
 /// The surface on which a guard vanishes in a mode, at a given time.

@@ -1,12 +1,12 @@
 //! Balancing: scaling a matrix so that the accuracy of its eigenvalues does not depend on the
 //! units.
 
-/// (H) Another sweep follows if the row and the column of an index together shrink by more than a
-/// twentieth.
+/// Heuristic: another sweep follows if the row and the column of an index together shrink by more
+/// than a twentieth.
 const SHRINKS: f64 = 0.95;
 
-/// (H) The largest number of balancing sweeps. In each sweep, the scale of each index adjusts to
-/// the scales of its neighbours.
+/// Heuristic: the largest number of balancing sweeps. In each sweep, the scale of each index
+/// adjusts to the scales of its neighbours.
 const MOST_SWEEPS: usize = 40;
 
 /// Computes `D⁻¹ A D` with a diagonal matrix `D` of powers of two, without rounding, so that the row

@@ -3,12 +3,12 @@
 use super::vector::generic;
 use crate::core::failure::Failure;
 
-/// (R) A component counts as nonzero if it is larger than this multiple of its remaining correction
-/// and of its sampled rounding error.
+/// Rounding: a component counts as nonzero if it is larger than this multiple of its remaining
+/// correction and of its sampled rounding error.
 const KNOWN: f64 = 1e3;
 
-/// (H) The number of corrections after which only rounding errors remain: solutions are already
-/// corrected on entry.
+/// Heuristic: the number of corrections after which only rounding errors remain: solutions are
+/// already corrected on entry.
 const CORRECTIONS: usize = 2;
 
 /// Corrects a solution of `G(v) = 0` to working accuracy, and sets components that are rounding

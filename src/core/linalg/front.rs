@@ -11,11 +11,11 @@ use wide::f64x4;
 /// whole SIMD lanes.
 const LANES: usize = 4;
 
-/// (H) The number of eliminated columns from which on elimination proceeds by panels, and all other
-/// columns are updated by matrix products.
+/// Heuristic: the number of eliminated columns from which on elimination proceeds by panels, and
+/// all other columns are updated by matrix products.
 const BLOCKED: usize = 96;
 
-/// (H) The number of columns of a panel, which is a multiple of the number of lanes.
+/// Heuristic: the number of columns of a panel, which is a multiple of the number of lanes.
 const PANEL: usize = 32;
 
 /// Several fronts of the same shape. In each front, the leading columns are eliminated with pivots

@@ -324,11 +324,12 @@ impl<E: Entry> BorderedLu<E> {
     }
 }
 
-/// (R) Entries of scaled matrices count as rounding errors if they are smaller than this, relative
-/// to 1.
+/// Rounding: Entries of scaled matrices count as rounding errors if they are smaller than this,
+/// relative to 1.
 const NOTHING: f64 = 1e-12;
 
-/// (H) Units that differ by less than this factor affect only the condition number of a matrix.
+/// Heuristic: Units that differ by less than this factor affect only the condition number of a
+/// matrix.
 const DIFFER: f64 = 1e3;
 
 /// Whether units differ so much that the sizes of the entries do not reveal the sizes of the terms

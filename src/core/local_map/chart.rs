@@ -58,16 +58,16 @@ pub(super) struct Place<T> {
     pub x: Vec<T>,
 }
 
-/// The maximal number of Newton iterations (H): each iteration doubles the number of correct digits
+/// The maximal number of Newton iterations (heuristic): each iteration doubles the number of correct digits
 /// of the real part, and the degree to which the series is correct. Four iterations reach 16
 /// digits, and three more the highest degree; the remaining iterations allow for a poor initial
 /// guess.
 const ROUNDS: usize = 12;
 /// The size of a Newton step, relative to the largest step, below which the step is a rounding
-/// error (R): about 50 ε.
+/// error (rounding): about 50 ε.
 const ROUNDING: f64 = 1e-14;
 /// The size of the last Newton step, relative to the largest step, below which a surface is reached
-/// (H): Newton's method converges quadratically, so that the next step would be a rounding error.
+/// (heuristic): Newton's method converges quadratically, so that the next step would be a rounding error.
 pub(super) const REACHED: f64 = 1e-6;
 
 /// Coordinates on the section of a grazing point, with parameters that are jets; provides points on

@@ -11,7 +11,7 @@ use num_dual::Dual64;
 use std::sync::Arc;
 
 /// The deviation of an iterate, in units of the coordinates' scales, above which the iterate has
-/// escaped (H): the polynomials are valid only for small deviations.
+/// escaped (heuristic): the polynomials are valid only for small deviations.
 const MOST: f64 = 1.0;
 
 /// The number of the map's only event, which occurs if the virtual point lies beyond the surface.

@@ -9,10 +9,10 @@ use crate::core::linalg::{solved, unit};
 use crate::core::problem::position;
 use crate::core::scalar::Polynomial;
 
-/// (H) The maximal number of Newton iterations for a grazing orbit.
+/// Heuristic: the maximal number of Newton iterations for a grazing orbit.
 const ITERATIONS: usize = 12;
-/// (D) The largest distance, in units of the scales, by which an orbit may miss its start when
-/// Newton's method has converged: a hundred times the tolerance of the flow.
+/// Discretisation: the largest distance, in units of the scales, by which an orbit may miss its
+/// start when Newton's method has converged: a hundred times the tolerance of the flow.
 const DONE: f64 = 1e-11;
 
 impl GrazingPoint {

@@ -9,8 +9,9 @@ use crate::core::orbit::Leg;
 use crate::core::problem::Forcing;
 use num_dual::Dual;
 
-/// (D) The largest magnitude, in units of the scales, of the guard and of its rate at a grazing
-/// point: grazings are located to 1e-10 or better, and a transverse event has a rate of order 1.
+/// Discretisation: the largest magnitude, in units of the scales, of the guard and of its rate at a
+/// grazing point: grazings are located to 1e-10 or better, and a transverse event has a rate of
+/// order 1.
 pub(super) const TOUCHES: f64 = 1e-8;
 
 /// A grazing point of an orbit: its time and state, the zero-length legs after an event at the

@@ -34,8 +34,8 @@ pub(super) struct Section {
     pub scales: Vec<f64>,
 }
 
-/// (R) The smallest relative length of the part of one gradient orthogonal to another, below which
-/// the two gradients count as dependent: the section's coordinates then lose nine digits.
+/// Rounding: the smallest relative length of the part of one gradient orthogonal to another, below
+/// which the two gradients count as dependent: the section's coordinates then lose nine digits.
 const DEPENDENT: f64 = 1e-9;
 
 /// Returns the index of the number with the largest modulus, excluding one index.

@@ -61,26 +61,26 @@ const LIMITS: [Limit; 5] = [
     Limit::Bound { axis: 1, upper: true },
 ];
 
-/// (H) The longest step in the parameter `t`, where the distance from the saddle is proportional to
-/// `e^t`.
+/// Heuristic: the longest step in the parameter `t`, where the distance from the saddle is
+/// proportional to `e^t`.
 const LONGEST: f64 = 0.5;
 
-/// (H) The largest angle between the tangents at the two ends of half a step.
+/// Heuristic: the largest angle between the tangents at the two ends of half a step.
 const TURN: f64 = 0.4;
 
-/// (H) The largest distance between two points, as a fraction of the maximal arclength.
+/// Heuristic: the largest distance between two points, as a fraction of the maximal arclength.
 const SPACING: f64 = 0.02;
 
-/// (H) The largest ratio of the arclength of half a step to its chord: if the ratio is larger, the
-/// curve may turn back undetected.
+/// Heuristic: the largest ratio of the arclength of half a step to its chord: if the ratio is
+/// larger, the curve may turn back undetected.
 const STRETCHED: f64 = 1.1;
 
-/// (H) The next step is longer if the error of a step, as a fraction of the allowed error, is below
-/// this number.
+/// Heuristic: the next step is longer if the error of a step, as a fraction of the allowed error,
+/// is below this number.
 const WELL: f64 = 0.25;
 const LONGER: f64 = 1.5;
 
-/// (H) The shortest step, as a fraction of the resolution; shorter steps are abandoned.
+/// Heuristic: the shortest step, as a fraction of the resolution; shorter steps are abandoned.
 const SHORTEST: f64 = 1e-3;
 
 /// The reason for short steps that is reported if the map can be evaluated everywhere.
@@ -99,7 +99,8 @@ pub(super) struct Growth<'a> {
     rule: (Vec<f64>, Vec<f64>),
 }
 
-/// (H) The number of Gauss points in half a step: arclengths are much more accurate than the curve.
+/// Heuristic: the number of Gauss points in half a step: arclengths are much more accurate than the
+/// curve.
 const GAUSS: usize = 4;
 
 impl<'a> Growth<'a> {

@@ -7,19 +7,19 @@ use crate::core::problem::ROOM;
 use crate::core::scalar::jet::jet_of;
 use crate::core::scalar::{Jet, Space};
 
-/// (H) The order of the Taylor polynomial, equal to the highest order of jets.
+/// Heuristic: the order of the Taylor polynomial, equal to the highest order of jets.
 const ORDER: usize = 8;
 
-/// (D) The largest allowed size of the last terms of the polynomial, relative to the sizes of the
-/// saddle and of the distance from the saddle.
+/// Discretisation: the largest allowed size of the last terms of the polynomial, relative to the
+/// sizes of the saddle and of the distance from the saddle.
 const NEGLIGIBLE: f64 = 1e-15;
 
-/// (D) The largest allowed error of the equation `g(W(s)) = W(λ s)`, relative to the sizes of the
-/// saddle and of the distance from the saddle.
+/// Discretisation: the largest allowed error of the equation `g(W(s)) = W(λ s)`, relative to the
+/// sizes of the saddle and of the distance from the saddle.
 const LARGEST: f64 = 1e-12;
 
-/// (H) The largest number of times that the domain of the polynomial is halved until the equation
-/// `g(W(s)) = W(λ s)` holds.
+/// Heuristic: the largest number of times that the domain of the polynomial is halved until the
+/// equation `g(W(s)) = W(λ s)` holds.
 const HALVED: usize = 40;
 
 /// The Taylor polynomial `W(s)` with `g(W(s)) = W(λ s)` at a point of a cycle.

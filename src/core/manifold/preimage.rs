@@ -33,11 +33,11 @@ impl Lost {
     }
 }
 
-/// (H) The maximal number of Newton corrections.
+/// Heuristic: the maximal number of Newton corrections.
 const MOST: usize = 25;
 
-/// (D) Newton's method has converged if the last correction is smaller than this fraction of the
-/// point: the next correction would be of the order of its square.
+/// Discretisation: Newton's method has converged if the last correction is smaller than this
+/// fraction of the point: the next correction would be of the order of its square.
 const LAST: f64 = 1e-9;
 
 /// Computes the preimage of a point near a guess, and the derivative of the map at the preimage.

@@ -7,16 +7,16 @@ use crate::core::orbit::MapCycle;
 use crate::core::problem::DiscreteMap;
 use std::sync::Arc;
 
-/// (H) The smallest allowed `|ln |λ||` of a multiplier: near a weaker saddle, a point takes tens of
-/// thousands of iterates to leave the neighbourhood.
+/// Heuristic: the smallest allowed `|ln |λ||` of a multiplier: near a weaker saddle, a point takes
+/// tens of thousands of iterates to leave the neighbourhood.
 pub(super) const WEAKEST: f64 = 1e-3;
 
-/// (R) The smallest multiplier of a stable manifold; a smaller number is a rounding error of the
-/// derivative.
+/// Rounding: the smallest multiplier of a stable manifold; a smaller number is a rounding error of
+/// the derivative.
 const NO_INVERSE: f64 = 1e-13;
 
-/// (H) Two states of a cycle count as equal if their distance is less than this fraction of the
-/// cycle's size.
+/// Heuristic: two states of a cycle count as equal if their distance is less than this fraction of
+/// the cycle's size.
 const REPEATS: f64 = 1e-8;
 
 /// Computes the states of the cycle near a guess, iterate by iterate.

@@ -1,13 +1,14 @@
 //! Detection of manifold halves that converge to a point.
 
-/// (H) The largest arclength per iterate of a converged curve, as a fraction of the resolution.
+/// Heuristic: the largest arclength per iterate of a converged curve, as a fraction of the
+/// resolution.
 const STILL: f64 = 0.1;
 
-/// (H) The largest ratio of the arclengths of successive iterates of a converged curve.
+/// Heuristic: the largest ratio of the arclengths of successive iterates of a converged curve.
 const LESS: f64 = 0.9;
 
-/// (H) The number of consecutive iterates in which a converged curve must satisfy the bounds on
-/// arclength and ratio.
+/// Heuristic: the number of consecutive iterates in which a converged curve must satisfy the bounds
+/// on arclength and ratio.
 const TIMES: usize = 3;
 
 /// The arclength that a curve gains from iterate to iterate.

@@ -5,8 +5,8 @@ use super::stages::Stages;
 use super::tableau::{Row, Tableau};
 use crate::core::scalar::Scalar;
 
-/// (H) States count as small if the relative tolerance adds less than this fraction to the absolute
-/// tolerance: the real parts then carry no information about the size of derivatives.
+/// Heuristic: States count as small if the relative tolerance adds less than this fraction to the
+/// absolute tolerance: the real parts then carry no information about the size of derivatives.
 const SMALL: f64 = 0.01;
 
 /// The function that measures numbers in error estimates; by default, the size of a number is the
@@ -118,12 +118,12 @@ impl<T: Scalar> Measure<'_, T> {
     }
 }
 
-/// (H) The usual safety factor by which a step is shorter than the predicted step, so that few
-/// steps are rejected.
+/// Heuristic: the usual safety factor by which a step is shorter than the predicted step, so that
+/// few steps are rejected.
 const SAFETY: f64 = 0.8;
 
-/// (H) The usual lower bound of the error that the step control stores: an accidentally small error
-/// must not restrict the following step.
+/// Heuristic: the usual lower bound of the error that the step control stores: an accidentally
+/// small error must not restrict the following step.
 const LEAST_ERROR: f64 = 1e-4;
 
 /// The step control: it computes step ratios from the current error and, for methods with memory,

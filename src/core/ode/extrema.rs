@@ -14,13 +14,13 @@ pub struct Extremum<T> {
     pub value: T,
 }
 
-/// (R) If a function changes in a step by less than this, in units of its scale, the step contains
-/// no extremum, because any extremum would be due to rounding errors.
+/// Rounding: if a function changes in a step by less than this, in units of its scale, the step
+/// contains no extremum, because any extremum would be due to rounding errors.
 const FLAT: f64 = 1e-14;
-/// (H) The largest number of iterations for an extremum: quadratic convergence needs four iterations,
-/// and each order of derivatives needs one more.
+/// Heuristic: the largest number of iterations for an extremum: quadratic convergence needs four
+/// iterations, and each order of derivatives needs one more.
 const ROUNDS: usize = 12;
-/// (R) After a change of the position by less than this fraction of a step, the vertex of the
+/// Rounding: After a change of the position by less than this fraction of a step, the vertex of the
 /// parabola is the extremum up to rounding errors, because the error of the parabola is of third
 /// order.
 const SETTLED: f64 = 1e-5;

@@ -6,11 +6,11 @@ use crate::core::numerics::{Limits, bracketed_zero};
 use crate::core::scalar::{DualLanes, Lanes, MOST_LANES, Register};
 use num_traits::Signed;
 
-/// (H) The largest number of iterations for the root of a cubic, which serves only as an initial
-/// guess.
+/// Heuristic: the largest number of iterations for the root of a cubic, which serves only as an
+/// initial guess.
 const ROUNDS: usize = 8;
-/// (H) The iteration for the root of the cubic ends after a change of less than this fraction of a
-/// step.
+/// Heuristic: the iteration for the root of the cubic ends after a change of less than this
+/// fraction of a step.
 const NEAR: f64 = 1e-3;
 
 /// Conclusions about a watched function from its values and derivatives at the ends of a step, with

@@ -60,15 +60,15 @@ impl<T: Scalar> Default for Flow<T> {
     }
 }
 
-/// (H) The number of consecutive steps limited by stability after which a flow counts as stiff
-/// (Hairer and Wanner).
+/// Heuristic: the number of consecutive steps limited by stability after which a flow counts as
+/// stiff (Hairer and Wanner).
 const STIFF_STEPS: usize = 15;
-/// (H) Stiffness is reported only if the rest of the flow needs more than this number of steps: if it
-/// needs fewer steps, changing to another method costs more than it saves.
+/// Heuristic: Stiffness is reported only if the rest of the flow needs more than this number of
+/// steps: if it needs fewer steps, changing to another method costs more than it saves.
 const STIFF_REST: f64 = 500.0;
 
-/// (R) The smallest step, as a fraction of the flow; times near zero are resolved more finely than
-/// to `ε` times the duration.
+/// Rounding: the smallest step, as a fraction of the flow; times near zero are resolved more finely
+/// than to `ε` times the duration.
 const SMALLEST_STEP: f64 = 1e-30;
 
 impl<T: Scalar> Flow<T> {

@@ -8,8 +8,8 @@ use super::step::CLOSE;
 use crate::core::linalg::refill;
 use crate::core::scalar::Scalar;
 
-/// (H) The largest number of shortened steps that try to end at a root; if they fail, the root is
-/// located outside the batch.
+/// Heuristic: the largest number of shortened steps that try to end at a root; if they fail, the
+/// root is located outside the batch.
 const TRIES: usize = 4;
 
 /// The purpose of the next step.

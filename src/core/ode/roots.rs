@@ -18,30 +18,32 @@ pub struct Root<T> {
     pub rate: T,
 }
 
-/// (R) Values of a watched function up to this size (a few hundred ε), in units of the function's scale,
-/// count as zero at the start of a flow. A function that starts at zero counts as positive only after it
-/// exceeds this size, and as fallen only after it decreases by this size.
+/// Rounding: values of a watched function up to this size (a few hundred ε), in units of the
+/// function's scale, count as zero at the start of a flow. A function that starts at zero counts as
+/// positive only after it exceeds this size, and as fallen only after it decreases by this size.
 pub(super) const ZERO: f64 = 1e-13;
-/// (D) If a function at the start of a flow is below minus this value, in units of its scale, it crossed
-/// zero before the start. Events end at zero of their function only to the tolerance of the flow, which
-/// is usually smaller by a factor of 1e3.
+/// Discretisation: if a function at the start of a flow is below minus this value, in units of its
+/// scale, it crossed zero before the start. Events end at zero of their function only to the
+/// tolerance of the flow, which is usually smaller by a factor of 1e3.
 pub(crate) const NEGATIVE: f64 = 1e-9;
-/// (R) The largest number of iterations for a root: the same number of bisections reduces a step to
-/// rounding errors.
+/// Rounding: the largest number of iterations for a root: the same number of bisections reduces a
+/// step to rounding errors.
 const ROUNDS: usize = 60;
-/// (R) The iteration for a root of dense output ends when the root changes by less than this
+/// Rounding: the iteration for a root of dense output ends when the root changes by less than this
 /// fraction of a step.
 const SETTLED: f64 = 4.0 * f64::EPSILON;
-/// (H) If the changes of a root are below this fraction of a step, the iteration also ends when the
-/// changes no longer decrease: close to a tangency, rounding errors of the value move the root farther.
+/// Heuristic: if the changes of a root are below this fraction of a step, the iteration also ends
+/// when the changes no longer decrease: close to a tangency, rounding errors of the value move the
+/// root farther.
 const NEAR: f64 = 1e-6;
-/// (D) An extremum is close to zero if its value is smaller than this, in units of the change of the
-/// function about the extremum. The sign of such an extremum is decided only after the extremum is
-/// computed to the method's accuracy, because the error of dense output is smaller than this bound.
+/// Discretisation: an extremum is close to zero if its value is smaller than this, in units of the
+/// change of the function about the extremum. The sign of such an extremum is decided only after
+/// the extremum is computed to the method's accuracy, because the error of dense output is smaller
+/// than this bound.
 const TANGENT: f64 = 1e-3;
 
-/// (H) A function is far from zero if its value is more than this multiple of its changes in the
-/// current and in the previous step.
+/// Heuristic: a function is far from zero if its value is more than this multiple of its changes in
+/// the current and in the previous step.
 const FAR: f64 = 10.0;
 
 /// The known sign of a watched function during a flow.

@@ -23,8 +23,8 @@ impl<T> Default for Stages<T> {
     }
 }
 
-/// (H) The largest size in bytes of a number that stays in registers: steps of a few states with such
-/// numbers are unrolled. This size affects only the run time.
+/// Heuristic: the largest size in bytes of a number that stays in registers: steps of a few states
+/// with such numbers are unrolled. This size affects only the run time.
 const IN_REGISTERS: usize = 72;
 
 /// Returns the number of states for which a step is unrolled; 0 for numbers that do not stay in

@@ -56,16 +56,16 @@ impl<T: Scalar> Default for Buffers<T> {
     }
 }
 
-/// (H) A state is monotone in a step if the smallest of its derivatives at all stages is more than
-/// this fraction of the largest.
+/// Heuristic: a state is monotone in a step if the smallest of its derivatives at all stages is
+/// more than this fraction of the largest.
 const CLEAR: f64 = 0.05;
 
-/// (H) Two fractions of a step count as equal for the polynomials of dense output if their distance
-/// is smaller than this.
+/// Heuristic: two fractions of a step count as equal for the polynomials of dense output if their
+/// distance is smaller than this.
 const NEAR: f64 = 1e-4;
 
-/// (R) Over a distance less than this fraction of the step, a method of order 2 is exact up to
-/// rounding errors: its error is a twelfth of the third power of the distance.
+/// Rounding: Over a distance less than this fraction of the step, a method of order 2 is exact up
+/// to rounding errors: its error is a twelfth of the third power of the distance.
 pub(super) const CLOSE: f64 = 1e-5;
 
 /// The largest value of `θ⁴ (1 − θ)³`, the last term of dense output.

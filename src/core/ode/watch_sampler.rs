@@ -11,11 +11,11 @@ use crate::core::problem::{FieldIn, WatchIn, Watchable};
 use crate::core::scalar::Scalar;
 use num_dual::{Dual, Dual2, Dual2_64, Dual64};
 
-/// (H) The number of parts of a step in which sign changes of the slope are searched: the polynomials
-/// of dense output have degrees up to 7.
+/// Heuristic: the number of parts of a step in which sign changes of the slope are searched: the
+/// polynomials of dense output have degrees up to 7.
 pub(super) const PARTS: usize = 8;
-/// (H) The largest number of iterations for a position on dense output; each iteration doubles the
-/// number of correct digits.
+/// Heuristic: the largest number of iterations for a position on dense output; each iteration
+/// doubles the number of correct digits.
 const ROUNDS: usize = 12;
 
 /// A sample of a watched function on dense output, at a fraction of the step.

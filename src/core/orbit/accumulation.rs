@@ -23,8 +23,8 @@ pub(super) fn accumulation<T: ChatterNumber>(
     T::accumulated(system, leg.exit?, start, lasts.real(), p)
 }
 
-/// (D) The fraction of an orbit's duration within which infinitely many events are simultaneous:
-/// the accuracy of the state at the end of the orbit.
+/// Discretisation: the fraction of an orbit's duration within which infinitely many events are
+/// simultaneous: the accuracy of the state at the end of the orbit.
 const AT_ONCE: f64 = 1e-9;
 
 /// Returns an error if the events of a leg accumulate at the first of these events: the leg then

@@ -10,9 +10,10 @@ use crate::core::scalar::Scalar;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// (D) The exponent of the multiplier `e^(−LOST)` in the direction normal to the surface of a mode,
-/// for orbits that never leave the surface: the multiplier is zero up to rounding. The vector field
-/// alone would preserve deviations from the surface, with a multiplier 1.
+/// Discretisation: the exponent of the multiplier `e^(−LOST)` in the direction normal to the
+/// surface of a mode, for orbits that never leave the surface: the multiplier is zero up to
+/// rounding. The vector field alone would preserve deviations from the surface, with a multiplier
+/// 1.
 const LOST: f64 = 36.0;
 
 /// The position of each leg's states and scalar unknowns in the vectors of the whole orbit. The

@@ -78,18 +78,18 @@ struct Iterates<M> {
     count: usize,
 }
 
-/// (H) The relative difference, in units of the largest state, below which iterates repeat;
+/// Heuristic: the relative difference, in units of the largest state, below which iterates repeat;
 /// Newton's method then converges to the cycle.
 const REPEATS: f64 = 1e-6;
 
-/// (H) The ratio of the difference between the halves of a cycle to the difference at the previous
-/// point, below which the halves are equal, up to the error of a special point. The sizes of the
-/// states cannot serve as the unit of this difference, since cycles may shrink to a fixed point at
-/// 0.
+/// Heuristic: the ratio of the difference between the halves of a cycle to the difference at the
+/// previous point, below which the halves are equal, up to the error of a special point. The sizes
+/// of the states cannot serve as the unit of this difference, since cycles may shrink to a fixed
+/// point at 0.
 const SHRUNK: f64 = 1e-3;
 
-/// (H) The relative difference between the halves of a converged cycle, in units of their size,
-/// below which the halves are equal.
+/// Heuristic: the relative difference between the halves of a converged cycle, in units of their
+/// size, below which the halves are equal.
 const TWICE: f64 = 1e-6;
 
 /// Buffers for the arguments and values of a map in one scalar type.

@@ -8,8 +8,8 @@ use crate::core::failure::Failure;
 use crate::core::hybrid::{Moment, time_scale};
 use crate::core::system::Jump;
 
-/// (R) The number of bisections: the last interval is smaller than the rounding error, even between
-/// points one minimal step apart.
+/// Rounding: the number of bisections: the last interval is smaller than the rounding error, even
+/// between points one minimal step apart.
 const HALVINGS: usize = 30;
 
 /// Returns the first discontinuity of a reset between two orbits; the states and times of their

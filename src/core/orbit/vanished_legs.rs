@@ -54,9 +54,9 @@ fn without_touches(orbit: &KnownOrbit) -> Result<Option<Guess<OrbitLegs>>, Failu
     Ok(Some(orbit.with_legs(all, begins)))
 }
 
-/// (H) The fraction of the period after the grazing point at which the segment of an autonomous
-/// orbit without events starts. With this fraction, the grazing point, the motion just before it,
-/// and the motion half a period later are inside the segment.
+/// Heuristic: the fraction of the period after the grazing point at which the segment of an
+/// autonomous orbit without events starts. With this fraction, the grazing point, the motion just
+/// before it, and the motion half a period later are inside the segment.
 const BEHIND: f64 = 0.38;
 
 /// Returns orbits without events, given a motion of one period that begins with a specified leg.

@@ -39,11 +39,11 @@ pub(in crate::core) struct Extremes<P> {
     risen: [bool; 2],
 }
 
-/// (R) The smallest change, in units of the scalar's scale, that counts as a fall or rise: about
-/// four thousand times the rounding error.
+/// Rounding: the smallest change, in units of the scalar's scale, that counts as a fall or rise:
+/// about four thousand times the rounding error.
 const DEPTH: f64 = 1e-12;
 
-/// (R) The largest magnitude of a guard, in units of its scale, at which a leg begins on the
+/// Rounding: the largest magnitude of a guard, in units of its scale, at which a leg begins on the
 /// guard's surface: well above the square root of the rounding error, which is the accuracy of a
 /// tangential contact.
 const ON: f64 = 1e-6;

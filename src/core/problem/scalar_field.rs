@@ -9,8 +9,8 @@ use super::field::VectorField;
 use crate::core::failure::OutOfDomain;
 use crate::core::scalar::{DualChunk, Scalar};
 
-/// (H) The number of directions that implicit schemes differentiate in one pass: the width of a
-/// vector register. The number of directions affects only the run time.
+/// Heuristic: the number of directions that implicit schemes differentiate in one pass: the width
+/// of a vector register. The number of directions affects only the run time.
 pub(in crate::core) const WIDTH: usize = 4;
 /// A number with derivatives in [`WIDTH`] directions.
 pub(in crate::core) type Wide<T> = DualChunk<T, WIDTH>;

@@ -108,7 +108,7 @@ pub struct Profile {
     pub points: Vec<[f64; 2]>,
 }
 
-/// (H) The least number of components of an array that is drawn; shorter arrays are listed.
+/// Heuristic: the least number of components of an array that is drawn; shorter arrays are listed.
 const LEAST: usize = 8;
 
 impl Profile {
@@ -214,10 +214,10 @@ impl PlaneField {
     }
 }
 
-/// (H) The largest number of values of an index that a field stores.
+/// Heuristic: the largest number of values of an index that a field stores.
 const MOST_IN_PLANE: usize = 64;
 
-/// (H) The largest number of components that a profile of an array stores.
+/// Heuristic: the largest number of components that a profile of an array stores.
 const MOST: usize = 1000;
 
 /// Selects at most `most` of `count` positions: the first and the last position, and positions at

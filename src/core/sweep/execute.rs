@@ -101,10 +101,10 @@ pub fn execute(
     Ok(())
 }
 
-/// (H) The minimal number of strands (chains of dependent runs) whose runs are simulated in
+/// Heuristic: the minimal number of strands (chains of dependent runs) whose runs are simulated in
 /// parallel lanes: fewer strands leave too many lanes empty.
 const LEAST_ABREAST: usize = 4;
-/// (H) The maximum number of strands (chains of dependent runs) in a batch; if the sweep is
+/// Heuristic: the maximum number of strands (chains of dependent runs) in a batch; if the sweep is
 /// interrupted, the unfinished runs of a batch are lost.
 const MOST_ABREAST: usize = 64;
 

@@ -5,14 +5,14 @@ use crate::core::hybrid::HybridState;
 use serde::{Deserialize, Serialize};
 use std::num::NonZeroUsize;
 
-/// (H) The maximal number of runs of one sweep, limited because all results are kept in memory and
-/// written repeatedly.
+/// Heuristic: the maximal number of runs of one sweep, limited because all results are kept in
+/// memory and written repeatedly.
 pub(crate) const MOST_RUNS: usize = 4_000_000;
-/// (H) The maximal number of periods of the transient, and of the average for a Lyapunov exponent;
-/// a larger number is probably a mistake.
+/// Heuristic: the maximal number of periods of the transient, and of the average for a Lyapunov
+/// exponent; a larger number is probably a mistake.
 const MOST_PERIODS: usize = 1_000_000_000;
-/// (H) The maximal number of recorded periods of one run, limited because all recorded periods are
-/// kept in memory.
+/// Heuristic: the maximal number of recorded periods of one run, limited because all recorded
+/// periods are kept in memory.
 const MOST_RECORDED: usize = 1_000_000;
 
 /// The quantity that varies along an axis of the grid.

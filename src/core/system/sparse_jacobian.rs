@@ -10,12 +10,12 @@ use crate::core::problem::{Dynamics, TracedEquations, ZeroEquations};
 use crate::core::scalar::{CHUNK, Chunk, Traced, seeded};
 use std::sync::Arc;
 
-/// (H) A sparse matrix is used if its factorisation takes at most this fraction of the
+/// Heuristic: a sparse matrix is used if its factorisation takes at most this fraction of the
 /// multiplications of a dense factorisation.
 const PAYS: f64 = 0.25;
 
-/// (R) The directional derivative must agree with the matrix-vector product to this fraction of the
-/// sizes of the summed terms.
+/// Rounding: the directional derivative must agree with the matrix-vector product to this fraction
+/// of the sizes of the summed terms.
 const AGREES: f64 = 1e-9;
 
 /// A sparse `F_z`.
@@ -35,8 +35,8 @@ pub(super) struct SparseJacobian {
 }
 
 impl SparseJacobian {
-    /// (H) The number of unknowns below which dense matrices are always at least as fast as sparse
-    /// ones.
+    /// Heuristic: the number of unknowns below which dense matrices are always at least as fast as
+    /// sparse ones.
     pub const LEAST: usize = 48;
 
     /// Creates the sparse matrix of a problem, with its pattern at `x`; `None` if the residual

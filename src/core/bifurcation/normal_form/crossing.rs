@@ -7,12 +7,12 @@ use crate::core::failure::Failure;
 use crate::core::linalg::{Form, dot};
 use crate::core::system::Deviation;
 
-/// (R) A quadratic coefficient smaller than this threshold, relative to the terms of its sum, is
-/// zero up to rounding, as at a pitchfork.
+/// Rounding: a quadratic coefficient smaller than this threshold, relative to the terms of its sum,
+/// is zero up to rounding, as at a pitchfork.
 const VANISHES: f64 = 1e-6;
 
-/// (R) A quadratic coefficient smaller than this threshold, relative to the cubic coefficient for
-/// `⟨q, q⟩ = 1`, is zero up to rounding, without regard to the terms of its sum.
+/// Rounding: a quadratic coefficient smaller than this threshold, relative to the cubic coefficient
+/// for `⟨q, q⟩ = 1`, is zero up to rounding, without regard to the terms of its sum.
 const ROUNDING: f64 = 1e-9;
 
 /// Computes the two terms `p C(q, q, q)/6` and `p B(q, h)/2` of the cubic coefficient, where `F_z h

@@ -7,15 +7,15 @@ use crate::core::failure::Failure;
 use crate::core::linalg::{Form, dot};
 use crate::core::system::Kind;
 
-/// (H) The largest ratio of second-order to first-order terms in the expansion of the first doubled
-/// orbit.
+/// Heuristic: the largest ratio of second-order to first-order terms in the expansion of the first
+/// doubled orbit.
 const NONLINEAR: f64 = 0.1;
 
-/// (H) The largest angle of the critical multipliers of the first doubled orbit.
+/// Heuristic: the largest angle of the critical multipliers of the first doubled orbit.
 const WIDEST: f64 = 0.3;
 
-/// (R) A cubic coefficient smaller than this threshold, relative to the terms of its sum, is zero
-/// up to rounding.
+/// Rounding: a cubic coefficient smaller than this threshold, relative to the terms of its sum, is
+/// zero up to rounding.
 const VANISHES: f64 = 1e-7;
 
 /// The first doubled orbit of a curve, near the periodic orbit traversed twice.

@@ -39,8 +39,9 @@ use crate::core::scalar::Space;
 use faer::c64;
 use std::f64::consts::{PI, TAU};
 
-/// (R) Critical exponents of equilibria count as equal if they differ by less than this fraction of
-/// the largest exponent; critical exponents of orbits, if they differ by less than this angle.
+/// Rounding: Critical exponents of equilibria count as equal if they differ by less than this
+/// fraction of the largest exponent; critical exponents of orbits, if they differ by less than this
+/// angle.
 const SAME: f64 = 1e-9;
 
 /// The motion on a center manifold.

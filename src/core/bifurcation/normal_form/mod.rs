@@ -138,8 +138,8 @@ fn has_rates(at: &At) -> bool {
 /// The same errors as for [`ComputeNormalForm`].
 pub(crate) type ComputeRate = fn(&mut At) -> Result<f64, Failure>;
 
-/// (R) A cubic coefficient smaller than this threshold, relative to the terms of its sum, is zero
-/// up to rounding.
+/// Rounding: a cubic coefficient smaller than this threshold, relative to the terms of its sum, is
+/// zero up to rounding.
 const DEGENERATE: f64 = 1e-9;
 
 /// Returns the type of a bifurcation from the sign of the coefficient `c` in `ξ' = … + c ξ |ξ|²`:

@@ -8,7 +8,7 @@ use crate::core::bifurcation::at::At;
 use crate::core::failure::Failure;
 use crate::core::linalg::{Form, dot};
 
-/// (R) A second derivative smaller than this threshold, relative to the terms of its sum, may
+/// Rounding: a second derivative smaller than this threshold, relative to the terms of its sum, may
 /// consist only of rounding or discretisation errors, as at a cusp.
 const VANISHES: f64 = 1e-6;
 

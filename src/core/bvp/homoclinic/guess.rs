@@ -12,50 +12,50 @@ use crate::core::system::HOMOCLINIC_RADIUS;
 use nalgebra::{DMatrix, DVector};
 use std::sync::Arc;
 
-/// (H) The distance from the equilibrium, in units of the extents, beyond which a nearby cycle
-/// gives the guess of the homoclinic orbit; closer to the equilibrium, the linear flow gives the
-/// guess.
+/// Heuristic: the distance from the equilibrium, in units of the extents, beyond which a nearby
+/// cycle gives the guess of the homoclinic orbit; closer to the equilibrium, the linear flow gives
+/// the guess.
 const NEAR: f64 = 1e-3;
 
-/// (H) The largest distance from the equilibrium, in units of the extents, at which a cycle counts
-/// as near a homoclinic orbit.
+/// Heuristic: the largest distance from the equilibrium, in units of the extents, at which a cycle
+/// counts as near a homoclinic orbit.
 const FAR: f64 = 0.05;
 
-/// (R) A state counts as constant if it changes by less than this fraction of the motion: tolerances are
-/// relative, and changes this small would have few correct digits.
+/// Rounding: a state counts as constant if it changes by less than this fraction of the motion:
+/// tolerances are relative, and changes this small would have few correct digits.
 const STANDS_STILL: f64 = 1e-5;
 
-/// (R) Changes of a state by less than this fraction of the motion count as rounding errors. The
-/// changes of each state are measured in units of its scale.
+/// Rounding: Changes of a state by less than this fraction of the motion count as rounding errors.
+/// The changes of each state are measured in units of its scale.
 const ROUNDING: f64 = 1e-8;
 
-/// (D) The largest intended error of the bifurcation parameter due to the truncation of the
-/// homoclinic orbit at finite distances from the equilibrium.
+/// Discretisation: the largest intended error of the bifurcation parameter due to the truncation of
+/// the homoclinic orbit at finite distances from the equilibrium.
 const TRUNCATION: f64 = 1e-14;
 
-/// (R) The smallest distance of an orbit's end from the equilibrium, as a multiple of the rounding
-/// error of the states.
+/// Rounding: the smallest distance of an orbit's end from the equilibrium, as a multiple of the
+/// rounding error of the states.
 const DIGITS: f64 = 1e8;
 
-/// (H) The excursion taken from the cycle ends at this multiple of the distance from the
+/// Heuristic: the excursion taken from the cycle ends at this multiple of the distance from the
 /// equilibrium at which the linear flow ends.
 const CLEAR: f64 = 1.1;
 
-/// (H) The largest distance of an orbit's end from the equilibrium, as a multiple of the smallest
-/// such distance.
+/// Heuristic: the largest distance of an orbit's end from the equilibrium, as a multiple of the
+/// smallest such distance.
 const WIDEST: f64 = 50.0;
 
-/// (H) The number of samples of a trajectory between two of its nodes.
+/// Heuristic: the number of samples of a trajectory between two of its nodes.
 const PARTS: usize = 8;
 
-/// (H) The largest change of the state between two nodes of the linear flow, approximately, as a
-/// fraction of the distance from the equilibrium.
+/// Heuristic: the largest change of the state between two nodes of the linear flow, approximately,
+/// as a fraction of the distance from the equilibrium.
 const STEP: f64 = 0.5;
 
-/// (H) The largest number of nodes of the linear flow at one end of the orbit.
+/// Heuristic: the largest number of nodes of the linear flow at one end of the orbit.
 const MOST_NODES: usize = 10_000;
 
-/// (R) The number of bisections that locate a time to double precision.
+/// Rounding: the number of bisections that locate a time to double precision.
 const HALVINGS: usize = 60;
 
 fn refused(reason: String) -> Failure {

@@ -6,23 +6,23 @@ use crate::core::problem::{FieldIn, WIDTH, Wide};
 use crate::core::scalar::Scalar;
 use nalgebra::{DMatrix, DVector};
 
-/// (R) An eigenvalue counts as non-hyperbolic if the absolute value of its real part is at most this
-/// fraction of the size of the matrix.
+/// Rounding: an eigenvalue counts as non-hyperbolic if the absolute value of its real part is at
+/// most this fraction of the size of the matrix.
 const HYPERBOLIC: f64 = 1e-8;
 
-/// (R) A vector counts as linearly dependent on earlier ones if its remainder after
+/// Rounding: a vector counts as linearly dependent on earlier ones if its remainder after
 /// orthogonalisation is shorter than this.
 const DEPENDENT: f64 = 1e-6;
 
-/// (H) The largest distance between an equilibrium and the slowest point of the orbit, in units of the
-/// extents, for which the equilibrium counts as near the orbit.
+/// Heuristic: the largest distance between an equilibrium and the slowest point of the orbit, in
+/// units of the extents, for which the equilibrium counts as near the orbit.
 const BESIDE: f64 = 0.5;
 
-/// (R) Newton's iteration for an equilibrium has converged if its last step is shorter than this,
-/// in units of the extents.
+/// Rounding: Newton's iteration for an equilibrium has converged if its last step is shorter than
+/// this, in units of the extents.
 const CONVERGED: f64 = 1e-6;
 
-/// (H) The largest number of Newton iterations for an equilibrium.
+/// Heuristic: the largest number of Newton iterations for an equilibrium.
 const ITERATIONS: usize = 30;
 
 /// An equilibrium with orthonormal frames of its invariant subspaces.

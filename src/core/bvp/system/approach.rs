@@ -9,13 +9,13 @@ use crate::core::problem::FieldIn;
 use crate::core::system::Approach;
 use nalgebra::{DMatrix, DVector};
 
-/// (R) A matrix counts as singular in directions whose singular values are below this fraction of
-/// the largest singular value.
+/// Rounding: a matrix counts as singular in directions whose singular values are below this
+/// fraction of the largest singular value.
 const SINGULAR: f64 = 1e-13;
 
-/// (R) A state whose range is at most this fraction of its size counts as constant up to rounding
-/// errors, for example the state across an invariant surface; the extent of such a state is this
-/// fraction of its size.
+/// Rounding: a state whose range is at most this fraction of its size counts as constant up to
+/// rounding errors, for example the state across an invariant surface; the extent of such a state
+/// is this fraction of its size.
 const ROUNDING: f64 = 1e-10;
 
 impl Solutions {

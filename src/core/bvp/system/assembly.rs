@@ -75,9 +75,9 @@ pub(super) struct Bordered<'a> {
     pub border: Border<'a>,
 }
 
-/// (H) The number of points after which an unused parameter becomes inactive. Newton's method uses the
-/// derivative with respect to an active parameter at every point, except in iterations with an old
-/// matrix.
+/// Heuristic: the number of points after which an unused parameter becomes inactive. Newton's
+/// method uses the derivative with respect to an active parameter at every point, except in
+/// iterations with an old matrix.
 const MOST_IDLE: usize = 16;
 
 impl AssembledJacobian {

@@ -12,15 +12,15 @@ use crate::core::numerics::node_weights;
 use crate::core::problem::FieldIn;
 use crate::core::system::Solution;
 
-/// (H) The number of phases that are tried before the best phase is refined.
+/// Heuristic: the number of phases that are tried before the best phase is refined.
 const PHASES: usize = 64;
 
-/// (H) Two oscillations have different shapes if the absolute value of their correlation is smaller
-/// than this.
+/// Heuristic: two oscillations have different shapes if the absolute value of their correlation is
+/// smaller than this.
 const ALIKE: f64 = 0.9;
 
-/// (D) A state counts as constant if its oscillation, relative to the largest value of any state,
-/// is smaller than this.
+/// Discretisation: a state counts as constant if its oscillation, relative to the largest value of
+/// any state, is smaller than this.
 const STILL: f64 = 1e-9;
 
 impl Solutions {

@@ -14,8 +14,8 @@ use crate::core::ode::{Flow, Settings};
 use std::convert::Infallible;
 use std::sync::Arc;
 
-/// (H) The relative error allowed in gradients of conditions: gradients affect the convergence rate
-/// of Newton's iteration, but not its limit.
+/// Heuristic: the relative error allowed in gradients of conditions: gradients affect the
+/// convergence rate of Newton's iteration, but not its limit.
 const GRADIENT: f64 = 1e-8;
 
 /// A discretised boundary-value problem: the problem, a method, and a mesh for each segment.

@@ -3,9 +3,9 @@
 use super::discretisation::DiscretisedProblem;
 use crate::core::failure::Failure;
 
-/// (H) The longest allowed duration of a segment of a trial solution, as a multiple of the last
-/// solution's duration: steps along a branch change durations by smaller factors, and diverging
-/// iterates would be very expensive.
+/// Heuristic: the longest allowed duration of a segment of a trial solution, as a multiple of the
+/// last solution's duration: steps along a branch change durations by smaller factors, and
+/// diverging iterates would be very expensive.
 const ASTRAY: f64 = 10.0;
 
 /// The longest allowed duration of a segment of a trial solution.

@@ -8,15 +8,15 @@ use crate::core::system::{Kind, Site, Solution, Start};
 use faer::c64;
 use std::f64::consts::TAU;
 
-/// (R) A product of normal form coefficients counts as a rounding error if it is smaller than this
-/// fraction of its terms.
+/// Rounding: a product of normal form coefficients counts as a rounding error if it is smaller than
+/// this fraction of its terms.
 const DEGENERATE: f64 = 1e-9;
 
-/// (H) The largest relative difference between the vector field and its linearisation on the first
-/// cycle of a curve: higher terms of the normal form are powers of this fraction.
+/// Heuristic: the largest relative difference between the vector field and its linearisation on the
+/// first cycle of a curve: higher terms of the normal form are powers of this fraction.
 const NONLINEAR: f64 = 0.1;
 
-/// (H) The largest number of halvings of the amplitude of the first cycle.
+/// Heuristic: the largest number of halvings of the amplitude of the first cycle.
 const HALVINGS: usize = 40;
 
 /// The start of a branch of cycles.

@@ -16,9 +16,9 @@ pub(super) struct Place {
     pub place: f64,
 }
 
-/// (D) Changes of a scalar smaller than this fraction of the mesh error do not count: if a segment
-/// starts or ends tangentially to a surface, rounding errors and interpolation cause spurious minima
-/// that are shallower than the error elsewhere.
+/// Discretisation: Changes of a scalar smaller than this fraction of the mesh error do not count:
+/// if a segment starts or ends tangentially to a surface, rounding errors and interpolation cause
+/// spurious minima that are shallower than the error elsewhere.
 const FALSE_DIPS: f64 = 1e-3;
 
 /// The monitored scalars of one segment.

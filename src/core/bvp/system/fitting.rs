@@ -8,33 +8,33 @@ use super::solutions::Solutions;
 use crate::core::bvp::error::BoundaryError;
 use crate::core::bvp::mesh::Mesh;
 
-/// (H) The largest factor by which the number of intervals grows in one step: an estimate from a
-/// coarse mesh can be wrong.
+/// Heuristic: the largest factor by which the number of intervals grows in one step: an estimate
+/// from a coarse mesh can be wrong.
 const MOST_GROWTH: f64 = 2.0;
 
-/// (H) The smallest factor by which the number of intervals grows, and the safety factor of a mesh
-/// that shrinks, so that the number of intervals does not change at every point.
+/// Heuristic: the smallest factor by which the number of intervals grows, and the safety factor of
+/// a mesh that shrinks, so that the number of intervals does not change at every point.
 const SPARE: f64 = 1.25;
 
-/// (H) The number of intervals shrinks if this fraction of it, including the safety factor, is
-/// sufficient.
+/// Heuristic: the number of intervals shrinks if this fraction of it, including the safety factor,
+/// is sufficient.
 const FEW: f64 = 0.5;
 
-/// (H) The smallest factor by which the number of intervals shrinks in one step: an estimate from a
-/// fine mesh can be wrong for a coarse mesh.
+/// Heuristic: the smallest factor by which the number of intervals shrinks in one step: an estimate
+/// from a fine mesh can be wrong for a coarse mesh.
 const LEAST_KEPT: f64 = 0.75;
 
-/// (H) If the mesh error exceeds the target by this factor, redistributing the intervals is not
-/// sufficient.
+/// Heuristic: if the mesh error exceeds the target by this factor, redistributing the intervals is
+/// not sufficient.
 const FAR: f64 = 4.0;
 
-/// (H) If a branch starts on a uniform mesh and the mesh error exceeds this fraction of the target,
-/// the start is corrected on an adapted mesh: the estimate is too small if the mesh does not
-/// resolve a layer.
+/// Heuristic: if a branch starts on a uniform mesh and the mesh error exceeds this fraction of the
+/// target, the start is corrected on an adapted mesh: the estimate is too small if the mesh does
+/// not resolve a layer.
 const DOUBTFUL: f64 = 0.1;
 
-/// (H) The largest number of intervals of a segment along a branch: a solution that needs more
-/// intervals is too stiff for polynomials.
+/// Heuristic: the largest number of intervals of a segment along a branch: a solution that needs
+/// more intervals is too stiff for polynomials.
 const MOST_FITTED: usize = 1024;
 
 impl Meshed {

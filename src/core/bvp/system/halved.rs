@@ -8,15 +8,15 @@ use crate::core::failure::{Failure, one_line};
 use crate::core::linalg::largest;
 use crate::core::system::Solution;
 
-/// (H) The number of phases at which the two halves of a solution are compared.
+/// Heuristic: the number of phases at which the two halves of a solution are compared.
 const PHASES: usize = 64;
 
-/// (D) A solution consists of two equal halves if the halves differ by less than this, relative to
-/// the solution's size: both halves have errors of the same mesh.
+/// Discretisation: a solution consists of two equal halves if the halves differ by less than this,
+/// relative to the solution's size: both halves have errors of the same mesh.
 const REPEATS: f64 = 1e-6;
 
-/// (H) The largest difference of a solution's halves that is attributed to the mesh, as a multiple
-/// of the mesh error.
+/// Heuristic: the largest difference of a solution's halves that is attributed to the mesh, as a
+/// multiple of the mesh error.
 const MESH: f64 = 5.0;
 
 /// A comparison of the two halves of a solution.

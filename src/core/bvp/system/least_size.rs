@@ -3,12 +3,12 @@
 use super::solutions::Solutions;
 use super::work::Work;
 
-/// (H) A segment counts as vanishing if it is shorter than this fraction of its cycle.
+/// Heuristic: a segment counts as vanishing if it is shorter than this fraction of its cycle.
 const BRIEF: f64 = 1e-3;
-/// (H) A segment counts as constant if no state changes by more than this fraction of the largest
-/// state.
+/// Heuristic: a segment counts as constant if no state changes by more than this fraction of the
+/// largest state.
 const MOVES: f64 = 0.1;
-/// (R) A segment counts as constant if all its states are below this rounding error.
+/// Rounding: a segment counts as constant if all its states are below this rounding error.
 const ROUNDING: f64 = 1e-13;
 
 /// Returns the smallest size of a segment of a cycle, where the size is the largest state in units

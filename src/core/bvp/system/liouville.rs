@@ -13,25 +13,26 @@ use crate::core::linalg::Spectrum;
 use crate::core::problem::FieldIn;
 use crate::core::scalar::{CHUNK, Chunk, seeded};
 
-/// (D) Two products of multipliers agree if their logarithms differ by less than this. The quadrature
-/// of the trace is far more accurate than this tolerance; a product in which a rounding error
-/// replaces a multiplier is wrong by orders of magnitude.
+/// Discretisation: two products of multipliers agree if their logarithms differ by less than this.
+/// The quadrature of the trace is far more accurate than this tolerance; a product in which a
+/// rounding error replaces a multiplier is wrong by orders of magnitude.
 const SAME: f64 = std::f64::consts::LN_2;
 
-/// (H) The largest error of the logarithm for which the formula determines a multiplier near 1.
+/// Heuristic: the largest error of the logarithm for which the formula determines a multiplier near
+/// 1.
 const SMALL: f64 = 1e-3;
 
-/// (R) The range of logarithms of numbers that neither underflow nor overflow.
+/// Rounding: the range of logarithms of numbers that neither underflow nor overflow.
 const LOGARITHMS: [f64; 2] = [-708.0, 709.0];
 
-/// (D) The error of a multiplier due to rounding and integration, relative to the largest
-/// multiplier.
+/// Discretisation: the error of a multiplier due to rounding and integration, relative to the
+/// largest multiplier.
 const UNDETERMINED: f64 = 1e-7;
 
-/// (H) The largest relative error for which multipliers are computed.
+/// Heuristic: the largest relative error for which multipliers are computed.
 const LEAST_ACCURACY: f64 = 1e-2;
 
-/// (H) A multiplier whose error is at most this size is far from the unit circle.
+/// Heuristic: a multiplier whose error is at most this size is far from the unit circle.
 const HARMLESS: f64 = 1e-3;
 
 /// A periodic orbit whose equations are assembled.

@@ -21,24 +21,25 @@ use crate::core::linalg::{largest, refill};
 use crate::core::numerics::highest_derivative;
 use crate::core::scalar::{Chunk, Scalar};
 
-/// (R) Values of a state smaller than this, relative to the largest value of any state, can be
-/// rounding errors.
+/// Rounding: values of a state smaller than this, relative to the largest value of any state, can
+/// be rounding errors.
 const SMALL: f64 = 1e-9;
 
-/// (R) Values of a state smaller than this, relative to the largest value of any state (at most 1),
-/// are treated as zeros that Newton's iteration did not reach exactly.
+/// Rounding: values of a state smaller than this, relative to the largest value of any state (at
+/// most 1), are treated as zeros that Newton's iteration did not reach exactly.
 const NOTHING: f64 = 1e-25;
 
-/// (R) The smallest size of a state as a fraction of its scale: a state whose range equals its
-/// scale has values of at least half the scale.
+/// Rounding: the smallest size of a state as a fraction of its scale: a state whose range equals
+/// its scale has values of at least half the scale.
 const LEAST: f64 = 0.4;
 
-/// (H) A polynomial is treated as noise if its highest term, relative to its values, is larger than
-/// this.
+/// Heuristic: a polynomial is treated as noise if its highest term, relative to its values, is
+/// larger than this.
 const ROUGH: f64 = 0.5;
 
-/// (R) On a segment shorter than this, relative to all segments, solutions are constant on any mesh;
-/// states that are zero at the start of the segment are rounding errors on the whole segment.
+/// Rounding: On a segment shorter than this, relative to all segments, solutions are constant on
+/// any mesh; states that are zero at the start of the segment are rounding errors on the whole
+/// segment.
 const SHORT: f64 = 1e-9;
 
 /// The largest estimated error of a state, in units of the state's largest value, and the position

@@ -21,8 +21,8 @@ use crate::core::problem::{Group, Names};
 use crate::core::scalar::Chunk;
 use crate::core::system::{Solution, Start};
 
-/// (H) The largest number of intervals of a refined segment: on finer meshes, rounding errors
-/// dominate.
+/// Heuristic: the largest number of intervals of a refined segment: on finer meshes, rounding
+/// errors dominate.
 pub(super) const MOST_INTERVALS: usize = 4096;
 
 /// A discretised problem with an adaptive mesh: the evaluation of solutions and their

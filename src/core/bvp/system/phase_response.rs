@@ -38,22 +38,24 @@ use crate::core::ode::Settings;
 use crate::core::problem::{FieldIn, Profile};
 use crate::core::scalar::{CHUNK, Chunk, seeded};
 
-/// (D) A nontrivial multiplier closer to 1 than this leaves fewer than six digits of the response:
-/// the error of the solution, 1e-12 of its size, is divided by the distance between this multiplier
-/// and the trivial one.
+/// Discretisation: a nontrivial multiplier closer to 1 than this leaves fewer than six digits of
+/// the response: the error of the solution, 1e-12 of its size, is divided by the distance between
+/// this multiplier and the trivial one.
 const SIMPLE: f64 = 1e-6;
 
-/// (D) The largest accepted sum of the terms `|Z_i f_i|` in `Z·f = 1`. Near a fold of cycles the
-/// sum of the terms `|Z_i f_i|` grows, and reveals the fold even if rounding errors hide a
-/// multiplier near 1, as in a canard explosion.
+/// Discretisation: the largest accepted sum of the terms `|Z_i f_i|` in `Z·f = 1`. Near a fold of
+/// cycles the sum of the terms `|Z_i f_i|` grows, and reveals the fold even if rounding errors hide
+/// a multiplier near 1, as in a canard explosion.
 const LARGEST: f64 = 1e6;
 
-/// (D) The largest accepted error of `Z·f = 1`: drawn curves have at least three digits.
+/// Discretisation: the largest accepted error of `Z·f = 1`: drawn curves have at least three
+/// digits.
 const NORMALISED: f64 = 1e-3;
 
-/// (D) The largest relative difference, at the start of an interval, between the response computed by
-/// flows and the response of the equations. If the difference is larger, no curve is drawn inside the
-/// interval, because the mesh does not resolve the motion or errors grow over the interval.
+/// Discretisation: the largest relative difference, at the start of an interval, between the
+/// response computed by flows and the response of the equations. If the difference is larger, no
+/// curve is drawn inside the interval, because the mesh does not resolve the motion or errors grow
+/// over the interval.
 const SAME: f64 = 1e-4;
 
 /// Computes the phase response of an autonomous cycle `x = (z, p)`, smooth or with events: the gradient

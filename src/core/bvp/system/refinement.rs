@@ -15,14 +15,14 @@ use crate::core::failure::Failure;
 use crate::core::problem::Profile;
 use crate::core::system::{Approach, Discretised, Effort, Emanating, Refinement, Solution, System};
 
-/// (H) The largest number of refinements. Each refinement of a method of high order gives many
-/// digits; digits that still change after five refinements are rounding errors.
+/// Heuristic: the largest number of refinements. Each refinement of a method of high order gives
+/// many digits; digits that still change after five refinements are rounding errors.
 const MOST_REFINEMENTS: usize = 5;
 
-/// (H) The number of accepted points after which a mesh is redistributed.
+/// Heuristic: the number of accepted points after which a mesh is redistributed.
 const ADAPT_EVERY: usize = 3;
 
-/// (H) The estimated error above which a mesh is redistributed immediately.
+/// Heuristic: the estimated error above which a mesh is redistributed immediately.
 const ADAPT_ABOVE: f64 = 1e-3;
 
 impl Discretised for Meshed {

@@ -36,15 +36,15 @@ pub(super) fn jacobian(
     Ok(columns)
 }
 
-/// (R) An equilibrium counts as the origin if all its states, in their units, are smaller than
-/// this.
+/// Rounding: an equilibrium counts as the origin if all its states, in their units, are smaller
+/// than this.
 const AT_ORIGIN: f64 = 1e-6;
 
-/// (H) The largest absolute value of the real part of a critical pair of eigenvalues, in units of
-/// the imaginary part.
+/// Heuristic: the largest absolute value of the real part of a critical pair of eigenvalues, in
+/// units of the imaginary part.
 const NEAR_THE_AXIS: f64 = 1e-4;
 
-/// (H) The number of samples on an ellipse about the equilibrium.
+/// Heuristic: the number of samples on an ellipse about the equilibrium.
 const PHASES: usize = 8;
 
 /// An eigenvalue with its eigenvector.

@@ -19,19 +19,19 @@ use crate::core::failure::Failure;
 use crate::core::system::{Kind, Solution};
 use nalgebra::{DMatrix, DVector};
 
-/// (H) The time covered by the orbit in both directions, in units of `1/ε`: the distance of its
-/// ends from the saddle is less than 1e-3 of the loop's size.
+/// Heuristic: the time covered by the orbit in both directions, in units of `1/ε`: the distance of
+/// its ends from the saddle is less than 1e-3 of the loop's size.
 const HALF_TIME: f64 = 4.5;
 
-/// (H) The largest value of `ε b/a`; higher-order terms are powers of `ε b/a`.
+/// Heuristic: the largest value of `ε b/a`; higher-order terms are powers of `ε b/a`.
 const LARGEST: f64 = 0.1;
 
-/// (R) A coefficient `a`, or a derivative, counts as a rounding error if it is smaller than this
-/// fraction of its terms.
+/// Rounding: a coefficient `a`, or a derivative, counts as a rounding error if it is smaller than
+/// this fraction of its terms.
 const DEGENERATE: f64 = 1e-9;
 
-/// (R) Equations count as singular if their smallest singular value is below this fraction of the largest
-/// singular value.
+/// Rounding: Equations count as singular if their smallest singular value is below this fraction of
+/// the largest singular value.
 const DEPENDENT: f64 = 1e-9;
 
 /// Computes a long cycle near the homoclinic orbit, for changed values of the two released

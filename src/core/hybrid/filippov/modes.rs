@@ -22,8 +22,9 @@ pub struct Filippov<S>(pub S);
 
 /// The event at which motion reaches the surface from either side.
 const SURFACE: usize = 0;
-/// (R) The normal velocity above which a sliding field is not tangent to the surface, in units of
-/// the terms of that velocity; a smaller normal velocity is a rounding error of given constants.
+/// Rounding: the normal velocity above which a sliding field is not tangent to the surface, in
+/// units of the terms of that velocity; a smaller normal velocity is a rounding error of given
+/// constants.
 const OFF: f64 = 1e-6;
 
 impl<S> Filippov<S> {

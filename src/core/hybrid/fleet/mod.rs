@@ -20,8 +20,8 @@ use crate::core::problem::{FieldIn, Watchable};
 use crate::core::scalar::{LaneWidth, MOST_LANES, Scalar};
 use std::ops::ControlFlow;
 
-/// (H) The number of motions in progress; in a system with a few modes, most motions then share their
-/// mode with others. The number of motions in progress affects only the run time.
+/// Heuristic: the number of motions in progress; in a system with a few modes, most motions then
+/// share their mode with others. The number of motions in progress affects only the run time.
 const UNDER_WAY: usize = 64;
 
 /// An observer of many motions, identified by their indices.

@@ -6,20 +6,20 @@ use faer::linalg::matmul::matmul;
 use faer::linalg::triangular_solve::solve_unit_lower_triangular_in_place;
 use faer::{Accum, MatMut, MatRef, Par};
 
-/// (H) The smallest size of a pivot, as a fraction of the largest entry of its column: in one
-/// elimination step, entries grow by at most the factor one plus the inverse of this number.
+/// Heuristic: the smallest size of a pivot, as a fraction of the largest entry of its column: in
+/// one elimination step, entries grow by at most the factor one plus the inverse of this number.
 const THRESHOLD: f64 = 0.1;
 
-/// (R) The smallest size of a pivot, as a fraction of the border's entries in its column, which is
-/// required even if many columns lack such a pivot: rounding errors grow by at most the inverse of
-/// this number.
+/// Rounding: the smallest size of a pivot, as a fraction of the border's entries in its column,
+/// which is required even if many columns lack such a pivot: rounding errors grow by at most the
+/// inverse of this number.
 const LEAST: f64 = 1e-8;
 
-/// (H) The number of columns of the panels that are eliminated before the rest of the front is
-/// updated.
+/// Heuristic: the number of columns of the panels that are eliminated before the rest of the front
+/// is updated.
 const PANEL: usize = 32;
 
-/// (H) The number of multiplications below which an update is faster with plain loops.
+/// Heuristic: the number of multiplications below which an update is faster with plain loops.
 const SMALL: usize = 4096;
 
 /// A front: a dense matrix whose first `summed` rows and columns are fully summed, so that they can

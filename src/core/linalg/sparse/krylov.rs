@@ -5,21 +5,21 @@ use crate::core::failure::Failure;
 use crate::core::linalg::{dot, norm, normalise, orthogonalise};
 use faer::{MatRef, Side, c64};
 
-/// (H) The number of vectors that are multiplied by the inverse and orthogonalised together.
+/// Heuristic: the number of vectors that are multiplied by the inverse and orthogonalised together.
 pub(super) const LANES: usize = 4;
 
-/// (H) The largest number of basis vectors of a Krylov space.
+/// Heuristic: the largest number of basis vectors of a Krylov space.
 const DIMENSION: usize = 240;
 
-/// (H) The number of rows of a block that are processed together: the rows fit into the first-level
-/// cache, and the parts of the vectors are long enough for prefetching.
+/// Heuristic: the number of rows of a block that are processed together: the rows fit into the
+/// first-level cache, and the parts of the vectors are long enough for prefetching.
 const ROWS: usize = 4096;
 
-/// (H) Eigenvalues of a symmetric matrix form a cluster, with a common error estimate, if their relative
-/// distance is smaller than this.
+/// Heuristic: eigenvalues of a symmetric matrix form a cluster, with a common error estimate, if
+/// their relative distance is smaller than this.
 const TOGETHER: f64 = 0.01;
 
-/// (R) A vector is orthogonalised again if the remainder is shorter than this fraction of its
+/// Rounding: a vector is orthogonalised again if the remainder is shorter than this fraction of its
 /// length.
 const CANCELLED: f64 = 0.1;
 

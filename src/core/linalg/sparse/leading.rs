@@ -9,48 +9,50 @@ use faer::c64;
 use std::mem::swap;
 use std::sync::Arc;
 
-/// (H) The largest number of eigenvalues that are computed to certify the number of unstable
+/// Heuristic: the largest number of eigenvalues that are computed to certify the number of unstable
 /// eigenvalues.
 const MOST: usize = 48;
 
-/// (H) The number of vectors of the previous point with which a Krylov space begins, in addition to
-/// random vectors.
+/// Heuristic: the number of vectors of the previous point with which a Krylov space begins, in
+/// addition to random vectors.
 const WARM: usize = 5;
 const SEEDS: usize = 3;
 
-/// (R) Two eigenvalues count as one repeated eigenvalue if their relative distance is smaller than
-/// this.
+/// Rounding: two eigenvalues count as one repeated eigenvalue if their relative distance is smaller
+/// than this.
 const REPEATED: f64 = 1e-6;
 
-/// (R) The relative error at which eigenvalues of the inverse matrix count as converged.
+/// Rounding: the relative error at which eigenvalues of the inverse matrix count as converged.
 const CONVERGED: f64 = 1e-11;
 
-/// (R) If a shift equals an eigenvalue, the shift is changed by this fraction of the largest entry.
+/// Rounding: if a shift equals an eigenvalue, the shift is changed by this fraction of the largest
+/// entry.
 const ASIDE: f64 = 1e-10;
 
-/// (R) The rounding error of eigenvalues of the inverse matrix, relative to the largest eigenvalue.
+/// Rounding: the rounding error of eigenvalues of the inverse matrix, relative to the largest
+/// eigenvalue.
 const ROUNDING: f64 = 1e-14;
 
-/// (H) An eigenvalue near the shift hides the digits of the other eigenvalues if its distance from
-/// the shift is smaller than the next eigenvalue's distance by this factor.
+/// Heuristic: an eigenvalue near the shift hides the digits of the other eigenvalues if its
+/// distance from the shift is smaller than the next eigenvalue's distance by this factor.
 const ALONE: f64 = 1e-6;
 
-/// (H) If an eigenvalue near the shift hides the digits of the others, the shift is changed by this
-/// fraction of the next eigenvalue's distance.
+/// Heuristic: if an eigenvalue near the shift hides the digits of the others, the shift is changed
+/// by this fraction of the next eigenvalue's distance.
 const BESIDE: f64 = 0.11;
 
-/// (H) The search for the largest eigenvalues starts at this multiple of the largest eigenvalue of
-/// the previous matrix.
+/// Heuristic: the search for the largest eigenvalues starts at this multiple of the largest
+/// eigenvalue of the previous matrix.
 const FARTHER: f64 = 1.25;
 
-/// (H) The largest number of changes of the shift.
+/// Heuristic: the largest number of changes of the shift.
 const MOVES: usize = 3;
 
 /// The description of the requested eigenvalues in error messages.
 const NEAREST: &str = "eigenvalues nearest to zero";
 
-/// (R) The sign of an eigenvalue is uncertain if the eigenvalue is smaller than this, relative to the
-/// other computed eigenvalues.
+/// Rounding: the sign of an eigenvalue is uncertain if the eigenvalue is smaller than this,
+/// relative to the other computed eigenvalues.
 const NEUTRAL: f64 = 1e-8;
 
 /// The rightmost eigenvalues of matrices with the same sparsity pattern, along a branch.

@@ -2,11 +2,11 @@
 
 use super::Pattern;
 
-/// (R) Scaled entries of a matrix count as symmetric if they agree to this relative error.
+/// Rounding: Scaled entries of a matrix count as symmetric if they agree to this relative error.
 const AGREE: f64 = 1e-12;
 
-/// (H) Scales are rejected if they differ by more than this factor, because scaling would lose too many
-/// digits.
+/// Heuristic: Scales are rejected if they differ by more than this factor, because scaling would
+/// lose too many digits.
 const UNEVEN: f64 = 1e3;
 
 impl Pattern {

@@ -9,14 +9,14 @@ use faer::sparse::linalg::cholesky::{
 };
 use faer::sparse::linalg::{SupernodalThreshold, SymbolicSupernodalParams};
 
-/// (H) The largest bandwidth of a matrix that is eliminated in its own order.
+/// Heuristic: the largest bandwidth of a matrix that is eliminated in its own order.
 const BAND: usize = 12;
 
-/// (H) The number of columns of a band matrix that are eliminated together.
+/// Heuristic: the number of columns of a band matrix that are eliminated together.
 const BLOCK: usize = 12;
 
-/// (H) The rules for merging nodes: if the merged node has at most the first number of columns, its
-/// fraction of zeros must be less than the second number.
+/// Heuristic: the rules for merging nodes: if the merged node has at most the first number of
+/// columns, its fraction of zeros must be less than the second number.
 const RELAX: &[(usize, f64)] = &[(8, 0.9), (24, 0.5), (64, 0.1), (usize::MAX, 0.02)];
 
 /// A node of the elimination tree: columns that are eliminated together.

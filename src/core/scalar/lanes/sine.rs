@@ -4,7 +4,7 @@ use super::Lanes;
 use super::register::Register;
 use fearless_simd::{ExtractToken, Select, Simd, SimdBase, SimdMask};
 
-/// (R) The largest magnitude of an argument that is reduced to `|x| ≤ π/4` with an error of
+/// Rounding: the largest magnitude of an argument that is reduced to `|x| ≤ π/4` with an error of
 /// rounding size: the number of quarter turns then has 16 bits, so that its product with the first
 /// part of π/2 is exact.
 const LARGEST: f64 = 1e5;
