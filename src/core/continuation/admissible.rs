@@ -1,4 +1,4 @@
-//! Admissibility of solutions, and branch switching at limits such as grazings. No other module of
+//! Admissibility of solutions, and branch switching at limits. No other module of
 //! continuation uses the interface of systems for orbits with events.
 
 use super::event::Event;
@@ -97,7 +97,7 @@ pub(super) fn emanating(
     system.events().map(|events| events.emanating(x, which)).transpose()
 }
 
-/// Returns the standard name, such as `grazing-sliding`, of a solution `x = (z, p)` at an event, if
+/// Returns the standard name of a solution `x = (z, p)` at an event, if
 /// the event is a limit.
 pub(super) fn subkind(event: &Event, system: &mut dyn System, x: &[f64]) -> Option<String> {
     match (event.kind, event.test.level()?) {

@@ -267,7 +267,7 @@ struct Limits {
 }
 
 /// Returns the limits of admissible solutions along a curve. On a curve of solutions at a limit,
-/// such as a curve of grazings, the order of events is not checked, because it depends on rounding.
+/// the order of events is not checked, because it depends on rounding.
 fn limits(curve: &mut Continuation) -> Result<Limits, Failure> {
     let at_limit = curve.held.iter().any(|(kind, make)| *kind == AT_LIMIT && make.is_none());
     let system = &mut *curve.system;

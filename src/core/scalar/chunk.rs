@@ -130,7 +130,7 @@ impl<T: Scalar, const W: usize> DualChunk<T, W> {
     }
 }
 
-/// Creates an array of derivatives by calling a function for each direction.
+/// Creates an array of derivatives: the results of a function for each direction.
 #[inline(always)]
 fn parts<T: Copy, const W: usize>(mut part: impl FnMut(usize) -> T) -> [T; W] {
     // A single derivative in lanes is computed in place, with the instructions of the caller.
