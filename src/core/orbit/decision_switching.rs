@@ -9,7 +9,7 @@ use crate::core::bvp::Guess;
 use crate::core::failure::Failure;
 use crate::core::hybrid::{HybridEquations, MeasureNumber, Moment, decision_scale};
 
-/// H: the largest distance, as a fraction of the scales, between the start of the next leg and the
+/// Heuristic: the largest distance, as a fraction of the scales, between the start of the next leg and the
 /// state to which motion through the other mode leads, if a branch emanates.
 const CONTINUOUS: f64 = 1e-4;
 

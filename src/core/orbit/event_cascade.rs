@@ -10,21 +10,21 @@ use crate::core::problem::gradient;
 use crate::core::scalar::Chunk;
 use num_dual::{Dual, Dual64};
 
-/// H: the displacement of a guard's rate or of a decision function to either side of zero, in units
+/// Heuristic: the displacement of a guard's rate or of a decision function to either side of zero, in units
 /// of its scale, at which the subsequent events are determined.
 pub(super) const NUDGE: f64 = 1e-6;
-/// H: the longest duration of a leg, in units of the time scale, near an event at which the leg
+/// Heuristic: the longest duration of a leg, in units of the time scale, near an event at which the leg
 /// vanishes.
 const AT_ONCE: f64 = 1e-2;
-/// H: the magnitude, in units of its scale, below which a guard or its rate counts as zero.
+/// Heuristic: the magnitude, in units of its scale, below which a guard or its rate counts as zero.
 const ZERO: f64 = 1e-9;
-/// H: the smallest fraction of a function's gradient that must be tangent to a guard's surface if
+/// Heuristic: the smallest fraction of a function's gradient that must be tangent to a guard's surface if
 /// the function varies along the surface.
 const ACROSS: f64 = 1e-6;
-/// H: the largest change of a state by a reset at a grazing point, in units of the scales, at which
+/// Heuristic: the largest change of a state by a reset at a grazing point, in units of the scales, at which
 /// the reset counts as continuous.
 pub(super) const UNMOVED: f64 = 1e-6;
-/// H: the maximal number of events in a cascade.
+/// Heuristic: the maximal number of events in a cascade.
 const MOST_LEGS: usize = 32;
 
 /// An event whose subsequent events depend on rounding errors, with a nearby event whose subsequent

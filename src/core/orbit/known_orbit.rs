@@ -6,11 +6,11 @@ use crate::core::bvp::{Guess, Trajectory};
 use crate::core::failure::Failure;
 use crate::core::hybrid::{HybridEquations, Moment, time_scale};
 
-/// H: the approach speed of an event, in units of the scales, below which the event counts as a
+/// Heuristic: the approach speed of an event, in units of the scales, below which the event counts as a
 /// grazing.
 pub(super) const VANISHES: f64 = 1e-6;
 
-/// H: the duration of a leg, in units of the time scale, below which the leg has zero length. The
+/// Heuristic: the duration of a leg, in units of the time scale, below which the leg has zero length. The
 /// speed at the end of a leg that begins at rest is proportional to the square of the leg's
 /// duration: if the speed vanishes to 1e-12, the duration vanishes to 1e-6.
 const NO_TIME: f64 = 1e-5;

@@ -14,12 +14,12 @@ use crate::core::linalg::dot;
 use crate::core::problem::gradient;
 use num_dual::Dual;
 
-/// H: the duration of a leg, in units of the time scale, below which the mean rate of the guard is
+/// Heuristic: the duration of a leg, in units of the time scale, below which the mean rate of the guard is
 /// evaluated as the guard's rate at mid-time. For such short legs, the quotient of guard and
 /// duration has a rounding error inversely proportional to the duration, and the rate at mid-time
 /// differs from the mean rate only to second order in the duration.
 const SHORT: f64 = 1e-8;
-/// R: the largest difference between the values and slopes of two guards, in units of the slopes,
+/// Rounding: the largest difference between the values and slopes of two guards, in units of the slopes,
 /// at which the guards are the same function up to a factor: the rounding error of a few thousand
 /// operations.
 const SAME: f64 = 1e-9;

@@ -20,7 +20,7 @@ use crate::core::failure::{Failure, one_line};
 use crate::core::hybrid::{GuardOf, Moment, time_scale};
 use crate::core::system::{Jump, Limit};
 
-/// H: the smallest approach speed of an event, in units of the scales, at which the mode after the
+/// Heuristic: the smallest approach speed of an event, in units of the scales, at which the mode after the
 /// event is checked.
 const SURE: f64 = 1e-4;
 

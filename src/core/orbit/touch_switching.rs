@@ -36,16 +36,16 @@ impl Passed {
     }
 }
 
-/// H: the time from the new event to the grazing point, in units of the time scale, if the event is
+/// Heuristic: the time from the new event to the grazing point, in units of the time scale, if the event is
 /// moved to determine the direction of a branch.
 const SOONER: f64 = 1e-3;
-/// H: the ratio of two times before the grazing point at which the error is compared; the error
+/// Heuristic: the ratio of two times before the grazing point at which the error is compared; the error
 /// must decrease as the square of the time.
 const NEARER: f64 = 4.0;
-/// H: the number of simultaneous grazing points that are combined into branches, with 2⁸ subsets;
+/// Heuristic: the number of simultaneous grazing points that are combined into branches, with 2⁸ subsets;
 /// only branch 0 crosses the later grazing points.
 const MOST_TOUCHES: usize = 8;
-/// R: the errors of states after an integrated motion, in units of the states' scales.
+/// Rounding: the errors of states after an integrated motion, in units of the states' scales.
 const ROUNDING: f64 = 1e-11;
 
 /// Returns which of `count` grazing points the branch numbered `which` crosses: branch 0 crosses
