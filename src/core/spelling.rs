@@ -1,5 +1,5 @@
-//! Suggests the known name that is most similar to an unknown name, and shortens long names in
-//! messages.
+//! Suggests the known name that is most similar to an unknown name, or the name of the same setting of
+//! another program, and shortens long names in messages.
 //!
 //! Names are compared by the number of edits, where a swap of neighbouring letters is one edit (F.
 //! J. Damerau, *Commun. ACM* 7:171, 1964).
@@ -67,4 +67,35 @@ pub(crate) fn listed<S: AsRef<str>>(names: &[S]) -> String {
         list += &format!("{comma}{}", shown(name.as_ref()));
     }
     list
+}
+
+/// The names of settings in AUTO, XPPAUT and MatCont, in lower case, with the names of the same
+/// settings in this program.
+const OF_OTHER_PROGRAMS: [(&str, &str); 20] = [
+    ("ntst", "intervals"),
+    ("ncol", "degree"),
+    ("ds", "initial_step"),
+    ("dsmin", "min_step"),
+    ("dsmax", "max_step"),
+    ("initstepsize", "initial_step"),
+    ("minstepsize", "min_step"),
+    ("maxstepsize", "max_step"),
+    ("nmx", "max_points"),
+    ("nmax", "max_points"),
+    ("maxnumpoints", "max_points"),
+    ("npr", "save_every"),
+    ("epsl", "tolerance"),
+    ("epsu", "tolerance"),
+    ("funtolerance", "tolerance"),
+    ("vartolerance", "tolerance"),
+    ("epss", "event_tolerance"),
+    ("testtolerance", "event_tolerance"),
+    ("itnw", "max_iterations"),
+    ("singularities", "detect"),
+];
+
+/// Returns the name of a setting that other programs call by a given name.
+pub(crate) fn of_other_programs(name: &str) -> Option<&'static str> {
+    let name = name.to_lowercase();
+    OF_OTHER_PROGRAMS.iter().find(|(other, _)| *other == name).map(|(_, own)| *own)
 }

@@ -546,3 +546,17 @@ fn archives_are_told_from_documents() {
         refused(at, &["sweep", "up.ron", "--set", name, "--afresh"], &[words]);
     }
 }
+
+/// The names of settings in AUTO, XPPAUT and MatCont lead to the names of the same settings.
+#[test]
+fn settings_of_other_programs_are_named() {
+    let folder = folder();
+    let at = folder.path();
+    let model = r#"Equations(states: [("x", "y"), ("y", "-x")], parameters: [("a", 0)])"#;
+    std::fs::write(at.join("m.ron"), model).unwrap();
+    for (name, own) in [("NTST", "intervals"), ("Dsmax", "max_step"), ("MaxNumPoints", "max_points")] {
+        let set = format!("{name}=50");
+        let said = format!("`{name}` of other programs is called `{own}` here");
+        refused(at, &["trace", "m.ron", "--along", "a=0..1", "--set", &set], &[&said]);
+    }
+}

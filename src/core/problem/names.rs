@@ -1,6 +1,6 @@
 //! Names of unknowns, parameters and monitors, and the error for unknown names.
 
-use crate::core::spelling::{listed, shown, suggest};
+use crate::core::spelling::{listed, of_other_programs, shown, suggest};
 use miette::Diagnostic;
 use std::collections::HashSet;
 use std::fmt;
@@ -293,6 +293,10 @@ impl UnknownName {
     pub fn remedy(&self) -> String {
         let UnknownName { name, available, .. } = self;
         let known = if available.is_empty() { "none".into() } else { listed(available) };
+        let foreign = of_other_programs(name);
+        if let Some(own) = foreign.filter(|own| available.iter().any(|name| name == own)) {
+            return format!("`{name}` of other programs is called `{own}` here. Known: {known}");
+        }
         match suggest(name, available.iter().map(String::as_str)) {
             Some(meant) => format!("did you mean `{}`? Known: {known}", shown(meant)),
             None => format!("known: {known}"),
