@@ -134,7 +134,7 @@ impl Trace {
         };
         // The error of the scene takes precedence over errors in saving or drawing.
         match outcome.error {
-            Some(cause) => return Err(at.stopped(cause)),
+            Some(cause) => return Err(at.stopped(scene.blame_on(&at.settings, cause))),
             None => match saved {
                 // After an interruption, the figure may refer to branches that were not computed.
                 Err(CommandError::Figure { .. }) if matches!(watched, Ok(true)) => {}

@@ -217,6 +217,21 @@ pub enum SceneError {
         #[source]
         cause: Box<RunError>,
     },
+    /// A run failed at its start, and the request has changed the first value of the parameter that
+    /// varies along the run.
+    #[error("{cause}")]
+    #[diagnostic(help(
+        "replace `--set {name}={value}` by `--mark {name}={value}`: the branch then starts at the value of \
+         `{name}` in the scene, and has a labelled point at the marked value"
+    ))]
+    Moved {
+        /// The parameter that varies along the run.
+        name: String,
+        /// The changed value of the parameter at the start.
+        value: String,
+        /// The reason why the run failed.
+        cause: Box<SceneError>,
+    },
 }
 
 /// The reason why a run, or a sweep of a local map, failed.

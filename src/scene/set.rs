@@ -165,6 +165,19 @@ impl Scene {
         Ok(())
     }
 
+    /// Adds a remedy to the error of a run that failed at its start, if the request has changed the
+    /// first value of the parameter that varies along the run.
+    pub fn blame_on(&self, set: &[(String, String)], cause: SceneError) -> SceneError {
+        let SceneError::Run { run, .. } = &cause else { return cause };
+        let run = self.runs.iter().find(|own| own.name == *run);
+        let varies = |name: &str| run.is_some_and(|run| run.along.iter().any(|it| it.name == name));
+        let changed = set.iter().find(|(name, _)| varies(name)).cloned();
+        match changed.filter(|_| cause.is_of_start(|_| false)) {
+            Some((name, value)) => SceneError::Moved { name, value, cause: Box::new(cause) },
+            None => cause,
+        }
+    }
+
     /// Returns the initial value of a parameter of the scene.
     pub fn value(&self, parameter: &str) -> Option<f64> {
         let given = self.parameters.iter().find(|(name, _)| name == parameter);

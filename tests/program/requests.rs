@@ -547,6 +547,15 @@ fn archives_are_told_from_documents() {
     }
 }
 
+/// An orbit that does not exist at a changed first value is reached along its branch.
+#[test]
+fn a_start_that_was_moved_away_is_replaced_by_a_mark() {
+    let folder = folder();
+    let at = folder.path();
+    let moved = ["trace", "mita-type-1", "--set", "voltage=0.5"];
+    refused(at, &moved, &["replace `--set voltage=0.5` by `--mark voltage=0.5`"]);
+}
+
 /// The names of settings in AUTO, XPPAUT and MatCont lead to the names of the same settings.
 #[test]
 fn settings_of_other_programs_are_named() {
