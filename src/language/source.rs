@@ -302,7 +302,7 @@ pub enum Fault {
     #[diagnostic(transparent)]
     Unknown(UnknownName),
     /// A name that is declared twice.
-    #[error("`{name}` is already {first}, and each name may be given only once")]
+    #[error("`{name}` is given a second time, although `{name}` is already {first}")]
     Twice {
         /// The duplicate name.
         name: String,
@@ -353,7 +353,7 @@ pub enum Fault {
         reason: String,
     },
     /// A quantity that exceeds a limit.
-    #[error("too many {what}: the limit is {limit}")]
+    #[error("the model has too many {what}: the limit is {limit}")]
     TooLarge {
         /// The quantity that is too large.
         what: &'static str,

@@ -93,7 +93,8 @@ impl Service {
                 json_of_kept(stream, self.pages.kept(&page), |kept| {
                     match details(kept, branch, point) {
                         Some(details) => json!({ "details": details }),
-                        None => trouble("the point is not on the present branches"),
+                        None => trouble("the selected point is not on the branches of the present \
+                                         result"),
                     }
                 })
             }
@@ -208,7 +209,7 @@ fn json_of_kept(
 }
 
 /// The error of a page without a result.
-const NO_RESULT: &str = "there is no result: trace the scene again";
+const NO_RESULT: &str = "the page has no result: trace the scene again";
 
 /// Returns a result as a file, with the type of its content.
 fn rendered(kept: &Kept, format: &str) -> Result<(&'static str, Vec<u8>), String> {

@@ -51,7 +51,7 @@ pub(super) fn trace(
     });
     let (scene, document, failed) = traced.inspect_err(fail).ok()?;
     if cancel.is_cancelled() && document.branches.is_empty() {
-        let trouble = Trouble::plain("the trace was stopped before its first branch");
+        let trouble = Trouble::plain("the trace was stopped before its first branch was computed");
         let _ = out.send(Message::of(&json!({ "failed": trouble })));
         return None;
     }
@@ -74,7 +74,7 @@ pub(super) fn trace(
 
 /// Returns the warning of a changed value that the text does not have.
 fn unknown(name: &str) -> String {
-    format!("the changed value or range of `{name}` is left out: the text has no such parameter")
+    format!("the changed value or range of `{name}` is ignored: the model has no parameter `{name}`")
 }
 
 /// A scene with all runs, its results, and the errors of runs.

@@ -213,7 +213,8 @@ impl Results<'_> {
         match shown.iter().any(|shown| !shown.point.profiles.is_empty()) {
             true => Ok(shown),
             false => Err(RenderError::Unsuited(
-                "these special points have no profiles: their states are in the table of all points",
+                "the requested special points have no profiles: their states are in the table of \
+                 all points",
             )),
         }
     }
@@ -224,7 +225,7 @@ impl Results<'_> {
         match self.documents {
             [] if !self.sweeps.is_empty() => Ok(of_sweeps(self.sweeps)),
             _ if !self.sweeps.is_empty() => Err(RenderError::Unsuited(
-                "a table (.csv) can contain the branches of documents or sweeps, but not both",
+                "a table (.csv) can contain branches of documents or runs of sweeps, but not both",
             )),
             _ if !self.points.is_empty() => Ok(of_points(&self.shown()?)),
             [(_, document)] if of_histories(document) => Ok(histories(document)),
@@ -243,7 +244,8 @@ impl Render for Results<'_> {
         Ok(match format {
             Format::Ron => match self.documents {
                 [(_, document)] => document.to_ron()?.into_bytes(),
-                _ => return Err(RenderError::Unsuited("a document (.ron) contains one result")),
+                _ => return Err(RenderError::Unsuited("a document (.ron) must contain exactly one \
+                                                       result")),
             },
             Format::Npz => match (self.sweeps, self.documents) {
                 ([sweeps], _) => sweeps.to_bytes()?,
@@ -254,7 +256,8 @@ impl Render for Results<'_> {
                     arrays(document).map_err(FormatError::Unwritable)?
                 }
                 _ => {
-                    let rule = "an archive (.npz) contains the sweeps of one scene, histories, or the profiles of points (--points)";
+                    let rule = "an archive (.npz) can contain only the sweeps of one scene, \
+                                simulated histories, or the profiles of special points (--points)";
                     return Err(RenderError::Unsuited(rule));
                 }
             },
@@ -272,12 +275,13 @@ impl Render for Results<'_> {
                 ([(_, document)], []) if self.points.is_empty() => json(document)?,
                 _ => {
                     return Err(RenderError::Unsuited(
-                        "JSON (.json) contains one whole document, without --points",
+                        "a JSON file (.json) contains one whole document and cannot be combined \
+                         with --points",
                     ));
                 }
             },
             Format::Markdown => {
-                return Err(RenderError::Unsuited("Markdown (.md) is a format of reports only"));
+                return Err(RenderError::Unsuited("Markdown (.md) is a format for reports only"));
             }
         })
     }

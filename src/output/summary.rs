@@ -83,7 +83,7 @@ impl Summary<'_> {
         let Branch { name, special, ends, .. } = self.0;
         let open = special.iter().filter(|point| !point.converged && point.kind != Kind::MX);
         let open = open.map(|point| {
-            format!("{name}: the {} with label {} has not converged", point.kind, point.label)
+            format!("{name}: the special point {} with label {} has not converged", point.kind, point.label)
         });
         let ends = ends.iter().filter(|end| !end.is_expected()).map(|end| format!("{name}: {end}"));
         open.chain(ends).collect()

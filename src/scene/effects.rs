@@ -87,7 +87,7 @@ impl Resolved {
             return None;
         }
         if is_of_sweeps(name) && !self.problem.names().iter().any(|known| known == name) {
-            return Some(SceneError::idle(name, "on branches: it is a setting of sweeps"));
+            return Some(SceneError::idle(name, "on branches, because only sweeps use this setting"));
         }
         if self.run.along.is_empty() {
             return Some(SceneError::idle(name, "on simulated histories"));
@@ -102,7 +102,7 @@ impl Resolved {
             return None;
         }
         if name == "order" {
-            return Some(SceneError::idle(name, "where no local map is followed"));
+            return Some(SceneError::idle(name, "on runs without a local map"));
         }
         let (_, need) = NEEDS.into_iter().find(|(known, _)| *known == name)?;
         let at_rest = self.problem.solution().filter(|it| *it == Solution::Equilibrium);
@@ -149,7 +149,7 @@ impl Need {
     fn without(self) -> &'static str {
         match self {
             Need::Discretisation => "where equations need no discretisation",
-            Need::FreePeriod => "where the period is not an unknown",
+            Need::FreePeriod => "on solutions without an unknown period",
             Need::Dynamics => "for equations without dynamics",
         }
     }

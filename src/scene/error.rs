@@ -48,11 +48,11 @@ impl From<ModelError> for SceneError {
 pub enum SceneError {
     /// A parameter or state is given both in `--over` and in `--from`, or twice in one of them.
     #[error("`{0}` is given twice")]
-    #[diagnostic(help("give each parameter or state once, in `--over` or in `--from`"))]
+    #[diagnostic(help("give each parameter or state only once, in `--over` or in `--from`"))]
     Twice(String),
     /// `--both` is given without exactly one parameter to sweep.
     #[error("`--both` sweeps the values of one parameter upward and downward")]
-    #[diagnostic(help("give `--over` once, with a parameter"))]
+    #[diagnostic(help("give `--over` exactly once, and for a parameter"))]
     BothWays,
     /// A name that the scene does not have.
     #[error(transparent)]
@@ -83,7 +83,10 @@ pub enum SceneError {
         help: Option<String>,
     },
     /// A parameter or setting that a run of the scene sets.
-    #[error("`{name}` is set by the scene: the run `{run}` sets it to `{value}`")]
+    #[error(
+        "a changed value of `{name}` has no effect: the run `{run}` of the scene sets `{name}` to \
+         `{value}`"
+    )]
     #[diagnostic(help("copy the scene to a file and change the run there"))]
     Varied {
         /// The parameter or setting.
@@ -120,8 +123,8 @@ pub enum SceneError {
     #[diagnostic(transparent)]
     Problem(#[from] ProblemError),
     /// The problem lacks a capability that the scene needs.
-    #[error("{needs}, and this problem is {kind}")]
-    #[diagnostic(help("state a vector field as a hybrid system of one mode"))]
+    #[error("{needs}, but this problem is {kind}")]
+    #[diagnostic(help("state the vector field as a hybrid system with one mode"))]
     Unsupported {
         /// The problems that have the capability, in words.
         needs: &'static str,
@@ -129,7 +132,9 @@ pub enum SceneError {
         kind: &'static str,
     },
     /// Parameters without a value.
-    #[error("`{problem}` has no default values for {}", missing.join(", "))]
+    #[error(
+        "the problem `{problem}` has no default values for the parameters {}", missing.join(", "
+    ))]
     #[diagnostic(help("give the values in `parameters`"))]
     MissingParameters {
         /// The problem.
@@ -146,15 +151,15 @@ pub enum SceneError {
     #[diagnostic(transparent)]
     Strobe(#[from] StroboscopicError),
     /// The known results belong to another scene.
-    #[error("the earlier runs are from another scene, or from other settings")]
+    #[error("the saved runs of the sweep are from another scene, or from other settings")]
     #[diagnostic(help(
-        "remove the file of the earlier runs, start with --afresh, or choose another folder"
+        "remove the file of the saved runs, start again with --afresh, or choose another folder"
     ))]
     OtherScene,
     /// The known results have other tables.
-    #[error("the earlier runs are in tables of another form: {0}")]
+    #[error("the saved runs of the sweep are in tables of another form: {0}")]
     #[diagnostic(help(
-        "remove the file of the earlier runs, start with --afresh, or choose another folder"
+        "remove the file of the saved runs, start again with --afresh, or choose another folder"
     ))]
     OtherTables(#[source] TableDifference),
     /// The finest discretisation does not reach the accuracy that a scene requests.
@@ -169,14 +174,17 @@ pub enum SceneError {
     #[diagnostic(forward(0))]
     Figure(#[from] FigureError),
     /// The run was cancelled, for example by Ctrl-C.
-    #[error("the run `{run}` was interrupted before its first point; earlier runs are saved")]
+    #[error(
+        "the run `{run}` was interrupted before its first point; all runs before `{run}` are saved"
+    )]
     GivenUp {
         /// The name of the run.
         run: String,
     },
     /// A run starts from a point that an earlier run did not find.
     #[error(
-        "the run `{run}` starts at {kind} number {} of `{from}`, and the branch has {} ({ends})",
+        "the run `{run}` starts at {kind} number {} of the branch `{from}`, but the branch has {} \
+         ({ends})",
         nth + 1, counted(*found, kind)
     )]
     NoSuchPoint {
@@ -196,7 +204,8 @@ pub enum SceneError {
     /// No branch starts from the given state, and the motion from there does not converge to an
     /// attractor.
     #[error(
-        "the motion from the given state does not converge: {cause}; no branch starts at the state itself: {near}"
+        "the simulated motion from the given state does not converge to an attractor: {cause}; a \
+         branch cannot start at the given state either: {near}"
     )]
     #[diagnostic(forward(near))]
     NoStart {
@@ -285,7 +294,7 @@ impl SceneError {
     /// Returns the error for a setting that has no effect while another setting has a given value.
     pub(super) fn no_effect_under(name: &str, under: &str, value: &str) -> Self {
         let reason = format!("where `{under}` is `{value}`");
-        let help = Some(format!("omit `{name}`, or set `{under}` too"));
+        let help = Some(format!("omit `{name}`, or also set `{under}` to another value"));
         SceneError::NoEffect { name: name.into(), reason, help }
     }
 

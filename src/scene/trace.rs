@@ -201,7 +201,7 @@ fn trace(
         steps.run(observer)
     })?;
     let idle = idle.iter().map(|name| {
-        format!("the bound or mark of `{name}` has no effect: this branch has no such column")
+        format!("the bound or mark of `{name}` has no effect: this branch has no column `{name}`")
     });
     branch.warnings.splice(..0, resolved.problem.jumps().chain(idle));
     Ok(branch)

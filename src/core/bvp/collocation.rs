@@ -48,7 +48,10 @@ pub struct Collocation {
 
 /// The error for a number of Gauss points outside its range.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, miette::Diagnostic, thiserror::Error)]
-#[error("collocation at {0} Gauss points an interval: the number must be between 2 and 7")]
+#[error(
+    "the number of Gauss points per mesh interval is {0}, but collocation needs a number between 2 \
+     and 7"
+)]
 pub struct PointsError(pub usize);
 
 /// The largest number of Gauss points: beyond it, more intervals are better than a higher degree.

@@ -12,7 +12,8 @@ debug_is_message!(BoundaryError);
 pub enum BoundaryError {
     /// The number of meshes differs from the number of segments, or there are no segments.
     #[error(
-        "{segments} segments and {meshes} meshes: each segment needs one mesh, and at least one segment"
+        "the problem has {segments} segments and {meshes} meshes, but needs at least one segment, \
+         and exactly one mesh for each segment"
     )]
     Meshes {
         /// The number of segments.
@@ -24,14 +25,14 @@ pub enum BoundaryError {
     #[error("segment {0} has no states")]
     NoStates(usize),
     /// A segment has no intervals.
-    #[error("segment {0} has no intervals: it needs at least one")]
+    #[error("the mesh of segment {0} has no intervals, but needs at least one interval")]
     NoIntervals(usize),
     /// There are more integral and phase conditions than unknowns.
     #[error(
-        "there are {closing} integral and phase conditions, but only {unknowns} unknowns (states and \
-         extra unknowns)"
+        "the problem has {closing} integral and phase conditions, but only {unknowns} unknowns \
+         (states and extra unknowns)"
     )]
-    #[diagnostic(help("remove conditions or add extra unknowns"))]
+    #[diagnostic(help("remove integral or phase conditions, or add extra unknowns"))]
     Conditions {
         /// The number of unknowns: the states of all segments, and the extra unknowns.
         unknowns: usize,
@@ -40,9 +41,10 @@ pub enum BoundaryError {
     },
     /// The segments or conditions do not match the shape.
     #[error(
-        "{segments} segments with {boundary} boundary conditions and {closing} integral and phase conditions \
-         do not form a {shape:?}: a periodic orbit is one closed segment, with as many boundary conditions as \
-         states, and cycles have no integral conditions"
+        "the problem has {segments} segments with {boundary} boundary conditions and {closing} \
+         integral and phase conditions, which do not form a {shape:?}: a periodic orbit is one \
+         closed segment with as many boundary conditions as states, and a cycle has no integral \
+         conditions"
     )]
     Shape {
         /// The shape.
@@ -56,7 +58,8 @@ pub enum BoundaryError {
     },
     /// A monitor refers to a state that does not exist.
     #[error(
-        "the monitor `{name}` refers to state {state} on segment {segment}, which does not exist"
+        "the monitor `{name}` refers to state {state} on segment {segment}, but this state does \
+         not exist"
     )]
     Monitor {
         /// The monitor.
@@ -68,10 +71,10 @@ pub enum BoundaryError {
     },
     /// The largest allowed mesh is too coarse for a tolerance.
     #[error(
-        "an error of {tolerance:.1e} needs {needed:.0} intervals on segment {segment}, but at most \
-         {most} intervals are allowed"
+        "a discretisation error of {tolerance:.1e} needs {needed:.0} mesh intervals on segment \
+         {segment}, but at most {most} intervals are allowed"
     )]
-    #[diagnostic(help("raise the tolerance or the number of points per interval"))]
+    #[diagnostic(help("raise the tolerance, or the number of collocation points per interval"))]
     TooFine {
         /// The segment.
         segment: usize,

@@ -34,8 +34,9 @@ pub enum End {
     },
     /// The reset of an event is discontinuous there, as with an `if`: no solution is close beyond.
     #[error(
-        "the reset of the event `{event}` jumps: after the event, {state} changes from {from:.6e} to {to:.6e}; \
-         start the branch beyond from a simulated cycle"
+        "the reset of the event `{event}` is discontinuous: the value of {state} after the event \
+         jumps from {from:.6e} to {to:.6e}; start the branch on the other side of the jump from a \
+         simulated cycle"
     )]
     ResetJumps {
         /// The event.
@@ -85,8 +86,9 @@ pub enum End {
     /// parameters change by no more than their errors, and the orbit approaches an equilibrium.
     /// Special points that do not converge while the parameters are constant are omitted.
     #[error(
-        "the cycles come near a homoclinic orbit: the period grows to {period:.6} while the parameters stand still, and \
-         the orbit comes within {distance:.1e} of its size to an equilibrium"
+        "the cycles approach a homoclinic orbit: the period grows to {period:.6} while the \
+         parameters are constant, and the distance of the cycle from an equilibrium falls to \
+         {distance:.1e} of the cycle's size"
     )]
     Homoclinic {
         /// The period at the end.
@@ -97,8 +99,8 @@ pub enum End {
     /// A leading eigenvalue of the equilibrium of homoclinic orbits approaches zero, where orbits
     /// take infinite time.
     #[error(
-        "the equilibrium of the homoclinic orbits is nearly non-hyperbolic: `{name}` falls to {rate:.1e} from \
-         {largest:.1e}"
+        "the equilibrium of the homoclinic orbits is nearly non-hyperbolic: the real part `{name}` \
+         of an eigenvalue falls to {rate:.1e} from {largest:.1e}"
     )]
     WeakSaddle {
         /// The monitor of the eigenvalue.
@@ -110,7 +112,8 @@ pub enum End {
     },
     /// The period has grown by more than the setting allows.
     #[error(
-        "the period grows from {shortest:.6} to {period:.6}, by more than `max_period_growth` allows"
+        "the period grows from {shortest:.6} to {period:.6}, more than the setting \
+         `max_period_growth` allows"
     )]
     LongPeriod {
         /// The period at the end.
@@ -121,8 +124,9 @@ pub enum End {
     /// A branch of cycles turns again and again at the same two values of the parameter, while the
     /// period grows.
     #[error(
-        "the branch snakes: its last {turns} turns lie near {:.6} and {:.6} while the period grows from {from:.6} to \
-         {to:.6}, as near a homoclinic orbit to another cycle; bound the period to follow it farther",
+        "the branch snakes, as near a homoclinic orbit to another cycle: its last {turns} folds \
+         lie near the parameter values {:.6} and {:.6} while the period grows from {from:.6} to \
+         {to:.6}; set a bound on the period to follow the branch farther",
         values[0], values[1]
     )]
     Snaking {
@@ -137,8 +141,8 @@ pub enum End {
     },
     /// A group of unknowns grows without bound, while the parameters are constant.
     #[error(
-        "the branch goes to infinity: {name} grows from {from:.3e} to {to:.3e} while the parameters are constant; \
-         bound the branch to end it sooner"
+        "the branch goes to infinity: {name} grows from {from:.3e} to {to:.3e} while the \
+         parameters are constant; set a bound to end the branch sooner"
     )]
     Infinite {
         /// The group of unknowns.
@@ -149,16 +153,19 @@ pub enum End {
         to: f64,
     },
     /// The curve converges to a point, such as a manifold of a saddle to a stable node.
-    #[error("the curve converges to the point ({}), which iterates do not reach", numbers(point))]
+    #[error(
+        "the manifold converges to the point ({}), which iterates approach but never reach", numbers(point
+    ))]
     ConvergesTo {
         /// The states of the point.
         point: Vec<f64>,
     },
     /// The branch did not advance over many steps.
     #[error(
-        "no progress: over the last {points} points, {way:.1e} of scaled arclength, each parameter and group of \
-         unknowns moved by at most {ahead:.1e} of its path length: the discretisation may be too coarse, or the \
-         solution is dominated by rounding; refine it, or bound the branch"
+        "the branch makes no progress: over the last {points} points, {way:.1e} of scaled \
+         arclength, the net change of each parameter and group of unknowns is at most {ahead:.1e} \
+         of the length of its path; the discretisation may be too coarse, or rounding errors may \
+         dominate the solution: refine the discretisation, or bound the branch"
     )]
     NoProgress {
         /// The number of points.
@@ -178,7 +185,7 @@ pub enum End {
     #[error("interrupted")]
     Interrupted,
     /// The branch was only traced in the other direction.
-    #[error("the start of the branch: this direction was not requested")]
+    #[error("the branch ends at its start: this direction was not requested")]
     Start,
 }
 

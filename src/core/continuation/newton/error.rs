@@ -11,7 +11,7 @@ pub enum NewtonError {
         "Newton stagnated after {iterations} iterations at a scaled correction of {correction:.1e} (damping \
          {damping:.1e})"
     )]
-    #[diagnostic(help("start nearer to a solution, or at a fold continue by arclength"))]
+    #[diagnostic(help("start closer to a solution; near a fold, use continuation by arclength"))]
     Stagnation {
         /// The number of factorisations.
         iterations: usize,
@@ -32,8 +32,8 @@ pub enum NewtonError {
     },
     /// The maximal number of iterations was reached.
     #[error(
-        "Newton did not converge in {iterations} iterations: scaled correction {correction:.1e}, contraction \
-         {contraction:.2}"
+        "Newton's method did not converge in {iterations} iterations: the last scaled correction \
+         is {correction:.1e}, and the contraction factor is {contraction:.2}"
     )]
     #[diagnostic(help("raise `max_iterations` or loosen `tolerance`"))]
     IterationLimit {
@@ -58,8 +58,8 @@ pub enum NewtonError {
     },
     /// The curve between the ends of the step is too far from a cubic.
     #[error(
-        "between the ends of the step, the curve deviates from its cubic interpolant by {error:.1e}, \
-         more than `curve_error`, {largest:.1e}"
+        "between the ends of the step, the curve deviates from its cubic interpolant by \
+         {error:.1e}, more than the allowed `curve_error` of {largest:.1e}"
     )]
     #[diagnostic(help("lower `min_step` or raise `curve_error`"))]
     Bent {
@@ -71,15 +71,17 @@ pub enum NewtonError {
     /// The step crossed to a neighbouring branch, at this distance in scaled arclength, where the
     /// curve turns away from that branch.
     #[error(
-        "the step jumps to another branch, at a distance of {0:.1e} where the branches are close"
+        "the step jumps to another branch, whose distance from the traced branch is {0:.1e} where \
+         the two branches are close"
     )]
-    #[diagnostic(help("lower `min_step`, or the parameter that separates the branches"))]
+    #[diagnostic(help("lower `min_step`, or change the parameter that separates the two branches"))]
     BranchJump(f64),
     /// The corrected point is far from the predicted one, relative to the step: it may belong to
     /// another branch.
     #[error(
-        "the corrected point is {distance:.1e} from the predicted one after a step of {length:.1e}: \
-         another branch is near, or the curve bends too sharply for the step"
+        "the distance between the corrected point and the predicted point is {distance:.1e} after \
+         a step of {length:.1e}: another branch is near, or the curve bends too sharply for the \
+         step"
     )]
     #[diagnostic(help("lower `min_step`"))]
     Far {
@@ -99,15 +101,15 @@ pub enum NewtonError {
     /// A cycle shrank to an equilibrium, which solves the equations with any period, in one step of
     /// this length.
     #[error(
-        "the cycle shrinks to an equilibrium in a step of {0:.1e}: errors of rounding and discretisation \
-         are too large to distinguish nearby cycles from the equilibrium"
+        "the cycle shrinks to an equilibrium in a single step of {0:.1e}: errors of rounding and \
+         discretisation are too large to distinguish nearby cycles from the equilibrium"
     )]
     #[diagnostic(help("take more `intervals`, or collocation"))]
     Shrunk(f64),
     /// A step of this length from a branch point returned to the parent branch.
     #[error(
-        "a step of {0:.1e} from the branch point returned to the parent branch: second derivatives do not determine \
-         the other branch"
+        "a step of {0:.1e} from the branch point returned to the parent branch: the second \
+         derivatives do not determine the direction of the other branch"
     )]
     SameBranch(f64),
 }
@@ -115,8 +117,8 @@ pub enum NewtonError {
 fn evaluation(iteration: usize, cause: &Failure) -> String {
     match cause {
         Failure::Singular { .. } => format!(
-            "{cause} in iteration {iteration}: the point is singular in the released parameters (possibly a fold or \
-             branch point)"
+            "{cause} in Newton iteration {iteration}: the Jacobian matrix with respect to the \
+             unknowns and the released parameters is singular (possibly at a fold or branch point)"
         ),
         Failure::Unsupported(_) | Failure::Mismatch(_) | Failure::NoBranch { .. } => {
             cause.to_string()
