@@ -44,10 +44,10 @@ pub(super) fn axis(text: &str) -> Result<Grid, String> {
     let (low, high) = (low?, high?);
     match count {
         0 => Err(format!("the axis `{text}` has no values: the count must be at least 1")),
-        1 if low != high => {
-            Err(format!("the axis `{text}` has different ends but a single value: increase the \
-                         count, or write {low}..{low}:1"))
-        }
+        1 if low != high => Err(format!(
+            "the axis `{text}` has different ends but a single value: increase the \
+                         count, or write {low}..{low}:1"
+        )),
         _ => Ok(Grid { name: range.name, low, high, count }),
     }
 }
@@ -137,7 +137,11 @@ impl GridArgs {
         });
         if done.len() < all.len() {
             let (missing, all) = (all.len() - done.len(), all.len());
-            writeln!(out, "{}: {missing} of {all} designs of the grid are not finished", folder.display())?;
+            writeln!(
+                out,
+                "{}: {missing} of {all} designs of the grid are not finished",
+                folder.display()
+            )?;
             return Ok(doubts.collect());
         }
         let table = folder.join(TABLE);

@@ -49,7 +49,10 @@ impl Live {
         }
         let server = Server::new(library, opened, self.port).map_err(CommandError::Server)?;
         let address = server.address();
-        writeln!(out, "{address}\nThe page at this address works until the program is ended with Ctrl-C.")?;
+        writeln!(
+            out,
+            "{address}\nThe page at this address works until the program is ended with Ctrl-C."
+        )?;
         out.flush()?;
         if !self.no_open {
             open(&address);

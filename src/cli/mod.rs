@@ -94,7 +94,10 @@ fn arguments() -> Result<Arguments, ExitCode> {
     if let Some(odd) = lossy.into_iter().find(|argument| argument.contains(char::is_control)) {
         let odd = shown(&odd);
         let rule = "file names and values must not contain control characters";
-        let _ = writeln!(std::io::stderr(), "error: the argument `{odd}` contains control characters: {rule}");
+        let _ = writeln!(
+            std::io::stderr(),
+            "error: the argument `{odd}` contains control characters: {rule}"
+        );
         return Err(ExitCode::from(2));
     }
     Arguments::try_parse_from(given).map_err(|error| {

@@ -223,10 +223,10 @@ fn ends(text: &str) -> Result<Ends, String> {
         Some((low, high)) if !(low.is_empty() && high.is_empty()) => {
             let ends = [end(low)?, end(high)?];
             match ends {
-                [Some(low), Some(high)] if low >= high => {
-                    Err(format!("the lower end {low} of the range must be below the upper end \
-                                 {high}"))
-                }
+                [Some(low), Some(high)] if low >= high => Err(format!(
+                    "the lower end {low} of the range must be below the upper end \
+                                 {high}"
+                )),
                 _ => Ok(Ends(ends)),
             }
         }
@@ -240,8 +240,11 @@ pub fn separator(text: &str) -> Result<char, String> {
     match (text, letters.next(), letters.next()) {
         ("tab", _, _) => Ok('\t'),
         (_, Some(letter @ (',' | ';' | '|' | ':' | ' ' | '\t')), None) => Ok(letter),
-        _ => Err("the separator must be a comma, a semicolon, a vertical bar, a colon, a space, or \
-                  the word tab".into()),
+        _ => {
+            Err("the separator must be a comma, a semicolon, a vertical bar, a colon, a space, or \
+                  the word tab"
+                .into())
+        }
     }
 }
 

@@ -135,8 +135,11 @@ pub(super) fn value(text: &str) -> Result<f64, String> {
 /// Parses the number of generations of emanating branches.
 fn depth(text: &str) -> Result<u8, String> {
     let depth = text.trim().parse().ok().filter(|depth| (1..=20).contains(depth));
-    depth.ok_or_else(|| "the depth, a number of generations of branches, must be a whole number \
-                         between 1 and 20".into())
+    depth.ok_or_else(|| {
+        "the depth, a number of generations of branches, must be a whole number \
+                         between 1 and 20"
+            .into()
+    })
 }
 
 /// Parses `all`, or a list of kinds of special points from which branches emanate.

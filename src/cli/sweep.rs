@@ -93,8 +93,10 @@ const LONGEST: f64 = 1e6;
 fn seconds(text: &str) -> Result<Duration, String> {
     let number = text.trim().parse().ok().filter(|seconds| (0.0..=LONGEST).contains(seconds));
     number.map(Duration::from_secs_f64).ok_or_else(|| {
-        format!("the interval between checkpoints must be a number of seconds between 0 and \
-                 {LONGEST:e}, for example 5")
+        format!(
+            "the interval between checkpoints must be a number of seconds between 0 and \
+                 {LONGEST:e}, for example 5"
+        )
     })
 }
 
@@ -277,8 +279,11 @@ fn report(sweeps: &Sweeps, out: &mut impl Write) -> Result<(), CommandError> {
         match rows.iter().find_map(|(run, row)| Some((run, row.failure.as_ref()?))) {
             Some((run, why)) => {
                 let why = printable(why);
-                writeln!(out, "; number of failed runs: {failed}; the first failed run is run \
-                               {run}: {why}")?;
+                writeln!(
+                    out,
+                    "; number of failed runs: {failed}; the first failed run is run \
+                               {run}: {why}"
+                )?;
             }
             None => writeln!(out)?,
         }

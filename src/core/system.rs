@@ -304,7 +304,8 @@ pub trait Discretised {
     /// response.
     fn phase_response(&mut self, _x: &[f64]) -> Result<Vec<Profile>, Failure> {
         Err(Failure::Unsupported(
-            "only cycles have a phase response, but the solutions of this system are not cycles".into(),
+            "only cycles have a phase response, but the solutions of this system are not cycles"
+                .into(),
         ))
     }
 
@@ -340,8 +341,11 @@ pub trait Discretised {
         _point: &Solution,
         (_released, _size): (&[usize], [f64; 2]),
     ) -> Result<Solution, Failure> {
-        Err(Failure::Unsupported("homoclinic orbits exist only in vector fields, but this system \
-                                  has no vector field".into()))
+        Err(Failure::Unsupported(
+            "homoclinic orbits exist only in vector fields, but this system \
+                                  has no vector field"
+                .into(),
+        ))
     }
 
     /// Returns to the mesh of an earlier solution of this system, regardless of the number of

@@ -354,8 +354,10 @@ impl<'s> Assembling<'s> {
 
     /// Returns the error of a state without its end.
     fn needs_end(&self, name: &str, origin: &Origin) -> ModelError {
-        let expected = format!("the value at one end: `{name}(0)` at the beginning or `{name}(1)` \
-                                at the end");
+        let expected = format!(
+            "the value at one end: `{name}(0)` at the beginning or `{name}(1)` \
+                                at the end"
+        );
         self.fault(origin, Fault::Syntax { expected })
     }
 
@@ -471,7 +473,8 @@ pub(super) fn elements(scope: &Scope, phrase: &Phrase) -> Result<Elements, Model
                 if low > high {
                     let what = format!("the range {low}..{high} of `{index}`");
                     let reason =
-                        "the range is empty: the first index must not be above the last index".into();
+                        "the range is empty: the first index must not be above the last index"
+                            .into();
                     return Err(scope.source.fault_of(phrase, Fault::Misplaced { what, reason }));
                 }
                 let known = |(known, _): &(Option<Arc<str>>, _)| known.as_deref() == Some(&*index);

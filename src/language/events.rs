@@ -244,8 +244,10 @@ fn duration(source: &Source, phrase: &Phrase) -> Result<f64, ModelError> {
     if time > 0.0 {
         return Ok(time);
     }
-    let (what, reason) =
-        ("`changes_in`, the time in which a guard changes".into(), "the time must be above 0".into());
+    let (what, reason) = (
+        "`changes_in`, the time in which a guard changes".into(),
+        "the time must be above 0".into(),
+    );
     Err(source.fault_of(phrase, Fault::Misplaced { what, reason }))
 }
 
@@ -266,7 +268,8 @@ fn choice(
             let what = format!("`{}` without a function", name.text);
             let reason =
                 "the modes after a mode without a function are never reached, so only the last \
-                 mode may lack a function".into();
+                 mode may lack a function"
+                    .into();
             return Err(source.fault_of(name, Fault::Misplaced { what, reason }));
         }
         modes.push(following(source, name, &names(scopes), mode)?);

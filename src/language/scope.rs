@@ -186,7 +186,8 @@ impl Scope {
         self.refuse_reserved(name, &called)?;
         if arguments.is_empty() {
             let needed = "give the function an argument, or write a definition instead of the \
-                          function".into();
+                          function"
+                .into();
             let fault =
                 Fault::Missing { what: format!("the function `{called}` has no argument"), needed };
             return Err(self.source.fault_of(name, fault));

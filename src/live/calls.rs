@@ -93,8 +93,10 @@ impl Service {
                 json_of_kept(stream, self.pages.kept(&page), |kept| {
                     match details(kept, branch, point) {
                         Some(details) => json!({ "details": details }),
-                        None => trouble("the selected point is not on the branches of the present \
-                                         result"),
+                        None => trouble(
+                            "the selected point is not on the branches of the present \
+                                         result",
+                        ),
                     }
                 })
             }

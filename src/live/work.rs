@@ -74,7 +74,9 @@ pub(super) fn trace(
 
 /// Returns the warning of a changed value that the text does not have.
 fn unknown(name: &str) -> String {
-    format!("the changed value or range of `{name}` is ignored: the model has no parameter `{name}`")
+    format!(
+        "the changed value or range of `{name}` is ignored: the model has no parameter `{name}`"
+    )
 }
 
 /// A scene with all runs, its results, and the errors of runs.

@@ -42,15 +42,21 @@ fn branch(branch: &Branch) -> Checked {
         let (count, place) = (group.count(), format!("{place}: the indices of `{}`", group.name));
         let fits = count > 0 && group.length.is_multiple_of(count);
         require(fits, &place, format!("{:?}", group.indices), || {
-            format!("the number of elements in these index ranges must divide the length of the \
-                     group, {}", group.length)
+            format!(
+                "the number of elements in these index ranges must divide the length of the \
+                     group, {}",
+                group.length
+            )
         })?;
     }
     unique(&format!("{place}: a column"), branch.columns())?;
     unique(&format!("{place}: a label"), branch.special.iter().map(|point| point.label))?;
     for name in &branch.released {
         require(branch.parameters.contains(name), &format!("{place}: released"), name, || {
-            format!("a released parameter must be one of the parameters {}", branch.parameters.join(", "))
+            format!(
+                "a released parameter must be one of the parameters {}",
+                branch.parameters.join(", ")
+            )
         })?;
     }
     for (index, point) in branch.points.iter().enumerate() {
@@ -76,8 +82,10 @@ fn branch(branch: &Branch) -> Checked {
         let place = format!("{place}, stretch {index}: points");
         let most = branch.points.len().saturating_sub(1);
         require(first <= last && *last <= most, &place, format!("{first}, {last}"), || {
-            format!("a stretch must have two positions in increasing order, at most {most}, the \
-                     position of the last point")
+            format!(
+                "a stretch must have two positions in increasing order, at most {most}, the \
+                     position of the last point"
+            )
         })?;
     }
     branch.ends.iter().try_for_each(|e| end(&place, e))?;
@@ -105,8 +113,10 @@ fn special(place: &str, branch: &Branch, dimension: usize, point: &SpecialPoint)
     text(&format!("{place}, event"), &point.event)?;
     let most = dimension.max(1);
     require((1..=most).contains(&point.multiplicity), place, point.multiplicity, || {
-        format!("the multiplicity of a special point must be from 1 to {most}, the number of \
-                 unknowns")
+        format!(
+            "the multiplicity of a special point must be from 1 to {most}, the number of \
+                 unknowns"
+        )
     })?;
     for number in &point.numbers {
         text(&format!("{place}, a number"), &number.name)?;

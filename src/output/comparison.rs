@@ -100,7 +100,11 @@ impl fmt::Display for Difference {
                 }
             }
             Difference::Property { branch, kind, at, property, values: [old, new] } => {
-                write!(f, "{branch}: at the {kind} with {}, {property} was {old} and is now {new}", place(at))
+                write!(
+                    f,
+                    "{branch}: at the {kind} with {}, {property} was {old} and is now {new}",
+                    place(at)
+                )
             }
         }
     }

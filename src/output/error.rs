@@ -194,7 +194,7 @@ pub enum FormatError {
     Invalid(#[from] Invalid),
     /// The archive of a sweep is damaged, or is not an archive.
     #[error("not a file of sweeps ({reason})")]
-    #[diagnostic(help("give a file saved by a sweep, or repeat the sweep"))]
+    #[diagnostic(help("give a file (.npz) saved by `tangency sweep`, or repeat the sweep"))]
     Archive {
         /// The reason.
         reason: String,

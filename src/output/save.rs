@@ -37,7 +37,7 @@ pub trait Render {
 /// assert!(results.render(Format::Svg)?.starts_with(b"<svg"));
 /// assert!(results.render(Format::Csv)?.starts_with(b"branch,point,load"));
 /// let error = results.render(Format::Npz).unwrap_err().to_string();
-/// assert!(error.starts_with("an archive (.npz) contains"), "{error}");
+/// assert!(error.starts_with("an archive (.npz) can contain only"), "{error}");
 /// # Ok::<(), tangency::output::RenderError>(())
 /// ```
 #[derive(Clone, Copy, Debug, Default)]
@@ -244,8 +244,12 @@ impl Render for Results<'_> {
         Ok(match format {
             Format::Ron => match self.documents {
                 [(_, document)] => document.to_ron()?.into_bytes(),
-                _ => return Err(RenderError::Unsuited("a document (.ron) must contain exactly one \
-                                                       result")),
+                _ => {
+                    return Err(RenderError::Unsuited(
+                        "a document (.ron) must contain exactly one \
+                                                       result",
+                    ));
+                }
             },
             Format::Npz => match (self.sweeps, self.documents) {
                 ([sweeps], _) => sweeps.to_bytes()?,

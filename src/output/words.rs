@@ -107,8 +107,7 @@ pub(crate) fn component(place: &str, name: &str) -> Result<(), Invalid> {
 /// is unpacked.
 pub(crate) fn entry(place: &str, name: &str) -> Result<(), Invalid> {
     text(place, name)?;
-    let rule =
-        "the name of an entry of an archive must consist of plain names separated by `/`";
+    let rule = "the name of an entry of an archive must consist of plain names separated by `/`";
     require(name.split('/').all(is_plain), place, name, rule)
 }
 

@@ -297,8 +297,11 @@ fn check_map<'a>(
 ) -> Result<(), SceneError> {
     let place = format!("{place}, local");
     if named(earlier, &local.run)?.local.is_some() {
-        let message = format!("{place}: the run `{}` must trace orbits of the flow, but traces \
-                               orbits of a local map", shown(&local.run));
+        let message = format!(
+            "{place}: the run `{}` must trace orbits of the flow, but traces \
+                               orbits of a local map",
+            shown(&local.run)
+        );
         let help = "name a run that traces orbits of the flow and contains a grazing";
         return Err(SceneError::invalid(message).with_help(help));
     }
@@ -308,9 +311,10 @@ fn check_map<'a>(
     match parameters.find(|name| !local.parameters.contains(name)) {
         Some(name) => {
             let (name, known) = (shown(name), local.parameters.join(", "));
-            let message =
-                format!("{place}: `{name}` is not a parameter of the local map, whose parameters \
-                         are {known}");
+            let message = format!(
+                "{place}: `{name}` is not a parameter of the local map, whose parameters \
+                         are {known}"
+            );
             Err(SceneError::invalid(message))
         }
         None => Ok(()),
@@ -358,8 +362,10 @@ fn no_map(run: &Run) -> Result<(), SceneError> {
         (false, _) => format!("impacts: {:?}", run.impacts),
         (_, Some(kind)) => format!("expanded: {kind}"),
     };
-    let message = format!("run `{}` has the field `{found}`, which is valid only for a local map, \
-                           but the field `local` is missing", run.name);
-    Err(SceneError::invalid(message)
-        .with_help("for orbits of the flow, state `itinerary` instead"))
+    let message = format!(
+        "run `{}` has the field `{found}`, which is valid only for a local map, \
+                           but the field `local` is missing",
+        run.name
+    );
+    Err(SceneError::invalid(message).with_help("for orbits of the flow, state `itinerary` instead"))
 }

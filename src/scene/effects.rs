@@ -29,7 +29,7 @@ impl Scene {
     /// use tangency::scene::{BUILT_IN, Scene, Purpose};
     /// let mut scene = Scene::parse(BUILT_IN.iter().find(|scene| scene.name == "bratu").expect("a scene").text)?;
     /// let error = scene.check_effects(["max_period_growth"], Purpose::Runs).unwrap_err();
-    /// assert!(error.to_string().starts_with("`max_period_growth` has no effect where the period is not an unknown"));
+    /// assert!(error.to_string().starts_with("`max_period_growth` has no effect on solutions without an unknown period"));
     /// assert!(scene.check_effects(["max_mesh_error"], Purpose::Runs).is_ok());
     /// scene.set("method", "shooting")?;
     /// let error = scene.check_effects(["max_mesh_error"], Purpose::Runs).unwrap_err();
@@ -87,7 +87,10 @@ impl Resolved {
             return None;
         }
         if is_of_sweeps(name) && !self.problem.names().iter().any(|known| known == name) {
-            return Some(SceneError::idle(name, "on branches, because only sweeps use this setting"));
+            return Some(SceneError::idle(
+                name,
+                "on branches, because only sweeps use this setting",
+            ));
         }
         if self.run.along.is_empty() {
             return Some(SceneError::idle(name, "on simulated histories"));

@@ -225,8 +225,10 @@ impl<'a> Exploration<'a> {
         });
         let why = unconverged.map(|point| {
             let (kind, label) = (point.kind, point.label);
-            format!("no branch is traced from the special point {kind} with label {label}, because \
-                     the point has not converged")
+            format!(
+                "no branch is traced from the special point {kind} with label {label}, because \
+                     the point has not converged"
+            )
         });
         let why: Vec<String> = why.collect();
         let next = following(self.resolution, run, branch, &self.following.kinds);
@@ -244,8 +246,11 @@ impl<'a> Exploration<'a> {
         for mut run in runs {
             if self.tracing.runs.len() + self.coming.len() >= RUNS {
                 let Start::From { run: from, .. } = &run.start else { continue };
-                let why = format!("the branch `{}` is not traced, because the limit of {RUNS} runs \
-                                   is reached", run.name);
+                let why = format!(
+                    "the branch `{}` is not traced, because the limit of {RUNS} runs \
+                                   is reached",
+                    run.name
+                );
                 self.warn(from, [why]);
                 continue;
             }

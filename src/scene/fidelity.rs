@@ -188,8 +188,11 @@ impl Scene {
         }
         let ladder = self.ladder()?;
         if ladder.len() <= ABOVE {
-            return Err(SceneError::idle(ACCURACY, "on this problem, because its equations have no \
-                                                   discretisation"));
+            return Err(SceneError::idle(
+                ACCURACY,
+                "on this problem, because its equations have no \
+                                                   discretisation",
+            ));
         }
         let names = varied(&ladder);
         let (own, mut defaults) = (self.problem.settings(), self.problem.with_defaults());
@@ -236,7 +239,8 @@ const ACCURACY: &str = "accuracy";
 
 /// Returns the error for an accuracy that is stated together with a setting that it chooses.
 fn decided(name: &str, by: &str) -> SceneError {
-    let message = format!("`accuracy` chooses the setting `{name}`, but `{name}` is also stated{by}");
+    let message =
+        format!("`accuracy` chooses the setting `{name}`, but `{name}` is also stated{by}");
     SceneError::invalid(message).with_help(format!("omit `accuracy` or `{name}`"))
 }
 

@@ -65,7 +65,9 @@ impl Scene {
         }
         let interval = |name: &String| match ranges.iter().find(|range| range.name == *name) {
             Some(&Range { low: Some(low), high: Some(high), .. }) if low < high => Ok([low, high]),
-            _ => Err(no_box(format!("the box needs a range for `{name}` with the lower end first"))),
+            _ => {
+                Err(no_box(format!("the box needs a range for `{name}` with the lower end first")))
+            }
         };
         let within = unknowns.iter().map(interval).collect::<Result<Vec<_>, _>>()?;
         let cancel = self.settings.cancel.clone();

@@ -107,8 +107,11 @@ fn table(text: &str) -> Result<Profile, String> {
     });
     let (_, columns) = lines.next().ok_or("the file is empty")?;
     if columns.iter().all(|name| name.parse::<f64>().is_ok()) {
-        return Err("the first line of the file must contain the names of the columns, as in `t, u, \
-                    v`".into());
+        return Err(
+            "the first line of the file must contain the names of the columns, as in `t, u, \
+                    v`"
+            .into(),
+        );
     }
     let mut rows = Vec::new();
     for (line, cells) in lines {
@@ -118,7 +121,9 @@ fn table(text: &str) -> Result<Profile, String> {
         rows.push(cells.iter().map(number).collect::<Result<Vec<f64>, _>>()?);
         if cells.len() != columns.len() {
             let (found, known) = (cells.len(), columns.len());
-            return Err(format!("line {line} has {found} numbers, but the table has {known} columns"));
+            return Err(format!(
+                "line {line} has {found} numbers, but the table has {known} columns"
+            ));
         }
     }
     Ok(Profile { file: None, columns, rows })

@@ -101,7 +101,9 @@ impl Scene {
     pub fn of_model(problem: Problem, title: &str, request: &Request) -> Result<Scene, SceneError> {
         let Some(first) = request.along.first() else {
             return Err(SceneError::invalid("no continuation parameter is given for the branch")
-                .with_help("name a continuation parameter and its range, as in `--along rho=0..30`"));
+                .with_help(
+                    "name a continuation parameter and its range, as in `--along rho=0..30`",
+                ));
         };
         if let (Some(second), None) = (request.along.get(1), request.hold) {
             let message = format!(
@@ -352,9 +354,10 @@ impl Scene {
             false => Start::Guess(request.state.clone()),
         };
         if let Some(time) = request.settle.filter(|time| !(0.0..=LONGEST).contains(time)) {
-            let message =
-                format!("the time of the simulation before the start (`settle`) is {time}, but \
-                         must be between 0 and {LONGEST}");
+            let message = format!(
+                "the time of the simulation before the start (`settle`) is {time}, but \
+                         must be between 0 and {LONGEST}"
+            );
             return Err(SceneError::invalid(message));
         }
         let Ok(motion) = self.problem.model().motion() else {

@@ -55,9 +55,11 @@ pub(super) fn stated(
     };
     if kind != stated.model.name() {
         let contained = stated.model.name();
-        let message =
-            format!("the problem of the scene is `{}`, but its file of equations contains \
-                     `{contained}`", shown(kind));
+        let message = format!(
+            "the problem of the scene is `{}`, but its file of equations contains \
+                     `{contained}`",
+            shown(kind)
+        );
         return Err(SceneError::invalid(message).with_help(format!("write `{contained}`")));
     }
     let not_settings = all.iter().filter(|field| !known.contains(&field.name));
@@ -132,8 +134,14 @@ fn substitutes(options: &[String]) -> Vec<&'static str> {
     };
     let known = [
         (&["dt", "meth", "tol", "atol"][..], "the steps and the method follow `flow_tolerance`"),
-        (&["t0", "total", "trans"], "the times of simulations are set by `--time` and `--transient`"),
-        (&["xlo", "xhi", "ylo", "yhi"], "the ranges of pictures are set by `plot --x-range` and `--y-range`"),
+        (
+            &["t0", "total", "trans"],
+            "the times of simulations are set by `--time` and `--transient`",
+        ),
+        (
+            &["xlo", "xhi", "ylo", "yhi"],
+            "the ranges of pictures are set by `plot --x-range` and `--y-range`",
+        ),
         (&["ds"], "the steps of branches are set by `initial_step`, `min_step` and `max_step`"),
         (&["nmx"], "the length of branches is set by `max_points`"),
         (&["parmin", "parmax"], "the ranges of branches are set by `--along NAME=LOW..HIGH`"),

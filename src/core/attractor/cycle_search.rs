@@ -76,7 +76,7 @@ pub enum CycleSearchError {
     },
     /// The motion comes to rest at an equilibrium.
     #[error(
-        "the motion comes to rest at an equilibrium at t = {time:.6}, {place}: simulating longer \
+        "the motion comes to rest at t = {time:.6}, {place}: simulating longer \
          does not help"
     )]
     #[diagnostic(help(

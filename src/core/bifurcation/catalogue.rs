@@ -555,7 +555,8 @@ impl Bifurcation {
         let curves: Vec<String> = curves.collect();
         if curves.is_empty() {
             return Some(
-                "the library has no defining system for curves of special points of this kind".into(),
+                "the library has no defining system for curves of special points of this kind"
+                    .into(),
             );
         }
         Some(format!("it lies on {}", curves.join(", and on ")))

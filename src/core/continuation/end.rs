@@ -154,8 +154,9 @@ pub enum End {
     },
     /// The curve converges to a point, such as a manifold of a saddle to a stable node.
     #[error(
-        "the manifold converges to the point ({}), which iterates approach but never reach", numbers(point
-    ))]
+        "the manifold converges to the point ({}), which iterates approach but never reach",
+        numbers(point)
+    )]
     ConvergesTo {
         /// The states of the point.
         point: Vec<f64>,

@@ -37,8 +37,10 @@ impl Log {
         special.label = self.labels;
         if let Some(reason) = &special.without_phase_response {
             let SpecialPoint { label, kind, .. } = special;
-            let warning = format!("the special point {label} ({kind}) has no phase response: \
-                                   {reason}");
+            let warning = format!(
+                "the special point {label} ({kind}) has no phase response: \
+                                   {reason}"
+            );
             self.branch.warnings.push(warning);
         }
         self.items.push_back(Traced::Special(Box::new(special.clone())));
@@ -71,8 +73,10 @@ impl Log {
 
     /// Warns that the homoclinic orbit at the end of the branch was not located.
     pub fn homoclinic_not_located(&mut self, cause: &dyn Diagnostic) {
-        let warning =
-            format!("the homoclinic orbit at the end of the branch was not located: {}", one_line(cause));
+        let warning = format!(
+            "the homoclinic orbit at the end of the branch was not located: {}",
+            one_line(cause)
+        );
         self.branch.warnings.push(warning);
     }
 

@@ -59,7 +59,8 @@ impl Jacobian {
         match (form, self) {
             (Form::Antiperiodic, _) => Err(Failure::Unsupported(
                 "the unknowns of a `ZeroProblem` do not describe a periodic orbit, so orbits of \
-                 twice the period are not defined".into(),
+                 twice the period are not defined"
+                    .into(),
             )),
             (_, Jacobian::Sparse(sparse)) => sparse.factor(form, border, into),
             (Form::Oscillation(omega), _) => {

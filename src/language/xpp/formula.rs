@@ -205,11 +205,7 @@ impl<'a> Reader<'a, '_> {
         };
         let Some(by) = self.value(by) else {
             let reason = "the second argument of `shift` must be a number or the index of a sum";
-            return Err(word.unsupported(
-                source,
-                "`shift` by a variable quantity",
-                reason,
-            ));
+            return Err(word.unsupported(source, "`shift` by a variable quantity", reason));
         };
         let found =
             if by.abs() < 1e9 { self.names.shifted(known, by.trunc() as i64) } else { None };

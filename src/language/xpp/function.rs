@@ -22,8 +22,12 @@ pub(super) const REFUSED: [(&str, &str, &str); 15] = [
         "the function `ishift`",
         "`ishift` returns the position of a name in XPPAUT's memory",
     ),
-    ("SET", "the function `set`", "a formula cannot set a quantity while other quantities are \
-                                   computed"),
+    (
+        "SET",
+        "the function `set`",
+        "a formula cannot set a quantity while other quantities are \
+                                   computed",
+    ),
 ];
 
 /// Returns the function with a name that both XPPAUT and the language have.

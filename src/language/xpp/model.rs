@@ -145,8 +145,10 @@ fn check_order(names: &Names, parts: &Parts, formulas: &Formulas) -> Result<(), 
     for (k, (named, tree)) in parts.fixed.iter().zip(&formulas.fixed).enumerate() {
         let later = |known: &Known| matches!(known, Known::Fixed(other) if *other >= k);
         if let Some(known) = formulas.by_functions(tree).iter().find(|known| later(known)) {
-            let construct =
-                format!("`{}` in the formula of a quantity that is computed earlier", names.written(*known));
+            let construct = format!(
+                "`{}` in the formula of a quantity that is computed earlier",
+                names.written(*known)
+            );
             let reason = "XPPAUT would use the value from the previous step";
             let place = named.name.all();
             return Err(place

@@ -35,8 +35,12 @@ pub(super) fn parameters(units: Units, p: &[f64]) -> Result<Parameters<f64>, Out
 pub(super) fn not_negative(name: &str, ratio: f64) -> Result<(), OutOfDomain> {
     match ratio >= 0.0 && ratio.is_finite() {
         true => Ok(()),
-        false => Err(OutOfDomain::new(name, ratio, "choose a finite positive value or 0 for this \
-                                                    ratio")),
+        false => Err(OutOfDomain::new(
+            name,
+            ratio,
+            "choose a finite positive value or 0 for this \
+                                                    ratio",
+        )),
     }
 }
 

@@ -170,8 +170,7 @@ impl Ritz {
         if self.model.membrane.is_some()
             && !self.factor.update(&self.model.plane, parameters.aspect, parameters.nu)
         {
-            let remedy =
-                "the in-plane stiffness matrix is singular to working precision; use fewer \
+            let remedy = "the in-plane stiffness matrix is singular to working precision; use fewer \
                  in-plane functions";
             return Err(OutOfDomain::new("aspect", parameters.aspect, remedy).into());
         }

@@ -234,7 +234,8 @@ impl<'f, 'a> Forms<'f, 'a> {
         if !(factor.re.is_finite() && factor.im.is_finite()) {
             return Err(Failure::Undetermined(
                 "the normal form is undetermined: the linearisation is singular at a resonant \
-                 frequency".into(),
+                 frequency"
+                    .into(),
             ));
         }
         Ok(h.iter().zip(kernel).map(|(h, k)| h - factor * k).collect())

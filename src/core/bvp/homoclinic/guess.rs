@@ -52,8 +52,10 @@ const MOST_NODES: usize = 10_000;
 const HALVINGS: usize = 60;
 
 fn refused(reason: String) -> Failure {
-    Failure::Mismatch(format!("a branch of homoclinic orbits cannot start at this solution: \
-                               {reason}"))
+    Failure::Mismatch(format!(
+        "a branch of homoclinic orbits cannot start at this solution: \
+                               {reason}"
+    ))
 }
 
 /// A place on a trajectory: time and states.

@@ -192,16 +192,23 @@ impl Saddle {
         sizes: Vec<f64>,
     ) -> Result<Saddle, Failure> {
         let none = |reason: String| {
-            Failure::Mismatch(format!("a branch of homoclinic orbits cannot start at this \
-                                       solution: {reason}"))
+            Failure::Mismatch(format!(
+                "a branch of homoclinic orbits cannot start at this \
+                                       solution: {reason}"
+            ))
         };
         let (n, mut x, mut last) = (place.len(), place.to_vec(), f64::NAN);
         for _ in 0..ITERATIONS {
             let (f, columns) = slopes(field, &x, q);
             let matrix = DMatrix::from_vec(n, n, columns);
             let way = matrix.lu().solve(&DVector::from_vec(f));
-            let way = way.ok_or_else(|| none("the Jacobian matrix near the slowest point of the \
-                                              orbit is singular".into()))?;
+            let way = way.ok_or_else(|| {
+                none(
+                    "the Jacobian matrix near the slowest point of the \
+                                              orbit is singular"
+                        .into(),
+                )
+            })?;
             x.iter_mut().zip(way.iter()).for_each(|(x, way)| *x -= way);
             last =
                 way.iter().zip(&sizes).map(|(way, size)| (way / size).powi(2)).sum::<f64>().sqrt();
@@ -249,8 +256,10 @@ impl Saddle {
         (saddle.outgoing, saddle.incoming) = (spanned(1.0), spanned(-1.0));
         if saddle.outgoing.basis.is_empty() || saddle.incoming.basis.is_empty() {
             let kind = if saddle.outgoing.basis.is_empty() { "stable" } else { "unstable" };
-            return Err(none(format!("the equilibrium is not a saddle: all its eigenvalues are \
-                                     {kind}")));
+            return Err(none(format!(
+                "the equilibrium is not a saddle: all its eigenvalues are \
+                                     {kind}"
+            )));
         }
         let found = saddle.outgoing.basis.len() + saddle.incoming.basis.len();
         if found != n {

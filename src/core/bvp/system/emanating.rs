@@ -169,7 +169,8 @@ fn angle_beside_fold(rest: &Rest, pair: &Mode, amplitude: f64) -> Result<f64, Fa
     if square <= DEGENERATE * (g011 * g110.norm_sqr().sqrt()).abs() {
         return Err(Failure::Mismatch(
             "no curve of torus points starts at this fold–Hopf point (ZH): the product s θ of its \
-             normal-form coefficients is not negative".into(),
+             normal-form coefficients is not negative"
+                .into(),
         ));
     }
     let turns = 0.5 * amplitude * square.sqrt() * TAU / pair.value.im;

@@ -21,9 +21,12 @@ pub(super) fn factor(
     let shared = &equations.layout;
     let layout: &UnknownLayout = shared;
     if form != Form::Jacobian && !layout.is_periodic() {
-        return Err(Failure::Unsupported("the solutions of the problem are not periodic orbits, but \
+        return Err(Failure::Unsupported(
+            "the solutions of the problem are not periodic orbits, but \
                                          the requested linearisation exists only for periodic \
-                                         orbits".into()));
+                                         orbits"
+                .into(),
+        ));
     }
     let outcome = if let Form::Oscillation(omega) = form {
         if border.width != 1 {

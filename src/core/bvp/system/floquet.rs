@@ -65,7 +65,8 @@ impl Floquet {
         if assembled.at.is_empty() {
             return Err(Failure::Mismatch(
                 "Floquet multipliers cannot be computed before the linearisation at a point is \
-                 assembled".into(),
+                 assembled"
+                    .into(),
             ));
         }
         if self.pencil_of != assembled.count {

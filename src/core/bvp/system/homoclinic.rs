@@ -24,8 +24,7 @@ pub(super) fn homoclinic(
         return saved(cycles, solution);
     }
     if solution.mesh.is_empty() {
-        let reason =
-            "a branch of homoclinic orbits starts from a nearby cycle, but the given start is an \
+        let reason = "a branch of homoclinic orbits starts from a nearby cycle, but the given start is an \
              equilibrium";
         return Err(Failure::Mismatch(reason.into()));
     }

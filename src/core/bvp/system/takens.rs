@@ -81,8 +81,10 @@ pub(super) fn beside(
 }
 
 fn refused(reason: &str) -> Failure {
-    Failure::Mismatch(format!("no curve of homoclinic orbits starts at this Bogdanov–Takens point: \
-                               {reason}"))
+    Failure::Mismatch(format!(
+        "no curve of homoclinic orbits starts at this Bogdanov–Takens point: \
+                               {reason}"
+    ))
 }
 
 fn singular() -> Failure {

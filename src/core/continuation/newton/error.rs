@@ -74,7 +74,9 @@ pub enum NewtonError {
         "the step jumps to another branch, whose distance from the traced branch is {0:.1e} where \
          the two branches are close"
     )]
-    #[diagnostic(help("lower `min_step`, or change the parameter that separates the two branches"))]
+    #[diagnostic(help(
+        "lower `min_step`, or change the parameter that separates the two branches"
+    ))]
     BranchJump(f64),
     /// The corrected point is far from the predicted one, relative to the step: it may belong to
     /// another branch.
@@ -117,8 +119,8 @@ pub enum NewtonError {
 fn evaluation(iteration: usize, cause: &Failure) -> String {
     match cause {
         Failure::Singular { .. } => format!(
-            "{cause} in Newton iteration {iteration}: the Jacobian matrix with respect to the \
-             unknowns and the released parameters is singular (possibly at a fold or branch point)"
+            "{cause} in Newton iteration {iteration}; the point is possibly a fold or branch point with respect to \
+             the released parameters"
         ),
         Failure::Unsupported(_) | Failure::Mismatch(_) | Failure::NoBranch { .. } => {
             cause.to_string()

@@ -91,8 +91,12 @@ pub trait Register: Copy + Debug + Send + Sync + 'static {
     /// If the processor does not have them.
     #[inline(always)]
     fn instructions() -> Self::Simd {
-        Self::of(Level::new()).unwrap_or_else(|| unreachable!("lanes are chosen only if the processor supports \
-                                                               their instructions"))
+        Self::of(Level::new()).unwrap_or_else(|| {
+            unreachable!(
+                "lanes are chosen only if the processor supports \
+                                                               their instructions"
+            )
+        })
     }
 }
 
