@@ -79,7 +79,9 @@ pub(crate) fn reason(code: &RonError) -> String {
     match code {
         Eof => "the text ends before all brackets are closed".into(),
         ExpectedString => "expected a text in quotes, such as `\"name\"`".into(),
-        ExpectedStringEnd => "the quotes that begin here are not closed".into(),
+        ExpectedStringEnd => {
+            "the text in quotes that begins at this place has no closing quote".into()
+        }
         ExpectedBoolean => "expected `true` or `false`".into(),
         ExpectedArray => "expected a list, `[…]`".into(),
         ExpectedArrayEnd => "expected a comma, or the end of the list, `]`".into(),
@@ -93,18 +95,23 @@ pub(crate) fn reason(code: &RonError) -> String {
         }
         ExpectedInteger | InvalidIntegerDigit { .. } => "expected a whole number".into(),
         ExpectedFloat | FloatUnderscore => "expected a number".into(),
-        IntegerOutOfBounds => "the number is too large, or negative where it must not be".into(),
+        IntegerOutOfBounds => {
+            "the number is too large, or is negative but must not be negative".into()
+        }
         ExpectedIdentifier | InvalidIdentifier(_) | SuggestRawIdentifier(_) => {
             "expected a name without quotes".into()
         }
         TrailingCharacters => {
-            "the text should end before this: an earlier bracket is closed too early, or this part must be \
-             removed".into()
+            "the text continues after its expected end: an earlier bracket is closed too early, or \
+             the text from this place must be removed"
+                .into()
         }
         UnclosedBlockComment => "the comment is not closed: `*/` is missing".into(),
         NoSuchStructField { found, outer, .. } => unknown("field", found, outer),
         NoSuchEnumVariant { found, outer, .. } => unknown("name", found, outer),
-        MissingStructField { field, outer } => format!("the field `{field}`{} is missing", of(outer)),
+        MissingStructField { field, outer } => {
+            format!("the field `{field}`{} is missing", of(outer))
+        }
         DuplicateStructField { field, outer } => {
             format!("the field `{field}`{} is given twice", of(outer))
         }
@@ -112,7 +119,9 @@ pub(crate) fn reason(code: &RonError) -> String {
             format!("expected {expected}, found {found}")
         }
         InvalidValueForType { expected, found } => format!("expected {expected}, not {found}"),
-        InvalidEscape(_) => "unknown escape: a backslash is written twice, `\\\\`".into(),
+        InvalidEscape(_) => {
+            "unknown escape sequence: a backslash must be written twice, `\\\\`".into()
+        }
         ExceededRecursionLimit => "brackets are nested too deeply".into(),
         other => other.to_string(),
     }

@@ -33,14 +33,15 @@ enum Command {
 /// The reports to make, and the folder in which they are saved.
 #[derive(Debug, Args)]
 struct Wanted {
-    /// The name, or `all`; without a name, the command lists all names
+    /// The name of the report, or `all` for all reports; without a name, the command lists the
+    /// names of the reports
     #[arg(value_name = "NAME")]
     name: Option<String>,
-    /// The folder for SVG, Markdown and RON
+    /// The folder for the SVG, Markdown and RON files of the report
     #[arg(long, value_name = "DIR", default_value = "out")]
     out: PathBuf,
-    /// A Markdown page whose tables are replaced, each between `<!-- COMMAND-NAME -->` and
-    /// `<!-- end -->`
+    /// A Markdown page in which the tables of the report are updated; each table lies between the
+    /// comments `<!-- COMMAND-NAME -->` and `<!-- end -->`
     #[arg(long, value_name = "FILE")]
     page: Option<PathBuf>,
 }
@@ -50,7 +51,8 @@ struct Wanted {
 struct WorkPrecision {
     #[command(flatten)]
     wanted: Wanted,
-    /// Run every method once: same errors, rough times
+    /// Run every method only once: the errors are the same as in a full run, but the measured times
+    /// are rough
     #[arg(long)]
     quick: bool,
 }
@@ -65,13 +67,13 @@ struct Robustness {
 /// Draw sentences of documents, help, messages and doc comments, to be judged one by one
 #[derive(Debug, Args)]
 struct Sentences {
-    /// The seed; the same seed draws the same sentences
+    /// The seed of the random draw of sentences; the same seed draws the same sentences
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// The number of sentences
+    /// The number of sentences to draw
     #[arg(long, default_value_t = 200)]
     count: usize,
-    /// The folder of the project
+    /// The root folder of the project whose sentences are drawn
     #[arg(long, value_name = "DIR", default_value = ".")]
     root: PathBuf,
 }

@@ -24,7 +24,9 @@ pub enum CommandError {
         cause: FigureError,
     },
     /// The output file is also an input file.
-    #[error("{} is an input file and is not overwritten", path.display())]
+    #[error(
+        "the output file {} is also an input file, and input files are not overwritten", path.display(
+    ))]
     #[diagnostic(help("choose another place with --out"))]
     OutputIsInput { path: PathBuf },
     /// The scene or the request is invalid, or its computation failed.
@@ -49,15 +51,21 @@ pub enum CommandError {
         cause: UnknownPoint,
     },
     /// The special point given by `--start` is not of the kind that `--switch` names.
-    #[error("{}: the point {label} is of the kind {kind}, at which --switch does not switch branches", file.display())]
-    #[diagnostic(help("omit --switch, or start at a point of the kinds that --switch names"))]
+    #[error(
+        "{}: the special point {label} is of the kind {kind}, but --switch names other kinds of \
+         special points", file.display(
+    ))]
+    #[diagnostic(help("omit --switch, or start at a special point of a kind that --switch names"))]
     OtherKind { file: PathBuf, label: usize, kind: Kind },
     /// The command needs branches, but the scene has only sweeps.
-    #[error("`{scene}` has no branches to trace")]
+    #[error("the scene `{scene}` has no branches to trace")]
     #[diagnostic(help("run the sweeps of the scene with `tangency sweep {scene}`"))]
     NoRun { scene: String },
     /// The command line gives `--start FILE:LABEL` together with an option that it excludes.
-    #[error("--start FILE:LABEL starts from one special point and cannot be combined with {0}")]
+    #[error(
+        "the option --start FILE:LABEL starts a branch at one special point and cannot be combined \
+         with {0}"
+    )]
     NotTogether(&'static str),
     /// A document differs from the reference.
     #[error("{count} differences from {}", place.display())]
@@ -67,47 +75,61 @@ pub enum CommandError {
     Doubts(Vec<String>),
     /// Only one of the options `--start all` and `--box` is given, but each requires the other.
     #[error(
-        "`--start all` and `--box` must be given together: branches start at all solutions in the box"
+        "the options `--start all` and `--box` must be given together: a branch starts at each \
+         solution found in the box"
     )]
-    #[diagnostic(help("give both options, as in `--start all --box x=-3..3,y=0..5`"))]
+    #[diagnostic(help("give the two options together, as in `--start all --box x=-3..3,y=0..5`"))]
     Everywhere,
     /// The option `--start all` is given to `tangency manifolds`, which does not support it.
     #[error("manifolds belong to one saddle")]
     #[diagnostic(help(
-        "start in states (`--start x=0.6,y=0.2`) or at a special point (`--start FILE:LABEL`)"
+        "start the search for the saddle at given states (`--start x=0.6,y=0.2`) or at a saved \
+         special point (`--start FILE:LABEL`)"
     ))]
     OneSaddle,
     /// The option The option `--points` is given, but no document is given.
-    #[error("--points needs a document (.ron): sweeps (.npz) have no special points")]
+    #[error(
+        "the option --points needs a document of branches (.ron): sweeps (.npz) contain no special \
+         points"
+    )]
     NoPoints,
     /// The command line gives an option that has no effect on data files.
-    #[error("data files (.csv, .npz, .json) are complete and cannot be combined with {0}")]
-    #[diagnostic(help("omit that option, or draw a picture (.svg, .png, .pdf, .html)"))]
+    #[error(
+        "data files (.csv, .npz, .json) always contain all data and cannot be combined with {0}"
+    )]
+    #[diagnostic(help("omit {0}, or draw a picture (.svg, .png, .pdf, .html)"))]
     Table(&'static str),
     /// A width in letters is given for an HTML page, whose width is not counted in letters.
-    #[error("a page (.html) is as wide as its window")]
+    #[error(
+        "the option --width does not apply to a page (.html), which is always as wide as its window"
+    )]
     #[diagnostic(help("omit --width, or draw a picture (.svg, .png, .pdf)"))]
     PageWidth,
     /// The option `--points` is combined with `--x` or `--y`.
-    #[error("--points adds profiles to the default diagram and cannot be combined with --x or --y")]
+    #[error(
+        "the option --points adds the profiles of special points to the default diagram and cannot \
+         be combined with --x or --y"
+    )]
     PointsInColumns,
     /// A separator of cells is given for an output that is not comma-separated.
     #[error("--separator applies to comma-separated values")]
-    #[diagnostic(help("name a .csv file with --out (`table` also has --csv)"))]
+    #[diagnostic(help(
+        "name a .csv file with --out; the command `tangency table` also has the option --csv"
+    ))]
     NoSeparator,
     /// `--regions` is given, but no curve in two parameters has known numbers of unstable
     /// directions.
     #[error(
-        "--regions: no document has a curve of LP, HB, PD, TR or BP in two parameters with known numbers of \
-         unstable directions"
+        "the option --regions needs a curve of LP, HB, PD, TR or BP in two parameters with known \
+         numbers of unstable directions, but no document contains such a curve"
     )]
     #[diagnostic(help(
-        "trace such a curve with --hold and stability=true; if another version wrote the document, \
-         repeat the trace"
+        "trace a curve of special points with --hold and `stability=true`; if another version of \
+         the program wrote the document, repeat the trace"
     ))]
     NoRegions,
     /// For the vertical axis of a sweep, several columns are given instead of one.
-    #[error("sweeps (.npz) are drawn with one column on the vertical axis")]
+    #[error("a picture of sweeps (.npz) has exactly one column on the vertical axis")]
     #[diagnostic(help("name one column with --y"))]
     OneColumn,
     /// The grid of settings is invalid.
@@ -116,27 +138,32 @@ pub enum CommandError {
     Grid(SceneError),
     /// The output folder already contains the results of another grid of settings.
     #[error(
-        "{} contains designs of another scene, other settings or another version, listed in its scene.txt", folder.display()
+        "the folder {} contains the results of another grid: its file scene.txt names another \
+         scene, other settings or another version of the program", folder.display()
     )]
-    #[diagnostic(help("choose another folder with --out, or remove that folder"))]
+    #[diagnostic(help("choose another folder with --out, or remove the existing folder"))]
     OtherGrid { folder: PathBuf },
     /// The command line gives an option that cannot be combined with `--grid`.
-    #[error("a grid traces the scene as written and cannot be combined with {0}")]
+    #[error("a grid traces the scene as the scene is written and cannot be combined with {0}")]
     NotInGrid(&'static str),
     /// Two designs of a grid would be saved in files of the same name.
-    #[error("two designs of the grid have the same name `{name}`")]
+    #[error("two designs (combinations of settings) of the grid have the same name `{name}`")]
     #[diagnostic(help(
-        "choose values that differ in their first 12 digits, and names that differ in letters and digits"
+        "choose values that differ in their first 12 digits, and names of settings that differ in \
+         their letters and digits"
     ))]
     EqualDesigns { name: String },
     /// The name of a design is longer than a file name may be.
     #[error(
-        "the name of the design `{name}` is longer than {most} bytes, too long for a file name"
+        "the design `{name}` of the grid cannot be saved: its name is longer than {most} bytes, \
+         too long for a file name"
     )]
     LongDesign { name: String, most: usize },
     /// The computation of some designs of a grid failed.
-    #[error("{failed} of {of} designs failed; the others are saved")]
-    #[diagnostic(help("repeat the command to retry the designs that failed"))]
+    #[error(
+        "{failed} of {of} designs of the grid failed; the results of the other designs are saved"
+    )]
+    #[diagnostic(help("repeat the command to trace the failed designs again"))]
     Designs { failed: usize, of: usize },
     /// No document has the requested column.
     #[error(transparent)]
@@ -164,15 +191,17 @@ pub enum CommandError {
     #[diagnostic(transparent)]
     Unrendered(RenderError),
     /// The command was interrupted by Ctrl-C, SIGTERM or SIGHUP.
-    #[error("interrupted; results computed so far are saved")]
+    #[error("the command was interrupted; all results computed before the interruption are saved")]
     Interrupted,
     /// The server of `tangency live` cannot start.
     #[cfg(feature = "live")]
     #[error("the server cannot start: {0}")]
-    #[diagnostic(help("omit --port, and a free port is chosen"))]
+    #[diagnostic(help("omit --port to let the program choose a free port"))]
     Server(#[source] std::io::Error),
     /// The standard output cannot be written to.
-    #[error("cannot write to the standard output: {0}; the files listed above are complete")]
+    #[error(
+        "cannot write to the standard output: {0}; all files listed before this error are complete"
+    )]
     #[diagnostic(help("redirect the output to a file instead"))]
     Output(#[from] std::io::Error),
 }

@@ -51,8 +51,8 @@ impl Find {
         let found = roots.len();
         writeln!(
             out,
-            "{found} in the box, {outside} outside the box; {lost} of {starts} starting points led to no \
-             further solution"
+            "solutions inside the box: {found}; solutions outside the box: {outside}; starting \
+             points that led to no further solution: {lost} of {starts}"
         )?;
         if signals::interrupted() { Err(CommandError::Interrupted) } else { Ok(()) }
     }

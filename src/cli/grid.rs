@@ -22,12 +22,13 @@ use std::sync::mpsc::{Sender, channel};
 /// The options of a grid of settings: the axes of the grid, and the part of the grid to compute.
 #[derive(Debug, Args)]
 pub struct GridArgs {
-    /// Trace the scene for equally spaced values of a setting, on all cores; repeat the option for
-    /// all combinations of several settings. Results of finished combinations are kept; repeat the
-    /// command to resume an interrupted grid
+    /// Trace the scene for equally spaced values of a setting, on all cores; repeat the option to
+    /// trace all combinations of several settings. The results of finished combinations are kept;
+    /// repeat the command to resume an interrupted grid
     #[arg(long, value_name = "NAME=LOW..HIGH:COUNT", value_parser = axis)]
     pub grid: Vec<Grid>,
-    /// Compute only part K of N of the grid; the last part writes the table of all parts
+    /// Compute only part K of N parts of the grid; the part that finishes last writes the table of
+    /// all parts
     #[arg(long, value_name = "K/N", value_parser = super::sweep::share, requires = "grid")]
     part: Option<Part>,
 }
@@ -42,10 +43,11 @@ pub(super) fn axis(text: &str) -> Result<Grid, String> {
     let [low, high] = [range.low, range.high].map(|end| end.ok_or_else(form));
     let (low, high) = (low?, high?);
     match count {
-        0 => Err(format!("`{text}` has no values: the count must be at least 1")),
-        1 if low != high => {
-            Err(format!("`{text}` has a single value: increase the count, or write {low}..{low}:1"))
-        }
+        0 => Err(format!("the axis `{text}` has no values: the count must be at least 1")),
+        1 if low != high => Err(format!(
+            "the axis `{text}` has different ends but a single value: increase the \
+                         count, or write {low}..{low}:1"
+        )),
         _ => Ok(Grid { name: range.name, low, high, count }),
     }
 }
@@ -137,7 +139,11 @@ impl GridArgs {
         });
         if done.len() < all.len() {
             let (missing, all) = (all.len() - done.len(), all.len());
-            writeln!(out, "{}: {missing} of {all} designs are not finished", folder.display())?;
+            writeln!(
+                out,
+                "{}: {missing} of {all} designs of the grid are not finished",
+                folder.display()
+            )?;
             return Ok(doubts.collect());
         }
         let table = folder.join(TABLE);

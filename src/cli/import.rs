@@ -19,7 +19,7 @@ const EXAMPLES: &str = "Examples:
 pub struct Import {
     /// The model (.ode)
     model: PathBuf,
-    /// The file of equations (.ron) [default: the standard output]
+    /// The output file for the equations (.ron) [default: the standard output]
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
 }

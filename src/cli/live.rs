@@ -25,15 +25,15 @@ pub struct Live {
     /// The name of a built-in scene (see `tangency scenes`), or the path of a scene, of a file of
     /// equations (.ron), or of an XPPAUT model (.ode)
     scene: Option<String>,
-    /// Change a value of the scene; may be repeated
+    /// Change the value of a parameter or setting of the scene; the option may be repeated
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = setting)]
     settings: Vec<(String, String)>,
     #[command(flatten)]
     request: RequestArgs,
-    /// The port of the server; by default a free one
+    /// The port of the server; for port 0, the program chooses a free port
     #[arg(long, value_name = "PORT", default_value_t = 0)]
     port: u16,
-    /// Print the address without opening a browser
+    /// Print the address of the page without opening a browser
     #[arg(long)]
     no_open: bool,
 }
@@ -50,7 +50,10 @@ impl Live {
         }
         let server = Server::new(library, opened, self.port).map_err(CommandError::Server)?;
         let address = server.address();
-        writeln!(out, "{address}\nThe page works until this program ends (Ctrl-C).")?;
+        writeln!(
+            out,
+            "{address}\nThe page at this address works until the program is ended with Ctrl-C."
+        )?;
         out.flush()?;
         if !self.no_open {
             open(&address);

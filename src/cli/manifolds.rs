@@ -36,21 +36,22 @@ pub struct Manifolds {
     scene: SceneAt,
     #[command(flatten)]
     folder: OutFolder,
-    /// The saddle: near given states, or at a special point of an earlier result [default: near the
-    /// initial state of the model]
+    /// The start of the search for the saddle: given states, or a special point of an earlier
+    /// result [default: the initial state of the model]
     #[arg(long, value_name = "NAME=VALUE,… or FILE:LABEL or FILE:BRANCH/LABEL", value_parser = start)]
     start: Option<Begin>,
-    /// The maximum arclength of each half of a manifold, in units of the states' scales
+    /// The maximum arclength of a manifold on each side of the saddle, in units of the states'
+    /// scales
     #[arg(long, value_name = "LENGTH", default_value = "20", value_parser = value)]
     length: f64,
-    /// The maximum distance between the curve and the chords between its points, in units of the
-    /// states' scales
+    /// The maximum distance between the manifold and the chords between its computed points, in
+    /// units of the states' scales
     #[arg(long, value_name = "DISTANCE", default_value = "1e-4", value_parser = value)]
     resolution: f64,
-    /// The maximum number of points of each half of a manifold
+    /// The maximum number of points of a manifold on each side of the saddle
     #[arg(long, value_name = "COUNT", default_value_t = 20_000)]
     max_points: usize,
-    /// End each half of a manifold where a state leaves a range
+    /// End a manifold where a state leaves the given range
     #[arg(long, value_name = "NAME=LOW..HIGH", value_parser = range)]
     bound: Vec<Range>,
 }

@@ -60,7 +60,7 @@ use stdout::Leavable;
 struct Arguments {
     #[command(subcommand)]
     command: Command,
-    /// The maximum size of an input file in MB; archives may unpack to four times this size
+    /// The maximum size of an input file in MB; an archive may unpack to four times this size
     #[arg(long, global = true, value_name = "MB", default_value_t = 256,
         value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     max_size: u64,
@@ -94,8 +94,11 @@ fn arguments() -> Result<Arguments, ExitCode> {
     let lossy = given.iter().map(|argument| argument.to_string_lossy());
     if let Some(odd) = lossy.into_iter().find(|argument| argument.contains(char::is_control)) {
         let odd = shown(&odd);
-        let message = "contains control characters, which file names and values must not contain";
-        let _ = writeln!(std::io::stderr(), "error: the argument `{odd}` {message}");
+        let rule = "file names and values must not contain control characters";
+        let _ = writeln!(
+            std::io::stderr(),
+            "error: the argument `{odd}` contains control characters: {rule}"
+        );
         return Err(ExitCode::from(2));
     }
     Arguments::try_parse_from(given).map_err(|error| {

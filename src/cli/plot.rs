@@ -25,32 +25,33 @@ const EXAMPLES: &str = "Examples:
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Plot {
-    /// The documents (.ron) and sweeps (.npz)
+    /// The documents (.ron) and sweeps (.npz) to draw
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
-    /// The parameter or monitor on the horizontal axis [default: the first document's choice]
+    /// The parameter or monitor on the horizontal axis [default: as stated in the first document]
     #[arg(long, value_name = "NAME")]
     x: Option<String>,
-    /// The columns on the vertical axis, such as v (the largest and smallest values of a state),
-    /// max_v, or period [default: the first document's choice]
+    /// The columns on the vertical axis: v draws the largest and smallest values of the state v,
+    /// max_v only the largest values, and period the period [default: as stated in the first
+    /// document]
     #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
     y: Vec<String>,
-    /// The range of the horizontal axis to show, in the units of its column; either end may be
-    /// omitted. It applies to panel a, or to the panel of --panel, and to further panels with the
-    /// same axis
+    /// The range of the horizontal axis to show, in the units of the column on this axis; either
+    /// end may be omitted. The range applies to panel a, or to the panel chosen with --panel, and
+    /// to further panels with the same horizontal axis
     #[arg(long, value_name = "LOW..HIGH", value_parser = ends, allow_hyphen_values = true)]
     x_range: Option<Ends>,
-    /// The part of the vertical axis to show, as for --x-range
+    /// The range of the vertical axis to show, in the same form as the range of --x-range
     #[arg(long, value_name = "LOW..HIGH", value_parser = ends, allow_hyphen_values = true)]
     y_range: Option<Ends>,
-    /// The columns with logarithmic axes, such as period
+    /// The columns whose axes are logarithmic, such as period
     #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
     log: Vec<String>,
-    /// Write the numbers of unstable directions on the two sides of curves in two parameters
+    /// Label the two sides of each curve in two parameters with the numbers of unstable directions
     #[arg(long)]
     regions: bool,
-    /// The special points whose profiles are drawn, or written as .csv or .npz, such as 2,5 or
-    /// orbits/2, or all [default: a few points with different profiles]
+    /// The special points whose profiles are drawn, or written as .csv or .npz: labels such as 2,5,
+    /// labels of a branch such as orbits/2, or all [default: a few points with different profiles]
     #[arg(long, value_name = "LABEL or BRANCH/LABEL or all", value_delimiter = ',')]
     points: Vec<String>,
     /// The width of the picture in millimetres, such as 84 for a journal's column [default: 170]
@@ -62,12 +63,13 @@ pub struct Plot {
     /// The letter of the only panel to draw [default: all panels]
     #[arg(long, value_name = "LETTER")]
     panel: Option<String>,
-    /// The separator of a table (.csv), such as ; or tab [default: a comma]
+    /// The separator between the columns of a table (.csv), such as ; or tab [default: a comma]
     #[arg(long, value_name = "LETTER", value_parser = separator)]
     separator: Option<char>,
-    /// The output file: .svg, .png, .pdf, .html for an interactive page, .csv for all points of
-    /// branches or sweeps, .json for a document, or, with --points, .csv or .npz for profiles
-    /// [default: an .svg file in the folder of the first document, named after the columns]
+    /// The output file, whose extension chooses the format: .svg, .png or .pdf for a picture, .html
+    /// for an interactive page, .csv for all points of branches or sweeps, .json for a document,
+    /// or, with --points, .csv or .npz for profiles [default: an .svg file in the folder of the
+    /// first document, named after the columns]
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
 }
@@ -224,9 +226,10 @@ fn ends(text: &str) -> Result<Ends, String> {
         Some((low, high)) if !(low.is_empty() && high.is_empty()) => {
             let ends = [end(low)?, end(high)?];
             match ends {
-                [Some(low), Some(high)] if low >= high => {
-                    Err(format!("the lower end {low} must be below the upper end {high}"))
-                }
+                [Some(low), Some(high)] if low >= high => Err(format!(
+                    "the lower end {low} of the range must be below the upper end \
+                                 {high}"
+                )),
                 _ => Ok(Ends(ends)),
             }
         }
@@ -240,7 +243,11 @@ pub fn separator(text: &str) -> Result<char, String> {
     match (text, letters.next(), letters.next()) {
         ("tab", _, _) => Ok('\t'),
         (_, Some(letter @ (',' | ';' | '|' | ':' | ' ' | '\t')), None) => Ok(letter),
-        _ => Err("a separator is one of , ; | : a space, or tab".into()),
+        _ => {
+            Err("the separator must be a comma, a semicolon, a vertical bar, a colon, a space, or \
+                  the word tab"
+                .into())
+        }
     }
 }
 

@@ -11,31 +11,33 @@ use clap::Args;
 /// The options that state a request to a model, or that change the statement of a scene.
 #[derive(Debug, Default, Args)]
 pub struct RequestArgs {
-    /// The continuation parameter and its range; repeat with a second parameter for curves of
-    /// special points. For a scene, the option gives a new range for a parameter of the scene
+    /// The continuation parameter and its range; for a curve of special points, repeat the option
+    /// with a second parameter. For a scene, the option replaces the range of a continuation
+    /// parameter of the scene
     #[arg(long, value_name = "NAME=LOW..HIGH", value_parser = range)]
     pub along: Vec<Range>,
-    /// End branches where a parameter or a column leaves a range
+    /// End branches where a parameter or a column leaves the given range
     #[arg(long, value_name = "NAME=LOW..HIGH", value_parser = range)]
     pub bound: Vec<Range>,
-    /// Mark the points where a parameter or a column has a given value; orbits at marks are drawn
-    /// and saved
+    /// Mark the points of branches at which a parameter or a column has the given value; the orbits
+    /// at marked points are drawn and saved
     #[arg(long, value_name = "NAME=VALUE", value_parser = mark)]
     pub mark: Vec<(String, f64)>,
-    /// Simulate for this time first, then start from the resulting motion (in forcing periods, if
-    /// there is a forcing)
+    /// Simulate the motion for this time first, and start the branch from the resulting motion; if
+    /// there is a forcing, the unit of this time is the forcing period
     #[arg(long, value_name = "TIME", value_parser = value)]
     pub settle: Option<f64>,
-    /// Trace the curve of a kind of special point, in the two parameters of --along
+    /// Trace a curve of special points of the given kind, in the two parameters of --along
     #[arg(long, value_name = "KIND", value_parser = kind)]
     pub hold: Option<Kind>,
-    /// Trace the branches that emanate from special points: other branches at branch points, orbits
-    /// at Hopf points, doubled orbits at period doublings, and impacting or sliding orbits at
-    /// grazings. Give `all`, or a list of kinds; `LP` switches branches only where several folds
-    /// coincide
+    /// Also trace the branches that emanate from special points: other branches at branch points,
+    /// periodic orbits at Hopf points, orbits of twice the period at period doublings, and
+    /// impacting or sliding orbits at grazings. Give `all`, or a list of kinds of special points;
+    /// for `LP`, branches are switched only at points where several folds coincide
     #[arg(long, value_name = "all or BP,HB,…", value_parser = switch)]
     pub switch: Option<Switch>,
-    /// The number of generations of emanating branches to trace
+    /// The number of generations of emanating branches to trace: 2 also traces the branches that
+    /// emanate from emanating branches
     #[arg(long, value_name = "COUNT", default_value = "1", requires = "switch",
         value_parser = depth)]
     pub depth: u8,
@@ -87,11 +89,11 @@ impl RequestArgs {
 /// The options of a search for solutions in a box.
 #[derive(Debug, Args)]
 pub struct Within {
-    /// The range of each unknown in which to search for solutions
+    /// The box to search for solutions: a range for each unknown
     #[arg(long = "box", value_name = "NAME=LOW..HIGH,…", value_delimiter = ',',
         value_parser = range)]
     ranges: Vec<Range>,
-    /// The number of starting points of the search in the box
+    /// The number of starting points from which the box is searched for solutions
     #[arg(long, value_name = "COUNT", default_value_t = 100, requires = "ranges",
         value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     starts: u32,
@@ -134,7 +136,11 @@ pub(super) fn value(text: &str) -> Result<f64, String> {
 /// Parses the number of generations of emanating branches.
 fn depth(text: &str) -> Result<u8, String> {
     let depth = text.trim().parse().ok().filter(|depth| (1..=20).contains(depth));
-    depth.ok_or_else(|| "the depth must be a whole number from 1 to 20".into())
+    depth.ok_or_else(|| {
+        "the depth, a number of generations of branches, must be a whole number \
+                         between 1 and 20"
+            .into()
+    })
 }
 
 /// Parses the word `all`, or a list of the kinds of special points from which branches emanate.

@@ -132,7 +132,9 @@ impl Results {
             line.and_then(|line| ron::from_str::<String>(line.trim_end_matches(',')).ok());
         if let Some(earlier) = earlier.filter(|earlier| has_others || *earlier != document.title) {
             warn(&format!(
-                "{} contained the results of another scene, `{earlier}`, which are replaced; choose another folder with `--out`",
+                "the file {} contained the results of another scene, `{earlier}`, and is now \
+                 replaced; choose another folder with `--out` to keep the results of several \
+                 scenes",
                 path.display()
             ));
         }

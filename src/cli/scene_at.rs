@@ -15,7 +15,7 @@ pub struct SceneAt {
     /// The name of a built-in scene (see `tangency scenes`), or the path of a scene, of a file of
     /// equations (.ron), or of an XPPAUT model (.ode)
     pub scene: String,
-    /// Change a value of the scene; may be repeated
+    /// Change the value of a parameter or setting of the scene; the option may be repeated
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = setting)]
     pub settings: Vec<(String, String)>,
 }
@@ -23,7 +23,7 @@ pub struct SceneAt {
 /// The folder in which a command saves its results.
 #[derive(Debug, Args)]
 pub struct OutFolder {
-    /// The folder for the results
+    /// The folder for the results of the command
     #[arg(long, value_name = "DIR", default_value = "out")]
     pub out: PathBuf,
 }

@@ -63,7 +63,8 @@ fn answer(interrupted: &AtomicBool) {
     }
     std::thread::sleep(SOON);
     warn(
-        "interrupted; the program saves its results and ends after the current computation: a second signal ends it immediately",
+        "the program was interrupted: it ends after the current computation and saves its results; \
+         a second interruption ends the program immediately",
     );
 }
 

@@ -28,14 +28,15 @@ pub struct Simulate {
     scene: SceneAt,
     #[command(flatten)]
     folder: OutFolder,
-    /// Start in these states, by name; all other states start at the model's initial values, or at
-    /// 0
+    /// The initial values of some states, by name; every other state starts at the initial value in
+    /// the model, or at 0
     #[arg(long, value_name = "NAME=VALUE,…", value_parser = states)]
     from: Option<States>,
-    /// The duration of the history, in periods of the forcing if there is one
+    /// The duration of the history; if there is a forcing, the unit of this duration is the forcing
+    /// period
     #[arg(long, value_name = "TIME", default_value = "100", value_parser = value)]
     time: f64,
-    /// The duration of the motion before the history begins
+    /// The duration of the transient motion, which is simulated before the history begins
     #[arg(long, value_name = "TIME", default_value = "0", value_parser = value)]
     transient: f64,
 }

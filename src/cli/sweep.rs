@@ -39,32 +39,33 @@ pub struct Sweep {
     scene: SceneAt,
     #[command(flatten)]
     folder: OutFolder,
-    /// Sweep over these values of a parameter or an initial state, instead of the scene's own
-    /// sweeps; repeat the option for a grid
+    /// Sweep over these values of a parameter or an initial state, instead of running the sweeps
+    /// that the scene contains; repeat the option for a grid of values
     #[arg(long, value_name = "NAME=LOW..HIGH:COUNT", value_parser = axis)]
     over: Vec<Grid>,
-    /// Sweep the values of one parameter upward and downward
+    /// Run two sweeps over the values of one parameter: one sweep upward and one sweep downward
     #[arg(long, requires = "over")]
     both: bool,
-    /// Start in these states, by name; all other states start at 0
+    /// The initial values of some states, by name; all other states start at 0
     #[arg(long, value_name = "NAME=VALUE,…", value_parser = states, requires = "over")]
     from: Option<States>,
-    /// The event just after which motion without forcing is sampled
+    /// The event at which the motion of a model without forcing is sampled, just after each event
     #[arg(long, value_name = "EVENT", requires = "over")]
     at: Option<String>,
-    /// Record these monitors of every period, such as max_x, and draw the first one
+    /// Record the named monitors of every period, such as max_x, and draw the first monitor
     #[arg(long, value_name = "NAME,…", value_delimiter = ',', requires = "over")]
     measure: Vec<String>,
-    /// Compute only part K of N of the sweep; `tangency merge` joins the parts
+    /// Compute only part K of N parts of the sweep; `tangency merge` joins the parts
     #[arg(long, value_name = "K/N", value_parser = share)]
     part: Option<Part>,
     /// The number of threads [default: the number of cores]
     #[arg(long, value_name = "N", value_parser = threads)]
     threads: Option<NonZeroUsize>,
-    /// The interval between checkpoints in seconds, from 0 to 1e6
+    /// The interval, in seconds, between two checkpoints at which finished runs are saved; the
+    /// interval may be 0 to 1e6
     #[arg(long, value_name = "SECONDS", default_value = "5", value_parser = seconds)]
     checkpoint: Duration,
-    /// Discard the results of earlier runs
+    /// Discard the saved results of earlier runs of the sweep, and start the sweep again
     #[arg(long)]
     afresh: bool,
 }
@@ -72,10 +73,10 @@ pub struct Sweep {
 /// Join the parts of a sweep
 #[derive(Debug, Args)]
 pub struct Merge {
-    /// The files of all parts (.npz)
+    /// The files (.npz) of all parts of the sweep
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
-    /// The folder for the joined sweep
+    /// The folder in which the joined sweep is saved
     #[arg(long, value_name = "DIR", default_value = "out")]
     out: PathBuf,
 }
@@ -86,7 +87,7 @@ pub fn share(text: &str) -> Result<Part, String> {
         let (number, of) = (number.parse().ok()?, of.parse().ok()?);
         (number >= 1 && number <= of).then_some(Part { number, of, ..Part::WHOLE })
     });
-    part.ok_or_else(|| format!("`{text}` is not of the form K/N, for example 2/8"))
+    part.ok_or_else(|| format!("the part `{text}` is not of the form K/N, for example 2/8"))
 }
 
 /// The maximum interval between checkpoints, in seconds.
@@ -96,7 +97,10 @@ const LONGEST: f64 = 1e6;
 fn seconds(text: &str) -> Result<Duration, String> {
     let number = text.trim().parse().ok().filter(|seconds| (0.0..=LONGEST).contains(seconds));
     number.map(Duration::from_secs_f64).ok_or_else(|| {
-        format!("the number of seconds must be between 0 and {LONGEST:e}, for example 5")
+        format!(
+            "the interval between checkpoints must be a number of seconds between 0 and \
+                 {LONGEST:e}, for example 5"
+        )
     })
 }
 
@@ -249,7 +253,7 @@ impl Kept<'_> {
 /// Parses a number of threads.
 fn threads(text: &str) -> Result<NonZeroUsize, String> {
     let count = text.trim().parse().ok();
-    count.ok_or_else(|| "the number of threads must be a whole number, 1 or more".into())
+    count.ok_or_else(|| "the number of threads must be a whole number of at least 1".into())
 }
 
 /// Warns if the parts of a sweep do not contain equal numbers of strands, and suggests a number of
@@ -263,14 +267,17 @@ fn divided(scene: &Scene, part: Part, out: &mut impl Write) -> Result<(), Comman
     let even = division.even();
     writeln!(
         out,
-        "{strands} strand{} cannot be divided evenly into {parts} parts: the largest has {largest} of {runs} runs instead of {even}",
+        "{strands} strand{} (sequences of runs, each starting where the run before ended) cannot \
+         be divided evenly into {parts} parts: the largest part has {largest} of {runs} runs \
+         instead of {even}",
         if strands == 1 { "" } else { "s" }
     )?;
     if let Some((strands, largest)) = scene.better_strands(part.of) {
         writeln!(
             out,
-            "`--set strands={strands}`, given for all parts, reduces the largest part to {largest} runs; \
-             each strand begins at the initial state, so results may differ"
+            "with `--set strands={strands}` in the commands of all parts, the largest part has \
+             only {largest} runs; the results may change, because each strand begins at the \
+             initial state"
         )?;
     }
     Ok(())
@@ -284,7 +291,11 @@ fn report(sweeps: &Sweeps, out: &mut impl Write) -> Result<(), CommandError> {
         match rows.iter().find_map(|(run, row)| Some((run, row.failure.as_ref()?))) {
             Some((run, why)) => {
                 let why = printable(why);
-                writeln!(out, "; {failed} failed; the first failure is run {run}: {why}")?;
+                writeln!(
+                    out,
+                    "; number of failed runs: {failed}; the first failed run is run \
+                               {run}: {why}"
+                )?;
             }
             None => writeln!(out)?,
         }

@@ -26,25 +26,26 @@ pub struct Table {
     /// The documents (.ron)
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
-    /// The kinds of points [default: all]
+    /// The kinds of special points to list [default: all kinds]
     #[arg(long, value_name = "KIND,…", value_delimiter = ',', value_parser = kind)]
     kind: Vec<Kind>,
-    /// The columns: settings, parameters, monitors, file, branch, label, kind, error, unstable,
-    /// converged, multiplicity [default: the parameters that vary, and the settings in which the
-    /// documents differ]
+    /// The columns to list: names of settings, parameters and monitors, and file, branch, label,
+    /// kind, error, unstable, converged, multiplicity [default: the parameters that vary, and the
+    /// settings in which the documents differ]
     #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
     columns: Vec<String>,
     /// Add the derivatives of each special point's location with respect to all other parameters,
-    /// such as dvoltage/dgap; if --columns names some of them, only these
+    /// such as dvoltage/dgap; if --columns names some of these derivatives, only the named
+    /// derivatives are added
     #[arg(long)]
     sensitivity: bool,
-    /// Print comma-separated values, with all columns unless --columns is given
+    /// Print the table as comma-separated values, with all columns unless --columns is given
     #[arg(long, conflicts_with = "out")]
     csv: bool,
-    /// The separator, such as ; or tab [default: a comma]
+    /// The separator between columns in comma-separated values, such as ; or tab [default: a comma]
     #[arg(long, value_name = "LETTER", value_parser = super::plot::separator)]
     separator: Option<char>,
-    /// Write comma-separated values to this file instead
+    /// Write the table to this file as comma-separated values, instead of printing the table
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
 }

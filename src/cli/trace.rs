@@ -37,14 +37,14 @@ pub struct Trace {
     wanted: Wanted,
     #[command(flatten)]
     folder: OutFolder,
-    /// Compare the result with an earlier document, as `tangency compare` does
+    /// Compare the result with an earlier document, as the command `tangency compare` does
     #[arg(long, value_name = "FILE")]
     check: Option<PathBuf>,
-    /// In the picture, label the two sides of each curve in two parameters with the number of
+    /// In the picture, label the two sides of each curve in two parameters with the numbers of
     /// unstable directions
     #[arg(long)]
     regions: bool,
-    /// Exit with code 3 if a special point has not converged, or a branch ends unexpectedly
+    /// Exit with the code 3 if a special point has not converged, or if a branch ends unexpectedly
     #[arg(long)]
     strict: bool,
     #[command(flatten)]
@@ -65,8 +65,8 @@ pub struct Show {
 struct Wanted {
     #[command(flatten)]
     scene: SceneAt,
-    /// Start in given states, from a special point of an earlier result, or, with `all`, from each
-    /// solution in a box
+    /// The start of the branch: given states, a special point of an earlier result, or `all` to
+    /// start a branch at each solution in the box of --box
     #[arg(long, value_name = "NAME=VALUE,… or FILE:LABEL or FILE:BRANCH/LABEL or all", value_parser = start)]
     start: Option<Begin>,
     #[command(flatten)]
@@ -162,7 +162,7 @@ impl Trace {
             ("--regions", self.regions),
             ("--verbose", self.telling.verbose),
             ("--wide", self.telling.wide),
-            ("--set of a setting of the grid", at.settings.iter().any(of_grid)),
+            ("the option --set for a setting that --grid varies", at.settings.iter().any(of_grid)),
         ];
         if let Some((option, _)) = options.into_iter().find(|(_, given)| *given) {
             return Err(CommandError::NotInGrid(option));
@@ -399,8 +399,8 @@ fn point(text: &str) -> Result<Start, String> {
     let start = text.rsplit_once(':').and_then(|(file, point)| at(file, point));
     start.ok_or_else(|| {
         format!(
-            "`{text}` is not of the form NAME=VALUE,… or FILE:LABEL or FILE:BRANCH/LABEL, for example x=1,y=2 or \
-             pull-in.ron:3; labels are counted from 1"
+            "the start `{text}` is not of the form NAME=VALUE,… or FILE:LABEL or \
+             FILE:BRANCH/LABEL, for example x=1,y=2 or pull-in.ron:3; labels are counted from 1"
         )
     })
 }

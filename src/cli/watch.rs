@@ -49,13 +49,13 @@ pub fn announce(bar: &ProgressBar, name: &str, what: &str, longest: Duration, re
 /// The options that control the printed output of a trace.
 #[derive(Clone, Copy, Debug, Args)]
 pub struct Telling {
-    /// Print warnings and errors only
+    /// Print only warnings and errors
     #[arg(short, long, conflicts_with = "verbose")]
     pub quiet: bool,
-    /// Print all points, not only the special ones
+    /// Print all points of branches, not only the special points
     #[arg(short, long)]
     pub verbose: bool,
-    /// Print all columns, even if they are wider than the terminal
+    /// Print all columns, even if the lines are wider than the terminal
     #[arg(long)]
     pub wide: bool,
 }

@@ -83,7 +83,9 @@ pub enum FlowError {
     #[diagnostic(transparent)]
     Cancelled(#[from] Cancelled),
     /// A state, its slope or the result of a step is not finite.
-    #[error("at t = {time:.9e}: state {state} or its slope is not finite ({value:e})")]
+    #[error(
+        "at t = {time:.9e}: the state {state} or its time derivative is not finite ({value:e})"
+    )]
     #[diagnostic(help("end the flow before the field becomes undefined"))]
     NotFinite {
         /// The time.
@@ -96,9 +98,13 @@ pub enum FlowError {
     /// The step size became too small for the tolerance: the solution or a derivative of the field is
     /// singular.
     #[error(
-        "at t = {time:.9e} even a step of {step:.1e} is too large: the solution blows up or the field is not smooth"
+        "at t = {time:.9e} even a time step of {step:.1e} is too large: the solution blows up, or \
+         the vector field is not smooth"
     )]
-    #[diagnostic(help("end the flow earlier, or split the flow where the field changes"))]
+    #[diagnostic(help(
+        "integrate over a shorter time, or split the integration where the vector field is not \
+         smooth"
+    ))]
     StepTooSmall {
         /// The time.
         time: f64,
@@ -107,11 +113,12 @@ pub enum FlowError {
     },
     /// The flow took more steps than allowed.
     #[error(
-        "at t = {time:.9e} the flow reached the limit of {steps} steps; the last step was {step:.1e}"
+        "at t = {time:.9e} the integration reached the limit of {steps} steps; the length of the \
+         last step was {step:.1e}"
     )]
     #[diagnostic(help(
-        "allow more steps, loosen the tolerance, split the interval, or use the implicit method Rodas5P if the \
-         field is stiff"
+        "allow more steps, loosen the tolerance, split the time interval, or use the implicit \
+         method Rodas5P if the vector field is stiff"
     ))]
     TooManySteps {
         /// The time.
@@ -123,8 +130,8 @@ pub enum FlowError {
     },
     /// Stability, not accuracy, limits the step size of an explicit method.
     #[error(
-        "at t = {time:.9e} the field is stiff: a step of {step:.1e} times the fastest rate of the field \
-         is {product:.1}, the limit of stability"
+        "at t = {time:.9e} the vector field is stiff: a step of {step:.1e}, multiplied by the \
+         fastest rate of the field, is {product:.1}, the stability limit of the explicit method"
     )]
     #[diagnostic(help("use the implicit method Rodas5P"))]
     Stiff {
@@ -187,7 +194,7 @@ pub enum Failure {
     #[error(
         "deviations and rounding errors grow by {0:.1e} over a segment, which leaves too few digits"
     )]
-    #[diagnostic(help("use more segments, or the collocation method"))]
+    #[diagnostic(help("use more shooting segments, or the collocation method"))]
     Growth(f64),
     /// A segment of a trial solution lasts longer than allowed: Newton's iteration diverges.
     #[error(
@@ -203,14 +210,15 @@ pub enum Failure {
     },
     /// The iteration for eigenvalues or Floquet multipliers did not converge.
     #[error(
-        "the {0} do not converge: the matrix possibly has entries that are not finite, or of very different \
-         sizes"
+        "the iteration for the {0} does not converge: entries of the matrix are possibly not \
+         finite, or of very different sizes"
     )]
     Eigenvalues(&'static str),
     /// No complex pair of eigenvalues or Floquet multipliers can become critical.
     #[error(
-        "there is no complex pair of eigenvalues near the imaginary axis, or of multipliers near the \
-         unit circle: the point is not a Hopf or torus point, but possibly a neutral saddle"
+        "no complex pair of eigenvalues is near the imaginary axis, and no complex pair of \
+         multipliers is near the unit circle: the point is not a Hopf or torus point, but possibly \
+         a neutral saddle"
     )]
     NoComplexPair,
     /// The equations do not determine the requested result at this point; the message gives the
@@ -222,8 +230,8 @@ pub enum Failure {
     Unsupported(String),
     /// The requested index of a branch at a special point is too large.
     #[error(
-        "there is no other branch with index {which}: {count} other branches begin or cross here, \
-         numbered from 0"
+        "the other branch with index {which} does not exist: {count} other branches begin or cross \
+         at this point, numbered from 0"
     )]
     NoBranch {
         /// The requested index.
@@ -262,7 +270,8 @@ impl Failure {
 fn of_singular(pivot: f64) -> &'static str {
     match pivot == 0.0 {
         true => {
-            "check that every equation is written, and that every unknown occurs in an equation"
+            "check that every equation is written, and that every unknown occurs in at least one \
+             equation"
         }
         false => "continue by arclength at a fold, or start away from the singular point",
     }
@@ -297,7 +306,7 @@ pub(in crate::core) fn not_finite(numbers: &[f64]) -> Option<usize> {
 
 /// The help of the errors for derivatives that are not finite.
 pub(in crate::core) const DIFFERENTIABLE: &str =
-    "the residual must be differentiable here (√ at 0 is not)";
+    "the residual must be differentiable at this point (√x is not differentiable at x = 0)";
 
 /// Returns an error if a component of a gradient, with respect to an unknown or a released
 /// parameter, is infinite or NaN.

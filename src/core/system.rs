@@ -244,8 +244,8 @@ pub trait System: Send {
         let n = self.names().dimension();
         if solution.state.len() != n {
             return Err(Failure::Mismatch(format!(
-                "the start has {} unknowns, but the problem has {n}: was the start computed with other \
-                 settings?",
+                "the start has {} unknowns, but the problem has {n} unknowns: was the start \
+                 computed with other settings?",
                 solution.state.len()
             )));
         }
@@ -310,7 +310,8 @@ pub trait Discretised {
     /// response.
     fn phase_response(&mut self, _x: &[f64]) -> Result<Vec<Profile>, Failure> {
         Err(Failure::Unsupported(
-            "only cycles have a phase, and these solutions are not cycles".into(),
+            "only cycles have a phase response, but the solutions of this system are not cycles"
+                .into(),
         ))
     }
 
@@ -346,7 +347,11 @@ pub trait Discretised {
         _point: &Solution,
         (_released, _size): (&[usize], [f64; 2]),
     ) -> Result<Solution, Failure> {
-        Err(Failure::Unsupported("homoclinic orbits are solutions of a flow".into()))
+        Err(Failure::Unsupported(
+            "homoclinic orbits exist only in vector fields, but this system \
+                                  has no vector field"
+                .into(),
+        ))
     }
 
     /// Restores the mesh of an earlier solution of this system, whatever number of intervals the

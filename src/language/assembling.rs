@@ -273,8 +273,8 @@ impl<'s> Assembling<'s> {
                 Meaning::State(k) => Ok(Value::State(k as u32)),
                 Meaning::Parameter(k) => Ok(Value::Parameter(k as u32)),
                 Meaning::Time if self.at_ends => {
-                    let reason = "boundary conditions hold at the two ends, 0 and `length`, and \
-                                  cannot contain the time"
+                    let reason = "boundary conditions hold at the two ends of the interval, 0 and \
+                                  `length`, and cannot contain the time"
                         .into();
                     Err(self.fault(origin, Fault::Misplaced { what: "`t`".into(), reason }))
                 }
@@ -355,7 +355,10 @@ impl<'s> Assembling<'s> {
 
     /// Returns the error for a state that is named without an end of the interval.
     fn needs_end(&self, name: &str, origin: &Origin) -> ModelError {
-        let expected = format!("`{name}(0)` at the beginning or `{name}(1)` at the end");
+        let expected = format!(
+            "the value at one end: `{name}(0)` at the beginning or `{name}(1)` \
+                                at the end"
+        );
         self.fault(origin, Fault::Syntax { expected })
     }
 
@@ -438,8 +441,8 @@ impl Program {
         let Undefined { operation, arguments, value, origin } = found;
         let what = match operation {
             Operation::Divide | Operation::Reciprocal => "a division by zero".to_string(),
-            _ if value.is_nan() => "a value that is not a number".into(),
-            _ => "a value that is not finite".into(),
+            _ if value.is_nan() => "the result of an operation is not a number".into(),
+            _ => "the result of an operation is not finite".into(),
         };
         let arguments: Vec<String> = arguments.iter().map(f64::to_string).collect();
         let values = match operation {
@@ -473,7 +476,8 @@ pub(super) fn elements(scope: &Scope, phrase: &Phrase) -> Result<Elements, Model
                 if low > high {
                     let what = format!("the range {low}..{high} of `{index}`");
                     let reason =
-                        "the range is empty: the first index must not be above the last".into();
+                        "the range is empty: the first index must not be above the last index"
+                            .into();
                     return Err(scope.source.fault_of(phrase, Fault::Misplaced { what, reason }));
                 }
                 let known = |(known, _): &(Option<Arc<str>>, _)| known.as_deref() == Some(&*index);

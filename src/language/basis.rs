@@ -92,8 +92,12 @@ pub fn number(text: &str) -> Result<f64, ModelError> {
 pub(super) fn constant(scope: &Scope, phrase: &Phrase) -> Result<f64, ModelError> {
     let value = Assembling::new(scope).read(phrase)?;
     value.as_number().filter(|value| value.is_finite()).ok_or_else(|| {
-        let (what, reason) =
-            (format!("`{}`", phrase.text), "a finite number is required here".into());
+        let (what, reason) = (
+            format!("`{}`", phrase.text),
+            "the value must be a finite number that does not depend \
+                                            on states, parameters or time"
+                .into(),
+        );
         scope.source.fault_of(phrase, Fault::Misplaced { what, reason })
     })
 }
@@ -427,15 +431,19 @@ fn labels_of(
         for (k, (name, words)) in list.iter().enumerate() {
             if words.text.trim().is_empty() || words.text.contains(char::is_control) {
                 let what = format!("the label or unit of `{}`", name.text);
-                let reason = "a label or unit must be a word without control characters".into();
+                let reason = "a label or unit must not be empty and must not contain control \
+                              characters"
+                    .into();
                 return Err(basis.source.fault_of(words, Fault::Misplaced { what, reason }));
             }
             let all: Vec<&str> = known().chain(["t"]).collect();
             crate::core::problem::position("state, parameter or monitor", &name.text, all)
                 .map_err(|unknown| basis.source.fault_of(name, Fault::Unknown(unknown)))?;
             if list[..k].iter().any(|(other, _)| other.text == name.text) {
-                let (what, reason) =
-                    (format!("`{}`", name.text), "the label or unit is given twice".into());
+                let (what, reason) = (
+                    format!("`{}`", name.text),
+                    "the label or unit of this quantity is given twice".into(),
+                );
                 return Err(basis.source.fault_of(name, Fault::Misplaced { what, reason }));
             }
             if names.iter().all(|other| other.text != name.text) {
@@ -510,9 +518,7 @@ fn scales_of(
         if size <= 0.0 || scales.iter().filter(|(known, _)| known.text == name.text).count() > 1 {
             let (what, reason) = (
                 format!("the scale of `{}`", name.text),
-                "a scale must be a number above 0, given \
-                          once"
-                    .into(),
+                "a scale must be a number above 0, and may be given only once".into(),
             );
             return Err(source.fault_of(value, Fault::Misplaced { what, reason }));
         }

@@ -101,9 +101,10 @@ fn check_count(source: &Source, statement: &Boundary, states: usize) -> Result<(
     if given == states + unknowns {
         return Ok(());
     }
-    let what = format!("{given} conditions and integrals are given");
+    let what = format!("the problem has {given} conditions and integrals");
     let needed = format!(
-        "give {}: one for each state ({states}) and one for each unknown ({unknowns})",
+        "give {} conditions and integrals: one for each state ({states}) and one for each unknown \
+         ({unknowns})",
         states + unknowns
     );
     let phrase = statement.conditions.first().cloned().unwrap_or_default();

@@ -135,8 +135,8 @@ pub(super) fn add(
     if own.per_period != guard.per_period {
         let (what, reason) = (
             format!("the times of `{}`", guard.name),
-            "guards of the same name must all have functions, or must all have the same number of times \
-             in a period"
+            "either all guards of the same name must have functions, or all must have the same \
+             number of event times in a period"
                 .into(),
         );
         return Err(source.fault_of(&stated.name, Fault::Misplaced { what, reason }));
@@ -159,7 +159,7 @@ fn understood(
     let modes = match (&guard.modes[..], scopes.len()) {
         ([], 1) => vec![0],
         ([], _) => {
-            let what = format!("the guard `{name}` has no mode");
+            let what = format!("the guard `{name}` does not name the modes that it ends");
             let needed = "name the modes that the guard ends, as in `modes: [\"flight\"]`".into();
             return Err(source.fault_of(&guard.name, Fault::Missing { what, needed }));
         }
@@ -222,17 +222,19 @@ fn when(source: &Source, guard: &statement::Guard, scope: &Scope) -> Result<When
             Ok(When::At(Times::read(scope, at)?))
         }
         (None, None) => {
-            let what = format!("the guard `{name}` has neither a function nor times");
+            let what = format!("the guard `{name}` has neither a `function` nor event times `at`");
             let needed =
-                "give `function`, which is positive while the mode lasts, or `at`, as in `at: \"n*period\"`"
+                "give the guard a `function`, which is positive while the mode lasts, or event \
+                 times `at`, as in `at: \"n*period\"`"
                     .into();
             Err(source.fault_of(&guard.name, Fault::Missing { what, needed }))
         }
         (Some(_), Some(at)) => {
             let what = format!("`at` of `{name}`");
-            let reason = "the guard also has a `function`".into();
+            let reason = "a guard with a `function` cannot have event times `at`".into();
             Err(source.fault_of(at, Fault::Misplaced { what, reason }).with_help(
-                "state either `function`, whose zeros are events, or `at`, the times of events",
+                "state either `function`, whose zeros are the events, or `at`, the times of the \
+                 events",
             ))
         }
     }
@@ -244,8 +246,10 @@ fn duration(source: &Source, phrase: &Phrase) -> Result<f64, ModelError> {
     if time > 0.0 {
         return Ok(time);
     }
-    let (what, reason) =
-        ("the time in which a guard changes".into(), "the time must be above 0".into());
+    let (what, reason) = (
+        "`changes_in`, the time in which a guard changes".into(),
+        "the time must be above 0".into(),
+    );
     Err(source.fault_of(phrase, Fault::Misplaced { what, reason }))
 }
 
@@ -265,7 +269,9 @@ fn choice(
         if function.is_none() && k + 1 < next.0.len() {
             let what = format!("`{}` without a function", name.text);
             let reason =
-                "the modes after this one are never reached: only the last mode may lack a function".into();
+                "the modes after a mode without a function are never reached, so only the last \
+                 mode may lack a function"
+                    .into();
             return Err(source.fault_of(name, Fault::Misplaced { what, reason }));
         }
         modes.push(following(source, name, &names(scopes), mode)?);

@@ -122,14 +122,15 @@ fn refuse_later_starts(
         for state in elements(&first.scope, name)?.names() {
             let has = |mode: &&ModeScope| mode.states.contains(&state);
             if let (None, Some(mode)) = (first.scope.meaning(&state), later.iter().find(has)) {
-                let what = format!("`{state}` is a state of mode `{}`", mode.name);
+                let what =
+                    format!("the initial value of `{state}` belongs to mode `{}`", mode.name);
                 let reason = format!(
-                    "motion begins in the first mode, `{}`, which does not have this state",
+                    "the motion begins in the first mode, `{}`, which does not have this state",
                     first.name
                 );
-                return Err(source
-                    .fault_of(name, Fault::Misplaced { what, reason })
-                    .with_help(format!("omit this value, or list mode `{}` first", mode.name)));
+                return Err(source.fault_of(name, Fault::Misplaced { what, reason }).with_help(
+                    format!("omit the initial value, or list mode `{}` first", mode.name),
+                ));
             }
         }
     }

@@ -26,7 +26,7 @@ pub(super) fn understood(
     Assembling::new(&scope).check_named()?;
     let next = program_of(&scope, &next)?;
     basis.finish(common, &[&scope], Duration::default(), false)?;
-    scope.refuse_time("maps that depend on the number of the iterate are not supported")?;
+    scope.refuse_time("maps that depend on the number of the iteration are not supported")?;
     Ok(Iteration { basis, next })
 }
 

@@ -31,7 +31,7 @@ pub(super) fn modes_of(
         ([first, ..], [_, ..]) => {
             let (what, reason) = (
                 "`modes` together with `product`".into(),
-                "the modes are the combinations of the alternatives in `product`".into(),
+                "`product` alone defines the modes, as the combinations of its alternatives".into(),
             );
             Err(source.fault_of(&first.name, Fault::Misplaced { what, reason }))
         }
@@ -65,8 +65,8 @@ fn combinations(
     if count.is_none_or(|count| count == 0 || count > MOST) {
         let what = "the combinations in `product`".into();
         let reason = format!(
-            "the number of combinations must be between 1 and {MOST}: each part needs \
-                              an alternative"
+            "the number of combinations must be between 1 and {MOST}, and each part of the product \
+             needs an alternative"
         );
         return Err(source.fault_of(&Phrase::default(), Fault::Misplaced { what, reason }));
     }

@@ -42,7 +42,7 @@ pub(super) fn understood(
     let stated = statement.monitors.iter().map(|(_, formula)| assembling.read(formula));
     let stated = stated.collect::<Result<Vec<_>, _>>()?;
     let tape = assembling.tape(&stated);
-    scope.refuse_time("equations without dynamics have no time")?;
+    scope.refuse_time("equations without dynamics cannot contain the time")?;
     let names = Names::new(basis.groups.clone(), basis.parameters.clone()).with_monitors(monitors);
     let (residual, dynamics) = (assembling.program(residual), statement.dynamics.into());
     let recorded = (single, arrays);

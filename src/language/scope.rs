@@ -121,7 +121,7 @@ impl Scope {
         if !["t", "if", "sum", "then", "else", "of"].contains(&name) {
             return Ok(());
         }
-        let reason = "this name is reserved by the language".to_string();
+        let reason = "this name is a reserved word of the model language".to_string();
         let fault = Fault::Misplaced { what: format!("`{name}`"), reason };
         Err(self.source.fault_of(phrase, fault).with_help("choose another name"))
     }
@@ -186,7 +186,9 @@ impl Scope {
         let arguments = arguments.iter().map(plain).collect::<Result<Vec<_>, _>>()?;
         self.refuse_reserved(name, &called)?;
         if arguments.is_empty() {
-            let needed = "give an argument, or make the function a definition".into();
+            let needed = "give the function an argument, or write a definition instead of the \
+                          function"
+                .into();
             let fault =
                 Fault::Missing { what: format!("the function `{called}` has no argument"), needed };
             return Err(self.source.fault_of(name, fault));

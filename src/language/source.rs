@@ -308,7 +308,7 @@ pub enum Fault {
     #[diagnostic(transparent)]
     Unknown(UnknownName),
     /// An error for a name that is declared twice.
-    #[error("`{name}` is already {first}, and each name may be given only once")]
+    #[error("`{name}` is given a second time, although `{name}` is already {first}")]
     Twice {
         /// The duplicate name.
         name: String,
@@ -359,7 +359,7 @@ pub enum Fault {
         reason: String,
     },
     /// A quantity, such as a number of states, that exceeds a limit.
-    #[error("too many {what}: the limit is {limit}")]
+    #[error("the model has too many {what}: the limit is {limit}")]
     TooLarge {
         /// The name of the quantity that is too large.
         what: &'static str,

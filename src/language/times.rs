@@ -78,8 +78,8 @@ impl Times {
         match counts[0] > 0 && counts[0] == counts[1] {
             true => Ok(counts[0]),
             false => {
-                let reason = "the time must grow by the period, or by a part 1/k of the period, with each `n`, for \
-                    all parameters"
+                let reason = "when `n` grows by 1, the time must grow by the period or by a \
+                              fraction 1/k of the period, for all parameters"
                     .to_string();
                 let fault = Fault::Misplaced { what: what(), reason };
                 Err(source

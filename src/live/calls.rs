@@ -94,7 +94,10 @@ impl Service {
                 json_of_kept(stream, self.pages.kept(&page), |kept| {
                     match details(kept, branch, point) {
                         Some(details) => json!({ "details": details }),
-                        None => trouble("the point is not on the present branches"),
+                        None => trouble(
+                            "the selected point is not on the branches of the present \
+                                         result",
+                        ),
                     }
                 })
             }
@@ -209,7 +212,7 @@ fn json_of_kept(
 }
 
 /// The error for a page that has no result yet.
-const NO_RESULT: &str = "there is no result: trace the scene again";
+const NO_RESULT: &str = "the page has no result: trace the scene again";
 
 /// Returns a result as a file, with the media type of the file's content.
 fn rendered(kept: &Kept, format: &str) -> Result<(&'static str, Vec<u8>), String> {

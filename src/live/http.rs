@@ -41,13 +41,13 @@ pub(super) enum Refusal {
     Malformed,
     #[error("the headers are too long")]
     LongHead,
-    #[error("the body is longer than 4 MB, or its length is not given")]
+    #[error("the body of the request is longer than 4 MB, or its length is not given")]
     LongBody,
-    #[error("there is no such page: open the address that the program printed")]
+    #[error("the requested page does not exist: open the address that the program printed")]
     Unknown,
     #[error("requests come only from the page of this program")]
     Foreign,
-    #[error("the method must be GET or POST")]
+    #[error("the method of the request must be GET or POST")]
     Method,
     #[error("the message is not understood")]
     Message,

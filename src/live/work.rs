@@ -52,7 +52,7 @@ pub(super) fn trace(
     });
     let (scene, document, failed) = traced.inspect_err(fail).ok()?;
     if cancel.is_cancelled() && document.branches.is_empty() {
-        let trouble = Trouble::plain("the trace was stopped before its first branch");
+        let trouble = Trouble::plain("the trace was stopped before its first branch was computed");
         let _ = out.send(Message::of(&json!({ "failed": trouble })));
         return None;
     }
@@ -76,7 +76,9 @@ pub(super) fn trace(
 /// Returns the warning that a changed value belongs to a parameter or setting that the text does
 /// not contain.
 fn unknown(name: &str) -> String {
-    format!("the changed value or range of `{name}` is left out: the text has no such parameter")
+    format!(
+        "the changed value or range of `{name}` is ignored: the model has no parameter `{name}`"
+    )
 }
 
 /// A scene with all its runs, the results of the runs, and the errors of the runs that failed.

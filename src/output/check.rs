@@ -42,14 +42,21 @@ fn branch(branch: &Branch) -> Checked {
         let (count, place) = (group.count(), format!("{place}: the indices of `{}`", group.name));
         let fits = count > 0 && group.length.is_multiple_of(count);
         require(fits, &place, format!("{:?}", group.indices), || {
-            format!("must be ranges whose numbers of elements fit the length, {}", group.length)
+            format!(
+                "the number of elements in these index ranges must divide the length of the \
+                     group, {}",
+                group.length
+            )
         })?;
     }
     unique(&format!("{place}: a column"), branch.columns())?;
     unique(&format!("{place}: a label"), branch.special.iter().map(|point| point.label))?;
     for name in &branch.released {
         require(branch.parameters.contains(name), &format!("{place}: released"), name, || {
-            format!("must be one of the parameters {}", branch.parameters.join(", "))
+            format!(
+                "a released parameter must be one of the parameters {}",
+                branch.parameters.join(", ")
+            )
         })?;
     }
     for (index, point) in branch.points.iter().enumerate() {
@@ -66,7 +73,7 @@ fn branch(branch: &Branch) -> Checked {
         let place = format!("{place}, label {}: after", second.label);
         require(false, &place, second.after, || {
             format!(
-                "must not be less than {}, the value for the previous label {}",
+                "this position must not be less than {}, the position for the previous label {}",
                 first.after, first.label
             )
         })?;
@@ -75,7 +82,10 @@ fn branch(branch: &Branch) -> Checked {
         let place = format!("{place}, stretch {index}: points");
         let most = branch.points.len().saturating_sub(1);
         require(first <= last && *last <= most, &place, format!("{first}, {last}"), || {
-            format!("must be two positions in increasing order, at most {most}, the last point")
+            format!(
+                "a stretch must have two positions in increasing order, at most {most}, the \
+                     position of the last point"
+            )
         })?;
     }
     branch.ends.iter().try_for_each(|e| end(&place, e))?;
@@ -98,12 +108,15 @@ fn slopes(place: &str, branch: &Branch, slopes: Option<&Slopes>) -> Checked {
 fn special(place: &str, branch: &Branch, dimension: usize, point: &SpecialPoint) -> Checked {
     require(point.label > 0, place, point.label, || "must be counted from 1".into())?;
     require(point.kind.is_known(), &format!("{place}, kind"), point.kind, || {
-        "must be a kind of the library: files cannot contain points of other kinds".into()
+        "the kind of a special point must be a kind that the library knows".into()
     })?;
     text(&format!("{place}, event"), &point.event)?;
     let most = dimension.max(1);
     require((1..=most).contains(&point.multiplicity), place, point.multiplicity, || {
-        format!("must have a multiplicity from 1 to {most}, the number of unknowns")
+        format!(
+            "the multiplicity of a special point must be from 1 to {most}, the number of \
+                 unknowns"
+        )
     })?;
     for number in &point.numbers {
         text(&format!("{place}, a number"), &number.name)?;
@@ -118,7 +131,7 @@ fn special(place: &str, branch: &Branch, dimension: usize, point: &SpecialPoint)
     }
     let last = branch.points.len().saturating_sub(1);
     require(point.after <= last, &format!("{place}: after"), point.after, || {
-        format!("must be at most {last}, the last point")
+        format!("this position must be at most {last}, the position of the last point")
     })?;
     values(place, branch, &point.parameters, &point.monitors)?;
     slopes(place, branch, point.slopes.as_ref())?;
@@ -184,7 +197,7 @@ fn unique<T: std::fmt::Display + Eq + std::hash::Hash>(
 
 fn length(place: &str, found: usize, expected: usize, of: &str) -> Checked {
     require(found == expected, place, format!("a list of {found}"), || {
-        format!("must have as many entries as {of}, {expected}")
+        format!("the list must have {expected} entries, as many as {of}")
     })
 }
 

@@ -80,7 +80,7 @@ impl fmt::Display for Difference {
             }
             Difference::Parameter { branch, name, values } => {
                 let [from, to] = values.map(|value| significant(value, 12));
-                write!(f, "{branch}: the parameter {name} was {from} and is {to}")
+                write!(f, "{branch}: the parameter {name} was {from} and is now {to}")
             }
             Difference::Point { branch, kind, at, new } => {
                 write!(f, "{branch}: {kind} at {} is {}", place(at), which(new))
@@ -95,13 +95,17 @@ impl fmt::Display for Difference {
                     }
                     false => write!(
                         f,
-                        "{branch}: {kind} at {}: {column} was {from} and is {to}, {rule}",
+                        "{branch}: at the {kind} with {}, {column} was {from} and is now {to}, a change {rule}",
                         place(at)
                     ),
                 }
             }
             Difference::Property { branch, kind, at, property, values: [old, new] } => {
-                write!(f, "{branch}: {kind} at {}: {property} was {old} and is {new}", place(at))
+                write!(
+                    f,
+                    "{branch}: at the {kind} with {}, {property} was {old} and is now {new}",
+                    place(at)
+                )
             }
         }
     }

@@ -34,9 +34,9 @@ pub enum FileError {
     },
     /// The content of the file is not text.
     #[error(
-        "{} is not a text file: byte {at} is not UTF-8", path.display()
+        "the file {} is not a text file: its byte {at} is not valid UTF-8", path.display()
     )]
-    #[diagnostic(help("name a text file; `tangency plot` draws archives of sweeps (.npz)"))]
+    #[diagnostic(help("name a text file; archives of sweeps (.npz) are drawn by `tangency plot`"))]
     NoText {
         /// The path of the file that is not text.
         path: PathBuf,
@@ -53,7 +53,9 @@ pub enum FileError {
         kind: &'static str,
     },
     /// The name of a result is too long.
-    #[error("the name of the result, `{}`, has {} bytes, and at most {most} are allowed", quoted(name), name.len())]
+    #[error(
+        "the name of the result, `{}`, has {} bytes, but at most {most} bytes are allowed", quoted(name), name.len(
+    ))]
     #[diagnostic(help("give the scene's file a shorter name"))]
     LongName {
         /// The name of the result.
@@ -71,7 +73,10 @@ pub enum FileError {
         source: FormatError,
     },
     /// The output path is a device, a FIFO or a folder, which is never replaced.
-    #[error("{} is {kind}, and only regular files and symbolic links to them are replaced", path.display())]
+    #[error(
+        "the output {} is {kind}, but only regular files and symbolic links to regular files can \
+         be replaced", path.display(
+    ))]
     #[diagnostic(help("choose another place with --out"))]
     Special {
         /// The path.
@@ -81,7 +86,7 @@ pub enum FileError {
     },
     /// The file is larger than the size limit.
     #[error(
-        "{} is larger than the limit of {} MB", path.display(), limit / 1_000_000
+        "the file {} is larger than the limit of {} MB", path.display(), limit / 1_000_000
     )]
     #[diagnostic(help("raise the limit with --max-size"))]
     TooLarge {
@@ -91,7 +96,7 @@ pub enum FileError {
         limit: u64,
     },
     /// The input is a FIFO to which no process writes.
-    #[error("{} is {kind} and produced no data for 5 s", path.display())]
+    #[error("the input {} is {kind} and produced no data for 5 s", path.display())]
     #[diagnostic(help("name a file"))]
     Silent {
         /// The path.
@@ -113,7 +118,7 @@ pub enum FileError {
         process: Option<u32>,
     },
     /// The extension of a file does not belong to a known format.
-    #[error("{} does not have an extension of a known format", path.display())]
+    #[error("the file {} does not have an extension of a known format", path.display())]
     #[diagnostic(help("known: {}", known.join(", ")))]
     Ending {
         /// The path of the file with the unknown extension.
@@ -146,7 +151,7 @@ impl FileError {
 pub enum FormatError {
     /// The text does not begin with a format tag of this toolkit.
     #[error("not a tangency document (line {line}, column {column}: {reason})")]
-    #[diagnostic(help("give a file saved by a trace"))]
+    #[diagnostic(help("give a document saved by a trace"))]
     Foreign {
         /// The line of the first error, counted from 1.
         line: usize,
@@ -158,7 +163,8 @@ pub enum FormatError {
     /// The document was written in another version of the format.
     #[error("the document's format is `{found}`, but this program reads `{FORMAT}`")]
     #[diagnostic(help(
-        "repeat the trace, or read the document with the program that saved the document"
+        "repeat the trace, or read the document with the version of the program that saved the \
+         document"
     ))]
     Version {
         /// The format tag of the document.
@@ -188,7 +194,7 @@ pub enum FormatError {
     Invalid(#[from] Invalid),
     /// The file of a sweep is damaged, or is not a NumPy archive.
     #[error("not a file of sweeps ({reason})")]
-    #[diagnostic(help("give a file saved by a sweep, or repeat the sweep"))]
+    #[diagnostic(help("give a file (.npz) saved by `tangency sweep`, or repeat the sweep"))]
     Archive {
         /// The reason.
         reason: String,
@@ -225,7 +231,7 @@ pub enum UnknownPoint {
         known: Vec<String>,
     },
     /// Several branches have the requested label.
-    #[error("several branches have the label {label}")]
+    #[error("several branches have a special point with the label {label}")]
     #[diagnostic(help("name one of {}", candidates.join(", ")))]
     Ambiguous {
         /// The requested label.
@@ -234,7 +240,10 @@ pub enum UnknownPoint {
         candidates: Vec<String>,
     },
     /// The name of a special point does not have the form `LABEL` or `BRANCH/LABEL`.
-    #[error("`{0}` is not of the form LABEL or BRANCH/LABEL, for example 2 or orbits/2")]
+    #[error(
+        "the special point `{0}` is not of the form LABEL or BRANCH/LABEL, for example 2 or \
+         orbits/2"
+    )]
     Form(String),
 }
 
@@ -257,13 +266,13 @@ pub enum FigureError {
     NoColumn(UnknownName),
     /// No figure has an axis for the columns that should be logarithmic.
     #[error("no axis shows only {}", names.join(", "))]
-    #[diagnostic(help("name all columns of an axis, or omit the logarithm"))]
+    #[diagnostic(help("name all columns that share the axis, or use a linear axis"))]
     NotLogarithmic {
         /// The named columns.
         names: Vec<String>,
     },
     /// No column is chosen for the vertical axis, and the branch has no monitor.
-    #[error("branch `{branch}` has no monitor to draw")]
+    #[error("branch `{branch}` has no monitor that can be drawn")]
     #[diagnostic(help("choose the column for y: {}", available.join(", ")))]
     NoMonitor {
         /// The name of the branch that has no monitor.
@@ -273,10 +282,12 @@ pub enum FigureError {
     },
     /// The special point from which the deviations of a column are measured does not exist.
     #[error(
-        "`{column}` should be shown as its deviation from the first {kind} of `{branch}`, but the branch has no \
-         {kind}"
+        "the column `{column}` should be drawn as its deviation from the first special point \
+         {kind} of branch `{branch}`, but the branch has no {kind}"
     )]
-    #[diagnostic(help("trace as far as that point, or omit the deviation"))]
+    #[diagnostic(help(
+        "trace the branch as far as the special point, or draw the column without the deviation"
+    ))]
     NoOrigin {
         /// The column.
         column: String,
@@ -294,7 +305,9 @@ pub enum FigureError {
     #[diagnostic(transparent)]
     UnknownProfile(UnknownName),
     /// A coordinate is NaN or infinite.
-    #[error("`{series}` cannot be drawn: its point {index} is ({}, {})", at[0], at[1])]
+    #[error(
+        "the curve `{series}` cannot be drawn: its point {index}, ({}, {}), is not finite", at[0], at[1]
+    )]
     NotFinite {
         /// The name of the series, or the label of the mark, with the coordinate that cannot be
         /// drawn.
@@ -305,7 +318,9 @@ pub enum FigureError {
         at: [f64; 2],
     },
     /// A coordinate is zero or negative, but its axis is logarithmic.
-    #[error("point {index} of `{series}` is at ({}, {}), which a logarithmic axis cannot show", at[0], at[1])]
+    #[error(
+        "point {index} of the curve `{series}` is at ({}, {}), which a logarithmic axis cannot show", at[0], at[1]
+    )]
     #[diagnostic(help("remove the point, or use a linear axis"))]
     NotPositive {
         /// The name of the curve or mark with the coordinate that cannot be drawn.
@@ -324,7 +339,7 @@ pub enum FigureError {
         high: f64,
     },
     /// The figure contains no points.
-    #[error("there is nothing to draw in the figure `{title}`: it has no points")]
+    #[error("the figure `{title}` has no points to draw")]
     Empty {
         /// The title of the figure without points.
         title: String,
@@ -348,7 +363,7 @@ pub enum FigureError {
         text: String,
     },
     /// No panel has the requested letter.
-    #[error("the picture has no panel `{wanted}`, only {known}")]
+    #[error("the picture has no panel `{wanted}`; its panels are {known}")]
     UnknownPanel {
         /// The requested letter.
         wanted: String,

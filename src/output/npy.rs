@@ -53,13 +53,17 @@ impl Element for f64 {
 /// The error of a file that is not a column of numbers of the required type.
 #[derive(Debug, miette::Diagnostic, thiserror::Error)]
 pub(super) enum ColumnError {
-    #[error("the entry is not an array in NumPy's format")]
+    #[error("the entry of the archive is not an array in NumPy's format")]
     Format,
-    #[error("the header of the array has no `{0}` that can be read")]
+    #[error("the header of the array has no readable field `{0}`")]
     Header(&'static str),
-    #[error("the array contains `{found}`, but a column must contain `{wanted}`")]
+    #[error(
+        "the array contains numbers of the type `{found}`, but a column must contain `{wanted}`"
+    )]
     Type { found: String, wanted: &'static str },
-    #[error("a column has one axis, but this array has {}", if *.0 == 0 { "none" } else { "several" })]
+    #[error(
+        "a column must have one axis, but this array has {} axes", if *.0 == 0 { "no" } else { "several" }
+    )]
     Axes(usize),
     #[error("the header states {stated} numbers of {size} bytes, but {bytes} bytes follow")]
     Length { stated: usize, size: usize, bytes: usize },

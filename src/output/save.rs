@@ -38,7 +38,7 @@ pub trait Render {
 /// assert!(results.render(Format::Svg)?.starts_with(b"<svg"));
 /// assert!(results.render(Format::Csv)?.starts_with(b"branch,point,load"));
 /// let error = results.render(Format::Npz).unwrap_err().to_string();
-/// assert!(error.starts_with("an archive (.npz) contains"), "{error}");
+/// assert!(error.starts_with("an archive (.npz) can contain only"), "{error}");
 /// # Ok::<(), tangency::output::RenderError>(())
 /// ```
 #[derive(Clone, Copy, Debug, Default)]
@@ -219,7 +219,8 @@ impl Results<'_> {
         match shown.iter().any(|shown| !shown.point.profiles.is_empty()) {
             true => Ok(shown),
             false => Err(RenderError::Unsuited(
-                "these special points have no profiles: their states are in the table of all points",
+                "the requested special points have no profiles: their states are in the table of \
+                 all points",
             )),
         }
     }
@@ -230,7 +231,7 @@ impl Results<'_> {
         match self.documents {
             [] if !self.sweeps.is_empty() => Ok(of_sweeps(self.sweeps)),
             _ if !self.sweeps.is_empty() => Err(RenderError::Unsuited(
-                "a table (.csv) can contain the branches of documents or sweeps, but not both",
+                "a table (.csv) can contain branches of documents or runs of sweeps, but not both",
             )),
             _ if !self.points.is_empty() => Ok(of_points(&self.shown()?)),
             [(_, document)] if of_histories(document) => Ok(histories(document)),
@@ -249,7 +250,12 @@ impl Render for Results<'_> {
         Ok(match format {
             Format::Ron => match self.documents {
                 [(_, document)] => document.to_ron()?.into_bytes(),
-                _ => return Err(RenderError::Unsuited("a document (.ron) contains one result")),
+                _ => {
+                    return Err(RenderError::Unsuited(
+                        "a document (.ron) must contain exactly one \
+                                                       result",
+                    ));
+                }
             },
             Format::Npz => match (self.sweeps, self.documents) {
                 ([sweeps], _) => sweeps.to_bytes()?,
@@ -260,7 +266,8 @@ impl Render for Results<'_> {
                     arrays(document).map_err(FormatError::Unwritable)?
                 }
                 _ => {
-                    let rule = "an archive (.npz) contains the sweeps of one scene, histories, or the profiles of points (--points)";
+                    let rule = "an archive (.npz) can contain only the sweeps of one scene, \
+                                simulated histories, or the profiles of special points (--points)";
                     return Err(RenderError::Unsuited(rule));
                 }
             },
@@ -278,12 +285,13 @@ impl Render for Results<'_> {
                 ([(_, document)], []) if self.points.is_empty() => json(document)?,
                 _ => {
                     return Err(RenderError::Unsuited(
-                        "JSON (.json) contains one whole document, without --points",
+                        "a JSON file (.json) contains one whole document and cannot be combined \
+                         with --points",
                     ));
                 }
             },
             Format::Markdown => {
-                return Err(RenderError::Unsuited("Markdown (.md) is a format of reports only"));
+                return Err(RenderError::Unsuited("Markdown (.md) is a format for reports only"));
             }
         })
     }

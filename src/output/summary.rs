@@ -77,13 +77,16 @@ impl Summary<'_> {
     /// let mut branch = example_branch();
     /// assert!(Summary(&branch).doubts().is_empty());
     /// branch.special[2].converged = false;
-    /// assert_eq!(Summary(&branch).doubts(), ["plate: the LP with label 3 has not converged"]);
+    /// assert_eq!(Summary(&branch).doubts(), ["plate: the special point LP with label 3 has not converged"]);
     /// ```
     pub fn doubts(&self) -> Vec<String> {
         let Branch { name, special, ends, .. } = self.0;
         let open = special.iter().filter(|point| !point.converged && point.kind != Kind::MX);
         let open = open.map(|point| {
-            format!("{name}: the {} with label {} has not converged", point.kind, point.label)
+            format!(
+                "{name}: the special point {} with label {} has not converged",
+                point.kind, point.label
+            )
         });
         let ends = ends.iter().filter(|end| !end.is_expected()).map(|end| format!("{name}: {end}"));
         open.chain(ends).collect()

@@ -101,7 +101,7 @@ pub(crate) fn text(place: &str, text: &str) -> Result<(), Invalid> {
 /// a path.
 pub(crate) fn component(place: &str, name: &str) -> Result<(), Invalid> {
     text(place, name)?;
-    let rule = "must be a plain file name, without a folder";
+    let rule = "the name must be a plain file name, without a folder";
     require(is_plain(name), place, name, rule)
 }
 
@@ -109,8 +109,7 @@ pub(crate) fn component(place: &str, name: &str) -> Result<(), Invalid> {
 /// folder.
 pub(crate) fn entry(place: &str, name: &str) -> Result<(), Invalid> {
     text(place, name)?;
-    let rule =
-        "must consist of plain names separated by `/`, because it names an entry of an archive";
+    let rule = "the name of an entry of an archive must consist of plain names separated by `/`";
     require(name.split('/').all(is_plain), place, name, rule)
 }
 

@@ -33,7 +33,7 @@ struct Plate;
 
 impl Model for Configured<Plate, PlateSettings> {
     fn kind(&self) -> &'static str {
-        "a plate, whose equations are static"
+        "a plate with static equations"
     }
 
     fn parameters(&self) -> Parameters {

@@ -203,7 +203,8 @@ impl Catalogue {
             (None, Some(file)) => with_default_settings(within, file, &given)?,
             (stated, _) => {
                 let found = if stated.is_some() { "is given twice" } else { "is missing" };
-                let help = "give the problem once, as `problem: …` or as `model: \"file.ron\"`";
+                let help = "give the problem exactly once, as `problem: …` or as `model: \
+                            \"file.ron\"`";
                 return Err(SceneError::invalid(format!("the problem {found}")).with_help(help));
             }
         };

@@ -49,10 +49,11 @@ impl Scene {
             && (self.runs.iter().any(|run| !run.along.is_empty()) || !self.sweeps.is_empty())
         {
             return Err(SceneError::invalid(
-                "the equations contain the time `t`, but have no period, and branches need a period",
+                "the equations contain the time `t` but have no period, and branches need a period",
             )
             .with_help(
-                "state the period of the forcing as `period: \"2*pi/w\"`, after `tangency import` for an .ode file",
+                "state the period of the forcing, as in `period: \"2*pi/w\"`; convert an .ode file \
+                 with `tangency import` first",
             ));
         }
         if let Ok(motion) = self.problem.model().motion() {
@@ -97,19 +98,20 @@ impl Scene {
         check_durations(&resolved.problem, &resolved.values)?;
         let place = |what: &str| format!("sweep `{}`, {what}", sweep.name);
         if !FLOW_TOLERANCES.contains(&sweep.flow_tolerance) {
-            let (place, found) = (place("flow_tolerance"), sweep.flow_tolerance);
-            let message = format!("{place} is {found}, but must be between 1e-15 and 1e-3");
+            let (setting, found) = (place("flow_tolerance"), sweep.flow_tolerance);
+            let message = format!("{setting} is {found}, but must be between 1e-15 and 1e-3");
             return Err(SceneError::invalid(message));
         }
         let tolerance = sweep.search.tolerance;
         if !(tolerance > 0.0 && tolerance < 1.0) {
-            let message =
-                format!("{} is {tolerance}, but must be between 0 and 1", place("tolerance"));
+            let setting = place("tolerance");
+            let message = format!("{setting} is {tolerance}, but must be between 0 and 1");
             return Err(SceneError::invalid(message));
         }
         if let (Some(at), Some(_)) = (&sweep.at, &sweep.local) {
+            let (setting, at) = (place("at"), shown(at));
             let message =
-                format!("{} is `{}`, but a local map has no events", place("at"), shown(at));
+                format!("{setting} names the event `{at}`, but a local map has no events");
             return Err(SceneError::invalid(message).with_help("omit `at`"));
         }
         let Some(local) = &sweep.local else {
@@ -157,7 +159,8 @@ impl Scene {
         if let Start::Simulated(simulated) = &run.start {
             check_simulated(simulated, &place, earlier)?;
         } else if run.along.is_empty() {
-            let message = format!("{} is empty, but a branch varies a parameter", place("along"));
+            let setting = place("along");
+            let message = format!("{setting} is empty, but a branch must vary a parameter");
             return Err(SceneError::invalid(message));
         }
         if let Start::Guess(values) = &run.start {
@@ -178,12 +181,14 @@ impl Scene {
             return Ok(());
         }
         let message = format!(
-            "run `{}` starts from `{}`, which follows another local map, or the flow",
+            "run `{}` starts from run `{}`, but the two runs follow different local maps, or one \
+             of them follows the flow",
             run.name,
             shown(from)
         );
         Err(SceneError::invalid(message).with_help(
-            "start from a run of the same local map, or of the flow for orbits of the flow",
+            "start a run of a local map from a run of the same local map, and a run of the flow \
+             from a run of the flow",
         ))
     }
 
@@ -195,8 +200,9 @@ impl Scene {
         check_map(local, &place, earlier, held.chain(along))?;
         if run.expanded.is_some() && (run.along.len(), local.parameters.len()) != (1, 2) {
             let message = format!(
-                "{place}, expanded: the map has the parameters {}, and {} are varied, but a series varies one of the \
-                 two parameters of a map and gives the other one",
+                "{place}, expanded: the local map has the parameters {}, and the run varies {} \
+                 parameters, but the series needs a local map with two parameters: the run varies \
+                 one parameter, and the series gives the other one",
                 local.parameters.join(", "),
                 run.along.len()
             );
@@ -204,7 +210,8 @@ impl Scene {
         }
         if matches!(run.start, Start::Simulated(_)) {
             let message = format!(
-                "{place} starts at a simulation, but points of a local map start at `Guess` or `From`"
+                "{place} starts at a simulation, but a run of a local map must start at `Guess` or \
+                 `From`"
             );
             return Err(SceneError::invalid(message).with_help("iterate the map by a sweep"));
         }
@@ -233,9 +240,10 @@ impl Problem {
         let jumping = self.text().map_or(Vec::new(), |model| model.jumping_guards());
         jumping.into_iter().map(|name| {
             format!(
-                "the guard `{name}` is discontinuous: an event is located where a guard decreases through zero, and missed where \
-                 a guard jumps away from zero, as in `1 - mod(t, 1)`; state events at given times with `at`, as in \
-                 `at: \"n*period\"`"
+                "the guard `{name}` is discontinuous: an event is located where a guard decreases \
+                 continuously through zero, but is missed where a guard jumps away from zero, as \
+                 in `1 - mod(t, 1)`; state events at given times with `at`, as in `at: \
+                 \"n*period\"`"
             )
         })
     }
@@ -276,7 +284,8 @@ fn check_simulated(
     }
     let times = [("transient", simulated.transient), ("duration", simulated.duration)];
     if let Some((what, time)) = times.into_iter().find(|(_, time)| !TIMES.contains(time)) {
-        let message = format!("{} is {time}, but must be between 0 and 1e15", place(what));
+        let setting = place(what);
+        let message = format!("{setting} is {time}, but must be between 0 and 1e15");
         return Err(SceneError::invalid(message));
     }
     let after = simulated.after.as_ref().map(|after| named(earlier, after)).transpose();
@@ -293,9 +302,12 @@ fn check_map<'a>(
 ) -> Result<(), SceneError> {
     let place = format!("{place}, local");
     if named(earlier, &local.run)?.local.is_some() {
-        let message = format!("{place}: `{}` is a run of a local map itself", shown(&local.run));
-        let help = "name a run that traces orbits of the flow and contains a grazing, not a run of \
-                    a local map";
+        let message = format!(
+            "{place}: the run `{}` must trace orbits of the flow, but traces \
+                               orbits of a local map",
+            shown(&local.run)
+        );
+        let help = "name a run that traces orbits of the flow and contains a grazing";
         return Err(SceneError::invalid(message).with_help(help));
     }
     if local.parameters.is_empty() {
@@ -304,20 +316,22 @@ fn check_map<'a>(
     match parameters.find(|name| !local.parameters.contains(name)) {
         Some(name) => {
             let (name, known) = (shown(name), local.parameters.join(", "));
-            let message =
-                format!("{place}: `{name}` is not a parameter of the map, which has {known}");
+            let message = format!(
+                "{place}: `{name}` is not a parameter of the local map, whose parameters \
+                         are {known}"
+            );
             Err(SceneError::invalid(message))
         }
         None => Ok(()),
     }
 }
 
-fn finite(place: &str, value: f64) -> Result<(), SceneError> {
+fn finite(number: &str, value: f64) -> Result<(), SceneError> {
     if value.is_finite() {
         return Ok(());
     }
-    Err(SceneError::invalid(format!("{place} is {value}, but must be a finite number"))
-        .with_help("omit an end of a range that has no bound"))
+    Err(SceneError::invalid(format!("{number} is {value}, but must be a finite number"))
+        .with_help("if a range has no bound at one end, omit that end"))
 }
 
 fn unique<'a>(what: &str, names: impl Iterator<Item = &'a String>) -> Result<(), SceneError> {
@@ -339,7 +353,8 @@ fn check_held(run: &Run) -> Result<(), SceneError> {
     let Some(kind) = run.hold.filter(|kind| !held.contains(kind)) else { return Ok(()) };
     let held: Vec<&str> = held.iter().map(|kind| kind.letters()).collect();
     let message = format!(
-        "run `{}` holds {kind} ({}), which cannot be traced in two parameters",
+        "run `{}` holds {kind} ({}), but the curve of these points in two parameters cannot be \
+         traced",
         run.name,
         kind.meaning()
     );
@@ -353,7 +368,10 @@ fn no_map(run: &Run) -> Result<(), SceneError> {
         (false, _) => format!("impacts: {:?}", run.impacts),
         (_, Some(kind)) => format!("expanded: {kind}"),
     };
-    let message = format!("run `{}` has `{found}`, but no local map, `local`", run.name);
-    Err(SceneError::invalid(message)
-        .with_help("state the `itinerary` of orbits of the flow instead"))
+    let message = format!(
+        "run `{}` has the field `{found}`, which is valid only for a local map, \
+                           but the field `local` is missing",
+        run.name
+    );
+    Err(SceneError::invalid(message).with_help("for orbits of the flow, state `itinerary` instead"))
 }

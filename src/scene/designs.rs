@@ -32,13 +32,19 @@ pub fn designs(grid: &[Grid]) -> Result<Vec<Vec<(String, String)>>, SceneError> 
     let Some(count) = count.filter(|count| (1..=MOST).contains(count)) else {
         let counts: Vec<String> = grid.iter().map(|axis| axis.count.to_string()).collect();
         let counts = counts.join(" × ");
-        let message = format!("the grid has {counts} designs, but must have from 1 to 100 000");
+        let message = format!(
+            "the grid has {counts} designs, but the number of designs must be \
+                               from 1 to 100 000"
+        );
         return Err(SceneError::invalid(message));
     };
     let twice = |(k, axis): &(usize, &Grid)| grid[..*k].iter().any(|it| it.name == axis.name);
     if let Some((_, axis)) = grid.iter().enumerate().find(twice) {
         let name = shown(&axis.name);
-        let message = format!("`{name}` occurs twice in the grid, but each setting may occur once");
+        let message = format!(
+            "the setting `{name}` occurs twice in the grid, but may occur only \
+                               once"
+        );
         return Err(SceneError::invalid(message));
     }
     let design = |mut index: usize| {

@@ -31,7 +31,7 @@ impl Scene {
     /// use tangency::scene::{BUILT_IN, Scene, Purpose};
     /// let mut scene = Scene::parse(BUILT_IN.iter().find(|scene| scene.name == "bratu").expect("a scene").text)?;
     /// let error = scene.check_effects(["max_period_growth"], Purpose::Runs).unwrap_err();
-    /// assert!(error.to_string().starts_with("`max_period_growth` has no effect where the period is not an unknown"));
+    /// assert!(error.to_string().starts_with("`max_period_growth` has no effect on solutions without an unknown period"));
     /// assert!(scene.check_effects(["max_mesh_error"], Purpose::Runs).is_ok());
     /// scene.set("method", "shooting")?;
     /// let error = scene.check_effects(["max_mesh_error"], Purpose::Runs).unwrap_err();
@@ -89,7 +89,10 @@ impl Resolved {
             return None;
         }
         if is_of_sweeps(name) && !self.problem.names().iter().any(|known| known == name) {
-            return Some(SceneError::idle(name, "on branches: it is a setting of sweeps"));
+            return Some(SceneError::idle(
+                name,
+                "on branches, because only sweeps use this setting",
+            ));
         }
         if self.run.along.is_empty() {
             return Some(SceneError::idle(name, "on simulated histories"));
@@ -104,7 +107,7 @@ impl Resolved {
             return None;
         }
         if name == "order" {
-            return Some(SceneError::idle(name, "where no local map is followed"));
+            return Some(SceneError::idle(name, "on runs without a local map"));
         }
         let (_, need) = NEEDS.into_iter().find(|(known, _)| *known == name)?;
         let at_rest = self.problem.solution().filter(|it| *it == Solution::Equilibrium);
@@ -151,7 +154,7 @@ impl Need {
     fn without(self) -> &'static str {
         match self {
             Need::Discretisation => "where equations need no discretisation",
-            Need::FreePeriod => "where the period is not an unknown",
+            Need::FreePeriod => "on solutions without an unknown period",
             Need::Dynamics => "for equations without dynamics",
         }
     }

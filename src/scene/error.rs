@@ -49,11 +49,11 @@ pub enum SceneError {
     /// A parameter or a state occurs in both `--over` and `--from`, or twice in one of these
     /// options.
     #[error("`{0}` is given twice")]
-    #[diagnostic(help("give each parameter or state once, in `--over` or in `--from`"))]
+    #[diagnostic(help("give each parameter or state only once, in `--over` or in `--from`"))]
     Twice(String),
     /// The option `--both` is given, but the number of parameters to sweep is not one.
     #[error("`--both` sweeps the values of one parameter upward and downward")]
-    #[diagnostic(help("give `--over` once, with a parameter"))]
+    #[diagnostic(help("give `--over` exactly once, and for a parameter"))]
     BothWays,
     /// A name of a parameter, setting or run that does not exist in the scene.
     #[error(transparent)]
@@ -84,7 +84,10 @@ pub enum SceneError {
         help: Option<String>,
     },
     /// A parameter or setting that cannot be changed because a run of the scene sets its value.
-    #[error("`{name}` is set by the scene: the run `{run}` sets it to `{value}`")]
+    #[error(
+        "a changed value of `{name}` has no effect: the run `{run}` of the scene sets `{name}` to \
+         `{value}`"
+    )]
     #[diagnostic(help("copy the scene to a file and change the run there"))]
     Varied {
         /// The name of the parameter or setting.
@@ -122,8 +125,8 @@ pub enum SceneError {
     #[diagnostic(transparent)]
     Problem(#[from] ProblemError),
     /// The problem does not support a computation that the scene requests.
-    #[error("{needs}, and this problem is {kind}")]
-    #[diagnostic(help("state a vector field as a hybrid system of one mode"))]
+    #[error("{needs}, but this problem is {kind}")]
+    #[diagnostic(help("state the vector field as a hybrid system with one mode"))]
     Unsupported {
         /// A description of the problems that support the computation.
         needs: &'static str,
@@ -131,7 +134,9 @@ pub enum SceneError {
         kind: &'static str,
     },
     /// Some parameters of the problem have no value.
-    #[error("`{problem}` has no default values for {}", missing.join(", "))]
+    #[error(
+        "the problem `{problem}` has no default values for the parameters {}", missing.join(", "
+    ))]
     #[diagnostic(help("give the values in `parameters`"))]
     MissingParameters {
         /// The problem.
@@ -148,15 +153,15 @@ pub enum SceneError {
     #[diagnostic(transparent)]
     Strobe(#[from] StroboscopicError),
     /// The results of earlier runs belong to another scene.
-    #[error("the earlier runs are from another scene, or from other settings")]
+    #[error("the saved runs of the sweep are from another scene, or from other settings")]
     #[diagnostic(help(
-        "remove the file of the earlier runs, start with --afresh, or choose another folder"
+        "remove the file of the saved runs, start again with --afresh, or choose another folder"
     ))]
     OtherScene,
     /// The results of earlier runs are in tables of another form.
-    #[error("the earlier runs are in tables of another form: {0}")]
+    #[error("the saved runs of the sweep are in tables of another form: {0}")]
     #[diagnostic(help(
-        "remove the file of the earlier runs, start with --afresh, or choose another folder"
+        "remove the file of the saved runs, start again with --afresh, or choose another folder"
     ))]
     OtherTables(#[source] TableDifference),
     /// The finest available discretisation does not reach the accuracy that the scene requests.
@@ -171,14 +176,17 @@ pub enum SceneError {
     #[diagnostic(forward(0))]
     Figure(#[from] FigureError),
     /// The run was cancelled, for example by Ctrl-C.
-    #[error("the run `{run}` was interrupted before its first point; earlier runs are saved")]
+    #[error(
+        "the run `{run}` was interrupted before its first point; all runs before `{run}` are saved"
+    )]
     GivenUp {
         /// The name of the cancelled run.
         run: String,
     },
     /// A run starts at a special point that an earlier run did not find.
     #[error(
-        "the run `{run}` starts at {kind} number {} of `{from}`, and the branch has {} ({ends})",
+        "the run `{run}` starts at {kind} number {} of the branch `{from}`, but the branch has {} \
+         ({ends})",
         nth + 1, counted(*found, kind)
     )]
     NoSuchPoint {
@@ -198,7 +206,8 @@ pub enum SceneError {
     /// No branch starts at the given state, and the motion from this state does not converge to an
     /// attractor.
     #[error(
-        "the motion from the given state does not converge: {cause}; no branch starts at the state itself: {near}"
+        "the simulated motion from the given state does not converge to an attractor: {cause}; a \
+         branch cannot start at the given state either: {near}"
     )]
     #[diagnostic(forward(near))]
     NoStart {
@@ -304,7 +313,7 @@ impl SceneError {
     /// present value.
     pub(super) fn no_effect_under(name: &str, under: &str, value: &str) -> Self {
         let reason = format!("where `{under}` is `{value}`");
-        let help = Some(format!("omit `{name}`, or set `{under}` too"));
+        let help = Some(format!("omit `{name}`, or also set `{under}` to another value"));
         SceneError::NoEffect { name: name.into(), reason, help }
     }
 

@@ -44,8 +44,8 @@ pub struct Expansion {
 pub enum ExpansionError {
     /// No curve of special points emanates from the grazing, because the grazing is not degenerate.
     #[error(
-        "no curve of folds or period doublings of orbits with one impact emanates from this grazing: the \
-         test function is {0:.1e}, but must vanish"
+        "no curve of folds or period doublings of orbits with one impact emanates from this \
+         grazing: the test function of the degenerate grazing is {0:.1e}, but must vanish"
     )]
     #[diagnostic(help("locate the degenerate point on the curve of grazings first"))]
     NotDegenerate(f64),

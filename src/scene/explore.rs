@@ -228,7 +228,10 @@ impl<'a> Exploration<'a> {
         });
         let why = unconverged.map(|point| {
             let (kind, label) = (point.kind, point.label);
-            format!("no branch is traced from the {kind} {label}, which has not converged")
+            format!(
+                "no branch is traced from the special point {kind} with label {label}, because \
+                     the point has not converged"
+            )
         });
         let why: Vec<String> = why.collect();
         let next = following(self.resolution, run, branch, &self.following.kinds);
@@ -246,7 +249,11 @@ impl<'a> Exploration<'a> {
         for mut run in runs {
             if self.tracing.runs.len() + self.coming.len() >= RUNS {
                 let Start::From { run: from, .. } = &run.start else { continue };
-                let why = format!("`{}` is not traced: at most {RUNS} runs are traced", run.name);
+                let why = format!(
+                    "the branch `{}` is not traced, because the limit of {RUNS} runs \
+                                   is reached",
+                    run.name
+                );
                 self.warn(from, [why]);
                 continue;
             }
@@ -276,7 +283,8 @@ impl<'a> Exploration<'a> {
         // branches may not be determined.
         if kind == Kind::G || several || run.hold.is_some() {
             let why = format!(
-                "`{}`, from the {kind} {label}, is not traced: {}",
+                "the branch `{}` that emanates from the special point {kind} with label {label} is \
+                 not traced: {}",
                 run.name,
                 one_line(&cause)
             );
@@ -298,8 +306,9 @@ impl<'a> Exploration<'a> {
             return;
         };
         let why = format!(
-            "one of the branches that emanate from a Hopf point of multiplicity {}: terms of third order \
-             determine the other branches, which are not traced",
+            "this branch is one of several branches that emanate from a Hopf point of multiplicity \
+             {}: terms of third order determine the other branches, and the other branches are not \
+             traced",
             point.multiplicity
         );
         self.warn(&run.name, [why]);

@@ -196,7 +196,11 @@ impl Scene {
         }
         let ladder = self.ladder()?;
         if ladder.len() <= ABOVE {
-            return Err(SceneError::idle(ACCURACY, "on this problem, which has no discretisation"));
+            return Err(SceneError::idle(
+                ACCURACY,
+                "on this problem, because its equations have no \
+                                                   discretisation",
+            ));
         }
         let names = varied(&ladder);
         let (own, mut defaults) = (self.problem.settings(), self.problem.with_defaults());
@@ -220,7 +224,8 @@ impl Scene {
         }
         if run.local.is_some() {
             let reason = format!(
-                "on the run `{}` of a local map, whose error is determined by the distance from the grazing",
+                "on the run `{}`, because the distance from the grazing determines the error of a \
+                 local map",
                 run.name
             );
             return Err(SceneError::idle(ACCURACY, reason));
@@ -229,7 +234,8 @@ impl Scene {
         let own = varied(&problem.ladder(&values, &reach)?);
         match own.iter().find(|name| !names.contains(name)) {
             Some(name) => refused(format!(
-                "`accuracy` chooses one discretisation for all runs, but the run `{}` has its own `{name}`",
+                "`accuracy` chooses one discretisation for all runs, but the discretisation of the \
+                 run `{}` has its own setting `{name}`",
                 run.name
             )),
             None => Ok(()),
@@ -243,7 +249,8 @@ const ACCURACY: &str = "accuracy";
 /// Returns the error for an accuracy that is stated together with a setting that the accuracy would
 /// choose.
 fn decided(name: &str, by: &str) -> SceneError {
-    let message = format!("`accuracy` chooses `{name}`, which is also stated{by}");
+    let message =
+        format!("`accuracy` chooses the setting `{name}`, but `{name}` is also stated{by}");
     SceneError::invalid(message).with_help(format!("omit `accuracy` or `{name}`"))
 }
 
@@ -348,8 +355,8 @@ fn largest(found: &[&Outcome]) -> Estimate {
     let all = largest_of(found, Counted::Special).or_else(|| largest_of(found, Counted::Ends));
     all.unwrap_or_else(|| {
         unlike(
-            "there is no special point at which to measure the accuracy: add a \
-                                  value to `marks`",
+            "the result has no special point at which the accuracy can be measured: add a value to \
+             `marks`",
         )
     })
 }

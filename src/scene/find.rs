@@ -43,7 +43,7 @@ impl Scene {
         self.set_all(&request.set)?;
         match &request.within {
             Some(within) => self.found(within),
-            None => Err(no_box("is missing".into())),
+            None => Err(no_box("the box is missing".into())),
         }
     }
 
@@ -63,7 +63,7 @@ impl Scene {
         let names = system.names();
         if names.unknowns.iter().any(|group| group.length != group.count()) {
             return Err(self.problem.model().lacks(
-                "only problems whose unknowns are single numbers can be searched in a box",
+                "a box can be searched only for problems whose unknowns are single numbers",
             ));
         }
         let unknowns: Vec<String> = names.elements().collect();
@@ -73,7 +73,9 @@ impl Scene {
         }
         let interval = |name: &String| match ranges.iter().find(|range| range.name == *name) {
             Some(&Range { low: Some(low), high: Some(high), .. }) if low < high => Ok([low, high]),
-            _ => Err(no_box(format!("has no range for `{name}` with the lower end first"))),
+            _ => {
+                Err(no_box(format!("the box needs a range for `{name}` with the lower end first")))
+            }
         };
         let within = unknowns.iter().map(interval).collect::<Result<Vec<_>, _>>()?;
         let cancel = self.settings.cancel.clone();
@@ -90,7 +92,8 @@ impl Scene {
         let Some(first) = self.runs.first().cloned() else { return Ok(()) };
         let Some(range) = first.along.first().cloned() else {
             return Err(SceneError::invalid(
-                "`--start all` needs a branch, but the first run of the scene is a simulated history",
+                "the option `--start all` needs a branch, but the first run of the scene is a \
+                 simulated history",
             ));
         };
         let mut found: Vec<Run> = Vec::new();
@@ -113,9 +116,9 @@ impl Scene {
         }
         if found.is_empty() {
             return Err(SceneError::invalid(
-                "the box contains no solution at which a branch starts",
+                "no solution at which a branch starts was found in the box",
             )
-            .with_help("give a larger box, or more starts"));
+            .with_help("give a larger box, or more starting points"));
         }
         // The solutions decide whether the branch passes through another start.
         self.settings.keep_solutions = true;
@@ -142,6 +145,7 @@ fn searched(range: &Range, own: Option<f64>) -> Vec<f64> {
 }
 
 fn no_box(found: String) -> SceneError {
-    SceneError::invalid(format!("the box {found}"))
-        .with_help("give a range for each unknown, lower end first, as in `--box x=-3..3,y=0..5`")
+    SceneError::invalid(found).with_help(
+        "give a range for each unknown, with the lower end first, as in `--box x=-3..3,y=0..5`",
+    )
 }

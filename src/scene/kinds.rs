@@ -35,7 +35,8 @@ fn refuse_large(unknowns: usize) -> Result<(), SceneError> {
         return Ok(());
     }
     Err(SceneError::invalid(format!(
-        "the equations have {unknowns} unknowns, but motion requires dense matrices, which have at most {} rows",
+        "the equations have {unknowns} unknowns, but simulations and orbits require dense \
+         matrices, which have at most {} rows",
         Matrices::LARGEST_DENSE
     )))
 }

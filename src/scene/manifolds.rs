@@ -146,7 +146,7 @@ fn states_of(start: &StartPoint, states: &[String]) -> Result<Vec<f64>, SceneErr
     if !same {
         let (point, map) = (listed(&names), listed(states));
         return Err(SceneError::invalid(format!(
-            "the point to start from has the unknowns {point}, but the map has the states {map}"
+            "the start point has the unknowns {point}, but the map has the states {map}"
         )));
     }
     let state = |k: usize, i: usize| z[i * iterates + k];

@@ -104,7 +104,7 @@ pub(super) trait Model: Adjustable {
     fn plane(&self) -> Result<&dyn PlaneMap, SceneError> {
         let kind = self.kind();
         let message =
-            format!("manifolds are computed only for saddles of maps, and this problem is {kind}");
+            format!("manifolds are computed only for saddles of maps, but this problem is {kind}");
         Err(SceneError::invalid(message).with_help("state the problem as a `Map`"))
     }
 

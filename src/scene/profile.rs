@@ -29,9 +29,9 @@ impl Profile {
     pub(super) fn load(&mut self, scene: SceneText) -> Result<(), SceneError> {
         let Some(file) = self.file.take() else { return Ok(()) };
         if !(self.columns.is_empty() && self.rows.is_empty()) {
-            let reason = "the scene contains a table, too";
+            let reason = "the scene also contains a table of the profile";
             return Err(SceneError::value(FILE, &file, reason)
-                .with_help("give the table either in the file or in the scene"));
+                .with_help("give the table of the profile either in the file or in the scene"));
         }
         let (path, bytes) = file_of(scene, FILE, &file)?;
         *self = table(&String::from_utf8_lossy(&bytes))
@@ -46,14 +46,15 @@ impl Profile {
         if self.columns.len() < 2 || self.rows.len() < 2 {
             let (columns, rows) = (self.columns.len(), self.rows.len());
             return wrong(format!(
-                "the profile has {columns} columns and {rows} rows, but needs a column of times, a column of a state, \
-                 and two rows"
+                "the profile has {columns} columns and {rows} rows, but needs a column of times, \
+                 at least one column of a state, and at least two rows"
             ));
         }
         for (k, row) in self.rows.iter().enumerate() {
             if row.len() != self.columns.len() || row.iter().any(|x| !x.is_finite()) {
                 return wrong(format!(
-                    "row {} of the profile is {row:?}, but must have a finite number for each column",
+                    "row {} of the profile is {row:?}, but must contain a finite number for each \
+                     column",
                     k + 1
                 ));
             }
@@ -62,7 +63,8 @@ impl Profile {
             Some(pair) => {
                 let [before, after] = [pair[0][0], pair[1][0]];
                 wrong(format!(
-                    "the time {before} of the profile is followed by {after}, but times must increase"
+                    "the time {before} of the profile is followed by the time {after}, but times \
+                     must increase"
                 ))
             }
             None => Ok(()),
@@ -107,7 +109,11 @@ fn table(text: &str) -> Result<Profile, String> {
     });
     let (_, columns) = lines.next().ok_or("the file is empty")?;
     if columns.iter().all(|name| name.parse::<f64>().is_ok()) {
-        return Err("the first line must contain the names of the columns, as in `t, u, v`".into());
+        return Err(
+            "the first line of the file must contain the names of the columns, as in `t, u, \
+                    v`"
+            .into(),
+        );
     }
     let mut rows = Vec::new();
     for (line, cells) in lines {
@@ -117,7 +123,9 @@ fn table(text: &str) -> Result<Profile, String> {
         rows.push(cells.iter().map(number).collect::<Result<Vec<f64>, _>>()?);
         if cells.len() != columns.len() {
             let (found, known) = (cells.len(), columns.len());
-            return Err(format!("line {line} has {found} numbers for {known} columns"));
+            return Err(format!(
+                "line {line} has {found} numbers, but the table has {known} columns"
+            ));
         }
     }
     Ok(Profile { file: None, columns, rows })

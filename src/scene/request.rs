@@ -106,22 +106,26 @@ impl Scene {
     /// attractor.
     pub fn of_model(problem: Problem, title: &str, request: &Request) -> Result<Scene, SceneError> {
         let Some(first) = request.along.first() else {
-            return Err(SceneError::invalid("no parameter to vary is given")
-                .with_help("name a parameter and its range, as in `--along rho=0..30`"));
+            return Err(SceneError::invalid("no continuation parameter is given for the branch")
+                .with_help(
+                    "name a continuation parameter and its range, as in `--along rho=0..30`",
+                ));
         };
         if let (Some(second), None) = (request.along.get(1), request.hold) {
             let message = format!(
-                "`--along` is given twice, the second time for `{}`, but a branch varies one parameter",
+                "`--along` is given twice, the second time for `{}`, but a branch varies only one \
+                 parameter",
                 second.name
             );
             return Err(SceneError::invalid(message).with_help(
-                "omit the second `--along`, or name the kind of special point whose curve is traced, as in \
-                 `--hold HB`",
+                "omit the second `--along`, or name the kind of special points whose curve is \
+                 traced, as in `--hold HB`",
             ));
         }
         if let (Some(kind), 1) = (request.hold, request.along.len()) {
             let message = format!(
-                "`--along` is given once, but a curve of special points (`--hold {kind}`) varies two parameters"
+                "`--along` is given once, but a curve of special points (`--hold {kind}`) varies \
+                 two parameters"
             );
             return Err(SceneError::invalid(message).with_help("give a second `--along`"));
         }
@@ -362,8 +366,10 @@ impl Scene {
             false => Start::Guess(request.state.clone()),
         };
         if let Some(time) = request.settle.filter(|time| !(0.0..=LONGEST).contains(time)) {
-            let message =
-                format!("the time to settle is {time}, but must be between 0 and {LONGEST}");
+            let message = format!(
+                "the time of the simulation before the start (`settle`) is {time}, but \
+                         must be between 0 and {LONGEST}"
+            );
             return Err(SceneError::invalid(message));
         }
         let Ok(motion) = self.problem.model().motion() else {

@@ -275,8 +275,9 @@ impl Resolution {
             let at = branch.column(&name).and_then(|column| special.value(column))?;
             (at != value).then(|| {
                 format!(
-                    "`{name}` is {at} at the start point and {value} in the scene: the branch starts with {at}; `--set \
-                     {name}={value}` changes it"
+                    "`{name}` is {at} at the start point but {value} in the scene: the branch \
+                     starts with `{name}` = {at}; give `--set {name}={value}` to start with the \
+                     value in the scene"
                 )
             })
         });

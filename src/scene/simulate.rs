@@ -174,7 +174,7 @@ pub(super) fn rested(
             let message =
                 format!("run `{run}`: the motion converges to a cycle, not to an equilibrium");
             Err(SceneError::invalid(message)
-                .with_help("set `solution: orbit`, or start the motion elsewhere"))
+                .with_help("set `solution: orbit`, or start the motion at another state"))
         }
     }
 }

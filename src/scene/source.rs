@@ -34,7 +34,7 @@ pub(super) fn file_of(
     file: &str,
 ) -> Result<(PathBuf, Vec<u8>), SceneError> {
     let files = scene.files.ok_or_else(|| {
-        SceneError::value(what, file, "a scene in an archive must not refer to files")
+        SceneError::value(what, file, "a scene in an archive must not refer to other files")
     })?;
     let path = files.folder.join(file);
     let bytes = read(&path, files.limit).map_err(|cause| SceneError::File {

@@ -55,8 +55,11 @@ pub(super) fn stated(
     };
     if kind != stated.model.name() {
         let contained = stated.model.name();
-        let message =
-            format!("the problem is `{}`, but its file contains `{contained}`", shown(kind));
+        let message = format!(
+            "the problem of the scene is `{}`, but its file of equations contains \
+                     `{contained}`",
+            shown(kind)
+        );
         return Err(SceneError::invalid(message).with_help(format!("write `{contained}`")));
     }
     let not_settings = all.iter().filter(|field| !known.contains(&field.name));
@@ -101,7 +104,7 @@ fn of_text(path: &Path, text: &str, given: &[String]) -> Result<Stated, SceneErr
         // Scenes may come from untrusted sources, so error messages quote nothing from files of
         // other kinds.
         let kinds: Vec<&str> = KINDS.iter().map(|(kind, _)| *kind).collect();
-        let message = format!("{} is not a file of equations", path.display());
+        let message = format!("the file {} is not a file of equations", path.display());
         let help = format!("such a file begins with {}", kinds.join(", or with "));
         return Err(SceneError::invalid(message).with_help(help));
     }
@@ -131,12 +134,18 @@ fn substitutes(options: &[String]) -> Vec<&'static str> {
         name.is_some_and(|option| names.iter().any(|name| option.starts_with(name)))
     };
     let known = [
-        (&["dt", "meth", "tol", "atol"][..], "steps and method follow `flow_tolerance`"),
-        (&["t0", "total", "trans"], "simulations have `--time` and `--transient`"),
-        (&["xlo", "xhi", "ylo", "yhi"], "pictures have `plot --x-range` and `--y-range`"),
-        (&["ds"], "branches have `initial_step`, `min_step` and `max_step`"),
-        (&["nmx"], "branches have `max_points`"),
-        (&["parmin", "parmax"], "branches have `--along NAME=LOW..HIGH`"),
+        (&["dt", "meth", "tol", "atol"][..], "the steps and the method follow `flow_tolerance`"),
+        (
+            &["t0", "total", "trans"],
+            "the times of simulations are set by `--time` and `--transient`",
+        ),
+        (
+            &["xlo", "xhi", "ylo", "yhi"],
+            "the ranges of pictures are set by `plot --x-range` and `--y-range`",
+        ),
+        (&["ds"], "the steps of branches are set by `initial_step`, `min_step` and `max_step`"),
+        (&["nmx"], "the length of branches is set by `max_points`"),
+        (&["parmin", "parmax"], "the ranges of branches are set by `--along NAME=LOW..HIGH`"),
     ];
     let used = known.into_iter().filter(|(names, _)| options.iter().any(|it| begins(it, names)));
     used.map(|(_, instead)| instead).collect()

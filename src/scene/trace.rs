@@ -116,7 +116,7 @@ impl Tracing {
                 continue;
             }
             done[branch].warnings.push(format!(
-                "the bound or mark of `{name}` has no effect: no branch has such a column"
+                "the bound or mark of `{name}` has no effect: no branch has a column `{name}`"
             ));
         }
         let shown = runs.iter().zip(done).filter(|(run, _)| run.shown);

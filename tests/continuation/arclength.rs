@@ -505,19 +505,22 @@ fn what_is_asked_for_wrongly_is_refused_with_the_remedy() {
         ),
         (
             message(&|c| c.along("mu", 1.0..=-1.0).trace()),
-            "the range of mu, 1 to -1, is empty: its lower end comes first",
+            "the range of mu, 1 to -1, is empty: the lower end must come first",
         ),
         (
             message(&|c| c.at("mu", 3.0).along("mu", -1.0..=1.0).trace()),
-            "the start mu = 3 is not in its range -1 to 1; start within the range, or widen the range",
+            "the start mu = 3 is not in the range of mu, -1 to 1; start the branch within the \
+             range, or widen the range",
         ),
         (
             message(&|c| c.at("mu", f64::NAN).along("mu", -1.0..=1.0).trace()),
-            "the start mu = NaN is not in its range -1 to 1; start within the range, or widen the range",
+            "the start mu = NaN is not in the range of mu, -1 to 1; start the branch within the \
+             range, or widen the range",
         ),
         (
             message(&|c| c.trace()),
-            "0 parameters are released, but 1 are needed: one, and one more for each condition held",
+            "0 parameters are released, but 1 parameters are needed: one for the curve, and one \
+             more for each condition that is held along the curve",
         ),
         (
             message(&|c| c.hold(Kind::LP).along("mu", -1.0..=1.0).along("mu", -1.0..=1.0).trace()),
@@ -525,7 +528,7 @@ fn what_is_asked_for_wrongly_is_refused_with_the_remedy() {
         ),
         (
             message(&|c| c.from(&[1.0, 2.0]).along("mu", -1.0..=1.0).trace()),
-            "the start has 2 unknowns, but the problem has 1: was the start computed with other settings?",
+            "the start has 2 unknowns, but the problem has 1 unknowns: was the start computed with other settings?",
         ),
         (
             message(&|c| c.hold(Kind::EP).along("mu", -1.0..=1.0).along("mu", -1.0..=1.0).trace()),
@@ -536,8 +539,8 @@ fn what_is_asked_for_wrongly_is_refused_with_the_remedy() {
                 let hopf = tangency::core::bifurcation::Hopf::of_equilibria;
                 c.along("mu", -1.0..=1.0).event(Event::new("Hopf", hopf)).trace()
             }),
-            "the defining system of the event `Hopf` has auxiliary unknowns and cannot be a test function; \
-             give a test function with `Event::with_test`",
+            "the defining system of the event `Hopf` has auxiliary unknowns, so it cannot be used as a test function; \
+             give the event a test function with `Event::with_test`",
         ),
     ] {
         assert_eq!(found, expected);

@@ -77,7 +77,7 @@ fn a_neutral_saddle_is_found_by_a_test_function_of_ones_own() {
     close(saddle.parameters[0], -0.09, 1e-13);
     close(saddle.state[0], 0.3, 1e-13);
     let refused = Document::new("own", vec![branch.clone()]).to_ron().unwrap_err();
-    assert!(one_line(&refused).contains("files cannot contain points of other kinds"), "{refused}");
+    assert!(one_line(&refused).contains("must be a kind that the library knows"), "{refused}");
 }
 
 /// It is held along a curve as known kinds are: `a = −b²`.

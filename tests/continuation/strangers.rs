@@ -169,7 +169,7 @@ fn every_branch_through_a_multiple_branch_point_can_be_left_along() {
     }
     let none = Continuation::new(&mut system).restart(&branch, point.label).switch_to(3);
     let refused = one_line(&none.along("lambda", -1.0..=1.0).trace().unwrap_err());
-    assert!(refused.contains("there is no other branch with index 3"), "{refused}");
+    assert!(refused.contains("the other branch with index 3 does not exist"), "{refused}");
 }
 
 zero_problem! {

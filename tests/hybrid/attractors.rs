@@ -281,7 +281,7 @@ proptest! {
 #[test]
 fn plans_without_meaning_are_refused() {
     let refused = |plan: &Plan| plan.check(9).unwrap_err();
-    assert_eq!(refused(&plan(Order::Up, 1, 0)), PlanError::Nothing("a count"));
+    assert_eq!(refused(&plan(Order::Up, 1, 0)), PlanError::Nothing("the count of an axis"));
     let mut grid = plan(Order::Up, 1, 3);
     grid.axes.push(grid.axes[0]);
     assert_eq!(refused(&grid), PlanError::Followed(2));
@@ -315,7 +315,7 @@ fn plans_for_another_system_are_refused() {
     assert_eq!(refused(&varied), expected);
     let sound = CrisisSearch::of(0, [0.24, 0.2345], 2e-5);
     let invalid = [
-        (CrisisSearch { parameter: 9, ..sound }, "the system has 9 parameters"),
+        (CrisisSearch { parameter: 9, ..sound }, "the system has only 9 parameters"),
         (CrisisSearch { steps: 0, ..sound }, "has 0 steps"),
         (CrisisSearch { tolerance: 0.0, ..sound }, "tolerance of 0"),
         (CrisisSearch { tolerance: -1e-3, ..sound }, "tolerance of -0.001"),

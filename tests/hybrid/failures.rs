@@ -146,7 +146,10 @@ fn a_violated_guard_is_refused() {
 #[test]
 fn modes_and_lengths_are_checked() {
     let error = refused(&Sinking { after: 2, to: 1.0 }, at(0, 0.0, &[0.5]), &[]);
-    assert!(one_line(&error).contains("after event ground, the next mode is number 2"), "{error}");
+    assert!(
+        one_line(&error).contains("after event ground, the next mode has the number 2"),
+        "{error}"
+    );
     let lake = Sinking { after: 0, to: 1.0 };
     assert!(matches!(refused(&lake, at(7, 0.0, &[0.5]), &[]), HybridError::NoMode { mode: 7, .. }));
     assert!(matches!(refused(&lake, at(0, 0.0, &[]), &[]), HybridError::Length { found: 0, .. }));

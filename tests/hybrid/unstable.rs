@@ -193,7 +193,7 @@ fn one_segment_says_where_its_digits_end() {
     let grown = |error: TraceError, growth: &str| {
         let error = one_line(&error);
         let cause = format!("deviations and rounding errors grow by {growth}");
-        assert!(error.contains(&cause) && error.contains("use more segments"), "{error}");
+        assert!(error.contains(&cause) && error.contains("use more shooting segments"), "{error}");
     };
     // A deviation grows by cosh 2πb.
     let (mut system, z) = of(1.0, 0.0);

@@ -66,7 +66,7 @@ fn formulas() {
 fn names() {
     says(
         "Equations(states: [(\"x\", \"1\"), (\"»x«\", \"2\")])",
-        "`x` is already a state, and each name may be given only once",
+        "`x` is given a second time, although `x` is already a state",
     );
     says(
         "Equations(states: [(\"x\", \"a\")], parameters: [(\"a\", 1)], definitions: [(\"»a«\", \"2\")])",
@@ -80,7 +80,10 @@ fn names() {
         "Equations(states: [(\"x\", \"1\")], functions: [(\"»sin«\", [\"u\"], \"u\")])",
         "`sin` is already a function of the language",
     );
-    says("Equations(states: [(\"»t«\", \"1\")])", "this name is reserved by the language");
+    says(
+        "Equations(states: [(\"»t«\", \"1\")])",
+        "this name is a reserved word of the model language",
+    );
     says(
         "Equations(states: [(\"»2x«\", \"1\")])".replace("»2x«", "»2«x").as_str(),
         "expected a name",
@@ -107,7 +110,7 @@ fn names() {
     );
     says(
         "Equations(states: [(\"x\", \"1\")], parameters: [(\"a\", \"»1/0«\")])",
-        "a finite number is required here",
+        "the value must be a finite number that does not depend on states, parameters or time",
     );
     says("Equations(states: [(\"x\", \"1\")], scales: [(\"»y«\", 2)])", "unknown state `y`");
 }
@@ -128,24 +131,24 @@ fn statements() {
     assert!(
         refused("Map(states: [(\"x\", \"x + t\")])")
             .to_string()
-            .contains("maps that depend on the number of the iterate")
+            .contains("maps that depend on the number of the iteration")
     );
     says(
         "Boundary(states: [(\"u\", \"v\"), (\"v\", \"-u\")], conditions: [\"»u(0)«\"])",
-        "give 2: one for each state (2) and one for each unknown (0)",
+        "give 2 conditions and integrals: one for each state (2) and one for each unknown (0)",
     );
     says("Boundary(states: [(\"u\", \"1\")], conditions: [\"»t«\"])", "cannot contain the time");
     says(
         "Boundary(states: [(\"u\", \"1\")], definitions: [(\"d\", \"»u« + 1\")], conditions: [\"d\"])",
-        "expected `u(0)` at the beginning or `u(1)` at the end",
+        "expected the value at one end: `u(0)` at the beginning or `u(1)` at the end",
     );
     says(
         "Boundary(states: [(\"u\", \"1\")], conditions: [\"»u(2)«\"])",
-        "expected `u(0)` at the beginning or `u(1)` at the end",
+        "expected the value at one end: `u(0)` at the beginning or `u(1)` at the end",
     );
     says(
         "Boundary(states: [(\"u\", \"1\")], conditions: [\"»u« - 1\"])",
-        "expected `u(0)` at the beginning or `u(1)` at the end",
+        "expected the value at one end: `u(0)` at the beginning or `u(1)` at the end",
     );
 }
 
@@ -180,7 +183,7 @@ fn sizes_of_arrays() {
     );
     says(
         "Residual(unknowns: [(\"»u[i=3..1]«\", \"u[i]\")])",
-        "the range 3..1 of `i`: the range is empty: the first index must not be above the last",
+        "the range 3..1 of `i`: the range is empty: the first index must not be above the last index",
     );
     says(
         "Equations(states: [(\"x\", \"1\")], definitions: [(\"n\", 0), (\"»d[i=1..n]«\", \"i\")])",
@@ -198,7 +201,7 @@ fn modes_and_guards() {
     };
     says(
         &of("(name: \"»hit«\", function: \"x\")"),
-        "the guard `hit` has no mode; name the modes that the guard ends",
+        "the guard `hit` does not name the modes that it ends; name the modes that the guard ends",
     );
     says(
         &of("(name: \"hit\", modes: [\"»upp«\"], function: \"x\")"),
@@ -228,7 +231,8 @@ fn modes_and_guards() {
     };
     says(
         &begin("\"»w«\""),
-        "`w` is a state of mode `down`: motion begins in the first mode, `up`, which does not have this state",
+        "the initial value of `w` belongs to mode `down`: the motion begins in the first mode, \
+         `up`, which does not have this state",
     );
     says(&begin("\"»vv«\""), "unknown state `vv`; did you mean `v`?");
     says(
@@ -279,7 +283,10 @@ fn a_start_where_a_formula_is_not_finite() {
     assert!(error.contains("column 58: a division by zero at the start: 1/0"), "{error}");
     assert!(scene("a - 1/x", ", start: Guess([(\"x\", 1)])").error.is_none());
     let error = one_line(&scene("a - ln(x - 1)", "").error.expect("a logarithm"));
-    assert!(error.contains("a value that is not a number at the start: ln of -1"), "{error}");
+    assert!(
+        error.contains("the result of an operation is not a number at the start: ln of -1"),
+        "{error}"
+    );
     // Time without a period: motion can be simulated, but not continued.
     let text = "Scene(title: \"t\", problem: Equations(states: [(\"x\", \"a*t - x\")]), parameters: [(\"a\", 1)],
         runs: [Run(name: \"r\", along: [(name: \"a\", low: 0.5, high: 2)])])";
@@ -306,7 +313,7 @@ fn nothing_is_silently_left_out() {
     );
     says(
         "Equations(states: [(\"x\", \"1\")], functions: [(\"»sum«\", [\"u\"], \"u\")])",
-        "this name is reserved by the language",
+        "this name is a reserved word of the model language",
     );
     says(
         "Equations(states: [(\"x\", \"1\")], functions: [(\"f\", [\"u\", \"»u«\"], \"u\")])",
@@ -314,17 +321,21 @@ fn nothing_is_silently_left_out() {
     );
     says(
         "Equations(states: [(\"x\", \"1\")], functions: [(\"»f«\", [], \"1\")])",
-        "or make the function a definition",
+        "or write a definition instead of the function",
     );
     let of = |guard: &str| {
         format!(
-            "HybridEquations(modes: [(name: \"f\", states: [(\"x\", \"v\"), (\"v\", \"-1\")])], guards: [(name: \"g\", function: \"x\", {guard})])"
+            "HybridEquations(modes: [(name: \"f\", states: [(\"x\", \"v\"), (\"v\", \"-1\")])], \
+             guards: [(name: \"g\", function: \"x\", {guard})])"
         )
     };
     says(&of("reset: [(\"v\", \"-v\"), (\"»v«\", \"2*v\")]"), "`v` is already reset");
     says(&of("modes: [\"f\", \"»f«\"]"), "`f` is already a mode of this guard");
     says(&of("reset: [(\"»x[i=1..2]«\", 0)]"), "unknown state `x[1]`");
-    says(&of("next: [\"»f«\", (\"f\", \"x\")]"), "the modes after this one are never reached");
+    says(
+        &of("next: [\"»f«\", (\"f\", \"x\")]"),
+        "the modes after a mode without a function are never reached",
+    );
     // Values of arrays at ends.
     let text = "Boundary(states: [(\"u[i=1..2]\", \"-u[i]\")], conditions: [\"u[1](0) - 1\", \"u[2](1)\"])";
     assert!(Model::read(&Source::new("", text), &[]).is_ok());
@@ -489,11 +500,12 @@ fn sliding() {
     assert!(text.contains("the equations have no surface"), "{text}");
     says(
         &of("below: [(\"»y«\", \"y\"), (\"x\", \"1\")], surface: \"x\""),
-        "state 1 is y: above the surface it is x: all fields must have the same states in the same order",
+        "state 1 is y: the state at the same position above the surface is x, but all fields must \
+         have the same states in the same order",
     );
     says(
         &of("below: [(\"»x«\", \"y\")], surface: \"x\""),
-        "state 2 is none: above the surface it is y",
+        "state 2 is none: the state at the same position above the surface is y",
     );
     let with = |rest: &str| of(&format!("{below}, surface: \"x\", {rest}"));
     says(&with("holds: [(\"»abvoe«\", \"1\")]"), "unknown side `abvoe`");
@@ -516,7 +528,10 @@ fn sliding() {
     let plain = slides("x", "ln(y - 1)");
     assert_eq!([1.0, -1.0].map(|x| undefined(&plain, x)), [None, None]);
     let on = undefined(&plain, 0.0).unwrap();
-    assert!(on.contains("a value that is not a number at the start: ln of -1"), "{on}");
+    assert!(
+        on.contains("the result of an operation is not a number at the start: ln of -1"),
+        "{on}"
+    );
     for (rest, x) in [(slides("x", "1"), 0.0), (slides("x + 1/y", "1"), 1.0)] {
         let error = undefined(&rest, x).unwrap();
         assert!(error.contains("a division by zero at the start: 1/0"), "{error}");

@@ -264,9 +264,15 @@ fn other_starts_are_refused() {
         one_line(&outcome.error.unwrap())
     };
     let at_rest = refused("HB", "rest");
-    assert!(at_rest.contains("a homoclinic orbit starts from a nearby cycle"), "{at_rest}");
+    assert!(
+        at_rest.contains("a branch of homoclinic orbits starts from a nearby cycle"),
+        "{at_rest}"
+    );
     let small = refused("EP", "cycles");
-    assert!(small.contains("no homoclinic orbit starts here"), "{small}");
+    assert!(
+        small.contains("a branch of homoclinic orbits cannot start at this solution"),
+        "{small}"
+    );
 }
 
 /// Tolerances of parameters spread the place.

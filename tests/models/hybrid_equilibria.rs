@@ -364,7 +364,7 @@ fn an_equilibrium_that_goes_nowhere_says_so() {
     assert_eq!(only(rest, Kind::G).subkind.as_deref(), Some("boundary equilibrium"));
     let said = format!("{:?}", outcome.error);
     assert!(
-        said.contains("no other mode has an equilibrium where the equilibrium of mode `above`"),
+        said.contains("no other mode has an equilibrium at the boundary point that the equilibrium of mode `above`"),
         "{said}"
     );
 }

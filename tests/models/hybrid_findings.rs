@@ -141,7 +141,7 @@ fn guards_that_vanish_together_all_along_a_branch_are_no_grazing() {
     assert_eq!(kinds, [Kind::EP; 2]);
     all_close(branch, "period", |_| (1.3_f64 / 0.3).ln(), 1e-10);
     let warned = |text: &String| {
-        text.contains("`distance` is zero, up to the error of the points, at successive points")
+        text.contains("the test function of `distance` vanishes, up to its error, at several successive points")
     };
     assert!(branch.warnings.iter().any(warned), "{:?}", branch.warnings);
 }
@@ -187,7 +187,7 @@ fn an_unstable_cycle_is_not_taken_for_the_motion() {
     let along = "along: [(name: \"a\", low: 0.05, high: 0.2)]";
     let run = format!("(name: \"neuron\", start: Simulated(transient: 100), {along})");
     let error = one_line(&executed(problem, &run, &mut ()).error.expect("unstable"));
-    assert!(error.contains("did not repeat"), "{error}");
+    assert!(error.contains("no cycle was found"), "{error}");
 }
 
 /// A drill string that sticks and slips.

@@ -98,7 +98,9 @@ fn each_itinerary_that_is_born_at_a_touch_of_two_guards_is_switched_to() {
     );
     let error = one_line(&scene(3).error.expect("no such branch"));
     assert!(
-        error.contains("there is no other branch with index 3: 3 other branches begin or cross"),
+        error.contains(
+            "the other branch with index 3 does not exist: 3 other branches begin or cross"
+        ),
         "{error}"
     );
 }

@@ -99,11 +99,11 @@ fn tables_that_are_no_profiles_are_refused() {
     };
     let cases = [
         ("", "the file is empty"),
-        ("0 0 1\n1 0 1", "the first line must contain the names of the columns"),
+        ("0 0 1\n1 0 1", "the first line of the file must contain the names of the columns"),
         ("t u\n0 0\n1 one", "`one` in line 3 is not a number"),
-        ("t u\n0 0\n1", "line 3 has 1 numbers for 2 columns"),
+        ("t u\n0 0\n1", "line 3 has 1 numbers, but the table has 2 columns"),
         ("t u\n0 0", "the profile has 2 columns and 1 rows"),
-        ("t u\n0 0\n1 inf", "must have a finite number for each column"),
+        ("t u\n0 0\n1 inf", "must contain a finite number for each column"),
         ("t u\n0 0\n0 1", "but times must increase"),
         ("t w\n0 0\n1 1", "unknown state `w`"),
     ];
@@ -117,7 +117,7 @@ fn tables_that_are_no_profiles_are_refused() {
     let archive = "Scene(title: \"t\", problem: Map(states: [(\"u\", \"a*u\")]), parameters: [(\"a\", 1)],
         runs: [(name: \"r\", start: Profile(file: \"/etc/passwd\"), along: [(name: \"a\", low: 1, high: 2)])])";
     let error = one_line(&Catalogue::built_in().parse_alone(archive).unwrap_err());
-    assert!(error.contains("must not refer to files"), "{error}");
+    assert!(error.contains("must not refer to other files"), "{error}");
 }
 
 /// Orbits, unless the run says that equilibria are followed.
@@ -197,7 +197,8 @@ fn starts_outside_of_a_range() {
     let error = execute(&Scene::parse(&scene(1.0)).unwrap(), None, &mut ()).error.unwrap();
     assert_eq!(
         one_line(&error),
-        "run `r`: the start p = 0 is not in its range 1 to 4; start within the range, or widen the range"
+        "run `r`: the start p = 0 is not in the range of p, 1 to 4; start the branch within the \
+         range, or widen the range"
     );
 }
 

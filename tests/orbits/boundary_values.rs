@@ -207,13 +207,16 @@ fn sizes_are_checked() {
         let meshes = vec![uniform.clone(); problem.segments];
         one_line(&BoundarySystem::new(problem, collocation(), meshes).err().unwrap())
     };
-    let many = "there are 2 integral and phase conditions, but only 1 unknowns (states and extra unknowns)";
+    let many = "the problem has 2 integral and phase conditions, but only 1 unknowns (states and extra unknowns)";
     assert!(refused(wrong(true, 1, 1, 0)).contains(many));
     assert!(
         refused(wrong(true, 0, 2, 0))
             .contains("2 segments with 1 boundary conditions and 1 integral")
     );
-    assert!(refused(wrong(false, 0, 1, 3)).contains("state 3 on segment 0, which does not exist"));
+    assert!(
+        refused(wrong(false, 0, 1, 3))
+            .contains("state 3 on segment 0, but this state does not exist")
+    );
     assert_eq!(points(&[0.0]), Err(MeshError::Empty(1)));
     assert_eq!(points(&[0.5, 1.0]), Err(MeshError::Start(0.5)));
     let order = MeshError::Order { index: 2, before: 0.5, next: 0.5 };

@@ -79,7 +79,10 @@ fn lost_digits_are_in_the_error() {
             .trace();
         match outcome {
             Err(cause) => {
-                assert!(rate == 6.0 && one_line(&cause).contains("more segments"), "{cause}")
+                assert!(
+                    rate == 6.0 && one_line(&cause).contains("more shooting segments"),
+                    "{cause}"
+                )
             }
             Ok(branch) => {
                 for point in branch.of_kind(Kind::UZ) {
@@ -248,7 +251,7 @@ fn bad_input_is_refused() {
         .map(|_| ())
         .unwrap_err()
         .to_string();
-    assert!(text.contains("another method"), "{text}");
+    assert!(text.contains("another discretisation method"), "{text}");
     // A period doubling that is no solution of the problem, in its length or by its method.
     assert_eq!(orbits.method, "collocation(4)");
     let doubling = label(&orbits, Kind::PD);

@@ -292,7 +292,7 @@ fn a_fold_of_the_map_ends_a_stable_manifold() {
         curve.halves.iter().find(up).unwrap()
     };
     let End::StepTooSmall { cause, .. } = &of(1.0).end else { panic!("{:?}", of(1.0).end) };
-    assert!(cause.starts_with("a fold of the map"), "{cause}");
+    assert!(cause.starts_with("the manifold reaches a fold of the map"), "{cause}");
     close(of(1.0).points.last().unwrap().at[1], 0.5, settings.resolution);
     // The other half goes to another fixed point, with v = −1.
     let End::ConvergesTo { point } = &of(-1.0).end else { panic!("{:?}", of(-1.0).end) };
@@ -377,7 +377,7 @@ fn what_is_no_saddle_is_refused() {
     assert_eq!(out, ManifoldError::OutOfBounds { name: "x".into(), value: 0.0 });
     let negative = ManifoldSettings { length: -1.0, ..settings };
     let negative = both(Linear, &[0.0, 0.0], &[2.0, 0.5], &negative).unwrap_err().to_string();
-    assert_eq!(negative, "`length` is -1: the value must be finite and above 0");
+    assert_eq!(negative, "`length` is -1: the value of the setting must be finite and above 0");
 }
 
 /// `Bent` in units of its own for both states.

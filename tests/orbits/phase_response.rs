@@ -91,7 +91,8 @@ fn folds_of_cycles_have_no_response_and_say_so() {
         let fold = first(&branch, Kind::LP);
         assert!(!has_response(fold));
         let reason = fold.without_phase_response.as_ref().expect("a reason");
-        let warning = format!("the point {} (LP) has no phase response: {reason}", fold.label);
+        let warning =
+            format!("the special point {} (LP) has no phase response: {reason}", fold.label);
         assert!(reason.contains("as at a fold of cycles"), "{reason}");
         assert!(branch.warnings.contains(&warning), "{:?}", branch.warnings);
         // μ = 0.5, r² = 1 + √1.5, where |Z|² is the square of −ω'/(g' ω) and of 1/(r ω).

@@ -104,7 +104,7 @@ fn simulations_that_find_nothing_say_why() {
     let golden = 0.5 * (1.0 + 5.0_f64.sqrt());
     match cycle_of(Quasiperiodic, brief, &[1.0, 0.0, 1.0, 0.0], &[golden]) {
         Err(error @ CycleSearchError::Unsettled { returns: 50, distance, .. }) => {
-            assert!(distance > 1e-3 && one_line(&error).contains("not repeat in 50 returns"));
+            assert!(distance > 1e-3 && one_line(&error).contains("found in 50 returns"));
         }
         other => panic!("{other:?}"),
     }

@@ -63,7 +63,10 @@ fn newton_at_a_fixed_load_fails_at_the_fold_that_arclength_passes() {
             panic!("{failure}")
         };
         assert!(*iterations <= 12 && *damping < 0.01, "{failure}");
-        assert!(one_line(&failure).contains("at a fold continue by arclength"), "{failure}");
+        assert!(
+            one_line(&failure).contains("near a fold, use continuation by arclength"),
+            "{failure}"
+        );
     }
     let bound = End::MonitorBound { name: "max_deflection".into(), value: 0.9 };
     assert_eq!(branch.ends[1], bound);

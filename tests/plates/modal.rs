@@ -455,7 +455,7 @@ fn settings_and_values_out_of_range_are_refused_by_name() {
     assert!(accurate < 4 && error > 1e-6);
     let few = Some(Orders { transverse: [4, 4], in_plane: [8, 8] });
     let error = refused(&|s| (s.modes, s.plate.orders) = (20, few));
-    assert!(one_line(&error).contains("20 modes cannot meet"), "{error}");
+    assert!(one_line(&error).contains("20 modes cannot reach"), "{error}");
     assert!(matches!(refused(&|s| s.plate.aspect = -1.0), PlateError::Domain(_)));
     assert!(matches!(refused(&|s| s.nu = 0.5), PlateError::Domain(_)));
 

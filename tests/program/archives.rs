@@ -42,7 +42,7 @@ fn names_in_files_choose_no_paths() {
         format!("{}model:\\\"up.ron\\\"{}", &about[..begin], &about[end..])
     };
     forged(at, "out/up.npz", "forged.npz", &model);
-    refused(at, &["merge", "forged.npz", "--out", "m"], &["must not refer to files"]);
+    refused(at, &["merge", "forged.npz", "--out", "m"], &["must not refer to other files"]);
 }
 
 /// C4. A merged result is that of the whole run, the branches in its picture and their document
@@ -110,7 +110,7 @@ fn arrays_of_several_axes_are_refused() {
             false => content,
         };
         rewritten(at, "out/up.npz", "axes.npz", &change);
-        let said = ["amplitude`", "a column has one axis, but this array has several"];
+        let said = ["amplitude`", "a column must have one axis, but this array has several axes"];
         refused(at, &["plot", "axes.npz"], &said);
     }
 }
@@ -123,11 +123,14 @@ fn arrays_that_are_no_columns_are_refused() {
     succeeds(at, &["sweep", "up.ron"]);
     type Change = dyn Fn(&[u8]) -> Vec<u8>;
     let cases: [(&Change, &str); 5] = [
-        (&|c| with_type(c, "<i4"), "the array contains `<i4`, but a column must contain `<f8`"),
+        (
+            &|c| with_type(c, "<i4"),
+            "the array contains numbers of the type `<i4`, but a column must contain `<f8`",
+        ),
         (&|c| with_shape(c, "(7,)"), "the header states 7 numbers of 8 bytes, but 48 bytes follow"),
-        (&|c| with_shape(c, "()"), "a column has one axis, but this array has none"),
-        (&|c| with_shape(c, "(x,)"), "the header of the array has no `shape` that can be read"),
-        (&|c| c[1..].to_vec(), "the entry is not an array in NumPy's format"),
+        (&|c| with_shape(c, "()"), "a column must have one axis, but this array has no axes"),
+        (&|c| with_shape(c, "(x,)"), "the header of the array has no readable field `shape`"),
+        (&|c| c[1..].to_vec(), "the entry of the archive is not an array in NumPy's format"),
     ];
     for (change, said) in cases {
         let changed = |name: &str, content: Vec<u8>| match name.ends_with("runs/amplitude.npy") {
@@ -171,11 +174,7 @@ fn damaged_archives_are_refused() {
     succeeds(at, &["sweep", "up.ron"]);
     let fewer = |about: &str| about.replace("total:6", "total:3");
     forged(at, "out/up.npz", "total.npz", &fewer);
-    refused(
-        at,
-        &["merge", "total.npz", "--out", "m"],
-        &["total.npz: ", "valid numbers are 0 to 2"],
-    );
+    refused(at, &["merge", "total.npz", "--out", "m"], &["total.npz: ", "must be 0 to 2"]);
     let text = |about: &str| about.replace("tangency-sweeps/", "tangency-swepps/");
     forged(at, "out/up.npz", "format.npz", &text);
     refused(at, &["plot", "format.npz"], &["the format of the file is `tangency-swepps/2`"]);

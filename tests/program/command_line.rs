@@ -102,7 +102,10 @@ fn plot_never_replaces_an_input() {
     let folder = folder();
     let before = std::fs::read_to_string(folder.path().join("b.ron")).unwrap();
     let output = tangency(folder.path(), &["plot", "a.ron", "b.ron", "--out", "./b.ron"]);
-    assert!(failure(&output, 1).contains("./b.ron is an input file and is not overwritten"));
+    assert!(
+        failure(&output, 1)
+            .contains("./b.ron is also an input file, and input files are not overwritten")
+    );
     assert_eq!(std::fs::read_to_string(folder.path().join("b.ron")).unwrap(), before);
     std::fs::rename(folder.path().join("a.ron"), folder.path().join("a.svg")).unwrap();
     failure(&tangency(folder.path(), &["plot", "a.svg"]), 1);
@@ -287,7 +290,7 @@ fn orbits_are_restarted_and_drawn_from_their_labels() {
     assert!(!svg.contains("doubled/2"));
     for (points, said) in [
         ("orbits/9", "no special point has the label 9"),
-        ("2", "several branches have the label 2"),
+        ("2", "several branches have a special point with the label 2"),
         ("orbit/2", "did you mean `orbits`"),
         ("orbits", "not of the form LABEL or BRANCH/LABEL"),
     ] {
@@ -346,12 +349,16 @@ fn a_trace_never_replaces_its_inputs() {
     let path = folder.path().join("mine.ron");
     std::fs::write(&path, scene.text).unwrap();
     let output = tangency(folder.path(), &["trace", "mine.ron", "--out", "."]);
-    assert!(failure(&output, 1).contains("is an input file and is not overwritten"));
+    assert!(
+        failure(&output, 1).contains("is also an input file, and input files are not overwritten")
+    );
     assert_eq!(std::fs::read_to_string(&path).unwrap(), scene.text);
     assert!(tangency(folder.path(), &["trace", "mine.ron"]).status.success());
     let before = std::fs::read_to_string(folder.path().join("out/mine.ron")).unwrap();
     let again = ["trace", "mine.ron", "--start", "out/mine.ron:plate/1"];
-    assert!(failure(&tangency(folder.path(), &again), 1).contains("is not overwritten"));
+    assert!(
+        failure(&tangency(folder.path(), &again), 1).contains("input files are not overwritten")
+    );
     assert_eq!(std::fs::read_to_string(folder.path().join("out/mine.ron")).unwrap(), before);
 }
 
@@ -414,7 +421,9 @@ fn an_interrupted_trace_is_kept() {
     assert!(Command::new("kill").args(["-INT", &id]).status().unwrap().success());
     let rest: Vec<String> = lines.map(Result::unwrap).collect();
     let output = child.wait_with_output().unwrap();
-    assert!(failure(&output, 1).contains("interrupted; results computed so far are saved"));
+    assert!(failure(&output, 1).contains(
+        "the command was interrupted; all results computed before the interruption are saved"
+    ));
     assert!(rest.iter().any(|line| line.contains("(interrupted)")), "{rest:?}");
     let document = Document::load(folder.path().join("out/plate-clamped.ron")).unwrap();
     let branch = &document.branches[0];

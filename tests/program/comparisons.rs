@@ -51,7 +51,7 @@ fn differences_are_those_that_there_are() {
     assert_eq!(said(&all, &scene("a - x", &marks(2))), ["r: UZ at a = 0.3 is missing"]);
     assert_eq!(said(&scene("a - x", &marks(2)), &all), ["r: UZ at a = 0.3 is new"]);
     let steeper = said(&all, &scene("a - 1.01*x", &marks(1)));
-    assert!(steeper.iter().any(|it| it.contains("x was 0.6 and is 0.594")), "{steeper:?}");
+    assert!(steeper.iter().any(|it| it.contains("x was 0.6 and is now 0.594")), "{steeper:?}");
 }
 
 /// A constant parameter that differs is the first difference, and no point is missing for it alone.
@@ -63,7 +63,7 @@ fn parameters_that_differ_come_first() {
     branch.points.iter_mut().for_each(|point| point.parameters[1] = 3.0);
     branch.special.iter_mut().for_each(|point| point.parameters[1] = 3.0);
     let found: Vec<String> = compare(&old, &new).iter().map(ToString::to_string).collect();
-    assert_eq!(found, ["plate: the parameter aspect_ratio was 1.2 and is 3"]);
+    assert_eq!(found, ["plate: the parameter aspect_ratio was 1.2 and is now 3"]);
 }
 
 /// A table of several results has a column of their files, and only the named sensitivities.

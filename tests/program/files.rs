@@ -126,11 +126,19 @@ fn inputs_are_never_overwritten() {
     let at = folder.path();
     succeeds(at, &["sweep", "up.ron"]);
     let before = bytes(at, "out/up.npz");
-    refused(at, &["merge", "out/up.npz"], &["out/up.npz is an input file and is not overwritten"]);
+    refused(
+        at,
+        &["merge", "out/up.npz"],
+        &["out/up.npz is also an input file, and input files are not overwritten"],
+    );
     let link = "./out/../out/up.npz";
-    refused(at, &["merge", link, "--out", "out"], &["is an input file and is not overwritten"]);
-    refused(at, &["sweep", "up.ron", "--out", "."], &["./up.ron is an input", "--out"]);
-    refused(at, &["plot", "a.ron", "out/up.npz", "--out", "a.ron"], &["a.ron is an input"]);
+    refused(
+        at,
+        &["merge", link, "--out", "out"],
+        &["is also an input file, and input files are not overwritten"],
+    );
+    refused(at, &["sweep", "up.ron", "--out", "."], &["./up.ron is also an input", "--out"]);
+    refused(at, &["plot", "a.ron", "out/up.npz", "--out", "a.ron"], &["a.ron is also an input"]);
     // The file that a scene reads its equations from is one, too.
     let equations = "Equations(states: [(\"x\", \"r - x\")], parameters: [(\"r\", 1)])";
     let scene =
@@ -138,7 +146,11 @@ fn inputs_are_never_overwritten() {
         runs: [Run(name: \"r\", along: [(name: \"r\", low: 0, high: 2)])])";
     std::fs::write(at.join("out/s.ron"), equations).unwrap();
     std::fs::write(at.join("s.ron"), scene).unwrap();
-    refused(at, &["trace", "s.ron"], &["out/s.ron is an input file and is not overwritten"]);
+    refused(
+        at,
+        &["trace", "s.ron"],
+        &["out/s.ron is also an input file, and input files are not overwritten"],
+    );
     succeeds(at, &["trace", "s.ron", "--out", "else"]);
     assert!(bytes(at, "out/up.npz") == before && bytes(at, "up.ron") == SCENE.as_bytes());
 }
@@ -240,7 +252,10 @@ fn signals_that_ask_for_the_end_keep_what_is_done() {
         // So that a full pipe does not keep it from ending.
         std::io::copy(child.stdout.as_mut().unwrap(), &mut std::io::sink()).unwrap();
         let output = child.wait_with_output().unwrap();
-        assert_eq!(failure(&output, 1), "error: interrupted; results computed so far are saved\n");
+        assert_eq!(
+            failure(&output, 1),
+            "error: the command was interrupted; all results computed before the interruption are saved\n"
+        );
         assert_eq!(names(&folder.path().join("out")), ["plate-clamped.ron", "plate-clamped.svg"]);
         let document = Document::load(folder.path().join("out/plate-clamped.ron")).unwrap();
         assert!(!document.branches[0].points.is_empty());
@@ -442,7 +457,7 @@ fn formats_follow_endings() {
     succeeds(at, &["plot", "a.ron", "--width", "84", "--panel", "a"]);
     let picture = String::from_utf8(bytes(at, "a-panel=a-width=84.svg")).unwrap();
     assert!(picture.starts_with("<svg width=\"84mm\""));
-    refused(at, &["plot", "a.ron", "--panel", "b"], &["no panel `b`, only a"]);
+    refused(at, &["plot", "a.ron", "--panel", "b"], &["no panel `b`; its panels are a"]);
     refused(at, &["plot", "a.ron", "--width", "3"], &["between 40 and 1000 mm"]);
     refused(
         at,

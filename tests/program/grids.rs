@@ -39,7 +39,8 @@ fn a_grid_is_traced_in_parts_and_goes_on() {
     let at = folder.path();
     let said = succeeds(at, &[&GRID[..], &["--part", "1/2"]].concat());
     assert!(
-        said.contains("b=1: branch: r from") && said.contains("2 of 5 designs are not finished")
+        said.contains("b=1: branch: r from")
+            && said.contains("2 of 5 designs of the grid are not finished")
     );
     assert!(!at.join("out/fold/points.csv").exists());
     let said = succeeds(at, &GRID);
@@ -74,13 +75,19 @@ fn a_grid_of_another_scene_is_refused() {
     assert!(made_of.starts_with("// tangency "), "{made_of}");
     assert!(!made_of.contains("RequestArgs"), "{made_of}");
     let changed = [&GRID[..], &["--set", "max_step=0.05"]].concat();
-    refused(at, &changed, &["out/fold contains designs of another scene", "scene.txt"]);
+    refused(at, &changed, &["out/fold contains the results of another grid", "scene.txt"]);
     for (more, said) in [
         (&["--check", "out/fold/b=1.ron"][..], "cannot be combined with --check"),
         (&["--verbose"], "cannot be combined with --verbose"),
         (&["--wide"], "cannot be combined with --wide"),
-        (&["--set", "b=2"], "cannot be combined with --set of a setting of the grid"),
-        (&["--grid", "r=1..1:2"], "two designs of the grid have the same name `b=1,r=1`"),
+        (
+            &["--set", "b=2"],
+            "cannot be combined with the option --set for a setting that --grid varies",
+        ),
+        (
+            &["--grid", "r=1..1:2"],
+            "two designs (combinations of settings) of the grid have the same name `b=1,r=1`",
+        ),
         (&["--grid", "c=1..2:2", "--out", "new"], "unknown parameter or setting `c`"),
         (&["--grid", "b=1..2:2"], "`b` occurs twice"),
         (&["--grid", "q=1..2:100000"], "from 1 to 100 000"),
@@ -127,7 +134,10 @@ fn designs_that_fail_are_named() {
     let output = tangency(at, &grid);
     let message = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(1), "{message}");
-    assert!(message.contains("warning: b=-1: ") && message.contains("1 of 2 designs failed"));
+    assert!(
+        message.contains("warning: b=-1: ")
+            && message.contains("1 of 2 designs of the grid failed")
+    );
     assert!(at.join("out/fold/b=1.ron").exists() && !at.join("out/fold/b=-1.ron").exists());
     assert!(!at.join("out/fold/points.csv").exists());
 }

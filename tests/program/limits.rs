@@ -33,12 +33,14 @@ fn counts_have_limits() {
         let message = with(&format!("count={count}"));
         assert!(message.contains(count) && message.contains("4000000 runs"), "{message}");
     }
-    assert!(with("count=0").contains("a count is 0"));
+    assert!(with("count=0").contains("the count of an axis is 0"));
+    assert!(with("recorded_periods=0").contains(
+        "the setting `recorded_periods` of the sweep is 0, but must be between 1 and 1000000"
+    ));
     assert!(
-        with("recorded_periods=0").contains("`recorded_periods` = 0 must be between 1 and 1000000")
-    );
-    assert!(
-        with("transient=1000000000000").contains("`transient` = 1000000000000 must be between 0")
+        with("transient=1000000000000").contains(
+            "the setting `transient` of the sweep is 1000000000000, but must be between 0"
+        )
     );
     assert!(with("flow_tolerance=1e300").contains("must be between 1e-14 and 1e-3"));
     assert!(with("flow_tolerance=nan").contains("flow_tolerance"));
@@ -141,11 +143,11 @@ fn rows_must_be_of_the_runs_there_are() {
     assert!(tangency(folder.path(), &["sweep", "a.ron"]).status.success());
     let whole = Sweeps::load(&path).unwrap();
     let changes: [Change; 5] = [
-        ("valid numbers are 0 to 1", |all| all.sweeps[0].total = 2),
+        ("must be 0 to 1", |all| all.sweeps[0].total = 2),
         ("number 0.5", |all| all.sweeps[0].rows.get_mut(&1).unwrap().values[0] = 0.5),
         ("number -1", |all| all.sweeps[0].rows.get_mut(&1).unwrap().values[0] = -1.0),
         ("the run 2 twice", |all| all.sweeps[0].rows.get_mut(&1).unwrap().values[0] = 2.0),
-        ("do not begin with `run, period, event, time`", |all| {
+        ("must begin with the columns `run, period, event, time`", |all| {
             all.sweeps[0].point_columns.clear();
             all.sweeps[0].rows.clear();
         }),
@@ -162,7 +164,8 @@ fn rows_must_be_of_the_runs_there_are() {
 fn scenes_of_many_runs_are_read() {
     let run = |k: usize| {
         format!(
-            "Run(name: \"r{k}\", set: [(\"frequency\", \"2\")], start: Simulated(), along: [(name: \"amplitude\", low: 0.1, high: 0.2)])"
+            "Run(name: \"r{k}\", set: [(\"frequency\", \"2\")], start: Simulated(), along: [(name: \
+             \"amplitude\", low: 0.1, high: 0.2)])"
         )
     };
     let runs: Vec<String> = (0..10_000).map(run).collect();
@@ -275,7 +278,7 @@ fn values_without_a_meaning_are_refused() {
         let output = tangency(folder.path(), &["trace", scene, "--set", value]);
         let message = String::from_utf8(output.stderr).unwrap();
         assert_eq!(output.status.code(), Some(1), "{message}");
-        assert!(message.contains(said) && message.contains("that is not negative"), "{message}");
+        assert!(message.contains(said) && message.contains("positive value or 0"), "{message}");
     }
 }
 
@@ -289,7 +292,7 @@ fn settings_without_effect_are_refused() {
         ("plate-clamped", "modes=10000", "`modes` has no effect where `model` is `ritz`"),
     ] {
         let message = refused(folder.path(), &["trace", scene, "--set", setting]);
-        assert!(message.contains(said) && message.contains("or set"), "{message}");
+        assert!(message.contains(said) && message.contains("or also set"), "{message}");
     }
     let both = ["show", "bratu", "--set", "segments=10", "--set", "method=shooting"];
     assert!(tangency(folder.path(), &both).status.success());
@@ -308,7 +311,7 @@ fn messages_are_short_and_whole() {
         assert!(known.lines().any(|line| line.split_whitespace().next() == Some(name)), "{name}");
     }
     let threads = tangency(at, &["sweep", "a.ron", "--threads", "0"]);
-    assert!(failure(&threads, 2).contains("a whole number, 1 or more"));
+    assert!(failure(&threads, 2).contains("a whole number of at least 1"));
     let grows = "Equations(states: [(\"x\", \"x^2\")], initial: [(\"x\", 1)])";
     std::fs::write(at.join("grows.ron"), grows).unwrap();
     let message = refused(at, &["simulate", "grows.ron", "--time", "2"]);

@@ -114,9 +114,12 @@ fn axes_have_the_words_and_units_of_the_model() {
             model.replace("(\"r\", \"V\")", "(\"s\", \"V\")"),
             "unknown state, parameter or monitor `s`",
         ),
-        (model.replace("(\"r\", \"V\")", "(\"x\", \"V\")"), "the label or unit is given twice"),
-        (model.replace("\"V\"", "\"\""), "a label or unit must be a word"),
-        (model.replace("\"V\"", "\"V\\n\""), "a label or unit must be a word"),
+        (
+            model.replace("(\"r\", \"V\")", "(\"x\", \"V\")"),
+            "the label or unit of this quantity is given twice",
+        ),
+        (model.replace("\"V\"", "\"\""), "a label or unit must not be empty"),
+        (model.replace("\"V\"", "\"V\\n\""), "a label or unit must not be empty"),
     ] {
         std::fs::write(path.join("m.ron"), wrong).unwrap();
         let message = fails(path, &["trace", "m.ron", "--along", "r=-1..1"]);
@@ -297,7 +300,12 @@ fn why_no_branch_starts() {
     let model = "Equations(states: [(\"x\", \"a + x^2 + 1/(x - 1)^2\")], parameters: [(\"a\", 1)])";
     std::fs::write(path.join("runaway.ron"), model).unwrap();
     let message = fails(path, &["trace", "runaway.ron", "--along", "a=1..2", "--start", "x=1"]);
-    assert!(message.contains("no branch starts at the state itself: "), "{message}");
+    assert!(message.contains("a branch cannot start at the given state either: "), "{message}");
     assert!(message.contains("a division by zero at the start"), "{message}");
-    assert!(message.contains("the motion from the given state does not converge: "), "{message}");
+    assert!(
+        message.contains(
+            "the simulated motion from the given state does not converge to an attractor: "
+        ),
+        "{message}"
+    );
 }

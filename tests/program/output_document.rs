@@ -198,8 +198,8 @@ fn what_could_not_be_read_back_is_not_written() {
 fn lists_of_the_wrong_length_are_refused() {
     assert_eq!(
         message_after("[0.019208, 1.2]", "[0.019208]"),
-        "branch `plate`, point 1, parameters is a list of 1, but must have as many entries as the \
-         names, 2"
+        "branch `plate`, point 1, parameters is a list of 1, but the list must have 2 entries, as many \
+         as the names"
     );
     let error = message_after("length: 1", "length: 2");
     assert!(error.contains("label 1, state is a list of 1"), "{error}");
@@ -219,11 +219,17 @@ fn names_and_labels_must_be_unique_and_refer_to_something() {
     let error = refused(|branch| branch.monitors[0] = "load".into());
     assert!(error.contains("a column is `load`"), "{error}");
     let error = refused(|branch| branch.special[3].after = 41);
-    assert!(error.contains("label 4: after is 41, but must be at most 40"), "{error}");
+    assert!(
+        error.contains("label 4: after is 41, but this position must be at most 40"),
+        "{error}"
+    );
     let error = refused(|branch| branch.special.swap(0, 3));
-    assert!(error.contains("must not be less than 40"), "{error}");
+    assert!(error.contains("this position must not be less than 40"), "{error}");
     let error = refused(|branch| branch.released[0] = "weight".into());
-    assert!(error.contains("must be one of the parameters load, aspect_ratio"), "{error}");
+    assert!(
+        error.contains("a released parameter must be one of the parameters load, aspect_ratio"),
+        "{error}"
+    );
     let error = refused(|branch| branch.special[0].label = 0);
     assert!(error.contains("counted from 1"), "{error}");
     let mut twice = document();

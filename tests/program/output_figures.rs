@@ -148,7 +148,10 @@ fn what_cannot_be_drawn_is_refused() {
         draw(&[Figure::new("a", "x", "y").with(series)], PAGE)
     };
     let error = draw_points(&[[0.0, 1.0], [1.0, f64::NAN]]).unwrap_err();
-    assert_eq!(error.to_string(), "`curve` cannot be drawn: its point 1 is (1, NaN)");
+    assert_eq!(
+        error.to_string(),
+        "the curve `curve` cannot be drawn: its point 1, (1, NaN), is not finite"
+    );
     let error = draw_points(&[[0.0, f64::MAX], [1.0, -f64::MAX]]).unwrap_err();
     assert!(matches!(error, FigureError::TooWide { .. }));
     for extreme in [[0.0, 0.0], [1e300, 1e-300], [5e-324, -5e-324], [1e307, 1.0]] {

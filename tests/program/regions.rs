@@ -115,5 +115,5 @@ fn a_picture_of_regions_by_one_command() {
     let (traced, said) = run(path, &[&along[..4], &["--out", "one"]].concat());
     assert!(traced, "{said}");
     let (drawn, said) = run(path, &["plot", "one/takens.ron", "--regions", "--out", "none.svg"]);
-    assert!(!drawn && said.contains("--regions: no document has a curve"), "{said}");
+    assert!(!drawn && said.contains("--regions needs a curve"), "{said}");
 }

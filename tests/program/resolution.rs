@@ -56,7 +56,7 @@ fn a_start_point_has_the_values_of_its_branch() {
     let mut start = StartPoint::new(plain.clone(), 1);
     let resolution = other.resolve(Some(&start)).unwrap();
     let warnings = resolution.warnings().concat();
-    assert!(warnings.contains("`b` is 0 at the start point and 0.25 in the scene"), "{warnings}");
+    assert!(warnings.contains("`b` is 0 at the start point but 0.25 in the scene"), "{warnings}");
     close(fold(&resolution.trace(&mut ()).document.branches[0]), 0.0, 1e-12);
     start.changed = vec!["b".into()];
     let changed = other.resolve(Some(&start)).unwrap();
@@ -161,7 +161,8 @@ fn branches_beyond_the_limit_are_named() {
     let (scene, outcome) = explore(&pitchforks(5), 5, &mut ());
     assert_eq!((scene.runs.len(), outcome.error), (50, None));
     let warnings = outcome.document.branches.iter().flat_map(|branch| &branch.warnings);
-    let left = warnings.filter(|warning| warning.contains("at most 50 runs are traced")).count();
+    let left =
+        warnings.filter(|warning| warning.contains("the limit of 50 runs is reached")).count();
     assert!(left > 0, "nothing is said");
 }
 
@@ -301,10 +302,10 @@ fn settings_without_effect_are_refused_by_name() {
     for (kind, name, reason) in [
         ("map", "max_mesh_error", "where equations need no discretisation"),
         ("residual", "stability", "for equations without dynamics"),
-        ("boundary", "max_period_growth", "where the period is not an unknown"),
+        ("boundary", "max_period_growth", "on solutions without an unknown period"),
         ("boundary", "segments", "where `method` is `collocation`"),
         ("impacts", "target_mesh_error", "where `method` is `shooting`"),
-        ("impacts", "transient", "it is a setting of sweeps"),
+        ("impacts", "transient", "because only sweeps use this setting"),
     ] {
         let said = effect(of(kind), name, Purpose::Runs);
         assert!(

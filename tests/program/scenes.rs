@@ -145,8 +145,8 @@ fn values_out_of_range_are_refused_when_they_are_set() {
 #[test]
 fn values_out_of_range_are_refused_by_the_plate() {
     for (name, value, said) in [
-        ("aspect", "-1", "the ratio of the sides must be positive"),
-        ("aspect", "0", "the ratio of the sides must be positive"),
+        ("aspect", "-1", "the ratio of the plate's sides must be positive"),
+        ("aspect", "0", "the ratio of the plate's sides must be positive"),
         ("nu", "0.7", "between −1 and ½"),
         ("nu", "-1", "between −1 and ½"),
         ("supports", "XXXX", "supports \"XXXX\""),
@@ -154,7 +154,7 @@ fn values_out_of_range_are_refused_by_the_plate() {
         ("supports", "FFFF", "free to move as a rigid body"),
         ("orders", "(transverse: (0, 6), in_plane: (8, 8))", "transverse functions along x is 0"),
         ("orders", "(transverse: (6, 6), in_plane: (8, 900))", "in-plane functions along y is 900"),
-        ("load", "-5", "is not in its range"),
+        ("load", "-5", "is not in the range of load"),
     ] {
         let mut scene = built_in("plate-clamped");
         let refused = scene.set(name, value).err().or_else(|| execute(&scene, None, &mut ()).error);
@@ -291,7 +291,7 @@ fn restarts_reproduce_the_branch() {
     }
     let start = StartPoint::new(branch.clone(), 99);
     let said = one_line(&execute(&scene, Some(&start), &mut ()).error.unwrap());
-    assert!(said.contains("no label 99"), "{said}");
+    assert!(said.contains("no special point with the label 99"), "{said}");
     // Another discretisation has other unknowns.
     let mut other = scene.clone();
     other.set("orders", "(transverse: (4, 4), in_plane: (6, 6))").unwrap();

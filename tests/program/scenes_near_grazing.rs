@@ -176,7 +176,12 @@ fn periodic_points_are_followed() {
         g[0], pd[0], g[1], pd[1]
     );
     let of_the_flow = text.replace(&half, "impacts: [true, false]");
-    assert!(Scene::parse(&of_the_flow).unwrap_err().to_string().contains("but no local map"));
+    assert!(
+        Scene::parse(&of_the_flow)
+            .unwrap_err()
+            .to_string()
+            .contains("which is valid only for a local map")
+    );
     let document = traced(&Scene::parse(&text).unwrap());
     close(one(&document, "b", Kind::PD, "voltage"), one(&document, "B", Kind::PD, "voltage"), 2e-8);
     let end = one(&document, "C", Kind::G, "voltage");
@@ -229,7 +234,9 @@ fn maps_are_swept() {
     let text = text.replace("name: \"voltage\", low: 0.1715", "name: \"damping\", low: 0.1715");
     let refused = refusal(&text);
     assert!(
-        refused.contains("is not a parameter of the map, which has voltage, frequency"),
+        refused.contains(
+            "is not a parameter of the local map, whose parameters are voltage, frequency"
+        ),
         "{refused}"
     );
 }
@@ -270,7 +277,7 @@ fn bad_runs_of_maps_are_refused() {
         (
             "run: \"flow\", kind: G, parameters: [\"frequency\"]",
             along,
-            "`voltage` is not a parameter of the map, which has frequency",
+            "`voltage` is not a parameter of the local map, whose parameters are frequency",
         ),
         ("run: \"flow\", kind: G, parameters: []", along, "names no parameters of the map"),
         (at, &format!("start: From(run: \"flow\", kind: G), {along}"), "the same local map"),

@@ -195,7 +195,7 @@ fn discretisations_that_cannot_be_are_refused_with_a_reason() {
     for (name, value, said) in [
         ("solution", "equilibrium", "forced systems have no equilibria"),
         ("frequency", "-1", "frequency"),
-        ("voltage", "2", "is not in its range"),
+        ("voltage", "2", "is not in the range of voltage"),
     ] {
         let scene = with("mita-nonimpacting", &[(name, value)]);
         let text = execute(&scene, None, &mut ()).error.expect(name).to_string();

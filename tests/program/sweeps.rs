@@ -124,7 +124,10 @@ fn a_terminated_sweep_is_saved_and_resumed() {
         let id = child.id().to_string();
         assert!(Command::new("kill").args(["-TERM", &id]).status().unwrap().success());
     });
-    assert!(failure(&output, 1).contains("results computed so far are saved"), "{output:?}");
+    assert!(
+        failure(&output, 1).contains("all results computed before the interruption are saved"),
+        "{output:?}"
+    );
     is_resumed(folder.path());
 }
 
@@ -171,14 +174,12 @@ fn parts_are_even_or_say_why_not() {
     // Eight parts need more of them. Half of the parts have nothing to do …
     let (_, said) = part("chains", 8, 8, &[]);
     assert!(
-        said.contains(
-            "4 strands cannot be divided evenly into 8 parts: the largest has 4 of 16 runs"
-        ),
+        said.contains("cannot be divided evenly into 8 parts: the largest part has 4 of 16 runs"),
         "{said}"
     );
     assert!(
         said.contains(
-            "`--set strands=4`, given for all parts, reduces the largest part to 2 runs;"
+            "with `--set strands=4` in the commands of all parts, the largest part has only 2 runs;"
         ),
         "{said}"
     );
@@ -237,7 +238,7 @@ fn bad_input_is_explained() {
     };
     fails(&["sweep", "lure"], "has no sweeps");
     fails(&["trace", "mita-lyapunov"], "has no branches to trace");
-    fails(&["sweep", "chaos.ron", "--set", "count=0"], "a count is 0");
+    fails(&["sweep", "chaos.ron", "--set", "count=0"], "the count of an axis is 0");
     fails(&["sweep", "chaos.ron", "--set", "transiemt=5"], "did you mean `transient`?");
     let smooth =
         SCENE.replace("Mita()", "Lure()").replace("frequency", "alpha").replace("voltage", "alpha");
@@ -342,7 +343,10 @@ fn crises_are_found_by_sweeps() {
         assert!(crisis.rows[&run].values[error] <= 1e-4);
     }
     let failure = none.rows[&0].failure.as_deref().unwrap();
-    assert!(failure.contains("no crisis found in 2 steps from 0.1 to 0.05"), "{failure}");
+    assert!(
+        failure.contains("no crisis was found in 2 steps of the parameter from 0.1 to 0.05"),
+        "{failure}"
+    );
     let drawn = figures(&[], std::slice::from_ref(&sweeps), None, &[]).unwrap();
     assert!(drawn[0].series.iter().any(|series| series.points.len() == 2));
     let unknown = text.replace("(name: \"voltage\", from", "(name: \"voltages\", from");

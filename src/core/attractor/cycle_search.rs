@@ -40,11 +40,13 @@ pub enum CycleSearchError {
     Motion(#[from] HybridError),
     /// The motion does not repeat within the maximal number of returns.
     #[error(
-        "the motion did not repeat in {returns} returns, compared over up to {max_period}: the smallest \
-         distance was {distance:.1e}, above the tolerance {tolerance:.1e}"
+        "no cycle was found in {returns} returns of the motion: the state at a return was compared \
+         with the states at up to {max_period} earlier returns, and the smallest distance was \
+         {distance:.1e}, above the tolerance {tolerance:.1e}"
     )]
     #[diagnostic(help(
-        "simulate longer (`transient`, `returns`, `longest`), or start elsewhere if the motion is not periodic"
+        "simulate longer (`transient`, `returns`, `longest`), or start at another state if the \
+         motion is not periodic"
     ))]
     Unsettled {
         /// The number of returns that were compared.
@@ -59,11 +61,13 @@ pub enum CycleSearchError {
     },
     /// The motion decays to a state of rest: the diameter of its returns shrinks to zero.
     #[error(
-        "the motion comes to rest at t = {time:.6}: the diameter of the last return is {last:.1e}, in \
-         units of the scales, and the largest diameter before was {largest:.1e}; simulating longer does \
-         not help"
+        "the motion comes to rest at t = {time:.6}: in units of the scales, the diameter of the \
+         motion between two returns is {last:.1e}, and the largest diameter before was \
+         {largest:.1e}; simulating longer does not help"
     )]
-    #[diagnostic(help("start elsewhere, or trace the equilibrium"))]
+    #[diagnostic(help(
+        "start the simulation at another state, or trace the equilibrium instead of a cycle"
+    ))]
     Rest {
         /// The time of the last return of the motion.
         time: f64,
@@ -74,9 +78,13 @@ pub enum CycleSearchError {
         largest: f64,
     },
     /// The motion comes to rest at an equilibrium.
-    #[error("the motion comes to rest at t = {time:.6}, {place}: simulating longer does not help")]
+    #[error(
+        "the motion comes to rest at t = {time:.6}, {place}: simulating longer \
+         does not help"
+    )]
     #[diagnostic(help(
-        "start elsewhere, or follow the equilibrium from the final state (`solution: equilibrium` in a scene)"
+        "start the simulation at another state, or trace the equilibrium from the final state \
+         (`solution: equilibrium` in a scene)"
     ))]
     Equilibrium {
         /// The time at the end of the simulation, at which the motion rests.
@@ -91,8 +99,8 @@ pub enum CycleSearchError {
     },
     /// A motion without forcing returns neither to an event nor to a section.
     #[error(
-        "the motion did not return to an event or to a section within a time of {0}: the motion is slow, \
-         or escapes"
+        "the motion returned neither to an event nor to a Poincaré section within a time of {0}: \
+         the motion is slow, or escapes to infinity"
     )]
     #[diagnostic(help("raise `longest`, or start elsewhere"))]
     NoReturn(f64),

@@ -12,15 +12,18 @@ pub enum StroboscopicError {
     #[diagnostic(transparent)]
     Hybrid(#[from] HybridError),
     /// The system has no forcing.
-    #[error("the system has no forcing, so its motion cannot be sampled once a period")]
+    #[error("the system has no forcing, so its motion cannot be sampled once per forcing period")]
     #[diagnostic(help(
-        "define a forcing (`HybridSystem::forcing`, `period`), or sample at an event (`--at EVENT`, `at` in a \
-         scene's sweep, `ReturnMap`)"
+        "define a forcing (`HybridSystem::forcing`, `period`), or sample the motion at an event \
+         (`--at EVENT`, `at` in a scene's sweep, `ReturnMap`)"
     ))]
     NoPeriod,
     /// Sampling at an event was requested, but the system has a forcing.
-    #[error("the system has a forcing, and its motion is sampled once a period")]
-    #[diagnostic(help("remove the sampling at the event `{0}`"))]
+    #[error(
+        "the system has a forcing, so its motion is sampled once per forcing period and not at an \
+         event"
+    )]
+    #[diagnostic(help("omit the event `{0}` at which the motion should be sampled"))]
     Forced(String),
     /// A motion without forcing has not returned to its sampling event within the waiting time.
     #[error(
@@ -44,10 +47,13 @@ pub enum StroboscopicError {
     NoMeasure(#[from] UnknownName),
     /// No crisis was found in the interval of the parameter.
     #[error(
-        "no crisis found in {steps} steps from {from} to {to}: the motion must settle on no cycle at one \
-         of these values, and must settle on a cycle, or end, at the last value"
+        "no crisis was found in {steps} steps of the parameter from {from} to {to}: at one of \
+         these values the motion must not settle on a cycle, and at the last value the motion must \
+         settle on a cycle or end"
     )]
-    #[diagnostic(help("change the ends of the range, or use more steps or a longer transient"))]
+    #[diagnostic(help(
+        "change the ends of the parameter's range, or use more steps or a longer transient"
+    ))]
     NoCrisis {
         /// The first value of the varied parameter.
         from: f64,
@@ -75,8 +81,8 @@ pub(super) const MOST_STEPS: usize = 1_000_000;
 pub enum CrisisSearchError {
     /// The parameter to vary does not exist in the system.
     #[error(
-        "the search for a crisis varies parameter {parameter}, but the system has {parameters} parameters, counted \
-         from 0"
+        "the search for a crisis varies the parameter with number {parameter}, but the system has \
+         only {parameters} parameters, numbered from 0"
     )]
     Parameter {
         /// The index of the parameter to vary.
@@ -93,11 +99,15 @@ pub enum CrisisSearchError {
         to: f64,
     },
     /// The number of steps of the search is out of range.
-    #[error("the search for a crisis has {0} steps: the number must be between 1 and {MOST_STEPS}")]
+    #[error(
+        "the search for a crisis has {0} steps, but the number of steps must be between 1 and \
+         {MOST_STEPS}"
+    )]
     Steps(usize),
     /// The tolerance of the search is not a positive number.
     #[error(
-        "the search for a crisis has a tolerance of {0}: the tolerance must be positive and finite"
+        "the search for a crisis has a tolerance of {0}, but the tolerance must be positive and \
+         finite"
     )]
     Tolerance(f64),
 }

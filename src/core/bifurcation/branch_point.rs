@@ -57,7 +57,8 @@ impl DefiningSystem for BranchPoint {
         let (p, count) = (self.parameter, system.names().parameters.len());
         if p >= count {
             return Err(Failure::Mismatch(format!(
-                "the branch point is in parameter {p}, but the system has {count} parameters, numbered from 0"
+                "the condition of a branch point refers to the parameter with number {p}, but the \
+                 system has only {count} parameters, numbered from 0"
             )));
         }
         y[0] = 0.0;

@@ -565,7 +565,8 @@ impl Bifurcation {
         let curves: Vec<String> = curves.collect();
         if curves.is_empty() {
             return Some(
-                "such points lie on curves, and the library has no defining system for them".into(),
+                "the library has no defining system for curves of special points of this kind"
+                    .into(),
             );
         }
         Some(format!("it lies on {}", curves.join(", and on ")))

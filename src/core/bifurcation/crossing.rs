@@ -147,14 +147,15 @@ fn undetermined(forms: &[DMatrix<f64>], m: usize) -> Failure {
     Failure::Undetermined(if m == 1 {
         let [a, b, c] = [(0, 0), (0, 1), (1, 1)].map(|k| forms[0][k]);
         format!(
-            "the algebraic bifurcation equation {a:.3e} α² + 2·{b:.3e} αβ + {c:.3e} β² = 0 has no two \
-             distinct real solutions: the branch point is isolated or degenerate, and no branch can be \
-             switched to"
+            "the algebraic bifurcation equation {a:.3e} α² + 2·{b:.3e} αβ + {c:.3e} β² = 0 has no \
+             two distinct real solutions: the branch point is isolated or degenerate, and \
+             switching to another branch is impossible"
         )
     } else {
         format!(
-            "the {m} algebraic bifurcation equations at this branch point of multiplicity {m} have no two isolated \
-             real solutions: third-order terms determine which branches cross, and no branch can be switched to"
+            "the {m} algebraic bifurcation equations at this branch point of multiplicity {m} have \
+             no two isolated real solutions: third-order terms determine the crossing branches, \
+             and switching to another branch is not supported"
         )
     })
 }

@@ -96,5 +96,9 @@ fn multiplier(null: &mut NullVectors, n: usize, bend: f64) -> [f64; 2] {
 }
 
 fn not_unfolded(kind: Kind) -> Failure {
-    Failure::Undetermined(format!("the two parameters do not unfold the {}", kind.meaning()))
+    Failure::Undetermined(format!(
+        "the two released parameters do not unfold the {}: the unfolding \
+                                   is degenerate",
+        kind.meaning()
+    ))
 }

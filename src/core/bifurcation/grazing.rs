@@ -157,7 +157,7 @@ fn across<'a>(at: &'a mut At, passes: bool, null: &'a mut NullSpace) -> Result<A
 }
 
 fn no_other() -> Failure {
-    Failure::Undetermined("no orbits on the other side of the grazing are known".into())
+    Failure::Undetermined("the system provides no orbits on the other side of the grazing".into())
 }
 
 impl DefiningSystem for GrazingBifurcation {

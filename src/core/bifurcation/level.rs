@@ -45,14 +45,14 @@ impl DefiningSystem for Level {
 
     fn start(&mut self, at: At, _y: &mut [f64]) -> Result<(), Failure> {
         let names = at.system.names();
-        let (position, count) = match self.quantity {
-            Quantity::Parameter(p) => (p, names.parameters.len()),
-            Quantity::Monitor(m) => (m, names.monitors.len()),
+        let (what, position, count) = match self.quantity {
+            Quantity::Parameter(p) => ("parameter", p, names.parameters.len()),
+            Quantity::Monitor(m) => ("monitor", m, names.monitors.len()),
         };
         if position >= count {
             return Err(Failure::Mismatch(format!(
-                "the level refers to quantity {position}, but there are only {count} quantities, \
-                 numbered from 0"
+                "the level refers to the {what} with number {position}, but the system has only \
+                 {count}, numbered from 0"
             )));
         }
         Ok(())

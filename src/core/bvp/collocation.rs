@@ -49,7 +49,10 @@ pub struct Collocation {
 
 /// The error for a number of Gauss points outside the range from 2 to 7.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, miette::Diagnostic, thiserror::Error)]
-#[error("collocation at {0} Gauss points an interval: the number must be between 2 and 7")]
+#[error(
+    "the number of Gauss points per mesh interval is {0}, but collocation needs a number between 2 \
+     and 7"
+)]
 pub struct PointsError(pub usize);
 
 /// The largest number of Gauss points in an interval: for more accuracy, smaller intervals are

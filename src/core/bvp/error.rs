@@ -12,7 +12,8 @@ debug_is_message!(BoundaryError);
 pub enum BoundaryError {
     /// The number of meshes differs from the number of segments, or the number of segments is zero.
     #[error(
-        "{segments} segments and {meshes} meshes: each segment needs one mesh, and at least one segment"
+        "the problem has {segments} segments and {meshes} meshes, but needs at least one segment, \
+         and exactly one mesh for each segment"
     )]
     Meshes {
         /// The number of segments of the problem.
@@ -24,14 +25,14 @@ pub enum BoundaryError {
     #[error("segment {0} has no states")]
     NoStates(usize),
     /// The mesh of a segment does not have any intervals.
-    #[error("segment {0} has no intervals: it needs at least one")]
+    #[error("the mesh of segment {0} has no intervals, but needs at least one interval")]
     NoIntervals(usize),
     /// The number of integral and phase conditions exceeds the number of unknowns.
     #[error(
-        "there are {closing} integral and phase conditions, but only {unknowns} unknowns (states and \
-         extra unknowns)"
+        "the problem has {closing} integral and phase conditions, but only {unknowns} unknowns \
+         (states and extra unknowns)"
     )]
-    #[diagnostic(help("remove conditions or add extra unknowns"))]
+    #[diagnostic(help("remove integral or phase conditions, or add extra unknowns"))]
     Conditions {
         /// The number of unknowns available to the conditions: the states of all segments, and the
         /// extra unknowns.
@@ -41,9 +42,10 @@ pub enum BoundaryError {
     },
     /// The number of segments or of conditions does not match the shape of the problem.
     #[error(
-        "{segments} segments with {boundary} boundary conditions and {closing} integral and phase conditions \
-         do not form a {shape:?}: a periodic orbit is one closed segment, with as many boundary conditions as \
-         states, and cycles have no integral conditions"
+        "the problem has {segments} segments with {boundary} boundary conditions and {closing} \
+         integral and phase conditions, which do not form a {shape:?}: a periodic orbit is one \
+         closed segment with as many boundary conditions as states, and a cycle has no integral \
+         conditions"
     )]
     Shape {
         /// The shape.
@@ -57,7 +59,8 @@ pub enum BoundaryError {
     },
     /// A monitor refers to a state that does not exist.
     #[error(
-        "the monitor `{name}` refers to state {state} on segment {segment}, which does not exist"
+        "the monitor `{name}` refers to state {state} on segment {segment}, but this state does \
+         not exist"
     )]
     Monitor {
         /// The monitor.
@@ -69,10 +72,10 @@ pub enum BoundaryError {
     },
     /// The mesh with the largest allowed number of intervals is too coarse for the tolerance.
     #[error(
-        "an error of {tolerance:.1e} needs {needed:.0} intervals on segment {segment}, but at most \
-         {most} intervals are allowed"
+        "a discretisation error of {tolerance:.1e} needs {needed:.0} mesh intervals on segment \
+         {segment}, but at most {most} intervals are allowed"
     )]
-    #[diagnostic(help("raise the tolerance or the number of points per interval"))]
+    #[diagnostic(help("raise the tolerance, or the number of collocation points per interval"))]
     TooFine {
         /// The segment.
         segment: usize,

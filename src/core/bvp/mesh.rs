@@ -31,7 +31,8 @@ pub enum MeshError {
     Start(f64),
     /// The breakpoints do not increase strictly.
     #[error(
-        "breakpoint {index} of the mesh is {next}, not above {before}: breakpoints must increase"
+        "breakpoint {index} of the mesh is {next}, but must be above the breakpoint before, \
+         {before}"
     )]
     Order {
         /// The position of the offending breakpoint.

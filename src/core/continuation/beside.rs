@@ -74,7 +74,11 @@ fn doubled(
     resumed: &Start,
 ) -> Result<Start, Failure> {
     if resumed.site != Site::BranchPoint {
-        return Err(Failure::Unsupported("the system has no orbits of twice the period".into()));
+        return Err(Failure::Unsupported(
+            "the system does not define orbits of twice the period, \
+                                         from which this curve starts"
+                .into(),
+        ));
     }
     let released = released_in(curve.system.names(), &curve.released);
     let null = &mut NullSpace::default();

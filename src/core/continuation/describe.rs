@@ -96,8 +96,8 @@ fn doubt_multipliers(
         special.eigenvalues.clear();
         special.unstable = common_count(critical, sides);
         special.undetermined = Some(format!(
-            "no computed multiplier is near the critical one: the nearest one differs by {nearest:.1e}; use a finer \
-             mesh"
+            "no computed Floquet multiplier is near the critical value: the nearest multiplier \
+             differs from the critical value by {nearest:.1e}; use a finer mesh"
         ));
     }
 }

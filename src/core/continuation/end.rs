@@ -36,8 +36,9 @@ pub enum End {
     /// The reset of an event is discontinuous at the end of the branch, for example because of an
     /// `if`, so that the branch does not continue to nearby solutions.
     #[error(
-        "the reset of the event `{event}` jumps: after the event, {state} changes from {from:.6e} to {to:.6e}; \
-         start the branch beyond from a simulated cycle"
+        "the reset of the event `{event}` is discontinuous: the value of {state} after the event \
+         jumps from {from:.6e} to {to:.6e}; start the branch on the other side of the jump from a \
+         simulated cycle"
     )]
     ResetJumps {
         /// The event.
@@ -88,8 +89,9 @@ pub enum End {
     /// Special points that are found where the parameters are constant, and do not converge, are
     /// omitted.
     #[error(
-        "the cycles come near a homoclinic orbit: the period grows to {period:.6} while the parameters stand still, and \
-         the orbit comes within {distance:.1e} of its size to an equilibrium"
+        "the cycles approach a homoclinic orbit: the period grows to {period:.6} while the \
+         parameters are constant, and the distance of the cycle from an equilibrium falls to \
+         {distance:.1e} of the cycle's size"
     )]
     Homoclinic {
         /// The period at the end of the branch.
@@ -100,8 +102,8 @@ pub enum End {
     /// A leading eigenvalue of the equilibrium of homoclinic orbits approaches zero. At zero, the
     /// approach to the equilibrium is slower than exponential.
     #[error(
-        "the equilibrium of the homoclinic orbits is nearly non-hyperbolic: `{name}` falls to {rate:.1e} from \
-         {largest:.1e}"
+        "the equilibrium of the homoclinic orbits is nearly non-hyperbolic: the real part `{name}` \
+         of an eigenvalue falls to {rate:.1e} from {largest:.1e}"
     )]
     WeakSaddle {
         /// The name of the monitor that contains the eigenvalue.
@@ -113,7 +115,8 @@ pub enum End {
     },
     /// The period has grown by more than the settings allow.
     #[error(
-        "the period grows from {shortest:.6} to {period:.6}, by more than `max_period_growth` allows"
+        "the period grows from {shortest:.6} to {period:.6}, more than the setting \
+         `max_period_growth` allows"
     )]
     LongPeriod {
         /// The period at the end of the branch.
@@ -124,8 +127,9 @@ pub enum End {
     /// A branch of cycles has many folds at the same two values of the parameter, while the period
     /// grows (snaking).
     #[error(
-        "the branch snakes: its last {turns} turns lie near {:.6} and {:.6} while the period grows from {from:.6} to \
-         {to:.6}, as near a homoclinic orbit to another cycle; bound the period to follow it farther",
+        "the branch snakes, as near a homoclinic orbit to another cycle: its last {turns} folds \
+         lie near the parameter values {:.6} and {:.6} while the period grows from {from:.6} to \
+         {to:.6}; set a bound on the period to follow the branch farther",
         values[0], values[1]
     )]
     Snaking {
@@ -140,8 +144,8 @@ pub enum End {
     },
     /// A group of unknowns grows without bound while the parameters are constant.
     #[error(
-        "the branch goes to infinity: {name} grows from {from:.3e} to {to:.3e} while the parameters are constant; \
-         bound the branch to end it sooner"
+        "the branch goes to infinity: {name} grows from {from:.3e} to {to:.3e} while the \
+         parameters are constant; set a bound to end the branch sooner"
     )]
     Infinite {
         /// The name of the group of unknowns that grows.
@@ -153,16 +157,20 @@ pub enum End {
     },
     /// The curve converges to a point, for example an invariant manifold of a saddle to a stable
     /// node.
-    #[error("the curve converges to the point ({}), which iterates do not reach", numbers(point))]
+    #[error(
+        "the manifold converges to the point ({}), which iterates approach but never reach",
+        numbers(point)
+    )]
     ConvergesTo {
         /// The states of the point to which the curve converges.
         point: Vec<f64>,
     },
     /// The branch did not make net progress over many steps.
     #[error(
-        "no progress: over the last {points} points, {way:.1e} of scaled arclength, each parameter and group of \
-         unknowns moved by at most {ahead:.1e} of its path length: the discretisation may be too coarse, or the \
-         solution is dominated by rounding; refine it, or bound the branch"
+        "the branch makes no progress: over the last {points} points, {way:.1e} of scaled \
+         arclength, the net change of each parameter and group of unknowns is at most {ahead:.1e} \
+         of the length of its path; the discretisation may be too coarse, or rounding errors may \
+         dominate the solution: refine the discretisation, or bound the branch"
     )]
     NoProgress {
         /// The number of points over which the branch made no net progress.
@@ -183,7 +191,7 @@ pub enum End {
     #[error("interrupted")]
     Interrupted,
     /// The branch was traced only in the direction opposite to this end.
-    #[error("the start of the branch: this direction was not requested")]
+    #[error("the branch ends at its start: this direction was not requested")]
     Start,
 }
 

@@ -20,8 +20,8 @@ pub enum TraceError {
     #[error("the parameter `{0}` is released twice")]
     Twice(String),
     /// The start lies outside the range or bounds of a parameter or monitor.
-    #[error("the start {name} = {value} is not in its range {low} to {high}")]
-    #[diagnostic(help("start within the range, or widen the range"))]
+    #[error("the start {name} = {value} is not in the range of {name}, {low} to {high}")]
+    #[diagnostic(help("start the branch within the range, or widen the range"))]
     OutOfRange {
         /// The name of the parameter or monitor.
         name: String,
@@ -33,7 +33,7 @@ pub enum TraceError {
         high: f64,
     },
     /// The range of a parameter or monitor is empty or contains NaN.
-    #[error("the range of {name}, {low} to {high}, is empty: its lower end comes first")]
+    #[error("the range of {name}, {low} to {high}, is empty: the lower end must come first")]
     EmptyRange {
         /// The name of the parameter or monitor.
         name: String,
@@ -56,7 +56,8 @@ pub enum TraceError {
     },
     /// The number of released parameters does not match the number of held defining systems.
     #[error(
-        "{released} parameters are released, but {needed} are needed: one, and one more for each condition held"
+        "{released} parameters are released, but {needed} parameters are needed: one for the \
+         curve, and one more for each condition that is held along the curve"
     )]
     Released {
         /// The number of released parameters.
@@ -66,20 +67,23 @@ pub enum TraceError {
     },
     /// The library does not contain a defining system for a kind of special point.
     #[error(
-        "curves of {0} points ({meaning}) cannot be followed here: the library has no defining system for them",
+        "curves of {0} points ({meaning}) cannot be followed, because the library has no defining \
+         system for {0} points",
         meaning = .0.meaning()
     )]
     NotHeld(crate::core::system::Kind),
     /// The defining system of an event has auxiliary unknowns, so that its left side cannot serve
     /// as the test function.
     #[error(
-        "the defining system of the event `{0}` has auxiliary unknowns and cannot be a test function"
+        "the defining system of the event `{0}` has auxiliary unknowns, so it cannot be used as a \
+         test function"
     )]
-    #[diagnostic(help("give a test function with `Event::with_test`"))]
+    #[diagnostic(help("give the event a test function with `Event::with_test`"))]
     NoTest(String),
     /// An event refers to a parameter, monitor or auxiliary unknown whose index is out of range.
     #[error(
-        "the event `{event}` refers to {what} {position}, but there are only {count} (numbered from 0)"
+        "the event `{event}` refers to the {what} with number {position}, but there are only \
+         {count}, numbered from 0"
     )]
     Position {
         /// The event.
@@ -92,13 +96,13 @@ pub enum TraceError {
         count: usize,
     },
     /// A monitor cannot be held at a level, because it has no gradient.
-    #[error("the monitor `{0}` has no gradient and cannot be held")]
+    #[error("the monitor `{0}` has no gradient, so it cannot be held constant along a curve")]
     #[diagnostic(help("attach the monitor with `smooth_monitor`"))]
     NoGradient(String),
     /// The start has the wrong number of unknowns.
     #[error(
-        "the start has {found} unknowns, but the problem has {expected}: was the start computed with \
-         other settings?"
+        "the start has {found} unknowns, but the problem has {expected} unknowns: was the start \
+         computed with other settings?"
     )]
     StateLength {
         /// The number of unknowns of the given start.
@@ -108,7 +112,10 @@ pub enum TraceError {
     },
     /// The solution at which the curve starts has a different number of parameters than the
     /// problem.
-    #[error("the solution to start from has {found} parameters, but the problem has {expected}")]
+    #[error(
+        "the solution at the start has {found} parameters, but the problem has {expected} \
+         parameters"
+    )]
     ParameterCount {
         /// The number of parameters of the solution.
         found: usize,
@@ -116,7 +123,9 @@ pub enum TraceError {
         expected: usize,
     },
     /// The branch has no special point with the requested label.
-    #[error("branch `{branch}` has no label {label}; its labels are 1 to {last}")]
+    #[error(
+        "branch `{branch}` has no special point with the label {label}; its labels are 1 to {last}"
+    )]
     Label {
         /// The branch.
         branch: String,
@@ -128,10 +137,12 @@ pub enum TraceError {
     /// The special point at which the curve starts has not converged. A curve starts at an
     /// unconverged point only on explicit request.
     #[error(
-        "the {kind} with label {label} of branch `{branch}` has not converged (it lies between {} and {})", bracket[0], bracket[1]
+        "the special point {kind} with label {label} of branch `{branch}` has not converged (it \
+         lies between the parameter values {} and {})", bracket[0], bracket[1]
     )]
     #[diagnostic(help(
-        "lower `max_step`, refine the discretisation, or explicitly allow a start there"
+        "lower `max_step`, refine the discretisation, or explicitly allow a start at a point that \
+         has not converged"
     ))]
     NotConverged {
         /// The branch.
@@ -152,7 +163,7 @@ pub enum TraceError {
         reason: String,
     },
     /// Two unknowns, parameters or monitors have the same name.
-    #[error("two {what} of the problem are called `{name}`")]
+    #[error("two {what} of the problem have the same name, `{name}`")]
     #[diagnostic(help("choose different names"))]
     SameName {
         /// The type of the quantities with the same name: `unknowns`, `parameters` or `monitors`.

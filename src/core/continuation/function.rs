@@ -92,7 +92,7 @@ impl DefiningSystem for Equation {
         let (z, p) = self.x.split_at(at.system.names().dimension());
         values[0] = (self.function)(z, p).re - self.level;
         if !values[0].is_finite() {
-            let remedy = "bound the branch to where the function is defined";
+            let remedy = "bound the branch so that it stays in the domain of the event's function";
             return Err(Failure::not_finite("a function of the event's", values[0], remedy));
         }
         Ok(())

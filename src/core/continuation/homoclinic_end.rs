@@ -62,8 +62,11 @@ pub(super) enum NotFound {
     Newton(#[from] NewtonError),
     /// Newton's method converged on the first mesh, but on no finer mesh, so the discretisation
     /// error is unknown.
-    #[error("Newton's method converges on one mesh only, so the error is unknown")]
-    #[diagnostic(help("take more `intervals` (on a finer mesh: {0})"))]
+    #[error(
+        "Newton's method converges on only one mesh, so the discretisation error of the homoclinic \
+         orbit is unknown"
+    )]
+    #[diagnostic(help("use more `intervals` (the attempt on a finer mesh failed: {0})"))]
     Unrefined(String),
     /// Newton's method converged to another orbit.
     #[error("Newton's method converges to {found:.6}, away from the end of the branch at {end:.6}")]
@@ -147,7 +150,7 @@ fn settle(
         found = on_mesh(corrector, cycle, (&mut *system, &fitted))?;
     }
     let (mut values, mut coarser) = (vec![found.parameter], Vec::new());
-    let mut unrefined = String::from("the method has no finer mesh");
+    let mut unrefined = String::from("the discretisation method does not provide a finer mesh");
     for _ in 0..REFINEMENTS {
         let Some(Refinement { mut system, x }) = found.finer.take() else { break };
         let z = &x[..system.names().dimension()];

@@ -38,7 +38,10 @@ impl Log {
         special.label = self.labels;
         if let Some(reason) = &special.without_phase_response {
             let SpecialPoint { label, kind, .. } = special;
-            let warning = format!("the point {label} ({kind}) has no phase response: {reason}");
+            let warning = format!(
+                "the special point {label} ({kind}) has no phase response: \
+                                   {reason}"
+            );
             self.branch.warnings.push(warning);
         }
         self.items.push_back(Traced::Special(Box::new(special.clone())));
@@ -58,10 +61,10 @@ impl Log {
     /// are simultaneous, or because events precede a state of rest.
     pub fn stays_at_limit(&mut self, event: &str) {
         let warning = format!(
-            "`{event}` is zero, up to the error of the points, at successive points, which are not \
-             reported as special points: either two events are simultaneous along the branch, as in \
-             synchrony, and the multipliers assume one order of the events; or the motion is about to \
-             stop at an equilibrium"
+            "the test function of `{event}` vanishes, up to its error, at several successive \
+             points, so these points are not reported as special points: either two events are \
+             simultaneous along the branch, as in synchrony, and the multipliers are computed for \
+             one order of the two events; or the motion is about to stop at an equilibrium"
         );
         let warnings = &mut self.branch.warnings;
         if !warnings.contains(&warning) {
@@ -71,8 +74,10 @@ impl Log {
 
     /// Warns that the homoclinic orbit at the end of the branch was not located.
     pub fn homoclinic_not_located(&mut self, cause: &dyn Diagnostic) {
-        let warning =
-            format!("the homoclinic orbit at the end was not located: {}", one_line(cause));
+        let warning = format!(
+            "the homoclinic orbit at the end of the branch was not located: {}",
+            one_line(cause)
+        );
         self.branch.warnings.push(warning);
     }
 
@@ -99,9 +104,10 @@ impl Log {
     pub fn small_from(&mut self, value: f64) {
         let continued = &self.branch.released[0];
         self.branch.warnings.push(format!(
-            "from {continued} = {value:.6} on, all states of a segment are smaller than 1e-7 of their scales, to \
-             which tolerances are relative: durations have fewer digits than their errors suggest; end the branch \
-             there, or give smaller `scales`"
+            "from {continued} = {value:.6} on, all states of a segment are smaller than 1e-7 of \
+             their scales: because tolerances are relative to the scales, durations have fewer \
+             correct digits than their error estimates suggest; end the branch at this value, or \
+             give smaller `scales`"
         ));
     }
 }

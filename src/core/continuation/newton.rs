@@ -351,7 +351,7 @@ fn hopeless(
             NewtonError::Stagnation { iterations: iteration, correction: size, damping }
         }
         Ok(()) => {
-            let remedy = "the equations must be finite near the solution";
+            let remedy = "the equations must have finite values near the solution";
             let cause = Failure::not_finite("the correction", size, remedy);
             NewtonError::Evaluation { iteration, cause }
         }

@@ -21,7 +21,8 @@ use crate::core::system::{
 use std::sync::Arc;
 
 /// The error message for a curve of homoclinic orbits that does not start at a suitable cycle.
-const NO_CYCLE: &str = "a branch of homoclinic orbits starts from a cycle near a homoclinic orbit, where a branch of cycles ends";
+const NO_CYCLE: &str = "a branch of homoclinic orbits starts from a cycle near a homoclinic orbit, \
+                        such as the last cycle of a branch of cycles";
 
 /// The specification of a curve, with names replaced by indices of parameters and monitors.
 pub(super) struct Resolved {
@@ -117,7 +118,8 @@ fn take_over(curve: &mut Continuation) -> Result<Start, Failure> {
     let several_folds = kind == Kind::LP && solution.multiplicity > 1;
     if switched && at_point && kind != Kind::BP && !several_folds {
         return Err(Failure::Mismatch(format!(
-            "the point to switch at is a {}, but branches cross at branch points (BP) only",
+            "the start is a {}, but branches can be switched only at branch points (BP), where \
+             branches cross",
             kind.meaning()
         )));
     }
@@ -210,8 +212,8 @@ fn from_takens(
     }
     Err(first.unwrap_or_else(|| {
         Failure::Mismatch(
-            "the homoclinic orbits near the point are outside the ranges of the parameters: widen the \
-             ranges, or lower `initial_step`"
+            "the homoclinic orbits near the start point are outside the ranges of the parameters: \
+             widen the ranges, or lower `initial_step`"
                 .into(),
         )
     }))
@@ -221,7 +223,8 @@ fn from_takens(
 fn check_columns(names: &Names) -> Result<(), Failure> {
     match names.parameters.iter().find(|name| names.monitors.contains(name)) {
         Some(name) => Err(Failure::Mismatch(format!(
-            "the parameter `{name}` has the name of a column of homoclinic orbits: rename the parameter"
+            "the parameter `{name}` has the same name as a column of homoclinic orbits: rename the \
+             parameter"
         ))),
         None => Ok(()),
     }

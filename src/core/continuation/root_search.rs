@@ -111,7 +111,8 @@ impl RootSearch {
         if within.len() != n || !within.iter().all(sound) {
             let what = format!("a box of {} intervals for {n} unknowns", within.len());
             return Err(Failure::Mismatch(
-                what + "; each must be finite, with its lower end below the upper one",
+                what + "; the box must have one interval for each unknown, with finite ends and \
+                        the lower end first",
             ));
         }
         let mut newton = Deflated::new(system, p, within);

@@ -225,7 +225,11 @@ impl Parts<'_, '_> {
         let kind = kinds(critical, dynamics)[usize::from(!crosses)];
         let event = match critical {
             Critical::Pair => {
-                format!("{}: {count} pairs with the same frequency are critical", kind.meaning())
+                format!(
+                    "{}: {count} complex pairs with the same frequency are critical at the \
+                         same point",
+                    kind.meaning()
+                )
             }
             Critical::MinusOne => format!("{}: {count} multipliers are −1", kind.meaning()),
             _ => format!("{}: {count} eigenvalues vanish", kind.meaning()),

@@ -51,8 +51,8 @@ pub(super) fn beside<T>(
             let p = corrector.equations.released[0];
             let name = &corrector.equations.names().parameters[p];
             let said = format!(
-                "the start is a special point, where the direction of the branch is not determined; the \
-                 start was moved from {name} = {value} to {moved}"
+                "the start is a special point at which the direction of the branch is not \
+                 determined, so the start was moved from {name} = {value} to {moved}"
             );
             return Ok((tangent, said));
         }
@@ -60,8 +60,8 @@ pub(super) fn beside<T>(
     unknowns.clone_from(&start);
     Err(match singular.then(|| conserved(corrector, &start)).flatten() {
         Some(law) => Failure::Unsupported(format!(
-            "{law} is conserved, so equilibria are not isolated: define one of these unknowns by the others and the \
-             conserved quantity"
+            "the quantity {law} is conserved, so equilibria are not isolated: define one of its \
+             unknowns by the other unknowns and the conserved quantity"
         ))
         .into(),
         None => cause,

@@ -99,7 +99,8 @@ pub(super) fn stays_at_boundary(system: &mut dyn System, x: &[f64], scale: f64) 
 /// emanates.
 pub(super) fn no_neighbour(rest: &RestInMode) -> Failure {
     Failure::Undetermined(format!(
-        "no other mode has an equilibrium where the equilibrium of mode `{}` reaches its boundary",
+        "no other mode has an equilibrium at the boundary point that the equilibrium of mode `{}` \
+         reaches",
         rest.name()
     ))
 }

@@ -177,7 +177,8 @@ impl System for HybridEquilibria {
         let scale = self.rest.scales_of_guards(p).into_iter().reduce(f64::min);
         if scale.is_some_and(|scale| stays_at_boundary(&mut self.matrix, x, scale)) {
             return Err(Failure::Undetermined(format!(
-                "the equilibrium is at the boundary of mode `{}` for all parameters: use another mode",
+                "the equilibrium lies on the boundary of mode `{}` for all parameter values: trace \
+                 the equilibrium in another mode",
                 self.rest.name()
             )));
         }
@@ -210,7 +211,7 @@ impl System for HybridEquilibria {
             *self = other.map_err(|error| {
                 let words = &solution.itinerary;
                 Failure::Mismatch(format!(
-                    "the itinerary `{words}` of the start does not name a mode: {}",
+                    "the start has the itinerary `{words}`, which is not the name of a mode: {}",
                     one_line(&error)
                 ))
             })?;
@@ -218,7 +219,8 @@ impl System for HybridEquilibria {
         let (n, found) = (self.names().dimension(), solution.state.len());
         if found != n {
             return Err(Failure::Mismatch(format!(
-                "the start has {found} unknowns, but an equilibrium of mode `{}` has {n}: start from an equilibrium",
+                "the start has {found} unknowns, but an equilibrium of mode `{}` has {n} unknowns: \
+                 start from an equilibrium of this mode",
                 self.rest.name()
             )));
         }

@@ -15,7 +15,7 @@ pub enum EquilibriumError {
     #[diagnostic(transparent)]
     Unknown(#[from] UnknownName),
     /// No mode has the given number.
-    #[error("mode {number} does not exist: the system has {count} modes, counted from 0")]
+    #[error("mode {number} does not exist: the system has {count} modes, numbered from 0")]
     NoMode {
         /// The given number.
         number: usize,

@@ -198,7 +198,7 @@ impl dyn HybridEquations + '_ {
         let (modes, monitors) = (self.modes(), self.monitors());
         let scalars = distinct(modes.iter().flat_map(|mode| &mode.states).chain(&monitors));
         for (name, measure) in self.measures() {
-            let what = format!("state or monitor of the measure `{name}`");
+            let what = format!("monitor or state in the measure `{name}`");
             for scalar in measure.scalars() {
                 position(&what, scalar, &scalars)?;
             }

@@ -13,8 +13,8 @@ pub enum HybridError {
     Settings(#[from] SettingsError),
     /// The shortest time in which a guard changes, given by the system, is not positive.
     #[error(
-        "the shortest time in which the guard {guard} changes is {time} (`Guard::changing_in`), but must \
-         be above 0"
+        "the shortest time in which the guard {guard} changes (`Guard::changing_in`) is {time}, \
+         but must be above 0"
     )]
     ChangesIn {
         /// The guard.
@@ -23,7 +23,7 @@ pub enum HybridError {
         time: f64,
     },
     /// The number of states or parameters differs from the number that the mode requires.
-    #[error("{found} {what} are given, but mode {mode} has {expected}")]
+    #[error("{found} {what} are given, but mode {mode} has {expected} {what}")]
     Length {
         /// The quantities whose number is wrong: `states` or `parameters`.
         what: &'static str,
@@ -36,8 +36,8 @@ pub enum HybridError {
     },
     /// The mode after an event, or at the start, does not exist.
     #[error(
-        "at t = {time:.9e}, {after}the next mode is number {mode}, which does not exist: there are {modes} \
-         modes, counted from 0"
+        "at t = {time:.9e}, {after}the next mode has the number {mode}, but the system has only \
+         {modes} modes, numbered from 0"
     )]
     NoMode {
         /// The time.
@@ -51,14 +51,16 @@ pub enum HybridError {
     },
     /// The duration of the simulation is negative, but motion cannot be simulated backwards since
     /// resets have no inverse.
-    #[error("a hybrid motion cannot be simulated for a duration of {0}: resets have no inverse")]
+    #[error(
+        "a hybrid motion cannot be simulated for the negative duration {0}: resets have no inverse"
+    )]
     Backward(f64),
     /// A guard is negative at the start of a mode.
     #[error(
-        "at t = {time:.9e}, {after}mode {mode} begins with the guard {guard} = {value:.3e}, but lasts only \
-         while its guards are positive"
+        "at t = {time:.9e}, {after}mode {mode} begins with the guard {guard} = {value:.3e}, but a \
+         mode lasts only while all its guards are positive"
     )]
-    #[diagnostic(help("start elsewhere, or choose another next mode"))]
+    #[diagnostic(help("start at another state, or let the event lead to another mode"))]
     Outside {
         /// The time.
         time: f64,
@@ -73,8 +75,8 @@ pub enum HybridError {
     },
     /// An event leads to a mode with a different number of states, but its reset is not defined.
     #[error(
-        "at t = {time:.9e} the event {guard} leads from mode {mode} with {before} states to mode {next} with \
-         {after} states, but has no reset"
+        "at t = {time:.9e} the event {guard} leads from mode {mode} with {before} states to mode \
+         {next} with {after} states, but the event has no reset"
     )]
     #[diagnostic(help("define a reset (`HybridSystem::reset`)"))]
     NoReset {
@@ -92,7 +94,7 @@ pub enum HybridError {
         after: usize,
     },
     /// The integration of the flow of a mode ends early.
-    #[error("in mode {mode} the motion ends: {source}")]
+    #[error("the motion ends early in mode {mode}: {source}")]
     #[diagnostic(forward(source))]
     Flow {
         /// The mode.
@@ -102,7 +104,7 @@ pub enum HybridError {
     },
     /// The solution of a field without modes and events grows without bound.
     #[error("the solution grows without bound: at t = {time:.9e}, {state} = {value:.3e}")]
-    #[diagnostic(help("simulate a shorter time, or start elsewhere"))]
+    #[diagnostic(help("simulate for a shorter time, or start at another state"))]
     Unbounded {
         /// The time at which the integration fails, because no further step succeeds.
         time: f64,
@@ -117,7 +119,9 @@ pub enum HybridError {
         "events of guard {guard} accumulate at t = {time:.9e}: in mode {mode} {events} events occurred at \
          intervals that shrink by {ratio:.4}, the last one of {interval:.1e}"
     )]
-    #[diagnostic(help("name the mode that follows the accumulation (`Guard::accumulating_to`)"))]
+    #[diagnostic(help(
+        "name the mode that follows the accumulation of events (`Guard::accumulating_to`)"
+    ))]
     Accumulation {
         /// The time of the accumulation.
         time: f64,
@@ -134,9 +138,9 @@ pub enum HybridError {
     },
     /// Too many events occur without an advance of time.
     #[error(
-        "at t = {time:.9e} time does not advance: {events} events occurred within {span:.1e}, the last one of \
-         guard {guard} in mode {mode}; no reset may lead to a state at which a guard immediately falls to \
-         zero"
+        "at t = {time:.9e} the time does not advance: {events} events occurred within a time of \
+         {span:.1e}, the last one at the guard {guard} in mode {mode}; a reset must not lead to a \
+         state at which a guard immediately falls to zero"
     )]
     Standstill {
         /// The time.

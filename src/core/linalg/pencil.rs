@@ -141,8 +141,8 @@ fn by_quotient(p: MatRef<f64>, q: MatRef<f64>) -> Option<Spectrum> {
 /// Creates the error for a pencil `P + μ Q` that is singular for every multiplier `μ`.
 pub(in crate::core) fn undetermined() -> Failure {
     Failure::Undetermined(
-        "the multipliers are not determined to working accuracy: the linearisation over a period has a row that \
-         vanishes"
+        "the Floquet multipliers are not determined to working accuracy: the linearisation over a \
+         period has a row of zeros"
             .into(),
     )
 }

@@ -30,7 +30,9 @@ pub enum GrazingError {
     #[error("the grazing point does not belong to the system: {0}")]
     Foreign(String),
     /// The number of deviations differs from the number of coordinates or parameters.
-    #[error("{found} deviations of {what} are given, but {expected} are needed")]
+    #[error(
+        "{found} deviations of {what} are given, but the local map needs {expected} deviations"
+    )]
     Length {
         /// `coordinates` or `parameters`.
         what: &'static str,
@@ -40,21 +42,26 @@ pub enum GrazingError {
         expected: usize,
     },
     /// The phase of a forcing period is invalid.
-    #[error("the phase grows by {0} in a forcing period: the increment must be positive")]
+    #[error(
+        "the phase of the forcing grows by {0} in a forcing period, but this increment must be \
+         positive"
+    )]
     Phase(f64),
     /// The order of the map is 0, but must be at least 1.
     #[error("the order of a local map must be at least 1, not {0}")]
     Order(usize),
     /// The order of the map is too low for the dynamics near the grazing.
-    #[error("a local map of order 1 cannot classify a grazing whose discontinuity map has no root")]
+    #[error(
+        "a local map of order 1 cannot classify a grazing whose discontinuity map has no \
+         square-root term"
+    )]
     #[diagnostic(help("take order 2 or more"))]
     NoRoot,
     /// The grazed mode has too few independent states for coordinates on a section.
     #[error(
-        "at the grazing point of guard `{guard}`, the guard and its rate do not determine two states of \
-         mode `{mode}` (the two gradients are linearly dependent to {pivot:.1e}): a local map needs a \
-         guard whose rate varies independently \
-         of its value"
+        "a local map needs a guard whose rate varies independently of its value, but at the \
+         grazing point of guard `{guard}` in mode `{mode}` the gradients of the guard and of its \
+         rate are linearly dependent, to {pivot:.1e}"
     )]
     NoSection {
         /// The guard.
@@ -66,8 +73,8 @@ pub enum GrazingError {
     },
     /// The orbit does not graze the guard's surface at the given point.
     #[error(
-        "the orbit does not touch guard `{guard}` at t = {time:.9e}: the guard is {value:.1e} and its rate \
-         {rate:.1e}, but both must vanish"
+        "the orbit does not graze guard `{guard}` at t = {time:.9e}: the value of the guard is \
+         {value:.1e} and its rate is {rate:.1e}, but both must vanish"
     )]
     #[diagnostic(help("locate the grazing (G) first"))]
     NoTouch {
@@ -104,10 +111,11 @@ pub enum GrazingError {
     },
     /// An event of the orbit does not occur near its expected time.
     #[error(
-        "the motion in mode `{mode}` does not reach {surface} near t = {time:.9e}: the last Newton step is {step:.1e}"
+        "the motion in mode `{mode}` does not reach {surface} near t = {time:.9e}: the last Newton \
+         step for the time is {step:.1e}"
     )]
     #[diagnostic(help(
-        "give more accurate durations of the legs, or locate the grazing (G) first"
+        "give more accurate durations of the orbit's legs, or locate the grazing (G) first"
     ))]
     NotReached {
         /// The mode.
@@ -121,11 +129,11 @@ pub enum GrazingError {
     },
     /// Near the grazing orbit, only this orbit itself returns to the grazed surface immediately.
     #[error(
-        "the motion from the grazing point of guard `{touched}` ends immediately at guard `{back}`, but \
-         near the grazing point \
-         the two surfaces are {left:.1e} apart: there is no local map in powers of the root of the penetration"
+        "the motion from the grazing point of guard `{touched}` ends immediately at guard \
+         `{back}`, but near the grazing point the surfaces of the two guards are {left:.1e} apart: \
+         no local map in powers of the square root of the penetration exists"
     )]
-    #[diagnostic(help("use the same function for both guards"))]
+    #[diagnostic(help("use the same function for the two guards"))]
     Apart {
         /// The name of the guard that the orbit grazes.
         touched: String,
@@ -136,8 +144,8 @@ pub enum GrazingError {
     },
     /// The orbit does not return to the grazing point.
     #[error(
-        "the orbit does not return to its grazing point: after one period coordinate `{coordinate}` is \
-         off by {missed:.3e}"
+        "the orbit does not return to its grazing point: after one period, the coordinate \
+         `{coordinate}` differs from the grazing point by {missed:.3e}"
     )]
     #[diagnostic(help(
         "give the durations of the legs of the orbit, and locate the grazing (G) first"
@@ -151,8 +159,7 @@ pub enum GrazingError {
     /// Newton's method for the grazing orbit does not converge.
     #[error(
         "no grazing orbit was found near the point by varying parameter `{parameter}`: after \
-         {iterations} iterations the orbit \
-         misses its start by {residual:.1e}"
+         {iterations} Newton iterations, the end of the orbit misses its start by {residual:.1e}"
     )]
     #[diagnostic(help("start closer to the grazing orbit, or release another parameter"))]
     NotLocated {
@@ -165,10 +172,11 @@ pub enum GrazingError {
     },
     /// The local map is evaluated at a point too far from grazing.
     #[error(
-        "the local map of order {order} is used too far from grazing: terms of the last order change the \
-         image by {estimate:.1e} (allowed: {tolerance:.1e}) at a penetration of {penetration:.1e}"
+        "the local map of order {order} is used too far from grazing: the terms of the highest \
+         order change the image by {estimate:.1e} (allowed: {tolerance:.1e}) at a penetration of \
+         {penetration:.1e}"
     )]
-    #[diagnostic(help("use a higher order, or a point closer to grazing"))]
+    #[diagnostic(help("use a local map of higher order, or a point closer to grazing"))]
     TooFar {
         /// The order of the local map.
         order: usize,

@@ -82,8 +82,9 @@ impl<T: Scalar> Moving<T> {
         match deviations().zip(&map.scales).position(far) {
             None => Ok(penetration),
             Some(k) => Err(StroboscopicError::Map(format!(
-                "an iterate of the local map of order {} is too far from the grazing: `{}` deviates by {:.1e}, where its \
-                 scale is {:.1e}; start closer to the grazing",
+                "an iterate of the local map of order {} is too far from the grazing: the \
+                 coordinate `{}` deviates by {:.1e}, but its scale is {:.1e}; start closer to the \
+                 grazing",
                 map.space().order(),
                 map.coordinates()[k],
                 state.x[k].real(),

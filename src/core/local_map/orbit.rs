@@ -262,7 +262,7 @@ impl Itineraries<ErasedProblem> for LocalOrbit {
             "impact" => Ok(true),
             "pass" => Ok(false),
             _ => Err(Failure::Mismatch(format!(
-                "`{word}` in the itinerary `{words}` is neither `impact` nor `pass`"
+                "the word `{word}` in the itinerary `{words}` must be `impact` or `pass`"
             ))),
         };
         let impacts = words.split_whitespace().map(impact).collect::<Result<_, _>>()?;

@@ -92,22 +92,35 @@ impl GrazingPoint {
         for &Leg { mode, exit, accumulates } in legs.chain([&touch]) {
             fits(!accumulates, &|| "infinitely many events of the orbit accumulate".into())?;
             fits(mode < modes.len(), &|| {
-                format!("mode {mode} does not exist (the system has {})", modes.len())
+                format!(
+                    "mode {mode} of the orbit does not exist: the system has {} modes, \
+                         numbered from 0",
+                    modes.len()
+                )
             })?;
             let (Some(exit), ended) = (exit, &modes[mode].name) else { continue };
             let guard = guards.get(exit).map_or("", |guard| &guard.name);
             let ends = guards.get(exit).is_some_and(|guard| guard.ends(mode));
-            fits(ends, &|| format!("guard {exit} `{guard}` does not end mode `{ended}`"))?;
+            fits(ends, &|| {
+                format!(
+                    "a leg of the orbit ends mode `{ended}` at guard {exit} \
+                                    (`{guard}`), but this guard does not end this mode"
+                )
+            })?;
         }
         let (states, parameters) = (modes[self.mode].states.len(), system.parameters().len());
         let (x, p) = (self.x.len(), self.p.len());
-        fits(x == states, &|| format!("the point has {x} states, but its mode has {states}"))?;
+        fits(x == states, &|| {
+            format!("the point has {x} states, but its mode has {states} states")
+        })?;
         fits(p == parameters, &|| {
-            format!("the point has {p} parameters, but the system has {parameters}")
+            format!("the point has {p} parameters, but the system has {parameters} parameters")
         })?;
         let first = self.legs.first().map(|(leg, _)| leg.mode);
         fits(first == Some(self.mode), &|| {
-            "the first leg of the orbit is not in the mode of the point".into()
+            "the first leg of the orbit must be in the mode of the grazing point, but is in \
+             another mode"
+                .into()
         })
     }
 }
@@ -149,7 +162,7 @@ impl Surface {
         let name = &system.guards()[guard].name;
         match self {
             Surface::Guard(_) => format!("the event `{name}`"),
-            Surface::Turning(_) => format!("the section where guard `{name}` is smallest"),
+            Surface::Turning(_) => format!("the section at the minimum of guard `{name}`"),
         }
     }
 }

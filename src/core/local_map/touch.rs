@@ -46,7 +46,8 @@ fn touching(orbit: &KnownOrbit) -> Result<GrazingPoint, GrazingError> {
     let point =
         ending(&KnownOrbit { legs, known: &guess.trajectories, q: &q }, legs.all().len() - 1)?;
     Ok(point.ok_or_else(|| {
-        let reason = "the orbit is close to a guard but does not touch it: locate the grazing (G)";
+        let reason = "the orbit is close to a guard but does not touch the guard: locate the \
+                      grazing (G) first";
         Failure::Undetermined(reason.into())
     })?)
 }
@@ -107,7 +108,8 @@ impl GrazingPoint {
         let known = orbits.trajectories_of(&adopted.z, &solution.parameters);
         let problem: &dyn Any = &*known.problem;
         let problem = problem.downcast_ref::<HybridOrbit>().ok_or_else(|| {
-            let reason = "the solutions are not orbits of a hybrid system";
+            let reason = "the solutions are not orbits of a hybrid system, so they have no grazing \
+                          points";
             Failure::Unsupported(reason.into())
         })?;
         GrazingPoint::on(problem.itineraries.known(&known.trajectories, &known.q))

@@ -17,7 +17,8 @@ pub enum ManifoldError {
     },
     /// The number of given states is not a positive multiple of the number of states of the map.
     #[error(
-        "{found} states are not a cycle of a map with two states: two are needed for each iterate"
+        "{found} numbers are not a cycle of a map with two states: each iterate of a cycle needs \
+         two numbers"
     )]
     States {
         /// The number of given states.
@@ -44,7 +45,9 @@ pub enum ManifoldError {
     },
     /// The cycle found has fewer iterates than requested.
     #[error("Newton's method converges to a cycle of {found} iterates instead of {wanted}")]
-    #[diagnostic(help("set `iterates` to {found}, or start closer to the longer cycle"))]
+    #[diagnostic(help(
+        "set `iterates` to {found}, or start closer to the cycle of {wanted} iterates"
+    ))]
     Shorter {
         /// The number of iterates after which the states of the cycle repeat.
         found: usize,
@@ -52,7 +55,7 @@ pub enum ManifoldError {
         wanted: usize,
     },
     /// A state of the saddle is outside its bounds.
-    #[error("`{name}` = {value} at the saddle is outside its bounds")]
+    #[error("the saddle is outside the bounds of `{name}`: at the saddle, `{name}` = {value}")]
     #[diagnostic(help("widen the bounds"))]
     OutOfBounds {
         /// The state.
@@ -73,7 +76,7 @@ pub enum ManifoldError {
     },
     /// Both multipliers of the cycle are on the same side of the unit circle.
     #[error(
-        "the cycle is {}stable node, not a saddle: its multipliers are {:.6} and {:.6}", if multipliers[0].abs() > 1.0 { "an un" } else { "a " }, multipliers[0], multipliers[1]
+        "the cycle is {} node, not a saddle: its multipliers are {:.6} and {:.6}", if multipliers[0].abs() > 1.0 { "an unstable" } else { "a stable" }, multipliers[0], multipliers[1]
     )]
     #[diagnostic(help(
         "start at a saddle: only saddles have both a stable and an unstable manifold"
@@ -84,8 +87,8 @@ pub enum ManifoldError {
     },
     /// A multiplier of the cycle is too close to the unit circle.
     #[error(
-        "the multiplier {multiplier:.9} is too close to the unit circle: points would need thousands of \
-         iterates to leave the saddle"
+        "the multiplier {multiplier:.9} of the saddle is too close to the unit circle: points \
+         would need thousands of iterates to leave the saddle"
     )]
     #[diagnostic(help("change a parameter until |ln |multiplier|| exceeds {least:e}"))]
     Weak {
@@ -96,8 +99,8 @@ pub enum ManifoldError {
     },
     /// The map is not invertible at the saddle.
     #[error(
-        "the multiplier {multiplier:.1e} vanishes: the map folds at the saddle, so the stable manifold cannot \
-         be computed from preimages"
+        "the multiplier {multiplier:.1e} of the saddle vanishes: the map is not invertible at the \
+         saddle, so the stable manifold cannot be computed from preimages"
     )]
     #[diagnostic(help("compute the unstable manifold only"))]
     NoInverse {
@@ -106,8 +109,9 @@ pub enum ManifoldError {
     },
     /// The Taylor polynomial of the local manifold is not accurate enough.
     #[error(
-        "the series of the local manifold has an error of {error:.1e} even at a distance of {distance:.1e} from the \
-         saddle: the map is not smooth there, or its derivative over the cycle is too large for 16 digits"
+        "the series of the local manifold has an error of {error:.1e} even at a distance of \
+         {distance:.1e} from the saddle: the map is not smooth near the saddle, or its derivative \
+         over the cycle is too large for 16 digits"
     )]
     NoSeries {
         /// The error of the Taylor polynomial.

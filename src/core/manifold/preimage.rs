@@ -6,12 +6,13 @@ use super::planar::{Matrix, PlanarMap, Vector, determinant, is_finite, minus, no
 #[derive(Clone, Debug, PartialEq, miette::Diagnostic, thiserror::Error)]
 pub(super) enum Lost {
     /// An image under the map, or the derivative of the map, is not finite.
-    #[error("the map or its derivative is not finite at ({:.6}, {:.6})", at[0], at[1])]
+    #[error("the map or its derivative is not finite at the point ({:.6}, {:.6})", at[0], at[1])]
     NotFinite { at: Vector },
     /// The preimage lies on the other side of a fold of the map, or does not exist.
     #[error(
-        "a fold of the map: ({:.6}, {:.6}) has no preimage on this side of the curve where the derivative is \
-         singular; its determinant is {determinant:.1e} at ({:.6}, {:.6})", of[0], of[1], at[0], at[1]
+        "the manifold reaches a fold of the map: the point ({:.6}, {:.6}) has no preimage on this \
+         side of the curve where the derivative is singular; the determinant of the derivative is \
+         {determinant:.1e} at ({:.6}, {:.6})", of[0], of[1], at[0], at[1]
     )]
     Fold { of: Vector, at: Vector, determinant: f64 },
     /// The step along the manifold was too long for Newton's method.

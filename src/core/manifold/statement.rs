@@ -208,7 +208,7 @@ impl ManifoldSettings {
     /// Rejects invalid settings.
     fn check(&self) -> Result<(), ManifoldError> {
         let positive = [("length", self.length), ("resolution", self.resolution)];
-        let rule = "the value must be finite and above 0";
+        let rule = "the value of the setting must be finite and above 0";
         for (name, value) in positive {
             if !(value > 0.0 && value.is_finite()) {
                 return Err(ManifoldError::Setting { name, value, rule });
@@ -219,7 +219,7 @@ impl ManifoldSettings {
             return Err(ManifoldError::Setting {
                 name,
                 value,
-                rule: "the value must be at least 3",
+                rule: "the value of the setting must be at least 3",
             });
         }
         Ok(())

@@ -6,8 +6,9 @@
 pub enum SettingsError {
     /// A tolerance is negative, NaN, or too small for double precision.
     #[error(
-        "the tolerances of a flow are {relative:.1e} (relative) and {absolute:.1e} (absolute): the relative \
-         tolerance must be at least 1e-15, and the absolute tolerance positive"
+        "the tolerances of a flow are {relative:.1e} (relative) and {absolute:.1e} (absolute), but \
+         the relative tolerance must be at least 1e-15, and the absolute tolerance must be \
+         positive"
     )]
     Tolerance {
         /// The relative tolerance.
@@ -16,10 +17,12 @@ pub enum SettingsError {
         absolute: f64,
     },
     /// The first or the largest step is not a positive fraction of the flow.
-    #[error("a step is a fraction of the flow's duration: {0} is not between 0 and 1")]
+    #[error(
+        "a step of a flow must be a fraction of the flow's duration between 0 and 1, but is {0}"
+    )]
     Step(f64),
     /// The largest number of steps is zero.
-    #[error("a flow needs at least one step")]
+    #[error("the settings allow no step, but a flow needs at least one step")]
     #[diagnostic(help("allow at least one step"))]
     Steps,
 }

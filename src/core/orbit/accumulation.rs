@@ -44,9 +44,9 @@ pub(super) fn check_rebound(
     let (mode, guard) = (&orbit.modes[mode].name, &orbit.guards[guard]);
     let rest = guard.accumulates_to.map_or("contact", |mode| orbit.modes[mode].name.as_str());
     let remedy = format!(
-        "the events {mode}:{} accumulate at the first event, as with a coefficient of restitution of 0: \
-         the motion does not rebound; let the event lead to the mode after the accumulation, with `next: \
-         \"{rest}\"` in a text model",
+        "the events {mode}:{} accumulate at the first event, because the motion does not rebound, \
+         as with a coefficient of restitution of 0; let the event lead to the mode that follows \
+         the accumulation, with `next: \"{rest}\"` in a text model",
         guard.name
     );
     Err(OutOfDomain::new(format!("the duration of {mode}:{}+", guard.name), lasts, remedy))

@@ -66,9 +66,8 @@ impl Onset {
         let name = orbits.guards[self.guard].name.clone();
         self.following_until(orbits, |mode, _| mode == until, p).ok_or_else(|| {
             Failure::Undetermined(format!(
-                "after the event `{name}`, motion does not return to mode `{}` immediately: start the \
-                 branch from \
-                 a simulated cycle (`orbit::from_cycle`)",
+                "after the event `{name}`, the motion does not return to mode `{}` immediately: \
+                 start the branch from a simulated cycle (`orbit::from_cycle`)",
                 orbits.modes[until].name
             ))
         })
@@ -219,9 +218,9 @@ pub(in crate::core) fn check_unmoved(
     let moved = moved_state(orbits.system(), mode, [before, after], UNMOVED, p);
     let Some(i) = moved else { return Ok(()) };
     Err(Failure::Undetermined(format!(
-        "at the grazing point the reset of the event {} changes {} from {:.6e} to {:.6e}: orbits with \
-         the event are not close to orbits without the event; start a branch of orbits with the event \
-         from a simulated cycle (`orbit::from_cycle`)",
+        "at the grazing point, the reset of the event {} changes {} from {:.6e} to {:.6e}, so \
+         orbits with the event are not close to orbits without the event; start a branch of orbits \
+         with the event from a simulated cycle (`orbit::from_cycle`)",
         orbits.guards[guard].name, orbits.modes[mode].states[i], before[i], after[i]
     )))
 }

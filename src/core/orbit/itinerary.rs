@@ -60,7 +60,7 @@ pub enum ItineraryError {
     Empty(String),
     /// The number of forcing periods of the itinerary is 0.
     #[error("the itinerary `{0}` has 0 forcing periods")]
-    #[diagnostic(help("give at least one forcing period"))]
+    #[diagnostic(help("give the itinerary at least one forcing period"))]
     Periods(String),
     /// A mode or event that the itinerary names does not exist.
     #[error(transparent)]
@@ -68,7 +68,8 @@ pub enum ItineraryError {
     Unknown(#[from] UnknownName),
     /// The number of a mode or guard in the itinerary is out of range.
     #[error(
-        "leg {leg} of the itinerary has {what} {number}, but the system has {count} (counted from 0)"
+        "leg {leg} of the itinerary refers to the {what} with number {number}, but the system has \
+         only {count}, numbered from 0"
     )]
     Number {
         /// The leg.
@@ -81,7 +82,9 @@ pub enum ItineraryError {
         count: usize,
     },
     /// A leg has no event, although the itinerary has several legs.
-    #[error("the leg `{0}` has no event: in an itinerary of several legs, each needs an event")]
+    #[error(
+        "the leg `{0}` has no event, but every leg of an itinerary with several legs needs an event"
+    )]
     Endless(String),
 }
 

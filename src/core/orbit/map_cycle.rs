@@ -203,9 +203,9 @@ impl<M: DiscreteMap> MapCycle<M> {
             states.extend_from_slice(&x);
         }
         Err(Failure::Mismatch(format!(
-            "no cycle of up to {} iterates was found after {transient}: the smallest distance is {nearest:.1e}, \
-             above the tolerance {REPEATS:.1e}; simulate longer (`transient`), or start elsewhere if the \
-             motion is not periodic",
+            "no cycle of up to {} iterates was found after {transient}: the smallest distance \
+             between iterates is {nearest:.1e}, above the tolerance {REPEATS:.1e}; simulate longer \
+             (`transient`), or start at another state if the motion is not periodic",
             Self::LONGEST
         )))
     }
@@ -358,7 +358,7 @@ impl<M: DiscreteMap + 'static> System for MapCycle<M> {
         finite(
             r,
             |e| format!("component {} of the map at iterate {}", e % states, e / states),
-            "the map must be finite: bound the branch to the domain of the map",
+            "the values of the map must be finite: bound the branch to the domain of the map",
         )
     }
 
@@ -508,7 +508,7 @@ impl<M: DiscreteMap + 'static> System for MapCycle<M> {
             *value = self.equations.extreme(monitor, x, &mut self.plain.x).1;
         }
         let name = |k: usize| format!("monitor {}", self.names.monitors[first + k]);
-        finite(values, name, "a monitor must be finite wherever the map is")
+        finite(values, name, "a monitor must be finite wherever the map is finite")
     }
 
     /// Resumes from a cycle with any number of iterates. At a period doubling, branch switching
@@ -518,8 +518,8 @@ impl<M: DiscreteMap + 'static> System for MapCycle<M> {
         let (n, length) = (self.equations.states, solution.state.len());
         if length == 0 || !length.is_multiple_of(n) {
             return Err(Failure::Mismatch(format!(
-                "the start has {length} unknowns, but the map has {n} states: was the start computed \
-                 with another problem?"
+                "the start has {length} unknowns, but their number must be a multiple of {n}, the \
+                 number of states of the map: was the start computed with another problem?"
             )));
         }
         let (once, at_doubling) = (length / n, solution.kind == Kind::PD);

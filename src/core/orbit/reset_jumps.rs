@@ -39,8 +39,8 @@ pub(super) fn check_resets(orbit: &KnownOrbit) -> Result<(), Failure> {
             let beside = [&a, &b].map(|(t, x)| Moment { t: *t, x, ..at });
             if let Some(jump) = jump_of_reset(orbit.legs, (leg, guard), beside) {
                 return Err(Failure::Undetermined(format!(
-                    "{jump}: the orbits on the two sides are not connected; start a branch on the other \
-                     side from a simulated cycle (`orbit::from_cycle`)"
+                    "{jump}: the orbits on the two sides of the jump are not connected; start the \
+                     branch on the other side from a simulated cycle (`orbit::from_cycle`)"
                 )));
             }
         }

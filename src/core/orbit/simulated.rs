@@ -137,10 +137,11 @@ fn check_guards(orbit: &OrbitLegs, cycle: &Cycle, p: &[f64]) -> Result<(), Failu
         if level || value.abs() > VANISHES * at.scale(guard) {
             let (name, mode) = (&orbit.guards[guard].name, &orbit.modes[*mode].name);
             return Err(Failure::Unsupported(format!(
-                "the guard `{name}` of mode `{mode}` jumps through zero: at its event, at t = {t:.6e}, its value is {value:.3e}{}. \
-                 Equations of orbits need a guard that falls through zero continuously: write `b - a` in place of \
-                 `if(a < b, 1, -1)`, and `1 - x` in place of `1 - floor(x)`",
-                if level { ", and all its derivatives are zero" } else { "" }
+                "the guard `{name}` of mode `{mode}` jumps through zero: at its event, at t = \
+                 {t:.6e}, the value of the guard is {value:.3e}{}. Equations of orbits need a \
+                 guard that falls through zero continuously: write `b - a` in place of `if(a < b, \
+                 1, -1)`, and `1 - x` in place of `1 - floor(x)`",
+                if level { ", and all derivatives of the guard are zero" } else { "" }
             )));
         }
     }

@@ -48,8 +48,9 @@ pub(super) fn check_timed(legs: &OrbitLegs, ends: Ends<f64>, q: &[f64]) -> Resul
         if let Some(guard) = legs.timed_in(leg.mode).next() {
             let (mode, event) = (&legs.modes[leg.mode].name, &legs.guards[guard].name);
             return Err(Failure::Mismatch(format!(
-                "the itinerary `{mode}` has no event, but `{event}` occurs at given times in this mode: give its \
-                 legs, as in `{mode}:{event}`, or start from a simulation"
+                "the itinerary `{mode}` has no event, but the event `{event}` occurs at given \
+                 times in this mode: write the itinerary with its events, as in `{mode}:{event}`, \
+                 or start from a simulation"
             )));
         }
     }

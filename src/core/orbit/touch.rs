@@ -31,8 +31,8 @@ pub(super) fn touches(orbit: &KnownOrbit) -> Result<Vec<Touch>, Failure> {
     }
     let nearest = found.iter().map(|(touch, _)| touch.value.abs()).reduce(f64::min);
     let Some(nearest) = nearest else {
-        let reason = "the orbit is not close to any guard: a branch emanates only where the orbit grazes \
-                      a guard (G)";
+        let reason = "the orbit is not close to any guard, but a branch emanates only where the \
+                      orbit grazes a guard (G)";
         return Err(Failure::Undetermined(reason.into()));
     };
     found.retain(|(touch, zero)| touch.value.abs() <= zero.max(nearest));

@@ -134,9 +134,10 @@ fn without_vanished(orbit: &KnownOrbit) -> Result<Option<Guess<OrbitLegs>>, Fail
         return Ok(Some(orbit.with_legs(all, orbit.begins(first))));
     }
     Err(Failure::Undetermined(
-        "an event at a given time is simultaneous with another event, after which motion continues in \
-         another state: the orbits on the two sides are not connected; start a branch on the other side \
-         from a simulated cycle (`orbit::from_cycle`)"
+        "an event at a given time is simultaneous with another event, and their order determines \
+         the state of the motion after the two events: the orbits on the two sides of this point \
+         are not connected; start the branch on the other side from a simulated cycle \
+         (`orbit::from_cycle`)"
             .into(),
     ))
 }

@@ -19,7 +19,7 @@ macro_rules! __defaults {
             let parameters = [$(stringify!($parameter)),*] as [&str; _];
             assert!(
                 given.is_empty() || given.len() == parameters.len(),
-                "give a default value to every parameter, or to none"
+                "give a default value to every parameter, or to no parameter"
             );
         };
     };

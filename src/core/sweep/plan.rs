@@ -118,17 +118,20 @@ pub struct Plan {
 #[non_exhaustive]
 pub enum PlanError {
     /// An axis has no values, or the plan has no starting states or no strands.
-    #[error("a sweep needs at least one value on every axis, one start and one strand; {0} is 0")]
+    #[error(
+        "a sweep needs at least one value on every axis, one start and one strand, but \
+         {0} is 0"
+    )]
     Nothing(&'static str),
     /// The number of runs exceeds the maximum of one sweep.
-    #[error("{counts} are more than {MOST_RUNS} runs, the maximum of one sweep")]
-    #[diagnostic(help("take fewer values on an axis, or several sweeps"))]
+    #[error("the sweep has {counts} runs, but the maximum of one sweep is {MOST_RUNS} runs")]
+    #[diagnostic(help("use fewer values on an axis, or run several sweeps"))]
     TooMany {
         /// The counts of axis values and starting states whose product is too large.
         counts: String,
     },
     /// A setting that gives a number of periods is out of range.
-    #[error("`{name}` = {value} must be between {low} and {high}")]
+    #[error("the setting `{name}` of the sweep is {value}, but must be between {low} and {high}")]
     Length {
         /// The name of the setting.
         name: &'static str,
@@ -142,12 +145,12 @@ pub enum PlanError {
     /// Runs cannot start where the preceding run ended on this grid, which varies several
     /// quantities or an initial state.
     #[error(
-        "runs can follow each other only along one parameter: with {0} axes, or along an initial state, use the \
-         order `anew`"
+        "runs can start where earlier runs ended only if the sweep varies one parameter: for a \
+         sweep with {0} axes, or over an initial state, use the order `anew`"
     )]
     Followed(usize),
     /// An end of the interval of an axis is not finite.
-    #[error("an axis from {low} to {high} has no values")]
+    #[error("the axis from {low} to {high} has an end that is not finite")]
     #[diagnostic(help("choose finite ends"))]
     Interval {
         /// The lower end.
@@ -156,7 +159,10 @@ pub enum PlanError {
         high: f64,
     },
     /// An axis varies a parameter or a state that does not exist.
-    #[error("axis {axis} varies {what} {position}, but there are {count} (counted from 0)")]
+    #[error(
+        "axis {axis} of the sweep varies the {what} with number {position}, but there are only \
+         {count}, numbered from 0"
+    )]
     Quantity {
         /// The axis.
         axis: usize,
@@ -172,7 +178,7 @@ pub enum PlanError {
     #[diagnostic(transparent)]
     CrisisSearch(#[from] CrisisSearchError),
     /// The number of the part is not between 1 and the number of parts.
-    #[error("part {number} of {of} does not exist")]
+    #[error("part {number} does not exist: the sweep is divided into {of} parts")]
     #[diagnostic(help("count parts from 1"))]
     Part {
         /// The number of the part that does not exist.
@@ -287,7 +293,7 @@ impl Plan {
     /// # Errors
     /// A [`PlanError`] that names the invalid setting.
     pub fn check(&self, parameters: usize) -> Result<(), PlanError> {
-        let counts = self.axes.iter().map(|axis| (axis.count, "a count"));
+        let counts = self.axes.iter().map(|axis| (axis.count, "the count of an axis"));
         let others = [(self.starts.len(), "the number of starts"), (self.strands, "`strands`")];
         if let Some((_, what)) = counts.chain(others).find(|(count, _)| *count == 0) {
             return Err(PlanError::Nothing(what));

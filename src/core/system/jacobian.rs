@@ -58,7 +58,9 @@ impl Jacobian {
     pub fn factor(&self, form: Form, border: Border, into: &mut Factors) -> Result<(), Failure> {
         match (form, self) {
             (Form::Antiperiodic, _) => Err(Failure::Unsupported(
-                "the unknowns of a `ZeroProblem` are not a periodic orbit".into(),
+                "the unknowns of a `ZeroProblem` do not describe a periodic orbit, so orbits of \
+                 twice the period are not defined"
+                    .into(),
             )),
             (_, Jacobian::Sparse(sparse)) => sparse.factor(form, border, into),
             (Form::Oscillation(omega), _) => {

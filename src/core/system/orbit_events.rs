@@ -53,8 +53,8 @@ pub trait OrbitEvents {
 /// A discontinuity of an event's reset between one solution and another.
 #[derive(Clone, Debug, PartialEq, miette::Diagnostic, thiserror::Error)]
 #[error(
-    "the reset of the event `{event}` jumps: after the event, {state} changes from {:.6e} to \
-     {:.6e}", states[0], states[1]
+    "the reset of the event `{event}` is discontinuous: the value of {state} after the event jumps \
+     from {:.6e} to {:.6e}", states[0], states[1]
 )]
 pub struct Jump {
     /// The position of the discontinuity between the two solutions, from 0 to 1.

@@ -179,9 +179,9 @@ impl SparseJacobian {
         let count = self.uncertain;
         (count > 0).then(|| {
             format!(
-                "in {count} cases the number of unstable eigenvalues is uncertain: only the eigenvalues \
-                 nearest to zero were computed, and bounds do not exclude further unstable ones (dense \
-                 matrices give all eigenvalues: `matrices: dense`)"
+                "the number of unstable eigenvalues is uncertain in {count} spectra: only the \
+                 eigenvalues nearest to zero were computed, and further unstable eigenvalues are \
+                 possible (set `matrices: dense` to compute all eigenvalues)"
             )
         })
     }

@@ -119,9 +119,9 @@ impl ZeroSystem {
             None if n <= Matrices::LARGEST_DENSE => Jacobian::Dense(DenseJacobian::new(n)),
             None => {
                 return Err(Failure::Unsupported(format!(
-                    "a dense matrix of {n} unknowns does not fit into memory (at most {} unknowns): use \
-                     fewer unknowns, \
-                     or equations that depend on few unknowns each",
+                    "a dense matrix of {n} unknowns does not fit into memory (at most {} \
+                     unknowns): use fewer unknowns, or sparse equations, in which each equation \
+                     depends on few unknowns",
                     Matrices::LARGEST_DENSE
                 )));
             }
@@ -149,8 +149,8 @@ impl ZeroSystem {
             }
         }
         Err(Failure::Unsupported(format!(
-            "the derivatives of the residual with respect to its {n} unknowns do not match the sparsity \
-             pattern of the equations: use dense matrices"
+            "the derivatives of the residual with respect to its {n} unknowns do not match the \
+             sparsity pattern of the equations: use dense matrices instead"
         )))
     }
 }
@@ -245,8 +245,8 @@ impl System for ZeroSystem {
         finite(
             r,
             |i| format!("component {i} of the residual"),
-            "the residual must be finite: end the branch before the equations become undefined, and \
-             write every component of the residual (missing components are NaN)",
+            "the residual must be finite: end the branch before the equations become undefined, \
+             and write every component of the residual (components that are not written are NaN)",
         )
     }
 
@@ -366,8 +366,9 @@ impl System for ZeroSystem {
         match dynamics {
             Dynamics::None => Ok(None),
             Dynamics::Periodic => Err(Failure::Unsupported(
-                "a `ZeroProblem` does not give the multipliers of a periodic orbit: define a vector field and \
-                 its `periodic_orbits`, or the dynamics `None`"
+                "a `ZeroProblem` does not define the Floquet multipliers of a periodic orbit: \
+                 define a vector field and use its `periodic_orbits`, or set the dynamics to \
+                 `None`"
                     .into(),
             )),
             _ => self.jacobian.spectrum(dynamics, request).map(Some),
@@ -379,7 +380,7 @@ impl System for ZeroSystem {
         self.problem.monitors(z, p, &mut self.monitors.0);
         values.copy_from_slice(&self.monitors.0[first..][..values.len()]);
         let name = |k: usize| format!("monitor {}", self.names.monitors[first + k]);
-        finite(values, name, "a monitor must be finite wherever the residual is")
+        finite(values, name, "a monitor must be finite wherever the residual is finite")
     }
 
     fn unknown_scales(&self, p: &[f64]) -> Vec<f64> {

@@ -6,10 +6,11 @@ use super::option::number;
 use super::origin::{Named, Slice, Text};
 
 /// The required form of an initial value or a parameter, for messages.
-pub(super) const NUMBER: &str = "a number: XPPAUT does not accept formulas here; \
-                      a constant that depends on others is written `!b=2*a`";
+pub(super) const NUMBER: &str = "a number: XPPAUT does not accept formulas for initial values and \
+                                 parameters; write a constant that depends on other constants as \
+                                 `!b=2*a`";
 const CHEMICAL: &str = "pHtools commands state chemical equilibria, not equations";
-const VOLTERRA: &str = "integral equations have no counterpart among models";
+const VOLTERRA: &str = "models cannot contain integral equations";
 
 /// XPPAUT commands that have no counterpart in this library: the first letters of the command, a
 /// description, the reason for the rejection, and the remedy.
@@ -27,14 +28,14 @@ pub(super) const REFUSED: [(&str, &str, &str, Option<&str>); 18] = [
     (
         "SO",
         "an algebraic variable (`solve`)",
-        "only differential equations and maps have a counterpart among models",
+        "only differential equations and maps can be converted to models",
         None,
     ),
     (
         "SP",
         "a network (`special`)",
-        "networks have no counterpart among models",
-        Some("write the sum, as in `sum(0,9)of(w*shift(u0,i'))`"),
+        "models cannot contain networks",
+        Some("write the network as a sum, as in `sum(0,9)of(w*shift(u0,i'))`"),
     ),
     (
         "EX",
@@ -45,26 +46,26 @@ pub(super) const REFUSED: [(&str, &str, &str, Option<&str>); 18] = [
     (
         "TA",
         "a table (`table`)",
-        "tables have no counterpart among models",
-        Some("write the function as a formula"),
+        "models cannot contain tables",
+        Some("write the tabulated function as a formula"),
     ),
     (
         "GR",
         "a group (`group`)",
-        "groups have no counterpart among models",
-        Some("state the equations of each part"),
+        "models cannot contain groups",
+        Some("state the equations of each part of the group"),
     ),
     (
         "B",
         "a boundary condition (`bdry`)",
-        ".ode files have no boundary values here",
-        Some("state a `Boundary` problem in RON"),
+        "boundary-value problems in .ode files cannot be converted",
+        Some("state the boundary-value problem as a `Boundary` problem in RON"),
     ),
     (
         "OP",
         "a file of options (`options`)",
-        "options of other files are not read",
-        Some("write the options here, as in `@ total=50`"),
+        "options in other files are not read",
+        Some("write the options in the .ode file, as in `@ total=50`"),
     ),
     (
         "OD",

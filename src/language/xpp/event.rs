@@ -73,7 +73,7 @@ impl Event {
                     return Err(name.unsupported(source, "the end of a motion (`arret`)", reason));
                 }
                 (Some(_), _) => {
-                    let construct = "a reset of a name that is not a state";
+                    let construct = "a reset of a quantity other than a state";
                     return Err(name
                         .unsupported(source, construct, "only states can be set")
                         .with_help("make the name a state, as in `b'=0` with `init b=1`"));
@@ -95,24 +95,25 @@ fn tried_out(source: &Source, place: &Phrase, goes_on: bool) -> String {
     let line = source.line_of(place).unwrap_or_default();
     let result = match goes_on {
         true => {
-            "motion continues beyond the condition in at least one of the tested states, so each side of \
-                 the condition has its own mode"
+            "the motion continues beyond the condition in at least one of the tested states, so \
+             each side of the condition has its own mode"
         }
         false => {
-            "motion continues in none of these states, so the two sides of the condition share one mode"
+            "the motion does not continue beyond the condition in any of the tested states, so the two sides of \
+                 the condition share one mode"
         }
     };
     format!(
-        "{line}: whether motion continues beyond the condition `{}` of `global` after its event does \
-         not follow from the formulas and was tested at {TRIALS} states: {result}. Check this result, or \
-         import the model and define its modes",
+        "{line}: the formulas do not show whether the motion continues beyond the condition `{}` \
+         of `global` after its event; a test at {TRIALS} states has the following result: \
+         {result}. Check this result, or import the model and define its modes",
         place.text
     )
 }
 
 fn too_large(source: &Source, place: &Phrase) -> ModelError {
     use super::super::source::Fault;
-    let what = "parts of a reset that is put into another formula";
+    let what = "parts of resets inserted into other formulas";
     source.fault_of(place, Fault::TooLarge { what, limit: 20_000 })
 }
 
@@ -158,7 +159,8 @@ impl Hybrid<'_, '_> {
             let place = &self.events[passable[PASSED]].place;
             let construct = "a fourth condition that stays met after its event".to_string();
             let reason =
-                "each such condition doubles the number of modes; at most three are supported"
+                "each condition that stays met after its event doubles the number of modes, and at \
+                 most three such conditions are supported"
                     .to_string();
             let fault = super::super::Fault::Unsupported { construct, reason };
             return Err(source.fault_of(place, fault));

@@ -149,8 +149,8 @@ impl<'a> Reader<'a, '_> {
             value.map(|value| value.trunc() as i64).ok_or_else(|| {
                 word.unsupported(
                     source,
-                    "an end of a sum that can be varied",
-                    "the end must be a number",
+                    "a variable end of a sum",
+                    "the end of a sum must be a number",
                 )
                 .with_help("declare the names in the end of the sum with `number`")
             })
@@ -159,10 +159,10 @@ impl<'a> Reader<'a, '_> {
         let has = |found: fn(&Step) -> bool| body.iter().any(|node| found(&node.step));
         let inner = has(|step| matches!(step, Step::Sum(..)));
         if inner && has(|step| matches!(step, Step::Name(name) if name == "i'")) {
-            let reason = "XPPAUT has one index for both sums";
+            let reason = "XPPAUT has only one index, `i'`, for the two sums";
             return Err(word
                 .unsupported(source, "a sum within a sum over the same index", reason)
-                .with_help("write the terms of one sum"));
+                .with_help("write the terms of one of the two sums"));
         }
         let shifts =
             |step: &Step| matches!(step, Step::Call(name, _) if name.eq_ignore_ascii_case("shift"));
@@ -175,7 +175,7 @@ impl<'a> Reader<'a, '_> {
         let count = usize::try_from(high - low + 1).unwrap_or(0);
         let size = body.len().saturating_mul(count);
         let Some(left) = self.names.budget.get().checked_sub(size) else {
-            let what = "terms of sums that are written out";
+            let what = "terms of sums written out";
             return Err(word.fault(source, Fault::TooLarge { what, limit: 1_000_000 }));
         };
         self.names.budget.set(left);
@@ -205,17 +205,13 @@ impl<'a> Reader<'a, '_> {
             return Err(word.expected(source, "a state, a parameter or a quantity in `shift`"));
         };
         let Some(by) = self.value(by) else {
-            let reason = "the number of names must be a number here, or the index of a sum";
-            return Err(word.unsupported(
-                source,
-                "`shift` by a quantity that can be varied",
-                reason,
-            ));
+            let reason = "the second argument of `shift` must be a number or the index of a sum";
+            return Err(word.unsupported(source, "`shift` by a variable quantity", reason));
         };
         let found =
             if by.abs() < 1e9 { self.names.shifted(known, by.trunc() as i64) } else { None };
         found.map(Tree::name).ok_or_else(|| {
-            let reason = format!("there is no name {by} places after this one");
+            let reason = format!("no name is defined {by} places after the name in `shift`");
             word.unsupported(source, "`shift` beyond all names", reason)
         })
     }

@@ -7,23 +7,28 @@ use super::super::operation::{Function, function};
 pub(super) const REFUSED: [(&str, &str, &str); 15] = [
     ("DELAY", "a delay (`delay`)", "the equations of a model cannot contain delays"),
     ("DEL_SHFT", "a delay (`del_shft`)", "the equations of a model cannot contain delays"),
-    ("INT", "an integral (`int`)", "integral equations have no counterpart among models"),
+    ("INT", "an integral (`int`)", "models cannot contain integral equations"),
     ("RAN", "a random number (`ran`)", "models are deterministic"),
     ("NORMAL", "a random number (`normal`)", "models are deterministic"),
     ("POISSON", "a random number (`poisson`)", "models are deterministic"),
-    ("BESSELJ", "the function `besselj`", "the language of models does not have this function"),
-    ("BESSELY", "the function `bessely`", "the language of models does not have this function"),
-    ("BESSELI", "the function `besseli`", "the language of models does not have this function"),
-    ("ERF", "the function `erf`", "the language of models does not have this function"),
-    ("ERFC", "the function `erfc`", "the language of models does not have this function"),
-    ("LGAMMA", "the function `lgamma`", "the language of models does not have this function"),
+    ("BESSELJ", "the function `besselj`", "the language of models does not contain this function"),
+    ("BESSELY", "the function `bessely`", "the language of models does not contain this function"),
+    ("BESSELI", "the function `besseli`", "the language of models does not contain this function"),
+    ("ERF", "the function `erf`", "the language of models does not contain this function"),
+    ("ERFC", "the function `erfc`", "the language of models does not contain this function"),
+    ("LGAMMA", "the function `lgamma`", "the language of models does not contain this function"),
     ("HOM_BCS", "the function `hom_bcs`", "`hom_bcs` states conditions of connecting orbits"),
     (
         "ISHIFT",
         "the function `ishift`",
         "`ishift` returns the position of a name in XPPAUT's memory",
     ),
-    ("SET", "the function `set`", "quantities cannot be set while others are computed"),
+    (
+        "SET",
+        "the function `set`",
+        "a formula cannot set a quantity while other quantities are \
+                                   computed",
+    ),
 ];
 
 /// Returns the function with a given name if XPPAUT and this library's language both have this

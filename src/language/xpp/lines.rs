@@ -187,7 +187,7 @@ fn alone(source: &Source, line: Slice) -> Result<Text, ModelError> {
         let place = line.part(at..at + 4);
         return Err(place
             .unsupported(source, "an initial value in brackets", "XPPAUT ignores such a value")
-            .with_help("write the name of the element, as in `u3(0)=1`"));
+            .with_help("write the name of the array element, as in `u3(0)=1`"));
     }
     subscripted(source, line, None)
 }
@@ -206,7 +206,10 @@ fn subscripted(source: &Source, line: Slice, k: Option<i64>) -> Result<Text, Mod
         let index = if ranged { k.unwrap_or(0) } else { index(source, whole, inner, k)? };
         let named = line.text[..open].ends_with(|c: char| c.is_alphanumeric() || c == '_');
         if index < 0 && named {
-            let reason = format!("here it is {index}, and `[j]` is replaced by the number itself");
+            let reason = format!(
+                "the index in this line is {index}, and `[j]` is replaced by this \
+                                  number with its sign"
+            );
             return Err(whole.unsupported(source, "a negative index", reason));
         }
         text.replace(whole, &index.to_string());
@@ -224,7 +227,7 @@ fn index(source: &Source, whole: Slice, inner: Slice, k: Option<i64>) -> Result<
         None => plain.parse::<i32>().map_err(|_| wrong())?.into(),
         Some(rest) => {
             let Some(k) = k else {
-                let reason = "this line has no range `[1..9]` and is not in a block";
+                let reason = "the line has no range, such as `[1..9]`, and is not inside a block";
                 return Err(whole.unsupported(source, "`[j]` outside of an array", reason));
             };
             let number = |text: &str| text.parse::<u16>().map(i64::from).map_err(|_| wrong());

@@ -76,7 +76,7 @@ fn statement(
 ) -> Result<(Statement, Vec<String>), ModelError> {
     if parts.is_map {
         if let Some(global) = parts.globals.first() {
-            let reason = "events of maps have no counterpart among models";
+            let reason = "the events of maps cannot be converted to models";
             let place = global.condition.all();
             return Err(place
                 .unsupported(names.source, "`global` of a map", reason)
@@ -147,8 +147,10 @@ fn check_order(names: &Names, parts: &Parts, formulas: &Formulas) -> Result<(), 
     for (k, (named, tree)) in parts.fixed.iter().zip(&formulas.fixed).enumerate() {
         let later = |known: &Known| matches!(known, Known::Fixed(other) if *other >= k);
         if let Some(known) = formulas.by_functions(tree).iter().find(|known| later(known)) {
-            let construct =
-                format!("`{}` in a quantity that is computed before it", names.written(*known));
+            let construct = format!(
+                "`{}` in the formula of a quantity that is computed earlier",
+                names.written(*known)
+            );
             let reason = "XPPAUT would use the value from the previous step";
             let place = named.name.all();
             return Err(place

@@ -64,7 +64,7 @@ impl Parts {
         if line.text.starts_with("#include") {
             return Err(line
                 .part(0..8)
-                .unsupported(source, "`#include`", "all equations must be in one file")
+                .unsupported(source, "`#include`", "all equations of the model must be in one file")
                 .with_help("copy the contents of the other file into this file"));
         }
         if line.text.is_empty() || line.text.starts_with(['#', '"']) {
@@ -110,7 +110,7 @@ impl Parts {
     /// Parses a line of the form `name = formula`, `!name = formula` or `0 = formula`.
     fn assignment(&mut self, source: &Source, name: Slice, value: Slice) -> Result<(), ModelError> {
         if name.text == "0" {
-            let reason = "only differential equations and maps have a counterpart among models";
+            let reason = "only differential equations and maps can be converted to models";
             return Err(name.unsupported(source, "an algebraic equation", reason));
         }
         let formula = value.trim().to_text();

@@ -100,7 +100,8 @@ pub(super) fn png(
     if size.iter().any(|side| side * fineness > LONGEST) {
         let [wide, high] = size.map(|side| (side * fineness).round());
         return Err(FigureError::Drawing(format!(
-            "it would have {wide} × {high} pixels, and a side has at most {LONGEST}: make it narrower, or draw an SVG"
+            "the picture would have {wide} × {high} pixels, but each side may have at most \
+             {LONGEST} pixels: make the picture narrower, or draw an SVG"
         )));
     }
     let (width, height) = pixels(size, fineness);

@@ -67,7 +67,8 @@ impl SweepTable {
         match tables.into_iter().find(|(_, columns, known)| !begins(columns, known)) {
             None => Ok(()),
             Some((table, columns, known)) => Err(format!(
-                "the {table} of the sweep `{}` have the columns `{}`, which do not begin with `{}`",
+                "the table of {table} of the sweep `{}` has the columns `{}`, but must begin with \
+                 the columns `{}`",
                 self.name,
                 listed(columns),
                 known.join(", ")
@@ -81,7 +82,8 @@ impl SweepTable {
         match run < self.total && run as f64 == value {
             true => Ok(run),
             false => Err(format!(
-                "the sweep `{}` has a run of the number {value}; valid numbers are 0 to {}",
+                "the sweep `{}` contains a run with the number {value}, but the numbers of its \
+                 runs must be 0 to {}",
                 self.name,
                 self.total as f64 - 1.0
             )),
@@ -92,7 +94,7 @@ impl SweepTable {
     pub(super) fn take_row(&mut self, run: usize, row: Row) -> Result<(), String> {
         match self.rows.insert(run, row) {
             None => Ok(()),
-            Some(_) => Err(format!("the sweep `{}` has the run {run} twice", self.name)),
+            Some(_) => Err(format!("the sweep `{}` contains the run {run} twice", self.name)),
         }
     }
 }
@@ -102,7 +104,8 @@ pub(super) fn check_failures(name: &str, left: &BTreeMap<usize, Row>) -> Result<
     match left.keys().next() {
         None => Ok(()),
         Some(run) => Err(format!(
-            "the sweep `{name}` has a reason for the failure of run {run}, but no row of the run"
+            "the sweep `{name}` contains a reason for the failure of run {run}, but no row of this \
+             run"
         )),
     }
 }

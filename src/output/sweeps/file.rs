@@ -181,9 +181,11 @@ fn fill(sweep: &mut SweepTable, archive: &mut Archive) -> Result<(), FormatError
         let point = of(&points, k);
         let run = sweep.run_number(point[0]).map_err(damaged)?;
         let run = sweep.rows.get_mut(&run);
-        run.ok_or_else(|| damaged(format!("a point of run {}, which does not exist", point[0])))?
-            .points
-            .extend(point);
+        run.ok_or_else(|| {
+            damaged(format!("a point belongs to run {}, which does not exist", point[0]))
+        })?
+        .points
+        .extend(point);
     }
     Ok(())
 }

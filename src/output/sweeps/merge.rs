@@ -8,13 +8,13 @@ use super::table::Sweeps;
 #[non_exhaustive]
 pub enum MergeError {
     /// The list of parts is empty.
-    #[error("there is no part to merge")]
-    #[diagnostic(help("name the files of all parts"))]
+    #[error("no part of a sweep is given to merge")]
+    #[diagnostic(help("name the files of all parts of the sweep"))]
     Nothing,
     /// Two parts belong to different scenes.
     #[error(
-        "part {number} belongs to another scene than the first: all parts must be made by one scene with the \
-         same settings"
+        "part {number} belongs to another scene than the first part: all parts must be made by one \
+         scene with the same settings"
     )]
     Different {
         /// The number of the part that differs from the first part, counted from 1.
@@ -31,8 +31,8 @@ pub enum MergeError {
     },
     /// Two parts have different results for the same run.
     #[error(
-        "part {number} and an earlier part have different results for run {run} of the sweep `{sweep}`: one of \
-         them is from another version of the program"
+        "part {number} and an earlier part have different results for run {run} of the sweep \
+         `{sweep}`: one of the two parts is from another version of the program"
     )]
     Contradiction {
         /// The number of the later part with the different result, counted from 1.

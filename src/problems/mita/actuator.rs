@@ -376,7 +376,8 @@ impl HybridSystem for Actuator {
         let parameters = Parameters::of(p);
         let (clearance, frame_mass) = (parameters.clearance(), parameters.frame_mass());
         if !(clearance > 0.0 && clearance < 1.0) {
-            let remedy = "the stoppers must be between the middle, 0, and the electrode, 1";
+            let remedy =
+                "the stoppers must be between the middle position, 0, and the electrode, 1";
             return Err(OutOfDomain::new("clearance", clearance, remedy));
         }
         let ratios = [
@@ -386,7 +387,11 @@ impl HybridSystem for Actuator {
             ("dynamic_friction", parameters.dynamic_friction()),
         ];
         if let Some((name, value)) = ratios.into_iter().find(|(_, value)| *value < 0.0) {
-            return Err(OutOfDomain::new(name, value, "choose a value that is not negative"));
+            return Err(OutOfDomain::new(
+                name,
+                value,
+                "choose a positive value or 0 for this quantity",
+            ));
         }
         if frame_mass <= 0.0 {
             return Err(OutOfDomain::new("frame_mass", frame_mass, "a mass must be positive"));

@@ -16,8 +16,11 @@ pub enum SwitchOnError {
     #[diagnostic(help("trace the motion without impacts until it touches the front stopper"))]
     NoGrazing(String),
     /// The solutions of the branch have impacts.
-    #[error("branch `{branch}` has the itinerary `{itinerary}`")]
-    #[diagnostic(help("trace the motion without impacts, `stick`"))]
+    #[error(
+        "branch `{branch}` has the itinerary `{itinerary}`, but must consist of motion without \
+         impacts"
+    )]
+    #[diagnostic(help("trace the motion without impacts, whose itinerary is `stick`"))]
     Impacts {
         /// The name of the branch.
         branch: String,

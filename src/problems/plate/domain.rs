@@ -22,7 +22,7 @@ pub(super) fn parameters(units: Units, p: &[f64]) -> Result<Parameters<f64>, Out
     }
     let plate = units.parameters(p);
     if !(plate.aspect > 0.0 && plate.aspect.is_finite()) {
-        let remedy = "the ratio of the sides must be positive and finite";
+        let remedy = "the ratio of the plate's sides must be positive and finite";
         return Err(OutOfDomain::new("aspect", plate.aspect, remedy));
     }
     not_negative("gap_ratio", plate.gap_ratio)?;
@@ -36,7 +36,12 @@ pub(super) fn parameters(units: Units, p: &[f64]) -> Result<Parameters<f64>, Out
 pub(super) fn not_negative(name: &str, ratio: f64) -> Result<(), OutOfDomain> {
     match ratio >= 0.0 && ratio.is_finite() {
         true => Ok(()),
-        false => Err(OutOfDomain::new(name, ratio, "choose a finite value that is not negative")),
+        false => Err(OutOfDomain::new(
+            name,
+            ratio,
+            "choose a finite positive value or 0 for this \
+                                                    ratio",
+        )),
     }
 }
 
@@ -46,7 +51,8 @@ pub(super) fn clear(largest: f64, limit: f64) -> Result<(), OutOfDomain> {
         return Ok(());
     }
     let remedy = format!(
-        "the deflection must stay below {limit} of the gap, clear of the electrode; end the branch earlier"
+        "the largest deflection must stay below {limit} of the gap, clear of the electrode; end \
+         the branch earlier"
     );
     Err(OutOfDomain::new("max_deflection", largest, remedy))
 }
@@ -55,7 +61,8 @@ pub(super) fn clear(largest: f64, limit: f64) -> Result<(), OutOfDomain> {
 pub(super) fn finite(entries: &[f64], name: impl Fn(usize) -> String) -> Result<(), Failure> {
     match entries.iter().position(|entry| !entry.is_finite()) {
         Some(i) => {
-            let remedy = "the unknowns and parameters must not be so large that the equations cannot be evaluated";
+            let remedy = "the unknowns and parameters must be small enough for the equations to \
+                          have finite values";
             Err(Failure::not_finite(name(i), entries[i], remedy))
         }
         None => Ok(()),

@@ -6,10 +6,11 @@
 pub enum PlateError {
     /// The letters do not name the supports of four edges.
     #[error(
-        "supports \"{letters}\" are not four letters out of S (simply supported), C (clamped) and F (free)"
+        "the supports \"{letters}\" must be four letters, each one S (simply supported), C \
+         (clamped) or F (free)"
     )]
     #[diagnostic(help(
-        "write a letter for each of the edges x = 0, y = 0, x = 1, y = 1, such as \"SCSF\""
+        "write one letter for each edge, in the order x = 0, y = 0, x = 1, y = 1, such as \"SCSF\""
     ))]
     Supports {
         /// The letters that were given.
@@ -31,15 +32,17 @@ pub enum PlateError {
     },
     /// The sine model does not support these in-plane supports: its stress function has no shear
     /// traction on the edges, which stay straight.
-    #[error("the sine model has no in-plane edges \"{in_plane}\"")]
-    #[diagnostic(help("choose `slide` or `straight`, or a polynomial model (`model=ritz`)"))]
+    #[error("the sine model of the plate does not support the in-plane edges \"{in_plane}\"")]
+    #[diagnostic(help(
+        "choose the in-plane edges `slide` or `straight`, or a polynomial model (`model=ritz`)"
+    ))]
     SineInPlane {
         /// The name of the in-plane supports.
         in_plane: &'static str,
     },
     /// The number of functions or modes is out of range.
     #[error("the number of {what} is {count}, but must be between {least} and {most}")]
-    #[diagnostic(help("choose a number in the range, or another model of the plate"))]
+    #[diagnostic(help("choose a number between these limits, or another model of the plate"))]
     Count {
         /// The counted quantity.
         what: &'static str,
@@ -51,7 +54,7 @@ pub enum PlateError {
         most: usize,
     },
     /// The quadrature rule has too few points to distinguish the functions.
-    #[error("{points} quadrature points do not resolve the functions")]
+    #[error("{points} quadrature points are too few to resolve the shape functions of the plate")]
     #[diagnostic(help("use {needed} quadrature points or more"))]
     TooFewPoints {
         /// The number of quadrature points.
@@ -60,15 +63,16 @@ pub enum PlateError {
         needed: usize,
     },
     /// The requested accuracy of modes is out of the range that double precision allows.
-    #[error("mode_accuracy is {accuracy:e}, but must be between 1e-12 and 0.1")]
+    #[error("the setting mode_accuracy is {accuracy:e}, but must be between 1e-12 and 0.1")]
     AccuracyRange {
         /// The given accuracy.
         accuracy: f64,
     },
     /// The polynomials do not resolve the modes to the requested accuracy.
     #[error(
-        "{modes} modes cannot meet mode_accuracy {accuracy:.1e}: with {} × {} functions the ω² of the \
-         modes are off by {error:.1e}, and {accurate} modes are accurate enough", functions[0], functions[1]
+        "{modes} modes cannot reach a mode_accuracy of {accuracy:.1e}: with {} × {} functions, the \
+         squared frequencies ω² of the modes have an error of {error:.1e}, and only {accurate} \
+         modes are accurate enough", functions[0], functions[1]
     )]
     #[diagnostic(help(
         "request fewer modes, more functions (`orders`) if you set the orders, or a larger `mode_accuracy` \
@@ -88,8 +92,8 @@ pub enum PlateError {
     },
     /// Stresses were requested for a plate model without stretching, or with too many in-plane
     /// functions.
-    #[error("the plate has no in-plane stresses")]
-    #[diagnostic(help("set `theory` to `von_karman`, with fewer functions"))]
+    #[error("the model of the plate has no in-plane stresses")]
+    #[diagnostic(help("set `theory` to `von_karman`, and use fewer in-plane functions"))]
     NoMembrane,
     /// The value of a parameter is outside the domain of the equations.
     #[error(transparent)]

@@ -174,8 +174,8 @@ impl Ritz {
         if self.model.membrane.is_some()
             && !self.factor.update(&self.model.plane, parameters.aspect, parameters.nu)
         {
-            let remedy =
-                "the in-plane stiffness is singular to working precision; use fewer functions";
+            let remedy = "the in-plane stiffness matrix is singular to working precision; use fewer \
+                 in-plane functions";
             return Err(OutOfDomain::new("aspect", parameters.aspect, remedy).into());
         }
         Ok(largest)
@@ -219,8 +219,8 @@ impl Ritz {
             self.modes_at.extend_from_slice(x);
             return Ok(());
         }
-        let reason = "the frequencies are not determined: no shift makes the stiffness positive definite; the \
-                      point is far from an equilibrium";
+        let reason = "the vibration frequencies are not determined: no shift makes the stiffness \
+                      matrix positive definite, because the point is far from an equilibrium";
         Err(Failure::Undetermined(reason.into()))
     }
 }

@@ -270,7 +270,7 @@ impl ZeroProblem for SinePlate {
         let plate = domain::parameters(self.settings.units, p)?;
         if plate.shear != 0.0 {
             let remedy = "products of odd sines cannot represent sheared edges; use a plate model \
-                          without quarter symmetry, or set the parameter to 0";
+                          without quarter symmetry, or set the parameter `edge_shear` to 0";
             return Err(OutOfDomain::new("edge_shear", plate.shear, remedy));
         }
         domain::clear(self.sines.largest(z).0, 1.0)

@@ -229,7 +229,11 @@ impl System for Ritz {
 
     fn factor(&mut self, form: Form, border: Border, into: &mut Factors) -> Result<(), Failure> {
         if form != Form::Jacobian {
-            return Err(Failure::Unsupported("equilibria of a potential do not oscillate".into()));
+            return Err(Failure::Unsupported(
+                "equilibria of a potential do not oscillate, so they \
+                                             have no Hopf points"
+                    .into(),
+            ));
         }
         let lu = into.reuse(|_: &BorderedLu| true, BorderedLu::default);
         lu.factor(&self.assembly.matrix, border)

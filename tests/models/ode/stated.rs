@@ -150,8 +150,9 @@ fn whether_motion_goes_on_beyond_a_condition_follows_from_affine_formulas() {
 fn conditions_that_are_tried_out_are_named() {
     let (count, tried) = modes("x'=v\nv'=-x\nglobal 1 {x^2-.25} {v=-v}\n");
     assert_eq!((count, tried.len()), (1, 1));
-    let begin = "line 3: whether motion continues beyond the condition `x^2-.25` of `global` after its \
-                 event does not follow from the formulas and was tested at 24 states: motion continues in none";
+    let begin = "line 3: the formulas do not show whether the motion continues beyond the condition `x^2-.25` \
+                 of `global` after its event; a test at 24 states has the following result: the motion does not \
+                 continue beyond the condition in any";
     assert!(tried[0].starts_with(begin), "{}", tried[0]);
     let (count, tried) = modes("x'=v\nv'=-x\nglobal 1 {x^2-.25} {v=v/2}\n");
     assert_eq!((count, tried.len()), (2, 1));

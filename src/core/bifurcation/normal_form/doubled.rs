@@ -63,7 +63,8 @@ pub(crate) fn doubled_beside(at: &mut At, kind: Kind, part: f64) -> Result<Doubl
         let rounding = VANISHES * (terms[0].abs() + terms[1].abs()) / splitting.abs();
         if square.is_nan() || square <= rounding {
             return Err(Failure::Mismatch(
-                "no torus points of doubled orbits begin at this resonance 1:2: its coefficient `r2_a` is not negative"
+                "no curve of torus points of doubled orbits begins at this 1:2 resonance: the \
+                 normal-form coefficient `r2_a` is not negative"
                     .into(),
             ));
         }

@@ -238,7 +238,9 @@ impl<'f, 'a> Forms<'f, 'a> {
         let factor = g / of_kernel;
         if !(factor.re.is_finite() && factor.im.is_finite()) {
             return Err(Failure::Undetermined(
-                "the linearisation is singular at a resonance".into(),
+                "the normal form is undetermined: the linearisation is singular at a resonant \
+                 frequency"
+                    .into(),
             ));
         }
         Ok(h.iter().zip(kernel).map(|(h, k)| h - factor * k).collect())

@@ -59,7 +59,10 @@ const MOST_NODES: usize = 10_000;
 const HALVINGS: usize = 60;
 
 fn refused(reason: String) -> Failure {
-    Failure::Mismatch(format!("no homoclinic orbit starts here: {reason}"))
+    Failure::Mismatch(format!(
+        "a branch of homoclinic orbits cannot start at this solution: \
+                               {reason}"
+    ))
 }
 
 /// A point of a trajectory: time and states.
@@ -86,7 +89,7 @@ pub(in crate::core::bvp) fn from_cycle(
 ) -> Result<Guess<ErasedProblem>, Failure> {
     let (parameters, q) = (cycles.parameters().len(), cycle.q);
     if !cycles.shape().phase() || q.len() != parameters + 1 {
-        let reason = "only a smooth cycle with a free period can be a start";
+        let reason = "the start must be a smooth cycle whose period is unknown";
         return Err(refused(reason.into()));
     }
     let field = f64::residual(&*cycles).on_segment(0, q);
@@ -97,8 +100,9 @@ pub(in crate::core::bvp) fn from_cycle(
     let least = places.iter().map(|it| saddle.distance(&it.1)).fold(f64::INFINITY, f64::min);
     if least > FAR {
         return Err(refused(format!(
-            "the smallest distance of the cycle from the equilibrium is {least:.1e} of its extent, but must be \
-             below {FAR}: continue the cycle to longer periods"
+            "the smallest distance between the cycle and the equilibrium is {least:.1e} of the \
+             cycle's extent, but must be below {FAR}: continue the branch of cycles to longer \
+             periods"
         )));
     }
     let ends = radii_for(&saddle, &field, q).map(|share| share.max(resolved(&saddle) / radius));
@@ -218,7 +222,8 @@ pub(in crate::core::bvp) fn from_saved(
     let foreign = || {
         let found = extras.len();
         refused(format!(
-            "the saved orbit has {found} extra unknowns: was the orbit saved with another model?"
+            "the number of extra unknowns of the saved homoclinic orbit, {found}, does not fit the \
+             model: was the orbit saved with another model?"
         ))
     };
     let place = extras.get(BEFORE_PLACE..BEFORE_PLACE + n).ok_or_else(foreign)?;
@@ -362,7 +367,7 @@ fn linear(
         return Ok(places);
     }
     Err(refused(format!(
-        "the linear flow spirals too much, or its rates are too different: {MOST_NODES} nodes do not reach a \
-         distance of {radius:.0e} from the equilibrium"
+        "the linear flow near the equilibrium spirals too much, or its rates are too different: \
+         {MOST_NODES} nodes do not reach a distance of {radius:.0e} from the equilibrium"
     )))
 }

@@ -203,21 +203,31 @@ impl Saddle {
         sizes: Vec<f64>,
     ) -> Result<Saddle, Failure> {
         let none = |reason: String| {
-            Failure::Mismatch(format!("no homoclinic orbit starts here: {reason}"))
+            Failure::Mismatch(format!(
+                "a branch of homoclinic orbits cannot start at this \
+                                       solution: {reason}"
+            ))
         };
         let (n, mut x, mut last) = (place.len(), place.to_vec(), f64::NAN);
         for _ in 0..ITERATIONS {
             let (f, columns) = slopes(field, &x, q);
             let matrix = DMatrix::from_vec(n, n, columns);
             let way = matrix.lu().solve(&DVector::from_vec(f));
-            let way = way.ok_or_else(|| none("the Jacobian near the orbit is singular".into()))?;
+            let way = way.ok_or_else(|| {
+                none(
+                    "the Jacobian matrix near the slowest point of the \
+                                              orbit is singular"
+                        .into(),
+                )
+            })?;
             x.iter_mut().zip(way.iter()).for_each(|(x, way)| *x -= way);
             last =
                 way.iter().zip(&sizes).map(|(way, size)| (way / size).powi(2)).sum::<f64>().sqrt();
         }
         if last.is_nan() || last > CONVERGED {
             return Err(none(format!(
-                "Newton's iteration for the equilibrium does not converge: its last step is {last:.1e} of the orbit's extent"
+                "Newton's iteration for the equilibrium does not converge: the length of its last \
+                 step is {last:.1e} of the orbit's extent"
             )));
         }
         let far =
@@ -225,8 +235,8 @@ impl Saddle {
         let far = far.fold(0.0, |most: f64, way| if way.is_nan() { way } else { most.max(way) });
         if far.is_nan() || far >= BESIDE {
             return Err(none(format!(
-                "Newton's iteration for the equilibrium ends {far:.1e} times the orbit's extent away from its \
-                 slowest point"
+                "Newton's iteration converges to an equilibrium too far from the orbit: the \
+                 distance from the orbit's slowest point is {far:.1e} times the orbit's extent"
             )));
         }
         let empty = || Frame::spanned(&[], n);
@@ -241,7 +251,8 @@ impl Saddle {
         if let Some((value, _)) = all.iter().find(|(value, _)| value.0.abs() <= HYPERBOLIC) {
             let rate = value.0 * saddle.rate;
             return Err(none(format!(
-                "the equilibrium has an eigenvalue with the real part {rate:.1e}"
+                "the equilibrium is not hyperbolic: one of its eigenvalues has the real part \
+                 {rate:.1e}"
             )));
         }
         let spanned = |sign: f64| {
@@ -256,12 +267,16 @@ impl Saddle {
         (saddle.outgoing, saddle.incoming) = (spanned(1.0), spanned(-1.0));
         if saddle.outgoing.basis.is_empty() || saddle.incoming.basis.is_empty() {
             let kind = if saddle.outgoing.basis.is_empty() { "stable" } else { "unstable" };
-            return Err(none(format!("all eigenvalues of the equilibrium are {kind}")));
+            return Err(none(format!(
+                "the equilibrium is not a saddle: all its eigenvalues are \
+                                     {kind}"
+            )));
         }
         let found = saddle.outgoing.basis.len() + saddle.incoming.basis.len();
         if found != n {
             return Err(none(format!(
-                "the equilibrium has {found} independent eigenvectors but {n} states: eigenvalues coincide"
+                "the equilibrium has {found} independent eigenvectors but {n} states, because \
+                 eigenvalues coincide"
             )));
         }
         if let Some(leading) = saddle.leading(&matrix) {

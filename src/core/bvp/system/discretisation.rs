@@ -108,7 +108,8 @@ impl DiscretisedProblem {
         let Some(s) = layout.segments.get(segment) else {
             let count = layout.segments.len();
             return Err(Failure::Mismatch(format!(
-                "segment {segment} does not exist: there are {count} segments, counted from 0"
+                "segment {segment} does not exist: the problem has {count} segments, numbered from \
+                 0"
             )));
         };
         let mut out = vec![0.0; s.states];
@@ -381,7 +382,8 @@ impl DiscretisedProblem {
                 Some(k) if k < layout.integrals => ("integral condition", k),
                 Some(k) => ("phase condition", k - layout.integrals),
             };
-            let remedy = "conditions and their derivatives must be finite";
+            let remedy = "the conditions of the boundary-value problem and their derivatives must \
+                          be finite";
             return Failure::not_finite(format!("{what} {k}, counted from 0,"), value, remedy);
         }
         let s = layout.segments.iter().rposition(|s| s.equations <= row).unwrap_or(0);
@@ -401,7 +403,8 @@ impl DiscretisedProblem {
         Failure::not_finite(
             format!("the equation of {name}"),
             value,
-            "the field must be finite and differentiable; end the branch before the field becomes undefined",
+            "the vector field must be finite and differentiable; end the branch before the field \
+             becomes undefined",
         )
     }
 }

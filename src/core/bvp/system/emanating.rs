@@ -104,7 +104,8 @@ pub(super) fn beside(
         }
         kind => {
             return Err(Failure::Mismatch(format!(
-                "no curve of special cycles starts at a {}, only at a GH, ZH or HH",
+                "no curve of bifurcations of cycles starts at a {}: the start must be a \
+                 generalized Hopf (GH), fold–Hopf (ZH) or double Hopf point (HH)",
                 kind.meaning()
             )));
         }
@@ -170,7 +171,9 @@ fn angle_beside_fold(rest: &Rest, pair: &Mode, amplitude: f64) -> Result<f64, Fa
     let square = -2.0 * g011 * g110.re;
     if square <= DEGENERATE * (g011 * g110.norm_sqr().sqrt()).abs() {
         return Err(Failure::Mismatch(
-            "no curve of torus points starts at this fold–Hopf point: s θ is not negative".into(),
+            "no curve of torus points starts at this fold–Hopf point (ZH): the product s θ of its \
+             normal-form coefficients is not negative"
+                .into(),
         ));
     }
     let turns = 0.5 * amplitude * square.sqrt() * TAU / pair.value.im;

@@ -21,11 +21,17 @@ pub(super) fn factor(
     let shared = &equations.layout;
     let layout: &UnknownLayout = shared;
     if form != Form::Jacobian && !layout.is_periodic() {
-        return Err(Failure::Unsupported("the solutions are not periodic orbits".into()));
+        return Err(Failure::Unsupported(
+            "the solutions of the problem are not periodic orbits, but \
+                                         the requested linearisation exists only for periodic \
+                                         orbits"
+                .into(),
+        ));
     }
     let outcome = if let Form::Oscillation(omega) = form {
         if border.width != 1 {
-            let reason = "a complex linearisation of orbits needs a border of width 1";
+            let reason = "the complex linearisation of a periodic orbit needs a border of exactly \
+                          one row and one column";
             return Err(Failure::Unsupported(reason.into()));
         }
         let fits = |known: &RotatedLu<Condensation>| Arc::ptr_eq(&known.condensed.layout, shared);

@@ -67,7 +67,9 @@ impl Floquet {
         let (layout, assembled): (&UnknownLayout, _) = (&of.equations.layout, of.assembled);
         if assembled.at.is_empty() {
             return Err(Failure::Mismatch(
-                "no point is assembled at which multipliers could be computed".into(),
+                "Floquet multipliers cannot be computed before the linearisation at a point is \
+                 assembled"
+                    .into(),
             ));
         }
         if self.pencil_of != assembled.count {

@@ -25,8 +25,8 @@ pub(super) fn homoclinic(
         return saved(cycles, solution);
     }
     if solution.mesh.is_empty() {
-        let reason =
-            "a homoclinic orbit starts from a nearby cycle, but this start is an equilibrium";
+        let reason = "a branch of homoclinic orbits starts from a nearby cycle, but the given start is an \
+             equilibrium";
         return Err(Failure::Mismatch(reason.into()));
     }
     let (method, meshes) = discretisation_of(cycles, solution)?;
@@ -56,8 +56,8 @@ fn saved(cycles: &DiscretisedProblem, solution: &Solution) -> Result<Emanating, 
     if solution.state.len() < values || on_mesh.layout.segments.len() != 1 {
         let (found, wanted) = (solution.state.len(), values);
         return Err(Failure::Mismatch(format!(
-            "the saved homoclinic orbit has {found} unknowns, but its mesh needs {wanted}: was the orbit \
-             saved with another model?"
+            "the saved homoclinic orbit has {found} unknowns, but its mesh needs {wanted} \
+             unknowns: was the orbit saved with another model?"
         )));
     }
     let (states, extras) = solution.state.split_at(values);

@@ -188,8 +188,9 @@ fn resolved(mut found: Spectrum, product: LogProduct) -> Result<Spectrum, Failur
         }
         [largest, ..] if size(largest) < HARMLESS => Ok(found),
         _ => Err(Failure::Undetermined(format!(
-            "the multipliers are not determined to working accuracy: their product is {}e^{sum:.1}, but \
-             e^{product:.1} by Liouville's formula: use a finer mesh, or `stability: false`",
+            "the Floquet multipliers are not determined to working accuracy: their product is \
+             {}e^{sum:.1}, but must be e^{product:.1} by Liouville's formula: use a finer mesh, or \
+             `stability: false`",
             if negative { "-" } else { "" }
         ))),
     }

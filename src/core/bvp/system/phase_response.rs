@@ -98,8 +98,8 @@ pub fn phase_response(of: &mut BoundarySystem, x: &[f64]) -> Result<Vec<Profile>
 /// Computes the phase response for a discretisation.
 pub(super) fn response_of(cycles: &mut Meshed, x: &[f64]) -> Result<Vec<Profile>, Failure> {
     if cycles.solutions.free_period(x).is_none() {
-        let reason = "only a cycle with an unknown period has a phase: forced motions, cycles of maps and \
-            solutions of boundary-value problems do not";
+        let reason = "only a cycle with an unknown period has a phase response: forced motions, \
+                      cycles of maps and solutions of other boundary-value problems have no phase";
         return Err(Failure::Unsupported(reason.into()));
     }
     cycles.assemble(x)?;
@@ -124,8 +124,9 @@ fn require_simple(multipliers: &[(f64, f64)]) -> Result<(), Failure> {
     let distances = multipliers.iter().map(|mu| (mu.0 - 1.0).hypot(mu.1));
     match distances.min_by(f64::total_cmp) {
         Some(distance) if distance <= SIMPLE => Err(Failure::Undetermined(format!(
-            "a second Floquet multiplier is 1, to within {distance:.1e}, as at a fold of cycles: the cycle is \
-             not hyperbolic, and its phase response is unbounded or undetermined"
+            "a second Floquet multiplier differs from 1 by only {distance:.1e}, as at a fold of \
+             cycles: the cycle is not hyperbolic, and its phase response is unbounded or \
+             undetermined"
         ))),
         _ => Ok(()),
     }
@@ -256,9 +257,9 @@ fn check_normalised(at: &Interval<f64>, ends: [&Vec<f64>; 2]) -> Result<(), Fail
         let normalised = parts <= LARGEST && (along - 1.0).abs() <= NORMALISED;
         if !normalised {
             return Err(Failure::Undetermined(format!(
-                "the phase response `Z` is unbounded or undetermined, as at a fold of cycles: with the motion \
-                 `f`, Z·f must be 1, but is {along:.6}, a sum of terms of size {parts:.1e}, at t = {time:.6e} \
-                 from the start of segment {}",
+                "the phase response `Z` is unbounded or undetermined, as at a fold of cycles: the \
+                 product Z·f with the vector field `f` must be 1, but is {along:.6}, a sum of \
+                 terms of size {parts:.1e}, at t = {time:.6e} from the start of segment {}",
                 at.span.segment
             )));
         }

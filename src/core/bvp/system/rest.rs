@@ -136,14 +136,15 @@ impl<'a> Rest<'a> {
         let off_axis = |it: &&Mode| it.value.re.abs() > NEAR_THE_AXIS * it.value.im;
         if let Some(Mode { value, .. }) = pairs.iter().find(off_axis) {
             return Err(Failure::Mismatch(format!(
-                "the eigenvalue {:.3e} + {:.3e}i is not on the imaginary axis: a branch of periodic orbits \
-                 starts at a Hopf point (HB)",
+                "the eigenvalue {:.3e} + {:.3e}i is not on the imaginary axis, but a branch of \
+                 periodic orbits starts only at a Hopf point (HB)",
                 value.re, value.im
             )));
         }
         pairs.try_into().map_err(|_| {
             Failure::Mismatch(
-                "no complex pair of eigenvalues: a branch of periodic orbits starts at a Hopf point (HB)"
+                "the equilibrium has no complex pair of eigenvalues, but a branch of periodic \
+                 orbits starts only at a Hopf point (HB)"
                     .into(),
             )
         })

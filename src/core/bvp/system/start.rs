@@ -61,8 +61,8 @@ pub(super) fn resumed(
     if doubled {
         if !same_method {
             return Err(mismatch(
-                "the point was computed by another method: first restart the orbit with the present method, \
-                 and locate the point again",
+                "the period doubling was computed by another discretisation method: restart the \
+                 orbit with the present method, and locate the period doubling again",
             ));
         }
         if !beside_doubled && let Some((half, z)) = halved(equations, &solution, &meshes)? {
@@ -118,7 +118,8 @@ pub(super) fn in_words(
 pub(super) fn itineraries_of(
     problem: &dyn Equations,
 ) -> Result<&dyn Itineraries<ErasedProblem>, Failure> {
-    let reason = "all solutions of this problem have the same itinerary";
+    let reason = "the itinerary cannot be chosen, because all solutions of this problem have the \
+                  same itinerary";
     problem.itineraries().ok_or_else(|| Failure::Unsupported(reason.into()))
 }
 
@@ -173,8 +174,8 @@ pub(super) fn discretisation_of(
         }
     }
     Err(mismatch(format!(
-        "the start has {length} unknowns on {} segments, but the problem has {} segments with {} states in \
-         total: was the start computed with another problem?",
+        "the start has {length} unknowns on {} segments, but the problem has {} segments with {} \
+         states in total: was the start computed with another problem?",
         meshes.len(),
         layout.segments.len(),
         layout.states

@@ -85,11 +85,14 @@ pub(super) fn beside(
 }
 
 fn refused(reason: &str) -> Failure {
-    Failure::Mismatch(format!("no homoclinic orbit starts at this Bogdanov–Takens point: {reason}"))
+    Failure::Mismatch(format!(
+        "no curve of homoclinic orbits starts at this Bogdanov–Takens point: \
+                               {reason}"
+    ))
 }
 
 fn singular() -> Failure {
-    refused("the linearisation has more than one null vector")
+    refused("the linearisation at the equilibrium has more than one null vector")
 }
 
 /// The right vectors `q₀, q₁` and left vectors `p₀, p₁` of a double zero eigenvalue.
@@ -252,7 +255,7 @@ fn well_posed(mut matrix: DMatrix<f64>, wanted: &DVector<f64>) -> Option<DVector
 }
 
 fn dependent() -> Failure {
-    refused("the two parameters do not unfold the point")
+    refused("the two released parameters do not unfold the Bogdanov–Takens point")
 }
 
 /// Returns the smallest change of parameters, with each parameter in units of its value, that

@@ -11,7 +11,7 @@ pub enum NewtonError {
         "Newton stagnated after {iterations} iterations at a scaled correction of {correction:.1e} (damping \
          {damping:.1e})"
     )]
-    #[diagnostic(help("start nearer to a solution, or at a fold continue by arclength"))]
+    #[diagnostic(help("start closer to a solution; near a fold, use continuation by arclength"))]
     Stagnation {
         /// The number of factorisations.
         iterations: usize,
@@ -32,8 +32,8 @@ pub enum NewtonError {
     },
     /// Newton's method did not converge within the maximal number of iterations.
     #[error(
-        "Newton did not converge in {iterations} iterations: scaled correction {correction:.1e}, contraction \
-         {contraction:.2}"
+        "Newton's method did not converge in {iterations} iterations: the last scaled correction \
+         is {correction:.1e}, and the contraction factor is {contraction:.2}"
     )]
     #[diagnostic(help("raise `max_iterations` or loosen `tolerance`"))]
     IterationLimit {
@@ -58,8 +58,8 @@ pub enum NewtonError {
     },
     /// The distance between the curve and its cubic interpolant in the step is too large.
     #[error(
-        "between the ends of the step, the curve deviates from its cubic interpolant by {error:.1e}, \
-         more than `curve_error`, {largest:.1e}"
+        "between the ends of the step, the curve deviates from its cubic interpolant by \
+         {error:.1e}, more than the allowed `curve_error` of {largest:.1e}"
     )]
     #[diagnostic(help("lower `min_step` or raise `curve_error`"))]
     Bent {
@@ -71,15 +71,19 @@ pub enum NewtonError {
     /// The step crossed to a neighbouring branch at a point where the curve turns away from that
     /// branch. The number is the distance between the two branches, in scaled arclength.
     #[error(
-        "the step jumps to another branch, at a distance of {0:.1e} where the branches are close"
+        "the step jumps to another branch, whose distance from the traced branch is {0:.1e} where \
+         the two branches are close"
     )]
-    #[diagnostic(help("lower `min_step`, or the parameter that separates the branches"))]
+    #[diagnostic(help(
+        "lower `min_step`, or change the parameter that separates the two branches"
+    ))]
     BranchJump(f64),
     /// The distance between the corrected and the predicted point is too large compared with the
     /// step: the corrected point may lie on another branch.
     #[error(
-        "the corrected point is {distance:.1e} from the predicted one after a step of {length:.1e}: \
-         another branch is near, or the curve bends too sharply for the step"
+        "the distance between the corrected point and the predicted point is {distance:.1e} after \
+         a step of {length:.1e}: another branch is near, or the curve bends too sharply for the \
+         step"
     )]
     #[diagnostic(help("lower `min_step`"))]
     Far {
@@ -99,15 +103,15 @@ pub enum NewtonError {
     /// A cycle shrank to an equilibrium in one step of the given length; an equilibrium solves the
     /// equations of a cycle with any period.
     #[error(
-        "the cycle shrinks to an equilibrium in a step of {0:.1e}: errors of rounding and discretisation \
-         are too large to distinguish nearby cycles from the equilibrium"
+        "the cycle shrinks to an equilibrium in a single step of {0:.1e}: errors of rounding and \
+         discretisation are too large to distinguish nearby cycles from the equilibrium"
     )]
     #[diagnostic(help("take more `intervals`, or collocation"))]
     Shrunk(f64),
     /// A step of the given length from a branch point returned to the parent branch.
     #[error(
-        "a step of {0:.1e} from the branch point returned to the parent branch: second derivatives do not determine \
-         the other branch"
+        "a step of {0:.1e} from the branch point returned to the parent branch: the second \
+         derivatives do not determine the direction of the other branch"
     )]
     SameBranch(f64),
 }
@@ -115,8 +119,8 @@ pub enum NewtonError {
 fn evaluation(iteration: usize, cause: &Failure) -> String {
     match cause {
         Failure::Singular { .. } => format!(
-            "{cause} in iteration {iteration}: the point is singular in the released parameters (possibly a fold or \
-             branch point)"
+            "{cause} in Newton iteration {iteration}; the point is possibly a fold or branch point with respect to \
+             the released parameters"
         ),
         Failure::Unsupported(_) | Failure::Mismatch(_) | Failure::NoBranch { .. } => {
             cause.to_string()

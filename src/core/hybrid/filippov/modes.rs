@@ -214,8 +214,9 @@ impl<S: FilippovSystem> HybridSystem for Filippov<S> {
         let scale = guard_scale(self, (SURFACE, Self::ABOVE), (t, x), p) / time_scale(self, p);
         if velocity.abs() > OFF * (terms + scale) {
             let quantity = "the normal velocity of the field of sliding motion on the surface";
-            let remedy = "this velocity must vanish, or sliding motion drifts off the surface: correct \
-                          `sliding`, or omit `sliding` to use the convex combination of the two fields";
+            let remedy = "the normal velocity must vanish to keep sliding motion on the surface: \
+                          correct `sliding`, or omit `sliding` to use the convex combination of \
+                          the two fields";
             return Err(OutOfDomain::new(quantity, velocity, remedy));
         }
         Ok(())

@@ -16,10 +16,10 @@ const MOST_COEFFICIENTS: usize = 1024;
 pub enum JetError {
     /// The order of the jet is too high, or the jet has too many coefficients.
     #[error(
-        "a jet of order {order} in {variables} variables has {coefficients} coefficients, but at most {most}, \
-         up to order {MOST_ORDER}, are supported"
+        "a jet of order {order} in {variables} variables has {coefficients} coefficients, but at \
+         most {most} coefficients, up to order {MOST_ORDER}, are supported"
     )]
-    #[diagnostic(help("use a lower order or fewer variables"))]
+    #[diagnostic(help("use a jet of lower order, or a jet in fewer variables"))]
     TooLarge {
         /// The number of variables of the jet.
         variables: usize,
@@ -31,7 +31,7 @@ pub enum JetError {
         most: usize,
     },
     /// The variable does not exist in the space of the jet.
-    #[error("a jet in {variables} variables has no variable {variable}")]
+    #[error("a jet in {variables} variables has no variable with the number {variable}")]
     NoVariable {
         /// The number of variables of the space.
         variables: usize,

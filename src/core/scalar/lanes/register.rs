@@ -93,7 +93,12 @@ pub trait Register: Copy + Debug + Send + Sync + 'static {
     /// If the processor does not have these registers.
     #[inline(always)]
     fn instructions() -> Self::Simd {
-        Self::of(Level::new()).unwrap_or_else(|| unreachable!("lanes are chosen by the processor"))
+        Self::of(Level::new()).unwrap_or_else(|| {
+            unreachable!(
+                "lanes are chosen only if the processor supports \
+                                                               their instructions"
+            )
+        })
     }
 }
 

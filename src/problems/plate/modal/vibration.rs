@@ -21,8 +21,8 @@ impl Modal {
     pub fn modes(&self, z: &[f64], p: &[f64], count: usize) -> Result<Modes, Failure> {
         self.domain(z, p)?;
         let none = || {
-            let reason = "the frequencies are not finite and real: the point is not an equilibrium, or far too few \
-                          modes describe it";
+            let reason = "the vibration frequencies are not finite and real: the point is not an \
+                          equilibrium, or the number of modes is far too small";
             Failure::Undetermined(reason.into())
         };
         match &self.projected {
