@@ -52,7 +52,7 @@ pub enum SceneError {
     Twice(String),
     /// `--both` is given without exactly one parameter to sweep.
     #[error("`--both` sweeps the values of one parameter upward and downward")]
-    #[diagnostic(help("give `--over` exactly once, and for a parameter"))]
+    #[diagnostic(help("give `--over` exactly once, for a parameter and not for an initial state"))]
     BothWays,
     /// A name that the scene does not have.
     #[error(transparent)]
@@ -123,7 +123,7 @@ pub enum SceneError {
     #[diagnostic(transparent)]
     Problem(#[from] ProblemError),
     /// The problem lacks a capability that the scene needs.
-    #[error("{needs}, but this problem is {kind}")]
+    #[error("{requirement}, but this problem is {kind}", requirement = .needs)]
     #[diagnostic(help("state the vector field as a hybrid system with one mode"))]
     Unsupported {
         /// The problems that have the capability, in words.
@@ -183,7 +183,7 @@ pub enum SceneError {
     },
     /// A run starts from a point that an earlier run did not find.
     #[error(
-        "the run `{run}` starts at {kind} number {} of the branch `{from}`, but the branch has {} \
+        "the run `{run}` starts at {kind} number {} of the branch `{from}`, but this branch has {} \
          ({ends})",
         nth + 1, counted(*found, kind)
     )]

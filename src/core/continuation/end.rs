@@ -186,7 +186,9 @@ pub enum End {
     #[error("interrupted")]
     Interrupted,
     /// The branch was only traced in the other direction.
-    #[error("the branch ends at its start: this direction was not requested")]
+    #[error(
+        "the branch ends at its start, because the continuation in this direction was not requested"
+    )]
     Start,
 }
 

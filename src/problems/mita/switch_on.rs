@@ -12,7 +12,9 @@ use crate::core::system::Kind;
 pub enum SwitchOnError {
     /// The branch has no grazing.
     #[error("branch `{0}` has no grazing (G)")]
-    #[diagnostic(help("trace the motion without impacts until it touches the front stopper"))]
+    #[diagnostic(help(
+        "trace the motion without impacts until the motion touches the front stopper"
+    ))]
     NoGrazing(String),
     /// The branch does not follow motion without impacts.
     #[error(
