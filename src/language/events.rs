@@ -247,8 +247,8 @@ fn duration(source: &Source, phrase: &Phrase) -> Result<f64, ModelError> {
         return Ok(time);
     }
     let (what, reason) = (
-        "`changes_in`, the time in which a guard changes".into(),
-        "the time must be above 0".into(),
+        "the time `changes_in`".into(),
+        "the time in which a guard changes must be above 0".into(),
     );
     Err(source.fault_of(phrase, Fault::Misplaced { what, reason }))
 }

@@ -43,8 +43,8 @@ fn branch(branch: &Branch) -> Checked {
         let fits = count > 0 && group.length.is_multiple_of(count);
         require(fits, &place, format!("{:?}", group.indices), || {
             format!(
-                "the number of elements in these index ranges must divide the length of the \
-                     group, {}",
+                "the number of elements in the index ranges of a group must divide the length of \
+                 the group, {}",
                 group.length
             )
         })?;
@@ -73,7 +73,8 @@ fn branch(branch: &Branch) -> Checked {
         let place = format!("{place}, label {}: after", second.label);
         require(false, &place, second.after, || {
             format!(
-                "this position must not be less than {}, the position for the previous label {}",
+                "the position of a special point must be at least {}, the position for the \
+                 previous label {}",
                 first.after, first.label
             )
         })?;
@@ -83,8 +84,8 @@ fn branch(branch: &Branch) -> Checked {
         let most = branch.points.len().saturating_sub(1);
         require(first <= last && *last <= most, &place, format!("{first}, {last}"), || {
             format!(
-                "a stretch must have two positions in increasing order, at most {most}, the \
-                     position of the last point"
+                "the two positions of a stretch must increase and must be at most {most}, the \
+                 position of the last point"
             )
         })?;
     }
@@ -131,7 +132,10 @@ fn special(place: &str, branch: &Branch, dimension: usize, point: &SpecialPoint)
     }
     let last = branch.points.len().saturating_sub(1);
     require(point.after <= last, &format!("{place}: after"), point.after, || {
-        format!("this position must be at most {last}, the position of the last point")
+        format!(
+            "the position of a special point must be at most {last}, the position of the last \
+                 point"
+        )
     })?;
     values(place, branch, &point.parameters, &point.monitors)?;
     slopes(place, branch, point.slopes.as_ref())?;

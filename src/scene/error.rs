@@ -53,7 +53,7 @@ pub enum SceneError {
     Twice(String),
     /// The option `--both` is given, but the number of parameters to sweep is not one.
     #[error("`--both` sweeps the values of one parameter upward and downward")]
-    #[diagnostic(help("give `--over` exactly once, and for a parameter"))]
+    #[diagnostic(help("give `--over` exactly once, for a parameter and not for an initial state"))]
     BothWays,
     /// A name of a parameter, setting or run that does not exist in the scene.
     #[error(transparent)]
@@ -125,7 +125,7 @@ pub enum SceneError {
     #[diagnostic(transparent)]
     Problem(#[from] ProblemError),
     /// The problem does not support a computation that the scene requests.
-    #[error("{needs}, but this problem is {kind}")]
+    #[error("{requirement}, but this problem is {kind}", requirement = .needs)]
     #[diagnostic(help("state the vector field as a hybrid system with one mode"))]
     Unsupported {
         /// A description of the problems that support the computation.
@@ -185,7 +185,7 @@ pub enum SceneError {
     },
     /// A run starts at a special point that an earlier run did not find.
     #[error(
-        "the run `{run}` starts at {kind} number {} of the branch `{from}`, but the branch has {} \
+        "the run `{run}` starts at {kind} number {} of the branch `{from}`, but this branch has {} \
          ({ends})",
         nth + 1, counted(*found, kind)
     )]

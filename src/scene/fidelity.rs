@@ -196,11 +196,7 @@ impl Scene {
         }
         let ladder = self.ladder()?;
         if ladder.len() <= ABOVE {
-            return Err(SceneError::idle(
-                ACCURACY,
-                "on this problem, because its equations have no \
-                                                   discretisation",
-            ));
+            return Err(SceneError::idle(ACCURACY, "on this problem without a discretisation"));
         }
         let names = varied(&ladder);
         let (own, mut defaults) = (self.problem.settings(), self.problem.with_defaults());

@@ -281,7 +281,7 @@ fn accuracies_without_a_meaning_are_refused() {
         r#"Scene(title: "t", problem: Lure(solution: equilibrium), runs: [(name: "r", along: [(name: "alpha", low: 0.5, high: 1.5)])])"#,
         &[],
     );
-    assert!(refused(&equilibria, "1e-4").contains("because its equations have no discretisation"));
+    assert!(refused(&equilibria, "1e-4").contains("on this problem without a discretisation"));
     // It is of all runs.
     let by_a_run =
         PLATE.replace("name: \"plate\",", "name: \"plate\", set: [(\"accuracy\", \"1e-3\")],");

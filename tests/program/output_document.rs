@@ -220,11 +220,13 @@ fn names_and_labels_must_be_unique_and_refer_to_something() {
     assert!(error.contains("a column is `load`"), "{error}");
     let error = refused(|branch| branch.special[3].after = 41);
     assert!(
-        error.contains("label 4: after is 41, but this position must be at most 40"),
+        error.contains(
+            "label 4: after is 41, but the position of a special point must be at most 40"
+        ),
         "{error}"
     );
     let error = refused(|branch| branch.special.swap(0, 3));
-    assert!(error.contains("this position must not be less than 40"), "{error}");
+    assert!(error.contains("the position of a special point must be at least 40"), "{error}");
     let error = refused(|branch| branch.released[0] = "weight".into());
     assert!(
         error.contains("a released parameter must be one of the parameters load, aspect_ratio"),

@@ -24,7 +24,7 @@ pub struct Mesh {
 #[non_exhaustive]
 pub enum MeshError {
     /// The mesh has no intervals.
-    #[error("the mesh has {0} breakpoints, but needs at least 2")]
+    #[error("the mesh has {0} breakpoints, but needs at least 2 breakpoints")]
     Empty(usize),
     /// The mesh does not begin at 0.
     #[error("the mesh begins at {0}, but must begin at 0")]

@@ -75,8 +75,8 @@ fn doubled(
 ) -> Result<Start, Failure> {
     if resumed.site != Site::BranchPoint {
         return Err(Failure::Unsupported(
-            "the system does not define orbits of twice the period, \
-                                         from which this curve starts"
+            "the curve starts from an orbit of twice the period, but the system does not define \
+             such orbits"
                 .into(),
         ));
     }

@@ -191,7 +191,9 @@ pub enum End {
     #[error("interrupted")]
     Interrupted,
     /// The branch was traced only in the direction opposite to this end.
-    #[error("the branch ends at its start: this direction was not requested")]
+    #[error(
+        "the branch ends at its start, because the continuation in this direction was not requested"
+    )]
     Start,
 }
 

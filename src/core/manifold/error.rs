@@ -76,7 +76,10 @@ pub enum ManifoldError {
     },
     /// Both multipliers of the cycle are on the same side of the unit circle.
     #[error(
-        "the cycle is {} node, not a saddle: its multipliers are {:.6} and {:.6}", if multipliers[0].abs() > 1.0 { "an unstable" } else { "a stable" }, multipliers[0], multipliers[1]
+        "the cycle is {} node, not a saddle: its multipliers are {:.6} and {:.6}",
+        if multipliers[0].abs() > 1.0 { "an unstable" } else { "a stable" },
+        multipliers[0],
+        multipliers[1]
     )]
     #[diagnostic(help(
         "start at a saddle: only saddles have both a stable and an unstable manifold"

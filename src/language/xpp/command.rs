@@ -6,9 +6,10 @@ use super::option::number;
 use super::origin::{Named, Slice, Text};
 
 /// The required form of an initial value or a parameter, for messages.
-pub(super) const NUMBER: &str = "a number: XPPAUT does not accept formulas for initial values and \
-                                 parameters; write a constant that depends on other constants as \
-                                 `!b=2*a`";
+pub(super) const NUMBER: &str = "a number";
+/// The remedy for a formula in place of a number.
+pub(super) const NO_FORMULA: &str = "XPPAUT does not accept formulas for initial values and parameters: write a \
+                                     constant that depends on other constants as `!b=2*a`";
 const CHEMICAL: &str = "pHtools commands state chemical equilibria, not equations";
 const VOLTERRA: &str = "models cannot contain integral equations";
 
@@ -133,7 +134,7 @@ pub(super) fn values_of(source: &Source, list: Slice) -> Result<Vec<Named>, Mode
         let end = end.unwrap_or(value.text.len());
         let number_text = value.part(0..end);
         if number(number_text.text).is_none() {
-            return Err(number_text.expected(source, NUMBER));
+            return Err(number_text.expected(source, NUMBER).with_help(NO_FORMULA));
         }
         values.push(Named { name: name.to_text(), formula: number_text.to_text() });
         rest = value.from(end).trim();

@@ -206,10 +206,8 @@ fn subscripted(source: &Source, line: Slice, k: Option<i64>) -> Result<Text, Mod
         let index = if ranged { k.unwrap_or(0) } else { index(source, whole, inner, k)? };
         let named = line.text[..open].ends_with(|c: char| c.is_alphanumeric() || c == '_');
         if index < 0 && named {
-            let reason = format!(
-                "the index in this line is {index}, and `[j]` is replaced by this \
-                                  number with its sign"
-            );
+            let reason =
+                format!("the index is {index}, but an index in a name must not be negative");
             return Err(whole.unsupported(source, "a negative index", reason));
         }
         text.replace(whole, &index.to_string());

@@ -148,7 +148,7 @@ fn check_order(names: &Names, parts: &Parts, formulas: &Formulas) -> Result<(), 
         let later = |known: &Known| matches!(known, Known::Fixed(other) if *other >= k);
         if let Some(known) = formulas.by_functions(tree).iter().find(|known| later(known)) {
             let construct = format!(
-                "`{}` in the formula of a quantity that is computed earlier",
+                "`{}` in the formula of a quantity computed earlier",
                 names.written(*known)
             );
             let reason = "XPPAUT would use the value from the previous step";

@@ -57,10 +57,7 @@ enum Attempt {
 
 fn attempt(path: &Path) -> std::io::Result<Attempt> {
     if path.symlink_metadata().is_ok_and(|there| !there.is_file()) {
-        return Err(Error::new(
-            ErrorKind::AlreadyExists,
-            "the file of a lock must be a regular file",
-        ));
+        return Err(Error::new(ErrorKind::AlreadyExists, "the lock file must be a regular file"));
     }
     // The text of another process is kept.
     let options = File::options().read(true).write(true).create(true).truncate(false).clone();

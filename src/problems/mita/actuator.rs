@@ -376,8 +376,7 @@ impl HybridSystem for Actuator {
         let parameters = Parameters::of(p);
         let (clearance, frame_mass) = (parameters.clearance(), parameters.frame_mass());
         if !(clearance > 0.0 && clearance < 1.0) {
-            let remedy =
-                "the stoppers must be between the middle position, 0, and the electrode, 1";
+            let remedy = "the stoppers must be between the middle, at 0, and the electrode, at 1";
             return Err(OutOfDomain::new("clearance", clearance, remedy));
         }
         let ratios = [

@@ -13,7 +13,9 @@ use crate::core::system::Kind;
 pub enum SwitchOnError {
     /// The branch does not contain a grazing.
     #[error("branch `{0}` has no grazing (G)")]
-    #[diagnostic(help("trace the motion without impacts until it touches the front stopper"))]
+    #[diagnostic(help(
+        "trace the motion without impacts until the motion touches the front stopper"
+    ))]
     NoGrazing(String),
     /// The solutions of the branch have impacts.
     #[error(
