@@ -73,7 +73,7 @@ struct Sentences {
     /// The number of sentences to draw
     #[arg(long, default_value_t = 200)]
     count: usize,
-    /// The root folder of the project whose sentences are drawn
+    /// The root folder of the project from which the sentences are sampled at random
     #[arg(long, value_name = "DIR", default_value = ".")]
     root: PathBuf,
 }

@@ -297,6 +297,7 @@ impl Paragraph {
             let word = letters >= least
                 || last.ends_with(['`', ')', '*'])
                 || last.ends_with(|c: char| c.is_ascii_digit());
+            let word = word && !JOURNALS.contains(&last);
             let next = after.strip_prefix(' ').and_then(|next| next.chars().next());
             if word && next.is_some_and(|c| c.is_uppercase() || "`[*".contains(c)) {
                 sentences.push(self.text[start..=at].trim());
@@ -317,6 +318,12 @@ impl Paragraph {
         sentences
     }
 }
+
+/// Abbreviated words in the names of journals, which do not end a sentence.
+const JOURNALS: [&str; 16] = [
+    "Anal", "Appl", "Chem", "Commun", "Comput", "Differ", "Dynam", "Engng", "Math", "Mech",
+    "Numer", "Phys", "Proc", "Softw", "Theor", "Trans",
+];
 
 /// Verbs that occur in messages, and imperatives with which the suggested remedies begin.
 const VERBS: [&str; 18] = [

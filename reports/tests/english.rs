@@ -153,9 +153,11 @@ fn paragraphs_end_in_sentences() {
     assert_eq!(paragraph.sentences().len(), 3, "{:?}", paragraph.sentences());
 }
 
+/// Numbers end a sentence; abbreviations in the names of journals do not.
 #[test]
 fn sentences_end_after_numbers() {
-    let text = "The error falls to 1e-11. The order is 3.2 at least, see section 4. Both are measured here.";
+    let text = "The error falls to 1e-11. The order is 3.2 at least, see *SIAM J. Numer. Anal.* 43:1407. Both are \
+        measured here.";
     let source = Source::Document;
     let paragraph = Paragraph { source, file: "a.md".into(), line: 1, text: text.into() };
     assert_eq!(paragraph.sentences().len(), 3, "{:?}", paragraph.sentences());

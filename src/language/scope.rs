@@ -189,8 +189,10 @@ impl Scope {
             let needed = "give the function an argument, or write a definition instead of the \
                           function"
                 .into();
-            let fault =
-                Fault::Missing { what: format!("the function `{called}` has no argument"), needed };
+            let fault = Fault::Missing {
+                what: format!("the function `{called}` is defined without an argument"),
+                needed,
+            };
             return Err(self.source.fault_of(name, fault));
         }
         for (k, argument) in arguments.iter().enumerate() {

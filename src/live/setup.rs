@@ -113,8 +113,9 @@ impl Setup {
         Ok(self.stated(library)?.as_written(&self.name, &Request::default()))
     }
 
-    /// Returns the setup without the values, ranges and runs of parameters that the text no longer
-    /// contains, and the names of these parameters, which were set before the text was changed.
+    /// Returns a setup and a list of names: the setup lacks the values, ranges and runs of
+    /// parameters that the changed text no longer contains, and the list contains the names of
+    /// these parameters.
     pub(super) fn suited(&self, library: &Library) -> Result<(Setup, Vec<String>), SceneError> {
         let scene = self.plain(library)?;
         let parameters: Vec<String> =

@@ -47,9 +47,9 @@ pub enum StroboscopicError {
     NoMeasure(#[from] UnknownName),
     /// No crisis was found in the interval of the parameter.
     #[error(
-        "no crisis was found in {steps} steps of the parameter from {from} to {to}: at one of \
-         these values the motion must not settle on a cycle, and at the last value the motion must \
-         settle on a cycle or end"
+        "no crisis was found in {steps} steps of the parameter from {from} to {to}: a crisis lies \
+         between a value at which the motion does not settle on a cycle, and later values at which \
+         the motion settles on a cycle or ends"
     )]
     #[diagnostic(help(
         "change the ends of the parameter's range, or use more steps or a longer transient"

@@ -269,8 +269,9 @@ struct Limits {
     ordered: bool,
 }
 
-/// Returns the limits of admissible solutions along a curve. On a curve of solutions at a limit,
-/// the order of events is not checked, because it depends on rounding.
+/// Returns the limits of admissible solutions along a curve. On a curve of solutions at which an
+/// event of the orbit vanishes, the order of the events is not checked, because rounding determines
+/// it.
 fn limits(curve: &mut Continuation) -> Result<Limits, Failure> {
     let at_limit = curve.held.iter().any(|(kind, make)| *kind == AT_LIMIT && make.is_none());
     let system = &mut *curve.system;

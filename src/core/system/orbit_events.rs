@@ -90,7 +90,7 @@ pub struct Across<'a> {
 
 /// The start of a branch that emanates at a limit.
 pub struct Emanating {
-    /// The system of the solutions on the emanating branch.
+    /// The system of equations that the solutions on the emanating branch satisfy.
     pub system: Box<dyn System>,
     /// The unknowns `z` of the solution at the limit, in the system of the emanating branch.
     pub z: Vec<f64>,

@@ -12,9 +12,9 @@ use faer::c64;
 /// of an orbit. If `σ` is not real, its conjugate is also critical.
 pub(super) struct Eigenvalue {
     form: Form,
-    /// The right eigenvector `q` with `⟨q, q⟩ = 1`, integrated over the period; for a double
-    /// eigenvalue, a Jordan chain `L q₀ = 0`, `L q₁ = −L' q₀`. A real `q` that changes the period
-    /// is instead scaled such that `dτ/dt = 1 − ξ`.
+    /// The right eigenvector `q` of `L`, normalised so that the integral of `⟨q, q⟩` over the
+    /// period is 1; for a double eigenvalue, the Jordan chain `L q₀ = 0`, `L q₁ = −L' q₀`. A real
+    /// `q` that changes the period is instead scaled such that `dτ/dt = 1 − ξ`.
     pub right: Vec<Vec<c64>>,
     /// The left eigenvector `p`: `p* L = 0`, and `p* L' q = −1` for the last vector `q` of the
     /// Jordan chain.

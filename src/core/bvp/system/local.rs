@@ -64,8 +64,8 @@ impl Numbers {
     }
 }
 
-/// A gradient at `x` with respect to the unknowns and the selected numbers, accumulated in `out`
-/// (of the same length as `x`).
+/// The gradient of a scalar function at `x` with respect to the unknowns and the selected
+/// parameters; the gradient is added to `out`, which has the same length as `x`.
 pub(super) struct Gradient<'a> {
     pub x: &'a [f64],
     pub numbers: &'a Numbers,
