@@ -297,7 +297,7 @@ impl Paragraph {
             let word = letters >= least
                 || last.ends_with(['`', ')', '*'])
                 || last.ends_with(|c: char| c.is_ascii_digit());
-            let word = word && !JOURNALS.contains(&last);
+            let word = word && !JOURNALS.contains(&last.trim_start_matches('*'));
             let next = after.strip_prefix(' ').and_then(|next| next.chars().next());
             if word && next.is_some_and(|c| c.is_uppercase() || "`[*".contains(c)) {
                 sentences.push(self.text[start..=at].trim());

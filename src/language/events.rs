@@ -248,7 +248,7 @@ fn duration(source: &Source, phrase: &Phrase) -> Result<f64, ModelError> {
     }
     let (what, reason) = (
         "the time `changes_in`".into(),
-        "the time in which a guard changes must be above 0".into(),
+        "the time scale on which a guard changes must be above 0".into(),
     );
     Err(source.fault_of(phrase, Fault::Misplaced { what, reason }))
 }

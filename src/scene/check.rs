@@ -200,9 +200,9 @@ impl Scene {
         check_map(local, &place, earlier, held.chain(along))?;
         if run.expanded.is_some() && (run.along.len(), local.parameters.len()) != (1, 2) {
             let message = format!(
-                "{place}, expanded: the local map has the parameters {}, and the run varies {} \
-                 parameters, but the series needs a local map with two parameters: the run varies \
-                 one parameter, and the series gives the other one",
+                "{place}, field `expanded`: the series needs a local map with two parameters, of \
+                 which the run varies one and the series gives the other one, but the local map \
+                 has the parameters {}, and the run varies {} parameters",
                 local.parameters.join(", "),
                 run.along.len()
             );

@@ -19,7 +19,8 @@ use crate::core::sweep::{MOST_RUNS, Order};
 pub struct Division {
     /// The number of parts into which the sweep is divided.
     pub parts: usize,
-    /// The number of strands of the sweep.
+    /// The number of strands of the sweep: the parts in which each run begins where the preceding
+    /// run ended.
     pub strands: usize,
     /// The number of runs of the sweep.
     pub runs: usize,

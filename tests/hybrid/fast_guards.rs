@@ -97,5 +97,8 @@ fn slots_are_stated_in_text() {
     assert_eq!(outcome.error, None);
     assert_eq!(outcome.document.branches[0].itinerary, "inside:leave outside:enter");
     let refused = one_line(&Scene::parse(&text.replace("\"1e-3\"", "0")).unwrap_err());
-    assert!(refused.contains("the time in which a guard changes must be above 0"), "{refused}");
+    assert!(
+        refused.contains("the time scale on which a guard changes must be above 0"),
+        "{refused}"
+    );
 }

@@ -74,9 +74,9 @@ pub(crate) enum Solutions {
 pub(crate) enum Beyond {
     /// The curve continues beyond the bifurcation.
     Further,
-    /// The curve continues beyond the bifurcation, but the defining systems held along the curve do
-    /// not define the bifurcation point. The defining system created by this function replaces
-    /// them.
+    /// The curve continues beyond the bifurcation, but the defining systems that hold along the
+    /// curve become singular at the bifurcation point. The defining system created by this function
+    /// replaces them.
     Through(Make),
     /// The curve ends at the bifurcation. The defining systems held along the curve are singular at
     /// its end, and the defining system created by this function replaces them.

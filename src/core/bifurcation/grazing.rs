@@ -76,9 +76,9 @@ impl GrazingBifurcation {
     }
 
     /// Computes the gradient, with respect to the released parameters, of the left side of the fold
-    /// equation for the orbits of the other family. The parameters determine the orbits of the
-    /// other family: `F_z δz + F_p δp = 0`, while the monitor that vanishes at a grazing stays
-    /// zero.
+    /// equation for the orbits of the other family. On the family of orbits on the other side of
+    /// the grazing, the monitor that vanishes at the grazing stays zero, so the change of the
+    /// parameters determines the change of the orbit: `F_z δz + F_p δp = 0`.
     fn gradient_across(&mut self, mut at: At) -> Result<Vec<f64>, Failure> {
         let mut factors = std::mem::take(&mut self.factors);
         let (fold, mut at) = self.singular(&mut at)?;

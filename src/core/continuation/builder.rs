@@ -247,8 +247,8 @@ impl<'a> Continuation<'a> {
         self
     }
 
-    /// Marks the points at which a monitor takes a given value and the solution grazes a surface,
-    /// as special points of the kind `G`.
+    /// Marks the points at which a monitor reaches a given value because the solution grazes a
+    /// surface there, as special points of the kind `G`.
     ///
     /// ```
     /// # use tangency::core::continuation::Continuation;

@@ -77,8 +77,8 @@ impl<'c, 'a> Terms<'c, 'a> {
         Ok(terms)
     }
 
-    /// Returns the change of the left sides if one group of unknowns changes by its part of the
-    /// tangent, times a length.
+    /// Returns the change of the residual if one group of unknowns is displaced along its part of
+    /// the tangent by a given length.
     fn change(&mut self, length: f64, group: &Range<usize>) -> Result<Vec<f64>, Failure> {
         let mut moved = self.unknowns.to_vec();
         let part = moved[group.clone()].iter_mut().zip(&self.tangent[group.clone()]);

@@ -74,8 +74,9 @@ pub struct Limit {
     pub monitor: usize,
     /// The typical size of the monitor; tolerances are relative to this size.
     pub scale: f64,
-    /// Whether the limit belongs to an event that occurs on the solutions, such as the speed of an
-    /// impact. All other limits are distances to surfaces that solutions do not reach.
+    /// Whether the monitor that vanishes at the limit belongs to an event that occurs on the
+    /// solutions; for example, the speed of an impact belongs to the impact. All other limits are
+    /// distances to surfaces that solutions do not reach.
     pub passes: bool,
 }
 

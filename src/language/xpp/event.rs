@@ -95,8 +95,8 @@ fn tried_out(source: &Source, place: &Phrase, goes_on: bool) -> String {
     let line = source.line_of(place).unwrap_or_default();
     let result = match goes_on {
         true => {
-            "the motion continues beyond the condition in at least one of the tested states, so \
-             each side of the condition has its own mode"
+            "in at least one of the tested states, the motion crosses the surface where the \
+             condition changes, so each side of the surface needs its own mode"
         }
         false => {
             "the motion does not continue beyond the condition in any of the tested states, so the two sides of \

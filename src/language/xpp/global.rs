@@ -22,7 +22,7 @@ impl Global {
             Ok(1.0) => false,
             Ok(-1.0) => true,
             Ok(0.0) => {
-                let reason = "computed motion cannot meet a condition exactly";
+                let reason = "a computed motion never meets a surface exactly";
                 return Err(sign
                     .unsupported(source, "the sign 0 of `global`", reason)
                     .with_help("use 1 or -1"));

@@ -65,7 +65,7 @@ pub(super) enum Next {
     Start,
     /// A leg begins.
     Leg,
-    /// The next leg is simulated separately from other members.
+    /// The member of the fleet simulates its next leg alone, separately from the other members.
     Alone,
     /// The duration of the member has passed.
     Finish,
