@@ -120,8 +120,9 @@ pub enum CommandError {
     /// `--regions` is given, but no curve in two parameters has known numbers of unstable
     /// directions.
     #[error(
-        "the option --regions needs a curve of LP, HB, PD, TR or BP in two parameters with known \
-         numbers of unstable directions, but no document contains such a curve"
+        "the option --regions needs a curve of LP, HB, PD, TR or BP points in two parameters, and \
+         the numbers of unstable directions on both sides of this curve, but no document contains \
+         such a curve with these numbers"
     )]
     #[diagnostic(help(
         "trace a curve of special points with --hold and `stability=true`; if another version of \
@@ -129,7 +130,7 @@ pub enum CommandError {
     ))]
     NoRegions,
     /// For the vertical axis of a sweep, several columns are given instead of one.
-    #[error("a picture of sweeps (.npz) has exactly one column on the vertical axis")]
+    #[error("a picture of sweeps (.npz) must have exactly one column on the vertical axis")]
     #[diagnostic(help("name one column with --y"))]
     OneColumn,
     /// The grid of settings is invalid.
@@ -144,7 +145,10 @@ pub enum CommandError {
     #[diagnostic(help("choose another folder with --out, or remove the existing folder"))]
     OtherGrid { folder: PathBuf },
     /// The command line gives an option that cannot be combined with `--grid`.
-    #[error("a grid traces the scene as the scene is written and cannot be combined with {0}")]
+    #[error(
+        "the option --grid traces the scene exactly as the scene file states, and cannot be combined \
+         with {0}"
+    )]
     NotInGrid(&'static str),
     /// Two designs of a grid would be saved in files of the same name.
     #[error("two designs (combinations of settings) of the grid have the same name `{name}`")]

@@ -44,7 +44,7 @@ pub struct Plot {
     /// The range of the vertical axis to show, in the same form as the range of --x-range
     #[arg(long, value_name = "LOW..HIGH", value_parser = ends, allow_hyphen_values = true)]
     y_range: Option<Ends>,
-    /// The columns whose axes are logarithmic, such as period
+    /// The columns to draw on logarithmic axes, such as period
     #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
     log: Vec<String>,
     /// Label the two sides of each curve in two parameters with the numbers of unstable directions

@@ -52,7 +52,8 @@ pub struct Sweep {
     /// The event at which the motion of a model without forcing is sampled, just after each event
     #[arg(long, value_name = "EVENT", requires = "over")]
     at: Option<String>,
-    /// Record the named monitors of every period, such as max_x, and draw the first monitor
+    /// Record the named monitors, such as max_x, in every period, and draw the first of these
+    /// monitors
     #[arg(long, value_name = "NAME,…", value_delimiter = ',', requires = "over")]
     measure: Vec<String>,
     /// Compute only part K of N parts of the sweep; `tangency merge` joins the parts

@@ -101,10 +101,10 @@ fn check_count(source: &Source, statement: &Boundary, states: usize) -> Result<(
     if given == states + unknowns {
         return Ok(());
     }
-    let what = format!("the problem has {given} conditions and integrals");
+    let what = format!("the problem has {given} `conditions` and `integrals` in total");
     let needed = format!(
-        "give {} conditions and integrals: one for each state ({states}) and one for each unknown \
-         ({unknowns})",
+        "give {} `conditions` and `integrals` in total: one for each state ({states}), and one for \
+         each entry of `unknowns` ({unknowns})",
         states + unknowns
     );
     let phrase = statement.conditions.first().cloned().unwrap_or_default();

@@ -88,8 +88,8 @@ fn refuse_other_states(basis: &Basis, own: &[Stated]) -> Result<(), ModelError> 
     let name = |name: Option<&String>| name.map_or("none", String::as_str).to_string();
     let what = format!("state {} is {}", k + 1, name(own.get(k).map(|(_, name)| name)));
     let reason = format!(
-        "the state at the same position above the surface is {}, but all fields must have the same \
-         states in the same order",
+        "in the field above the surface, the state at the same position is {}, but all fields must \
+         have the same states in the same order",
         name(states.get(k))
     );
     Err(basis.source.fault_of(&place, Fault::Misplaced { what, reason }))

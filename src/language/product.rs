@@ -66,7 +66,7 @@ fn combinations(
         let what = "the combinations in `product`".into();
         let reason = format!(
             "the number of combinations must be between 1 and {MOST}, and each part of the product \
-             needs an alternative"
+             needs at least one alternative mode"
         );
         return Err(source.fault_of(&Phrase::default(), Fault::Misplaced { what, reason }));
     }

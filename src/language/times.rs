@@ -79,7 +79,7 @@ impl Times {
             true => Ok(counts[0]),
             false => {
                 let reason = "when `n` grows by 1, the time must grow by the period or by a \
-                              fraction 1/k of the period, for all parameters"
+                              fraction 1/k of the period, for all values of the parameters"
                     .to_string();
                 let fault = Fault::Misplaced { what: what(), reason };
                 Err(source

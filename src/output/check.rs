@@ -43,8 +43,8 @@ fn branch(branch: &Branch) -> Checked {
         let fits = count > 0 && group.length.is_multiple_of(count);
         require(fits, &place, format!("{:?}", group.indices), || {
             format!(
-                "the number of elements in the index ranges of a group must divide the length of \
-                 the group, {}",
+                "the length of a group of unknowns, {}, must be a multiple of the number of \
+                 elements in the index ranges of the group",
                 group.length
             )
         })?;
@@ -73,8 +73,8 @@ fn branch(branch: &Branch) -> Checked {
         let place = format!("{place}, label {}: after", second.label);
         require(false, &place, second.after, || {
             format!(
-                "the position of a special point must be at least {}, the position for the \
-                 previous label {}",
+                "the position of a special point must be at least {}, the position of the \
+                 special point with the previous label, {}",
                 first.after, first.label
             )
         })?;
@@ -84,8 +84,9 @@ fn branch(branch: &Branch) -> Checked {
         let most = branch.points.len().saturating_sub(1);
         require(first <= last && *last <= most, &place, format!("{first}, {last}"), || {
             format!(
-                "the two positions of a stretch must increase and must be at most {most}, the \
-                 position of the last point"
+                "the first position of a stretch (a part of a curve between two special points) \
+                 must not be larger than the second position, and both positions must be at most \
+                 {most}, the position of the last point"
             )
         })?;
     }
@@ -201,7 +202,7 @@ fn unique<T: std::fmt::Display + Eq + std::hash::Hash>(
 
 fn length(place: &str, found: usize, expected: usize, of: &str) -> Checked {
     require(found == expected, place, format!("a list of {found}"), || {
-        format!("the list must have {expected} entries, as many as {of}")
+        format!("the list must have {expected} entries, one for each of {of}")
     })
 }
 

@@ -200,9 +200,9 @@ impl Scene {
         check_map(local, &place, earlier, held.chain(along))?;
         if run.expanded.is_some() && (run.along.len(), local.parameters.len()) != (1, 2) {
             let message = format!(
-                "{place}, field `expanded`: the series needs a local map with two parameters, of \
-                 which the run varies one and the series gives the other one, but the local map \
-                 has the parameters {}, and the run varies {} parameters",
+                "{place}, field `expanded`: the local map must have two parameters, and the run \
+                 must vary exactly one of them, so that the series gives the other parameter, but \
+                 the local map has the parameters {}, and the run varies {} parameters",
                 local.parameters.join(", "),
                 run.along.len()
             );
@@ -210,7 +210,7 @@ impl Scene {
         }
         if matches!(run.start, Start::Simulated(_)) {
             let message = format!(
-                "{place} starts at a simulation, but a run of a local map must start at `Guess` or \
+                "{place} starts from a simulation, but a run of a local map must start at `Guess` or \
                  `From`"
             );
             return Err(SceneError::invalid(message).with_help("iterate the map by a sweep"));

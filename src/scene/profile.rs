@@ -29,7 +29,8 @@ impl Profile {
     pub(super) fn load(&mut self, scene: SceneText) -> Result<(), SceneError> {
         let Some(file) = self.file.take() else { return Ok(()) };
         if !(self.columns.is_empty() && self.rows.is_empty()) {
-            let reason = "the scene also contains a table of the profile";
+            let reason = "the scene also contains a table of values for the profile that \
+                          this file defines";
             return Err(SceneError::value(FILE, &file, reason)
                 .with_help("give the table of the profile either in the file or in the scene"));
         }

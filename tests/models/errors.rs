@@ -135,7 +135,7 @@ fn statements() {
     );
     says(
         "Boundary(states: [(\"u\", \"v\"), (\"v\", \"-u\")], conditions: [\"»u(0)«\"])",
-        "give 2 conditions and integrals: one for each state (2) and one for each unknown (0)",
+        "give 2 `conditions` and `integrals` in total: one for each state (2), and one for each entry of `unknowns` (0)",
     );
     says("Boundary(states: [(\"u\", \"1\")], conditions: [\"»t«\"])", "cannot contain the time");
     says(
@@ -500,12 +500,12 @@ fn sliding() {
     assert!(text.contains("the equations have no surface"), "{text}");
     says(
         &of("below: [(\"»y«\", \"y\"), (\"x\", \"1\")], surface: \"x\""),
-        "state 1 is y: the state at the same position above the surface is x, but all fields must \
-         have the same states in the same order",
+        "state 1 is y: in the field above the surface, the state at the same position is x, but all \
+         fields must have the same states in the same order",
     );
     says(
         &of("below: [(\"»x«\", \"y\")], surface: \"x\""),
-        "state 2 is none: the state at the same position above the surface is y",
+        "state 2 is none: in the field above the surface, the state at the same position is y",
     );
     let with = |rest: &str| of(&format!("{below}, surface: \"x\", {rest}"));
     says(&with("holds: [(\"»abvoe«\", \"1\")]"), "unknown side `abvoe`");

@@ -51,8 +51,8 @@ impl DefiningSystem for Level {
         };
         if position >= count {
             return Err(Failure::Mismatch(format!(
-                "the level refers to the {what} with number {position}, but the system has only \
-                 {count}, numbered from 0"
+                "the condition that a {what} has a given value refers to the {what} with number \
+                 {position}, but the system has only {count} {what}s, numbered from 0"
             )));
         }
         Ok(())

@@ -43,8 +43,8 @@ pub enum BoundaryError {
     /// The number of segments or of conditions does not match the shape of the problem.
     #[error(
         "the problem has {segments} segments with {boundary} boundary conditions and {closing} \
-         integral and phase conditions, which do not form a {shape:?}: a periodic orbit is one \
-         closed segment with as many boundary conditions as states, and a cycle has no integral \
+         integral and phase conditions, which do not fit the shape {shape:?}: a periodic orbit is \
+         one closed segment with as many boundary conditions as states, and a cycle has no integral \
          conditions"
     )]
     Shape {

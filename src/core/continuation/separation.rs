@@ -226,8 +226,8 @@ impl Parts<'_, '_> {
         let event = match critical {
             Critical::Pair => {
                 format!(
-                    "{}: {count} complex pairs with the same frequency are critical at the \
-                         same point",
+                    "{}: {count} complex pairs of eigenvalues with the same frequency are \
+                     critical at the same point",
                     kind.meaning()
                 )
             }

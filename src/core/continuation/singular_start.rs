@@ -60,8 +60,8 @@ pub(super) fn beside<T>(
     unknowns.clone_from(&start);
     Err(match singular.then(|| conserved(corrector, &start)).flatten() {
         Some(law) => Failure::Unsupported(format!(
-            "the quantity {law} is conserved, so equilibria are not isolated: define one of its \
-             unknowns by the other unknowns and the conserved quantity"
+            "the quantity {law} is conserved, so equilibria are not isolated: write one of the \
+             unknowns in this quantity as a formula of its other unknowns and its conserved value"
         ))
         .into(),
         None => cause,

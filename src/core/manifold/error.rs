@@ -17,8 +17,8 @@ pub enum ManifoldError {
     },
     /// The number of given states is not a positive multiple of the number of states of the map.
     #[error(
-        "{found} numbers are not a cycle of a map with two states: each iterate of a cycle needs \
-         two numbers"
+        "a cycle of a map with two states is given by two values for each iterate, but {found} \
+         values are given"
     )]
     States {
         /// The number of given states.

@@ -18,7 +18,7 @@ pub enum SettingsError {
     },
     /// The first or the largest step is not a positive fraction of the flow.
     #[error(
-        "a step of a flow must be a fraction of the flow's duration between 0 and 1, but is {0}"
+        "a step of a flow, as a fraction of the flow's duration, must be between 0 and 1, but is {0}"
     )]
     Step(f64),
     /// The largest number of steps is zero.

@@ -54,7 +54,7 @@ pub(super) const REFUSED: [(&str, &str, &str, Option<&str>); 18] = [
         "GR",
         "a group (`group`)",
         "models cannot contain groups",
-        Some("state the equations of each part of the group"),
+        Some("write the equations of every member of the group separately"),
     ),
     (
         "B",

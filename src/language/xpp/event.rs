@@ -95,18 +95,18 @@ fn tried_out(source: &Source, place: &Phrase, goes_on: bool) -> String {
     let line = source.line_of(place).unwrap_or_default();
     let result = match goes_on {
         true => {
-            "in at least one of the tested states, the motion crosses the surface where the \
+            "from at least one of the tested states, the motion crosses the surface where the \
              condition changes, so each side of the surface needs its own mode"
         }
         false => {
-            "the motion does not continue beyond the condition in any of the tested states, so the two sides of \
-                 the condition share one mode"
+            "from all tested states, the motion stays on one side of the surface where the \
+             condition changes, so the model needs no separate mode for the other side"
         }
     };
     format!(
-        "{line}: the formulas do not show whether the motion continues beyond the condition `{}` \
-         of `global` after its event; a test at {TRIALS} states has the following result: \
-         {result}. Check this result, or import the model and define its modes",
+        "{line}: the formulas do not show whether, after an event of `global`, the motion crosses \
+         the surface where the condition `{}` changes; a test from {TRIALS} states has the \
+         following result: {result}. Check this result, or import the model and define its modes",
         place.text
     )
 }
@@ -157,10 +157,11 @@ impl Hybrid<'_, '_> {
         }
         if passable.len() > PASSED {
             let place = &self.events[passable[PASSED]].place;
-            let construct = "a fourth condition that stays met after its event".to_string();
+            let construct =
+                "a fourth condition of `global` that remains true after its event".to_string();
             let reason =
-                "each condition that stays met after its event doubles the number of modes, and at \
-                 most three such conditions are supported"
+                "each condition of `global` that remains true after its event doubles the number of \
+                 modes, and at most three such conditions are supported"
                     .to_string();
             let fault = super::super::Fault::Unsupported { construct, reason };
             return Err(source.fault_of(place, fault));

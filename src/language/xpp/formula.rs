@@ -162,7 +162,7 @@ impl<'a> Reader<'a, '_> {
             let reason = "XPPAUT has only one index, `i'`, for the two sums";
             return Err(word
                 .unsupported(source, "a sum within a sum over the same index", reason)
-                .with_help("write the terms of one of the two sums"));
+                .with_help("write out all terms of one of the two sums"));
         }
         let shifts =
             |step: &Step| matches!(step, Step::Call(name, _) if name.eq_ignore_ascii_case("shift"));

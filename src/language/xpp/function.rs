@@ -26,8 +26,7 @@ pub(super) const REFUSED: [(&str, &str, &str); 15] = [
     (
         "SET",
         "the function `set`",
-        "a formula cannot set a quantity while other quantities are \
-                                   computed",
+        "the evaluation of a formula cannot change the value of another quantity",
     ),
 ];
 

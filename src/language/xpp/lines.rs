@@ -172,9 +172,9 @@ fn range_of<'a>(source: &Source, line: Slice<'a>) -> Result<Option<Range<'a>>, M
         };
         if found.is_some() {
             let reason = "XPPAUT writes out one range per line";
-            return Err(whole
-                .unsupported(source, "a second range in a line", reason)
-                .with_help("write two lines, or `[j]` instead of the second range"));
+            return Err(whole.unsupported(source, "a second range in a line", reason).with_help(
+                "write each range on a line of its own, or replace the second range by `[j]`",
+            ));
         }
         found = Some(Range { brackets: whole, first: first.into(), last: last.into() });
     }

@@ -92,8 +92,11 @@ pub enum PlateError {
     },
     /// Stresses were requested for a plate model without stretching, or with too many in-plane
     /// functions.
-    #[error("the model of the plate has no in-plane stresses")]
-    #[diagnostic(help("set `theory` to `von_karman`, and use fewer in-plane functions"))]
+    #[error(
+        "the in-plane stresses of the plate cannot be computed: the model has no stretching, or too \
+         many in-plane functions"
+    )]
+    #[diagnostic(help("set `theory` to `von_karman`, or use fewer in-plane functions"))]
     NoMembrane,
     /// The value of a parameter is outside the domain of the equations.
     #[error(transparent)]

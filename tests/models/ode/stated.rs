@@ -150,13 +150,13 @@ fn whether_motion_goes_on_beyond_a_condition_follows_from_affine_formulas() {
 fn conditions_that_are_tried_out_are_named() {
     let (count, tried) = modes("x'=v\nv'=-x\nglobal 1 {x^2-.25} {v=-v}\n");
     assert_eq!((count, tried.len()), (1, 1));
-    let begin = "line 3: the formulas do not show whether the motion continues beyond the condition `x^2-.25` \
-                 of `global` after its event; a test at 24 states has the following result: the motion does not \
-                 continue beyond the condition in any";
+    let begin = "line 3: the formulas do not show whether, after an event of `global`, the motion crosses the \
+                 surface where the condition `x^2-.25` changes; a test from 24 states has the following result: \
+                 from all tested states, the motion stays on one side";
     assert!(tried[0].starts_with(begin), "{}", tried[0]);
     let (count, tried) = modes("x'=v\nv'=-x\nglobal 1 {x^2-.25} {v=v/2}\n");
     assert_eq!((count, tried.len()), (2, 1));
-    assert!(tried[0].contains("in at least one of the tested states"), "{}", tried[0]);
+    assert!(tried[0].contains("from at least one of the tested states"), "{}", tried[0]);
 }
 
 #[test]

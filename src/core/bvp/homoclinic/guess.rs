@@ -367,7 +367,8 @@ fn linear(
         return Ok(places);
     }
     Err(refused(format!(
-        "the linear flow near the equilibrium spirals too much, or its rates are too different: \
-         {MOST_NODES} nodes do not reach a distance of {radius:.0e} from the equilibrium"
+        "the linear flow near the equilibrium spirals too much, or its eigenvalues differ too much \
+         in size: {MOST_NODES} mesh nodes do not suffice to reach a distance of {radius:.0e} from \
+         the equilibrium"
     )))
 }

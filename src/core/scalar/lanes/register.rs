@@ -95,8 +95,7 @@ pub trait Register: Copy + Debug + Send + Sync + 'static {
     fn instructions() -> Self::Simd {
         Self::of(Level::new()).unwrap_or_else(|| {
             unreachable!(
-                "lanes are chosen only if the processor supports \
-                                                               their instructions"
+                "vector registers must be chosen only if the processor supports their instructions"
             )
         })
     }
