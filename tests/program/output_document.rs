@@ -198,8 +198,8 @@ fn what_could_not_be_read_back_is_not_written() {
 fn lists_of_the_wrong_length_are_refused() {
     assert_eq!(
         message_after("[0.019208, 1.2]", "[0.019208]"),
-        "branch `plate`, point 1, parameters is a list of 1, but the list must have 2 entries, as many \
-         as the names"
+        "branch `plate`, point 1, parameters is a list of 1, but the list must have 2 entries, one \
+         for each of the names"
     );
     let error = message_after("length: 1", "length: 2");
     assert!(error.contains("label 1, state is a list of 1"), "{error}");
