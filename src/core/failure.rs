@@ -256,7 +256,8 @@ impl Failure {
         Failure::NoBranch { which, count }
     }
 
-    /// Adds to the error the place at which the quantity has its value.
+    /// Appends the place at which the quantity has its value to the name of the quantity in the
+    /// error.
     pub(in crate::core) fn at(mut self, place: std::fmt::Arguments) -> Self {
         if let Failure::OutOfDomain(OutOfDomain { quantity, .. })
         | Failure::NotFinite { quantity, .. } = &mut self

@@ -20,16 +20,17 @@ const CAUTION: f64 = 4.0;
 
 /// Rounding: the derivative of an unfolding unknown with respect to a parameter is zero up to
 /// rounding if it is smaller than this threshold, relative to its terms. If the derivative is
-/// larger, the branch point does not persist when the parameter changes.
+/// larger than this threshold, the branch point does not persist when the parameter changes.
 const BREAKS_UP: f64 = 1e-7;
 
 /// Rounding: a sensitivity is zero up to rounding if it is smaller than this threshold, in units of
-/// the rounding errors of its terms. Alternatively, the resulting change of the released parameter,
-/// when the other parameter changes by its own size, is compared with the rounding error of the
-/// released parameter.
+/// the rounding errors of its terms. A sensitivity is also zero up to rounding if a change of the
+/// other parameter by its own size changes the released parameter by less than this threshold, in
+/// units of the rounding error of the released parameter.
 const NOISE: f64 = 16.0;
 
-/// The named numbers, type and sensitivities of a special point.
+/// The named values (such as normal-form coefficients), the type and the sensitivities of a special
+/// point.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Meaning {
     pub numbers: Vec<Number>,
@@ -42,10 +43,10 @@ pub(super) struct Meaning {
 }
 
 impl Meaning {
-    /// Computes the numbers, type and sensitivities at a solution of the defining system of an
-    /// event; `equations` must hold this defining system. If solutions have no mesh, the errors of
-    /// the numbers are estimated from samples of rounding errors; if they have a mesh, from its
-    /// refinement.
+    /// Computes the named values, the type and the sensitivities at a solution of the defining
+    /// system of an event; `equations` must contain this defining system. If solutions have no
+    /// mesh, the errors of the named values are estimated from samples of rounding errors; if
+    /// solutions have a mesh, from a refinement of the mesh.
     pub fn of(equations: &mut Extended, event: &Event, unknowns: &[f64]) -> Self {
         let (values, case) = numbers(equations, event, unknowns);
         let mut errors: Vec<f64> =
@@ -64,7 +65,8 @@ impl Meaning {
         Meaning { numbers: named.collect(), classified, case, sensitivities: Vec::new() }
     }
 
-    /// Adds the sensitivities of the location of the special point to other parameters.
+    /// Computes the sensitivities: the derivatives of the location of the special point with
+    /// respect to other parameters.
     pub fn differentiate(&mut self, equations: &mut Extended, event: &Event, unknowns: &[f64]) {
         // A point at a level of the parameter keeps that value.
         if !matches!(event.test.level(), Some((Quantity::Parameter(_), _))) {
@@ -74,9 +76,9 @@ impl Meaning {
         }
     }
 
-    /// Computes the numbers and type of a special point that is located by bracketing. The error of
-    /// a number is the difference between its values at the special point and at the point
-    /// `beside`; the distance between these two points is the error of the location.
+    /// Computes the named values and the type of a special point that is located by bracketing. The
+    /// error of a named value is its change from the special point to the point `beside`; the
+    /// distance between these two points is the error of the location.
     pub fn beside(equations: &mut Extended, event: &Event, [at, beside]: [&[f64]; 2]) -> Self {
         if event.normal_form.is_none() {
             return Meaning::default();
@@ -96,12 +98,12 @@ impl Meaning {
         Meaning { numbers, classified: true, case, ..Meaning::default() }
     }
 
-    /// Returns the numbers and sensitivities that a special point currently contains.
+    /// Returns the named values that a special point currently contains.
     pub fn taken_from(special: &SpecialPoint) -> Self {
         Meaning { numbers: special.numbers.clone(), ..Meaning::default() }
     }
 
-    /// Writes the numbers, type and sensitivities into a special point.
+    /// Writes the named values, the type and the sensitivities into a special point.
     pub fn give_to(self, special: &mut SpecialPoint) {
         if self.classified {
             // A case is unknown if a determining coefficient is no larger than its error.
@@ -115,9 +117,9 @@ impl Meaning {
         (special.numbers, special.sensitivities) = (self.numbers, self.sensitivities);
     }
 
-    /// Estimates the errors of the numbers by comparison with the numbers on coarser
-    /// discretisations, which are listed from the coarsest to the finest. A number that is missing
-    /// on one of the coarser discretisations is removed.
+    /// Estimates the errors of the named values by comparison with their values on coarser
+    /// discretisations, which are listed from the coarsest to the finest. A named value that is
+    /// missing on one of the coarser discretisations is removed.
     pub fn after(mut self, coarser: &[Meaning]) -> Self {
         self.numbers.retain_mut(|number| {
             let of = |meaning: &Meaning| {
@@ -152,7 +154,7 @@ fn numbers(
     (values, case)
 }
 
-/// Estimates the changes of the named numbers due to the rounding errors of the special point.
+/// Estimates the changes of the named values due to the rounding errors of the special point.
 fn rounding(
     equations: &mut Extended,
     event: &Event,

@@ -9,14 +9,15 @@ use crate::core::problem::{Group, Names};
 /// `s_g` is the largest Euclidean norm of the group `g` of unknowns on the branch so far; `s_p` is
 /// the length of the range of the parameter `p`. If a group is zero at the start, its scale is its
 /// change along the tangent when the parameter changes by the length of its range; if the tangent
-/// is vertical, its change over [`StartSizes::reach`]. If a parameter has no finite range, its
-/// scale is initially its change along the tangent when the unknowns change by their size, and
-/// later the distance that the parameter has covered. If a group is zero at the start and does not
-/// change along the tangent, the tangent a small step further along the range of the parameter gives
-/// its scale; if the group does not change there either, its scale is its unit; if the group has no unit, its scale is the
-/// scale of the largest other group. Hence the computed points do not depend on units, unless a
-/// group is zero at all points of the tangent at the start. If such a group has an unusual size,
-/// set its scale ([`Continuation::scale`](super::builder::Continuation::scale)).
+/// is vertical, the scale of the group is its change over the distance [`StartSizes::reach`] along
+/// the tangent. If a parameter has no finite range, its scale is initially its change along the
+/// tangent when the unknowns change by their size, and later the distance that the parameter has
+/// covered. If a group is zero at the start and does not change along the tangent, the tangent a
+/// small step further along the range of the parameter gives its scale; if the group does not
+/// change there either, its scale is its unit; if the group has no unit, its scale is the scale of
+/// the largest other group. Hence the computed points do not depend on units, unless a group is
+/// zero at all points of the tangent at the start. If such a group has an unusual size, set its
+/// scale ([`Continuation::scale`](super::builder::Continuation::scale)).
 ///
 /// ```
 /// use tangency::core::continuation::{Metric, StartSizes};
@@ -132,8 +133,8 @@ impl Metric {
         self.unknown.iter().zip(&self.fixed).any(|(unknown, fixed)| *unknown && !fixed)
     }
 
-    /// Replaces unknown scales of groups by the scales at another point of the curve, where they are
-    /// known there.
+    /// Replaces each unknown scale of a group by the scale of the group at another point of the
+    /// curve, if it is known at that point.
     pub(super) fn with_unknown_from(mut self, other: &Metric) -> Self {
         for k in 0..self.groups.len() {
             if self.unknown[k] && !self.fixed[k] && !other.unknown[k] {

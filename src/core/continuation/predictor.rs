@@ -13,7 +13,7 @@ const MOST_CURVED: f64 = 0.3;
 
 /// Heuristic: the largest difference between the polynomial and the tangent prediction in a group
 /// of unknowns, relative to the norm of the group. The bound on this difference applies near an
-/// extremum of the group, where the part of the step in the group vanishes.
+/// extremum of the group, where the group hardly changes in the step.
 const MOST_TURNED: f64 = 0.02;
 
 /// Heuristic: the smallest cosine of the angle between the tangents at an earlier and the current
@@ -89,7 +89,8 @@ impl Predictor {
 /// Whether a polynomial prediction is reliable: its deviation `bend` from the tangent prediction
 /// must be small relative to the step. Each group of unknowns is also checked separately, since a
 /// group that is small on this part of the branch has little weight in the norm. The deviation of a
-/// group is compared with its part of the step, or, at an extremum of the group, with its norm.
+/// group is compared with the change of the group in the step, or, at an extremum of the group,
+/// with the norm of the group.
 fn is_trusted(
     (norm, names): (&ScaledNorm, &Names),
     bend: &[f64],

@@ -8,9 +8,9 @@ use crate::core::linalg::norm;
 
 /// Discretisation: a branch has gone to infinity if a group of unknowns has grown by this factor
 /// since the parameters last changed: no diagram shows both ends of such a part of a branch. The
-/// parameters must also converge, which they do not after a fold: on the second half of this part,
-/// measured by the logarithm of the norm of the group, the parameters must change by no more than
-/// on the first half, up to rounding.
+/// parameters must also converge, which they do not after a fold: if the growth of the group by
+/// this factor is divided into two growths by its square root, the parameters must change by no
+/// more during the second growth than during the first, up to rounding.
 const INFINITE: f64 = 1e6;
 const AT_REST: f64 = 1e-13;
 
@@ -25,9 +25,10 @@ const MANY: usize = 200;
 
 /// Heuristic: a quantity makes no net progress if its largest distance from its value at the
 /// reference point is less than this fraction of the sum of all its changes. For a random walk of
-/// [`MANY`] steps, the fraction is 1/14; on a closed curve, 1/3. Arclength is not used as a
-/// measure: if a discontinuity moves along an orbit, the length of a step is the square root of the
-/// displacement of the discontinuity, so the sum of lengths grows with the number of steps.
+/// [`MANY`] steps, the largest distance is 1/14 of the sum; on a closed curve, it is 1/3 of the
+/// sum. Arclength is not used as a measure: if a discontinuity moves along an orbit, the length of
+/// a step is the square root of the displacement of the discontinuity, so the sum of lengths grows
+/// with the number of steps.
 const NOWHERE: f64 = 0.03;
 
 /// Rounding: a quantity makes no net progress if it changes by less than this fraction of its
@@ -94,8 +95,8 @@ impl View {
 pub(super) struct Progress {
     /// The quantities at the last point at which the parameters changed.
     moved: Option<View>,
-    /// The parameters at the point where a group of unknowns had grown to half of the factor, in
-    /// the logarithm, that counts as infinite growth since `moved`.
+    /// The parameters at the point where a group of unknowns had grown since `moved` by the square
+    /// root of the factor that counts as infinite growth.
     halfway: Option<Vec<f64>>,
     watch: Option<Watch>,
     /// Whether the branch has already been reported as slow (`Crawl`).

@@ -43,17 +43,17 @@ pub(super) struct Recorder {
     eigenvalues: usize,
     /// The types of eigenvalues that are critical at all points of the curve.
     critical: Vec<Critical>,
-    /// The kind of the bifurcation points that form the curve, if such a curve divides the plane of
-    /// two parameters.
+    /// The kind of the bifurcation points that form the curve; `None` if curves of this kind do not
+    /// divide the plane of two parameters.
     pub dividing: Option<Kind>,
-    /// Whether events are detected by the numbers of unstable eigenvalues, without the eigenvalues
-    /// that are critical at all points of the curve.
+    /// Whether events are detected by the numbers of unstable eigenvalues, not counting the
+    /// eigenvalues that are critical at all points of the curve.
     counts: bool,
 }
 
 impl Recorder {
-    /// Creates the recorder of a curve along which the kinds `held` are held and the given events
-    /// are detected.
+    /// Creates the recorder of a curve whose points are special points of the kinds `held`, and
+    /// along which the given events are detected.
     pub fn new(
         attached: Vec<Attached>,
         held: &[Kind],
@@ -85,9 +85,9 @@ impl Recorder {
         spectrum
     }
 
-    /// Whether eigenvalues are computed at every point. If stability is enabled, eigenvalues are
-    /// computed on branches of solutions, if eigenvalues are stored with points, and if events are
-    /// detected by eigenvalues.
+    /// Whether eigenvalues are computed at every point. Eigenvalues are computed if stability is
+    /// enabled and at least one of three conditions holds: the curve is a branch of solutions,
+    /// eigenvalues are stored with points, or events are detected by eigenvalues.
     pub fn wants_stability(&self) -> bool {
         self.stability && (self.solutions || self.keeps_spectra() || self.counts)
     }

@@ -137,7 +137,7 @@ fn take_over(curve: &mut Continuation) -> Result<Start, Failure> {
 /// Whether a branch starts at a branch point on the mesh of the saved solution. At such a start, the
 /// parameters are set to their unrefined values on this mesh: at the refined values, which differ
 /// from the branch point of the mesh by the discretisation error, the emanating branch would not be
-/// found. A start on another mesh, or at another orbit beyond an event, has no unrefined values.
+/// found. For a start on another mesh, or on an orbit with other events, no unrefined values exist.
 fn stays_on_mesh(start: &Start, kind: Kind) -> bool {
     let is_crossing = start.site == Site::BranchPoint && start.direction.is_some();
     is_crossing && matches!(kind, Kind::BP | Kind::PD)
@@ -260,18 +260,18 @@ fn released(curve: &mut Continuation) -> Result<Vec<usize>, TraceError> {
 
 /// The limits of admissible solutions along a curve, given by the indices of their monitors.
 struct Limits {
-    /// The monitors of the limits that vanish at all points of the curve; the first of these
-    /// monitors is held at zero.
+    /// The monitors that vanish at all points of the curve; the first of these monitors is held at
+    /// zero.
     vanishing: Vec<usize>,
-    /// The monitors of the limits that may vanish at a single point of the curve.
+    /// The monitors that may vanish at single points of the curve.
     others: Vec<usize>,
     /// Whether the solutions have an order of events that must be checked.
     ordered: bool,
 }
 
 /// Returns the limits of admissible solutions along a curve. On a curve of solutions at which an
-/// event of the orbit vanishes, the order of the events is not checked, because rounding determines
-/// it.
+/// event of the orbit vanishes, the order of the events is not checked, because rounding errors
+/// determine the order.
 fn limits(curve: &mut Continuation) -> Result<Limits, Failure> {
     let at_limit = curve.held.iter().any(|(kind, make)| *kind == AT_LIMIT && make.is_none());
     let system = &mut *curve.system;
@@ -287,8 +287,8 @@ fn limits(curve: &mut Continuation) -> Result<Limits, Failure> {
     Ok(Limits { vanishing, others, ordered })
 }
 
-/// Returns an error if a held kind does not occur for solutions of the problem, or if it requires
-/// another held kind.
+/// Returns an error if special points of a held kind do not occur for the problem, or if this kind
+/// can be held only together with another kind.
 fn check_held(
     held: &[(Kind, Option<MakeCondition>)],
     dynamics: Dynamics,

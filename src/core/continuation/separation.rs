@@ -193,8 +193,8 @@ impl Parts<'_, '_> {
         events.position(|event| event.kind == kind && event.condition.is_some())
     }
 
-    /// Locates the point at which one of several pairs is critical, with a defining system for the
-    /// frequency of this pair.
+    /// Locates the point at which one of several pairs of eigenvalues is critical, with a defining
+    /// system for the frequency of this pair.
     fn pair(&mut self, interval: Interval, cluster: &Cluster, group: Group) -> Option<Located> {
         let dynamics = self.curve.corrector.equations.system().dynamics();
         let index = self.event(kinds(group.critical, dynamics)[0])?;

@@ -87,8 +87,9 @@ pub struct Settings {
     /// other branches can start from them.
     #[serde(skip)]
     pub keep_solutions: bool,
-    /// Whether special points lack sensitivities, for a picture that only lasts until the next one.
-    /// Sensitivities to other parameters can take a third of the time of a trace.
+    /// Whether the computation of sensitivities at special points is omitted, for example to save
+    /// time for a picture that is soon replaced. Sensitivities to other parameters can take a third
+    /// of the time of a trace.
     #[serde(skip)]
     pub without_sensitivities: bool,
     /// The token that cancels the continuation. A cancelled branch ends with

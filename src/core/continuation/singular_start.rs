@@ -30,8 +30,8 @@ const NOTHING: f64 = 1e-9;
 /// and returns the tangent at the moved start and a warning.
 ///
 /// # Errors
-/// If the start cannot be moved, the `cause` of the undetermined tangent, or the conservation law
-/// that explains it.
+/// Returns the `cause` of the undetermined tangent, or the conservation law that explains it, if
+/// the start cannot be moved.
 pub(super) fn beside<T>(
     corrector: &mut Corrector,
     unknowns: &mut Vec<f64>,

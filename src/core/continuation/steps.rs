@@ -434,8 +434,8 @@ impl Steps<'_> {
     }
 
     /// Whether the mesh is too coarse for the solution at the end of a step, but fine enough for
-    /// the solution at its beginning. A step with such an end is shortened, because the mesh is
-    /// adapted after each point and can follow the solution in shorter steps.
+    /// the solution at its beginning. A step that ends at such a solution is shortened, because the
+    /// mesh is adapted after each point and can follow the solution in shorter steps.
     fn outruns_mesh(&mut self, from: &CurvePoint, step: &Step) -> bool {
         let limit = self.settings.max_mesh_error;
         let mut error = |place: &CurvePoint| self.curve.corrector.mesh_error(&place.unknowns);

@@ -20,7 +20,7 @@ pub(super) const LEAST_UNEXPLAINED: f64 = 1e-3;
 /// events may be easier to identify in a shorter step.
 ///
 /// Events are uncertain, for example, if Newton's method does not converge at a point of higher
-/// multiplicity, or because the step has crossed to another branch.
+/// multiplicity, or if the step has crossed to another branch.
 pub(super) fn unexplained(
     detector: &Detector,
     from: &CurvePoint,

@@ -199,7 +199,7 @@ impl System for HybridEquilibria {
         self.matrix.unknown_scales(p)
     }
 
-    /// Returns a representation whose itinerary is the name of the mode.
+    /// Returns the representation of the equilibria, whose itinerary is the name of the mode.
     fn representation(&self) -> Representation {
         Representation { itinerary: self.rest.name(), ..Representation::default() }
     }
@@ -235,7 +235,8 @@ impl System for HybridEquilibria {
 
 impl OrbitEvents for HybridEquilibria {
     /// Returns the monitor `distance` as a limit of admissible equilibria, if the mode has guards.
-    /// Equilibria on a surface count as solutions with the event.
+    /// For equilibria on a surface, the event at the limit counts as an event of the solutions
+    /// ([`Limit::passes`]).
     fn limits(&self, p: &[f64]) -> Vec<Limit> {
         let scale = self.rest.scales_of_guards(p).into_iter().reduce(f64::min);
         let passes = self.rest.constrained;

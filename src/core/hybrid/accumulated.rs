@@ -10,9 +10,9 @@ use crate::core::scalar::{Chunk, Jet, Narrow};
 use num_dual::{Dual, Dual2, Dual64};
 use std::ops::ControlFlow;
 
-/// Rounding: Events that would accumulate within this time, in units of the system's time scale,
-/// are not simulated: rounding errors would leave the last event times less accurate than their
-/// limit.
+/// Rounding: events that would accumulate within this time, in units of the system's time scale,
+/// are not simulated: because of rounding errors, the times of the last events would be less
+/// accurate than the predicted time of the accumulation.
 const REST: f64 = 1e-3;
 /// Heuristic: the longest simulation of accumulating events, as a multiple of the expected time of
 /// accumulation.

@@ -2,7 +2,7 @@
 //!
 //! A motion is pressed against a surface with acceleration `−a`: between impacts, the approach
 //! speeds `v_n` and the intervals `Δ_n = t_n − t_{n−1}` shrink by a ratio `r = v_n/v_{n−1}` that
-//! converges, so that the events accumulate near
+//! converges. The time at which the events accumulate is estimated by `E_n`:
 //!
 //! ```text
 //!     E_n = t_n + Δ_n r/(1 − r).

@@ -18,8 +18,8 @@ pub struct CycleLeg {
     /// The state at the end of the leg.
     pub end: Vec<f64>,
     /// Whether the leg represents the rest of a series of infinitely many events, up to the
-    /// accumulation of the events. The state at the end of such a leg, before its accumulation, is the
-    /// state before the last event, in the mode of that event.
+    /// accumulation of the events. For such a leg, `end` is the state just before the event that
+    /// represents the accumulation, in the mode of that event.
     pub accumulation: bool,
 }
 

@@ -18,7 +18,7 @@ impl<'a, T: EventNumber> HybridFlow<'a, T>
 where
     GuardOf<'a>: Watchable<T>,
 {
-    /// Processes an event, and the accumulation of such events if it is near.
+    /// Processes an event, and the accumulation of such events if the accumulation is near.
     pub(super) fn land<O: HybridObserver<T>>(
         &mut self,
         LocatedEvent { guard, root }: LocatedEvent<T>,
@@ -157,9 +157,9 @@ where
     }
 
     /// Writes the state at the accumulation of a series of events to the event record, as the state
-    /// before the event. At the accumulation, a body is exactly at rest on the surface. A truncated
-    /// series would leave a small distance, and a body in contact keeps its distance until its
-    /// release.
+    /// before the event. At the accumulation, a body is exactly at rest on the surface. If the
+    /// series were truncated instead, the body would keep a small distance from the surface until
+    /// its release.
     fn rest(&mut self, series: usize, time: T, p: &[T]) {
         let Event { guard, mode, .. } = self.event;
         let limit = self.series[series].limit();

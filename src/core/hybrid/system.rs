@@ -424,16 +424,16 @@ pub trait HybridSystem: Send + Sync {
         T::from(f64::NAN)
     }
 
-    /// Returns the named measures that branches record for orbits, and sweeps for periods; the
-    /// default is the extremes of every state, and the mean and extremes of every monitor
-    /// ([`Measure::by_default`]).
+    /// Returns the named measures that branches record for orbits and that sweeps record for
+    /// periods; the default is the extremes of every state, and the mean and extremes of every
+    /// monitor ([`Measure::by_default`]).
     fn measures(&self) -> Vec<(String, Measure)> {
         let states = self.modes().into_iter().flat_map(|mode| mode.states).collect();
         Measure::by_default(states, self.monitors())
     }
 
-    /// Returns the names of states that start at zero in each mode; histories show the sum
-    /// accumulated over all modes.
+    /// Returns the names of states that start at zero in each mode; a history shows each such state
+    /// plus its values at the ends of all earlier modes of the motion.
     fn cumulative_states(&self) -> Vec<String> {
         Vec::new()
     }

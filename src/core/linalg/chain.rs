@@ -2,30 +2,30 @@
 //!
 //! A discretised boundary-value problem couples the values of `n` states at the `m + 1` nodes of each
 //! of `N` intervals; neighbouring intervals share a node (collocation with `m` points; shooting with
-//! `m = 1`). The matrix of the discretised problem is a bordered chain of blocks,
+//! `m = 1`). The matrix `M` of the discretised problem is a bordered chain of blocks:
 //!
 //! ```text
 //!     ⎡ chain: N·m·n equations by (N·m + 1)·n values  │  k columns ⎤
 //!     ⎣ l rows                                        │  corner    ⎦
 //! ```
 //!
-//! where interval `i` has `m·n` equations in the values at nodes `i·m … (i + 1)·m`. [`Chain`]
-//! eliminates all values except `x_0` and `x_N` at the ends, interval by interval, at a cost linear
-//! in `N`. The first pivots eliminate the nodes inside an interval and come from the interval's own
+//! Interval `i` has `m·n` equations in the values at nodes `i·m … (i + 1)·m`. [`Chain`] eliminates
+//! all values except `x_0` and `x_N` at the ends, interval by interval, at a cost linear in `N`.
+//! The first pivots eliminate the nodes inside an interval and come from the interval's own
 //! equations; then the node shared with the previous interval is eliminated, with pivots from the
 //! `2n` remaining equations of both intervals (Ascher, Mattheij & Russell 1995, ch. 7; Fairgrieve &
 //! Jepson 1991). The elimination is Gaussian elimination with row exchanges, applied to the chain
 //! as a whole: neither transfer matrices nor their products are formed, so that growing and
-//! decaying solutions along the chain are both preserved. With the matrix `E` of row operations,
-//! the eliminated equations are
+//! decaying solutions along the chain are both preserved. The matrix `E` of row operations
+//! transforms the matrix `M` as follows:
 //!
 //! ```text
 //!     E M = ⎡ U  * ⎤        R: (n + l) × (2n + k), by x_0, x_N and the k columns
 //!           ⎣ 0  R ⎦
 //! ```
 //!
-//! and the caller adds the equations of the ends (boundary conditions, the corner) to `R` and
-//! solves linear systems with the result.
+//! The caller adds the equations of the ends (boundary conditions, the corner) to `R` and solves
+//! linear systems with the result.
 
 use super::front::{Fronts, Pivots};
 use crate::core::cancel::CancelToken;

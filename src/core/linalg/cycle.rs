@@ -10,7 +10,7 @@
 //! ```
 //!
 //! The blocks form a [`Chain`] with the values `x_0 … x_K` and the condition `x_K = μ x_0`. The
-//! condensation of the chain leaves the equations
+//! condensation of the chain leaves equations with the following matrix:
 //!
 //! ```text
 //!           x_0   x_K   border
@@ -19,8 +19,8 @@
 //!         ⎣ *     *     corner ⎦
 //! ```
 //!
-//! at a cost of O(K n³) operations and O(K n²) memory. The Floquet multipliers of the cycle are the
-//! eigenvalues of the pencil `P + μ Q`.
+//! The condensation takes O(K n³) operations and O(K n²) memory. The Floquet multipliers of the
+//! cycle are the eigenvalues of the pencil `P + μ Q`.
 
 use super::balance::balance;
 use super::border::{Border, Spectrum};

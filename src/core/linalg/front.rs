@@ -19,7 +19,7 @@ const BLOCKED: usize = 96;
 const PANEL: usize = 32;
 
 /// Several fronts of the same shape. In each front, the leading columns are eliminated with pivots
-/// from the leading rows,
+/// from the leading rows:
 ///
 /// ```text
 ///     ⎡ L₁    ⎤     ⎡ U  * ⎤      pivotal rows (permuted by P): as many as columns
@@ -27,9 +27,9 @@ const PANEL: usize = 32;
 ///     ⎣ L₃  I ⎦                   border rows: updated, never a pivot
 /// ```
 ///
-/// where the factors overwrite the matrix, and `S` is the Schur complement. Whole rows are
-/// exchanged together with their multipliers, so that all row exchanges can be applied before the
-/// elimination of a right-hand side.
+/// The factors overwrite the matrix, and `S` is the Schur complement. Whole rows are exchanged
+/// together with their multipliers, so that all row exchanges can be applied before the elimination
+/// of a right-hand side.
 #[derive(Default)]
 pub(super) struct Fronts {
     /// The number of eliminated columns.

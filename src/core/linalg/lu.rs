@@ -11,16 +11,16 @@ use std::iter::Sum;
 /// The size of a matrix from which on faer's blocked factorisation is faster than plain loops.
 const BLOCKED_FROM: usize = 40;
 
-/// The LU factorisation `P R M C = L U` of the bordered matrix
+/// The LU factorisation `P R M C = L U` of a bordered matrix `M`:
 ///
 /// ```text
 ///     M = ⎡ A  B ⎤
 ///         ⎣ C  D ⎦
 /// ```
 ///
-/// where diagonal matrices `R`, `C` of powers of two bring the largest entry of each row and column near
-/// 1, so that the pivots and the test for singularity do not depend on units. Repeated factorisations of
-/// matrices of the same size do not allocate memory.
+/// The diagonal matrices `R` and `C`, whose entries are powers of two, bring the largest entry of
+/// each row and column near 1, so that the pivots and the test for singularity do not depend on
+/// units. Repeated factorisations of matrices of the same size do not allocate memory.
 ///
 /// ```
 /// use tangency::core::linalg::{Border, BorderedLu};

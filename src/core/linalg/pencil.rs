@@ -2,15 +2,15 @@
 //!
 //! A [`Chain`](super::chain::Chain) leaves `n` equations `P x_0 + Q x_N = 0` between its ends, which
 //! determine the solutions of the linearised equations over a period. With `x_N = μ x_0`, these `n`
-//! equations become
+//! equations become a generalised eigenvalue problem:
 //!
 //! ```text
-//!     (P + μ Q) v = 0,
+//!     (P + μ Q) v = 0
 //! ```
 //!
-//! where the eigenvalues `μ` are the Floquet multipliers. The transfer matrix `−Q⁻¹P` is not
-//! formed, because its rounding errors would dominate the smallest multipliers (Fairgrieve &
-//! Jepson, SIAM J. Numer. Anal. 28 (1991) 1446).
+//! The eigenvalues `μ` are the Floquet multipliers. The transfer matrix `−Q⁻¹P` is not formed,
+//! because its rounding errors would dominate the smallest multipliers (Fairgrieve & Jepson, SIAM
+//! J. Numer. Anal. 28 (1991) 1446).
 
 use super::border::Spectrum;
 use crate::core::failure::{Failure, finite, not_finite};

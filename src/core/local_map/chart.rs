@@ -180,8 +180,8 @@ where
         place
     }
 
-    /// Returns the deviations of a point's coordinates from the coordinates of the grazing point
-    /// `periods` forcing periods earlier.
+    /// Returns the deviations of a point's coordinates from the coordinates of the grazing point,
+    /// whose phase is increased by `periods` forcing periods.
     pub fn deviations_of(&self, place: &Place<Jet<C>>, periods: usize) -> Vec<Jet<C>> {
         let deviation = |coordinate: &Coordinate| match coordinate {
             Coordinate::State(i) => place.x[*i] - self.source.point.x[*i],

@@ -127,7 +127,8 @@ pub enum GrazingError {
         /// The last change of the event's time in Newton's method.
         step: f64,
     },
-    /// Near the grazing orbit, only this orbit itself returns to the grazed surface immediately.
+    /// The motion from the grazing point ends immediately at another guard, and near the grazing
+    /// point the surface of that guard differs from the grazed surface.
     #[error(
         "the motion from the grazing point of guard `{touched}` ends immediately at guard \
          `{back}`, but near the grazing point the surfaces of the two guards are {left:.1e} apart: \
@@ -139,7 +140,8 @@ pub enum GrazingError {
         touched: String,
         /// The name of the guard that ends the returning motion.
         back: String,
-        /// The distance between the two surfaces, as a coefficient in units of the scales.
+        /// The coefficient that measures the distance between the surfaces of the two guards, in
+        /// units of the scales.
         left: f64,
     },
     /// The orbit does not return to the grazing point.

@@ -14,7 +14,7 @@ use std::sync::Arc;
 /// escaped (heuristic): the polynomials are valid only for small deviations.
 const MOST: f64 = 1.0;
 
-/// The number of the map's only event, which occurs if the virtual point lies beyond the surface.
+/// The index of the map's only event, which occurs if the virtual point lies beyond the surface.
 const IMPACT: usize = 0;
 
 /// The iteration of a local map, which gives the attractors near a grazing in a fraction of the

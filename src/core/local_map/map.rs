@@ -159,8 +159,8 @@ impl LocalMap {
 }
 
 /// Heuristic: the largest distance, in units of the scales, by which an orbit may miss its grazing
-/// point after one turn. Only wrong input is rejected: an orbit with durations of the wrong legs
-/// misses the point by a distance of order 1, a located orbit by 1e-11.
+/// point after one turn. Only wrong input is rejected: an orbit whose durations belong to other
+/// legs misses the point by a distance of order 1, a located orbit by 1e-11.
 const RETURNS: f64 = 1e-3;
 
 /// Returns an error if the orbit does not return to its grazing point.

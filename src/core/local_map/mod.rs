@@ -1,8 +1,8 @@
 //! Local maps near grazing orbits: discontinuity maps of any order.
 //!
 //! A periodic orbit grazes if it touches the surface `h = 0` of a guard without crossing the
-//! surface. On the section `Π`, defined by `dh/dt = 0`, where motion is closest to the surface,
-//! motion near the orbit is described by the map
+//! surface. The section `Π`, defined by `dh/dt = 0`, contains the points at which motion is closest
+//! to the surface. A map `P` of the section describes the motion near the orbit:
 //!
 //! ```text
 //!     P = P_smooth ∘ D

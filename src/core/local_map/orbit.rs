@@ -18,8 +18,8 @@ use crate::core::system::Limit;
 ///
 /// Each point has an additional unknown: at an impact `y_k`, which determines the normal coordinate
 /// of the virtual point `ξ_k`, and otherwise the distance `h` from the surface. In these unknowns
-/// the equations are regular if an impact becomes a grazing, `y_k = 0`, and so is the generalised
-/// eigenvalue problem for the multipliers: no entry grows like `1/y`.
+/// the equations are regular where an impact becomes a grazing, `y_k = 0`. The generalised
+/// eigenvalue problem for the multipliers is also regular there: no entry grows like `1/y`.
 ///
 /// The problem is a boundary-value problem on segments without motion, so that all methods for
 /// periodic orbits apply: multipliers, stability, folds, period doublings, torus bifurcations,

@@ -5,7 +5,7 @@
 //! and `D_z` and `D_p` are the derivatives of the discontinuity map; the first column `β` of `D_z`
 //! is the derivative with respect to `y`. The virtual point itself is `E z + E_p p`, where the
 //! column of `E` for `y` is zero, since the penetration is `y²`. Therefore the orbit with an impact
-//! is
+//! has the following `z`:
 //!
 //! ```text
 //!     z = −(N D_z − E)⁻¹ (N D_p + N_p − E_p) p.

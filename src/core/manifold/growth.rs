@@ -8,7 +8,7 @@ use crate::core::cancel::CancelToken;
 use crate::core::continuation::End;
 use crate::core::numerics::{Limits as RootLimits, bracketed_zero, gauss_legendre};
 
-/// The limits of one half of a manifold, in units of the states' scales.
+/// The limits up to which one half of a manifold is computed, in units of the states' scales.
 pub(super) struct Limits {
     /// The longest arclength.
     pub length: f64,
@@ -132,8 +132,8 @@ impl<'a> Growth<'a> {
         }
     }
 
-    /// Makes a step, as long as the bends of the curve allow; returns the reason why the half ends
-    /// if the step is the last step.
+    /// Makes a step, whose length is limited by the bends of the curve; if the step is the last
+    /// step, returns the reason why the half ends.
     fn advance(&mut self) -> Option<End> {
         loop {
             let way = self.step * norm(self.last.slope);

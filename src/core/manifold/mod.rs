@@ -4,18 +4,18 @@
 //! the unit circle and a multiplier `μ` inside. The unstable manifold `W^u` of the saddle contains
 //! the points whose preimages converge to the saddle; the stable manifold `W^s` contains the points
 //! whose images converge to the saddle. Both manifolds are curves. With `g = f^K`, each manifold is
-//! parametrised by a function `W` that conjugates `g` with a linear map,
+//! parametrised by a function `W` that conjugates `g` with a linear map:
 //!
 //! ```text
-//!     g(W(s)) = W(λ s),      W(0) = the saddle,      W'(0) = an eigenvector,
+//!     g(W(s)) = W(λ s),      W(0) = the saddle,      W'(0) = an eigenvector
 //! ```
 //!
-//! where the equation for `W^s` contains `μ` instead of `λ` (X. Cabré, E. Fontich and R. de la
-//! Llave, *J. Differential Equations* 218:444, 2005). Near the saddle, `W` is approximated by its
-//! Taylor polynomial of order 8, computed with jets. Farther away, points of `W^u` are computed as
-//! `W(s) = g^m(W(s/λ^m))`, and points of `W^s` as `m`-th preimages, which Newton's method finds
-//! near the preimages of the preceding point. Every point is computed from the polynomial; no point
-//! is interpolated. If the curve bends or stretches, points are inserted as in the algorithm of D.
+//! The equation for `W^s` contains `μ` instead of `λ` (X. Cabré, E. Fontich and R. de la Llave, *J.
+//! Differential Equations* 218:444, 2005). Near the saddle, `W` is approximated by its Taylor
+//! polynomial of order 8, computed with jets. Farther away, points of `W^u` are computed as `W(s) =
+//! g^m(W(s/λ^m))`, and points of `W^s` as `m`-th preimages, which Newton's method finds near the
+//! preimages of the preceding point. Every point is computed from the polynomial; no point is
+//! interpolated. If the curve bends or stretches, points are inserted as in the algorithm of D.
 //! Hobson (*J. Comput. Phys.* 104:14, 1993; also Z. You, E. J. Kostelich and J. A. Yorke, *Int. J.
 //! Bifurcation and Chaos* 1:605, 1991, and B. Krauskopf and H. M. Osinga, *J. Comput. Phys.*
 //! 146:404, 1998), with tangents from automatic differentiation instead of chords.

@@ -1,6 +1,6 @@
 //! Finds zeros of functions of one variable.
 
-/// The limits of an iteration for a root.
+/// The criteria that stop an iteration for a root.
 pub(crate) struct Limits {
     /// The largest number of iterations.
     pub rounds: usize,

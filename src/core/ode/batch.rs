@@ -88,7 +88,7 @@ pub trait LaneSteps<T> {
     /// Returns the number of evaluations of the vector field in a step.
     fn cost(&self) -> usize;
 
-    /// Discards the occupant numbers of the lanes when the flows are renumbered.
+    /// Forgets which flow's parameters are in each lane; called when the flows are renumbered.
     fn vacate(&mut self);
 
     /// Loads a flow into a lane; flows with the same occupant number must have the same parameters. A

@@ -1,7 +1,7 @@
 //! Integration of ordinary differential equations: flows of vector fields.
 //!
 //! The flow `φ` of a vector field `f` maps a state `x₀` at the time `t₀` to the state `x(t₀ + L)`
-//! on the solution of
+//! on the solution of the following initial-value problem:
 //!
 //! ```text
 //!     x' = f(t, x, p),    x(t₀) = x₀.

@@ -4,16 +4,16 @@
 //! work-precision diagrams use it for folds of stiff orbits; the scalar types of second and third
 //! order take 0.9 % of the compiled code.
 //!
-//! With `J = ∂g/∂x` and `ġ = ∂g/∂σ` at the start of the step, each stage solves a linear system for
-//! its increment `u_i`,
+//! With `J = ∂g/∂x` and `ġ = ∂g/∂σ` at the start of the step, each stage solves the following
+//! linear system for its increment `u_i`:
 //!
 //! ```text
-//!     (I/(hγ) − J) u_i = g(σ + c_i h, x + Σ_j a_ij u_j) + Σ_j (C_ij/h) u_j + h d_i ġ,
+//!     (I/(hγ) − J) u_i = g(σ + c_i h, x + Σ_j a_ij u_j) + Σ_j (C_ij/h) u_j + h d_i ġ
 //! ```
 //!
-//! and the state at the end of the step is `x + Σ_j m_j u_j`. The increment of the last stage is
-//! the error estimate (Hairer and Wanner 1996, section IV.7; coefficients: G. Steinebach, BIT
-//! Numer. Math. 63:27, 2023).
+//! The state at the end of the step is `x + Σ_j m_j u_j`. The increment of the last stage is the
+//! error estimate (Hairer and Wanner 1996, section IV.7; coefficients: G. Steinebach, BIT Numer.
+//! Math. 63:27, 2023).
 
 use super::motion::Motion;
 use super::rodas::{COUPLING, GAMMA, NODES, ROWS, STAGES, TIME};

@@ -242,8 +242,8 @@ impl Equations for HybridOrbit {
         self.itineraries.monitors.clone()
     }
 
-    /// Returns the alternative itineraries of the orbits; `None` for a system without guards, whose
-    /// orbits all have the same itinerary.
+    /// Returns the interface to orbits with other itineraries; `None` for a system without guards,
+    /// whose orbits all have the same itinerary.
     fn itineraries(&self) -> Option<&dyn Itineraries<ErasedProblem>> {
         if self.legs().guards.is_empty() { None } else { Some(&self.itineraries) }
     }

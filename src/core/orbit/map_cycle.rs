@@ -213,7 +213,8 @@ impl<M: DiscreteMap> MapCycle<M> {
     /// Converts the states of a cycle, given iterate by iterate, to the vector of unknowns.
     ///
     /// # Panics
-    /// If the length of `states` is not the number of iterates times the number `n` of states.
+    /// Panics if the length of `states` is not the number of iterates times the number `n` of
+    /// states.
     pub fn unknowns(&self, states: &[f64]) -> Vec<f64> {
         let n = self.equations.states;
         let of_state = |i: usize| states.iter().skip(i).step_by(n);

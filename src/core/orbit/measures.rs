@@ -29,8 +29,8 @@ pub(super) fn on_segments(scalars: impl IntoIterator<Item = Option<Observable>>)
     all.filter_map(|(segment, observable)| Some(Watched::new(segment, observable?))).collect()
 }
 
-/// Returns the monitors of the orbits: the period, the system's measures, and the limits of the
-/// itinerary.
+/// Returns the monitors of the orbits: the period, the system's measures, and the monitors that
+/// vanish at grazings.
 pub(super) fn monitors_of(legs: &OrbitLegs) -> Vec<(String, Monitor)> {
     let measures = legs.system.measures().into_iter();
     let known = measures.map(|(name, measure)| (name, on_legs(legs, &measure)));

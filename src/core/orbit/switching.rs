@@ -1,6 +1,6 @@
-//! The alternative itineraries of hybrid orbits, the grazings at which an itinerary changes, and
-//! the branches that emanate at grazings: without vanished legs, across a decision, or with the
-//! event at a grazing point.
+//! Changes of the itinerary of hybrid orbits: the grazings at which the itinerary changes, and the
+//! branches of orbits that emanate at these grazings, with vanished legs omitted, with another mode
+//! after a decision, or with an event added at a grazing point.
 
 use super::accumulation::{accumulation, check_rebound};
 use super::decision_switching::{decided_otherwise, decisions};
@@ -24,8 +24,7 @@ use crate::core::system::{Jump, Limit};
 /// event is checked.
 const SURE: f64 = 1e-4;
 
-/// The itineraries of hybrid orbits: the legs of the present itinerary, and the monitors that
-/// vanish at its limits.
+/// The present itinerary of hybrid orbits: its legs, and the monitors of the orbits.
 #[derive(Clone)]
 pub(in crate::core) struct OrbitItineraries {
     pub legs: OrbitLegs,
@@ -102,9 +101,9 @@ impl Itineraries<ErasedProblem> for OrbitItineraries {
         Some(start.into_iter().chain(durations).collect())
     }
 
-    /// Returns the limits of the itinerary; each limit is relative to the scale of the guards, of
-    /// their rates, of the decision functions, or of time. The scales of guards are evaluated at
-    /// half the scales of the states.
+    /// Returns the monitors that vanish where the itinerary changes, each with its scale: the scale
+    /// of the guards, of their rates, of the decision functions, or of time. The scales of guards
+    /// are evaluated at half the scales of the states.
     fn limits(&self, p: &[f64]) -> Vec<Limit> {
         let (system, time) = (self.legs.system(), time_scale(self.legs.system(), p));
         let of_guards = |mode: usize| {

@@ -43,13 +43,14 @@ const SOONER: f64 = 1e-3;
 /// must decrease as the square of the time.
 const NEARER: f64 = 4.0;
 /// Heuristic: the number of simultaneous grazing points that are combined into branches, with 2⁸ subsets;
-/// only branch 0 crosses the later grazing points.
+/// at the later grazing points, only the orbits of branch 0 cross the surface.
 const MOST_TOUCHES: usize = 8;
 /// Rounding: the errors of states after an integrated motion, in units of the states' scales.
 const ROUNDING: f64 = 1e-11;
 
-/// Returns which of `count` grazing points the branch numbered `which` crosses: branch 0 crosses
-/// all points, the next branches cross one point each, then two points each, and so on.
+/// Returns, for each of `count` grazing points, whether the orbits of the branch numbered `which`
+/// cross the grazed surface at the point: on branch 0 at all points, on each of the next branches
+/// at one point, then at two points, and so on.
 fn selection(count: usize, which: usize) -> Result<Vec<bool>, Failure> {
     if which == 0 {
         return Ok(vec![true; count]);
@@ -61,9 +62,10 @@ fn selection(count: usize, which: usize) -> Result<Vec<bool>, Failure> {
     Ok((0..count).map(|touch| touch < MOST_TOUCHES && bits >> touch & 1 == 1).collect())
 }
 
-/// Returns the orbits of a branch that emanates at grazing points: branch 0 crosses all grazed
-/// guards, and the further branches cross some of these guards, in the order of [`selection`]. The
-/// orbits start after the grazing point that is closest to its guard.
+/// Returns the orbits of a branch that emanates at grazing points: on branch 0, the orbits cross
+/// the surfaces of all grazed guards, and on the further branches the surfaces of some of these
+/// guards, in the order of [`selection`]. The orbits start after the grazing point that is closest
+/// to its guard.
 pub(in crate::core) fn emanating_at_touch(
     orbit: &KnownOrbit,
     which: usize,
@@ -81,7 +83,7 @@ pub(in crate::core) fn emanating_at_touch(
     Ok(Guess { beside, ..guess })
 }
 
-/// Returns the orbits that cross all grazed guards.
+/// Returns the orbits that cross the surfaces of all grazed guards.
 pub(super) fn with_touches(orbit: &KnownOrbit) -> Result<Guess<OrbitLegs>, Failure> {
     Ok(with_passed(orbit, touched(orbit)?.1))
 }

@@ -172,8 +172,8 @@ impl<P: Copy> Overall<P> {
         }
     }
 
-    /// Returns the extremes and their factors, whose weighted sum is a measure of extremes; empty
-    /// for a measure of another kind.
+    /// Returns up to two extremes, each with a factor; the sum of the products is the value of a
+    /// measure of extremes. For a measure of another kind, no extremes are returned.
     pub fn terms<S, D>(&self, measure: &Measure<S, D>) -> [Option<(Sighting<P>, f64)>; 2] {
         let times = |factor: f64| move |sighting| (sighting, factor);
         let (largest, smallest) = (self.largest.map(times(1.0)), self.smallest);

@@ -88,9 +88,9 @@ pub trait VectorField: Send + Sync {
         T::from(f64::NAN)
     }
 
-    /// Returns the named measures that branches record for equilibria and orbits, and sweeps for
-    /// periods. The default measures are the extremes of every state, and the mean and extremes of
-    /// every monitor ([`Measure::by_default`]).
+    /// Returns the named measures that branches record for equilibria and orbits, and that sweeps
+    /// record for periods. The default measures are the extremes of every state, and the mean and
+    /// extremes of every monitor ([`Measure::by_default`]).
     fn measures(&self) -> Vec<(String, Measure)> {
         let names = self.names();
         Measure::by_default(names.elements().collect(), names.monitors)

@@ -108,8 +108,8 @@ const LEAST_ABREAST: usize = 4;
 /// interrupted, the unfinished runs of a batch are lost.
 const MOST_ABREAST: usize = 64;
 
-/// Returns the number of strands in a batch, such that the number of batches is the number of
-/// threads or a multiple of it.
+/// Returns the number of strands (chains of dependent runs) in a batch, such that the number of
+/// batches is the number of threads or a multiple of this number.
 fn batch_size(strands: usize, threads: usize) -> usize {
     let rounds = strands.div_ceil(threads * MOST_ABREAST).max(1);
     strands.div_ceil(threads * rounds).max(LEAST_ABREAST)
@@ -119,7 +119,7 @@ fn batch_size(strands: usize, threads: usize) -> usize {
 /// found.
 type Outcome = (Result<Attractor, StroboscopicError>, Option<[f64; 2]>);
 
-/// The data shared by all batches of strands.
+/// The data shared by all batches of runs.
 struct Batch<'a, 'm> {
     plan: &'a Plan,
     p: &'a [f64],

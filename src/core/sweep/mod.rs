@@ -8,9 +8,9 @@
 //! the parameter; a chain of runs that depend on each other is a **strand**, and strands are
 //! independent of each other.
 //!
-//! The result of a run depends only on its strand: results are bit-identical for any number of
-//! threads, whether or not the sweep was interrupted and resumed, and whether it was executed as a
-//! whole or in [`Part`]s.
+//! The result of a run depends only on the earlier runs of its strand: results are bit-identical
+//! for any number of threads, whether or not the sweep was interrupted and resumed, and whether it
+//! was executed as a whole or in [`Part`]s.
 //!
 //! [`execute`] computes the runs of a plan, as in this example:
 //!

@@ -104,8 +104,8 @@ pub struct Plan {
     pub starts: Vec<HybridState<f64>>,
     /// The choice of the starting states of runs.
     pub order: Order,
-    /// The number of strands into which the axis is divided if each run starts where the preceding
-    /// run ended; each strand begins at the plan's starting state.
+    /// The number of strands (chains of dependent runs) into which the axis is divided if each run
+    /// starts where the preceding run ended; each strand begins at the plan's starting state.
     pub strands: usize,
     /// The settings of the search for the attractor of each run.
     pub search: AttractorSearch,
@@ -117,7 +117,8 @@ pub struct Plan {
 #[derive(Clone, Debug, PartialEq, miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum PlanError {
-    /// An axis has no values, or the plan has no starting states or no strands.
+    /// An axis has no values, or the plan has no starting states or no strands (chains of dependent
+    /// runs).
     #[error(
         "a sweep needs at least one value on every axis, one start and one strand, but \
          {0} is 0"

@@ -6,17 +6,18 @@ use crate::core::failure::Failure;
 /// A system whose solutions (orbits, or equilibria of a mode) can have events: which solutions are
 /// admissible, and which solutions emanate where a solution ceases to be admissible.
 ///
-/// *Limits* are monitors that are positive on admissible solutions. Where a limit vanishes,
-/// branches of solutions with other events emanate, and the present branch ends unless the caller
-/// continues it beyond the limit.
+/// *Limits* are monitors that are positive on admissible solutions. At a solution at which a limit
+/// vanishes, branches of solutions with other events emanate, and the present branch ends unless
+/// the caller continues it beyond this solution.
 pub trait OrbitEvents {
-    /// Returns the limits at parameters `p`.
+    /// Returns the limits, which are monitors that are positive on admissible solutions, at the
+    /// parameters `p`.
     fn limits(&self, p: &[f64]) -> Vec<Limit>;
 
     /// Checks the order of events, which the equations do not determine: a branch must not start
     /// from a solution at which another event would occur first, and points of the branch with
-    /// another order are marked. `check` is not called where a limit vanishes, since the order of
-    /// events is undecided at a limit.
+    /// another order are marked. `check` is not called at limits of admissible solutions, since the
+    /// order of events is undecided there.
     ///
     /// # Errors
     /// [`Failure::Mismatch`], with the name of the event whose outcome differs from the assumed
@@ -29,21 +30,21 @@ pub trait OrbitEvents {
         None
     }
 
-    /// The standard name of the bifurcation at the solution `(z, p)` at which the limit with this
+    /// Returns the standard name of the bifurcation at a solution `x = (z, p)` at which this
     /// monitor vanishes; `None` if the bifurcation does not have a standard name.
     fn name_of_limit(&self, monitor: usize, x: &[f64]) -> Option<&'static str>;
 
-    /// Returns the orbit at a limit, as a solution of the system on the other side of the limit:
-    /// the system of orbits without the vanishing event if orbits of this system pass that event
-    /// (`passes`), otherwise the system of orbits with the event. `None` if the system on the other
-    /// side of the limit is unknown.
+    /// Returns the orbit at a limit of admissible solutions, as a solution of the system on the
+    /// other side of the limit: the system of orbits without the vanishing event if orbits of this
+    /// system pass that event (`passes`), otherwise the system of orbits with the event. `None` if
+    /// the system on the other side of the limit is unknown.
     ///
     /// # Errors
     /// [`Failure`] if the computation of the system or orbit on the other side of the limit fails.
     fn across(&mut self, x: &[f64], passes: bool) -> Result<Option<Across<'_>>, Failure>;
 
-    /// Returns the start of a branch that emanates at a limit; `which` is the index of the branch,
-    /// counted from 0.
+    /// Returns the start of a branch that emanates at a limit of admissible solutions; `which` is
+    /// the index of the branch, counted from 0.
     ///
     /// # Errors
     /// [`Failure`] if no branch with this index is known.
@@ -76,7 +77,7 @@ pub struct Limit {
     pub scale: f64,
     /// Whether the monitor that vanishes at the limit belongs to an event that occurs on the
     /// solutions; for example, the speed of an impact belongs to the impact. All other limits are
-    /// distances to surfaces that solutions do not reach.
+    /// distances to surfaces that solutions do not reach, or margins of decisions.
     pub passes: bool,
 }
 
@@ -89,13 +90,13 @@ pub struct Across<'a> {
     pub x: &'a [f64],
 }
 
-/// The start of a branch that emanates at a limit.
+/// The start of a branch that emanates at a limit of admissible solutions.
 pub struct Emanating {
     /// The system of equations that the solutions on the emanating branch satisfy.
     pub system: Box<dyn System>,
     /// The unknowns `z` of the solution at the limit, in the system of the emanating branch.
     pub z: Vec<f64>,
-    /// The direction `(z, p)` of the emanating branch, if the equations are singular at the limit;
-    /// the branch is then traced only to this side.
+    /// The direction `(z, p)` of the emanating branch, if the equations are singular at its start;
+    /// the branch is then traced only in this direction.
     pub along: Option<Vec<f64>>,
 }

@@ -1,4 +1,4 @@
-//! The individual motions of a fleet.
+//! The individual motions of a batched simulation.
 
 use crate::core::hybrid::simulation::HybridState;
 

@@ -31,7 +31,7 @@ pub trait FleetObserver<T: Scalar> {
         false
     }
 
-    /// Observes an integration step of a member, in the same way as
+    /// Observes an integration step of one of the motions, in the same way as
     /// [`HybridObserver::step`](super::event::HybridObserver::step).
     fn step<F: FieldIn<T>>(
         &mut self,
@@ -42,11 +42,11 @@ pub trait FleetObserver<T: Scalar> {
     ) {
     }
 
-    /// Observes an event of a member.
+    /// Observes an event of one of the motions.
     fn event(&mut self, _member: usize, _event: &Event<T>) {}
 
-    /// Observes the end of a member's duration. If the method returns `Continue`, the member continues
-    /// for the same duration from the possibly modified state; otherwise it ends.
+    /// Observes a motion at the end of its duration. If the method returns `Continue`, the motion
+    /// continues for the same duration from the possibly modified state; otherwise the motion ends.
     fn arrived(
         &mut self,
         member: usize,
@@ -55,15 +55,15 @@ pub trait FleetObserver<T: Scalar> {
     ) -> ControlFlow<()>;
 }
 
-/// A simulation of many motions of one system, its members, each independent of the others: the result
-/// for a member is bit-identical for all sets and orders of members.
+/// A simulation of many motions of one system, which are independent of each other: the result for
+/// each motion is bit-identical for all sets and orders of simulated motions.
 ///
 /// Results agree with [`HybridFlow`] up to rounding errors, both for `f64` and for `Dual64`.
-/// Several members in the same mode are advanced together by vector instructions. One test shows
-/// for all of them which guards stay clear of zero; a member with a guard that could vanish is
-/// examined separately. [`in_lanes`](super::system::HybridSystem::in_lanes) declares that a
+/// Several motions in the same mode are advanced together by vector instructions. One test shows
+/// for all these motions which guards stay clear of zero; a motion with a guard that could vanish
+/// is examined separately. [`in_lanes`](super::system::HybridSystem::in_lanes) declares that a
 /// system's equations can be evaluated in lanes. If the system's equations cannot be evaluated in
-/// lanes, or if the integration method is implicit, members are simulated one after another.
+/// lanes, or if the integration method is implicit, the motions are simulated one after another.
 ///
 /// ```
 /// use std::ops::ControlFlow;
@@ -116,7 +116,7 @@ where
     }
 
     /// Creates a simulation whose vector registers differ from the system's choice, for comparison. If
-    /// the vector registers are unavailable, members are simulated one after another.
+    /// the vector registers are unavailable, the motions are simulated one after another.
     ///
     /// # Errors
     /// The same errors as [`new`](Self::new).
@@ -139,17 +139,17 @@ where
         Ok(Fleet { worker, stepper, forecasts, candidates, slots })
     }
 
-    /// Returns the number of members that are advanced together; 1 if members are simulated one
+    /// Returns the number of motions that are advanced together; 1 if the motions are simulated one
     /// after another.
     pub fn lanes(&self) -> usize {
         self.stepper.as_ref().map_or(1, |stepper| stepper.lanes())
     }
 
-    /// Advances every member by its duration, repeatedly while the observer continues. If an error ends
-    /// the motion of a member, the state of the member is the state after its last event.
+    /// Advances every motion by its duration, repeatedly while the observer returns `Continue`. If
+    /// an error ends a motion, its state is the state after its last event.
     ///
     /// # Errors
-    /// Every member has its own result, with the errors of [`HybridFlow::advance`].
+    /// Every motion has its own result, with the errors of [`HybridFlow::advance`].
     pub fn advance(
         &mut self,
         members: &mut [Member<T>],
@@ -185,9 +185,9 @@ where
     }
 }
 
-/// The slots waiting in each mode, the free slots, and the results of the members that have ended.
+/// The slots waiting in each mode, the free slots, and the results of the motions that have ended.
 struct Scheduler<'m, T> {
-    /// The slots waiting for a step, grouped by the mode of their members.
+    /// The slots waiting for a step, grouped by the mode of their motions.
     queues: Vec<Vec<usize>>,
     free: Vec<usize>,
     members: &'m mut [Member<T>],
@@ -195,8 +195,8 @@ struct Scheduler<'m, T> {
 }
 
 impl<T: Scalar> Scheduler<'_, T> {
-    /// Returns the mode with the most waiting members, and as many of these members as there are
-    /// lanes.
+    /// Returns the mode with the largest number of waiting motions, and the slots of at most as
+    /// many of these motions as the registers have lanes.
     fn longest(&mut self, lanes: usize) -> Option<(usize, [usize; MOST_LANES], usize)> {
         let modes = self.queues.iter_mut().enumerate().filter(|(_, queue)| !queue.is_empty());
         let (mode, queue) = modes.max_by_key(|(_, queue)| queue.len())?;
@@ -207,8 +207,7 @@ impl<T: Scalar> Scheduler<'_, T> {
         Some((mode, abreast, count))
     }
 
-    /// Queues a member in its mode, or returns the member to the list of members if its motion has
-    /// ended.
+    /// Queues a motion in its mode, or, if the motion has ended, stores its state and its result.
     fn go_on(&mut self, number: usize, slot: &Slot<T>, outcome: Outcome) {
         if let Ok(ControlFlow::Continue(())) = outcome {
             self.queues[slot.state.mode].push(number);

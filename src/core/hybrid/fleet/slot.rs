@@ -1,4 +1,4 @@
-//! Slots, which store the members in progress.
+//! Slots, which store the simulated motions in progress.
 
 use super::member::Member;
 use crate::core::hybrid::chatter::Series;
@@ -10,24 +10,24 @@ use crate::core::ode::{LaneState, Sign};
 use crate::core::scalar::Scalar;
 use std::ops::ControlFlow;
 
-/// A slot, which stores one member in progress.
+/// A slot, which stores one simulated motion in progress.
 pub(super) struct Slot<T: Scalar> {
     pub member: usize,
     pub duration: T,
-    /// The state at the start of the member's present leg.
+    /// The state at the start of the motion's present leg.
     pub state: HybridState<T>,
     pub p: Vec<T>,
-    /// The real parts of the member's parameters.
+    /// The real parts of the motion's parameters.
     pub real_p: Vec<f64>,
     pub end: T,
     pub statistics: HybridStatistics,
     pub crowd: Crowd,
     pub series: Vec<Series<T>>,
     pub pace: Option<f64>,
-    /// The last time at which each timed event of the member occurred.
+    /// The last time at which each timed event of the motion occurred.
     pub fired: Vec<f64>,
     pub lane_state: LaneState<T>,
-    /// The known signs of the guards of the member's mode.
+    /// The known signs of the guards of the motion's mode.
     pub signs: Vec<Sign>,
 }
 
@@ -58,19 +58,18 @@ impl<T: Scalar> Slot<T> {
     }
 }
 
-/// The next action for a member of a fleet.
+/// The next action for one of the simulated motions.
 #[derive(Clone, Copy)]
 pub(super) enum Next {
     /// The duration begins.
     Start,
     /// A leg begins.
     Leg,
-    /// The member of the fleet simulates its next leg alone, separately from the other members.
+    /// The next leg of the motion is simulated separately from the other motions.
     Alone,
-    /// The duration of the member has passed.
+    /// The duration of the motion has passed.
     Finish,
 }
 
-/// The outcome of an action for a member: the member continues in the lanes, or its motion has
-/// ended.
+/// The outcome of an action for a motion: the motion continues in the lanes, or it has ended.
 pub(super) type Outcome = Result<ControlFlow<()>, HybridError>;

@@ -1,4 +1,4 @@
-//! The actions for members of a fleet between batched integration steps.
+//! The actions for the simulated motions between batched integration steps.
 
 use super::slot::{Next, Outcome, Slot};
 use super::{Fleet, FleetNumber, FleetObserver};
@@ -17,7 +17,7 @@ use crate::core::problem::{FieldIn, FieldRef, Watchable};
 use crate::core::scalar::{MOST_LANES, Scalar};
 use std::ops::ControlFlow;
 
-/// An adapter that passes the events of one member to the observer.
+/// An adapter that passes the integration steps and events of one motion to the observer.
 struct Shown<'a, O>(usize, &'a mut O);
 
 impl<T: Scalar, O: FleetObserver<T>> HybridObserver<T> for Shown<'_, O> {
@@ -35,7 +35,7 @@ impl<'a, T: FleetNumber> Fleet<'a, T>
 where
     GuardOf<'a>: Watchable<T>,
 {
-    /// Performs the actions of a member that are not batched, until its next batched step.
+    /// Performs the actions for a motion that are not batched, until its next batched step.
     pub(super) fn go(
         &mut self,
         number: usize,
@@ -74,7 +74,7 @@ where
         }
     }
 
-    /// Runs an action for a member on the solver that simulates single motions.
+    /// Runs an action for a motion with the solver that simulates single motions.
     fn work<O: FleetObserver<T>, R>(
         &mut self,
         number: usize,
@@ -105,7 +105,7 @@ where
         result
     }
 
-    /// Whether a member's duration has passed.
+    /// Whether the duration of a motion has passed.
     fn is_over(
         &mut self,
         number: usize,
@@ -120,7 +120,7 @@ where
         })
     }
 
-    /// Starts a batched leg of a member; returns `false` if the leg cannot be batched.
+    /// Starts a batched leg of a motion; returns `false` if the leg cannot be batched.
     fn sets_out(&mut self, number: usize) -> bool {
         let Fleet { worker, stepper, slots, .. } = self;
         let Slot { state, p, real_p, end, pace, lane_state, signs, .. } = &mut slots[number];
@@ -138,7 +138,7 @@ where
             && worker.flow.set_out(&field, span, &state.x, p, lane_state).is_ok()
     }
 
-    /// Tries an integration step of several members in one mode.
+    /// Tries an integration step of several motions in one mode.
     pub(super) fn attempt(&mut self, mode: usize, abreast: &[usize]) -> [f64; MOST_LANES] {
         let Fleet { worker, stepper, forecasts, slots, .. } = self;
         let Some(stepper) = stepper else { return [f64::NAN; MOST_LANES] };
@@ -273,7 +273,7 @@ where
         lane_state.aim(watched, &self.forecasts[watched], lane).is_some()
     }
 
-    /// Searches for the end of a leg in the step of one lane on the solver that simulates single
+    /// Searches for the end of a leg in the step of one lane, with the solver that simulates single
     /// motions.
     fn look<R>(
         &mut self,

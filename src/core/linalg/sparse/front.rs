@@ -23,8 +23,8 @@ const PANEL: usize = 32;
 const SMALL: usize = 4096;
 
 /// A front: a dense matrix whose first `summed` rows and columns are fully summed, so that they can
-/// be eliminated. Each row of a front carries the number of its equation, and each column the
-/// number of its unknown.
+/// be eliminated. Each row of a front is labelled by the index of its equation, and each column by
+/// the index of its unknown.
 pub(super) struct Front<'a, E> {
     /// The entries of the front, stored column by column.
     pub entries: &'a mut [E],

@@ -63,12 +63,12 @@ const NEUTRAL: f64 = 1e-8;
 /// eigenvalues; a repeated eigenvalue is found at most as many times as there are random vectors. If an
 /// eigenvalue is found this often, another run, orthogonal to the known eigenvectors, searches for more
 /// copies of the eigenvalue. The number of unstable eigenvalues is certified in two cases:
-/// - for a matrix that a diagonal scaling makes symmetric: the signs of the pivots give the number of
-///   unstable eigenvalues (Sylvester's law of inertia), and positive eigenvalues far beyond the circle
-///   in which all eigenvalues are known are computed as the largest eigenvalues,
-/// - for other matrices, if the rectangle that must contain all eigenvalues with a positive real
-///   part (I. Bendixson, Acta Math. 25 (1902) 359) lies inside the circle in which all eigenvalues
-///   are known.
+/// - If a diagonal scaling makes the matrix symmetric, the signs of the pivots give the number of
+///   unstable eigenvalues (Sylvester's law of inertia). Positive eigenvalues far beyond the circle
+///   in which all eigenvalues are known are then computed as the largest eigenvalues.
+/// - For other matrices, the number of unstable eigenvalues is certified if the rectangle that must
+///   contain all eigenvalues with a positive real part (I. Bendixson, Acta Math. 25 (1902) 359)
+///   lies inside the circle in which all eigenvalues are known.
 #[derive(Default)]
 pub(in crate::core) struct Leading {
     lu: SparseLu,

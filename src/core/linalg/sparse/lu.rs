@@ -39,7 +39,7 @@ impl Elimination {
 #[derive(Clone, Debug, Default)]
 struct Rest<E> {
     entries: Vec<E>,
-    /// The numbers of its rows and columns.
+    /// The indices of the rows and columns of the Schur complement.
     lists: [Vec<usize>; 2],
     /// The number of leading rows and columns that are fully summed but were not eliminated,
     /// because their pivots were too small.

@@ -90,7 +90,7 @@ pub trait Register: Copy + Debug + Send + Sync + 'static {
     /// The instructions.
     ///
     /// # Panics
-    /// If the processor does not have these registers.
+    /// Panics if the processor does not have these registers.
     #[inline(always)]
     fn instructions() -> Self::Simd {
         Self::of(Level::new()).unwrap_or_else(|| {
