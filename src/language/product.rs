@@ -6,7 +6,7 @@ use super::statement::{HybridEquations, Mode};
 use super::syntax::Declared;
 use crate::core::problem::position;
 
-/// The character between the names of the modes of the parts in the name of a combined mode.
+/// The character that separates the names of the parts' modes in the name of a combined mode.
 const AND: char = '.';
 /// The maximum number of combined modes.
 const MOST: usize = 256;
@@ -93,8 +93,8 @@ fn alternatives(name: &str) -> impl Iterator<Item = &str> {
     name.split(AND)
 }
 
-/// Returns the combined modes that a name denotes: all combined modes that contain every mode of a
-/// part that occurs in the name.
+/// Returns the combined modes that a name denotes: the name lists modes of one or more parts, and a
+/// combined mode is returned if it contains all listed modes.
 ///
 /// # Errors
 /// [`ModelError`] if the name is unknown.
