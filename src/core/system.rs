@@ -101,12 +101,12 @@ pub trait System: Send {
     /// [`Failure`] as for [`residual`](System::residual).
     fn assemble(&mut self, x: &[f64]) -> Result<(), Failure>;
 
-    /// Factors a form of the assembled `F_z` with a border of width 0 or more, and writes the
-    /// factors into `into`.
+    /// Factors the assembled `F_z`, or the variant of `F_z` that `form` selects, with a border of
+    /// width 0 or more, and writes the factors into `into`.
     ///
     /// # Errors
     /// [`Failure::Singular`] if the bordered matrix is singular to working accuracy, and
-    /// [`Failure::Unsupported`] for a form that the system does not support.
+    /// [`Failure::Unsupported`] for a `form` that the system does not support.
     fn factor(&mut self, form: Form, border: Border, into: &mut Factors) -> Result<(), Failure>;
 
     /// Computes the derivative `F_x[d]`, `F_xx[d, e]` or `F_xxx[d, e, f]` at `x` along one to three
@@ -175,10 +175,10 @@ pub trait System: Send {
     /// [`Failure`] if one of the requested monitors is undefined at `x`.
     fn monitors(&mut self, x: &[f64], first: usize, values: &mut [f64]) -> Result<(), Failure>;
 
-    /// Returns the Taylor coefficients of `F(z + W(ξ), p)`, in the order of the monomials of a
-    /// space, for a polynomial `W` with the coefficients `terms` (each of the same length as `z`).
-    /// The constant term of the polynomial `W` is zero. The default implementation uses
-    /// [`derivative`](System::derivative), so the order is at most 3.
+    /// Returns the Taylor coefficients of `F(z + W(ξ), p)` for a polynomial `W` with the
+    /// coefficients `terms` (each of the same length as `z`); the coefficients are in the order of
+    /// the monomials in `ξ`. The constant term of the polynomial `W` is zero. The default
+    /// implementation uses [`derivative`](System::derivative), so the order is at most 3.
     ///
     /// # Errors
     /// [`Failure::Unsupported`] for a higher order, and as for [`derivative`](System::derivative).
@@ -222,8 +222,9 @@ pub trait System: Send {
         Traits::default()
     }
 
-    /// Whether [`spectrum`](System::spectrum) factors the last assembled matrix, so that factors
-    /// from an earlier call of `factor` can belong to another point. By default false.
+    /// Whether [`spectrum`](System::spectrum) itself factors the last assembled matrix, which is
+    /// possible even if the factors from the last call of `factor` belong to another point. By
+    /// default false.
     fn factors_for_eigenvalues(&self) -> bool {
         false
     }

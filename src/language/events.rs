@@ -240,7 +240,8 @@ fn when(source: &Source, guard: &statement::Guard, scope: &Scope) -> Result<When
     }
 }
 
-/// Evaluates the time within which a guard changes, which must be positive.
+/// Evaluates the setting `changes_in`, the time scale on which the function of a guard changes; the
+/// time must be positive.
 fn duration(source: &Source, phrase: &Phrase) -> Result<f64, ModelError> {
     let time = constant(&Scope::new(source.clone()), phrase)?;
     if time > 0.0 {

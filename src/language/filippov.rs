@@ -23,8 +23,8 @@ pub struct TwoFields {
     rates: [Program; 2],
     sliding: Option<Program>,
     surface: Program,
-    /// The functions that stay positive while the trajectory keeps sliding instead of leaving the
-    /// surface upwards, and downwards.
+    /// Two functions: the trajectory does not leave the surface upwards while the first function is
+    /// positive, and does not leave it downwards while the second function is positive.
     holds: [Option<Program>; 2],
 }
 
@@ -139,8 +139,8 @@ fn names(source: &Source, stated: &Formulas) -> Result<FilippovNames, ModelError
     Ok(FilippovNames { above, below, sliding, surface })
 }
 
-/// Returns, for each side of the surface, the stated function that is positive while the motion
-/// slides and does not leave to this side; `None` if no function is stated.
+/// Returns a function for each side of the surface: while it is positive, a sliding motion does not
+/// leave the surface to this side; `None` if the statement does not contain the function.
 fn holds(statement: &FilippovEquations, scope: &Scope) -> Result<[Option<Program>; 2], ModelError> {
     let mut holds = [None, None];
     for (side, formula) in &statement.holds {

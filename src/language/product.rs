@@ -6,7 +6,7 @@ use super::statement::{HybridEquations, Mode};
 use super::syntax::Declared;
 use crate::core::problem::position;
 
-/// The character that separates alternatives in the name of a combined mode.
+/// The character that separates the names of the parts' modes in the name of a combined mode.
 const AND: char = '.';
 /// The maximum number of combined modes.
 const MOST: usize = 256;
@@ -14,8 +14,8 @@ const MOST: usize = 256;
 /// Returns the modes of a statement; each mode includes the states that are common to all modes.
 ///
 /// # Errors
-/// [`ModelError`] if there are no modes or too many modes, or if two alternatives have the same
-/// name.
+/// [`ModelError`] if there are no modes or too many modes, or if two modes of the parts have the
+/// same name.
 pub(super) fn modes_of(
     source: &Source,
     statement: &HybridEquations,
@@ -46,7 +46,7 @@ pub(super) fn modes_of(
     }
 }
 
-/// Returns the modes that combine one alternative of each part.
+/// Returns all combined modes; a combined mode consists of one mode of each part of the system.
 fn combinations(
     source: &Source,
     common: Mode,
@@ -88,13 +88,13 @@ fn joined(first: &Mode, second: &Mode) -> Mode {
     Mode { name, states, definitions }
 }
 
-/// Splits the name of a combined mode into its alternatives.
+/// Splits the name of a combined mode into the names of the modes of the parts.
 fn alternatives(name: &str) -> impl Iterator<Item = &str> {
     name.split(AND)
 }
 
-/// Returns the modes that a name denotes, namely all modes that contain every alternative in the
-/// name.
+/// Returns the combined modes that a name denotes: the name lists modes of one or more parts, and a
+/// combined mode is returned if it contains all listed modes.
 ///
 /// # Errors
 /// [`ModelError`] if the name is unknown.
@@ -112,8 +112,8 @@ pub(super) fn named(
     }
 }
 
-/// Returns the mode that follows `mode`: each alternative in `name` replaces the alternative of the
-/// same part in `mode`, and the remaining parts of `mode` are unchanged.
+/// Returns the combined mode that follows `mode`: each part of the system that has a mode in `name`
+/// changes to this mode, and the other parts remain in their modes.
 ///
 /// # Errors
 /// [`ModelError`] if the name is unknown.

@@ -300,7 +300,7 @@ pub enum Fault {
     /// An error in the syntax of a formula or a name.
     #[error("expected {expected}")]
     Syntax {
-        /// The valid alternatives at the place of the error.
+        /// The syntax that would be valid at the place of the error.
         expected: String,
     },
     /// An unknown name.

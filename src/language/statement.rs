@@ -117,8 +117,8 @@ statements! {
         states: Formulas,
         /// The modes.
         modes: Vec<Mode>,
-        /// The alternatives of each part of the system, given instead of `modes`: the modes are all
-        /// combinations that contain one alternative of each part.
+        /// The modes of each part of the system, given instead of `modes`: the modes of the system
+        /// are all combinations that contain one mode of each part.
         product: Vec<Vec<Mode>>,
         /// The guards.
         guards: Vec<Guard>,
@@ -137,9 +137,9 @@ statements! {
         /// The states with their rates on the surface; by default, the rates are the convex
         /// combination of the two vector fields that is tangent to the surface.
         sliding: Formulas,
-        /// Functions for the sides `above` and `below`: sliding does not end to a side while the
-        /// function of this side is positive. By default, the function is the speed at which the
-        /// vector field on this side approaches the surface.
+        /// Functions for the sides `above` and `below`: a sliding motion does not leave the surface
+        /// to a side while the function of this side is positive. By default, the function is the
+        /// speed at which the vector field on this side approaches the surface.
         holds: Formulas,
         /// Names that replace the mode names `above`, `below` and `sliding`, and the event name
         /// `surface`.
@@ -177,11 +177,11 @@ fn is_default<T: Default + PartialEq>(value: &T) -> bool {
     *value == T::default()
 }
 
-/// A mode of a hybrid system, or an alternative of one part of the system.
+/// A mode of a hybrid system, or a mode of one part of the system.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Mode {
-    /// The name of the mode or of the alternative.
+    /// The name of the mode of the system or of the part.
     pub name: Phrase,
     /// The states of the mode, with their rates.
     #[serde(default, skip_serializing_if = "is_default")]

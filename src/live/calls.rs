@@ -49,7 +49,7 @@ enum Call {
     Settings { setup: Box<Setup> },
     /// Requests the diagram of the last result with other axes.
     Axes { page: String, x: Option<String>, y: Option<String> },
-    /// Requests a point of the last result.
+    /// Requests the details of a point of the last result.
     Point { page: String, branch: usize, point: i64 },
     /// Requests the last result as a file.
     File { page: String, format: String },

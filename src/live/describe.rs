@@ -10,7 +10,7 @@ use serde::Serialize;
 #[derive(Serialize)]
 pub(super) struct Description {
     title: String,
-    /// Whether the text is a scene, which contains runs, and not a model only.
+    /// Whether the text is a scene, which contains runs, rather than a model without runs.
     is_scene: bool,
     parameters: Vec<Parameter>,
     /// The parameters that are varied by all runs of the scene, with their ranges.

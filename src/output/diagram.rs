@@ -125,8 +125,8 @@ fn hide_starts(figure: &mut Figure) {
     });
 }
 
-/// Heuristic: the number of user points with the same label above which their labels are omitted if
-/// an axis shows the column.
+/// Heuristic: if at least this number of user points have the same label and an axis shows the
+/// column in the label, the labels of these points are omitted.
 const REPEATED: usize = 3;
 
 /// Removes the labels such as `gap = 1` from user points if three or more user points have them and

@@ -67,7 +67,8 @@ pub struct Plot {
     /// The columns that diagrams show as deviations from a special point, or as roots of such
     /// deviations.
     pub deviations: Vec<Deviation>,
-    /// The shown ranges of columns, in the numbers of the axis: column, lower end, upper end.
+    /// The ranges that the axes of columns show, in the numbers written on the axis: column, lower
+    /// end, upper end.
     pub ranges: Vec<(String, f64, f64)>,
     /// The columns with logarithmic axes; an axis of several columns is logarithmic if all its
     /// columns are named. Points with a zero or negative value in such a column are not drawn.
@@ -105,7 +106,8 @@ pub struct Deviation {
     pub branch: String,
     /// The kind of the special point; the first special point of this kind on the branch is used.
     pub kind: Kind,
-    /// The power of the absolute deviation that is shown, with the sign of the deviation.
+    /// The exponent of the absolute deviation: diagrams show the absolute deviation raised to this
+    /// power, with the sign of the deviation.
     #[serde(default = "one")]
     pub power: f64,
 }

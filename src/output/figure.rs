@@ -109,7 +109,7 @@ pub enum Origin {
         /// The label of the special point.
         label: usize,
     },
-    /// A run of the sweep whose name is the name of the curve.
+    /// A run of a sweep; the curve has the name of the sweep.
     Run(usize),
 }
 

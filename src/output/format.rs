@@ -50,7 +50,7 @@ const VIEWS: &[(Format, &str)] = &[
     (Format::Json, "json"),
 ];
 
-/// The extensions of pictures and tables, in lists.
+/// The file extensions of pictures and tables, as messages list them.
 const ENDINGS: &[&str] = &[".svg", ".png", ".pdf", ".html", ".csv", ".npz", ".json"];
 
 impl Format {

@@ -88,8 +88,8 @@ impl Cell {
 const DIGITS: usize = 15;
 const SHOWN: usize = 10;
 
-/// The columns that every point has: the columns before, and the columns after the numbers that
-/// depend on the system.
+/// The columns that every point has: `PLACE` to the left and `QUALITY` to the right of the columns
+/// that depend on the system.
 const PLACE: [&str; 3] = ["branch", "label", "kind"];
 const QUALITY: [&str; 4] = ["error", "unstable", CONVERGED, "multiplicity"];
 const FILE: &str = "file";

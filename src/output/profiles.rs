@@ -10,8 +10,8 @@ use crate::core::continuation::{Branch, SpecialPoint};
 use crate::core::problem::{Profile, UnknownName, distinct};
 use crate::core::system::Kind;
 
-/// The maximum number of curves in a figure of points chosen by default, for orbits, and for other
-/// solutions.
+/// The maximum number of curves in a figure whose points are chosen by default: for orbits, and for
+/// other solutions.
 const MOST_ORBITS: usize = 3;
 const MOST_CURVES: usize = 8;
 /// The relative difference of a measure, in units of its range over all orbits, above which two
@@ -113,8 +113,8 @@ impl Shown<'_> {
     }
 }
 
-/// The relative distance between two points at the same time above which they are the two ends of a
-/// reset.
+/// Two points at the same time are the two ends of a reset if their relative distance exceeds this
+/// value.
 const JUMP: f64 = 1e-6;
 
 fn range(values: impl Iterator<Item = f64>) -> f64 {
@@ -244,9 +244,9 @@ fn ordinate(plot: &Plot, profile: &Profile) -> String {
 }
 
 /// Returns the walls in phase portraits, each with the state that it bounds: at a wall, the motion
-/// is reset along a line of constant state, and the state does not go beyond the line. A wall
-/// requires at least two different resets on its line, because at the only reset of an orbit any
-/// state may be largest.
+/// is reset along a line of constant state, and the state does not go beyond the line. A line
+/// counts as a wall only if at least two different resets lie on it: an orbit with a single reset
+/// may have its largest value of any state at this reset, even without a wall.
 fn walls(figures: &[(&Profile, Figure)]) -> Vec<(String, Wall)> {
     let mut walls: Vec<(String, Wall)> = Vec::new();
     for (profile, figure) in figures.iter().filter(|(profile, _)| profile.along != TIME) {

@@ -9,8 +9,8 @@ const PREFIXES: [(i32, &str); 8] =
     [(-12, "p"), (-9, "n"), (-6, "µ"), (-3, "m"), (3, "k"), (6, "M"), (9, "G"), (12, "T")];
 const ONLY_SMALLER: [&str; 2] = ["m", "s"];
 
-/// Returns the exponent, a multiple of 3, of the power of ten that is a common factor of all
-/// numbers up to a largest one; 0 if the numbers are readable without a factor.
+/// Returns the exponent, a multiple of 3, of the power of ten that an axis factors out of its
+/// numbers, given the largest of the numbers; 0 if the numbers are readable without a factor.
 pub(super) fn exponent(largest: f64) -> i32 {
     match largest {
         ..1e-2 | 1e5.. => 3 * (largest.log10() / 3.0).floor() as i32,

@@ -1,7 +1,7 @@
 //! Access to settings by name: the fields of a settings structure, with their values in RON
 //! notation.
 //!
-//! A setting that selects an alternative with settings, such as `method: collocation(intervals: 20,
+//! A setting whose value has settings of its own, such as `method: collocation(intervals: 20,
 //! degree: 4)`, counts as the setting `method` with the value `collocation`, and as the additional
 //! settings `intervals` and `degree`.
 
@@ -17,10 +17,11 @@ use serde::de::DeserializeOwned;
 /// A field of a settings structure.
 struct Field {
     name: String,
-    /// The value of the field in RON; for a selected alternative, only its name.
+    /// The value of the field in RON; for a value with settings of its own, such as
+    /// `collocation(intervals: 20)`, only the name of the value.
     value: String,
-    /// The settings of the selected alternative; `None` if the field does not select an
-    /// alternative.
+    /// The settings that the value of the field has itself, such as `intervals` in
+    /// `collocation(intervals: 20)`; `None` for a value that cannot have settings.
     own: Option<Vec<(String, String)>>,
 }
 
@@ -32,7 +33,7 @@ impl Field {
         }
     }
 
-    /// Replaces the value of the field, or a setting of the selected alternative; returns false if
+    /// Replaces the value of the field, or a setting that this value has itself; returns false if
     /// the name is unknown.
     fn replace(&mut self, name: &str, value: &str) -> Result<bool, RonError> {
         if self.name == name {
@@ -113,8 +114,8 @@ pub(super) fn settings(settings: &impl Serialize) -> Vec<(String, String)> {
     all.map(|(name, value)| (name, shown(value))).collect()
 }
 
-/// Returns the name of the setting by which a structure selects an alternative, and the name of the
-/// selected alternative.
+/// Returns the name of the setting whose value has settings of its own, such as `method`, and the
+/// name of this value, such as `collocation`.
 pub(super) fn choice(settings: &impl Serialize) -> Option<(String, String)> {
     let choice = fields(settings).into_iter().find(|field| field.own.is_some())?;
     Some((choice.name, choice.value))

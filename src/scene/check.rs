@@ -346,8 +346,8 @@ fn unique<'a>(what: &str, names: impl Iterator<Item = &'a String>) -> Result<(),
     }
 }
 
-/// Returns an error if a run holds a special point of a kind for which curves in two parameters
-/// cannot be traced.
+/// Returns an error if the setting `hold` of a run names a kind of special point for which curves
+/// in two parameters cannot be traced.
 fn check_held(run: &Run) -> Result<(), SceneError> {
     let held = of_curves();
     let Some(kind) = run.hold.filter(|kind| !held.contains(kind)) else { return Ok(()) };

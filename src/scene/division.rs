@@ -3,8 +3,8 @@
 use super::statement::{Scene, Sweep};
 use crate::core::sweep::{MOST_RUNS, Order};
 
-/// The division of the strands of a sweep (sequences of consecutive runs) into parts; the strands
-/// are assigned to the parts in turn.
+/// The division of a sweep into parts: the sequences of consecutive runs of the sweep (its
+/// *strands*) are assigned to the parts in turn.
 ///
 /// ```
 /// use tangency::scene::Division;
@@ -19,8 +19,8 @@ use crate::core::sweep::{MOST_RUNS, Order};
 pub struct Division {
     /// The number of parts into which the sweep is divided.
     pub parts: usize,
-    /// The number of strands of the sweep: the parts in which each run begins where the preceding
-    /// run ended.
+    /// The number of strands of the sweep: sequences of runs in which each run begins where the
+    /// preceding run ended.
     pub strands: usize,
     /// The number of runs of the sweep.
     pub runs: usize,
@@ -29,7 +29,8 @@ pub struct Division {
 }
 
 impl Division {
-    /// Assigns strands to `parts` parts in turn; a strand is given by its number of runs.
+    /// Assigns sequences of consecutive runs (strands) to `parts` parts in turn; each sequence is
+    /// given by its number of runs.
     pub fn new(strands: impl IntoIterator<Item = usize>, parts: usize) -> Self {
         let parts = parts.max(1);
         let (mut sizes, mut count) = (Vec::new(), 0);
@@ -44,8 +45,8 @@ impl Division {
         Division { parts, strands: count, runs: sizes.iter().sum(), largest }
     }
 
-    /// Returns the number of runs in the largest part that would result if single runs instead of
-    /// strands were assigned to parts.
+    /// Returns the number of runs that the largest part would contain if single runs, instead of
+    /// sequences of consecutive runs, were assigned to the parts.
     pub fn even(&self) -> usize {
         self.runs.div_ceil(self.parts)
     }
@@ -57,8 +58,8 @@ impl Division {
 }
 
 impl Sweep {
-    /// Returns the number of runs of each strand, in order, if the sweep had `strands` strands;
-    /// `None` for the stated number of strands.
+    /// Returns the lengths of the sequences of consecutive runs, in order, if the axis were divided
+    /// into `strands` sequences; with `None`, into the number of sequences that the sweep states.
     pub(super) fn strand_lengths(&self, strands: Option<usize>) -> impl Iterator<Item = usize> {
         let points = self.over.iter().try_fold(1, |points, grid| grid.count.checked_mul(points));
         // Larger sweeps are rejected before the first run.
@@ -84,8 +85,9 @@ impl Scene {
         self.divided(parts, None)
     }
 
-    /// Returns a number of strands for all sweeps with which the runs are divided more evenly into
-    /// `parts` parts, and the number of runs in the largest of these parts.
+    /// Returns a value of the setting `strands` for all sweeps with which the runs are divided more
+    /// evenly into `parts` parts, and the number of runs in the largest of these parts; `None` if
+    /// no value divides the runs more evenly.
     pub fn better_strands(&self, parts: usize) -> Option<(usize, usize)> {
         let followed = || self.sweeps.iter().filter(|sweep| sweep.order != Order::Anew);
         let chains: usize = followed().map(|sweep| sweep.starts.len().max(1)).sum();

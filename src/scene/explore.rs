@@ -81,8 +81,8 @@ impl Following {
         Following { kinds, depth, distinct: false }
     }
 
-    /// Selects points of the same kinds in the generations after the first; `None` if there is one
-    /// generation.
+    /// Selects the special points of the same kinds on the branches found by branch switching, with
+    /// the depth reduced by one; `None` if no branch is switched on these branches.
     pub fn next_generation(self) -> Option<Self> {
         let depth = self.depth.checked_sub(1).filter(|depth| *depth > 0)?;
         Some(Following { depth, ..self })

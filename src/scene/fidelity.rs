@@ -1,13 +1,14 @@
 //! The choice of the cheapest discretisation with which the special points have the requested
 //! accuracy.
 //!
-//! A problem has a ladder of discretisations (rungs), ordered from the cheapest to the most
-//! expensive. On rung `k`, a scene yields numbers `v_k`: the varied parameters of every special
-//! point, and the columns that the setting `refine` names; their errors are relative. The numbers
-//! of a rung are compared with the numbers of the next two rungs, and of all finer rungs that have
-//! been computed, by [`error_of_first`]. The search starts at a guessed rung. If the estimated
-//! error of this rung is below the accuracy, the search goes down to the lowest such rung, and
-//! otherwise up.
+//! A problem has a list of discretisations, ordered from the cheapest to the most expensive. With
+//! discretisation `k`, a scene yields numbers `v_k`: the varied parameters of every special point,
+//! and the columns that the setting `refine` names; the errors of these numbers are relative. The
+//! numbers of a discretisation are compared with the numbers of the next two discretisations, and
+//! of all finer discretisations that have been computed, by [`error_of_first`]. The search starts
+//! at a guessed discretisation. If the estimated error of this discretisation is below the
+//! requested accuracy, the search proceeds to the coarsest discretisation whose error is below the
+//! accuracy; otherwise it proceeds to finer discretisations.
 
 use super::error::SceneError;
 use super::observer::SceneObserver;
@@ -26,10 +27,11 @@ use std::time::Duration;
 /// The range of accuracies that can be requested.
 const RANGE: RangeInclusive<f64> = 1e-12..=0.1;
 
-/// The minimum number of finer rungs from which the error of a rung is estimated.
+/// The minimum number of finer discretisations from which the error of a discretisation is
+/// estimated.
 const ABOVE: usize = 2;
 
-/// An observer of trial computations, which passes on cancellation and shows nothing.
+/// An observer of trial computations, which passes on the user's cancellation but shows no results.
 pub(super) struct Unseen<'a>(pub &'a mut dyn SceneObserver);
 
 impl Observer for Unseen<'_> {
@@ -51,7 +53,8 @@ struct Estimate {
     of: String,
 }
 
-/// The rungs (discretisations) of a scene, and the outcomes of the rungs that have been computed.
+/// The discretisations of a scene, ordered from coarse to fine (`rungs`), and the outcomes of the
+/// discretisations that have been computed.
 struct Search<'a> {
     rungs: Vec<Resolution>,
     found: Vec<Option<Outcome>>,
@@ -70,8 +73,8 @@ impl Search<'_> {
         branches.into_iter().any(|branch| branch.ends.contains(&End::Interrupted))
     }
 
-    /// Estimates the error of a rung from the computed rungs above it; at least two rungs above are
-    /// computed.
+    /// Estimates the error of a discretisation from all finer discretisations that have been
+    /// computed, after computing the next two finer discretisations.
     fn estimate(&mut self, rung: usize) -> Estimate {
         for needed in rung..=rung + ABOVE {
             self.trace(needed);
@@ -82,13 +85,15 @@ impl Search<'_> {
         largest(&self.known(rung))
     }
 
-    /// Returns the outcome on a rung, and the outcomes on all computed rungs above it.
+    /// Returns the outcome with a discretisation, and the outcomes with all finer discretisations
+    /// that have been computed.
     fn known(&self, rung: usize) -> Vec<&Outcome> {
         self.found[rung..].iter().flatten().collect()
     }
 
-    /// Returns the lowest rung whose estimated error is below an accuracy, or the highest rung if
-    /// no estimated error is below the accuracy.
+    /// Returns the coarsest discretisation whose estimated error is below an accuracy, or the
+    /// finest discretisation whose error can be estimated if no estimated error is below the
+    /// accuracy.
     fn choose(&mut self, accuracy: f64) -> (usize, Estimate) {
         let last = self.rungs.len() - 1 - ABOVE;
         // Each rung gains a digit, and the first one has two.
@@ -147,14 +152,14 @@ pub(super) fn traced_to(
     (outcome, on_rung)
 }
 
-/// Returns the settings of a rung that are not the same on all rungs of the ladder.
+/// Returns the settings of a discretisation in which the discretisations of the list differ.
 fn chosen(ladder: &[Problem], rung: usize) -> Vec<(String, String)> {
     let names = varied(ladder);
     let settings = ladder[rung].settings().into_iter();
     settings.filter(|(name, _)| names.contains(name)).collect()
 }
 
-/// Returns the names of the settings that are not the same on all rungs of the ladder.
+/// Returns the names of the settings in which the discretisations of the list differ.
 fn varied(ladder: &[Problem]) -> Vec<String> {
     let [Some(first), Some(last)] = [ladder.first(), ladder.last()] else { return Vec::new() };
     let pairs = first.settings().into_iter().zip(last.settings());
@@ -162,8 +167,7 @@ fn varied(ladder: &[Problem]) -> Vec<String> {
 }
 
 impl Resolution {
-    /// Returns the runs on each rung of the ladder, that is, with discretisations of growing
-    /// accuracy.
+    /// Returns copies of the runs with discretisations of growing accuracy.
     fn rungs(&self) -> Result<Vec<(Problem, Resolution)>, SceneError> {
         let rung = |problem: Problem| {
             let resolution = self.scene().on(&problem).resolve(self.start())?;
@@ -174,14 +178,14 @@ impl Resolution {
 }
 
 impl Scene {
-    /// Returns the problem on each rung of the ladder, with discretisations that are suitable for
+    /// Returns copies of the problem with discretisations of growing accuracy that are suitable for
     /// all runs.
     fn ladder(&self) -> Result<Vec<Problem>, SceneError> {
         let values = self.values()?;
         self.problem.ladder(&values, &reach(&self.problem, &self.runs, &values))
     }
 
-    /// Returns the scene on one rung of the ladder; special points are not refined further.
+    /// Returns the scene with one of the discretisations; special points are not refined further.
     fn on(&self, problem: &Problem) -> Scene {
         let settings = Settings { refinement: 0.0, ..self.settings.clone() };
         Scene { problem: problem.clone(), settings, accuracy: None, ..self.clone() }
@@ -310,7 +314,8 @@ fn unlike(of: impl Into<String>) -> Estimate {
     Estimate { error: f64::INFINITY, of: of.into() }
 }
 
-/// Returns the estimated error of a column of a special point on the first of the given rungs.
+/// Returns the estimated error of a column of a special point with the first of the given
+/// discretisations.
 fn error_in(column: usize, rungs: &[&SpecialPoint]) -> f64 {
     let values = rungs.iter().map(|special| special.value(column));
     match values.collect::<Option<Vec<f64>>>() {
@@ -319,8 +324,8 @@ fn error_in(column: usize, rungs: &[&SpecialPoint]) -> f64 {
     }
 }
 
-/// Returns the special points of a branch that must be the same with every discretisation, each on
-/// all rungs; `None` if the points differ between rungs.
+/// Returns the special points of a branch that must be the same with every discretisation, each as
+/// computed with all discretisations; `None` if the points differ between discretisations.
 fn followed<'a>(rungs: &[&'a Branch], counted: Counted) -> Option<Vec<Vec<&'a SpecialPoint>>> {
     let definite = |branch: &&'a Branch| -> Vec<&'a SpecialPoint> {
         let definite = |special: &&SpecialPoint| is_definite(branch, special, counted);
@@ -342,8 +347,8 @@ fn nth<'a>(found: &[&'a Outcome], place: usize) -> Vec<&'a Branch> {
 }
 
 /// Returns the largest relative error of special points in the first outcome, estimated from the
-/// outcomes on finer rungs. If a scene has no special points other than ends, the ends at bounds
-/// are compared.
+/// outcomes with finer discretisations. If a scene has no special points other than ends, the ends
+/// at bounds are compared.
 fn largest(found: &[&Outcome]) -> Estimate {
     if let Some(cause) = found.iter().find_map(|outcome| outcome.error.as_ref()) {
         return unlike(one_line(cause));
@@ -390,8 +395,8 @@ fn largest_of(found: &[&Outcome], counted: Counted) -> Option<Estimate> {
     largest
 }
 
-/// Adds the discretisation error, which is estimated from this rung and finer rungs, to the error
-/// of each special point.
+/// Adds the discretisation error, which is estimated from this discretisation and finer ones, to
+/// the error of each special point.
 fn add_errors(document: &mut Document, found: &[&Outcome]) {
     for (place, branch) in document.branches.iter_mut().enumerate() {
         let rungs = nth(found, place);

@@ -16,8 +16,8 @@ const TRIAL: Duration = Duration::from_millis(20);
 /// Heuristic: the maximum number of periods for which a motion is followed in order to estimate its
 /// speed.
 const TRIAL_PERIODS: u32 = 64;
-/// Heuristic: the largest number of interval halvings that a forecast assumes: after this number,
-/// the ends of nearly every interval are neighbouring floating-point numbers.
+/// Heuristic: the largest number of bisection steps that a forecast assumes: after this number of
+/// steps, the ends of nearly every interval are neighbouring floating-point numbers.
 const MOST_HALVINGS: f64 = 106.0;
 /// Heuristic: the cost of a period with a tangent vector, in units of the cost of a period without
 /// tangent vector.

@@ -27,15 +27,14 @@ pub(super) fn is_one_grazing(
     })
 }
 
-/// The factor of the first condition for two special points to be the same: their parameters differ
-/// by at most this multiple of the sum of their errors, or by at most [`ROUNDING`].
+/// Two special points can be the same point only if their continuation parameters differ by at most
+/// this multiple of the sum of their errors, plus rounding errors.
 const ERRORS: f64 = 10.0;
-/// The largest difference of the parameters of two special points that are the same, relative to
-/// the largest values on the branches.
+/// The rounding error of a column, relative to the largest values on the branches.
 const ROUNDING: f64 = 1e-12;
 
-/// The largest difference of the other common columns of two special points that are the same,
-/// relative to the largest values on the branches.
+/// The difference, relative to the largest values on the branches, up to which two special points
+/// count as equal in a column that both branches have, except for the continuation parameter.
 const SAME: f64 = 1e-6;
 
 /// Returns whether the special points of two branches are the same point. A branch of orbits ends

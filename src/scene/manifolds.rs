@@ -26,8 +26,8 @@ pub struct Manifolds {
     pub settings: ManifoldSettings,
 }
 
-/// The name of the largest distance between the images of the points of a half of a manifold and
-/// the curve of the manifold.
+/// The name of the number that measures the accuracy of one half of a manifold: the largest
+/// distance from the image of a computed point to the computed curve.
 pub const DEVIATION: &str = "deviation";
 
 /// The name of the error of the local expansion of the manifold.

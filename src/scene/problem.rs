@@ -122,7 +122,7 @@ pub(super) trait Adjustable: Send + Sync {
     fn written(&self) -> String;
     /// Returns the names of the settings, with their values.
     fn settings(&self) -> Vec<(String, String)>;
-    /// Returns the names of all settings, for every alternative that a setting can select.
+    /// Returns the names of all settings, including the settings of methods that are not selected.
     fn setting_names(&self) -> Vec<String>;
     /// Returns the kind of solutions to trace, or `None` if the problem has only one kind of
     /// solutions.

@@ -69,7 +69,8 @@ impl StartPoint {
 /// A run whose names and values are resolved.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Resolved {
-    /// The statement of the run, including its name, ranges, bounds, marks and held conditions.
+    /// The statement of the run, including its name, ranges, bounds, marks, and `hold` or
+    /// `hold_level`.
     pub(super) run: Run,
     /// The problem, with the settings that apply to the run.
     pub(super) problem: Problem,
@@ -143,12 +144,12 @@ impl Scene {
     /// Resolves the scene, that is, determines every name, value and default of its runs and
     /// sweeps.
     ///
-    /// If a start point is given, only one shown run is traced, whose held kind is the kind that
-    /// the start point requests. This run is the first one found by the following rules: the run
-    /// has the name of the point's branch; the run traces the same kind of curve in the same
-    /// unknowns; the run traces special points of the point's kind, or a curve that emanates from
-    /// the point; the run is the first shown run. If the run traces points of a local map, the runs
-    /// that find the grazing of the map are traced first.
+    /// If a start point is given, only one shown run is traced; if the start point requests a curve
+    /// of special points of some kind, the run traces this curve. This run is the first one found
+    /// by the following rules: the run has the name of the point's branch; the run traces the same
+    /// kind of curve in the same unknowns; the run traces special points of the point's kind, or a
+    /// curve that emanates from the point; the run is the first shown run. If the run traces points
+    /// of a local map, the runs that find the grazing of the map are traced first.
     ///
     /// ```
     /// use tangency::scene::Scene;
@@ -183,9 +184,9 @@ impl Scene {
     }
 
     /// Resolves a run of the scene; values that the run does not state are taken from the scene.
-    /// The following runs trace orbits unless they set `solution`: a run from a Hopf point that
-    /// holds no condition, a run that holds a condition of orbits, and a curve of special cycles
-    /// that starts at a special point of equilibria.
+    /// The following runs trace orbits unless they set `solution`: a run from a Hopf point along a
+    /// branch of solutions, a run along a curve of special orbits, and a run along a curve of
+    /// special cycles that starts at a special point of equilibria.
     pub(super) fn resolved(&self, run: &Run) -> Result<Resolved, SceneError> {
         let mut seen = self.with(&run.set)?;
         let at_hopf = matches!(run.start, Start::From { kind: Kind::HB, .. });
@@ -230,8 +231,8 @@ impl Resolution {
         self.start.as_ref()
     }
 
-    /// Resolves a further run, as if the scene stated it. A run of this resolution may start from
-    /// a saved point, and is returned as it is.
+    /// Resolves a further run, as if the scene stated it. A run that this resolution already
+    /// contains is returned unchanged, because it may start from a saved point.
     pub(super) fn further(&self, run: &Run) -> Result<Resolved, SceneError> {
         match self.runs.iter().find(|own| own.run == *run) {
             Some(own) => Ok(own.clone()),

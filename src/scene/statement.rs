@@ -274,8 +274,8 @@ pub struct Sweep {
     /// The order of the runs of the sweep, which determines their initial states.
     #[serde(default)]
     pub order: Order,
-    /// The number of parallel strands into which the axis is divided if each run starts at the end
-    /// of the previous run. Each strand begins at the initial state.
+    /// The number of independent sequences of runs into which the axis is divided if each run
+    /// starts at the end of the previous run. Each of these sequences begins at the initial state.
     #[serde(default = "one")]
     pub strands: usize,
     /// The initial states by name; states that are not named are zero. Each entry of the list makes

@@ -68,8 +68,8 @@ pub(super) struct Tracing {
     pub runs: Vec<Run>,
     pub done: Vec<Branch>,
     last: LastStates,
-    /// The bounds and marks without effect: the number of the branch, and the name of the column
-    /// that the branch lacks.
+    /// The bounds and marks that have no effect on a branch: the index of the branch, and the name
+    /// of the column that the branch lacks.
     idle: Vec<(usize, String)>,
     /// The error of the run that failed.
     pub error: Option<SceneError>,
@@ -107,8 +107,8 @@ impl Tracing {
         Ok(())
     }
 
-    /// Returns the results, with the branches that are shown. A bound or mark that has an effect on
-    /// one branch needs none on the others, which may lack the column.
+    /// Returns the results, with the branches that are shown. A bound or mark causes a warning only
+    /// if it has no effect on any branch, because no branch has its column.
     pub fn outcome(self, resolution: &Resolution) -> Outcome {
         let Tracing { runs, mut done, idle, error, .. } = self;
         for (branch, name) in idle {
@@ -343,8 +343,8 @@ fn begin_from<'a>(curve: Continuation<'a>, resolved: &Resolved) -> Continuation<
     resolved.changed.iter().fold(curve, |curve, (name, value)| curve.at(name, *value))
 }
 
-/// Applies the varied parameters, bounds, marks, held conditions and direction of a run to its
-/// continuation.
+/// Applies the varied parameters, bounds, marks and direction of a run to its continuation, and the
+/// condition that all points of a curve of special or marked points satisfy.
 fn conditions<'a>(mut curve: Continuation<'a>, run: &Run) -> Continuation<'a> {
     for range in &run.along {
         curve = curve.along(&range.name, range.interval());

@@ -24,8 +24,8 @@ pub struct Solution {
     /// The direction of the solution's branch, if known: a component for each unknown (of the same
     /// length as `state`), and a component for each parameter (of the same length as `parameters`).
     pub tangent: Option<(Vec<f64>, Vec<f64>)>,
-    /// The difference between the parameters for which `state` solves the equations on its own mesh
-    /// and `parameters`, which were refined on finer meshes (of the same length as `parameters`);
+    /// The parameter values at which `state` solves the equations on its own mesh, minus
+    /// `parameters`, whose values were refined on finer meshes (a component for each parameter);
     /// `None` if the difference is zero.
     pub mesh_shift: Option<Vec<f64>>,
     /// The number of critical eigenvalues, or of critical pairs, at a special point; 0 if unknown.
@@ -85,7 +85,7 @@ pub struct Start {
     /// A direction `(z, p)` of the start, if known: the direction of the curve, or at a branch
     /// point the direction of the incoming branch.
     pub direction: Option<Vec<f64>>,
-    /// The type of the start, which states where it lies relative to the branch.
+    /// The position of the start relative to the branch.
     pub site: Site,
     /// Whether the branch is traced to one side only, because both sides consist of the same
     /// solutions.
@@ -94,7 +94,7 @@ pub struct Start {
     pub angle: Option<f64>,
 }
 
-/// The type of a start, which states where it lies relative to the branch.
+/// The position of a start relative to the branch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Site {
@@ -111,8 +111,9 @@ pub enum Site {
     /// A guess near a point at which the equations are singular: the guess is corrected perpendicular to
     /// the known direction, which is the direction of the curve.
     Beside,
-    /// A limit of admissible solutions, from which the branch emanates; if the equations are
-    /// singular at the limit, the branch emanates only to one side, in the known direction.
+    /// A solution at the boundary of the admissible solutions, from which the branch emanates; if
+    /// the equations are singular at this solution, the branch emanates only to one side, in the
+    /// known direction.
     Limit,
 }
 
@@ -122,9 +123,9 @@ impl Start {
         Start { z, direction, site: Site::Point, one_sided: false, angle: None }
     }
 
-    /// The known direction, if it belongs to the new curve: at a start of the site `Singular` or
-    /// `Beside` always; at a `Limit` if the curve consists of `solutions`; elsewhere if the start
-    /// was found on the same curve.
+    /// The known direction, if it is a direction of the new curve: always for a start at a
+    /// `Site::Singular` or `Site::Beside`; for a start at a `Site::Limit`, if the curve consists of
+    /// `solutions`; for any other start, if the start was found on the same curve.
     pub(crate) fn direction(&self, same_curve: bool, solutions: bool) -> Option<&Vec<f64>> {
         let known = match self.site {
             Site::Point | Site::OtherBranch | Site::BranchPoint => same_curve,

@@ -145,7 +145,8 @@ impl SparseJacobian {
         wider
     }
 
-    /// Factors a form of the matrix, bordered by additional rows and columns.
+    /// Factors the matrix, or the variant of it that `form` selects, bordered by additional rows
+    /// and columns.
     pub fn factor(&self, form: Form, border: Border, into: &mut Factors) -> Result<(), Failure> {
         match form {
             Form::Oscillation(omega) => {
@@ -186,14 +187,14 @@ impl SparseJacobian {
         })
     }
 
-    /// The number of directions of a gradient: one for each color, and one for each released
-    /// parameter.
+    /// The number of directions in which a gradient is computed: one for each color, and one for
+    /// each released parameter.
     pub fn seeds(&self, released: &[usize]) -> usize {
         self.count + released.len()
     }
 
-    /// The number of the direction of a component of `x`; components without a direction have the
-    /// largest number.
+    /// The index of the direction in which a component of `x` varies; `usize::MAX` for a component
+    /// that is constant in all directions.
     pub fn seed(&self, i: usize, released: &[usize]) -> usize {
         let n = self.colors.len();
         match self.colors.get(i) {
@@ -205,8 +206,8 @@ impl SparseJacobian {
         }
     }
 
-    /// Computes the gradient of a weighted sum of the numbers of all equations, in the directions
-    /// of the chunk that begins at direction `start`.
+    /// Computes the gradient of a weighted sum of the equations, which are evaluated to dual
+    /// numbers, in the directions of the chunk that begins at direction `start`.
     pub fn weigh<'a>(
         &self,
         number: impl Fn(usize) -> &'a Chunk,

@@ -37,8 +37,8 @@ impl Matrices {
 /// The system of a zero problem as a trait object.
 pub(crate) struct ZeroSystem {
     problem: Arc<dyn ZeroEquations>,
-    /// The same problem as a trait object that can determine its sparsity pattern, if it is
-    /// supported.
+    /// The same problem as a trait object that can determine its sparsity pattern, if the problem
+    /// supports this.
     traced: Option<Arc<dyn TracedEquations>>,
     matrices: Matrices,
     names: Names,
@@ -223,8 +223,8 @@ fn monitor_gradient(
     Traced::gradient([(values[monitor], 1.0)].into_iter(), out);
 }
 
-/// Computes the gradient of a weighted sum of the numbers of all equations, in the directions of a
-/// chunk.
+/// Computes the gradient of a weighted sum of the equations, which are evaluated to dual numbers,
+/// in the directions of a chunk.
 fn weighted<'a>(numbers: impl Iterator<Item = &'a Chunk>, weights: &[f64], out: &mut [f64]) {
     let mut sums = [0.0; CHUNK];
     for (number, weight) in numbers.zip(weights) {
@@ -387,8 +387,8 @@ impl System for ZeroSystem {
         self.problem.scales(p)
     }
 
-    /// Reports sparse matrices as part of the method, since only the rightmost eigenvalues are
-    /// computed with sparse matrices.
+    /// Names sparse matrices in the description of the method, because with sparse matrices only
+    /// the rightmost eigenvalues are computed.
     fn representation(&self) -> Representation {
         let method = match self.jacobian {
             Jacobian::Sparse(_) => "sparse matrices",

@@ -12,8 +12,8 @@ use std::collections::BTreeMap;
 /// The relative size below which a constant counts as zero.
 const ROUNDING: f64 = 1e-12;
 
-/// The `global` conditions of a file, in a system in which both sides of each condition share one
-/// mode.
+/// The `global` conditions of a file, in a system with one mode, which applies on both sides of the
+/// surface of each condition.
 pub(super) struct Crossings {
     conditions: Vec<Condition>,
     /// The rate of each state if it is affine, and the states on which the rate depends.

@@ -92,8 +92,8 @@ impl Formulas {
         Ok(order)
     }
 
-    /// Substitutes new values for states in a formula; if `fixed` is true, also in the quantities
-    /// that depend on these states.
+    /// Substitutes new values for states in a formula; if `fixed` is true, also in the fixed
+    /// quantities on which the formula depends.
     pub fn after(&self, tree: &Tree, states: &BTreeMap<usize, Tree>, fixed: bool) -> Option<Tree> {
         let mut left = LARGEST;
         self.replaced(tree, &Replacing { states, fixed }, None, &mut left)

@@ -129,7 +129,8 @@ pub(super) struct Hybrid<'a, 's> {
     pub rest: HybridEquations,
 }
 
-/// Whether each condition has been passed, for one mode.
+/// A mode, given by a flag for each condition: whether the motion is beyond the surface of the
+/// condition.
 type Passed = Vec<bool>;
 
 impl Hybrid<'_, '_> {

@@ -34,7 +34,7 @@ pub(super) struct Parts {
     pub functions: Vec<Function>,
     pub monitors: Vec<Named>,
     pub initial: Vec<Named>,
-    /// The initial values of array elements that are given as formulas.
+    /// The initial values of array elements, where these values are given as formulas.
     pub initial_formulas: Vec<Named>,
     pub globals: Vec<Global>,
     pub found: Found,

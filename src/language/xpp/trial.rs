@@ -13,7 +13,8 @@ pub(super) struct Trial<'m> {
     pub x: Vec<f64>,
 }
 
-/// The number of states on the surface of a condition that are tried.
+/// The number of random trials for a condition, each at another state on the surface of the
+/// condition.
 pub(super) const TRIALS: usize = 24;
 /// The relative size below which a guard and its rate count as zero.
 const ZERO: f64 = 1e-7;

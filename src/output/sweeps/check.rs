@@ -99,7 +99,7 @@ impl SweepTable {
     }
 }
 
-/// Rejects failures of runs that have no row.
+/// Returns an error if a failure is recorded for a run that has no row in the table.
 pub(super) fn check_failures(name: &str, left: &BTreeMap<usize, Row>) -> Result<(), String> {
     match left.keys().next() {
         None => Ok(()),

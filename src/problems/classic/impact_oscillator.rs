@@ -7,15 +7,15 @@ use crate::core::scalar::Scalar;
 use std::f64::consts::TAU;
 
 /// The forced linear impact oscillator (S. W. Shaw and P. J. Holmes, *J. Sound Vib.* 90:129, 1983):
-/// a mass on a spring with a stop. Its displacement `x ≤ d` and velocity `v` satisfy
+/// a mass on a spring with a stop. In the mode *flight* (motion away from the stop), its
+/// displacement `x ≤ d` and velocity `v` satisfy the following equations:
 ///
 /// ```text
 ///     x' = v,    v' = A cos ωt − x − c v;    v⁺ = −e v⁻ at x = d
 /// ```
 ///
-/// in the mode *flight* (motion away from the stop). Accumulating impacts lead to the mode
-/// *contact*, in which the mass rests against the stop while the contact force `A cos ωt − d` is
-/// positive.
+/// Accumulating impacts lead to the mode *contact*, in which the mass rests against the stop while
+/// the contact force `A cos ωt − d` is positive.
 ///
 /// The states are `displacement` and `velocity` (in flight only); the parameters are `amplitude` A,
 /// `frequency` ω, `restitution` e, `damping` c and `clearance` d; the guards are `impact` and

@@ -23,15 +23,15 @@ use crate::core::scalar::{LaneWidth, Scalar};
 /// | `riding_forward`, `riding_backward` | `u₁' = ∓μ_d N/(m₁ + 1)`, at `q₂ = δ` | `±u₁ > 0`, `R ± μ_d N/(m₁ + 1) > 0` |
 /// | `riding_back` | `u₁' = μ_d N/(m₁ + 1)`, at `q₂ = −δ` | `u₁ < 0`, `R − μ_d N/(m₁ + 1) < 0` |
 ///
-/// An impact at `q₂ = ±δ` conserves momentum and multiplies the relative velocity by `−e`,
+/// An impact at `q₂ = ±δ` conserves momentum and multiplies the relative velocity by `−e`:
 ///
 /// ```text
-///     u₁ ← u₁ + (1 + e) u₂/(m₁ + 1),    u₂ ← −e u₂,
+///     u₁ ← u₁ + (1 + e) u₂/(m₁ + 1),    u₂ ← −e u₂
 /// ```
 ///
-/// and the impact sets the frame in motion. When the frame comes to rest, it sticks if `|R| ≤ μ_s
-/// N`; otherwise it starts to move against `R`. After an accumulation of impacts, the block stays
-/// in contact with the stopper if it is pressed against the stopper, either by the force or because
+/// The impact sets the frame in motion. When the frame comes to rest, it sticks if `|R| ≤ μ_s N`;
+/// otherwise it starts to move against `R`. After an accumulation of impacts, the block stays in
+/// contact with the stopper if it is pressed against the stopper, either by the force or because
 /// friction brakes the frame. (The force alone never presses the block against the back stopper.)
 ///
 /// Every mode has the state `displacement`, and all modes without contact also have the state

@@ -6,15 +6,15 @@ use crate::core::scalar::Scalar;
 use std::f64::consts::PI;
 
 /// The block within a frame at rest, without impacts. Its displacement `q₂` and velocity `u₂`
-/// satisfy
+/// satisfy equations 4.1 and 4.2 of Zhao's dissertation for `u₁ = 0`:
 ///
 /// ```text
 ///     q₂' = u₂,    u₂' = V² sin²ωt/(1 − q₂)² − q₂ − c u₂
 /// ```
 ///
-/// (equations 4.1 and 4.2 of Zhao's dissertation for `u₁ = 0`). The forcing has the period `π/ω`
-/// because the force is proportional to the square of the voltage. The field is singular at `q₂ =
-/// 1`, where the block touches the electrode; the front stopper at 0.5 is not part of this field.
+/// The forcing has the period `π/ω` because the force is proportional to the square of the voltage.
+/// The field is singular at `q₂ = 1`, where the block touches the electrode; the front stopper at
+/// 0.5 is not part of this field.
 ///
 /// The states are `displacement` and `velocity`; the parameters are `voltage`, `frequency` and
 /// `damping`.

@@ -1,11 +1,11 @@
-//! The numbers of functions for the displacements of a plate, and the ladder of successively larger
+//! The numbers of functions for the displacements of a plate, and a sequence of successively larger
 //! numbers.
 
 use super::basis::LARGEST_COUNT;
 use super::error::PlateError;
 use crate::core::numerics::ladder;
 
-/// The number of rungs of the ladder.
+/// The length of the sequence of successively larger numbers of functions.
 const RUNGS: usize = 15;
 
 /// The numbers of functions in each direction (x, then y): only even functions if the plate is
@@ -53,10 +53,11 @@ impl Orders {
         }
     }
 
-    /// Returns a ladder of numbers of functions, from the fewest functions to many. Up to the
-    /// default numbers, the ratio of transverse to in-plane functions balances the work on the two
-    /// kinds of displacements, and each rung gains about a digit of a pull-in load; beyond them,
-    /// two rungs lead from numbers to their [`finer`](Orders::finer) numbers.
+    /// Returns a sequence of successively larger numbers of functions. Up to the default numbers,
+    /// the ratio of transverse to in-plane functions balances the work on the two kinds of
+    /// displacements, and each entry is about one digit more accurate in a pull-in load than the
+    /// previous entry; beyond the default numbers, each entry is followed, two places later, by its
+    /// [`finer`](Orders::finer) numbers.
     pub(super) fn ladder(symmetric: [bool; 2], aspect: f64) -> Vec<Orders> {
         let rung = |n: usize| Orders::of(n, n + n.div_ceil(3), symmetric, aspect);
         let rungs =
@@ -64,10 +65,10 @@ impl Orders {
         rungs.into_iter().filter(|orders| orders.check().is_ok()).collect()
     }
 
-    /// Returns the larger numbers of functions for the final correction of special points, two
-    /// rungs up the ladder. With two refinements of the default numbers, pull-in loads of plates
-    /// without free edges are accurate to 1e-8 and deflections to 1e-6 (`0 ≤ α₁ ≤ 3`, `1 ≤ α ≤ 6`,
-    /// every model of the in-plane supports).
+    /// Returns the larger numbers of functions for the final correction of special points. With two
+    /// refinements of the default numbers, pull-in loads of plates without free edges are accurate
+    /// to 1e-8 and deflections to 1e-6 (`0 ≤ α₁ ≤ 3`, `1 ≤ α ≤ 6`, every model of the in-plane
+    /// supports).
     #[must_use]
     pub fn finer(self) -> Orders {
         Orders {

@@ -137,7 +137,7 @@ impl PlateSettings {
     /// let p = Units::Dimensionless.defaults();
     /// let ladder = PlateSettings::default().ladder(p, p)?;
     /// assert_eq!(ladder[0].orders, Some(Orders { transverse: [2, 2], in_plane: [3, 3] }));
-    /// // By default branches are traced on the fifth rung.
+    /// // By default branches are traced with the fifth of these discretisations.
     /// assert_eq!(ladder[4].orders, Some(Orders::usual([true, true], 1.0)));
     /// # Ok::<(), tangency::problems::plate::PlateError>(())
     /// ```

@@ -14,7 +14,7 @@ use faer::Mat;
 use num_dual::Dual64;
 use std::mem::take;
 
-/// The maximum number of unknowns of a discretisation in the ladder.
+/// The maximum number of unknowns of a refined discretisation.
 const LARGEST_RUNG: usize = 500;
 
 /// Computes the mixed derivative of `F` along `directions` (each of the length of `x`), into `out`.

@@ -36,9 +36,9 @@ pub(super) struct FlatModes {
 
 impl FlatModes {
     /// Computes the modes of the flat plate that the settings request. If the settings do not
-    /// contain numbers of functions, the discretisations of a ladder are tried until two agree;
-    /// otherwise the modes for the given numbers of functions must agree with the modes of the next
-    /// finer discretisation.
+    /// contain numbers of functions, successively finer discretisations are tried until the modes
+    /// of two of them agree; otherwise the modes for the given numbers of functions must agree with
+    /// the modes of the next finer discretisation.
     pub fn new(settings: &ModalSettings) -> Result<FlatModes, PlateError> {
         let asked = settings.modes;
         let mut orders = settings.plate.orders.unwrap_or_else(|| first_rung(settings));
@@ -88,7 +88,8 @@ fn first_rung(settings: &ModalSettings) -> Orders {
     with_in_plane(orders)
 }
 
-/// The modes in one space of polynomials, on a rung of the ladder.
+/// The modes for one of the successively finer discretisations, whose functions span a space of
+/// polynomials.
 struct Rung {
     plate: Ritz,
     modes: Modes,
@@ -108,8 +109,8 @@ impl Rung {
         Ok(Rung { plate, modes })
     }
 
-    /// Returns the largest relative difference of `ω²` among the lowest modes between two rungs;
-    /// infinite if a rung contains fewer modes.
+    /// Returns the largest relative difference of `ω²` between the lowest `count` modes of two
+    /// discretisations; infinite if one of the discretisations has fewer modes.
     fn error(&self, finer: &Rung, count: usize) -> f64 {
         let (coarse, fine) = (&self.modes.squares, &finer.modes.squares);
         if coarse.len().min(fine.len()) < count {
