@@ -167,7 +167,8 @@ impl Critical {
     }
 }
 
-/// Returns a spectrum without the `count` eigenvalues whose `distance` is smallest.
+/// Returns a spectrum without the `count` eigenvalues for which the function `distance` has the
+/// smallest values.
 pub(in crate::core) fn without_critical(
     spectrum: &[(f64, f64)],
     count: usize,

@@ -20,7 +20,7 @@ pub struct PointValues<'s> {
 }
 
 /// The value of a test function and the stability at a point of a curve. Events are detected by
-/// comparing the readings at two points.
+/// comparing these data at two points.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Reading {
     /// The bound for `slope` below which the slope may consist only of numerical errors.
@@ -138,13 +138,14 @@ pub trait TestFunction: Send + Sync {
         false
     }
 
-    /// The parameter or monitor and the level, if the event is a level of a parameter or monitor.
+    /// If the event is a given level of a parameter or monitor, returns the parameter or monitor
+    /// and the level.
     fn level(&self) -> Option<(Quantity, f64)> {
         None
     }
 
-    /// The index and the level of an auxiliary unknown of the curve, if the event is a level of an
-    /// auxiliary unknown.
+    /// If the event is a given level of an auxiliary unknown of the curve, returns the index of the
+    /// unknown and the level.
     fn auxiliary(&self) -> Option<(usize, f64)> {
         None
     }

@@ -35,8 +35,8 @@ pub(crate) struct Division {
 /// [`Failure`] if a derivative does not exist, or if a matrix is singular.
 pub(crate) type ComputeDivision = fn(&mut At) -> Result<Option<Division>, Failure>;
 
-/// Computes the gradient of a function with respect to the two released parameters: evaluates its
-/// slope in the unit direction of each of them.
+/// Computes the gradient of a function with respect to the two released parameters: evaluates the
+/// slope of the function in the unit direction of each parameter.
 fn gradient(
     forms: &mut Forms,
     mut slope: impl FnMut(&mut Forms, Vec<f64>) -> Result<f64, Failure>,
