@@ -18,8 +18,8 @@ pub(super) struct Passes<const W: usize> {
     real: Vec<f64>,
 }
 
-/// Computes the residual and the Jacobian at all Gauss points, `W` directions at a time: first the
-/// `n` states at the Gauss point, then the active entries of `q`.
+/// Computes the residual and the Jacobian at all Gauss points, `W` directions at a time; the
+/// directions are the `n` states at the Gauss point, followed by the active entries of `q`.
 pub(super) fn linearise_in<const W: usize>(
     basis: &Basis,
     passes: &mut Passes<W>,

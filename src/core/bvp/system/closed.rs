@@ -152,8 +152,8 @@ impl Saved {
         Ok(Saved { equations, work, extras, parameters: p.clone() })
     }
 
-    /// Returns the extra unknowns of the solution when it begins with a later segment, at a time
-    /// close to the extra unknowns `near`.
+    /// Returns the extra unknowns of the solution when it begins with a later segment; its start
+    /// time is chosen so that the extra unknowns are nearest to `near`.
     fn rotated(&self, segments: usize, near: &[f64]) -> Option<Vec<f64>> {
         let q = [&self.parameters[..], &self.extras].concat();
         self.equations.problem.itineraries()?.rotated(segments, &q, near)
@@ -234,7 +234,7 @@ fn time_weights(equations: &DiscretisedProblem) -> Vec<f64> {
     sums
 }
 
-/// Subtracts their weighted mean from the values.
+/// Subtracts the weighted mean of all values from each value.
 fn about_mean(values: &[f64], weights: &[f64]) -> Vec<f64> {
     let whole: f64 = weights.iter().sum();
     let mean = values.iter().zip(weights).map(|(x, w)| x * w).sum::<f64>() / whole;

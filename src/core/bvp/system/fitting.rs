@@ -1,5 +1,6 @@
 //! Adaptive numbers of intervals along a branch: the meshes are fine enough to keep the mesh error
-//! below a target; for shooting, the error of the flow that has grown over a segment.
+//! below a target; for shooting, they keep the error of the flow, which grows over a segment, below
+//! the target.
 
 use super::carry::remesh;
 use super::mesh_error::intervals_for;

@@ -10,13 +10,15 @@ use crate::core::failure::Failure;
 use crate::core::problem::Profile;
 use crate::core::system::System;
 
-/// A solution at a limit, converted to the system on the other side of the limit.
+/// A solution at a limit of admissible solutions, converted to the system of the solutions on the
+/// other side of the limit.
 pub(super) struct Beside {
-    /// The solution of the current system, at the limit.
+    /// The solution of the current system, at the limit of admissible solutions.
     pub at: Vec<f64>,
     pub system: Box<dyn System>,
     pub x: Vec<f64>,
-    /// Whether the solution passes an event that does not occur in the solutions on the other side.
+    /// Whether the solution passes an event that does not occur in the solutions on the other side
+    /// of the limit.
     pub passes: bool,
 }
 
@@ -32,7 +34,7 @@ pub(super) struct Solutions {
     evaluated: Vec<f64>,
     /// Whether the problem has fixed the properties that hold along the whole branch.
     referred: bool,
-    /// The last computed solution on the other side of a limit.
+    /// The last computed solution on the other side of a limit of admissible solutions.
     pub beside: Option<Beside>,
 }
 
