@@ -33,8 +33,8 @@ pub trait Itineraries<P> {
     }
 
     /// Creates the problem whose duration spans several durations of this problem, and returns it
-    /// with the vector `q` of the corresponding solution. Returns `None` if no problem spans several
-    /// durations of this one.
+    /// with the vector `q` of the corresponding solution. Returns `None` if no problem spans
+    /// several durations of this one.
     fn spanning(&self, _durations: f64, _q: &[f64]) -> Option<(P, Vec<f64>)> {
         None
     }
@@ -54,9 +54,9 @@ pub trait Itineraries<P> {
         Ok(())
     }
 
-    /// Returns a sudden change of the mode to which an event leads between two solutions, each given
-    /// by the states at the ends of its segments and by its vector `q`; `None` if all events lead to
-    /// the same modes in both solutions.
+    /// Returns a sudden change of the mode to which an event leads between two solutions, each
+    /// given by the states at the ends of its segments and by its vector `q`; `None` if all events
+    /// lead to the same modes in both solutions.
     fn jump_between(&self, _solutions: [(Ends<f64>, &[f64]); 2]) -> Option<Jump> {
         None
     }

@@ -264,8 +264,8 @@ impl Method {
         }
     }
 
-    /// Returns the error of a flow as an equivalent deviation at the start of an interval, which the
-    /// flow amplifies; 0 for collocation.
+    /// Returns the error of a flow as an equivalent deviation at the start of an interval, which
+    /// the flow amplifies; 0 for collocation.
     pub(super) fn flow_error(&self) -> f64 {
         match self {
             Method::Collocation(_) => 0.0,

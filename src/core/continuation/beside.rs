@@ -15,8 +15,8 @@ use crate::core::system::{Kind, Site, Solution, Start};
 /// torus points may differ from their value at the resonance.
 const WIDEST: f64 = 0.3;
 
-/// Iterates over the kinds of points that are held along a curve, without user-defined defining
-/// systems.
+/// Iterates over the kinds of special points whose defining systems are held along a curve;
+/// user-defined defining systems are omitted.
 fn held<'c>(curve: &'c Continuation) -> impl Iterator<Item = Kind> + 'c {
     let known = |(kind, make): &(Kind, Option<MakeCondition>)| make.is_none().then_some(*kind);
     curve.held.iter().filter_map(known)

@@ -58,8 +58,8 @@ impl Reference {
         })
     }
 
-    /// Whether a step passes near the reference point, as far as the quantities that do not depend
-    /// on the phase show: the parameters and the scalar unknowns. For orbits with an itinerary,
+    /// Whether a step passes near the reference point, judged only by the quantities that do not
+    /// depend on the phase: the parameters and the scalar unknowns. For orbits with an itinerary,
     /// only the parameters are compared, because scalar unknowns depend on the first segment and on
     /// the forcing period.
     fn may_be_passed(&self, corrector: &Corrector, saved: &Solution, step: Interval) -> bool {

@@ -182,9 +182,9 @@ impl Cluster {
     }
 }
 
-/// Returns, at each sample point, numbers that vanish where eigenvalues pass zero, and the number
-/// of these eigenvalues. The numbers are growth rates, or, if eigenvalues are not computed, the
-/// distances to singular matrices in the interval.
+/// Returns the number of eigenvalues that pass zero in the interval, and, at each sample point, the
+/// values of functions that vanish where an eigenvalue passes zero. These functions are growth
+/// rates or, if eigenvalues are not computed, the distances to singular matrices in the interval.
 fn vanishing(
     curve: &mut Curve,
     places: &[CurvePoint],

@@ -287,9 +287,9 @@ impl<'a> Corrector<'a> {
         self.equations.names().unknowns.iter().map(|group| group.length).collect()
     }
 
-    /// Adapts the mesh, scales and borders after a point was accepted, and interpolates `others` to
-    /// a new mesh. Returns the length of the old tangent in the new scales, which may have
-    /// increased.
+    /// Adapts the mesh, scales and borders after a point was accepted, and interpolates the
+    /// solutions and directions `others` to the new mesh. Returns the length of the old tangent in
+    /// the new scales, which may have increased.
     pub fn accept(&mut self, place: &mut CurvePoint, mut others: Vec<&mut [f64]>) -> f64 {
         let n = self.equations.dimension();
         let mut directions: Vec<&mut [f64]> =

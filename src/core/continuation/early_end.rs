@@ -46,8 +46,8 @@ const WEAK: f64 = 1e-3;
 /// value is reported as the reason.
 const WEAK_AT_FAILURE: f64 = 0.05;
 
-/// The state of the checks, along one half of a branch, for an end at a point where Newton's method
-/// still converges.
+/// The data of the checks that can end one half of a branch at a point where Newton's method still
+/// converges.
 #[derive(Default)]
 pub(super) struct EarlyEnd {
     /// The number of consecutive points whose mesh is too coarse.

@@ -42,7 +42,7 @@ pub enum TraceError {
         /// The upper end.
         high: f64,
     },
-    /// A mark or a scale is not a usable number.
+    /// The number given as a mark or as a scale is not allowed.
     #[error("{what} of {name} is {value}, but must be {range}")]
     Value {
         /// The role of the number: `the mark` or `the scale`.

@@ -155,9 +155,9 @@ const ONE_POINT: f64 = 1e-3;
 /// folds is singular at the point.
 const TURNS: [Kind; 3] = [Kind::BP, Kind::HB, Kind::GH];
 
-/// Whether an event is the extremum of the parameter at another special point found in the step.
-/// Testing for such an extremum takes less time than an attempt to solve a singular defining
-/// system.
+/// Whether an event is only the extremum that the parameter has at another special point found in
+/// the step. Testing for such an extremum takes less time than an attempt to solve a singular
+/// defining system.
 fn is_turn_of_another((locator, index): (&mut Locator, usize), found: &[Located]) -> bool {
     if !matches!(locator.curve.detector.events[index].kind, Kind::LP | Kind::CP) {
         return false;

@@ -93,8 +93,9 @@ impl Half {
     }
 
     /// Checks, after a successful step without a terminal event, whether this half of the branch
-    /// ends. Returns the reason for the end, if it ends, or the data of a branch that makes hardly
-    /// any progress (`Crawl`). `snakes` specifies whether snaking ends the half.
+    /// ends. Returns the reason for the end if this half ends, or data on the lack of progress
+    /// (`Crawl`) if this half makes hardly any progress. `snakes` specifies whether snaking ends
+    /// the half.
     pub fn early_end(
         &mut self,
         corrector: &mut Corrector,

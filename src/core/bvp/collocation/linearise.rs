@@ -8,8 +8,8 @@ use crate::core::linalg::refill;
 use crate::core::problem::FieldIn;
 use crate::core::scalar::{DualChunk, seeded};
 
-/// The arguments and the values of the vector field in one pass, which differentiates in `W`
-/// directions.
+/// The arguments and the values of the vector field in one pass; each pass computes derivatives in
+/// `W` directions.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Passes<const W: usize> {
     x: Vec<DualChunk<f64, W>>,

@@ -90,8 +90,7 @@ impl Frame {
 
     /// Returns the length of a deviation in the subspace; in one dimension, returns the signed
     /// component. Lengths and signed components are homogeneous functions of the deviation, so that
-    /// Newton's iteration converges even from points at a much larger distance than the required
-    /// one.
+    /// Newton's iteration converges even from points much farther away than the required distance.
     pub fn distance<T: Scalar>(&self, y: &[T]) -> T {
         if let [row] = &self.ball[..] {
             return dot(row, y);

@@ -96,8 +96,9 @@ impl MeshError {
         (size > SMALL * most || size > NOTHING * most.min(1.0) && !noise()).then_some(size)
     }
 
-    /// Computes the largest estimated error of a solution, given by its values at nodes and the vectors
-    /// `q` of all segments; `None` if the method has no mesh error, or if all states vanish.
+    /// Computes the largest estimated error of a solution, given by its values at nodes and the
+    /// vectors `q` of all segments; `None` if the method has no mesh error, or if all states
+    /// vanish.
     pub fn largest(
         &mut self,
         equations: &DiscretisedProblem,
