@@ -65,8 +65,8 @@ pub struct Traced<'a> {
     pub designs: Vec<Design>,
     /// The folder in which the documents of the designs are saved.
     pub folder: PathBuf,
-    /// The program version, the settings and the scene from which the designs are computed, as
-    /// text.
+    /// A text that contains the program version, the settings and the scene from which the designs
+    /// are computed.
     pub made_of: String,
     /// The input files.
     pub inputs: &'a [&'a Path],

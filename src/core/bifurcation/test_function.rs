@@ -127,8 +127,8 @@ pub trait TestFunction: Send + Sync {
         false
     }
 
-    /// Whether the value is a discontinuous indicator, such as the order of events, which jumps at
-    /// the event; Newton's method on a defining system cannot converge at a jump.
+    /// Whether the test function is an indicator that jumps at the event, such as the indicator of
+    /// the order of events; Newton's method on a defining system cannot converge at a jump.
     fn is_decision(&self) -> bool {
         false
     }

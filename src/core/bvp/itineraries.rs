@@ -12,7 +12,7 @@ use crate::core::system::{Jump, Limit};
 /// solutions with other itineraries emanate. A solution is given by its trajectory on each segment,
 /// and by its vector `q` of parameters and extra unknowns.
 pub trait Itineraries<P> {
-    /// Returns the itinerary as text, as it is saved with branches.
+    /// Returns the itinerary in the form of the text that is saved with branches.
     fn words(&self) -> String;
 
     /// Creates the problem whose itinerary is given as saved text.

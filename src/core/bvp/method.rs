@@ -34,8 +34,8 @@ impl From<Shooting> for Method {
     }
 }
 
-/// Writes the method as it is saved with solutions: `shooting`, or `collocation(4)` with the number
-/// of Gauss points.
+/// Writes the method as the text that is saved with solutions: `shooting`, or `collocation(4)` with
+/// the number of Gauss points.
 impl fmt::Display for Method {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {

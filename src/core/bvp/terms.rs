@@ -8,7 +8,7 @@ use crate::core::scalar::Scalar;
 pub struct Ends<'a, T> {
     /// The states at the starts of the segments.
     pub start: &'a [T],
-    /// The states at the ends of the segments, where the mesh coordinate is 1 or the number of
+    /// The states at the ends of the segments; the mesh coordinate of an end is 1, or the number of
     /// periods.
     pub end: &'a [T],
 }

@@ -51,7 +51,8 @@ fn is_real(value: &Complex<f64>) -> bool {
 }
 
 /// Rounding: a matrix is singular up to rounding if its inverse enlarges generic vectors by more
-/// than this threshold, compared with the inverse of a neighbouring matrix. The bound is 1/√ε.
+/// than this threshold, compared with the inverse of a neighbouring matrix. The threshold for
+/// singular matrices is 1/√ε.
 const SINGULAR: f64 = 1e8;
 
 /// Heuristic: the number of starting vectors for computing distances to branch points. One starting
@@ -70,7 +71,7 @@ pub(super) struct Crossings {
     pub count: usize,
     /// Whether the end of the step is itself a branch point, up to rounding.
     pub singular: bool,
-    /// The length of the part of the curve after the step that contains no branch point.
+    /// The distance beyond the end of the step up to which the curve contains no branch point.
     pub quiet: f64,
 }
 

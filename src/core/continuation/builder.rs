@@ -272,8 +272,8 @@ impl<'a> Continuation<'a> {
         curve
     }
 
-    /// Continues beyond grazings, where solutions cross surfaces without their events: such points
-    /// are virtual ([`Point::admissible`](super::branch::Point::admissible)).
+    /// Continues the curve beyond grazings: the solutions there cross a surface without its event
+    /// and are called virtual ([`Point::admissible`](super::branch::Point::admissible)).
     pub fn beyond_grazings(mut self) -> Self {
         self.beyond = true;
         self

@@ -18,9 +18,8 @@ pub(super) struct Reference {
 }
 
 /// Rounding: a corrected point is identified with the reference point if their distance is smaller
-/// than this threshold, in units of the tolerance of Newton's method. The error of the corrected
-/// point and of the reference point is the tolerance divided by the smallest singular value of the
-/// Jacobian.
+/// than this threshold, in units of the tolerance of Newton's method. Both points have an error of
+/// the tolerance divided by the smallest singular value of the Jacobian.
 const SAME: f64 = 1e3;
 
 /// Discretisation: Solutions on different meshes are identified if their difference is at most this

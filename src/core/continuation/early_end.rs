@@ -18,8 +18,8 @@ const MOST_COARSE: usize = 3;
 /// contain only numerical noise.
 const MOST_STILL: usize = 3;
 
-/// Heuristic: fewer steps towards a homoclinic orbit suffice to end the branch if the period has
-/// grown by this factor during these steps. The additional time is spent near the equilibrium,
+/// Heuristic: a branch whose period has grown by this factor during its steps towards a homoclinic
+/// orbit ends after fewer such steps. The orbit spends the additional time near the equilibrium,
 /// where the mesh soon becomes too coarse.
 const GROWN: f64 = 1.1;
 
@@ -133,8 +133,8 @@ impl EarlyEnd {
         }
     }
 
-    /// Returns the end of a curve of homoclinic orbits whose equilibrium is nearly non-hyperbolic,
-    /// which is detected by a leading eigenvalue below a fraction of its largest value.
+    /// Returns the end of a curve of homoclinic orbits whose equilibrium has become nearly
+    /// non-hyperbolic: a leading eigenvalue has fallen below a fraction of its largest value.
     fn weak_saddle(&self, part: f64) -> Option<End> {
         let all = HOMOCLINIC_RATES.into_iter().zip(self.rates);
         let mut weak = all.filter(|(_, [largest, rate])| rate.abs() < part * largest);

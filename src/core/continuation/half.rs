@@ -49,7 +49,7 @@ pub(super) struct Half {
     /// The number of points up to which the number of mesh intervals is kept if the mesh is fine
     /// enough.
     pub keeps_mesh: usize,
-    /// Whether the continued parameter has changed direction, which it does on any closed curve.
+    /// Whether the continued parameter has changed direction; on a closed curve it always does.
     pub turned: bool,
 }
 

@@ -16,8 +16,8 @@ const VANISHES: f64 = 1e-6;
 /// curve.
 #[derive(Debug)]
 pub(crate) struct Division {
-    /// A normal vector of the curve: the gradient of a function of the two released parameters that
-    /// is zero on the curve.
+    /// A normal vector of the curve: the gradient of a function that depends on the two released
+    /// parameters and is zero on the curve.
     pub normal: [f64; 2],
     /// The solutions on the side of the curve to which the normal points. Each entry is the number
     /// of unstable critical directions of one solution: the number of its unstable directions minus

@@ -48,8 +48,8 @@ const WIDEST: f64 = 50.0;
 /// Heuristic: the number of samples of a trajectory between two of its nodes.
 const PARTS: usize = 8;
 
-/// Heuristic: the largest change of the state between two nodes of the linear flow, approximately,
-/// as a fraction of the distance from the equilibrium.
+/// Heuristic: the approximate largest change of the state between two neighbouring nodes of the
+/// linear flow, as a fraction of the distance from the equilibrium.
 const STEP: f64 = 0.5;
 
 /// Heuristic: the largest number of nodes of the linear flow at one end of the orbit.

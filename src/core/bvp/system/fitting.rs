@@ -161,7 +161,8 @@ fn more(now: usize, needed: f64, far: bool) -> usize {
     if count.is_finite() { (count as usize).min(MOST_FITTED.max(now)) } else { now }
 }
 
-/// Returns the new number of intervals of a segment whose error is small.
+/// Returns the new number of intervals of a segment whose error is small; the number does not
+/// increase.
 fn fewer(now: usize, least: usize, needed: f64) -> usize {
     let enough = (SPARE * needed).ceil();
     let kept = enough.max((LEAST_KEPT * now as f64).ceil());

@@ -244,7 +244,7 @@ impl Joined {
         out[layout.extras..].copy_from_slice(y);
     }
 
-    /// Loads the entries of a right-hand side of the transposed system that belong to the extra
+    /// For the transposed system, loads the entries of a right-hand side that belong to the extra
     /// unknowns and to the border.
     pub fn load_transposed(&mut self, layout: &UnknownLayout, right: &[f64], border: &mut [f64]) {
         let forced = usize::from(layout.forced());
