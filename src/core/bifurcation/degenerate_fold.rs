@@ -3,8 +3,8 @@
 //!
 //! Cusps are zeros of `a = wᵀ F_zz[v, v]`, and Bogdanov–Takens points are zeros of `c = wᵀ L' v`.
 //! The null vectors `v` and `w` depend on `x`. Differentiating the bordered systems of the null
-//! vectors gives `M (δv, δg) = −(δF_z v, 0)` and `Mᵀ (δw, δg) = −(δF_zᵀ w, 0)`. Transposing these
-//! systems gives
+//! vectors gives `M (δv, δg) = −(δF_z v, 0)` and `Mᵀ (δw, δg) = −(δF_zᵀ w, 0)`. Transposing the two
+//! bordered systems gives
 //!
 //! ```text
 //!     qᵀ δv = −ξᵀ δF_z v   with  Mᵀ (ξ, ·) = (q, 0)

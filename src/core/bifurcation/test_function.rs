@@ -208,7 +208,8 @@ impl TestFunction for Auxiliary {
 }
 
 /// The test function of criticality: the normal-form coefficient whose sign determines whether the
-/// emanating solutions are attracting. The coefficient is undefined at strong resonances.
+/// emanating solutions are attracting. This normal-form coefficient is undefined at strong
+/// resonances.
 pub(super) struct Criticality(pub ComputeRate);
 
 impl TestFunction for Criticality {

@@ -48,7 +48,7 @@ pub(super) struct Corrector<'a> {
     pub refines: bool,
     /// Whether the phase response curve is computed at special points of cycles.
     pub phase_response: bool,
-    /// Whether special points have sensitivities.
+    /// Whether the sensitivities of special points are computed.
     pub sensitivities: bool,
 }
 

@@ -175,7 +175,7 @@ pub enum TraceError {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Setting(#[from] SettingError),
-    /// Several errors of the other variants.
+    /// Several errors, each described by another variant of this type.
     #[error("{}", several(.0))]
     Several(Vec<TraceError>),
     /// Newton's method failed at the start of the curve.

@@ -96,8 +96,8 @@ fn is_noise(Interval { from, to, .. }: Interval, it: &Located, flat: bool) -> bo
 /// larger than 1. This threshold is ten times the threshold for neutral multipliers.
 const AT_ONE: f64 = 1e-8;
 
-/// Whether a fold did not converge, and its critical multiplier equals 1 up to rounding at both ends
-/// of the interval, as it does along a family of cycles of a conservative system.
+/// Whether a fold did not converge, and its critical multiplier equals 1 up to rounding at both
+/// ends of the interval, as it does along a family of cycles of a conservative system.
 fn stays_at_one(dynamics: Dynamics, Interval { from, to, .. }: Interval, it: &Located) -> bool {
     let is_at_one = |place| nearest_to_one(dynamics, place).is_some_and(|near| near <= AT_ONE);
     it.special.kind == Kind::LP && !it.special.converged && [from, to].into_iter().all(is_at_one)

@@ -58,9 +58,9 @@ impl Solutions {
         Some(signed(sums))
     }
 
-    /// Computes the amplitude of a cycle that is discretised by single shooting, from the vector
-    /// field at its start, because both nodes have the same state. The phase condition keeps the
-    /// start of the cycle on a line through the equilibrium.
+    /// Computes the amplitude of a cycle that is discretised by single shooting; the amplitude is
+    /// computed from the vector field at the cycle's start, because both nodes have the same state.
+    /// The phase condition keeps the start of the cycle on a line through the equilibrium.
     fn amplitude_of_motion(&self, x: &[f64]) -> f64 {
         let [own, reference] = [x, &self.phase.reference].map(|x| first_motion(&self.equations, x));
         let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum();

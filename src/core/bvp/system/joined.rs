@@ -274,9 +274,9 @@ impl Joined {
         self.chain.forward_transposed(&self.nodes, &self.reduced, dense);
     }
 
-    /// Substitutes back like [`back`](Self::back), for the transposed matrix: writes the inputs of
-    /// the segments' chains into `joined`, and the components of conditions and border into
-    /// `right`.
+    /// Substitutes back like [`back`](Self::back), for the transposed matrix: writes the input for
+    /// the back substitution in the segments' chains into `joined`, and the components that belong
+    /// to conditions and to the border into `right`.
     pub fn back_transposed(
         &mut self,
         layout: &UnknownLayout,

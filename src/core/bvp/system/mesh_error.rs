@@ -288,8 +288,8 @@ impl MeshError {
 }
 
 /// Returns lower bounds of the sizes of a segment's states; empty unless the problem defines the
-/// size of the motion near a state. Constant states have no size of their own, and are bounded
-/// below by the size of the motion.
+/// size of the motion near a state. The values of a constant state do not determine its size, so
+/// the size of the motion is its lower bound.
 struct Floors(Vec<f64>);
 
 impl Floors {
@@ -332,8 +332,8 @@ fn sizes_near(
 }
 
 /// Estimates `|x^{(m+1)}|` of a state in an interval, given `x^{(m)}` in the segment's intervals. On a
-/// mesh with a single interval, the estimate is the change of the polynomial's own highest derivative
-/// over the interval, which overestimates `|x^{(m+1)}|` if the series converges.
+/// mesh with a single interval, the estimate is computed from the highest derivative of the only
+/// polynomial, and overestimates `|x^{(m+1)}|` if the series converges.
 fn next_derivative<T: Scalar>(
     equations: &DiscretisedProblem,
     (segment, interval): (usize, usize),
