@@ -155,7 +155,7 @@ impl<'a> Joiner<'a> {
     }
 }
 
-/// Returns whether a text consists of links only, as an entry of a table of contents does.
+/// Returns whether a text consists only of links, like an entry of a table of contents.
 fn is_link(text: &str) -> bool {
     let (mut rest, mut outside) = (text, String::new());
     while let Some((before, link)) = rest.split_once('[') {

@@ -50,7 +50,7 @@ pub enum CommandError {
         #[source]
         cause: UnknownPoint,
     },
-    /// The special point given by `--start` is not of the kind that `--switch` names.
+    /// The special point given by `--start` is not of the kind given by `--switch`.
     #[error(
         "{}: the special point {label} is of the kind {kind}, but --switch names other kinds of \
          special points", file.display(
@@ -87,7 +87,7 @@ pub enum CommandError {
          special point (`--start FILE:LABEL`)"
     ))]
     OneSaddle,
-    /// The option The option `--points` is given, but no document is given.
+    /// The option `--points` is given without a document of branches.
     #[error(
         "the option --points needs a document of branches (.ron): sweeps (.npz) contain no special \
          points"

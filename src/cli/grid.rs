@@ -65,8 +65,8 @@ pub struct Traced<'a> {
     pub designs: Vec<Design>,
     /// The folder in which the documents of the designs are saved.
     pub folder: PathBuf,
-    /// The program version, the settings and the scene from which the designs are computed, as
-    /// text.
+    /// A text that contains the program version, the settings and the scene from which the designs
+    /// are computed.
     pub made_of: String,
     /// The input files.
     pub inputs: &'a [&'a Path],
@@ -91,8 +91,8 @@ impl GridArgs {
     }
 
     /// Traces the designs of one part of the grid that have no document yet, and writes a table of
-    /// the special points after all designs of the grid are finished. Returns the reasons to doubt
-    /// the results in all documents of the grid.
+    /// the special points after all designs of the grid are finished. Returns, for all documents of
+    /// the grid, the reasons why their results are doubtful.
     ///
     /// # Errors
     /// [`CommandError::OtherGrid`] if the folder contains the designs of another scene;

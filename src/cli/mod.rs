@@ -1,7 +1,8 @@
 //! The command-line program: it parses arguments, calls the library, and returns exit codes and
 //! messages; it contains no numerics.
 //!
-//! [`run`] is the `main` function of the program `tangency`, and of programs with further problems:
+//! [`run`] is the `main` function of the program `tangency`, and of other programs that add their
+//! own problems:
 //!
 //! ```
 //! use tangency::{Catalogue, problems::classic::ParallelPlate, scene::execute};

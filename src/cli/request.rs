@@ -8,7 +8,7 @@ use crate::misread::{reason, remedy};
 use crate::scene::{Following, Range, Request, SearchBox};
 use clap::Args;
 
-/// The options that state a request to a model, or that change the statement of a scene.
+/// The options that specify a computation for a model, or that change a scene.
 #[derive(Debug, Default, Args)]
 pub struct RequestArgs {
     /// The continuation parameter and its range; for a curve of special points, repeat the option
@@ -68,7 +68,8 @@ impl RequestArgs {
         Some(Following { kinds, depth: self.depth.into(), distinct: everywhere })
     }
 
-    /// Returns the request made of these options and of given settings and initial states.
+    /// Returns the request that consists of these options and of the given settings and initial
+    /// states.
     pub fn request(&self, set: &[(String, String)], state: &[(String, f64)]) -> Request {
         let RequestArgs { along, bound, mark, settle, hold, .. } = self;
         Request {

@@ -42,7 +42,7 @@ impl SceneAt {
         Ok((name, scene))
     }
 
-    /// Applies a request to the statement of a scene or a model.
+    /// Applies a request to a parsed scene or model.
     pub fn requested(
         &self,
         stated: Stated,
@@ -73,7 +73,7 @@ impl SceneAt {
         Ok((name, scene))
     }
 
-    /// Returns the name of the scene's results, and the parsed statement.
+    /// Returns the name of the scene's results, and the parsed scene.
     pub fn stated(
         &self,
         from: Sources,

@@ -72,7 +72,8 @@ fn answer(interrupted: &AtomicBool) {
 /// after a signal.
 const SOON: Duration = Duration::from_millis(200);
 
-/// Returns whether the process ignores a signal, as a process started by `nohup` ignores SIGHUP.
+/// Returns whether the process ignores a signal; for example, a process started by `nohup` ignores
+/// SIGHUP.
 #[cfg(unix)]
 fn is_ignored(signal: i32) -> bool {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();

@@ -257,8 +257,8 @@ fn threads(text: &str) -> Result<NonZeroUsize, String> {
     count.ok_or_else(|| "the number of threads must be a whole number of at least 1".into())
 }
 
-/// Warns if the parts of a sweep do not contain equal numbers of strands, and suggests a number of
-/// parts that divides the strands evenly.
+/// Warns if the runs of a sweep cannot be divided evenly into parts, because each run of a strand
+/// (a sequence of runs) begins where the run before ended; suggests another number of strands.
 fn divided(scene: &Scene, part: Part, out: &mut impl Write) -> Result<(), CommandError> {
     let division = scene.division(part.of);
     if division.is_even() {

@@ -376,8 +376,8 @@ pub(super) fn states(text: &str) -> Result<Vec<(String, f64)>, String> {
     parts.map(one).collect()
 }
 
-/// Splits `FILE:POINT` at the colon before which the text is an existing file; names of files and
-/// branches may contain colons.
+/// Splits `FILE:POINT` at the first colon that follows the name of an existing file; names of files
+/// and branches may contain colons.
 fn of_file(text: &str) -> Option<(&str, &str)> {
     let mut parts = text.match_indices(':').map(|(at, _)| (&text[..at], &text[at + 1..]));
     parts.find(|(file, _)| Path::new(file).is_file())

@@ -79,8 +79,8 @@ fn height(restitution: f64, time: f64) -> f64 {
     flown * (speed - 0.5 * flown)
 }
 
-/// Follows the ball by the hybrid flow of the core, up to a given fraction of the time at which the
-/// ball comes to rest.
+/// Simulates the ball with the library's hybrid flow, up to a given fraction of the time at which
+/// the ball comes to rest.
 fn followed(rests: bool, settings: HybridSettings, restitution: f64, part: f64) -> Found {
     let end = part * rest(restitution);
     let ball = Ball { rests };
@@ -106,8 +106,8 @@ fn followed(rests: bool, settings: HybridSettings, restitution: f64, part: f64) 
     }
 }
 
-/// Follows the ball by time steps of equal length; the velocity is reversed after a step that ends
-/// below the ground.
+/// Simulates the ball with time steps of equal length; the velocity is reversed after a step that
+/// ends below the ground.
 fn stepped(restitution: f64, part: f64) -> Found {
     let (end, step) = (part * rest(restitution), 0.01_f64);
     let (mut y, mut v, mut t) = (HEIGHT, 0.0_f64, 0.0_f64);

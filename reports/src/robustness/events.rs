@@ -54,8 +54,8 @@ fn flowed<'a>(
     Flow::<f64>::default().observe(&field, 0.0, END, &mut start(beyond), &[], observe).map(|_| ())
 }
 
-/// Detects sign changes between the ends of parts: a given number of equal parts of each
-/// integration step, or of the whole motion.
+/// Divides each integration step, or the whole motion, into a given number of equal parts, and
+/// detects sign changes between the ends of each part.
 fn signs(beyond: f64, parts: Option<usize>) -> Found {
     let (mut changes, mut above) = (0, false);
     let mut at = [0.0; 2];
@@ -83,7 +83,7 @@ fn signs(beyond: f64, parts: Option<usize>) -> Found {
     }
 }
 
-/// The error of the grazing level that the tolerance of the flow causes.
+/// The error in the grazing level that is due to the tolerance of the flow.
 const ERROR: f64 = 1e-11;
 
 /// Detects the crossings by the event location of the hybrid flow.

@@ -81,8 +81,8 @@ fn damped(share: f64, guess: f64) -> Found {
     }
 }
 
-/// Runs Tangency's Newton iteration with the load as an unknown; the iterates are restricted to the
-/// normal, at the guess, of the curve of constant residual.
+/// Runs Tangency's Newton iteration with the load as an unknown; the iterates stay on the straight
+/// line through the guess that is perpendicular to the curve of constant residual.
 fn extended(share: f64, guess: f64) -> Found {
     let (load, mut system) = (share * PULL_IN, Dense::new(ParallelPlate));
     let start = [guess, load];

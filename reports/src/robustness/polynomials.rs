@@ -14,7 +14,7 @@ fn number<T: Float>(value: f64) -> T {
 }
 
 /// Evaluates the shape function `f_r = Σ (−1)ⁿ (2r−2n−7)!!/(2ⁿ n! (r−2n−1)!) ξ^{r−2n−1}`, `r > 4`
-/// (N. S. Bardell, 1991), by its powers.
+/// (N. S. Bardell, 1991), as a sum of powers of `ξ`.
 fn in_powers<T: Float>(order: usize, xi: T) -> T {
     let product = |to: usize, stride: usize| {
         (1..=to).rev().step_by(stride).fold(T::one(), |product, v| product * number(v as f64))

@@ -1,5 +1,5 @@
-//! Robustness map of the integral of the load `1/(1 − w)²` near contact: the number of Gauss
-//! points, and the errors that the plate model estimates.
+//! Robustness map of the integral of the load `1/(1 − w)²` near contact: one panel varies the
+//! number of Gauss points, the other checks the error estimates of the plate model.
 
 use super::grid::{Found, Panel, from_to, map};
 use crate::RobustnessMap;

@@ -21,8 +21,8 @@ fn linearised([x, mu]: [f64; 2], epsilon: f64) -> [f64; 3] {
     [by_x.re, by_x.eps, by_mu.eps]
 }
 
-/// Traces a branch by steps along the tangent, each corrected by Newton's iteration across the
-/// tangent; every converged point is accepted as the next point.
+/// Traces a branch by steps along the tangent, each corrected by Newton's iteration on the line
+/// perpendicular to the tangent; every converged point is accepted as the next point.
 fn uncontrolled(epsilon: f64, step: f64) -> Found {
     let mut at = [(1.0 + epsilon * epsilon).sqrt(), -1.0];
     let mut before = [-1.0, 1.0];
@@ -62,7 +62,8 @@ fn arrived(x: f64) -> Found {
     if x > 0.0 { Found::right("followed") } else { Found::silent("jumped to the other branch") }
 }
 
-/// Traces the branch by the adaptive steps of the core, with a minimum and a maximum step length.
+/// Traces the branch with the library's adaptive steps, between a minimum and a maximum step
+/// length.
 fn traced(epsilon: f64, [min_step, max_step]: [f64; 2]) -> Result<Branch, TraceError> {
     let settings = Settings { initial_step: max_step, max_step, min_step, ..Settings::default() };
     let mut system = Dense::new(Hyperbola);
@@ -78,7 +79,7 @@ fn traced(epsilon: f64, [min_step, max_step]: [f64; 2]) -> Result<Branch, TraceE
 /// The approximate distance below which two neighbouring branches count as crossing each other.
 const CROSSING: f64 = 5e-4;
 
-/// Classifies the branch that the core traced.
+/// Classifies the branch that the library's continuation traced.
 fn judged(epsilon: f64, traced: Result<Branch, TraceError>) -> Found {
     let branch = match traced {
         Ok(branch) => branch,

@@ -11,8 +11,8 @@ const CLEARANCE: f64 = 0.5;
 /// The two voltages between which the orbit grazes the stopper.
 const BRACKET: [f64; 2] = [0.2, 0.24];
 
-/// The distance of the orbit without impacts from the stopper, as a function of the voltage; each
-/// orbit is the initial guess for the next orbit.
+/// The distance between the stopper and the orbit without impacts, as a function of the voltage;
+/// each orbit is the initial guess for the next orbit.
 struct Distance {
     near: [f64; 2],
     tolerance: f64,

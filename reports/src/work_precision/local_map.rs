@@ -1,5 +1,5 @@
-//! Work-precision diagram of local maps near grazing, compared with the flow: folds near a
-//! degenerate grazing point, by order of the map.
+//! Work-precision diagram of local maps near grazing: folds of maps of several orders near a
+//! degenerate grazing point, compared with the folds of the flow.
 
 use super::plan::{Answer, Method, Plan};
 use super::scenes::{Sought, found, scene};

@@ -10,8 +10,8 @@ use tangency::core::sweep::Part;
 use tangency::core::system::Kind;
 use tangency::scene::sweep;
 
-/// A scene of orbits of the isothermal reaction up to their first period doubling; the text of the
-/// problem is inserted.
+/// A template of a scene, into which the text of the problem is inserted: orbits of the isothermal
+/// reaction up to their first period doubling.
 const ORBITS: &str = r#"Scene(
     title: "Isothermal reaction",
     problem: PROBLEM,
@@ -36,8 +36,8 @@ const REACTION: &str = r#"Equations(states: [
     ("y3", "y3*(16.5 - y1 - y3/2) + 0.1"),
 ])"#;
 
-/// A scene of attractors of the impact oscillator, orbits with one impact per period; the text of
-/// the problem is inserted.
+/// A template of a scene, into which the text of the problem is inserted: attractors of the impact
+/// oscillator, which are orbits with one impact per period.
 const SWEEP: &str = r#"Scene(
     title: "Impacts",
     problem: PROBLEM,

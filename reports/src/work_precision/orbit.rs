@@ -5,8 +5,8 @@ use super::plan::{Method, Plan};
 use super::scenes::{Counted, Sought, tracing};
 use tangency::core::system::Kind;
 
-/// A scene of orbits with one impact per period at ω = 0.5, on meshes of fixed size, from their
-/// grazing past the fold to the period doubling.
+/// A scene of orbits with one impact per period at ω = 0.5, on meshes of fixed size; the branch
+/// leads from the grazing point through the fold to the period doubling.
 const ORBITS: &str = r#"Scene(
     title: "Orbits with an impact a period",
     problem: Mita(),

@@ -33,8 +33,8 @@ pub(super) const fn parameters(voltage: f64) -> Parameters {
     p
 }
 
-/// The stroboscopic map over one forcing period; its states are displacement and velocity while the
-/// frame sticks.
+/// The stroboscopic map over one forcing period; the two components of its state are the
+/// displacement and the velocity, since the frame sticks at the times of sampling.
 #[derive(Clone, Copy)]
 pub(super) struct Period<T = f64> {
     /// Whether the actuator has a stopper, which causes impacts and slip phases.

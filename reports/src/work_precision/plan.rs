@@ -29,7 +29,7 @@ impl Effort {
 pub struct Answer {
     /// The numbers that are compared with the reference; missing numbers are NaN.
     pub numbers: Vec<f64>,
-    /// The amount of work of the method, such as evaluations or unknowns.
+    /// The amount of work of the method, such as the number of evaluations or of unknowns.
     pub work: f64,
 }
 

@@ -1,5 +1,5 @@
-//! Diagrams of computing time against unknowns, against mesh intervals and shooting segments,
-//! against parameters, and against threads.
+//! Diagrams of computing time against the number of unknowns, of mesh intervals and shooting
+//! segments, of parameters, and of threads.
 
 use super::differences::{Differences, IMPACTING};
 use super::period::Period;
@@ -50,8 +50,8 @@ fn unknowns() -> Plan {
     plan.counting("unknowns").relative().drawing(Drawn::TimeAgainstWork).with(methods)
 }
 
-/// Plans the diagram of computing time against mesh intervals of collocation and segments of
-/// shooting.
+/// Plans the diagram of computing time against the number of mesh intervals for collocation, and
+/// against the number of segments for shooting.
 fn pieces() -> Plan {
     let orbits = |line: String, pieces: usize, settings: &[(&str, &str)]| {
         let count = pieces.to_string();

@@ -34,7 +34,7 @@ pub(super) const GRAZING: &[Sought] =
 pub(super) enum Counted {
     /// The number of unknowns of the branch.
     Unknowns,
-    /// The number of evaluations of the vector field by flows.
+    /// The number of evaluations of the vector field during time integration.
     Evaluations,
 }
 

@@ -29,7 +29,8 @@ pub struct CrisisSearch {
     /// The number of steps from the first to the last value of the parameter; the search brackets
     /// the crisis in the last step that begins on the attractor.
     pub steps: usize,
-    /// The largest length of the interval of parameter values that brackets the crisis.
+    /// The tolerance of the search: the largest allowed length of the parameter interval that
+    /// brackets the crisis.
     pub tolerance: f64,
 }
 

@@ -9,11 +9,12 @@
 //!     ⟨f(x₀), x − x₀⟩ = 0,  increasing.
 //! ```
 //!
-//! The plane is renewed from time to time, since transients continue to decay. A motion is periodic
-//! if its mode and state equal the mode and state `q` samples earlier, and if its last `q` samples
-//! have the same events as the `q` samples before them. Without forcing, the time between two
-//! samples at which the motion repeats is the period. If a motion approaches a cycle too slowly for
-//! this test of repetition, the cycle is computed by Newton's method.
+//! From time to time the plane is replaced by a plane through a later point of the motion, since
+//! transients continue to decay. A motion is periodic if its mode and state equal the mode and
+//! state `q` samples earlier, and if its last `q` samples have the same events as the `q` samples
+//! before them. Without forcing, the time between two samples at which the motion repeats is the
+//! period. If a motion approaches a cycle too slowly for this test of repetition, the cycle is
+//! computed by Newton's method.
 
 use super::repetition::{Repetition, StateScales};
 use super::section::Section;
@@ -241,8 +242,8 @@ impl CycleSearch {
         slow.find(flow, &repetition).ok_or_else(|| self.unsettled(&repetition))
     }
 
-    /// Samples the motion just after every event of the guard whose event is the first; before the
-    /// first event, samples the motion on a section.
+    /// Samples the motion on a section until its first event, and then just after every event of
+    /// the guard that caused the first event.
     fn returning(
         &self,
         flow: &mut HybridFlow<f64>,
@@ -320,7 +321,8 @@ struct Stretch<'a> {
     scales: &'a StateScales,
     start: HybridState<f64>,
     events: Vec<Event<f64>>,
-    /// The largest distance from the state at the last sample, before the first event.
+    /// The largest distance of the motion from its state at the last sample, measured only until
+    /// the first event.
     diameter: f64,
 }
 

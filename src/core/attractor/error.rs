@@ -41,7 +41,8 @@ pub enum StroboscopicError {
         /// The waiting time in units of the system's time scale.
         units: f64,
     },
-    /// The system has no measure or event of the given name, or no scalar of a name in a measure.
+    /// The system has no measure or event of the given name, or a measure refers to a scalar that
+    /// the system does not have.
     #[error(transparent)]
     #[diagnostic(transparent)]
     NoMeasure(#[from] UnknownName),

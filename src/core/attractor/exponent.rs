@@ -93,7 +93,7 @@ pub(super) struct Monodromy {
     /// The states `F^q(x)`.
     pub end: Vec<f64>,
     /// The indices of the states that are not neutral. A neutral state is unchanged after a period
-    /// and affects no other state, such as the state of a body at rest on a moving support.
+    /// and affects no other state; an example is the state of a body at rest on a moving support.
     pub coupled: Vec<usize>,
     /// The matrix `∂F^q/∂x` of the coupled states in units of their scales, stored by rows.
     matrix: Vec<f64>,

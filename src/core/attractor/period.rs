@@ -66,8 +66,8 @@ pub(super) enum Measured {
 enum Accumulator {
     /// The extremes of a scalar in the period.
     Extremes { scalar: InModes, extremes: Extremes<()>, extrema: Extrema<f64> },
-    /// The largest value of the second scalar at the times when the first scalar rises through
-    /// zero.
+    /// For a measure of two scalars, the largest value of the second scalar at the times when the
+    /// first scalar rises through zero.
     Rising { scalars: [InModes; 2], most: Option<f64>, rises: Roots<f64> },
     /// The integral of a scalar, and the time over which the integral is taken.
     Integral { integral: Integral, scalars: Vec<InModes>, sum: f64, time: f64 },

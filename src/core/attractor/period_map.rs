@@ -44,8 +44,9 @@ impl<'a> PeriodMap<'a> {
     /// [`penetration`](crate::core::problem::Measure::Penetration).
     ///
     /// # Errors
-    /// [`StroboscopicError::NoMeasure`] if the system has no measure of a given name, or no scalar
-    /// that a measure names; [`StroboscopicError::Hybrid`] if a setting is invalid.
+    /// [`StroboscopicError::NoMeasure`] if the system has no measure of a given name, or if a
+    /// measure refers to a scalar that the system does not have; [`StroboscopicError::Hybrid`] if a
+    /// setting is invalid.
     pub fn of(
         system: &'a dyn HybridEquations,
         settings: HybridSettings,
@@ -161,7 +162,7 @@ struct Sampled<'a> {
 /// An observer of the periods of many trajectories.
 struct Sampler<'a, 'e> {
     seen: &'a Seen<'a>,
-    /// Whether a measure must see every integration step.
+    /// Whether a measure must be updated in every integration step.
     sees_steps: bool,
     sampled: Vec<Sampled<'a>>,
     each: &'e mut EachPeriod<'e>,

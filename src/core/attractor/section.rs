@@ -7,8 +7,8 @@ use crate::core::problem::{FieldIn, Watch};
 use crate::core::scalar::Scalar;
 use std::ops::ControlFlow;
 
-/// A plane across the motion at a given state, as a function that falls through zero where motion
-/// crosses the plane in the same direction as at that state.
+/// A plane across the motion at a given state, represented by a function that falls through zero
+/// where a motion crosses the plane in the same direction as at the given state.
 struct Across {
     base: Vec<f64>,
     normal: Vec<f64>,

@@ -28,8 +28,8 @@ pub(super) const SAME: f64 = 1e-8;
 
 /// Computes the stable periodic point of period `q` near a state of a motion, and its exponent, by
 /// Newton's method; `size` is the size of the motion in units of the scales. Returns `None` if no
-/// stable point is found nearby, or if the motion ends within `q` periods. Newton's method leaves
-/// neutral states, which the motion carries along, unchanged.
+/// stable point is found nearby, or if the motion ends within `q` periods. Newton's method does not
+/// change neutral states, whose values return after every period.
 pub(super) fn stable_point(
     push: &mut PushForward,
     near: &Member<f64>,

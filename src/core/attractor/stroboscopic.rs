@@ -54,9 +54,9 @@ pub trait StroboscopicMap {
     /// the state: `v ↦ ∂F/∂x v`. The derivatives of the parameters are zero.
     fn push_forward(&mut self, member: &mut Member<Dual64>) -> Result<(), StroboscopicError>;
 
-    /// Whether motion rests in a recorded period, so that the motion is at an attractor. If motion
-    /// rests, its tangent vectors can be advanced without limit, and their growth is unknown. False
-    /// by default.
+    /// Whether the motion rests in a recorded period, which means that it has reached an attractor.
+    /// If motion rests, its tangent vectors can be advanced without limit, and their growth is
+    /// unknown. False by default.
     fn rests(&self, _period: &Period) -> bool {
         false
     }

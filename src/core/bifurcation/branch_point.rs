@@ -26,8 +26,8 @@ impl Kind {
 ///
 /// The equations of the branch point are `F + β b = 0` and `g₁ = g₂ = 0`, with `∇gᵢ = −∇ₓ(wᵀ F_x
 /// ζᵢ)`. The defining system of branch points adds two equations and one unknown, so it can be held
-/// along a curve like any other defining system. Where the branch point persists along a curve, as
-/// pitchforks of symmetric problems do, `β` stays zero.
+/// along a curve like any other defining system. If the branch point persists along a curve, as
+/// pitchforks of symmetric problems do, the unfolding unknown `β` stays zero.
 pub struct BranchPoint {
     parameter: usize,
 }

@@ -50,9 +50,9 @@ pub(crate) struct Sighting {
     /// The function that creates the test function of the bifurcation on this type of curve.
     pub test: MakeTest,
     /// The function that creates the defining system, which together with the equations of the
-    /// curve is regular at the point. `None` if the point is located by bracketing, because it has
-    /// no defining system or because the equations of the curve are singular at the point and its
-    /// values are computed as limits.
+    /// curve is regular at the point. `None` if the point is located by bracketing: either it has
+    /// no defining system, or the equations of the curve are singular at the point, whose values
+    /// are then computed as limits along the curve.
     pub defined_by: Option<Make>,
     pub beyond: Beyond,
     /// The kinds of points whose curves emanate from the bifurcation, besides the curve on which it
@@ -61,7 +61,7 @@ pub(crate) struct Sighting {
     pub leaving: &'static [Kind],
 }
 
-/// The type of solutions.
+/// The type of the solutions on a curve.
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) enum Solutions {
     Any,
@@ -99,7 +99,7 @@ impl Sighting {
 }
 
 impl Solutions {
-    /// Whether solutions with these dynamics are of this type.
+    /// Whether the solutions of a system with the given dynamics are of this type.
     pub fn are(self, dynamics: Dynamics) -> bool {
         match self {
             Solutions::Any => true,

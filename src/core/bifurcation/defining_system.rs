@@ -95,6 +95,6 @@ pub trait DefiningSystem: Send {
 
     /// Turns the borders of this defining system towards the current null vectors, so that the
     /// bordered matrix stays well conditioned along a curve. The null vectors that all defining
-    /// systems share have borders of their own, which are turned independently of this method.
+    /// systems share have separate borders, which this method does not change.
     fn adapt(&mut self) {}
 }

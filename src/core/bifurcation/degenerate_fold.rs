@@ -3,8 +3,8 @@
 //!
 //! Cusps are zeros of `a = wᵀ F_zz[v, v]`, and Bogdanov–Takens points are zeros of `c = wᵀ L' v`.
 //! The null vectors `v` and `w` depend on `x`. Differentiating the bordered systems of the null
-//! vectors gives `M (δv, δg) = −(δF_z v, 0)` and `Mᵀ (δw, δg) = −(δF_zᵀ w, 0)`. Transposing these
-//! systems gives
+//! vectors gives `M (δv, δg) = −(δF_z v, 0)` and `Mᵀ (δw, δg) = −(δF_zᵀ w, 0)`. Transposing the two
+//! bordered systems gives
 //!
 //! ```text
 //!     qᵀ δv = −ξᵀ δF_z v   with  Mᵀ (ξ, ·) = (q, 0)
@@ -29,9 +29,9 @@ impl Kind {
 
 /// A degenerate point of a curve of folds: a cusp, where `a = wᵀ F_zz[v, v] = 0`, or a
 /// Bogdanov–Takens point, where `c = wᵀ L' v = 0` and the eigenvalue zero is double. For
-/// equilibria, `L' = −1` is the derivative of the linearisation with respect to the exponent of
-/// deviations. With the `L'` of periodic orbits, `c = 0` defines a resonance 1:1 on curves of
-/// folds, and a resonance 1:2 on curves of period doublings.
+/// equilibria, `L' = −1` is the derivative of the linearisation `L(σ) = F_z − σ` with respect to
+/// the exponent `σ` of deviations. With the `L'` of periodic orbits, `c = 0` defines a resonance
+/// 1:1 on curves of folds, and a resonance 1:2 on curves of period doublings.
 pub struct DegenerateFold {
     kind: Kind,
     form: Form,

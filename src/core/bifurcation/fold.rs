@@ -21,8 +21,9 @@ impl Kind {
 /// of the bordered matrix, because `g` is the ratio of `det F_z` to this determinant, which may
 /// change sign far from any fold.
 ///
-/// The equation of a period doubling is the same with `F_z` replaced by the linearisation with
-/// antiperiodic boundary conditions, `v(1) = −v(0)`, which differs from `F_z` by a constant matrix.
+/// A period doubling has the same equation as a fold, except that `F_z` is replaced by the
+/// linearisation with antiperiodic boundary conditions, `v(1) = −v(0)`; the two matrices differ by
+/// a constant matrix.
 #[derive(Default)]
 pub struct Fold {
     form: Form,

@@ -28,13 +28,14 @@ impl Kind {
 /// periodic orbits: orbits with the event at the grazing point, and orbits without it. The
 /// linearisation `F_z` of one family is singular at the codimension-two point: of the orbits with
 /// the event if the grazing is *degenerate*, of the orbits without the event if the grazing is
-/// *nonhyperbolic*. The equations of the curve describe orbits of one family only. If the orbits of
-/// the other family are singular, the equation of the fold (or period doubling) is evaluated at an
-/// orbit of that other family ([`OrbitEvents::across`](crate::core::system::OrbitEvents::across)).
+/// *nonhyperbolic*. The equations of the curve of grazings describe the orbits of only one of the
+/// two families. If the linearisation is singular for the family that these equations do not
+/// describe, the equation of the fold (or period doubling) is evaluated at an orbit of that family
+/// ([`OrbitEvents::across`](crate::core::system::OrbitEvents::across)).
 pub(super) struct GrazingBifurcation {
     kind: Kind,
     fold: Fold,
-    /// The null vectors of the orbits of the other family.
+    /// The null vectors of the orbits on the other side of the grazing.
     null: NullSpace,
     /// Whether the orbits along the curve include the event that becomes tangent at the grazing.
     passes: bool,
@@ -55,8 +56,8 @@ impl GrazingBifurcation {
         GrazingBifurcation { kind, fold, null, passes: false, unknowns: 0, factors }
     }
 
-    /// Whether the orbits along the curve themselves become singular, and not the orbits of the
-    /// other family.
+    /// Whether the linearisation becomes singular for the orbits along the curve, and not for the
+    /// orbits on the other side of the grazing.
     fn own(&self) -> bool {
         self.passes == [Kind::GD, Kind::GF].contains(&self.kind)
     }
@@ -76,9 +77,9 @@ impl GrazingBifurcation {
     }
 
     /// Computes the gradient, with respect to the released parameters, of the left side of the fold
-    /// equation for the orbits of the other family. On the family of orbits on the other side of
-    /// the grazing, the monitor that vanishes at the grazing stays zero, so the change of the
-    /// parameters determines the change of the orbit: `F_z δz + F_p δp = 0`.
+    /// equation, evaluated at the orbits on the other side of the grazing. These orbits also graze,
+    /// so the monitor that vanishes at the grazing stays zero, and the change of the parameters
+    /// determines the change of the orbit: `F_z δz + F_p δp = 0`.
     fn gradient_across(&mut self, mut at: At) -> Result<Vec<f64>, Failure> {
         let mut factors = std::mem::take(&mut self.factors);
         let (fold, mut at) = self.singular(&mut at)?;
@@ -109,8 +110,8 @@ impl GrazingBifurcation {
     }
 }
 
-/// Returns the limit that a solution has reached: the limit whose monitor is smallest in units of
-/// its scale.
+/// Returns the limit of admissible solutions that a solution has reached: the limit whose monitor
+/// is smallest in units of its scale.
 fn limit_reached(system: &mut dyn System, x: &[f64]) -> Result<Option<Limit>, Failure> {
     let n = system.names().dimension();
     let limits = system.events().map_or_else(Vec::new, |events| events.limits(&x[n..]));
@@ -126,8 +127,8 @@ fn limit_reached(system: &mut dyn System, x: &[f64]) -> Result<Option<Limit>, Fa
     Ok(reached)
 }
 
-/// Heuristic: a solution is at a limit if the monitor of the limit is smaller than this threshold,
-/// in units of its scale.
+/// Heuristic: a solution is at a limit of admissible solutions if the monitor of the limit is
+/// smaller than this threshold, in units of its scale.
 const REACHED: f64 = 1e-6;
 
 /// Returns the same orbit without an event of zero speed that leaves the motion unchanged; `None`

@@ -228,9 +228,10 @@ impl NullVectors {
     }
 
     /// Computes the sizes of the equations: the change of each equation when all its arguments
-    /// change by their sizes, multiplied by factors that avoid cancellation. Finite changes are
-    /// used because first derivatives may vanish, as at a pitchfork. Equations of interpolated
-    /// solutions are already in the units of the states.
+    /// change by their sizes, multiplied by factors that avoid cancellation. The changes of the
+    /// equations are computed for finite changes of the arguments because first derivatives may
+    /// vanish, as at a pitchfork. Equations of interpolated solutions are already in the units of
+    /// the states.
     fn measure(
         &mut self,
         system: &mut dyn System,
@@ -270,7 +271,7 @@ impl NullVectors {
         }
     }
 
-    /// Sets to zero the components of a null direction of `[F_z  F_p]` that consist only of
+    /// In a null direction of `[F_z  F_p]`, sets to zero the components that consist only of
     /// rounding errors. Directions of solutions on a mesh are left unchanged, because special
     /// points on a mesh have a discretisation error.
     pub(super) fn clear_rounding(

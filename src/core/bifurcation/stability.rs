@@ -9,8 +9,8 @@ use crate::core::problem::Dynamics;
 const NEUTRAL: f64 = 1e-13;
 
 /// Multipliers whose distance from the unit circle is less than this threshold count as neither
-/// stable nor unstable. The bound is larger than for eigenvalues because multipliers contain the
-/// discretisation error of orbits.
+/// stable nor unstable. This threshold is larger than the threshold for eigenvalues because
+/// multipliers contain the discretisation error of orbits.
 const NEUTRAL_MULTIPLIER: f64 = 1e-9;
 
 /// The numbers of unstable eigenvalues or multipliers of several types, from which bifurcations are
@@ -167,7 +167,8 @@ impl Critical {
     }
 }
 
-/// Returns a spectrum without the `count` eigenvalues whose `distance` is smallest.
+/// Returns a spectrum without the `count` eigenvalues for which the function `distance` has the
+/// smallest values.
 pub(in crate::core) fn without_critical(
     spectrum: &[(f64, f64)],
     count: usize,

@@ -20,7 +20,7 @@ pub struct PointValues<'s> {
 }
 
 /// The value of a test function and the stability at a point of a curve. Events are detected by
-/// comparing the readings at two points.
+/// comparing these data at two points.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Reading {
     /// The bound for `slope` below which the slope may consist only of numerical errors.
@@ -127,8 +127,8 @@ pub trait TestFunction: Send + Sync {
         false
     }
 
-    /// Whether the value is a discontinuous indicator, such as the order of events, which jumps at
-    /// the event; Newton's method on a defining system cannot converge at a jump.
+    /// Whether the test function is an indicator that jumps at the event, such as the indicator of
+    /// the order of events; Newton's method on a defining system cannot converge at a jump.
     fn is_decision(&self) -> bool {
         false
     }
@@ -138,13 +138,14 @@ pub trait TestFunction: Send + Sync {
         false
     }
 
-    /// The parameter or monitor and the level, if the event is a level of a parameter or monitor.
+    /// If the event is a given level of a parameter or monitor, returns the parameter or monitor
+    /// and the level.
     fn level(&self) -> Option<(Quantity, f64)> {
         None
     }
 
-    /// The index and the level of an auxiliary unknown of the curve, if the event is a level of an
-    /// auxiliary unknown.
+    /// If the event is a given level of an auxiliary unknown of the curve, returns the index of the
+    /// unknown and the level.
     fn auxiliary(&self) -> Option<(usize, f64)> {
         None
     }
@@ -207,7 +208,8 @@ impl TestFunction for Auxiliary {
 }
 
 /// The test function of criticality: the normal-form coefficient whose sign determines whether the
-/// emanating solutions are attracting. The coefficient is undefined at strong resonances.
+/// emanating solutions are attracting. This normal-form coefficient is undefined at strong
+/// resonances.
 pub(super) struct Criticality(pub ComputeRate);
 
 impl TestFunction for Criticality {

@@ -16,8 +16,9 @@ use std::sync::Arc;
 
 /// The residual of a boundary-value problem in one scalar type.
 pub trait Residual<T: Scalar> {
-    /// Returns the vector field of a segment with the numbers `q`, with time counted from the start
-    /// of the segment, and the number of entries of `q` on which the field depends.
+    /// Returns the vector field of a segment for a vector `q` of parameters and extra unknowns,
+    /// with time counted from the start of the segment; also returns the number of entries of `q`
+    /// on which the field depends.
     fn on_segment<'a>(&'a self, segment: usize, q: &'a [T]) -> FieldRef<'a, T>;
 
     /// Returns the duration of a segment.
@@ -61,7 +62,8 @@ pub trait Watches<T> {
 
 /// Functions of the states at the ends of segments, in one number type.
 pub trait EndFunctions<T> {
-    /// Computes one function of the states at the ends of segments and of the numbers `q`.
+    /// Computes one function of the states at the ends of segments and of the vector `q` of
+    /// parameters and extra unknowns.
     fn of_ends_in(&self, function: usize, ends: Ends<T>, q: &[T]) -> T;
 }
 

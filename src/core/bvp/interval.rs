@@ -35,7 +35,7 @@ pub struct Interval<'a, T> {
     /// The states at the interval's nodes: `n` states at the first node, then `n` states at the
     /// second node, and so on.
     pub nodes: &'a [T],
-    /// All numbers `q = (p, e)`: the parameters and the extra unknowns.
+    /// The vector `q = (p, e)` of parameters and extra unknowns.
     pub q: &'a [T],
 }
 

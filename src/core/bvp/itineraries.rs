@@ -6,13 +6,13 @@ use crate::core::failure::Failure;
 use crate::core::system::{Jump, Limit};
 
 /// A problem whose solutions follow an itinerary, which is the ordered list of an orbit's events.
-/// Solutions with another itinerary solve another problem of the same family, of type `P`.
+/// Solutions with another itinerary solve another problem of the same type `P`.
 ///
 /// At a *limit*, a monitor that is positive on admissible solutions vanishes, and branches of
-/// solutions with other itineraries emanate. A solution is given by its trajectory on each segment
-/// and its numbers `q`.
+/// solutions with other itineraries emanate. A solution is given by its trajectory on each segment,
+/// and by its vector `q` of parameters and extra unknowns.
 pub trait Itineraries<P> {
-    /// Returns the itinerary as text, as it is saved with branches.
+    /// Returns the itinerary in the form of the text that is saved with branches.
     fn words(&self) -> String;
 
     /// Creates the problem whose itinerary is given as saved text.
@@ -21,9 +21,9 @@ pub trait Itineraries<P> {
     /// [`Failure::Mismatch`] if the text does not describe an itinerary of this family of problems.
     fn with_words(&self, words: &str) -> Result<P, Failure>;
 
-    /// Creates the problem of the doubled itinerary: all segments and their extra unknowns occur
-    /// twice, whereas extra unknowns that precede the segments' own occur once. Returns `None` if a
-    /// doubled solution has the same segments on a mesh of twice the length.
+    /// Creates the problem of the doubled itinerary: all segments occur twice, each with its extra
+    /// unknowns; extra unknowns that belong to no segment precede these and occur once. Returns
+    /// `None` if a doubled solution has the same segments on a mesh of twice the length.
     fn doubled(&self) -> Option<P>;
 
     /// Creates the problem of half the itinerary if the itinerary consists of two equal halves;
@@ -33,8 +33,8 @@ pub trait Itineraries<P> {
     }
 
     /// Creates the problem whose duration spans several durations of this problem, and returns it
-    /// with the numbers `q` of the corresponding solution. Returns `None` if no problem spans several
-    /// durations of this one.
+    /// with the vector `q` of the corresponding solution. Returns `None` if no problem spans
+    /// several durations of this one.
     fn spanning(&self, _durations: f64, _q: &[f64]) -> Option<(P, Vec<f64>)> {
         None
     }
@@ -54,13 +54,14 @@ pub trait Itineraries<P> {
         Ok(())
     }
 
-    /// Returns a sudden change of an event's next mode between two solutions, each given by its ends
-    /// and its numbers `q`; `None` if no event changes its next mode.
+    /// Returns a sudden change of the mode to which an event leads between two solutions, each
+    /// given by the states at the ends of its segments and by its vector `q`; `None` if all events
+    /// lead to the same modes in both solutions.
     fn jump_between(&self, _solutions: [(Ends<f64>, &[f64]); 2]) -> Option<Jump> {
         None
     }
 
-    /// Returns the limits of the itinerary at parameters `p`.
+    /// Returns the limits of the admissible solutions with this itinerary, at the parameters `p`.
     fn limits(&self, _p: &[f64]) -> Vec<Limit> {
         Vec::new()
     }
@@ -76,7 +77,8 @@ pub trait Itineraries<P> {
         None
     }
 
-    /// Returns a guess of a branch that emanates at a limit; the branches are counted from 0.
+    /// Returns a guess of a branch that emanates at a limit of admissible solutions; the branches
+    /// are counted from 0.
     ///
     /// # Errors
     /// [`Failure`] if no emanating branch is known, and [`Failure::no_branch`] for an index that is
@@ -84,9 +86,10 @@ pub trait Itineraries<P> {
     fn emanating(&self, known: &[Trajectory], q: &[f64], which: usize)
     -> Result<Guess<P>, Failure>;
 
-    /// Returns a guess of the solution on the other side of a limit: without the vanishing event if
-    /// the solution `passes` that event, otherwise with the event. Returns `None` if no guess is
-    /// known, or if the event changes nothing at the limit and is not `wanted`.
+    /// Returns a guess of the solution on the other side of a limit of admissible solutions:
+    /// without the vanishing event if the solution `passes` that event, otherwise with the event.
+    /// Returns `None` if no guess is known, or if the event changes nothing at the limit and is not
+    /// `wanted`.
     ///
     /// # Errors
     /// [`Failure`] if the computation of the guess fails.

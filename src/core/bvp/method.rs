@@ -34,8 +34,8 @@ impl From<Shooting> for Method {
     }
 }
 
-/// Writes the method as it is saved with solutions: `shooting`, or `collocation(4)` with the number
-/// of Gauss points.
+/// Writes the method as the text that is saved with solutions: `shooting`, or `collocation(4)` with
+/// the number of Gauss points.
 impl fmt::Display for Method {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
@@ -264,8 +264,8 @@ impl Method {
         }
     }
 
-    /// Returns the error of a flow at the start of an interval, which is amplified like a deviation;
-    /// 0 for collocation.
+    /// Returns the error of a flow as an equivalent deviation at the start of an interval, which
+    /// the flow amplifies; 0 for collocation.
     pub(super) fn flow_error(&self) -> f64 {
         match self {
             Method::Collocation(_) => 0.0,

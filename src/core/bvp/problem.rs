@@ -99,14 +99,14 @@ pub trait BoundaryProblem: Send + Sync {
         T::zero()
     }
 
-    /// Computes a function that the problem defines for the states at the ends of segments and the
-    /// numbers `q`.
+    /// Computes a function that the problem defines for the states at the ends of segments and for
+    /// the parameters and extra unknowns `q`.
     fn of_ends<T: Scalar>(&self, _function: usize, _ends: Ends<T>, _q: &[T]) -> T {
         T::zero()
     }
 
-    /// Typical sizes of the states of a segment at the numbers `q`, used as units of tolerances; empty
-    /// (the default) if all sizes are 1.
+    /// Typical sizes of the states of a segment for the parameters and extra unknowns `q`, used as
+    /// units of tolerances; empty (the default) if all sizes are 1.
     fn scales(&self, _segment: usize, _q: &[f64]) -> Vec<f64> {
         Vec::new()
     }

@@ -8,7 +8,7 @@ use crate::core::scalar::Scalar;
 pub struct Ends<'a, T> {
     /// The states at the starts of the segments.
     pub start: &'a [T],
-    /// The states at the ends of the segments, where the mesh coordinate is 1 or the number of
+    /// The states at the ends of the segments; the mesh coordinate of an end is 1, or the number of
     /// periods.
     pub end: &'a [T],
 }
@@ -115,7 +115,7 @@ pub enum Shape {
     /// durations`.
     ///
     /// The extra unknowns of this shape are the start time (under forcing) and the durations. The
-    /// equations of a segment are evaluated at numbers `q` that consist of the parameters, the
+    /// equations of a segment are evaluated at a vector `q` that consists of the parameters, the
     /// segment's start time and the segment's duration.
     Cycle {
         /// Whether the start time of the cycle is an unknown, as under forcing.

@@ -1,22 +1,24 @@
-//! Admissibility of solutions, and branch switching at limits. No other module of
-//! continuation uses the interface of systems for orbits with events.
+//! Admissibility of solutions, and branch switching at the limits of admissible solutions. No other
+//! module of continuation uses the interface of systems for orbits with events.
 
 use super::event::Event;
 use crate::core::bifurcation::Quantity;
 use crate::core::failure::Failure;
 use crate::core::system::{Emanating, Kind, Limit, System};
 
-/// The kind of special points at which the monitor of a limit vanishes.
+/// The kind of special points at limits of admissible solutions, where the monitor of a limit
+/// vanishes.
 pub(super) const AT_LIMIT: Kind = Kind::G;
 
-/// Discretisation: the monitor of a limit counts as zero at the start of a branch if it is smaller
-/// than this threshold, in units of its scale. A saved point at a limit is accurate to rounding on
-/// its own mesh; interpolated to another mesh, it is only accurate to the discretisation error of
-/// the coarser mesh.
+/// Discretisation: the monitor of a limit of admissible solutions counts as zero at the start of a
+/// branch if it is smaller than this threshold, in units of its scale. A saved point at such a
+/// limit is accurate to rounding on its own mesh; interpolated to another mesh, it is only accurate
+/// to the discretisation error of the coarser mesh.
 const VANISHES: f64 = 1e-6;
 
-/// Rounding: a solution lies beyond a limit if minus the monitor of the limit exceeds this
-/// threshold, in units of its scale; the computed points have an error of 1e-10.
+/// Rounding: a solution lies beyond a limit of admissible solutions if the monitor of the limit is
+/// negative and its absolute value exceeds this threshold, in units of its scale; the computed
+/// points have an error of 1e-10.
 const BEYOND: f64 = 1e-9;
 
 /// Returns the limits of the admissible solutions at the parameters `p`; empty if the solutions of
@@ -25,15 +27,15 @@ pub(super) fn limits(system: &mut dyn System, p: &[f64]) -> Vec<Limit> {
     system.events().map_or_else(Vec::new, |events| events.limits(p))
 }
 
-/// Returns the bound below which the monitor of a limit counts as zero.
+/// Returns the threshold below which the monitor of a limit of admissible solutions counts as zero.
 pub(super) fn zero(system: &mut dyn System, p: &[f64], monitor: usize) -> f64 {
     let limit = limits(system, p).into_iter().find(|limit| limit.monitor == monitor);
     VANISHES * limit.map_or(1.0, |limit| limit.scale)
 }
 
-/// Divides the monitors of all limits into the monitors that vanish at a solution and all other
-/// monitors. The monitors of several limits vanish if an event coincides with a segment of zero
-/// length.
+/// Divides the monitors of all limits of admissible solutions into the monitors that vanish at a
+/// solution and all other monitors. The monitors of several limits vanish at the same solution if
+/// an event coincides with a segment of zero length.
 pub(super) fn divided(
     system: &mut dyn System,
     x: &[f64],
@@ -48,18 +50,21 @@ pub(super) fn divided(
     Ok((monitors(vanishing), monitors(others)))
 }
 
-/// Whether the monitors of all limits are larger than a fraction of their scales.
+/// Whether the monitors of all limits of admissible solutions are larger than a fraction of their
+/// scales.
 fn are_above(limits: &[Limit], monitors: &[f64], part: f64) -> bool {
     !limits.iter().any(|limit| monitors[limit.monitor] < part * limit.scale)
 }
 
-/// Whether a solution lies within all limits, up to the numerical error of computed points.
+/// Whether a solution lies within all limits of admissible solutions, up to the numerical error of
+/// computed points.
 pub(super) fn is_within(system: &mut dyn System, p: &[f64], monitors: &[f64]) -> bool {
     are_above(&limits(system, p), monitors, -BEYOND)
 }
 
-/// Whether an event is a limit whose monitor vanishes at two solutions up to the numerical error of
-/// computed points, so that its signs at the two solutions are random.
+/// Whether an event is a limit of admissible solutions whose monitor vanishes at both of two
+/// solutions, up to the numerical error of computed points, so that the signs of the monitor at
+/// these solutions are random.
 pub(super) fn stays_at_limit(
     system: &mut dyn System,
     p: &[f64],
@@ -74,8 +79,8 @@ pub(super) fn stays_at_limit(
     values.iter().all(|value| value.as_ref().is_some_and(vanishes))
 }
 
-/// Checks the order of events of a solution `x = (z, p)`. At a limit, the order of events is
-/// undetermined and is not checked.
+/// Checks the order of events of a solution `x = (z, p)`. At a limit of admissible solutions, the
+/// order of events is undetermined and is not checked.
 ///
 /// # Errors
 /// [`Failure::Mismatch`], naming the event that leads to another mode than prescribed.
@@ -88,7 +93,7 @@ pub(super) fn check(system: &mut dyn System, x: &[f64], monitors: &[f64]) -> Res
 }
 
 /// Returns the branch with the index `which`, counted from 0, among the branches that emanate at a
-/// limit; `None` for systems without events.
+/// limit of admissible solutions; `None` for systems without events.
 pub(super) fn emanating(
     system: &mut dyn System,
     x: &[f64],
@@ -97,8 +102,8 @@ pub(super) fn emanating(
     system.events().map(|events| events.emanating(x, which)).transpose()
 }
 
-/// Returns the standard name of a solution `x = (z, p)` at an event, if
-/// the event is a limit.
+/// Returns the standard name of a solution `x = (z, p)` at an event, if the event is a limit of
+/// admissible solutions.
 pub(super) fn subkind(event: &Event, system: &mut dyn System, x: &[f64]) -> Option<String> {
     match (event.kind, event.test.level()?) {
         (AT_LIMIT, (Quantity::Monitor(monitor), _)) => {

@@ -18,7 +18,7 @@ use crate::core::linalg::{difference, dot, generic, orthogonalise};
 use crate::core::system::Refinement;
 use nalgebra::{Complex, DMatrix, Schur};
 
-/// Heuristic: the smallest component along a null vector that a test vector is assumed to have. Let
+/// Heuristic: a test vector is assumed to have at least this component along every null vector. Let
 /// `M` be singular at the arclength `d` beyond a step of length `ℓ`. `M₁⁻¹ M₀ − 1` maps a vector to
 /// a vector at least `ℓ/d` times as long as the component of the first vector along the null
 /// vector. The length of the image therefore bounds the distance to any singular matrix. The
@@ -42,8 +42,8 @@ const VECTORS: usize = 10;
 const SPENT: f64 = 1e-2;
 
 /// The ratio of imaginary to real part below which an eigenvalue counts as real. The Arnoldi
-/// iteration stops at residuals of [`SPENT`], which may split two equal real eigenvalues into a
-/// complex pair by the square root of the residual.
+/// iteration stops at residuals of [`SPENT`]; such a residual may split two equal real eigenvalues
+/// into a complex pair whose imaginary part is the square root of the residual.
 const REAL: f64 = 0.1;
 
 fn is_real(value: &Complex<f64>) -> bool {
@@ -51,7 +51,8 @@ fn is_real(value: &Complex<f64>) -> bool {
 }
 
 /// Rounding: a matrix is singular up to rounding if its inverse enlarges generic vectors by more
-/// than this threshold, compared with the inverse of a neighbouring matrix. The bound is 1/√ε.
+/// than this threshold, compared with the inverse of a neighbouring matrix. The threshold for
+/// singular matrices is 1/√ε.
 const SINGULAR: f64 = 1e8;
 
 /// Heuristic: the number of starting vectors for computing distances to branch points. One starting
@@ -70,7 +71,7 @@ pub(super) struct Crossings {
     pub count: usize,
     /// Whether the end of the step is itself a branch point, up to rounding.
     pub singular: bool,
-    /// The length of the part of the curve after the step that contains no branch point.
+    /// The distance beyond the end of the step up to which the curve contains no branch point.
     pub quiet: f64,
 }
 

@@ -15,8 +15,8 @@ use crate::core::system::{Kind, Site, Solution, Start};
 /// torus points may differ from their value at the resonance.
 const WIDEST: f64 = 0.3;
 
-/// Iterates over the kinds of points that are held along a curve, without user-defined defining
-/// systems.
+/// Iterates over the kinds of special points whose defining systems are held along a curve;
+/// user-defined defining systems are omitted.
 fn held<'c>(curve: &'c Continuation) -> impl Iterator<Item = Kind> + 'c {
     let known = |(kind, make): &(Kind, Option<MakeCondition>)| make.is_none().then_some(*kind);
     curve.held.iter().filter_map(known)
@@ -90,10 +90,10 @@ fn doubled(
     Ok(Start { site, one_sided, angle, ..Start::point(z, direction) })
 }
 
-/// Computes the first point of a curve of critical pairs that emanates from a double eigenvalue,
-/// where the frequency of the pair is 0, or the angle of its multipliers is 0 or π. States change
-/// by a fraction of their sizes, parameters by a fraction of their ranges, and parameters stay
-/// within their ranges.
+/// Computes the first point of a curve of critical pairs that emanates from a point with a double
+/// eigenvalue; at that point, the frequency of the pair is 0, or the angle of its multipliers is 0
+/// or π. States change by a fraction of their sizes, parameters by a fraction of their ranges, and
+/// parameters stay within their ranges.
 fn critical_pairs(curve: &mut Continuation, kind: Kind) -> Result<Start, Failure> {
     let released = released_in(curve.system.names(), &curve.released);
     let n = curve.system.names().dimension();

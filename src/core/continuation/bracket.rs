@@ -7,8 +7,8 @@ use super::hermite::{Knot, hermite};
 use crate::core::bifurcation::{Bracketed, TestFunction};
 
 /// Rounding: a bracket shorter than this threshold, in units of the step, counts as a point. The
-/// bound is 1e4 ε: differences between points in a shorter bracket have fewer than four correct
-/// digits.
+/// threshold for the length of a bracket is 1e4 ε: differences between points in a shorter bracket
+/// have fewer than four correct digits.
 pub(super) const POINT: f64 = 1e-12;
 
 /// The number of bisections that reduce a step to a point.

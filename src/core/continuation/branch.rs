@@ -135,7 +135,7 @@ pub struct SpecialPoint {
     pub mesh_shift: Vec<f64>,
     /// Curves that show the solution, such as profiles of the states, if the problem provides them.
     pub profiles: Vec<Profile>,
-    /// The unknowns that are arrays with two indices, reduced to fewer entries for output.
+    /// For output, the unknowns that are arrays with two indices, reduced to fewer entries.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub fields: Vec<PlaneField>,
     /// The reason why the phase response curve is missing from `profiles`, if it was requested and

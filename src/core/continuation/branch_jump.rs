@@ -87,8 +87,8 @@ const MOST_BENT: f64 = 0.02;
 /// interpolating a solution to a new mesh.
 pub(super) const MESH: f64 = 1e-3;
 
-/// The position of the checked point as a fraction of the step. The point is not exactly in the
-/// middle of the step, where symmetric problems may be singular.
+/// The position of the checked point as a fraction of the step. The checked point is not exactly in
+/// the middle of the step, because symmetric problems may be singular in the middle.
 const MIDDLE: f64 = 0.517;
 
 /// Rejects a step with a large prediction error if the branch deviates from a smooth curve in the

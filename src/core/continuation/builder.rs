@@ -272,8 +272,8 @@ impl<'a> Continuation<'a> {
         curve
     }
 
-    /// Continues beyond grazings, where solutions cross surfaces without their events: such points
-    /// are virtual ([`Point::admissible`](super::branch::Point::admissible)).
+    /// Continues the curve beyond grazings: the solutions there cross a surface without its event
+    /// and are called virtual ([`Point::admissible`](super::branch::Point::admissible)).
     pub fn beyond_grazings(mut self) -> Self {
         self.beyond = true;
         self
@@ -412,13 +412,15 @@ impl<'a> Continuation<'a> {
         self
     }
 
-    /// Traces only in the direction of increasing values of the (last released) parameter.
+    /// Traces only in the direction in which the parameter (if there are several, the parameter
+    /// released last) increases at the start.
     pub fn forward(mut self) -> Self {
         self.backward = false;
         self
     }
 
-    /// Traces only in the direction of decreasing values of the (last released) parameter.
+    /// Traces only in the direction in which the parameter (if there are several, the parameter
+    /// released last) decreases at the start.
     pub fn backward(mut self) -> Self {
         self.forward = false;
         self

@@ -18,9 +18,8 @@ pub(super) struct Reference {
 }
 
 /// Rounding: a corrected point is identified with the reference point if their distance is smaller
-/// than this threshold, in units of the tolerance of Newton's method. The error of the corrected
-/// point and of the reference point is the tolerance divided by the smallest singular value of the
-/// Jacobian.
+/// than this threshold, in units of the tolerance of Newton's method. Both points have an error of
+/// the tolerance divided by the smallest singular value of the Jacobian.
 const SAME: f64 = 1e3;
 
 /// Discretisation: Solutions on different meshes are identified if their difference is at most this
@@ -58,8 +57,8 @@ impl Reference {
         })
     }
 
-    /// Whether a step passes near the reference point, as far as the quantities that do not depend
-    /// on the phase show: the parameters and the scalar unknowns. For orbits with an itinerary,
+    /// Whether a step passes near the reference point, judged only by the quantities that do not
+    /// depend on the phase: the parameters and the scalar unknowns. For orbits with an itinerary,
     /// only the parameters are compared, because scalar unknowns depend on the first segment and on
     /// the forcing period.
     fn may_be_passed(&self, corrector: &Corrector, saved: &Solution, step: Interval) -> bool {

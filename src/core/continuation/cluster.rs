@@ -12,8 +12,8 @@ use crate::core::numerics::lagrange;
 use crate::core::problem::Dynamics;
 use std::ops::RangeInclusive;
 
-/// Heuristic: the sample points in an interval, in units of its length. The ends and the middle are
-/// avoided, because symmetric problems may be singular at these points.
+/// Heuristic: the sample points in an interval, in units of its length. The samples avoid the ends
+/// and the middle of the interval, because symmetric problems may be singular at these points.
 const SAMPLES: [f64; 5] = [0.03, 0.22, 0.517, 0.76, 0.96];
 
 /// Rounding: the range in which a zero counts as inside an interval, in units of the length of the
@@ -27,7 +27,7 @@ const ENDS: RangeInclusive<f64> = -1e-6..=1.0 + 1e-6;
 const TOGETHER: f64 = 1e-7;
 
 /// Discretisation: On a mesh, zeros closer to each other than this threshold, in scaled arclength,
-/// count as equal. The bound is the discretisation error of usual meshes.
+/// count as equal. The threshold for equal zeros is the discretisation error of usual meshes.
 const ON_MESH: f64 = 1e-6;
 
 /// Heuristic: an interval is cut next to all zeros if the cut removes at least this fraction of the
@@ -182,9 +182,9 @@ impl Cluster {
     }
 }
 
-/// Returns, at each sample point, numbers that vanish where eigenvalues pass zero, and the number
-/// of these eigenvalues. The numbers are growth rates, or, if eigenvalues are not computed, the
-/// distances to singular matrices in the interval.
+/// Returns the number of eigenvalues that pass zero in the interval, and, at each sample point, the
+/// values of functions that vanish where an eigenvalue passes zero. These functions are growth
+/// rates or, if eigenvalues are not computed, the distances to singular matrices in the interval.
 fn vanishing(
     curve: &mut Curve,
     places: &[CurvePoint],

@@ -48,12 +48,12 @@ pub(super) struct Corrector<'a> {
     pub refines: bool,
     /// Whether the phase response curve is computed at special points of cycles.
     pub phase_response: bool,
-    /// Whether special points have sensitivities.
+    /// Whether the sensitivities of special points are computed.
     pub sensitivities: bool,
 }
 
-/// Sets the units of null vectors to the scales that correspond to the given weights. For
-/// collocation, the units of the vector field are used instead.
+/// Sets the units of null vectors: the scales of the unknowns and parameters, computed from the
+/// given weights. For collocation, the units of the vector field are used instead.
 fn measure_null_vectors(equations: &mut Extended, weights: &[f64]) {
     let (n, first) = (equations.dimension(), equations.parameters_at());
     let At { system, x, released, null, .. } = equations.at();
@@ -135,8 +135,8 @@ impl<'a> Corrector<'a> {
         self.norm.scaled(parameter, direction[parameter])
     }
 
-    /// Sets components of a point of the curve and of its tangent that consist only of rounding
-    /// errors to zero. On a mesh, or if no group of unknowns is small enough to be a rounding
+    /// Sets to zero those components of a point of the curve, and of its tangent, that consist only
+    /// of rounding errors. On a mesh, or if no group of unknowns is small enough to be a rounding
     /// error, the point and the tangent are unchanged.
     pub fn without_rounding(&mut self, unknowns: &[f64], tangent: &[f64]) -> [Vec<f64>; 2] {
         let is_exact = self.is_exact();
@@ -287,9 +287,9 @@ impl<'a> Corrector<'a> {
         self.equations.names().unknowns.iter().map(|group| group.length).collect()
     }
 
-    /// Adapts the mesh, scales and borders after a point was accepted, and interpolates `others` to
-    /// a new mesh. Returns the length of the old tangent in the new scales, which may have
-    /// increased.
+    /// Adapts the mesh, scales and borders after a point was accepted, and interpolates the
+    /// solutions and directions `others` to the new mesh. Returns the length of the old tangent in
+    /// the new scales, which may have increased.
     pub fn accept(&mut self, place: &mut CurvePoint, mut others: Vec<&mut [f64]>) -> f64 {
         let n = self.equations.dimension();
         let mut directions: Vec<&mut [f64]> =

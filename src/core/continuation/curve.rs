@@ -23,8 +23,8 @@ pub(super) struct Curve<'a> {
 }
 
 impl Curve<'_> {
-    /// Returns the tangent at a corrected point, oriented by `row`. The last factored matrix, which
-    /// has the same `row`, differs from the matrix at the point by the relative error
+    /// Returns the tangent at a corrected point, oriented by `row`. The last factored matrix, whose
+    /// last row must also be `row`, differs from the matrix at the point by the relative error
     /// `matrix_error`.
     pub fn tangent(
         &mut self,

@@ -22,8 +22,8 @@ pub(super) struct CurvePoint {
     pub vertical: f64,
     /// The sign of the determinant of the Jacobian bordered by the tangent.
     pub determinant: f64,
-    /// The length of the part of the curve after this point that contains no branch point, if
-    /// eigenvalues are not computed.
+    /// If eigenvalues are not computed, the distance beyond this point up to which the curve
+    /// contains no branch point.
     pub quiet: f64,
 }
 

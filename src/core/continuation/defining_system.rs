@@ -88,9 +88,9 @@ fn solve_with<'m>(
 /// be small by chance.
 const SAMPLES: usize = 2;
 
-/// Sets the components of `z` at a solution that consist only of rounding errors to zero, as
-/// estimated with the last factored matrix. `weights` are the inverse squares of the scales. The
-/// components are unchanged on a mesh, or if the residual cannot be evaluated.
+/// Sets to zero those components of a solution's `z` that consist only of rounding errors, which
+/// are estimated with the last factored matrix. `weights` are the inverse squares of the scales.
+/// The components are unchanged on a mesh, or if the residual cannot be evaluated.
 fn clear_rounding(equations: &mut Extended, unknowns: &mut [f64], weights: &[f64]) {
     if equations.system().representation().is_on_mesh() {
         return;
@@ -112,8 +112,8 @@ fn clear_rounding(equations: &mut Extended, unknowns: &mut [f64], weights: &[f64
 /// rounding errors.
 const SMALL: f64 = 1e-9;
 
-/// Solves a defining system, and estimates the error of the first released parameter. The estimate
-/// is a multiple of the second of two additional Newton corrections.
+/// Solves a defining system, and estimates the error of the first released parameter. The estimated
+/// error is a multiple of the second of two additional Newton corrections.
 pub(super) fn converge(
     equations: &mut Extended,
     unknowns: &mut [f64],

@@ -78,7 +78,8 @@ const INACCURATE: f64 = 1e-2;
 /// Removes the multipliers of a converged special point of periodic orbits if all of them are far
 /// from the critical value. If no multiplier is near the critical value, the critical multiplier is
 /// lost in rounding or discretisation errors, and other multipliers may also be wrong. The number
-/// of unstable multipliers is taken from the points on both sides.
+/// of unstable multipliers at the special point is then determined from the neighbouring points on
+/// both sides.
 fn doubt_multipliers(
     special: &mut SpecialPoint,
     critical: Critical,
@@ -175,7 +176,7 @@ fn own_count(
 
 /// Returns the number of unstable eigenvalues at a special point that has not converged: the
 /// smaller of the numbers on the two sides; `None` if these two numbers differ by more than the
-/// number of critical eigenvalues, as beyond a singularity.
+/// number of critical eigenvalues, as they do on the two sides of a singularity.
 fn common_count(critical: Critical, [before, after]: [Option<usize>; 2]) -> Option<usize> {
     let (before, after) = (before?, after?);
     (before.abs_diff(after) <= critical.count()).then_some(before.min(after))

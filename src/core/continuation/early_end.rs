@@ -18,8 +18,8 @@ const MOST_COARSE: usize = 3;
 /// contain only numerical noise.
 const MOST_STILL: usize = 3;
 
-/// Heuristic: fewer steps towards a homoclinic orbit suffice to end the branch if the period has
-/// grown by this factor during these steps. The additional time is spent near the equilibrium,
+/// Heuristic: a branch whose period has grown by this factor during its steps towards a homoclinic
+/// orbit ends after fewer such steps. The orbit spends the additional time near the equilibrium,
 /// where the mesh soon becomes too coarse.
 const GROWN: f64 = 1.1;
 
@@ -46,8 +46,8 @@ const WEAK: f64 = 1e-3;
 /// value is reported as the reason.
 const WEAK_AT_FAILURE: f64 = 0.05;
 
-/// The state of the checks, along one half of a branch, for an end at a point where Newton's method
-/// still converges.
+/// The data of the checks that can end one half of a branch at a point where Newton's method still
+/// converges.
 #[derive(Default)]
 pub(super) struct EarlyEnd {
     /// The number of consecutive points whose mesh is too coarse.
@@ -133,8 +133,8 @@ impl EarlyEnd {
         }
     }
 
-    /// Returns the end of a curve of homoclinic orbits whose equilibrium is nearly non-hyperbolic,
-    /// which is detected by a leading eigenvalue below a fraction of its largest value.
+    /// Returns the end of a curve of homoclinic orbits whose equilibrium has become nearly
+    /// non-hyperbolic: a leading eigenvalue has fallen below a fraction of its largest value.
     fn weak_saddle(&self, part: f64) -> Option<End> {
         let all = HOMOCLINIC_RATES.into_iter().zip(self.rates);
         let mut weak = all.filter(|(_, [largest, rate])| rate.abs() < part * largest);

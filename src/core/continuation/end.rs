@@ -86,8 +86,7 @@ pub enum End {
     },
     /// Cycles approach a homoclinic orbit, or a heteroclinic cycle: the period grows while the
     /// parameters change by no more than their errors, and the orbit approaches an equilibrium.
-    /// Special points that are found where the parameters are constant, and do not converge, are
-    /// omitted.
+    /// Unconverged special points are omitted if they were found where the parameters are constant.
     #[error(
         "the cycles approach a homoclinic orbit: the period grows to {period:.6} while the \
          parameters are constant, and the distance of the cycle from an equilibrium falls to \
@@ -137,7 +136,7 @@ pub enum End {
         turns: usize,
         /// The two values of the parameter at the folds; the smaller value comes first.
         values: [f64; 2],
-        /// The period at the first of these folds.
+        /// The period at the first of the counted folds.
         from: f64,
         /// The period at the end of the branch.
         to: f64,
@@ -177,8 +176,8 @@ pub enum End {
         points: usize,
         /// The total arclength of the steps without net progress.
         way: f64,
-        /// The largest ratio, over all recorded quantities, of the net change of a quantity in
-        /// these steps to the length of its path.
+        /// For each recorded quantity, its net change in the steps without net progress is divided
+        /// by the length of its path; this value is the largest of the ratios.
         ahead: f64,
     },
     /// A terminal event occurred, which ends the branch.

@@ -42,7 +42,7 @@ pub enum TraceError {
         /// The upper end.
         high: f64,
     },
-    /// A mark or a scale is not a usable number.
+    /// The number given as a mark or as a scale is not allowed.
     #[error("{what} of {name} is {value}, but must be {range}")]
     Value {
         /// The role of the number: `the mark` or `the scale`.
@@ -175,7 +175,7 @@ pub enum TraceError {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Setting(#[from] SettingError),
-    /// Several errors of the other variants.
+    /// Several errors, each described by another variant of this type.
     #[error("{}", several(.0))]
     Several(Vec<TraceError>),
     /// Newton's method failed at the start of the curve.

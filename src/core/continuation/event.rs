@@ -225,9 +225,9 @@ impl Event {
         Self::new(name, move || Equation::new(function.clone(), 0.0, Kind::UZ))
     }
 
-    /// Creates the event of a branch at which an event of the orbit starts to lead to another mode
-    /// than the itinerary prescribes. The choice of the mode is not a continuous function, so this
-    /// event is located by bracketing only.
+    /// Creates an event on a branch: the point from which on some event of the orbit leads to
+    /// another mode than the itinerary prescribes. The choice of the mode is not a continuous
+    /// function, so this event is located by bracketing only.
     pub(super) fn of_itinerary() -> Self {
         let test = Arc::new(OrderOfEvents);
         Self::without_condition("an event leads to another mode", Kind::G, test)

@@ -93,11 +93,11 @@ fn is_noise(Interval { from, to, .. }: Interval, it: &Located, flat: bool) -> bo
 }
 
 /// Rounding: if a multiplier is closer to 1 than this threshold, rounding determines whether it is
-/// larger than 1. The bound is ten times the bound for neutral multipliers.
+/// larger than 1. This threshold is ten times the threshold for neutral multipliers.
 const AT_ONE: f64 = 1e-8;
 
-/// Whether a fold did not converge and its critical multiplier equals 1, up to rounding, at both ends
-/// of the interval, as on a family of conservative cycles.
+/// Whether a fold did not converge, and its critical multiplier equals 1 up to rounding at both
+/// ends of the interval, as it does along a family of cycles of a conservative system.
 fn stays_at_one(dynamics: Dynamics, Interval { from, to, .. }: Interval, it: &Located) -> bool {
     let is_at_one = |place| nearest_to_one(dynamics, place).is_some_and(|near| near <= AT_ONE);
     it.special.kind == Kind::LP && !it.special.converged && [from, to].into_iter().all(is_at_one)
@@ -155,9 +155,9 @@ const ONE_POINT: f64 = 1e-3;
 /// folds is singular at the point.
 const TURNS: [Kind; 3] = [Kind::BP, Kind::HB, Kind::GH];
 
-/// Whether an event is the extremum of the parameter at another special point found in the step.
-/// Testing for such an extremum takes less time than an attempt to solve a singular defining
-/// system.
+/// Whether an event is only the extremum that the parameter has at another special point found in
+/// the step. Testing for such an extremum takes less time than an attempt to solve a singular
+/// defining system.
 fn is_turn_of_another((locator, index): (&mut Locator, usize), found: &[Located]) -> bool {
     if !matches!(locator.curve.detector.events[index].kind, Kind::LP | Kind::CP) {
         return false;

@@ -50,7 +50,7 @@ pub struct Extended<'a> {
     pub(crate) released: Vec<usize>,
     /// The vector `x = (z, p)`, where `p` are all parameters, including constant ones.
     pub(super) x: Vec<f64>,
-    /// The auxiliary unknowns of the defining systems, as set by the last load of `X`.
+    /// The auxiliary unknowns of the defining systems, taken from the `X` that was loaded last.
     pub(super) auxiliary: Vec<f64>,
     /// The null vectors at the last evaluated point.
     pub(super) null: NullSpace,
@@ -187,8 +187,8 @@ impl<'a> Extended<'a> {
         direction
     }
 
-    /// Returns the names and values of the named auxiliary unknowns of the defining systems, as
-    /// last loaded.
+    /// Returns the names and the last loaded values of those auxiliary unknowns of the defining
+    /// systems that have names.
     pub(crate) fn recorded(&self) -> impl Iterator<Item = f64> {
         let mut rest = &self.auxiliary[..];
         self.conditions.iter().flat_map(move |condition| {

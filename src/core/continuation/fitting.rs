@@ -92,9 +92,9 @@ fn others(half: &mut Half) -> impl Iterator<Item = &mut CurvePoint> {
     std::iter::once(&mut half.start).chain(half.predictor.places())
 }
 
-/// Corrects a point on the current mesh, in the hyperplane through the point that the covector
-/// `row` defines. If the number of unknowns has changed, the held defining systems need new
-/// borders.
+/// Corrects a point on the current mesh, in the hyperplane that passes through the point and is
+/// defined by the covector `row`. If the number of unknowns has changed, the held defining systems
+/// need new borders.
 fn arrived(
     curve: &mut Curve,
     mut unknowns: Vec<f64>,

@@ -34,7 +34,7 @@ impl<F: Fn(&TestPoint) -> f64 + Send + Sync> TestFunction for OfPoint<F> {
     }
 }
 
-/// A user-defined function of points.
+/// A user-defined function of the points of a curve.
 pub(crate) type PointFunction = Arc<dyn Fn(&TestPoint) -> f64 + Send + Sync>;
 
 /// A user-defined function `f(z, p)`, written for dual numbers, from which its gradient is

@@ -49,7 +49,7 @@ pub(super) struct Half {
     /// The number of points up to which the number of mesh intervals is kept if the mesh is fine
     /// enough.
     pub keeps_mesh: usize,
-    /// Whether the continued parameter has changed direction, which it does on any closed curve.
+    /// Whether the continued parameter has changed direction; on a closed curve it always does.
     pub turned: bool,
 }
 
@@ -93,8 +93,9 @@ impl Half {
     }
 
     /// Checks, after a successful step without a terminal event, whether this half of the branch
-    /// ends. Returns the reason for the end, if it ends, or the data of a branch that makes hardly
-    /// any progress (`Crawl`). `snakes` specifies whether snaking ends the half.
+    /// ends. Returns the reason for the end if this half ends, or data on the lack of progress
+    /// (`Crawl`) if this half makes hardly any progress. `snakes` specifies whether snaking ends
+    /// the half.
     pub fn early_end(
         &mut self,
         corrector: &mut Corrector,

@@ -8,7 +8,7 @@ pub(super) struct Knot<'a> {
     pub x: &'a [f64],
     /// A tangent.
     pub tangent: &'a [f64],
-    /// The rate of `u` with respect to arclength along the tangent, `du/ds > 0`.
+    /// The derivative `du/ds > 0` of the curve parameter `u` with respect to arclength.
     pub speed: f64,
 }
 

@@ -9,9 +9,9 @@ use super::located::Located;
 use super::locator::Locator;
 use crate::core::bifurcation::{PointValues, TestFunction};
 
-/// The values of the test function at which the curve is sampled, as fractions of its value at the
-/// beginning of the step. The samples approach the end of the curve as closely as possible, because
-/// the equations are singular at the end itself.
+/// The values of the test function at which the curve is sampled, as fractions of the test
+/// function's value at the beginning of the step. The samples approach the end of the curve as
+/// closely as possible, because the equations are singular at the end itself.
 const SHARES: [f64; 14] =
     [0.8, 0.65, 0.5, 0.4, 0.3, 0.2, 0.15, 0.12, 0.09, 0.06, 0.04, 0.03, 0.02, 0.01];
 

@@ -17,7 +17,7 @@ const SMALLEST: f64 = 1e-30;
 /// Rounding: the largest length in the search.
 const LARGEST: f64 = 1e30;
 
-/// Heuristic: the accuracy of the computed length, as a factor.
+/// Heuristic: the factor by which the computed length may differ from the exact length.
 const CLOSE: f64 = 1.1;
 
 /// Computes the length along a tangent at which nonlinear terms are comparable with linear terms,

@@ -57,8 +57,8 @@ impl Log {
         ));
     }
 
-    /// Warns, once per branch, that solutions remain at a limit along the branch: because events
-    /// are simultaneous, or because events precede a state of rest.
+    /// Warns, once per branch, that solutions remain at a limit of admissible solutions along the
+    /// branch, either because events are simultaneous or because events precede a state of rest.
     pub fn stays_at_limit(&mut self, event: &str) {
         let warning = format!(
             "the test function of `{event}` vanishes, up to its error, at several successive \

@@ -1,6 +1,6 @@
 //! The quantities that characterise a located special point: named numbers such as normal-form
-//! coefficients, the type that they determine, and the sensitivities of its location to other
-//! parameters.
+//! coefficients, the type of the bifurcation that these numbers determine, and the sensitivities of
+//! the point's location to other parameters.
 
 use super::branch::{Number, Sensitivity, SpecialPoint};
 use super::event::Event;

@@ -20,8 +20,8 @@ const VANISHES: f64 = 1e-7;
 
 /// The first doubled orbit of a curve, near the periodic orbit traversed twice.
 pub(crate) struct DoubledOrbit {
-    /// The deviation from the periodic orbit traversed twice, as a direction of `x`. The parameters
-    /// change only to second order in this deviation.
+    /// The deviation of the doubled orbit from the periodic orbit traversed twice, given as a
+    /// direction of `x`. The parameters change only to second order in this deviation.
     pub deviation: Vec<f64>,
     /// The angle of the critical multipliers if the curve consists of torus points.
     pub angle: Option<f64>,

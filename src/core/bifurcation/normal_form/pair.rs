@@ -29,7 +29,7 @@ fn slope(at: &mut At, Pair { q, p, .. }: &Pair) -> Result<Option<f64>, Failure> 
     Ok(Some(inner(p, &forms.along(q, &along)?).re))
 }
 
-/// Computes the normal-form coefficients of a critical pair. For `N = −1`, they are
+/// Computes the normal-form coefficients of a critical pair. For `N = −1`, these coefficients are
 ///
 /// ```text
 ///     c₁ = ½ p* (C(q, q, q̄) + B(q̄, h₂₀) + 2 B(q, h₁₁)),

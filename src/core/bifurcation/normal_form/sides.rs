@@ -16,8 +16,8 @@ const VANISHES: f64 = 1e-6;
 /// curve.
 #[derive(Debug)]
 pub(crate) struct Division {
-    /// A normal vector of the curve: the gradient of a function of the two released parameters that
-    /// is zero on the curve.
+    /// A normal vector of the curve: the gradient of a function that depends on the two released
+    /// parameters and is zero on the curve.
     pub normal: [f64; 2],
     /// The solutions on the side of the curve to which the normal points. Each entry is the number
     /// of unstable critical directions of one solution: the number of its unstable directions minus
@@ -35,8 +35,8 @@ pub(crate) struct Division {
 /// [`Failure`] if a derivative does not exist, or if a matrix is singular.
 pub(crate) type ComputeDivision = fn(&mut At) -> Result<Option<Division>, Failure>;
 
-/// Computes the gradient of a function with respect to the two released parameters: evaluates its
-/// slope in the unit direction of each of them.
+/// Computes the gradient of a function with respect to the two released parameters: evaluates the
+/// slope of the function in the unit direction of each parameter.
 fn gradient(
     forms: &mut Forms,
     mut slope: impl FnMut(&mut Forms, Vec<f64>) -> Result<f64, Failure>,

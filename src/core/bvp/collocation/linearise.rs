@@ -8,8 +8,8 @@ use crate::core::linalg::refill;
 use crate::core::problem::FieldIn;
 use crate::core::scalar::{DualChunk, seeded};
 
-/// The arguments and the values of the vector field in one pass, which differentiates in `W`
-/// directions.
+/// The arguments and the values of the vector field in one pass; each pass computes derivatives in
+/// `W` directions.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Passes<const W: usize> {
     x: Vec<DualChunk<f64, W>>,
@@ -18,8 +18,8 @@ pub(super) struct Passes<const W: usize> {
     real: Vec<f64>,
 }
 
-/// Computes the residual and the Jacobian at all Gauss points, `W` directions at a time: first the
-/// `n` states at the Gauss point, then the active entries of `q`.
+/// Computes the residual and the Jacobian at all Gauss points, `W` directions at a time; the
+/// directions are the `n` states at the Gauss point, followed by the active entries of `q`.
 pub(super) fn linearise_in<const W: usize>(
     basis: &Basis,
     passes: &mut Passes<W>,

@@ -37,19 +37,19 @@ const TRUNCATION: f64 = 1e-14;
 /// rounding error of the states.
 const DIGITS: f64 = 1e8;
 
-/// Heuristic: the excursion taken from the cycle ends at this multiple of the distance from the
-/// equilibrium at which the linear flow ends.
+/// Heuristic: the ratio of two distances from the equilibrium: the distance at which the excursion
+/// taken from the cycle ends, and the distance at which the linear flow ends.
 const CLEAR: f64 = 1.1;
 
 /// Heuristic: the largest distance of an orbit's end from the equilibrium, as a multiple of the
-/// smallest such distance.
+/// smallest distance that rounding errors permit.
 const WIDEST: f64 = 50.0;
 
 /// Heuristic: the number of samples of a trajectory between two of its nodes.
 const PARTS: usize = 8;
 
-/// Heuristic: the largest change of the state between two nodes of the linear flow, approximately,
-/// as a fraction of the distance from the equilibrium.
+/// Heuristic: the approximate largest change of the state between two neighbouring nodes of the
+/// linear flow, as a fraction of the distance from the equilibrium.
 const STEP: f64 = 0.5;
 
 /// Heuristic: the largest number of nodes of the linear flow at one end of the orbit.
@@ -68,8 +68,8 @@ fn refused(reason: String) -> Failure {
 /// A point of a trajectory: time and states.
 type Place = (f64, Vec<f64>);
 
-/// A cycle, given by its numbers `q`, the times of its nodes, and its states at any time within a
-/// period.
+/// A cycle, given by its vector `q` of parameters and extra unknowns, the times of its nodes, and
+/// its states at any time within a period.
 pub(in crate::core::bvp) struct Cycle<'a> {
     pub q: &'a [f64],
     pub times: Vec<f64>,

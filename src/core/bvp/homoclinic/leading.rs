@@ -1,6 +1,6 @@
 //! The leading eigenvalues of a saddle, and the components of an orbit in their directions: the test
-//! functions of homoclinic orbits (A. R. Champneys, Yu. A. Kuznetsov and B. Sandstede, *Int. J.
-//! Bifurcation Chaos* 6:867, 1996).
+//! functions of homoclinic orbits (A. R. Champneys, Yu. A. Kuznetsov and B. Sandstede,
+//! *International Journal of Bifurcation and Chaos* 6:867, 1996).
 //!
 //! The Jacobian can have entries of any scalar type. Eigenvectors are computed from the real parts of
 //! the entries, and the quotients `wᵀ A v / wᵀ v` are exact to first order in the derivatives.

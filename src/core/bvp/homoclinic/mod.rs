@@ -34,8 +34,8 @@ enum Recorded {
     Share(Side),
 }
 
-/// The number of extra unknowns before the coordinates of the equilibrium: the time, the share of
-/// time, and the gap.
+/// The number of extra unknowns that precede the coordinates of the equilibrium: the time `T`, the
+/// share `φ` and the gap `g`.
 const BEFORE_PLACE: usize = 3;
 
 /// A homoclinic problem: orbits that leave an equilibrium `x₀` along its unstable manifold and return
@@ -59,9 +59,9 @@ const BEFORE_PLACE: usize = 3;
 /// ```
 ///
 /// Deviations are in units of the extents of the orbit, and `R_u` and `R_s` give their components along
-/// the eigenvectors. The parameter at which `g = 0` has truncation errors of order `ε₀^(2 +
-/// |λ_s|/λ_u)` and `ε₁^(2 + λ_u/|λ_s|)`, where `λ_s` and `λ_u` are the leading stable and unstable
-/// eigenvalues.
+/// the eigenvectors. The parameter at which `g = 0` has truncation errors of order `ε₀^(2+r)` and
+/// `ε₁^(2+1/r)`, where `r = −λ_s/λ_u` is the ratio of the leading stable and unstable eigenvalues
+/// `λ_s` and `λ_u`.
 ///
 /// The excursion is often short compared with `T`, and the times that the orbit spends near the
 /// equilibrium before and after the excursion change along a branch. On a mesh with breakpoints at
@@ -85,9 +85,9 @@ pub(in crate::core) struct HomoclinicOrbit {
     radii: [f64; 2],
 }
 
-/// The numbers `q` of a homoclinic orbit, grouped by meaning.
+/// The parameters and extra unknowns `q` of a homoclinic orbit, grouped by meaning.
 struct Parts<'q, T> {
-    /// The numbers `q` that the problem of cycles uses: the parameters and the time.
+    /// The entries of `q` that the problem of cycles also uses: the parameters and the time.
     of_cycles: &'q [T],
     pace: Pace<T>,
     gap: T,

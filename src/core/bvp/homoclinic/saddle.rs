@@ -90,7 +90,7 @@ impl Frame {
 
     /// Returns the length of a deviation in the subspace; in one dimension, returns the signed
     /// component. Lengths and signed components are homogeneous functions of the deviation, so that
-    /// Newton's iteration converges even from points much farther away.
+    /// Newton's iteration converges even from points much farther away than the required distance.
     pub fn distance<T: Scalar>(&self, y: &[T]) -> T {
         if let [row] = &self.ball[..] {
             return dot(row, y);
@@ -135,8 +135,8 @@ impl Frame {
 }
 
 /// Computes the rows of the matrix `(Bᵀ V)⁻¹ Bᵀ`, which gives the components of a vector along the
-/// columns of `V`, which lie in the span of an orthonormal basis `B`. Returns `None` if the columns
-/// of `V` are linearly dependent.
+/// columns of `V`; these columns must lie in the span of an orthonormal basis `B`. Returns `None`
+/// if the columns of `V` are linearly dependent.
 fn components(basis: &[Vec<f64>], vectors: &[Vec<f64>]) -> Option<Vec<Vec<f64>>> {
     let (n, k) = (basis.first()?.len(), basis.len());
     let matrix = |columns: &[Vec<f64>]| DMatrix::from_fn(n, columns.len(), |i, j| columns[j][i]);

@@ -21,22 +21,23 @@ pub(super) struct AssembledJacobian {
     /// The derivatives of the interval equations with respect to the values at nodes: for each
     /// interval of a segment, `m·n` rows of `(m + 1)·n` entries.
     pub blocks: Vec<Vec<f64>>,
-    /// The derivatives of the interval equations with respect to the active numbers: for each
-    /// segment, one row for each equation of its intervals.
+    /// The derivatives of the interval equations with respect to the active entries of `q`: for
+    /// each segment, one row for each equation of its intervals.
     pub numbers: Vec<Vec<f64>>,
     /// The derivatives of the boundary conditions, one row for each condition: first with respect
     /// to the states at the starts of all segments, then to the states at the ends, then to the
-    /// active numbers. The derivatives of the conditions that connect the segments of cycles are in
-    /// [`joints`](super::joints).
+    /// active entries of `q`. The derivatives of the conditions that connect the segments of cycles
+    /// are in [`joints`](super::joints).
     pub boundary: Vec<f64>,
     /// The derivatives of the integral conditions and the phase condition with respect to all
     /// values at nodes, node by node.
     pub closing: Vec<f64>,
     /// The derivatives of the integral conditions and the phase condition with respect to the
-    /// active numbers.
+    /// active entries of `q`.
     pub closing_numbers: Vec<f64>,
-    /// The active numbers, with respect to which derivatives are computed: all numbers of the
-    /// segments except parameters, then the parameters in the order of their use.
+    /// The active entries of a segment's vector `q`, with respect to which derivatives are
+    /// computed: first all entries that are not parameters, then the parameters in the order of
+    /// their use.
     pub active: Vec<usize>,
     /// For each active parameter, the number of points since its derivative was last used.
     pub idle: Vec<usize>,
@@ -93,8 +94,8 @@ impl AssembledJacobian {
         self.idle[k] = 0;
     }
 
-    /// Prepares the assembly at another point `x`. Parameters after the first `own` active numbers
-    /// become inactive if they were not used recently.
+    /// Prepares the assembly at another point `x`. Parameters, which follow the first `own` active
+    /// entries of `q`, become inactive if they were not used recently.
     pub fn drop_idle(&mut self, own: usize) {
         self.idle.resize(self.active.len(), 0);
         for k in (own..self.active.len()).rev() {
@@ -106,7 +107,7 @@ impl AssembledJacobian {
         }
     }
 
-    /// Resizes the buffers for a layout and its active numbers.
+    /// Resizes the buffers for a layout and its active entries of `q`.
     pub fn resize(&mut self, equations: &DiscretisedProblem) {
         let (layout, active) = (&equations.layout, self.active.len());
         self.residual.resize(layout.dimension, 0.0);

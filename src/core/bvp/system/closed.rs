@@ -58,9 +58,9 @@ impl Solutions {
         Some(signed(sums))
     }
 
-    /// Computes the amplitude of a cycle that is discretised by single shooting, from the vector
-    /// field at its start, because both nodes have the same state. The phase condition keeps the
-    /// start of the cycle on a line through the equilibrium.
+    /// Computes the amplitude of a cycle that is discretised by single shooting; the amplitude is
+    /// computed from the vector field at the cycle's start, because both nodes have the same state.
+    /// The phase condition keeps the start of the cycle on a line through the equilibrium.
     fn amplitude_of_motion(&self, x: &[f64]) -> f64 {
         let [own, reference] = [x, &self.phase.reference].map(|x| first_motion(&self.equations, x));
         let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum();
@@ -152,8 +152,8 @@ impl Saved {
         Ok(Saved { equations, work, extras, parameters: p.clone() })
     }
 
-    /// Returns the extra unknowns of the solution when it begins with a later segment, at a time
-    /// close to the extra unknowns `near`.
+    /// Returns the extra unknowns of the solution when it begins with a later segment; its start
+    /// time is chosen so that the extra unknowns are nearest to `near`.
     fn rotated(&self, segments: usize, near: &[f64]) -> Option<Vec<f64>> {
         let q = [&self.parameters[..], &self.extras].concat();
         self.equations.problem.itineraries()?.rotated(segments, &q, near)
@@ -234,7 +234,7 @@ fn time_weights(equations: &DiscretisedProblem) -> Vec<f64> {
     sums
 }
 
-/// Subtracts their weighted mean from the values.
+/// Subtracts the weighted mean of all values from each value.
 fn about_mean(values: &[f64], weights: &[f64]) -> Vec<f64> {
     let whole: f64 = weights.iter().sum();
     let mean = values.iter().zip(weights).map(|(x, w)| x * w).sum::<f64>() / whole;

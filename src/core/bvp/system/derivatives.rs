@@ -165,8 +165,9 @@ fn add_gradient<T: Directional + Number>(
     })
 }
 
-/// Adds the contribution of an interval to a gradient: the interval's equations are linear except
-/// for functions with few arguments, which are combinations of the values at its nodes.
+/// Adds the contribution of an interval to a gradient: the interval's equations are linear, except
+/// for functions of a few arguments, and each argument is a linear combination of the values at the
+/// interval's nodes.
 fn add_gradient_inside<T: Directional + Number>(
     equations: &DiscretisedProblem,
     (s, j): (usize, usize),

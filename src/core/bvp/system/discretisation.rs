@@ -199,7 +199,7 @@ impl DiscretisedProblem {
         }
     }
 
-    /// Returns an interval of a segment, given the values at all nodes and the numbers of all
+    /// Returns an interval of a segment, given the values at all nodes and the vectors `q` of all
     /// segments.
     pub(super) fn interval<'a, T>(
         &'a self,
@@ -211,7 +211,8 @@ impl DiscretisedProblem {
         self.alone((segment, interval), nodes, &numbers[self.layout.local(segment)])
     }
 
-    /// Returns an interval of a segment, given the values at its nodes and the segment's numbers.
+    /// Returns an interval of a segment, given the values at its nodes and the segment's vector
+    /// `q`.
     pub(super) fn alone<'a, T>(
         &'a self,
         (segment, interval): (usize, usize),
@@ -265,12 +266,12 @@ impl DiscretisedProblem {
         })
     }
 
-    /// Returns the duration of a segment with the numbers `q`.
+    /// Returns the duration of a segment for a vector `q` of parameters and extra unknowns.
     pub(super) fn duration_of<T: Number>(&self, segment: usize, q: &[T]) -> T {
         T::residual(&*self.problem).duration_in(segment, q)
     }
 
-    /// Returns the total duration of the selected segments, from the numbers of all segments.
+    /// Returns the total duration of the selected segments, from the vectors `q` of all segments.
     pub(super) fn duration<T: Number>(&self, numbers: &[T], counts: impl Fn(usize) -> bool) -> T {
         let all = self.meshes.iter().enumerate().filter(|(s, _)| counts(*s));
         let of = |(s, mesh): (usize, &Mesh)| {
@@ -325,8 +326,9 @@ impl DiscretisedProblem {
         onto.at_nodes(others, |segment, tau, out| self.value(&mut work, segment, tau, out))
     }
 
-    /// Converts a solution to the problem that it solves on meshes from 0 to 1, its trajectories
-    /// (with the states at the starts of intervals), and its numbers `q`.
+    /// Returns the parts of a solution: the problem that the solution solves on meshes from 0 to 1,
+    /// the trajectories (with the states at the starts of intervals), and the vector `q` of
+    /// parameters and extra unknowns.
     pub(in crate::core) fn trajectories_of(&self, z: &[f64], p: &[f64]) -> Known {
         let (layout, mut numbers) = (&self.layout, Vec::new());
         let q = [p, &z[layout.values()..]].concat();

@@ -21,7 +21,7 @@ impl Default for DurationBound {
 
 impl DurationBound {
     /// Returns the bound on durations that follows from the last solution; `numbers` contains the
-    /// numbers of all segments of this solution.
+    /// vectors `q` of all segments of this solution.
     pub fn behind(equations: &DiscretisedProblem, numbers: &[f64]) -> Self {
         let whole = equations.duration(numbers, |_| true).abs();
         if whole > 0.0 { DurationBound(ASTRAY * whole) } else { DurationBound::default() }

@@ -32,8 +32,8 @@ struct Wave {
     /// The values of all unknowns: zero states, and the period of the critical pair.
     period: Vec<f64>,
     deviation: Vec<f64>,
-    /// The time derivative of the deviation, up to a factor, which equals the deviation a quarter
-    /// of a period later.
+    /// The time derivative of the deviation, up to a factor: the deviation a quarter of a period
+    /// later.
     motion: Vec<f64>,
 }
 

@@ -25,7 +25,8 @@ fn ends_in<'w>(layout: &UnknownLayout, work: &'w Work<f64>) -> Ends<'w, f64> {
     Ends { start, end }
 }
 
-/// Computes the solution on the other side of a limit, and the system that it solves.
+/// Computes the solution on the other side of a limit of admissible solutions, and the system that
+/// it solves.
 fn beside(solutions: &Solutions, x: &[f64], passes: bool) -> Result<Option<Beside>, Failure> {
     let equations = &solutions.equations;
     let (z, p) = x.split_at(equations.layout.dimension);
@@ -39,8 +40,9 @@ fn beside(solutions: &Solutions, x: &[f64], passes: bool) -> Result<Option<Besid
     Ok(Some(Beside { at: x.to_vec(), system: Box::new(system), x: x_there, passes }))
 }
 
-/// Creates the system of another problem with the same method and, on each segment, the largest
-/// present number of intervals; its solution is guessed from trajectories.
+/// Creates the system of another problem, and guesses its solution from trajectories; the method is
+/// unchanged, and every segment has as many intervals as the present segment with the most
+/// intervals.
 fn discretised_alike(
     like: &DiscretisedProblem,
     guess: Guess<ErasedProblem>,
@@ -73,8 +75,8 @@ impl OrbitEvents for Solutions {
         problem.itineraries()?.name_of_limit(monitor, &trajectories, &q)
     }
 
-    /// The solution on the other side of the limit is computed once and kept for later calls with
-    /// the same solution.
+    /// The solution on the other side of a limit of admissible solutions is computed once, and kept
+    /// for later calls with the same solution.
     fn across(&mut self, x: &[f64], passes: bool) -> Result<Option<Across<'_>>, Failure> {
         let known = |beside: &Beside| beside.at == x && beside.passes == passes;
         if !self.beside.as_ref().is_some_and(known) {

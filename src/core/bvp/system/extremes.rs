@@ -53,7 +53,8 @@ impl OnSegment {
 #[derive(Default)]
 pub(super) struct MonitoredExtremes {
     segments: Vec<OnSegment>,
-    /// The values at the nodes, and the numbers `q`, for which the extrema were computed.
+    /// The values at the nodes, and the parameters and extra unknowns `q`, for which the extrema
+    /// were computed.
     at: Vec<f64>,
     /// Whether the extrema were computed with a larger error than the method's own error.
     rough: bool,
@@ -91,13 +92,14 @@ impl MonitoredExtremes {
         watched.iter().position(|observable| *observable == of.observable).map(|k| &extremes[k])
     }
 
-    /// Whether the extrema are known for these values at nodes and numbers `q`; `rough` also
-    /// accepts extrema with a larger error.
+    /// Whether the extrema are known for the given values at nodes and the given vector `q`;
+    /// `rough` also accepts extrema with a larger error.
     pub fn known(&self, nodes: &[f64], q: &[f64], rough: bool) -> bool {
         (rough || !self.rough) && self.at.iter().eq(nodes.iter().chain(q))
     }
 
-    /// Starts the evaluation of a solution with the numbers `q` and the given mesh error.
+    /// Starts the evaluation of a solution with the given vector `q` of parameters and extra
+    /// unknowns, and the given mesh error.
     pub fn begin(&mut self, problem: &dyn Equations, q: &[f64], mesh_error: f64) {
         for (segment, on) in self.segments.iter_mut().enumerate() {
             for (k, &observable) in on.watched.iter().enumerate() {

@@ -1,5 +1,6 @@
 //! Adaptive numbers of intervals along a branch: the meshes are fine enough to keep the mesh error
-//! below a target; for shooting, the error of the flow that has grown over a segment.
+//! below a target; for shooting, they keep the error of the flow, which grows over a segment, below
+//! the target.
 
 use super::carry::remesh;
 use super::mesh_error::intervals_for;
@@ -160,7 +161,8 @@ fn more(now: usize, needed: f64, far: bool) -> usize {
     if count.is_finite() { (count as usize).min(MOST_FITTED.max(now)) } else { now }
 }
 
-/// Returns the new number of intervals of a segment whose error is small.
+/// Returns the new number of intervals of a segment whose error is small; the number does not
+/// increase.
 fn fewer(now: usize, least: usize, needed: f64) -> usize {
     let enough = (SPARE * needed).ceil();
     let kept = enough.max((LEAST_KEPT * now as f64).ceil());

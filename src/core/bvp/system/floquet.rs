@@ -141,8 +141,8 @@ impl Floquet {
 
     /// Computes all Floquet multipliers for return conditions of any kind. With the square matrix
     /// `Q = E (F_z + (μ₀ − 1) E)⁻¹ Eᵀ` of the return conditions, the multipliers are the
-    /// eigenvalues of `(I − μ₀ Q) v + μ Q v = 0`: infinite multipliers, as at a limit, correspond
-    /// to null vectors of `Q`, whose entries remain bounded.
+    /// eigenvalues of `(I − μ₀ Q) v + μ Q v = 0`: infinite multipliers, as at a limit of admissible
+    /// solutions, correspond to null vectors of `Q`, and the entries of `Q` remain bounded.
     fn returning_multipliers(&mut self, of: &Orbit) -> Result<Spectrum, Failure> {
         let k = of.equations.layout.returns.len();
         let mut best = f64::INFINITY;

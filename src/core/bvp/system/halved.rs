@@ -25,7 +25,8 @@ pub(super) struct Halves {
     miss: f64,
     /// The largest absolute value of a state.
     pub size: f64,
-    /// The part of the difference that the mesh error explains, as a fraction of the size.
+    /// The difference between the halves that the mesh error can explain, as a fraction of the
+    /// largest absolute value of a state.
     error: f64,
     /// Whether the halves span several periods or several segments: a constant solution can then
     /// belong to a branch of doubled solutions.
@@ -113,8 +114,8 @@ pub(super) fn halved(
     }
 }
 
-/// Returns the first half of the segments, with the extra unknowns of these segments and the extra
-/// unknowns before them.
+/// Returns the first half of the segments, with the extra unknowns of these segments, preceded by
+/// the extra unknowns that belong to no segment.
 fn first_segments(whole: &DiscretisedProblem, meshes: &[Mesh], z: &[f64]) -> Result<Half, Failure> {
     let (layout, half) = (&whole.layout, meshes.len() / 2);
     let problem = whole.problem.itineraries().and_then(Itineraries::halved);

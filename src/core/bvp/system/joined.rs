@@ -244,7 +244,7 @@ impl Joined {
         out[layout.extras..].copy_from_slice(y);
     }
 
-    /// Loads the entries of a right-hand side of the transposed system that belong to the extra
+    /// For the transposed system, loads the entries of a right-hand side that belong to the extra
     /// unknowns and to the border.
     pub fn load_transposed(&mut self, layout: &UnknownLayout, right: &[f64], border: &mut [f64]) {
         let forced = usize::from(layout.forced());
@@ -274,9 +274,9 @@ impl Joined {
         self.chain.forward_transposed(&self.nodes, &self.reduced, dense);
     }
 
-    /// Substitutes back like [`back`](Self::back), for the transposed matrix: writes the inputs of
-    /// the segments' chains into `joined`, and the components of conditions and border into
-    /// `right`.
+    /// Substitutes back like [`back`](Self::back), for the transposed matrix: writes the input for
+    /// the back substitution in the segments' chains into `joined`, and the components that belong
+    /// to conditions and to the border into `right`.
     pub fn back_transposed(
         &mut self,
         layout: &UnknownLayout,

@@ -1,11 +1,11 @@
 //! The transitions between the segments of a cycle: conditions that depend only on the end of a
 //! segment.
 //!
-//! The derivatives of a segment's conditions form rows with respect to the states at its end and
-//! its numbers: one row for each initial state of the next segment (the negative derivative of the
-//! event map), then the row of the event condition. The rows of all segments follow one another;
-//! the row of the condition on the cycle's duration, with derivatives with respect to the numbers,
-//! is the last row.
+//! The derivatives of a segment's conditions are taken with respect to the states at its end and to
+//! its vector `q`: one row for each initial state of the next segment (the negative derivative of
+//! the event map), then the row of the event condition. The rows of all segments follow one
+//! another; the last row contains the derivatives of the condition on the cycle's duration with
+//! respect to `q`.
 
 use super::assembly::AssembledJacobian;
 use super::discretisation::DiscretisedProblem;
@@ -17,8 +17,8 @@ use crate::core::bvp::interval::weighted as summed;
 use crate::core::failure::Failure;
 use crate::core::scalar::{CHUNK, Chunk, Directional};
 
-/// The arguments of a segment's conditions: the states at the segment's end, and the numbers on
-/// which the conditions depend.
+/// The arguments of a segment's conditions: the states at the segment's end, and the entries of `q`
+/// on which the conditions depend.
 fn dependence<'a>(
     layout: &'a UnknownLayout,
     segment: usize,
@@ -138,8 +138,8 @@ impl AssembledJacobian {
         }
     }
 
-    /// Writes the derivative of all conditions with respect to an active parameter, the `k`-th
-    /// active number.
+    /// Writes the derivative of all conditions with respect to an active parameter, which is the
+    /// `k`-th active entry of `q`.
     pub fn joint_column(&self, layout: &UnknownLayout, k: usize, out: &mut [f64]) {
         for (segment, rows) in self.joints(layout) {
             let n = layout.segments[segment].states;

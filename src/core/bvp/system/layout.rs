@@ -163,19 +163,20 @@ impl UnknownLayout {
         self.cycle == Some(true)
     }
 
-    /// Returns the number of a segment's numbers besides the parameters: start time and duration in
-    /// a cycle, otherwise the extra unknowns.
+    /// Returns the number of entries of a segment's vector `q` that are not parameters: start time
+    /// and duration in a cycle, otherwise the extra unknowns.
     pub fn own(&self) -> usize {
         if self.cycle.is_some() { 2 } else { self.extras }
     }
 
-    /// Returns the range of a segment's numbers in the list that [`spread`](Self::spread) writes.
+    /// Returns the range of a segment's vector `q` in the list that [`spread`](Self::spread)
+    /// writes.
     pub fn local(&self, segment: usize) -> std::ops::Range<usize> {
         let (width, k) = (self.parameters + self.own(), self.cycle.map_or(0, |_| segment));
         k * width..(k + 1) * width
     }
 
-    /// Computes the numbers of all segments from `q = (p, e)`.
+    /// Computes the vectors `q` of all segments from the vector `q = (p, e)` of the problem.
     pub fn spread<T: Scalar>(&self, q: &[T], out: &mut Vec<T>) {
         out.clear();
         let Some(forced) = self.cycle else { return out.extend_from_slice(q) };
@@ -189,7 +190,7 @@ impl UnknownLayout {
         }
     }
 
-    /// Appends the numbers of a segment, from `x = (z, p)`.
+    /// Appends the vector `q` of a segment, from `x = (z, p)`.
     pub fn numbers_of(&self, segment: usize, x: &[f64], out: &mut Vec<f64>) {
         let (q, p) = (|k: usize| x[self.number(k)], self.parameters);
         let Some(forced) = self.cycle else {
@@ -199,8 +200,8 @@ impl UnknownLayout {
         out.extend((0..p).map(q).chain([(p..duration).map(q).sum(), q(duration)]));
     }
 
-    /// Adds the derivative with respect to one of a segment's numbers to a gradient of the same
-    /// length as `x`.
+    /// Adds the derivative with respect to an entry of a segment's vector `q` to a gradient of the
+    /// same length as `x`.
     pub fn scatter(&self, segment: usize, number: usize, slope: f64, out: &mut [f64]) {
         let Some((forced, own)) = self.cycle.zip(number.checked_sub(self.parameters)) else {
             out[self.number(number)] += slope;

@@ -8,7 +8,7 @@ use crate::core::failure::Failure;
 use crate::core::linalg::refill;
 use crate::core::scalar::{CHUNK, Chunk, Directional, seeded};
 
-/// The unknowns and numbers on which a part of the equations depends.
+/// The arguments of a part of the equations: unknowns at nodes, and entries of `q`.
 #[derive(Clone, Copy)]
 pub(super) struct Dependence<'a> {
     /// The positions of the unknowns in `z`.
@@ -16,8 +16,8 @@ pub(super) struct Dependence<'a> {
     /// The segment to which the part of the equations belongs; `None` if it does not belong to a
     /// segment.
     pub segment: Option<usize>,
-    /// The positions of the numbers in the segment's list of numbers, or in `q` if the part of the
-    /// equations does not belong to a segment.
+    /// The positions of the arguments in the segment's vector `q`, or in the problem's vector `q`
+    /// if the part of the equations does not belong to a segment.
     pub numbers: &'a [usize],
 }
 
@@ -40,18 +40,18 @@ impl Dependence<'_> {
     }
 }
 
-/// The numbers with respect to which derivatives are computed.
+/// The entries of `q` with respect to which derivatives are computed.
 #[derive(Default)]
 pub(super) struct Numbers {
-    /// The positions of these numbers in each segment's list of numbers.
+    /// The positions of these entries in each segment's vector `q`.
     pub local: Vec<usize>,
-    /// The positions of these numbers in `q`.
+    /// The positions of these entries in the problem's vector `q`.
     pub all: Vec<usize>,
 }
 
 impl Numbers {
-    /// Selects the released parameters and all numbers that are not parameters. Sets all entries of
-    /// `out` to zero.
+    /// Selects the released parameters, and all entries of `q` that are not parameters. Sets all
+    /// entries of `out` to zero.
     pub fn release(&mut self, layout: &UnknownLayout, released: &[usize], out: &mut [f64]) {
         let of_segments = layout.parameters..layout.parameters + layout.own();
         let own = [of_segments, layout.parameters..layout.numbers()];
@@ -74,8 +74,8 @@ pub(super) struct Gradient<'a> {
 }
 
 impl Gradient<'_> {
-    /// Adds the gradient of a function that depends on some unknowns, and on a segment's numbers or
-    /// on all numbers.
+    /// Adds the gradient of a function that depends on some unknowns, and on the vector `q` of a
+    /// segment or of the whole problem.
     pub fn add(
         &mut self,
         layout: &UnknownLayout,
@@ -112,7 +112,7 @@ pub(super) struct Passes<T: Number> {
     pub q: Vec<T>,
     pub r: Vec<T>,
     pub local: Local<T>,
-    /// The numbers `q`, or a segment's numbers, at the point and along the direction.
+    /// The vector `q` of the problem or of a segment, at the point and along the direction.
     real: [Vec<f64>; 2],
     pub slopes: Vec<f64>,
 }
@@ -147,7 +147,7 @@ impl<T: Directional + Number> Passes<T> {
         self.seed(dependence.numbers, dependence.unknowns.len(), start);
     }
 
-    /// Loads the numbers of a segment, or all numbers if no segment is given.
+    /// Loads the vector `q` of a segment, or the vector `q` of the problem if no segment is given.
     pub fn take_numbers(&mut self, layout: &UnknownLayout, segment: Option<usize>, at: Arguments) {
         for (real, from) in self.real.iter_mut().zip([at.x, at.v]) {
             real.clear();
@@ -158,7 +158,7 @@ impl<T: Directional + Number> Passes<T> {
         }
     }
 
-    /// Creates dual numbers for the numbers of a segment or of the problem; the numbers selected
+    /// Creates dual numbers for the vector `q` of a segment or of the problem; the entries selected
     /// for differentiation are the directions from `first` on.
     pub fn seed(&mut self, numbers: &[usize], first: usize, start: usize) {
         let [x, v] = &self.real;
@@ -168,8 +168,8 @@ impl<T: Directional + Number> Passes<T> {
         }
     }
 
-    /// Adds the gradient of a function of some unknowns and numbers to `out` (of the same length as
-    /// `x`); the arguments of the function are loaded by [`load`](Self::load).
+    /// Adds the gradient of a function of some unknowns and entries of `q` to `out` (of the same
+    /// length as `x`); the arguments of the function are loaded by [`load`](Self::load).
     pub fn add_gradient(
         &mut self,
         layout: &UnknownLayout,
@@ -194,6 +194,6 @@ pub(super) struct Weighted<'a> {
     pub at: Arguments<'a>,
     /// The weights `w`, one for each equation.
     pub w: &'a [f64],
-    /// The numbers with respect to which the gradient is computed.
+    /// The entries of `q` with respect to which the gradient is computed.
     pub numbers: &'a Numbers,
 }

@@ -8,9 +8,9 @@
 //! ```
 //!
 //! The reported error is `2 C h^{m+1}` times the estimate of `|x^{(m+1)}|`, because the derivative varies
-//! within an interval, plus the square of the last term of the polynomial's Legendre series, `h^m
-//! |x^{(m)}| m!/(2m)!`: in an unresolved layer the neighbouring polynomials can be alike and equally
-//! wrong. If the mesh resolves the solution, the square of the last term is negligible.
+//! within an interval, plus the square of the last term of the polynomial's Legendre series,
+//! `m!/(2m)!·h^m·|x^{(m)}|`: in an unresolved layer the neighbouring polynomials can be alike and
+//! equally wrong. If the mesh resolves the solution, the square of the last term is negligible.
 
 use super::discretisation::DiscretisedProblem;
 use super::local::{Arguments, Dependence, Gradient};
@@ -56,7 +56,7 @@ pub(super) struct LargestError {
 pub(super) struct MeshError {
     /// The weights of the values at the nodes in the `m`-th derivative of the polynomial.
     highest: Vec<f64>,
-    /// The last estimated error, with the values at nodes and the numbers for which it was
+    /// The last estimated error, with the values at nodes and the vectors `q` for which it was
     /// estimated; empty before the first estimate.
     largest: Option<LargestError>,
     at: Vec<f64>,
@@ -96,8 +96,9 @@ impl MeshError {
         (size > SMALL * most || size > NOTHING * most.min(1.0) && !noise()).then_some(size)
     }
 
-    /// Computes the largest estimated error of a solution, given with the numbers of all segments; `None`
-    /// if the method has no mesh error, or if all states vanish.
+    /// Computes the largest estimated error of a solution, given by its values at nodes and the
+    /// vectors `q` of all segments; `None` if the method has no mesh error, or if all states
+    /// vanish.
     pub fn largest(
         &mut self,
         equations: &DiscretisedProblem,
@@ -287,8 +288,8 @@ impl MeshError {
 }
 
 /// Returns lower bounds of the sizes of a segment's states; empty unless the problem defines the
-/// size of the motion near a state. Constant states have no size of their own, and are bounded
-/// below by the size of the motion.
+/// size of the motion near a state. The values of a constant state do not determine its size, so
+/// the size of the motion is its lower bound.
 struct Floors(Vec<f64>);
 
 impl Floors {
@@ -331,8 +332,8 @@ fn sizes_near(
 }
 
 /// Estimates `|x^{(m+1)}|` of a state in an interval, given `x^{(m)}` in the segment's intervals. On a
-/// mesh with a single interval, the estimate is the change of the polynomial's own highest derivative
-/// over the interval, which overestimates `|x^{(m+1)}|` if the series converges.
+/// mesh with a single interval, the estimate is computed from the highest derivative of the only
+/// polynomial, and overestimates `|x^{(m+1)}|` if the series converges.
 fn next_derivative<T: Scalar>(
     equations: &DiscretisedProblem,
     (segment, interval): (usize, usize),

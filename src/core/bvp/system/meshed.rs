@@ -33,8 +33,8 @@ pub(super) struct Meshed {
     pub assembly: AssembledJacobian,
     pub derivatives: Derivatives,
     pub floquet: Floquet,
-    /// Scratch space for derivatives of parts of the equations, and the selection of numbers for
-    /// gradients.
+    /// Scratch space for derivatives of parts of the equations, and the selection of the entries of
+    /// `q` for gradients.
     pub chunk: Passes<Chunk>,
     pub numbers: Numbers,
     /// The number of accepted points of the branch so far.

@@ -47,8 +47,8 @@ impl Phase {
         Ok(())
     }
 
-    /// Makes `x = (z, p)` the reference solution, with a time derivative (in the order of `z`) that
-    /// can differ from the solution's own.
+    /// Makes `x = (z, p)` the reference solution, with a given time derivative (in the order of
+    /// `z`), which can differ from the time derivative of this solution.
     pub fn refer_to_motion(&mut self, equations: &DiscretisedProblem, x: &[f64], motion: &[f64]) {
         let layout = &equations.layout;
         let weights = node_weights(equations.method.places());

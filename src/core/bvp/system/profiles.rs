@@ -63,7 +63,8 @@ pub(super) fn draw(profiles: &mut Vec<Profile>, name: &str, along: &str, curve: 
     }
 }
 
-/// Returns the number of points per interval of a segment, without the last point.
+/// Returns the number of points per interval of a segment; the last point of each interval is not
+/// counted.
 pub(super) fn points_each(equations: &DiscretisedProblem, segment: usize) -> usize {
     let intervals = equations.layout.segments[segment].intervals;
     FEWEST_POINTS.div_ceil(intervals).max(equations.layout.degree)

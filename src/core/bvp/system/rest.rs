@@ -206,9 +206,9 @@ impl<'a> Rest<'a> {
         f
     }
 
-    /// Returns the sampled difference between the vector field and its linearisation on the ellipse
-    /// `x* + ε Re(v e^{iφ})`, as a fraction of the linearisation; infinite outside the vector
-    /// field's domain.
+    /// Samples the ellipse `x* + ε Re(v e^{iφ})`, and returns the relative difference between the
+    /// vector field and its linearisation there; infinite if the ellipse leaves the vector field's
+    /// domain.
     pub fn nonlinearity(&self, v: &[c64], amplitude: f64) -> f64 {
         let (n, units) = (self.state.len(), self.units());
         let field = f64::residual(self.problem).on_segment(0, &self.q);

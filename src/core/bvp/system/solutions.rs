@@ -10,13 +10,15 @@ use crate::core::failure::Failure;
 use crate::core::problem::Profile;
 use crate::core::system::System;
 
-/// A solution at a limit, converted to the system on the other side of the limit.
+/// A solution at a limit of admissible solutions, converted to the system of the solutions on the
+/// other side of the limit.
 pub(super) struct Beside {
-    /// The solution of the current system, at the limit.
+    /// The solution of the current system, at the limit of admissible solutions.
     pub at: Vec<f64>,
     pub system: Box<dyn System>,
     pub x: Vec<f64>,
-    /// Whether the solution passes an event that does not occur in the solutions on the other side.
+    /// Whether the solution passes an event that does not occur in the solutions on the other side
+    /// of the limit.
     pub passes: bool,
 }
 
@@ -30,9 +32,10 @@ pub(super) struct Solutions {
     /// The point whose accurate residual is stored in `plain`; empty if `plain` does not contain an
     /// accurate residual.
     evaluated: Vec<f64>,
-    /// Whether the problem has fixed the properties that hold along the whole branch.
+    /// Whether the problem has already determined the properties that stay fixed along the whole
+    /// branch.
     referred: bool,
-    /// The last computed solution on the other side of a limit.
+    /// The last computed solution on the other side of a limit of admissible solutions.
     pub beside: Option<Beside>,
 }
 
@@ -49,14 +52,14 @@ impl Solutions {
         }
     }
 
-    /// Copies, from solutions on another mesh, whether the problem has fixed the properties that
-    /// hold along the whole branch.
+    /// Copies, from solutions on another mesh, the flag whether the problem has already determined
+    /// the properties that stay fixed along the whole branch.
     pub fn refers_to_problem_of(&mut self, other: &Solutions) {
         self.referred = other.referred;
     }
 
-    /// Makes the first point at which the equations are evaluated the reference of the problem and
-    /// of the phase condition, unless a reference is set.
+    /// Uses the first point at which the equations are evaluated as the reference of the problem
+    /// and of the phase condition, unless a reference is already set.
     pub fn refer(&mut self, x: &[f64]) -> Result<(), Failure> {
         let Solutions { equations, plain, .. } = self;
         if !self.referred {

@@ -123,13 +123,13 @@ pub(super) fn itineraries_of(
     problem.itineraries().ok_or_else(|| Failure::Unsupported(reason.into()))
 }
 
-/// Returns the largest number of intervals of a segment.
+/// Returns the number of intervals of the segment with the most intervals.
 pub(super) fn most_intervals(equations: &DiscretisedProblem) -> usize {
     equations.meshes.iter().map(Mesh::intervals).max().unwrap_or(1)
 }
 
-/// Discretises another problem by the same method, with the largest current number of intervals on
-/// each segment.
+/// Discretises another problem by the same method; every segment has as many intervals as the
+/// current segment with the most intervals.
 fn changed(
     present: &DiscretisedProblem,
     problem: ErasedProblem,

@@ -35,8 +35,8 @@ const DEGENERATE: f64 = 1e-9;
 const DEPENDENT: f64 = 1e-9;
 
 /// Computes a long cycle near the homoclinic orbit, for changed values of the two released
-/// parameters. The amplitude of the cycle is a fraction of the size of the equilibrium, or less,
-/// times a factor.
+/// parameters. The amplitude of the cycle is `factor` times a fraction `part` of the size of the
+/// equilibrium, or less if higher-order terms are large.
 ///
 /// # Errors
 /// [`Failure::Mismatch`] if the normal form is degenerate, or if the number of released parameters

@@ -8,9 +8,9 @@ use crate::core::scalar::Scalar;
 pub(super) struct Work<T: Scalar> {
     /// The values at the nodes of all segments, node by node.
     pub nodes: Vec<T>,
-    /// The numbers `q = (p, e)`.
+    /// The vector `q = (p, e)` of parameters and extra unknowns.
     pub q: Vec<T>,
-    /// The numbers of all segments.
+    /// The vectors `q` of all segments, one after another.
     pub numbers: Vec<T>,
     pub r: Vec<T>,
     pub ends: Vec<T>,
