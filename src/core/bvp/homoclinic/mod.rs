@@ -60,7 +60,7 @@ const BEFORE_PLACE: usize = 3;
 ///
 /// Deviations are in units of the extents of the orbit, and `R_u` and `R_s` give their components along
 /// the eigenvectors. The parameter at which `g = 0` has truncation errors of order `ε₀^(2+r)` and
-/// `ε₁^(2+1/r)`, where `r = −λ_s/λ_u` is the ratio of the leading stable and unstable eigenvalues
+/// `ε₁^(2+1/r)`, where `r` is the absolute value of the ratio of the leading stable and unstable eigenvalues
 /// `λ_s` and `λ_u`.
 ///
 /// The excursion is often short compared with `T`, and the times that the orbit spends near the
