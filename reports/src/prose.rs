@@ -282,9 +282,10 @@ fn unescaped(literal: &str) -> String {
 }
 
 impl Paragraph {
-    /// The sentences of the paragraph that have at least four words. In documents, a sentence must
-    /// end with a punctuation mark, because cells of tables are not sentences; in messages, a
-    /// sentence must contain a verb, because texts without a verb are parts of messages.
+    /// The sentences of the paragraph that have at least four words. In documents and doc comments,
+    /// a sentence must end with a punctuation mark, because cells of tables and the two parts of a
+    /// sentence around a displayed formula are not sentences. In messages, a sentence must contain
+    /// a verb, because texts without a verb are parts of messages.
     pub fn sentences(&self) -> Vec<&str> {
         let mut sentences = Vec::new();
         let mut start = 0;
@@ -307,9 +308,12 @@ impl Paragraph {
         sentences.push(self.text[start..].trim());
         let ends =
             |sentence: &str| sentence.trim_end_matches(['*', ')']).ends_with(['.', ':', '?', '!']);
+        // A displayed formula interrupts the sentence around it.
+        let goes_on = |sentence: &str| sentence.starts_with(|c: char| c.is_lowercase() || c == ',');
         sentences.retain(|sentence| {
             let whole = match self.source {
                 Source::Document => ends(sentence),
+                Source::Doc => ends(sentence) && !goes_on(sentence),
                 Source::Message => is_clause(sentence),
                 _ => true,
             };

@@ -176,8 +176,8 @@ fn divide(row: &mut [f64], units: &[f64], (n, parameter): (usize, Option<usize>)
 const CANCELLED: f64 = 1e4;
 
 impl NullVectors {
-    /// Creates the storage for null vectors of a form of `F_z`, with or without the column of a
-    /// parameter.
+    /// Creates the storage for null vectors of the matrix `F_z` in a given form, or of `[F_z  F_p]`
+    /// if a parameter is given.
     pub(super) fn new(form: Form, parameter: Option<usize>) -> Self {
         NullVectors { form, parameter, ..NullVectors::default() }
     }
@@ -230,8 +230,8 @@ impl NullVectors {
     /// Computes the sizes of the equations: the change of each equation when all its arguments
     /// change by their sizes, multiplied by factors that avoid cancellation. The changes of the
     /// equations are computed for finite changes of the arguments because first derivatives may
-    /// vanish, as at a pitchfork. Equations of interpolated solutions are already in the units of
-    /// the states.
+    /// vanish, as at a pitchfork. The equations of collocation are already in the units of the
+    /// states.
     fn measure(
         &mut self,
         system: &mut dyn System,

@@ -118,8 +118,9 @@ impl Collocation {
         interval.watching(observable).value_in(t, &x, &q)
     }
 
-    /// Visits the ends of an interval and the local extrema of a function of its states; the
-    /// extrema are located by sign changes of the derivative between samples.
+    /// Visits the ends of a mesh interval, and the times in the interval at which a function of the
+    /// state has a local extremum; the extrema are located by sign changes of the derivative
+    /// between samples.
     fn extrema_of(
         &self,
         interval: &Interval<f64>,

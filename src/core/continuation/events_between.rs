@@ -156,8 +156,8 @@ const ONE_POINT: f64 = 1e-3;
 const TURNS: [Kind; 3] = [Kind::BP, Kind::HB, Kind::GH];
 
 /// Whether an event is only the extremum that the parameter has at another special point found in
-/// the step. Testing for such an extremum takes less time than an attempt to solve a singular
-/// defining system.
+/// the step. The test for an extremum of the test function takes less time than an attempt to solve
+/// a singular defining system.
 fn is_turn_of_another((locator, index): (&mut Locator, usize), found: &[Located]) -> bool {
     if !matches!(locator.curve.detector.events[index].kind, Kind::LP | Kind::CP) {
         return false;

@@ -36,9 +36,9 @@ const CONTRACTION: f64 = 0.1;
 /// Heuristic: the lengths of steps across a branch point, or across an equilibrium to which cycles
 /// shrink, in units of the distance to that point.
 const BEYOND: [f64; 3] = [2.0, 1.6, 3.0];
-/// Heuristic: the minimal distance to a branch point, in scaled arclength, from which the length of
-/// a step across the branch point is computed, so that the branches are well separated at both ends
-/// of the step.
+/// Heuristic: the smallest distance to a branch point, in scaled arclength, that determines the
+/// length of a step across the branch point. The branches are then well separated at both ends of
+/// the step.
 const CROSSED: f64 = 3e-3;
 /// Heuristic: a failed step is near an equilibrium to which cycles shrink if the extrapolated
 /// amplitude vanishes within this multiple of the step length.

@@ -100,7 +100,7 @@ impl RestInMode {
             return Err(OutOfDomain::new(
                 "the distance of the state from the surface of its mode, in units of the states' sizes",
                 off,
-                "start closer to an equilibrium on the surface of the mode",
+                "start closer to an equilibrium that lies on the surface along which the mode slides",
             )
             .into());
         }

@@ -92,7 +92,8 @@ pub struct Strip {
 }
 
 impl Strip {
-    /// Sets up a strip: tabulates the functions and their products.
+    /// Creates a strip of a plate, and tabulates its shape functions and their products at the
+    /// quadrature points.
     ///
     /// # Errors
     /// [`PlateError`] if the number of functions is out of range, or the number of quadrature

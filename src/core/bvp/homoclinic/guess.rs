@@ -89,7 +89,7 @@ pub(in crate::core::bvp) fn from_cycle(
 ) -> Result<Guess<ErasedProblem>, Failure> {
     let (parameters, q) = (cycles.parameters().len(), cycle.q);
     if !cycles.shape().phase() || q.len() != parameters + 1 {
-        let reason = "the start must be a smooth cycle whose period is unknown";
+        let reason = "the start must be a smooth cycle whose period is one of the unknowns, not fixed by a forcing";
         return Err(refused(reason.into()));
     }
     let field = f64::residual(&*cycles).on_segment(0, q);

@@ -61,9 +61,9 @@ pub(super) struct AssembledJacobian {
 pub(super) enum Form {
     /// The Jacobian.
     Jacobian,
-    /// The Jacobian in which extra unknowns equal to zero replace the integral and phase
-    /// conditions; under other boundary conditions, this is the linearisation of a periodic orbit
-    /// without the directions of the extra unknowns.
+    /// The Jacobian in which the equations "extra unknown = 0" replace the integral and phase
+    /// conditions. With twisted boundary conditions, `x(1) = μ x(0)`, this matrix is the
+    /// linearisation about a periodic orbit with fixed extra unknowns.
     Twisted,
 }
 
