@@ -156,7 +156,7 @@ const ONE_POINT: f64 = 1e-3;
 const TURNS: [Kind; 3] = [Kind::BP, Kind::HB, Kind::GH];
 
 /// Whether an event is only the extremum that the parameter has at another special point found in
-/// the step. The test for an extremum of the test function takes less time than an attempt to solve
+/// the step. The test for an extremum of the parameter takes less time than an attempt to solve
 /// a singular defining system.
 fn is_turn_of_another((locator, index): (&mut Locator, usize), found: &[Located]) -> bool {
     if !matches!(locator.curve.detector.events[index].kind, Kind::LP | Kind::CP) {
