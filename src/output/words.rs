@@ -26,10 +26,10 @@ pub(crate) fn quoted(text: &str) -> String {
 
 /// The maximum number of characters in a line of a message.
 #[cfg(feature = "cli")]
-const LINE: usize = 380;
+const LINE: usize = 700;
 /// The number of characters kept at the end of a shortened line.
 #[cfg(feature = "cli")]
-const END: usize = 120;
+const END: usize = 300;
 /// The maximum number of lines in a message.
 #[cfg(feature = "cli")]
 const LINES: usize = 20;

@@ -146,9 +146,10 @@ impl Scene {
                 scene.parameters.push((range.name.clone(), begin));
             }
         }
-        scene.set_all(&request.set)?;
         let mut run = Run::along("branch", vec![first.clone()]);
+        // The request takes precedence over the options of a model's file.
         run.bounds = scene.followed()?;
+        scene.set_all(&request.set)?;
         run.bounds.extend(request.bounds.iter().cloned());
         run.marks.clone_from(&request.marks);
         scene.runs.push(run);

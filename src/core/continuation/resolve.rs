@@ -16,7 +16,8 @@ use crate::core::bifurcation::{Hopf, Needs, is_possible};
 use crate::core::failure::{Failure, one_line};
 use crate::core::problem::{Dynamics, Names, position};
 use crate::core::system::{
-    Discretised, Effort, Emanating, HOMOCLINIC_RADIUS, Kind, Site, Solution, Start, SystemRef,
+    Discretised, Effort, Emanating, HOMOCLINIC_RADIUS, HOMOCLINIC_RATES, Kind, Site, Solution,
+    Start, SystemRef,
 };
 use std::sync::Arc;
 
@@ -365,6 +366,16 @@ fn gather(
         bounds.extend(at_limits.iter().map(bound));
         events.extend(at_limits.iter().cloned().map(Event::ending));
     }
+    let of_homoclinic_orbits = curve.held.iter().any(|(kind, _)| *kind == Kind::HOM);
+    if of_homoclinic_orbits {
+        // Beyond these bounds the equilibrium is no saddle, and the solutions are spurious.
+        let ranges = [[0.0, f64::INFINITY], [f64::NEG_INFINITY, 0.0]];
+        for ((name, range), side) in HOMOCLINIC_RATES.into_iter().zip(ranges).zip([-1.0, 1.0]) {
+            let quantity = quantities.find(name)?;
+            events.push(quantities.event(Kind::EP, name, (quantity, 0.0)).ending());
+            bounds.push(Bound { side, range });
+        }
+    }
     for (name, level, kind) in &curve.marks {
         for column in quantities.showing(name) {
             let at = (quantities.find(&column)?, *level);
@@ -378,7 +389,7 @@ fn gather(
         events.push(Event { terminal: !curve.beyond, ..Event::of_itinerary() });
     }
     events.extend(bifurcations(curve, of));
-    if curve.held.iter().any(|(kind, _)| *kind == Kind::HOM) {
+    if of_homoclinic_orbits {
         events.extend(quantities.on_homoclinic_curves());
     }
     events.extend(curve.events.iter().cloned());
