@@ -1,6 +1,6 @@
 //! `tangency trace SCENE`: traces the branches of a scene, and saves and draws them.
 
-use super::compare::check;
+use super::compare::{check, fraction};
 use super::error::CommandError;
 use super::grid::{Design, GridArgs, Traced};
 use super::request::{RequestArgs, Within, value};
@@ -40,6 +40,11 @@ pub struct Trace {
     /// Compare the result with an earlier document, as the command `tangency compare` does
     #[arg(long, value_name = "FILE")]
     check: Option<PathBuf>,
+    /// Allow values to differ from the earlier document by this fraction of the largest value in
+    /// their column, in addition to their errors
+    #[arg(long, value_name = "FRACTION", default_value = "0", value_parser = fraction,
+        requires = "check")]
+    allow: f64,
     /// In the picture, label the two sides of each curve in two parameters with the numbers of
     /// unstable directions
     #[arg(long)]
@@ -145,7 +150,7 @@ impl Trace {
             return Err(CommandError::Interrupted);
         }
         if let (Some(place), Some(reference)) = (&self.check, reference) {
-            check(place, &reference, &outcome.document, out)?;
+            check((place, &reference), &outcome.document, self.allow, out)?;
         }
         let branches = outcome.document.branches.iter();
         self.doubt(branches.flat_map(|branch| Summary(branch).doubts()).collect())

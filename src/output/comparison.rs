@@ -143,13 +143,28 @@ const FAR: f64 = 0.2;
 /// );
 /// ```
 pub fn compare(old: &Document, new: &Document) -> Vec<Difference> {
+    compare_within(old, new, 0.0)
+}
+
+/// Returns the differences of a new document from an old one as [`compare`] does, but allows values
+/// to differ, in addition, by a fraction of the largest value of their column along the branches.
+///
+/// ```
+/// use tangency::output::{Document, compare_within, example_branch};
+/// let old = Document::new("plate", vec![example_branch()]);
+/// let mut new = old.clone();
+/// new.branches[0].special[2].parameters[0] *= 1.0005;
+/// assert!(compare_within(&old, &new, 1e-3).is_empty());
+/// assert_eq!(compare_within(&old, &new, 1e-4).len(), 1);
+/// ```
+pub fn compare_within(old: &Document, new: &Document, allowed: f64) -> Vec<Difference> {
     let named = |document: &Document, name: &str| {
         document.branches.iter().any(|branch| branch.name == name)
     };
     let mut found = Vec::new();
     for branch in &old.branches {
         match new.branches.iter().find(|other| other.name == branch.name) {
-            Some(other) => found.extend(of_branches(branch, other)),
+            Some(other) => found.extend(of_branches(branch, other, allowed)),
             None => found.push(Difference::Branch { branch: branch.name.clone(), new: false }),
         }
     }
@@ -159,10 +174,10 @@ pub fn compare(old: &Document, new: &Document) -> Vec<Difference> {
 }
 
 /// Returns the differences between two branches of the same name.
-fn of_branches(old: &Branch, new: &Branch) -> Vec<Difference> {
-    let constant = constants(old, new);
+fn of_branches(old: &Branch, new: &Branch, allowed: f64) -> Vec<Difference> {
+    let constant = constants(old, new, allowed);
     let names: Vec<&str> = constant.iter().map(|(name, _)| name.as_str()).collect();
-    let both = Both { old, new, constant: &names };
+    let both = Both { old, new, constant: &names, allowed };
     let (mut gone, mut came): (Vec<_>, Vec<_>) = (counted(old).collect(), counted(new).collect());
     let mut pairs = Vec::new();
     // The nearest pairs are matched first, so that a missing point does not shift the others.
@@ -189,7 +204,7 @@ fn of_branches(old: &Branch, new: &Branch) -> Vec<Difference> {
 
 /// Returns the parameters that are constant along both branches and have different values, with
 /// these values.
-fn constants(old: &Branch, new: &Branch) -> Vec<(String, [f64; 2])> {
+fn constants(old: &Branch, new: &Branch, allowed: f64) -> Vec<(String, [f64; 2])> {
     let value = |branch: &Branch, name: &str| {
         let column = branch.parameters.iter().position(|known| known == name)?;
         branch.points.first()?.parameters.get(column).copied()
@@ -198,7 +213,8 @@ fn constants(old: &Branch, new: &Branch) -> Vec<(String, [f64; 2])> {
     let fixed = old.parameters.iter().filter(|name| !varies(name));
     let values =
         fixed.filter_map(|name| Some((name.clone(), [value(old, name)?, value(new, name)?])));
-    let differ = |[a, b]: &[f64; 2]| (a - b).abs() > COLUMNS * a.abs().max(b.abs());
+    let allowed = allowed.max(COLUMNS);
+    let differ = |[a, b]: &[f64; 2]| (a - b).abs() > allowed * a.abs().max(b.abs());
     values.filter(|(_, values)| differ(values)).collect()
 }
 
@@ -227,6 +243,9 @@ struct Both<'a> {
     /// The parameters that are constant along each branch but differ between the two branches; each
     /// is reported once.
     constant: &'a [&'a str],
+    /// The allowed difference of values, as a fraction of the largest value of the column along the
+    /// branches, in addition to errors.
+    allowed: f64,
 }
 
 impl Both<'_> {
@@ -240,7 +259,7 @@ impl Both<'_> {
     where
         Self: 'b,
     {
-        let Both { old, new, constant } = self;
+        let Both { old, new, constant, .. } = self;
         old.columns().filter(move |name| !constant.contains(name)).filter_map(move |name| {
             let (k, l) = (old.column(name)?, new.column(name)?);
             let values = [point.value(k)?, there.value(l)?];
@@ -273,11 +292,11 @@ impl Both<'_> {
         };
         let converged = point.converged && there.converged;
         let columns = self.columns(point, there).filter_map(|(name, values, size)| {
-            let errors = point.error + there.error + ROUNDING * size;
+            let errors = point.error + there.error + (ROUNDING + self.allowed) * size;
             match (name == at.0, converged) {
                 (true, true) => value(name, values, errors),
-                (true, false) => value(name, values, gap(point, there)),
-                (false, true) => value(name, values, COLUMNS * size),
+                (true, false) => value(name, values, gap(point, there).max(self.allowed * size)),
+                (false, true) => value(name, values, COLUMNS.max(self.allowed) * size),
                 (false, false) => None,
             }
         });
@@ -285,7 +304,8 @@ impl Both<'_> {
             let new = there.number(&old.name)?;
             let errors = old.error + new.error;
             let size = old.value.abs().max(new.value.abs());
-            value(&old.name, [old.value, new.value], errors + COLUMNS * size)
+            let allowed = errors + COLUMNS.max(self.allowed) * size;
+            value(&old.name, [old.value, new.value], allowed)
         });
         let mut found: Vec<Difference> = columns.chain(numbers).collect();
         let different = properties(point).into_iter().zip(properties(there));

@@ -50,7 +50,7 @@ mod units;
 mod words;
 
 pub use chosen::Chosen;
-pub use comparison::{Difference, compare};
+pub use comparison::{Difference, compare, compare_within};
 pub use diagram::diagram;
 pub use document::{Against, Deviation, Document, Enlargement, Plot};
 #[cfg(feature = "live")]

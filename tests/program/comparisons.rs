@@ -30,6 +30,34 @@ fn results_are_compared() {
     assert!(said.contains("`rest` is missing") && said.contains("`trivial` is new"), "{said}");
 }
 
+/// A fold that moves by 0.05 % passes a check that allows 0.1 %, and one that moves by 0.2 % does not:
+/// `a = x − b x³/3` has the folds `x = ±1/√b`, `a = ±2/(3√b)`.
+#[test]
+fn a_comparison_allows_a_fraction() {
+    let folder = folder();
+    let at = folder.path();
+    let model =
+        r#"Equations(states: [("x", "a - x + b*x^3/3")], parameters: [("a", 0), ("b", 1)])"#;
+    std::fs::write(at.join("m.ron"), model).unwrap();
+    let trace = ["trace", "m.ron", "--along", "a=-0.2..2", "--bound", "x=..2", "--out"];
+    succeeds(at, &[&trace[..], &["old"]].concat());
+    let check = |b: &str, allowed: &str| {
+        let changed = ["new", "--set", b, "--check", "old/m.ron", "--allow", allowed];
+        tangency(at, &[&trace[..], &changed].concat()).status.code()
+    };
+    assert_eq!([check("b=1.001", "1e-3"), check("b=1.004", "1e-3")], [Some(0), Some(1)]);
+    assert_eq!(check("b=1.001", "0"), Some(1));
+    let compared = |allowed: &str| {
+        let output = tangency(at, &["compare", "old/m.ron", "new/m.ron", "--allow", allowed]);
+        output.status.code()
+    };
+    assert_eq!([compared("1e-2"), compared("1e-5")], [Some(0), Some(1)]);
+    assert_eq!(
+        tangency(at, &["trace", "m.ron", "--along", "a=0..1", "--allow", "1e-3"]).status.code(),
+        Some(2)
+    );
+}
+
 /// One point that is missing is one difference; values of monitors count; rounding matches nothing.
 #[test]
 fn differences_are_those_that_there_are() {
