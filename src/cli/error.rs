@@ -61,7 +61,8 @@ pub enum CommandError {
     #[error("the scene `{scene}` has no branches to trace")]
     #[diagnostic(help("run the sweeps of the scene with `tangency sweep {scene}`"))]
     NoRun { scene: String },
-    /// The command line gives `--start FILE:LABEL` together with an option that it excludes.
+    /// The command line gives `--start FILE:LABEL` together with an option that cannot be combined
+    /// with it.
     #[error(
         "the option --start FILE:LABEL starts a branch at one special point and cannot be combined \
          with {0}"

@@ -43,7 +43,7 @@ impl StateScales {
 /// A sample of a motion, with the events since the preceding sample.
 struct Sample {
     state: HybridState<f64>,
-    /// The number of each event, and whether the event is an accumulation.
+    /// The number that identifies each event, and whether infinitely many events accumulate there.
     events: Vec<(usize, bool)>,
     /// The size of the motion at the sample.
     size: f64,
@@ -118,8 +118,8 @@ impl Repetition {
         distance.is_finite().then_some((q, distance, size))
     }
 
-    /// Returns the number of each event in the last `q` samples, and whether the event is an
-    /// accumulation.
+    /// Returns, for each event in the last `q` samples, the number that identifies it, and whether
+    /// infinitely many events accumulate there.
     pub fn numbers(&self, q: usize) -> Vec<(usize, bool)> {
         self.last(q).flat_map(|sample| sample.events.iter().copied()).collect()
     }
