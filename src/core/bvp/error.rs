@@ -40,7 +40,8 @@ pub enum BoundaryError {
         /// The number of conditions: the integral conditions and the phase condition.
         closing: usize,
     },
-    /// The number of segments or of conditions does not match the shape of the problem.
+    /// The number of segments or conditions does not match the shape of the problem, which says
+    /// whether solutions are periodic and how one period leads to the next.
     #[error(
         "the problem has {segments} segments with {boundary} boundary conditions and {closing} \
          integral and phase conditions, which do not fit the shape {shape:?}: a periodic orbit is \
@@ -86,7 +87,7 @@ pub enum BoundaryError {
         /// The largest allowed number of intervals.
         most: usize,
     },
-    /// The transfer of a solution to another mesh failed.
+    /// A solution could not be transferred to another mesh.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Evaluation(#[from] Failure),
