@@ -151,7 +151,7 @@ pub enum CommandError {
          with {0}"
     )]
     NotInGrid(&'static str),
-    /// Two designs of a grid would be saved in files of the same name.
+    /// Two designs (points of a grid of settings) would be saved in files of the same name.
     #[error("two designs (combinations of settings) of the grid have the same name `{name}`")]
     #[diagnostic(help(
         "choose values that differ in their first 12 digits, and names of settings that differ in \
@@ -164,7 +164,7 @@ pub enum CommandError {
          too long for a file name"
     )]
     LongDesign { name: String, most: usize },
-    /// The computation of some designs of a grid failed.
+    /// The computation of some designs (points of a grid of settings) failed.
     #[error(
         "{failed} of {of} designs of the grid failed; the results of the other designs are saved"
     )]

@@ -39,7 +39,8 @@ pub enum CycleSearchError {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Motion(#[from] HybridError),
-    /// The motion does not repeat within the maximal number of returns.
+    /// The motion does not repeat within the maximal number of returns to its section or sampling
+    /// event.
     #[error(
         "no cycle was found in {returns} returns of the motion: the state at a return was compared \
          with the states at up to {max_period} earlier returns, and the smallest distance was \
@@ -50,7 +51,7 @@ pub enum CycleSearchError {
          motion is not periodic"
     ))]
     Unsettled {
-        /// The number of returns that were compared.
+        /// The number of returns of the motion that were compared.
         returns: usize,
         /// The maximal number of returns in a cycle.
         max_period: usize,
@@ -137,7 +138,7 @@ pub struct CycleSearch {
     /// The maximal number of forcing periods that the search simulates, or of returns if the system
     /// has no forcing.
     pub returns: usize,
-    /// The maximal duration of the search in a system without forcing, in units of the system's
+    /// The maximal duration of the search for a system without forcing, in units of the system's
     /// time scale ([`Scales`](crate::core::hybrid::Scales)).
     pub longest: f64,
 }
@@ -323,8 +324,8 @@ struct Stretch<'a> {
     scales: &'a StateScales,
     start: HybridState<f64>,
     events: Vec<Event<f64>>,
-    /// The largest distance of the motion from its state at the last sample, measured only until
-    /// the first event.
+    /// The largest distance of the motion from its state at the last sample; the distance is
+    /// measured only until the first event after this sample.
     diameter: f64,
 }
 
@@ -348,10 +349,10 @@ impl<'a> Stretch<'a> {
         self.events.iter().map(|event| (event.guard, event.accumulation)).collect()
     }
 
-    /// Returns the delay to a better sampling time if an event coincides with the sample, since
-    /// rounding would then decide to which period the event belongs. The better sampling time is
-    /// the middle of the longest interval without events. Returns `None` if no event coincides with
-    /// the sample.
+    /// If an event coincides with the sample, returns the delay until a better sampling time, since
+    /// rounding would decide to which period the event belongs. The better sampling time is the
+    /// middle of the longest interval without events. Returns `None` if no event coincides with the
+    /// sample.
     fn later(&self, period: f64) -> Option<f64> {
         let (first, last) = (self.events.first()?.time, self.events.last()?.time);
         let near = AT_EVENT * period;
@@ -381,8 +382,8 @@ impl HybridObserver<f64> for Stretch<'_> {
     }
 }
 
-/// The search for repetition among the returns of a motion to a guard, or to a section before the
-/// first event.
+/// The search for repetition among the returns of a motion; the motion returns to a guard or,
+/// before its first event, to a section.
 struct Returns<'a> {
     search: &'a CycleSearch,
     /// Creates the section across the motion through a given state.

@@ -51,7 +51,8 @@ impl Leg {
     }
 }
 
-/// The observable that represents one scalar in each mode; `None` in modes without the scalar.
+/// The observable that represents a scalar in each mode of the system; `None` in modes that do not
+/// define the scalar.
 type InModes = Vec<Option<Observable>>;
 
 /// A measure that is evaluated in every period.
@@ -63,14 +64,14 @@ pub(super) enum Measured {
     Penetration,
 }
 
-/// The data that one measure accumulates during a period.
+/// The data from which one measure is computed, accumulated during a period.
 enum Accumulator {
     /// The extremes of a scalar in the period.
     Extremes { scalar: InModes, extremes: Extremes<()>, extrema: Extrema<f64> },
     /// For a measure of two scalars, the largest value of the second scalar at the times when the
     /// first scalar rises through zero.
     Rising { scalars: [InModes; 2], most: Option<f64>, rises: Roots<f64> },
-    /// The integral of a scalar, and the time over which the integral is taken.
+    /// The integral of a scalar over time, and the duration over which the integral is taken.
     Integral { integral: Integral, scalars: Vec<InModes>, sum: f64, time: f64 },
     /// The smallest local extremum of the guard functions, and the event that the motion approaches
     /// most slowly.

@@ -92,8 +92,8 @@ impl Repetition {
     }
 
     /// Whether `q` is the minimal period in samples, so that the motion does not repeat after a
-    /// proper divisor of `q`. A motion that spirals towards a cycle may first approach it after a
-    /// multiple of the minimal period.
+    /// proper divisor of `q`. A motion that spirals towards a cycle may first approach its own
+    /// earlier states after a multiple of the minimal period.
     pub fn is_least(&self, q: usize) -> bool {
         let near = DISTINCT * self.distance(q);
         (1..q).filter(|part| q.is_multiple_of(*part)).all(|part| near <= self.distance(part))
@@ -124,8 +124,8 @@ impl Repetition {
         self.last(q).flat_map(|sample| sample.events.iter().copied()).collect()
     }
 
-    /// Whether the last state is closer to `x` than the oldest stored state that lies a multiple of
-    /// `q` samples before the last one.
+    /// Compares two distances from a state `x`: returns whether the last state is closer to `x`
+    /// than the oldest stored state that lies a multiple of `q` samples before the last one.
     pub fn approaches(&self, x: &[f64], q: usize) -> bool {
         let [old, new] = [(self.past.len() - 1) / q * q, 0].map(|before| self.before(before));
         let distance = |sample: &HybridState<f64>| self.scales.distance(sample.mode, &sample.x, x);

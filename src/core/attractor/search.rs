@@ -25,8 +25,8 @@ use std::ops::ControlFlow;
 pub struct AttractorSearch {
     /// The number of transient periods, which are not recorded.
     pub transient: usize,
-    /// The number of periods in which the search looks for a cycle; they are recorded if the motion
-    /// is not periodic.
+    /// The number of periods after the transient in which the search looks for a cycle; these
+    /// periods are recorded if the motion is not periodic.
     pub recorded_periods: usize,
     /// The maximal number of periods in a cycle.
     pub max_period: usize,
@@ -130,7 +130,8 @@ impl Run {
         }
     }
 
-    /// Records a period; returns false if the motion may be periodic.
+    /// Records a period; returns false, which interrupts the simulation, if the motion may be
+    /// periodic.
     fn record(&mut self, period: Period, state: &HybridState<f64>) -> bool {
         let size = |state: &HybridState<f64>| self.scales.size(state.mode, &state.x);
         let events = period.events.iter().map(|event| size(&event.before));

@@ -55,8 +55,8 @@ pub(crate) struct Sighting {
     /// at the point and the values there are limits along the curve.
     pub defined_by: Option<Make>,
     pub beyond: Beyond,
-    /// The kinds of points whose curves emanate from the bifurcation, besides the curve on which it
-    /// is found; one entry for each emanating curve.
+    /// The kinds of special points whose curves emanate from the bifurcation, with one entry for
+    /// each emanating curve; the curve on which the bifurcation is found is not included.
     #[cfg_attr(not(feature = "scene"), expect(dead_code, reason = "scenes follow curves"))]
     pub leaving: &'static [Kind],
 }
@@ -81,8 +81,8 @@ pub(crate) enum Beyond {
     /// The curve ends at the bifurcation. The defining systems held along the curve are singular at
     /// the end of the curve, and the defining system created by this function replaces them.
     End(Make),
-    /// The continuation ends at the bifurcation, because beyond it the curve would retrace itself
-    /// as its own mirror image.
+    /// The continuation ends at the bifurcation, because the part of the curve beyond it is the
+    /// mirror image of the part before it.
     Mirror,
 }
 
@@ -539,7 +539,7 @@ impl Bifurcation {
         Bifurcation { division: Some(division), ..self }
     }
 
-    /// Returns the detection of this bifurcation on curves along which the defining systems of the
+    /// Returns how this bifurcation is detected on curves along which the defining systems of the
     /// kinds `others` are held.
     pub fn on(&self, dynamics: Dynamics, others: &[Kind]) -> Option<&Sighting> {
         let fits = |it: &&Sighting| {

@@ -78,9 +78,9 @@ pub(crate) fn branches_at(
     roots.iter().map(|root| null.direction(&mut at, root)).collect()
 }
 
-/// Rounding: `F_p` lies in the range of `F_z` if its component outside the range is smaller than
-/// this factor times `F_p` at a nearby point. At a special point located to 1e-10, the null vectors
-/// are more accurate than this factor.
+/// Rounding: `F_p` counts as lying in the range of `F_z` if its component outside this range is
+/// smaller than this factor times the size of `F_p` at a nearby point. At a special point that is
+/// located to 1e-10, the relative error of the null vectors is smaller than this factor.
 const IN_RANGE: f64 = 1e-5;
 
 /// Whether `F_p` lies in the range of `F_z` at a point where `m` eigenvalues vanish. Branches cross

@@ -6,7 +6,8 @@ use crate::core::failure::debug_is_message;
 
 debug_is_message!(BoundaryError);
 
-/// The error for sizes of a boundary-value problem that do not fit together.
+/// The error that reports sizes of a boundary-value problem (numbers of segments, states,
+/// conditions and unknowns) that do not fit together.
 #[derive(Clone, PartialEq, miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum BoundaryError {
@@ -71,7 +72,7 @@ pub enum BoundaryError {
         /// The state.
         state: usize,
     },
-    /// The mesh with the largest allowed number of intervals is too coarse for the tolerance.
+    /// The tolerance requires more mesh intervals than the largest allowed number.
     #[error(
         "a discretisation error of {tolerance:.1e} needs {needed:.0} mesh intervals on segment \
          {segment}, but at most {most} intervals are allowed"

@@ -198,8 +198,8 @@ impl Method {
     }
 
     /// Sets the error that is allowed in residuals, derivatives and extrema during a Newton
-    /// iteration; 0 restores the method's own accuracy. Returns whether results with the allowed
-    /// error are valid only during the iteration.
+    /// iteration; 0 restores the method's own accuracy. Returns whether results that are computed
+    /// with this allowed error may be used only during the Newton iteration.
     pub(super) fn allow(&mut self, error: f64) -> bool {
         match self {
             Method::Collocation(_) => false,

@@ -87,8 +87,8 @@ impl Eigenvalue {
         }
     }
 
-    /// Returns the null vectors of a form of the linearisation, and the factors of the bordered
-    /// matrix.
+    /// Returns the null vectors of the linearisation in the form of this eigenvalue, and the
+    /// factors of the bordered matrix.
     fn known(&mut self, forms: &mut Forms) -> Result<&mut NullVectors, Failure> {
         self.null.of(&mut *forms.at.system, forms.at.x, self.form, None)
     }

@@ -37,8 +37,8 @@ const TRUNCATION: f64 = 1e-14;
 /// rounding error of the states.
 const DIGITS: f64 = 1e8;
 
-/// Heuristic: the ratio of two distances from the equilibrium: the distance at which the excursion
-/// taken from the cycle ends, and the distance at which the linear flow ends.
+/// Heuristic: the ratio of two distances from the equilibrium: the distance at which the part taken
+/// from the cycle ends, and the distance at which the linear flow ends.
 const CLEAR: f64 = 1.1;
 
 /// Heuristic: the largest distance of an orbit's end from the equilibrium, as a multiple of the
@@ -68,8 +68,8 @@ fn refused(reason: String) -> Failure {
 /// A point of a trajectory: time and states.
 type Place = (f64, Vec<f64>);
 
-/// A cycle, given by its vector `q` of parameters and extra unknowns, the times of its nodes, and
-/// its states at any time within a period.
+/// A cycle, given by its vector `q` of parameters and extra unknowns, by the times of its nodes,
+/// and by a function that returns its states at any time within a period.
 pub(in crate::core::bvp) struct Cycle<'a> {
     pub q: &'a [f64],
     pub times: Vec<f64>,

@@ -223,8 +223,8 @@ impl Condensed for Condensation {
         }
     }
 
-    /// In the right-hand side, the entries for the rows of the dense matrix come first, followed by
-    /// the entries for the rows that remain from a cycle's segments.
+    /// In the condensed right-hand side, the entries for the rows of the dense matrix come first,
+    /// followed by the entries for the rows that remain from a cycle's segments.
     fn forward(&mut self, right: &mut [f64], left: &mut Vec<f64>) {
         let layout = &*self.layout;
         let Rest { states, boundary, .. } = layout.rest();

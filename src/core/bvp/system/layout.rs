@@ -215,8 +215,8 @@ impl UnknownLayout {
         }
     }
 
-    /// Returns the index of the condition for an initial state of the segment after `segment`; the
-    /// index after the last of these states belongs to the event condition.
+    /// Returns the index of the condition for one initial state of the segment after `segment`; the
+    /// index that follows the last initial state belongs to the event condition.
     pub fn joint(&self, segment: usize, i: usize) -> usize {
         let next = self.after(segment);
         self.conditions() + if i < next.states { next.ends + i } else { self.states + segment }

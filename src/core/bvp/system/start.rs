@@ -28,7 +28,7 @@ impl From<BoundaryError> for Failure {
 
 /// The start of a branch: a saved solution, converted to a discretised problem.
 pub(super) struct Resumed {
-    /// The discretisation of the start; `None` if it is the current discretisation.
+    /// The discretisation in which the start is given; `None` if it is the current discretisation.
     pub equations: Option<DiscretisedProblem>,
     pub start: Start,
     /// The reference motion of the phase condition (in the order of `z`); `None` if it is the
