@@ -258,7 +258,7 @@ fn threads(text: &str) -> Result<NonZeroUsize, String> {
 }
 
 /// Warns if the runs of a sweep cannot be divided evenly into parts, because a strand (a sequence
-/// of runs that begin where the preceding run ended) cannot be divided; suggests another
+/// in which each run begins where the preceding run ended) cannot be divided; suggests another
 /// number of strands.
 fn divided(scene: &Scene, part: Part, out: &mut impl Write) -> Result<(), CommandError> {
     let division = scene.division(part.of);

@@ -15,8 +15,8 @@ use std::ops::ControlFlow;
 /// Heuristic: the time, in units of the time scale, after which states are compared with earlier
 /// ones to detect a motion at rest.
 const LOOK: f64 = 50.0;
-/// Discretisation: a motion counts as being at rest if no state changes by more than this, in units
-/// of its scale, over the time [`LOOK`]; the bound is larger than the errors of flows.
+/// Discretisation: a motion counts as being at rest if no state changes by more than this bound over
+/// the time [`LOOK`], in units of the state's scale; the bound is larger than the errors of flows.
 const MOVED: f64 = 1e-9;
 /// Heuristic: the default longest waiting time for a return, in units of the time scale.
 const LONGEST: f64 = 10_000.0;
