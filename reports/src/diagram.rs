@@ -31,7 +31,8 @@ pub struct Circumstances {
 pub struct Measurement {
     /// The setting.
     pub setting: String,
-    /// The amount of work that the method did, such as the number of evaluations or of unknowns.
+    /// The amount of work that the method did, for example the number of evaluations of the vector
+    /// field or the number of unknowns.
     pub work: f64,
     /// The time that the method took, in seconds, measured by the clock [`Measured::clock`].
     pub seconds: f64,
@@ -108,7 +109,7 @@ pub struct Measured {
     /// The clock by which the methods are timed.
     #[serde(default)]
     pub clock: Clock,
-    /// The recommended method and its setting, which scenes use by default.
+    /// The recommended method and its recommended setting; scenes use both by default.
     pub recommended: Option<(String, String)>,
 }
 

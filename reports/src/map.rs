@@ -14,8 +14,8 @@ pub const ROBUSTNESS: &str = "tangency-robustness/1";
 pub enum Class {
     /// The method's answer is right.
     Right,
-    /// The answer is right, but was computed by another method, to which the mapped method handed
-    /// over.
+    /// The answer is right, but another method computed it: the mapped method passed the problem on
+    /// to this other method.
     HandedOver,
     /// The answer is missing or inaccurate, and the method reports so by a typed error or by its
     /// own error estimate.
@@ -148,8 +148,8 @@ impl Default for RobustnessMap {
 }
 
 impl RobustnessMap {
-    /// Returns the outcome of a panel's method in the cell nearest to a point of the two
-    /// quantities.
+    /// Returns the outcome of one method of a panel in the grid cell that is nearest to given
+    /// values of the panel's two quantities.
     pub fn at(&self, panel: usize, method: &str, [x, y]: [f64; 2]) -> Option<&Outcome> {
         let region = self.panels.get(panel)?;
         let tried = region.methods.iter().find(|tried| tried.name == method)?;
@@ -230,7 +230,7 @@ impl RobustnessMap {
 }
 
 impl Region {
-    /// Returns whether each method of the panel has a separate row.
+    /// Returns whether the panel shows each method in a separate row.
     fn in_rows(&self) -> bool {
         self.methods.len() > 1
     }

@@ -283,9 +283,9 @@ fn unescaped(literal: &str) -> String {
 
 impl Paragraph {
     /// The sentences of the paragraph that have at least four words. In documents and doc comments,
-    /// a sentence must end with a punctuation mark, because cells of tables and the two parts of a
-    /// sentence around a displayed formula are not sentences. In messages, a sentence must contain
-    /// a verb, because texts without a verb are parts of messages.
+    /// only texts that end with a punctuation mark are sentences: cells of tables, and the two
+    /// parts of a sentence around a displayed formula, do not count. In messages, only texts that
+    /// contain a verb are sentences, because texts without a verb are parts of messages.
     pub fn sentences(&self) -> Vec<&str> {
         let mut sentences = Vec::new();
         let mut start = 0;

@@ -23,8 +23,8 @@ use tangency::output::{
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub trait Report: Serialize + DeserializeOwned {
-    /// Returns the name of the report, which is also the name of its files and of its marker in a
-    /// page.
+    /// Returns the name of the report, which is also the name of its files and the name in the
+    /// comment `<!-- NAME -->` that marks its place in a page.
     fn name(&self) -> &str;
 
     /// Returns the figures of the report, one for each panel.
@@ -77,7 +77,7 @@ pub trait Report: Serialize + DeserializeOwned {
     }
 }
 
-/// A report as the contents of its files.
+/// A report in the form in which it is saved: each file contains the report in one format.
 struct Files<'a, R>(&'a R);
 
 impl<R: Report> Render for Files<'_, R> {

@@ -61,7 +61,8 @@ pub enum CommandError {
     #[error("the scene `{scene}` has no branches to trace")]
     #[diagnostic(help("run the sweeps of the scene with `tangency sweep {scene}`"))]
     NoRun { scene: String },
-    /// The command line gives `--start FILE:LABEL` together with an option that it excludes.
+    /// The command line gives `--start FILE:LABEL` together with an option that cannot be combined
+    /// with it.
     #[error(
         "the option --start FILE:LABEL starts a branch at one special point and cannot be combined \
          with {0}"
@@ -150,7 +151,7 @@ pub enum CommandError {
          with {0}"
     )]
     NotInGrid(&'static str),
-    /// Two designs of a grid would be saved in files of the same name.
+    /// Two designs (points of a grid of settings) would be saved in files of the same name.
     #[error("two designs (combinations of settings) of the grid have the same name `{name}`")]
     #[diagnostic(help(
         "choose values that differ in their first 12 digits, and names of settings that differ in \
@@ -163,7 +164,7 @@ pub enum CommandError {
          too long for a file name"
     )]
     LongDesign { name: String, most: usize },
-    /// The computation of some designs of a grid failed.
+    /// The computation of some designs (points of a grid of settings) failed.
     #[error(
         "{failed} of {of} designs of the grid failed; the results of the other designs are saved"
     )]

@@ -95,8 +95,9 @@ impl GridArgs {
     /// the grid, the reasons why their results are doubtful.
     ///
     /// # Errors
-    /// [`CommandError::OtherGrid`] if the folder contains the designs of another scene;
-    /// [`CommandError::Designs`] if some designs fail, after the other designs have been saved.
+    /// [`CommandError::OtherGrid`] if the folder contains designs (points of the grid) of another
+    /// scene; [`CommandError::Designs`] if some designs fail, after the other designs have been
+    /// saved.
     pub fn run(
         &self,
         Traced { designs: all, folder, made_of, inputs, warnings, limit }: Traced,
@@ -171,7 +172,8 @@ fn name(design: &Design) -> String {
     settings.collect::<Vec<_>>().join(",").replace(|letter| !plain(letter), "_")
 }
 
-/// Describes the branches of a design, and returns the warnings that concern this design only.
+/// Describes the branches of a design (a point of the grid), and returns the warnings that concern
+/// this design only.
 fn told(document: &Document, said: &[String]) -> (String, Vec<String>) {
     let branches = document.branches.iter().map(|branch| Summary(branch).to_string());
     let chosen = document.chosen.iter().map(|chosen| chosen.to_string());
@@ -182,8 +184,8 @@ fn told(document: &Document, said: &[String]) -> (String, Vec<String>) {
     (branches.chain(chosen).collect::<Vec<_>>().join("; "), warnings.collect())
 }
 
-/// Writes the version and settings from which the designs are computed into their folder; rejects a
-/// folder whose designs have another origin.
+/// Writes into the folder of the designs the program version and the settings from which they are
+/// computed; rejects a folder whose designs have another origin.
 fn check_made_of(
     folder: &Path,
     text: &str,
@@ -198,7 +200,8 @@ fn check_made_of(
     }
 }
 
-/// Computes the designs in parallel on all cores, and prints each result when it is finished.
+/// Computes the designs (points of the grid) in parallel on all cores, and prints each result when
+/// it is finished.
 fn together(
     todo: &[&Design],
     one: &(impl Fn(&Design) -> Done + Sync),

@@ -13,7 +13,7 @@ pub struct Results {
     folder: PathBuf,
     name: String,
     formats: Vec<Format>,
-    /// The first input file, which names the result in messages.
+    /// The first input file; messages refer to the result by the name of this file.
     source: Option<String>,
     // The lock is removed before the new folders, so that they can be removed if empty.
     _lock: Lock,

@@ -15,7 +15,8 @@ struct Flags {
     /// Whether a signal was received: Ctrl-C, SIGTERM (sent by schedulers before SIGKILL) or
     /// SIGHUP.
     signalled: Arc<AtomicBool>,
-    /// Whether the computation is cancelled, by a signal or because its results cannot be saved.
+    /// Whether the computation is cancelled, either by a signal or because its results cannot be
+    /// saved.
     cancelled: Arc<AtomicBool>,
 }
 

@@ -106,8 +106,8 @@ fn seconds(text: &str) -> Result<Duration, String> {
 }
 
 impl Sweep {
-    /// Returns the name of the results, and the scene with the sweeps that it contains or with the
-    /// sweep given by `--over`.
+    /// Returns the name of the results, and the scene with its own sweeps, or with the sweep given
+    /// by `--over` instead.
     fn read(&self, from: Sources, request: &Request) -> Result<(String, Scene), CommandError> {
         if self.over.is_empty() {
             return self.scene.read(from, request, Purpose::Sweeps);
@@ -257,8 +257,9 @@ fn threads(text: &str) -> Result<NonZeroUsize, String> {
     count.ok_or_else(|| "the number of threads must be a whole number of at least 1".into())
 }
 
-/// Warns if the runs of a sweep cannot be divided evenly into parts, because each run of a strand
-/// (a sequence of runs) begins where the run before ended; suggests another number of strands.
+/// Warns if the runs of a sweep cannot be divided evenly into parts, because a strand (a sequence
+/// in which each run begins where the preceding run ended) cannot be divided; suggests another
+/// number of strands.
 fn divided(scene: &Scene, part: Part, out: &mut impl Write) -> Result<(), CommandError> {
     let division = scene.division(part.of);
     if division.is_even() {

@@ -83,7 +83,8 @@ fn signs(beyond: f64, parts: Option<usize>) -> Found {
     }
 }
 
-/// The error in the grazing level that is due to the tolerance of the flow.
+/// The error that the integration tolerance of the flow causes in the level at which the motion
+/// grazes.
 const ERROR: f64 = 1e-11;
 
 /// Detects the crossings by the event location of the hybrid flow.

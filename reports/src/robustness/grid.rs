@@ -39,7 +39,8 @@ pub(super) fn from_to(low: f64, high: f64, count: usize) -> Vec<f64> {
     (0..count).map(|k| low + (high - low) * k as f64 / parts).collect()
 }
 
-/// A method with its outcomes, before these outcomes are converted to indices in the map.
+/// A method with its outcomes at all grid points; a finished map stores each outcome as an index
+/// instead.
 struct Attempt {
     name: String,
     naive: bool,
@@ -82,7 +83,8 @@ impl Panel {
         self
     }
 
-    /// Runs a method at every place of a separate row of the panel.
+    /// Runs a method at every value of the panel's horizontal quantity, and adds the outcomes to
+    /// the panel as a separate row.
     pub fn row(self, name: (&str, bool), xs: &[f64], mut method: impl FnMut(f64) -> Found) -> Self {
         let y = [self.attempts.len() as f64];
         self.over(name, [xs, &y], |x, _| method(x))

@@ -1,5 +1,5 @@
-//! Robustness map of Newton's iteration near a fold: at fixed load, with and without damping, and
-//! with the load as an unknown.
+//! Robustness map of Newton's iteration near a fold: at fixed load, without and with damping, and
+//! with the load as an additional unknown.
 
 use super::grid::{Found, Panel, from_to, map};
 use crate::{Class, RobustnessMap};

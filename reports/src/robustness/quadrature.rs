@@ -25,7 +25,7 @@ fn load(largest: f64, points: usize) -> f64 {
     line.iter().map(along).sum()
 }
 
-/// A number of Gauss points that is sufficient for the whole map.
+/// A number of Gauss points with which the integral is accurate at every place of the map.
 const MANY: usize = 256;
 
 /// Classifies the relative error of the integral for a number of Gauss points.

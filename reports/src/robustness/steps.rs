@@ -57,7 +57,8 @@ fn uncontrolled(epsilon: f64, step: f64) -> Found {
     arrived(at[0])
 }
 
-/// Returns the branch on which the continuation is after the bend.
+/// Returns the outcome of a continuation from its position after the bend, which tells whether it
+/// jumped to the other branch.
 fn arrived(x: f64) -> Found {
     if x > 0.0 { Found::right("followed") } else { Found::silent("jumped to the other branch") }
 }

@@ -14,7 +14,8 @@ fn multipliers(matrix: &Matrix2<f64>) -> Vec<f64> {
     sizes
 }
 
-/// Plans the diagrams of the Jacobian matrix, of its multipliers, and of a fold.
+/// Plans three diagrams: for the Jacobian matrix of the period map, for the Floquet multipliers,
+/// and for a fold.
 pub(super) fn plans() -> Vec<Plan> {
     let x = IMPACTING.settled();
     let plan = |title: &str, numbers: fn(&Matrix2<f64>) -> Vec<f64>| {

@@ -1,5 +1,6 @@
-//! Work-precision diagram of a grazing point: located by repeated simulation, with the largest
-//! displacement taken on a mesh or inside integration steps, and located by its defining system.
+//! Work-precision diagram of a grazing point, which one method locates by its defining system; the
+//! other methods simulate the motion repeatedly, and find its largest displacement at mesh points
+//! or inside integration steps.
 
 use super::period::{Period, parameters};
 use super::plan::{Answer, Method, Plan};
@@ -27,7 +28,8 @@ impl Distance {
     }
 }
 
-/// The method that finds the zero of the distance.
+/// The method that finds the voltage at which the distance between the orbit and the stopper is
+/// zero.
 #[derive(Clone, Copy)]
 enum Finder {
     Bisection,

@@ -64,14 +64,15 @@ fn stuck<T: Scalar>(settings: Settings) -> impl FnMut() -> Result<Answer, String
     over(field, settings, ([0.1, -0.2].map(T::constant).to_vec(), PERIOD), parameters(0.2).to_vec())
 }
 
-/// Plans the diagram of the stick phase over a period.
+/// Plans the diagram of integrators on the stick phase of Mita's actuator over one period.
 fn stick() -> Plan {
     Plan::of("Mita's actuator sticking, one period", exact(stuck::<f64>))
         .with(all(|settings| Box::new(stuck::<f64>(settings))))
         .recommending("order 8", "1e-12")
 }
 
-/// Plans the diagram of a period with an impact and a slip.
+/// Plans the diagram of integrators over a period of Mita's actuator with an impact and a slip
+/// phase.
 fn impacting() -> Plan {
     let motion = |settings: Settings| {
         move || {
@@ -89,7 +90,7 @@ fn impacting() -> Plan {
         .recommending("order 8", "1e-10")
 }
 
-/// Plans the diagram of a stiff field.
+/// Plans the diagram of integrators on a stiff vector field.
 fn stiff() -> Plan {
     let time = 2.0_f64;
     let exact = move || Ok(Answer { numbers: vec![time.cos()], work: 0.0 });
@@ -100,7 +101,8 @@ fn stiff() -> Plan {
         .recommending("Rodas5P, order 5", "1e-10")
 }
 
-/// Plans the diagram of the stick phase on several types of dual numbers.
+/// Plans the diagram of integrators on the stick phase of Mita's actuator, with several types of
+/// dual numbers.
 fn duals() -> Plan {
     fn methods<T: Scalar>(line: &'static str) -> impl Iterator<Item = Method> {
         [1e-4, 1e-6, 1e-8, 1e-10, 1e-12].into_iter().map(move |tolerance| {

@@ -1,5 +1,5 @@
-//! Work-precision diagram of local maps near grazing: folds of maps of several orders near a
-//! degenerate grazing point, compared with the folds of the flow.
+//! Work-precision diagram of local maps near grazing: the folds of local maps of several orders
+//! near a degenerate grazing point are compared with the folds of the flow.
 
 use super::plan::{Answer, Method, Plan};
 use super::scenes::{Sought, found, scene};

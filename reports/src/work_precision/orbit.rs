@@ -1,5 +1,6 @@
-//! Work-precision diagrams of a fold, a period doubling and a grazing of Mita's actuator, by
-//! method, number of shooting segments and number of mesh intervals.
+//! Work-precision diagrams of three special points of Mita's actuator (a fold, a period doubling
+//! and a grazing), computed by several methods with several numbers of shooting segments and mesh
+//! intervals.
 
 use super::plan::{Method, Plan};
 use super::scenes::{Counted, Sought, tracing};

@@ -67,7 +67,7 @@ pub struct WorkPrecisionError {
     pub cause: String,
 }
 
-/// A problem, its reference, and the methods that solve it.
+/// A problem, the method that computes its reference answer, and the methods that solve it.
 ///
 /// ```
 /// use tangency_reports::work_precision::{Answer, Effort, Method, Plan};
@@ -144,7 +144,7 @@ impl Plan {
         self
     }
 
-    /// Marks one of the methods, with a setting, as recommended.
+    /// Marks one of the methods, together with one of its settings, as recommended.
     pub fn recommending(mut self, line: &str, setting: &str) -> Self {
         self.measured.recommended = Some((line.into(), setting.into()));
         self

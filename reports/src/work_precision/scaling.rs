@@ -1,5 +1,5 @@
-//! Diagrams of computing time against the number of unknowns, of mesh intervals and shooting
-//! segments, of parameters, and of threads.
+//! Diagrams of computing time against the numbers of unknowns, mesh intervals, shooting segments,
+//! parameters and threads.
 
 use super::differences::{Differences, IMPACTING};
 use super::period::Period;

@@ -1,5 +1,5 @@
-//! Methods given by settings of a scene; the answers are the coordinates of special points of the
-//! scene.
+//! Methods that trace a scene with given settings; their answers are the coordinates of special
+//! points on the traced branches.
 
 use super::plan::{Answer, Method};
 use tangency::core::failure::one_line;
@@ -59,7 +59,7 @@ pub(super) struct Found {
     evaluations: u64,
 }
 
-/// Traces a scene, and returns the values at the special points to find.
+/// Traces a scene, and returns the requested coordinate of each special point to find.
 pub(super) fn found(scene: &Scene, sought: &[Sought]) -> Result<Found, String> {
     let before = work().evaluations;
     let outcome = execute(scene, None, &mut ());

@@ -35,8 +35,8 @@ pub struct CrisisSearch {
 }
 
 impl CrisisSearch {
-    /// Creates a search that bisects the whole interval as one step; the first value must be on the
-    /// attractor.
+    /// Creates a search that treats the whole parameter interval as one step, which is bisected;
+    /// the first value of the parameter must be on the attractor.
     pub fn of(parameter: usize, between: [f64; 2], tolerance: f64) -> Self {
         CrisisSearch { parameter, between, steps: 1, tolerance }
     }
@@ -92,13 +92,13 @@ impl AttractorSearch {
     /// Locates the parameter at which an attractor that is not a cycle disappears.
     ///
     /// The parameter advances in steps, and each simulation starts in the last state of the
-    /// preceding one; the attractor is thus continued across windows of cycles. The step that
-    /// follows the last value without a cycle is bisected until its length is at most the
-    /// tolerance, or until its ends are neighbouring floating-point numbers. At each parameter
-    /// value, the attractor counts as lost only if motion leaves it from several of its states. An
-    /// attractor counts as present if motion stays on it throughout the transient: beyond a crisis
-    /// motion stays near the former attractor for a time that grows without bound towards the
-    /// crisis.
+    /// preceding one; the attractor is thus continued across windows of cycles. The search bisects
+    /// the step that follows the last parameter value without a cycle, until the length of this
+    /// step is at most the tolerance, or until its ends are neighbouring floating-point numbers. At
+    /// each parameter value, the attractor counts as lost only if motion leaves it from each of
+    /// several of its states. An attractor counts as present if motion stays on it throughout the
+    /// transient: beyond a crisis motion stays near the former attractor for a time that grows
+    /// without bound towards the crisis.
     ///
     /// ```
     /// use tangency::core::attractor::{CrisisSearch, AttractorSearch, StroboscopicError, StroboscopicMap, PeriodMap};

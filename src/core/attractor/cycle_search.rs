@@ -9,12 +9,12 @@
 //!     ⟨f(x₀), x − x₀⟩ = 0,  increasing.
 //! ```
 //!
-//! From time to time the plane is replaced by a plane through a later point of the motion, since
-//! transients continue to decay. A motion is periodic if its mode and state equal the mode and
-//! state `q` samples earlier, and if its last `q` samples have the same events as the `q` samples
-//! before them. Without forcing, the time between two samples at which the motion repeats is the
-//! period. If a motion approaches a cycle too slowly for this test of repetition, the cycle is
-//! computed by Newton's method.
+//! From time to time the plane at which motion is sampled is replaced by a plane through a later
+//! point of the motion, since transients continue to decay. A motion is periodic if its mode and
+//! state equal the mode and state `q` samples earlier, and if its last `q` samples have the same
+//! events as the `q` samples before them. Without forcing, the time between two samples at which
+//! the motion repeats is the period. If a motion approaches a cycle so slowly that its samples do
+//! not repeat, the cycle is computed by Newton's method.
 
 use super::repetition::{Repetition, StateScales};
 use super::section::Section;
@@ -39,7 +39,8 @@ pub enum CycleSearchError {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Motion(#[from] HybridError),
-    /// The motion does not repeat within the maximal number of returns.
+    /// The motion does not repeat within the maximal number of returns to its section or sampling
+    /// event.
     #[error(
         "no cycle was found in {returns} returns of the motion: the state at a return was compared \
          with the states at up to {max_period} earlier returns, and the smallest distance was \
@@ -50,7 +51,7 @@ pub enum CycleSearchError {
          motion is not periodic"
     ))]
     Unsettled {
-        /// The number of returns that were compared.
+        /// The number of returns of the motion that were compared.
         returns: usize,
         /// The maximal number of returns in a cycle.
         max_period: usize,
@@ -60,7 +61,8 @@ pub enum CycleSearchError {
         /// The largest distance between two states that count as equal.
         tolerance: f64,
     },
-    /// The motion decays to a state of rest: the diameter of its returns shrinks to zero.
+    /// The motion decays to a state of rest: the distance that it travels between two returns
+    /// shrinks to zero.
     #[error(
         "the motion comes to rest at t = {time:.6}: in units of the scales, the diameter of the \
          motion between two returns is {last:.1e}, and the largest diameter before was \
@@ -70,12 +72,13 @@ pub enum CycleSearchError {
         "start the simulation at another state, or trace the equilibrium instead of a cycle"
     ))]
     Rest {
-        /// The time of the last return of the motion.
+        /// The time at which the motion last returned to its section or sampling event.
         time: f64,
-        /// The diameter of the last return of the motion, in units of the states' scales.
+        /// The largest distance of the motion from its previous sample during the last return, in
+        /// units of the states' scales.
         last: f64,
-        /// The larger of two lengths in units of the scales: the largest diameter of a return, and
-        /// the distance from the start.
+        /// The larger of two lengths, in units of the states' scales: the largest diameter of the
+        /// motion during an earlier return, and the distance of the motion from its start.
         largest: f64,
     },
     /// The motion comes to rest at an equilibrium.
@@ -90,8 +93,8 @@ pub enum CycleSearchError {
     Equilibrium {
         /// The time at the end of the simulation, at which the motion rests.
         time: f64,
-        /// The mode in which the motion rests, if the system has several modes, and the states, in
-        /// words.
+        /// A text with the states at which the motion rests and, if the system has several modes,
+        /// the mode.
         place: String,
         /// The mode.
         mode: usize,
@@ -107,8 +110,8 @@ pub enum CycleSearchError {
     NoReturn(f64),
 }
 
-/// Heuristic: a motion comes to rest if the diameter of its returns shrinks to this fraction of the
-/// diameter of an earlier return, or of the distance from the start.
+/// Heuristic: a motion comes to rest if its diameter during a return shrinks to this fraction of
+/// its diameter during an earlier return, or of its distance from the start.
 const SHRUNK: f64 = 1e-6;
 
 /// The settings of the search for periodic motion by simulation.
@@ -135,7 +138,7 @@ pub struct CycleSearch {
     /// The maximal number of forcing periods that the search simulates, or of returns if the system
     /// has no forcing.
     pub returns: usize,
-    /// The maximal duration of the search in a system without forcing, in units of the system's
+    /// The maximal duration of the search for a system without forcing, in units of the system's
     /// time scale ([`Scales`](crate::core::hybrid::Scales)).
     pub longest: f64,
 }
@@ -321,8 +324,8 @@ struct Stretch<'a> {
     scales: &'a StateScales,
     start: HybridState<f64>,
     events: Vec<Event<f64>>,
-    /// The largest distance of the motion from its state at the last sample, measured only until
-    /// the first event.
+    /// The largest distance of the motion from its state at the last sample; the distance is
+    /// measured only until the first event after this sample.
     diameter: f64,
 }
 
@@ -332,23 +335,24 @@ impl<'a> Stretch<'a> {
         Stretch { scales, start, events: Vec::new(), diameter: 0.0 }
     }
 
-    /// Returns the size of the largest state after an event or at the end; if there are no events,
-    /// the diameter of the motion.
+    /// If the recorded motion has events, returns the size of the largest state after an event or
+    /// at the end of the record; otherwise returns the diameter of the motion.
     fn size(&self, end: &HybridState<f64>) -> f64 {
         let after = self.events.iter().map(|event| self.scales.size(event.next, &event.after));
         let largest = after.reduce(f64::max);
         largest.map_or(self.diameter, |size| size.max(self.scales.size(end.mode, &end.x)))
     }
 
-    /// Returns the guard of each event, and whether the event is an accumulation.
+    /// Returns the guard of each recorded event, and whether infinitely many events accumulate
+    /// there.
     fn numbers(&self) -> Vec<(usize, bool)> {
         self.events.iter().map(|event| (event.guard, event.accumulation)).collect()
     }
 
-    /// Returns the delay to a better sampling time if an event coincides with the sample, since
-    /// rounding would then decide to which period the event belongs. The better sampling time is
-    /// the middle of the longest interval without events. Returns `None` if no event coincides with
-    /// the sample.
+    /// If an event coincides with the sample, returns the delay until a better sampling time, since
+    /// rounding would decide to which period the event belongs. The better sampling time is the
+    /// middle of the longest interval without events. Returns `None` if no event coincides with the
+    /// sample.
     fn later(&self, period: f64) -> Option<f64> {
         let (first, last) = (self.events.first()?.time, self.events.last()?.time);
         let near = AT_EVENT * period;
@@ -378,8 +382,8 @@ impl HybridObserver<f64> for Stretch<'_> {
     }
 }
 
-/// The search for repetition among the returns of a motion to a guard, or to a section before the
-/// first event.
+/// The search for repetition among the returns of a motion; the motion returns to a guard or,
+/// before its first event, to a section.
 struct Returns<'a> {
     search: &'a CycleSearch,
     /// Creates the section across the motion through a given state.
@@ -388,12 +392,12 @@ struct Returns<'a> {
     /// The guard and mode of the events at which motion is sampled.
     at: Option<(usize, usize)>,
     stretch: Stretch<'a>,
-    /// The events before the last sample.
+    /// All events from the first sample of the motion to its last sample.
     events: Vec<Event<f64>>,
     repetition: Repetition,
     cycle: Option<Cycle>,
-    /// The diameter of the last return, measured up to its first event, and the largest diameter of
-    /// a return.
+    /// The diameter of the motion during its last return, measured up to the first event of this
+    /// return, and the largest such diameter of all returns.
     diameters: [f64; 2],
 }
 

@@ -68,8 +68,8 @@ impl Growth {
     }
 }
 
-/// Discretisation: the smallest multiplier with an accurate digit: smaller ones are dominated by
-/// the errors of flows.
+/// Discretisation: the smallest multiplier that still has an accurate digit; the integration error
+/// of the flow dominates smaller multipliers.
 const FORGOTTEN: f64 = 1e-12;
 
 /// Adds a tangent vector, given in units of the states' scales, to the state of a trajectory.
@@ -95,15 +95,16 @@ pub(super) struct Monodromy {
     /// The indices of the states that are not neutral. A neutral state is unchanged after a period
     /// and affects no other state; an example is the state of a body at rest on a moving support.
     pub coupled: Vec<usize>,
-    /// The matrix `∂F^q/∂x` of the coupled states in units of their scales, stored by rows.
+    /// The matrix `∂F^q/∂x` of the states that are not neutral, in units of their scales, stored by
+    /// rows.
     matrix: Vec<f64>,
     /// The scales of all states.
     scales: Vec<f64>,
 }
 
 impl Monodromy {
-    /// Linearises the motion over `q` periods; returns `None` if the motion ends earlier, or ends
-    /// in another mode than it began.
+    /// Linearises the motion over `q` periods; returns `None` if the motion ends earlier, or if the
+    /// modes at its beginning and end differ.
     pub fn over(
         push: &mut PushForward,
         start: &Member<f64>,
@@ -143,8 +144,8 @@ impl Monodromy {
         Some(if size < FORGOTTEN { f64::NEG_INFINITY } else { size.ln() / q as f64 })
     }
 
-    /// Computes the Newton step `(1 − M)⁻¹ (F^q(x) − x)` of the coupled states, from the vector
-    /// `missed = F^q(x) − x`; returns `None` if the matrix is singular.
+    /// Computes the Newton step `(1 − M)⁻¹ (F^q(x) − x)` of the states that are not neutral, from
+    /// the vector `missed = F^q(x) − x`; returns `None` if the matrix is singular.
     pub fn correction(&self, missed: &[f64]) -> Option<Vec<f64>> {
         let n = self.coupled.len();
         let left = |i: usize, j: usize| unit(i, j) - self.matrix[i * n + j];

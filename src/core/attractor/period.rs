@@ -20,7 +20,7 @@ pub struct EventRecord {
     pub time: f64,
     /// The state of the motion just before the event.
     pub before: HybridState<f64>,
-    /// Whether the record represents the accumulation of infinitely many events.
+    /// Whether the record represents infinitely many events that accumulate, instead of one event.
     pub accumulation: bool,
 }
 
@@ -35,7 +35,8 @@ pub struct Period {
     pub measures: Vec<f64>,
 }
 
-/// A leg of a motion: its mode, its exit, and the states at its start and end.
+/// A leg (the part of a motion between two events): its mode, the guard of the event at its end,
+/// and the states at its start and end.
 struct Leg {
     mode: usize,
     exit: Option<usize>,
@@ -50,7 +51,8 @@ impl Leg {
     }
 }
 
-/// The observable that represents one scalar in each mode; `None` in modes without the scalar.
+/// The observable that represents a scalar in each mode of the system; `None` in modes that do not
+/// define the scalar.
 type InModes = Vec<Option<Observable>>;
 
 /// A measure that is evaluated in every period.
@@ -62,16 +64,17 @@ pub(super) enum Measured {
     Penetration,
 }
 
-/// The data that one measure accumulates during a period.
+/// The data from which one measure is computed, accumulated during a period.
 enum Accumulator {
     /// The extremes of a scalar in the period.
     Extremes { scalar: InModes, extremes: Extremes<()>, extrema: Extrema<f64> },
     /// For a measure of two scalars, the largest value of the second scalar at the times when the
     /// first scalar rises through zero.
     Rising { scalars: [InModes; 2], most: Option<f64>, rises: Roots<f64> },
-    /// The integral of a scalar, and the time over which the integral is taken.
+    /// The integral of a scalar over time, and the duration over which the integral is taken.
     Integral { integral: Integral, scalars: Vec<InModes>, sum: f64, time: f64 },
-    /// The smallest extremum of a guard, and the event whose approach speed is the smallest.
+    /// The smallest local extremum of the guard functions, and the event that the motion approaches
+    /// most slowly.
     Depth { guards: Vec<(Vec<usize>, Extrema<f64>)>, least: f64, slowest: Option<Slow> },
     /// No data: the measure is computed at the end of the period.
     Nothing,
@@ -98,7 +101,7 @@ impl Accumulator {
     }
 }
 
-/// The event with the smallest approach speed in a period.
+/// The event of a period that the motion approaches most slowly.
 struct Slow {
     approach: f64,
     guard: usize,
@@ -117,7 +120,7 @@ pub struct Layout {
     pub measures: Vec<String>,
 }
 
-/// A hybrid system with its recorded events and measures.
+/// A hybrid system, and the events and measures that are recorded in each period of its motions.
 pub(super) struct Seen<'a> {
     pub system: &'a dyn HybridEquations,
     pub layout: Layout,
@@ -198,7 +201,8 @@ impl<'a> Recorder<'a> {
         self.take(mode, x);
     }
 
-    /// Includes the state at an end of a leg, which may be an extremum, in the extremes.
+    /// Updates the extremes of the measured scalars with the state at an end of a leg (the part of
+    /// a motion between two events), where a scalar may be extreme.
     fn take(&mut self, mode: usize, x: &[f64]) {
         for accumulator in &mut self.accumulators {
             if let Accumulator::Extremes { scalar, extremes, .. } = accumulator

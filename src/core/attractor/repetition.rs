@@ -43,7 +43,7 @@ impl StateScales {
 /// A sample of a motion, with the events since the preceding sample.
 struct Sample {
     state: HybridState<f64>,
-    /// The number of each event, and whether the event is an accumulation.
+    /// The number that identifies each event, and whether infinitely many events accumulate there.
     events: Vec<(usize, bool)>,
     /// The size of the motion at the sample.
     size: f64,
@@ -92,8 +92,8 @@ impl Repetition {
     }
 
     /// Whether `q` is the minimal period in samples, so that the motion does not repeat after a
-    /// proper divisor of `q`. A motion that spirals towards a cycle may first approach it after a
-    /// multiple of the minimal period.
+    /// proper divisor of `q`. A motion that spirals towards a cycle may first approach its own
+    /// earlier states after a multiple of the minimal period.
     pub fn is_least(&self, q: usize) -> bool {
         let near = DISTINCT * self.distance(q);
         (1..q).filter(|part| q.is_multiple_of(*part)).all(|part| near <= self.distance(part))
@@ -118,14 +118,14 @@ impl Repetition {
         distance.is_finite().then_some((q, distance, size))
     }
 
-    /// Returns the number of each event in the last `q` samples, and whether the event is an
-    /// accumulation.
+    /// Returns, for each event in the last `q` samples, the number that identifies it, and whether
+    /// infinitely many events accumulate there.
     pub fn numbers(&self, q: usize) -> Vec<(usize, bool)> {
         self.last(q).flat_map(|sample| sample.events.iter().copied()).collect()
     }
 
-    /// Whether the last state is closer to `x` than the oldest stored state that lies a multiple of
-    /// `q` samples before the last one.
+    /// Compares two distances from a state `x`: returns whether the last state is closer to `x`
+    /// than the oldest stored state that lies a multiple of `q` samples before the last one.
     pub fn approaches(&self, x: &[f64], q: usize) -> bool {
         let [old, new] = [(self.past.len() - 1) / q * q, 0].map(|before| self.before(before));
         let distance = |sample: &HybridState<f64>| self.scales.distance(sample.mode, &sample.x, x);

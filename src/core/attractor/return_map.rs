@@ -15,16 +15,17 @@ use std::ops::ControlFlow;
 /// Heuristic: the time, in units of the time scale, after which states are compared with earlier
 /// ones to detect a motion at rest.
 const LOOK: f64 = 50.0;
-/// Discretisation: the largest change of a state that counts as rest, over the time [`LOOK`], in
-/// units of the states' scales: larger than the errors of flows.
+/// Discretisation: a motion counts as being at rest if no state changes by more than this bound over
+/// the time [`LOOK`], in units of the state's scale; the bound is larger than the errors of flows.
 const MOVED: f64 = 1e-9;
 /// Heuristic: the default longest waiting time for a return, in units of the time scale.
 const LONGEST: f64 = 10_000.0;
 
 /// The motion of an autonomous hybrid system, sampled just after every event of a given name: the
-/// Poincaré map at the event. A period of a return map is one return: cycles are counted in
-/// returns, and exponents are per return. Motion at rest is sampled after 50 time scales; it counts
-/// as a cycle of one return without the sampling event, and its exponent is `None`.
+/// Poincaré map at the event. A period of a return map is one return: the period of a cycle is a
+/// number of returns, and the Lyapunov exponent is a growth rate per return. Motion at rest is
+/// sampled after 50 time scales; it counts as a cycle of one return in which the sampling event
+/// does not occur, and its exponent is `None`.
 ///
 /// ```
 /// use tangency::core::attractor::{AttractorSearch, ReturnMap};
@@ -115,8 +116,8 @@ impl<T: EventNumber, R: HybridObserver<T>> HybridObserver<T> for Until<'_, R> {
     }
 }
 
-/// Advances a motion to the sampling event without a record, and then resets its time to the time
-/// at the start.
+/// Advances a motion to the sampling event without recording the motion, and then resets the time
+/// to its value at the start.
 fn advanced<'a, T: EventNumber>(
     flow: &mut HybridFlow<'a, T>,
     member: &mut Member<T>,

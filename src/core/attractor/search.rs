@@ -25,8 +25,8 @@ use std::ops::ControlFlow;
 pub struct AttractorSearch {
     /// The number of transient periods, which are not recorded.
     pub transient: usize,
-    /// The number of periods in which the search looks for a cycle; they are recorded if the motion
-    /// is not periodic.
+    /// The number of periods after the transient in which the search looks for a cycle; these
+    /// periods are recorded if the motion is not periodic.
     pub recorded_periods: usize,
     /// The maximal number of periods in a cycle.
     pub max_period: usize,
@@ -68,7 +68,8 @@ pub struct Attractor {
     /// The name of each event, with the number of its occurrences in a cycle, or per period if the
     /// motion did not repeat; infinite if the events accumulate.
     pub events: Vec<(String, f64)>,
-    /// The number of accumulations in a cycle, or per period if the motion did not repeat.
+    /// The number of points in a cycle at which infinitely many events accumulate, or their number
+    /// per period if the motion did not repeat.
     pub accumulations: f64,
     /// The largest Lyapunov exponent per period; `None` if not required, or if the motion rests so
     /// that its sampling event does not occur.
@@ -92,7 +93,7 @@ struct Run {
     periods: usize,
     repetition: Repetition,
     records: Vec<Period>,
-    /// The number of records at which Newton's method is tried again.
+    /// The number of recorded periods after which Newton's method is tried again.
     next_try: usize,
     /// The number of periods after which motion seems to have repeated.
     candidate: Option<usize>,
@@ -129,7 +130,8 @@ impl Run {
         }
     }
 
-    /// Records a period; returns false if the motion may be periodic.
+    /// Records a period; returns false, which interrupts the simulation, if the motion may be
+    /// periodic.
     fn record(&mut self, period: Period, state: &HybridState<f64>) -> bool {
         let size = |state: &HybridState<f64>| self.scales.size(state.mode, &state.x);
         let events = period.events.iter().map(|event| size(&event.before));
@@ -186,7 +188,7 @@ struct Following<'m> {
 }
 
 impl Following<'_> {
-    /// Advances the selected motions period by period.
+    /// Advances the motions that `wanted` selects, period by period.
     fn advance(
         &mut self,
         runs: &mut [Run],
@@ -312,7 +314,8 @@ fn periodic(
     Ok(Attractor { periods, records, events, accumulations, exponent, end: start.state })
 }
 
-/// Counts the events of each name, and the accumulations, as means over a number of cycles.
+/// Counts the events of each name, and the accumulations of infinitely many events, as means over a
+/// number of cycles.
 fn counts(layout: &Layout, records: &[Period], cycles: usize) -> (Vec<(String, f64)>, f64) {
     let all = || records.iter().flat_map(|period| &period.events);
     let mean = |count: usize| count as f64 / cycles.max(1) as f64;

@@ -31,12 +31,12 @@ pub(super) struct Section<T> {
     mode: usize,
     across: Across,
     roots: Roots<T>,
-    /// Whether the next integration step is the first one.
+    /// Whether the next integration step is the first step after the start of the motion.
     begins: bool,
 }
 
-/// Rounding: a crossing within this fraction of the first step is the start itself, which may lie
-/// off the section because of rounding.
+/// Rounding: a crossing of the section within this fraction of the first step is the start of the
+/// motion, which may lie off the section because of rounding.
 const AT_START: f64 = 1e-6;
 
 impl<T: EventNumber> Section<T> {

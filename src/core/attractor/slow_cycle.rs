@@ -21,8 +21,8 @@ const NEARLY: f64 = 1e-3;
 pub(super) enum Sampling<'a> {
     /// Sampling once every forcing period of this duration.
     Period(f64),
-    /// Sampling just after every event of a guard in a mode, excluding accumulations, with a
-    /// longest waiting time.
+    /// Sampling just after every event of a guard in a mode, with a longest waiting time;
+    /// accumulations of events are excluded.
     Event { guard: usize, mode: usize, longest: f64 },
     /// Sampling on the section through a state, with a longest waiting time.
     Section { longest: f64, scales: &'a StateScales },
@@ -58,8 +58,8 @@ impl SlowCycle<'_> {
         self.cycle(flow, state, least, &motion.numbers(least)).filter(|_| approached)
     }
 
-    /// Advances a state to the next sample; if motion is sampled on sections, the section passes
-    /// through `base`.
+    /// Advances a state to the next sample of its motion; if motion is sampled on sections, the
+    /// section passes through the state `base`.
     fn advance<'f, T: EventNumber>(
         &self,
         flow: &mut HybridFlow<'f, T>,

@@ -29,8 +29,8 @@ pub trait StroboscopicMap {
     /// Returns the names of the modes, events and measures.
     fn layout(&self) -> &Layout;
 
-    /// Returns the initial state of a motion for a given state of a mode; the default
-    /// implementation returns the given state.
+    /// Converts a state of a mode to the initial state of a motion; the default implementation
+    /// returns the given state unchanged.
     fn initial(&self, state: HybridState<f64>, _p: &[f64]) -> HybridState<f64> {
         state
     }

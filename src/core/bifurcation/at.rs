@@ -12,8 +12,8 @@ pub struct At<'a> {
     /// Positions of the released parameters among all parameters. Only derivatives with respect to
     /// the released parameters are computed.
     pub released: &'a [usize],
-    /// The auxiliary unknowns of the defining systems held along the curve, such as the frequency
-    /// `ω` along a curve of Hopf points.
+    /// The auxiliary unknowns of the defining systems that hold along the curve, such as the
+    /// frequency `ω` along a curve of Hopf points.
     pub held: &'a [f64],
     /// The null vectors at this point, which all defining systems and test functions share.
     pub null: &'a mut NullSpace,

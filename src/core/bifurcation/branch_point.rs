@@ -26,8 +26,9 @@ impl Kind {
 ///
 /// The equations of the branch point are `F + β b = 0` and `g₁ = g₂ = 0`, with `∇gᵢ = −∇ₓ(wᵀ F_x
 /// ζᵢ)`. The defining system of branch points adds two equations and one unknown, so it can be held
-/// along a curve like any other defining system. If the branch point persists along a curve, as
-/// pitchforks of symmetric problems do, the unfolding unknown `β` stays zero.
+/// along a curve in one more parameter, like any other defining system. If the branch point
+/// persists along a curve, as pitchforks of symmetric problems do, the unfolding unknown `β` stays
+/// zero.
 pub struct BranchPoint {
     parameter: usize,
 }
@@ -112,8 +113,8 @@ impl TestFunction for BorderedDeterminant {
         0.5
     }
 
-    /// The real eigenvalue nearest to zero; `None` for periodic orbits, whose unstable multipliers
-    /// are counted instead.
+    /// Returns the real eigenvalue nearest to zero; `None` for periodic orbits, whose unstable
+    /// multipliers are counted instead.
     fn smooth(&self, _: &Reading, spectrum: &[(f64, f64)], of: Dynamics) -> Option<f64> {
         let real = spectrum.iter().filter(|l| l.1 == 0.0 && of != Dynamics::Periodic);
         nearest_to_zero(real.map(|l| l.0))

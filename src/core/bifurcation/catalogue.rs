@@ -30,10 +30,10 @@ pub(crate) struct Bifurcation {
     pub kind: Kind,
     /// The eigenvalues or multipliers that are critical at the point.
     pub critical: Critical,
-    /// Computes the normal form at such a bifurcation on a branch of solutions.
+    /// Computes the normal form at a bifurcation of this kind on a branch of solutions.
     pub normal_form: Option<ComputeNormalForm>,
-    /// Computes which solutions exist on the two sides of a curve of such bifurcations in the plane
-    /// of two parameters.
+    /// Computes which solutions exist on the two sides of a curve of bifurcations of this kind in
+    /// the plane of two parameters.
     pub division: Option<ComputeDivision>,
     pub seen: &'static [Sighting],
 }
@@ -50,13 +50,13 @@ pub(crate) struct Sighting {
     /// The function that creates the test function of the bifurcation on this type of curve.
     pub test: MakeTest,
     /// The function that creates the defining system, which together with the equations of the
-    /// curve is regular at the point. `None` if the point is located by bracketing: either it has
-    /// no defining system, or the equations of the curve are singular at the point, whose values
-    /// are then computed as limits along the curve.
+    /// curve is regular at the point. `None` if the point is located by bracketing, for one of two
+    /// reasons: the bifurcation has no defining system, or the equations of the curve are singular
+    /// at the point and the values there are limits along the curve.
     pub defined_by: Option<Make>,
     pub beyond: Beyond,
-    /// The kinds of points whose curves emanate from the bifurcation, besides the curve on which it
-    /// is found; one entry for each emanating curve.
+    /// The kinds of special points whose curves emanate from the bifurcation, with one entry for
+    /// each emanating curve; the curve on which the bifurcation is found is not included.
     #[cfg_attr(not(feature = "scene"), expect(dead_code, reason = "scenes follow curves"))]
     pub leaving: &'static [Kind],
 }
@@ -76,23 +76,24 @@ pub(crate) enum Beyond {
     Further,
     /// The curve continues beyond the bifurcation, but the defining systems that hold along the
     /// curve become singular at the bifurcation point. The defining system created by this function
-    /// replaces them.
+    /// replaces the defining systems that become singular.
     Through(Make),
     /// The curve ends at the bifurcation. The defining systems held along the curve are singular at
-    /// its end, and the defining system created by this function replaces them.
+    /// the end of the curve, and the defining system created by this function replaces them.
     End(Make),
-    /// The continuation ends at the bifurcation, because beyond it the curve would retrace itself
-    /// as its own mirror image.
+    /// The continuation ends at the bifurcation, because the part of the curve beyond it is the
+    /// mirror image of the part before it.
     Mirror,
 }
 
 impl Sighting {
-    /// Whether the curve of such bifurcations can be continued with one more released parameter.
+    /// Whether a curve of bifurcations of this kind can be continued with one more released
+    /// parameter.
     fn can_be_held(&self) -> bool {
         matches!(self.beyond, Beyond::Further) && self.defined_by.is_some()
     }
 
-    /// Sets the kinds of the curves that emanate from the bifurcation.
+    /// Sets the kinds of the curves that emanate from a bifurcation of this kind.
     const fn leading_to(self, leaving: &'static [Kind]) -> Self {
         Sighting { leaving, ..self }
     }
@@ -532,13 +533,13 @@ pub(crate) fn crossings() -> Vec<Kind> {
 }
 
 impl Bifurcation {
-    /// Sets the function that computes how a curve of such bifurcations divides the plane of two
-    /// parameters.
+    /// Sets the function that computes how a curve of bifurcations of this kind divides the plane
+    /// of two parameters.
     const fn dividing(self, division: ComputeDivision) -> Self {
         Bifurcation { division: Some(division), ..self }
     }
 
-    /// Returns the detection of this bifurcation on curves along which the defining systems of the
+    /// Returns how this bifurcation is detected on curves along which the defining systems of the
     /// kinds `others` are held.
     pub fn on(&self, dynamics: Dynamics, others: &[Kind]) -> Option<&Sighting> {
         let fits = |it: &&Sighting| {

@@ -78,14 +78,14 @@ pub(crate) fn branches_at(
     roots.iter().map(|root| null.direction(&mut at, root)).collect()
 }
 
-/// Rounding: `F_p` lies in the range of `F_z` if its component outside the range is smaller than
-/// this factor times `F_p` at a nearby point. At a special point located to 1e-10, the null vectors
-/// are more accurate than this factor.
+/// Rounding: `F_p` counts as lying in the range of `F_z` if its component outside this range is
+/// smaller than this factor times the size of `F_p` at a nearby point. At a special point that is
+/// located to 1e-10, the relative error of the null vectors is smaller than this factor.
 const IN_RANGE: f64 = 1e-5;
 
 /// Whether `F_p` lies in the range of `F_z` at a point where `m` eigenvalues vanish. Branches cross
-/// at the point if `F_p` lies in the range; the branch has a fold if it does not. `beside` is a
-/// nearby point.
+/// at the point if `F_p` lies in the range of `F_z`; otherwise the branch has a fold at the point.
+/// `beside` is a nearby point.
 pub(crate) fn parameter_in_range(
     at: At,
     beside: &[f64],
@@ -112,8 +112,8 @@ pub(crate) fn parameter_in_range(
 ///     b₁ = wᵀ F_xx[t, e_p],   b₃ = −wᵀ (F_xxx[t, t, t] + 3 F_xx[t, y])/6,   J y = −F_xx[t, t].
 /// ```
 ///
-/// Returns the smallest arclength over all left null vectors; `None` if the arclength is infinite
-/// or undefined for all of them.
+/// The arclength is computed with each left null vector, and the smallest one is returned; `None`
+/// if the arclength is infinite or undefined for all left null vectors.
 pub(crate) fn vertical_reach(
     at: At,
     (parameter, m): (usize, usize),

@@ -72,7 +72,7 @@ impl DegenerateFold {
         Self::new(kind, form)
     }
 
-    /// The form of the linearisation with the double eigenvalue.
+    /// The form of the linearisation that has the double eigenvalue or multiplier.
     pub(super) fn form(&self) -> Form {
         self.form
     }

@@ -88,8 +88,8 @@ impl TestFunction for ParameterSlope {
         Ok(Some(known.slope))
     }
 
-    /// Detects a fold by a real multiplier that passes 1 if the slope of the parameter is as small
-    /// as the discretisation error of the mesh, as in a canard explosion.
+    /// Detects a fold where a real multiplier passes 1; this test is used if the slope of the
+    /// parameter is as small as the discretisation error of the mesh, as in a canard explosion.
     fn passes(&self, [before, after]: [&Reading; 2]) -> Option<Passage> {
         if let (Some(from), Some(to)) = (before.stability, after.stability)
             && self.counts([before, after])

@@ -56,8 +56,8 @@ impl GrazingBifurcation {
         GrazingBifurcation { kind, fold, null, passes: false, unknowns: 0, factors }
     }
 
-    /// Whether the linearisation becomes singular for the orbits along the curve, and not for the
-    /// orbits on the other side of the grazing.
+    /// Whether the linearisation becomes singular for the orbits along the curve, and stays regular
+    /// for the orbits on the other side of the grazing.
     fn own(&self) -> bool {
         self.passes == [Kind::GD, Kind::GF].contains(&self.kind)
     }
@@ -131,9 +131,9 @@ fn limit_reached(system: &mut dyn System, x: &[f64]) -> Result<Option<Limit>, Fa
 /// smaller than this threshold, in units of its scale.
 const REACHED: f64 = 1e-6;
 
-/// Returns the same orbit without an event of zero speed that leaves the motion unchanged; `None`
-/// if the orbit has no such event. The linearisation is singular if the event is included, and
-/// regular if it is omitted.
+/// Returns the same orbit without an event that has zero speed and leaves the motion unchanged;
+/// `None` if the orbit has no such event. The linearisation is singular if the event is included,
+/// and regular if it is omitted.
 pub(in crate::core) fn without_event<'a>(
     system: &'a mut dyn System,
     x: &[f64],
@@ -150,7 +150,7 @@ pub(in crate::core) fn without_event<'a>(
     if changes { None } else { system.events()?.across(x, true).ok()? }
 }
 
-/// Returns the orbit on the other side of a grazing, which is determined by the parameters.
+/// Returns the orbit on the other side of a grazing, at the same parameters.
 fn across<'a>(at: &'a mut At, passes: bool, null: &'a mut NullSpace) -> Result<At<'a>, Failure> {
     let across = at.system.events().map(|events| events.across(at.x, passes));
     let Across { system, x } = across.transpose()?.flatten().ok_or_else(no_other)?;

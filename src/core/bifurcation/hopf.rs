@@ -31,7 +31,8 @@ impl Kind {
 pub struct Hopf {
     /// Whether the solutions are periodic orbits.
     periodic: bool,
-    /// The frequency that selects one of several nearly critical pairs.
+    /// The frequency or angle that selects one of several nearly critical pairs of eigenvalues or
+    /// multipliers.
     near: Option<f64>,
     /// Separate null vectors of a second critical pair, needed because the shared null vectors are
     /// stored by form of the linearisation, without regard to frequency. `None` if this defining
@@ -56,9 +57,9 @@ impl Hopf {
         Self::new(true)
     }
 
-    /// Creates the defining system of the critical pair nearest to this frequency or angle, even if
-    /// other pairs are critical. If no pair is near, the given frequency is the initial value of
-    /// the auxiliary unknown `ω`.
+    /// Creates the defining system of Hopf or torus points for the critical pair nearest to a given
+    /// frequency or angle, even if other pairs are critical. If no pair is near, the given
+    /// frequency is the initial value of the auxiliary unknown `ω`.
     pub(crate) fn near(frequency: f64, periodic: bool) -> Self {
         Hopf { near: Some(frequency), ..Self::new(periodic) }
     }
@@ -68,8 +69,8 @@ impl Hopf {
         Hopf { periodic, near: None, own: None, omega: 0.0, vector, slope, form }
     }
 
-    /// Creates the defining system of a second critical pair on a curve of Hopf or torus points,
-    /// whose frequency or angle is the first auxiliary unknown of that curve.
+    /// Creates the defining system of a second critical pair on a curve of Hopf or torus points;
+    /// the frequency or angle of the first pair is the first auxiliary unknown of that curve.
     pub(crate) fn second(periodic: bool) -> Self {
         Hopf { own: Some(NullSpace::default()), ..Self::new(periodic) }
     }
@@ -166,8 +167,8 @@ impl DefiningSystem for Hopf {
 /// Returns the imaginary part of the complex pair nearest to the imaginary axis, or the angle of
 /// the pair of multipliers nearest to the unit circle. If a frequency `near` is given, returns the
 /// frequency or angle of the pair nearest to `near`, or `near` itself if every pair is farther from
-/// it than the eigenvalue 0 or the multipliers 1 and −1. The pair with the frequency `held` is
-/// excluded.
+/// it than the eigenvalue 0 or the multipliers 1 and −1. The critical pair with the frequency or
+/// angle `held` is excluded.
 fn crossing_frequency(at: &mut At, near: Option<f64>, held: Option<f64>) -> Result<f64, Failure> {
     let mut spectrum =
         at.system.spectrum(at.x, SpectrumRequest { count: usize::MAX })?.unwrap_or_default();
@@ -234,8 +235,8 @@ impl TestFunction for UnstablePairs {
         0.5
     }
 
-    /// Whether the frequency of a computed Hopf or torus point is nonzero, in order to reject folds
-    /// near a Bogdanov–Takens point.
+    /// Whether the frequency of a computed Hopf or torus point is nonzero; near a Bogdanov–Takens
+    /// point, a solution with frequency zero is a fold.
     fn confirms(&self, frequency: f64, spectra: [&[(f64, f64)]; 2], of: Dynamics) -> bool {
         let periodic = of == Dynamics::Periodic;
         let size = |&(re, im): &(f64, f64)| if periodic { im / re.hypot(im) } else { im };

@@ -8,8 +8,9 @@ use crate::core::linalg::{
 use crate::core::system::System;
 use std::mem::discriminant;
 
-/// The null vectors of a system at one point, one entry for each requested form of the matrix. All
-/// defining systems and test functions at a point share these null vectors, so each form costs one
+/// The null vectors of a system's Jacobian at one point, with one entry for each requested form of
+/// the matrix, such as `F_z` with antiperiodic boundary conditions, or `[F_z  F_p]`. All defining
+/// systems and test functions at a point share these null vectors, so each form costs one
 /// factorisation per point.
 #[derive(Default)]
 pub struct NullSpace {
@@ -20,9 +21,10 @@ pub struct NullSpace {
 }
 
 impl NullSpace {
-    /// Returns the null vectors of a form of `F_z`, or of `[F_z  F_p]` for the parameter `p` with
-    /// the index `parameter`, near a point where the rank falls by one. The first call at a point
-    /// factors the bordered matrix; later calls with the same `x` return the stored null vectors.
+    /// Returns the null vectors of `F_z` in the given form, or of `[F_z  F_p]` for the parameter
+    /// `p` with the index `parameter`, near a point where the rank of the matrix falls by one. The
+    /// first call at a point factors the bordered matrix; later calls with the same `x` return the
+    /// stored null vectors.
     ///
     /// # Errors
     /// [`Failure`] if the matrix cannot be evaluated, or if the bordered matrix is singular.
@@ -57,7 +59,8 @@ impl NullSpace {
         &mut self.units
     }
 
-    /// Chooses new borders for a form of the matrix, close to its null vectors at a point.
+    /// Chooses new borders for the matrix `F_z` or `[F_z  F_p]` in the given form, close to the
+    /// null vectors of this matrix at a point.
     ///
     /// # Errors
     /// The same errors as for [`of`](NullSpace::of).
@@ -74,7 +77,7 @@ impl NullSpace {
         entry.start(system, x, (1, units))
     }
 
-    /// Returns the column that borders a form of the matrix.
+    /// Returns the column by which the matrix `F_z` or `[F_z  F_p]` is bordered in the given form.
     pub(super) fn border(&self, form: Form, parameter: Option<usize>) -> Option<&[f64]> {
         let entry = self.entries.iter().find(|entry| entry.is_of(form, parameter))?;
         entry.borders.first().map(Vec::as_slice)
@@ -92,8 +95,8 @@ impl NullSpace {
         self.entries.iter_mut().for_each(|entry| entry.at.clear());
     }
 
-    /// Returns the index of the entry of a form of the matrix; the entry is created if it does not
-    /// exist.
+    /// Returns the index of the entry that stores the null vectors of the given form of the matrix;
+    /// the entry is created if it does not exist.
     fn entry(&mut self, form: Form, parameter: Option<usize>) -> usize {
         let known = self.entries.iter().position(|entry| entry.is_of(form, parameter));
         known.unwrap_or_else(|| {
@@ -139,8 +142,8 @@ pub struct NullVectors {
     rows: Vec<Vec<f64>>,
     /// The unit direction of the parameter `p`.
     direction: Vec<f64>,
-    /// The sizes of the equations: the change of each equation when all unknowns change by their
-    /// sizes.
+    /// The sizes of the equations: the change of each equation's left side when all unknowns change
+    /// by their sizes.
     terms: Vec<f64>,
     /// The sizes of the unknowns; empty if the sizes are unknown.
     sizes: Vec<f64>,
@@ -186,8 +189,8 @@ impl NullVectors {
         discriminant(&self.form) == discriminant(&form) && self.parameter == parameter
     }
 
-    /// Chooses borders close to the null vectors at a point where the rank falls by `m`; the sizes
-    /// of the unknowns are given.
+    /// Chooses borders close to the null vectors of the matrix at a point where its rank falls by
+    /// `m`; the sizes of the unknowns are given.
     pub(super) fn start(
         &mut self,
         system: &mut dyn System,
@@ -227,11 +230,11 @@ impl NullVectors {
         Ok(())
     }
 
-    /// Computes the sizes of the equations: the change of each equation when all its arguments
-    /// change by their sizes, multiplied by factors that avoid cancellation. The changes of the
-    /// equations are computed for finite changes of the arguments because first derivatives may
-    /// vanish, as at a pitchfork. The equations of collocation are already in the units of the
-    /// states.
+    /// Computes the sizes of the equations: the change of each equation's left side when all its
+    /// arguments change by their sizes, multiplied by factors that avoid cancellation. The changes
+    /// of the left sides are computed for finite changes of the arguments because first derivatives
+    /// may vanish, as at a pitchfork. The left sides of collocation equations already have the
+    /// units of the states.
     fn measure(
         &mut self,
         system: &mut dyn System,
@@ -327,7 +330,7 @@ impl NullVectors {
         if matches!(self.form, Form::Oscillation(_)) { 2 } else { 1 }
     }
 
-    /// Computes the null vectors at a point.
+    /// Computes the null vectors of the matrix at a point `x`.
     fn update(&mut self, system: &mut dyn System, x: &[f64]) -> Result<(), Failure> {
         self.at.clear();
         self.linearise(system, x)?;
@@ -346,7 +349,7 @@ impl NullVectors {
         Ok(())
     }
 
-    /// Computes the null vectors with the current borders.
+    /// Computes the null vectors of the matrix from the bordered matrix with the current borders.
     fn solve(&mut self, system: &mut dyn System) -> Result<(), Failure> {
         let (n, width, parts) = (system.names().dimension(), self.rows.len(), self.parts());
         let (of_p, length) = (width - self.borders.len(), parts * n);

@@ -43,9 +43,9 @@ pub(in crate::core) struct Sides {
 }
 
 impl Sides {
-    /// Computes the solutions on the two sides of a curve of bifurcations of a kind; `None` if such
-    /// curves do not divide the parameter plane, if growth rates are undefined, or if another
-    /// eigenvalue is nearly critical.
+    /// Computes the solutions on the two sides of a curve of bifurcations of a given kind; `None`
+    /// if such curves do not divide the parameter plane, if growth rates are undefined, or if
+    /// another eigenvalue is nearly critical.
     ///
     /// # Errors
     /// [`Failure`] if eigenvalues or derivatives do not exist, or if a matrix is singular.

@@ -180,7 +180,8 @@ pub(in crate::core) fn without_critical(
     (0..spectrum.len()).filter(|k| !critical.contains(k)).map(|k| spectrum[k]).collect()
 }
 
-/// Returns the number of unstable eigenvalues or multipliers, without the critical ones.
+/// Returns the number of unstable eigenvalues or multipliers at a special point; its critical
+/// eigenvalues or multipliers are not counted.
 pub(in crate::core) fn unstable_besides(
     critical: Critical,
     dynamics: Dynamics,

@@ -19,8 +19,9 @@ pub struct PointValues<'s> {
     pub monitors: &'s [f64],
 }
 
-/// The value of a test function and the stability at a point of a curve. Events are detected by
-/// comparing these data at two points.
+/// The value of a test function at a point of a curve, and the numbers of unstable eigenvalues or
+/// multipliers there. Events are detected by comparing the values and stability at two points of a
+/// curve.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Reading {
     /// The bound for `slope` below which the slope may consist only of numerical errors.
@@ -54,7 +55,8 @@ pub enum Needs {
     /// The test function needs the eigenvalues or multipliers, or the number of unstable
     /// eigenvalues or multipliers.
     Eigenvalues,
-    /// The test function needs the defining system of the event: its value is the first left side.
+    /// The test function needs the defining system of the event: the value of the test function is
+    /// the left side of the first equation of this system.
     DefiningSystem,
 }
 
@@ -138,14 +140,14 @@ pub trait TestFunction: Send + Sync {
         false
     }
 
-    /// If the event is a given level of a parameter or monitor, returns the parameter or monitor
-    /// and the level.
+    /// If the event is that a parameter or monitor reaches a given level, returns the parameter or
+    /// monitor and the level.
     fn level(&self) -> Option<(Quantity, f64)> {
         None
     }
 
-    /// If the event is a given level of an auxiliary unknown of the curve, returns the index of the
-    /// unknown and the level.
+    /// If the event is that an auxiliary unknown of the curve reaches a given level, returns the
+    /// index of the unknown and the level.
     fn auxiliary(&self) -> Option<(usize, f64)> {
         None
     }
@@ -157,9 +159,9 @@ pub trait TestFunction: Send + Sync {
         low / (low - high)
     }
 
-    /// Whether a solution of the defining system is the event, which is decided from the first
-    /// auxiliary unknown and from the spectra at the ends of the interval. Events of other kinds
-    /// may satisfy the same defining system.
+    /// Whether a solution of the defining system is an event of the kind that is being located;
+    /// this is decided from the first auxiliary unknown and from the spectra at the ends of the
+    /// interval. Events of other kinds may satisfy the same defining system.
     fn confirms(&self, _unknown: f64, _spectra: [&[(f64, f64)]; 2], _of: Dynamics) -> bool {
         true
     }
@@ -176,7 +178,8 @@ pub trait TestFunction: Send + Sync {
     }
 }
 
-/// The test function whose value is the first left side of the event's defining system.
+/// The test function whose value is the left side of the first equation of the event's defining
+/// system.
 pub(crate) struct ConditionValue;
 
 impl TestFunction for ConditionValue {
@@ -189,10 +192,10 @@ impl TestFunction for ConditionValue {
     }
 }
 
-/// The test function of a level of an auxiliary unknown along the curve: the unknown minus the
-/// level.
+/// The test function that vanishes where an auxiliary unknown of the curve reaches a given level:
+/// the unknown minus the level.
 pub(super) struct Auxiliary {
-    /// The index of the unknown among the auxiliary unknowns.
+    /// The index of the unknown among the auxiliary unknowns of the curve.
     pub unknown: usize,
     pub level: f64,
 }
@@ -251,7 +254,7 @@ pub(super) fn sign_change(before: f64, after: f64) -> Option<Passage> {
     }
 }
 
-/// Returns the value with the smallest modulus.
+/// Returns the value with the smallest modulus among several values.
 pub(super) fn nearest_to_zero(values: impl Iterator<Item = f64>) -> Option<f64> {
     values.min_by(|a, b| a.abs().total_cmp(&b.abs()))
 }

@@ -12,7 +12,7 @@
 //! ρ_c) dt / m!`, and `O(h^{2m})` at the ends of intervals (C. de Boor and B. Swartz, *Collocation
 //! at Gaussian points*, 1973; U. Ascher, R. Mattheij and R. Russell, *Numerical Solution of
 //! Boundary Value Problems for Ordinary Differential Equations*, 1988, section 5.4). The error
-//! polynomial `P` vanishes at the Lobatto nodes: the solution is one order more accurate at the
+//! polynomial `P` vanishes at the Lobatto nodes, so the solution is one order more accurate at the
 //! nodes than between them.
 
 mod basis;
@@ -47,7 +47,7 @@ pub struct Collocation {
     wide: Passes<8>,
 }
 
-/// The error for a number of Gauss points outside the range from 2 to 7.
+/// The error that reports a number of Gauss points outside the range from 2 to 7.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, miette::Diagnostic, thiserror::Error)]
 #[error(
     "the number of Gauss points per mesh interval is {0}, but collocation needs a number between 2 \
@@ -299,8 +299,8 @@ impl Collocation {
 
     /// Returns the integrals over time, on one interval, of the trace of the vector field's
     /// Jacobian and of the trace's absolute value, computed from the assembled equations. At each
-    /// Gauss point, the trace is taken from the node with the largest coefficient, which is the
-    /// most accurate choice.
+    /// Gauss point, the trace is computed from the derivatives with respect to the states at one
+    /// node, the node with the largest coefficient, which is the most accurate choice.
     pub(super) fn trace_integrals(&self, block: &[f64], n: usize) -> [f64; 2] {
         let places = self.basis.nodes.len();
         let mut integrals = [0.0; 2];

@@ -3,7 +3,8 @@
 //! Users write a [`BoundaryProblem`](super::problem::BoundaryProblem) as generic code over the
 //! scalar type. Discretisations evaluate a problem through [`Equations`], one scalar type at a
 //! time, and are therefore compiled only once for all problems. The trait [`Number`] is implemented
-//! for the number types of residuals, and [`WatchNumber`] for the number types of watched scalars.
+//! for the scalar types in which residuals are evaluated, and [`WatchNumber`] for the scalar types
+//! in which watched scalars are evaluated.
 
 use super::derivatives::Derivatives;
 use super::itineraries::{Guess, Itineraries};
@@ -173,8 +174,8 @@ pub trait Equations:
         place
     }
 
-    /// Returns the longest time step of a flow along a segment for which all watched functions
-    /// change little within a step.
+    /// Returns the longest time step of a flow along a segment such that all watched functions
+    /// change little within one step.
     fn longest_step(&self, _segment: usize) -> f64 {
         f64::INFINITY
     }

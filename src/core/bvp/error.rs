@@ -6,7 +6,8 @@ use crate::core::failure::debug_is_message;
 
 debug_is_message!(BoundaryError);
 
-/// The error for sizes of a boundary-value problem that do not fit together.
+/// The error that reports sizes of a boundary-value problem (numbers of segments, states,
+/// conditions and unknowns) that do not fit together.
 #[derive(Clone, PartialEq, miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum BoundaryError {
@@ -40,7 +41,8 @@ pub enum BoundaryError {
         /// The number of conditions: the integral conditions and the phase condition.
         closing: usize,
     },
-    /// The number of segments or of conditions does not match the shape of the problem.
+    /// The number of segments or conditions does not match the shape of the problem, which says
+    /// whether solutions are periodic and how one period leads to the next.
     #[error(
         "the problem has {segments} segments with {boundary} boundary conditions and {closing} \
          integral and phase conditions, which do not fit the shape {shape:?}: a periodic orbit is \
@@ -70,7 +72,7 @@ pub enum BoundaryError {
         /// The state.
         state: usize,
     },
-    /// The mesh with the largest allowed number of intervals is too coarse for the tolerance.
+    /// The tolerance requires more mesh intervals than the largest allowed number.
     #[error(
         "a discretisation error of {tolerance:.1e} needs {needed:.0} mesh intervals on segment \
          {segment}, but at most {most} intervals are allowed"
@@ -86,7 +88,7 @@ pub enum BoundaryError {
         /// The largest allowed number of intervals.
         most: usize,
     },
-    /// The transfer of a solution to another mesh failed.
+    /// A solution could not be transferred to another mesh.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Evaluation(#[from] Failure),

@@ -18,8 +18,8 @@ pub struct Span {
 }
 
 impl Span {
-    /// Returns the position in the mesh of a point of the interval, given from 0 (start) to 1
-    /// (end).
+    /// Returns the position in the mesh of a point that is given by its position in the interval,
+    /// from 0 (start) to 1 (end).
     pub(super) fn at(&self, place: f64) -> f64 {
         self.start + (self.end - self.start) * place
     }
@@ -86,7 +86,8 @@ pub struct Block<'a> {
 }
 
 /// The functions that are monitored along an interval: first the functions whose extrema are
-/// monitored, then the pairs evaluated at upward crossings.
+/// monitored, then pairs of functions: the second function is evaluated where the first
+/// crosses zero upwards.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct MonitoredFunctions<'a> {
     /// The scalars whose extrema are monitored.
@@ -111,7 +112,7 @@ pub(super) fn weighted<T: Scalar>(x: &[T], weights: &[f64]) -> T {
     sum
 }
 
-/// Adds the segment and the time of a failure to its cause.
+/// Adds to the cause of a failure the segment and the time at which the failure occurred.
 pub(super) fn placed(cause: impl Into<Failure>, segment: usize, t: f64) -> Failure {
     cause.into().at(format_args!("at t = {t:.6e} on segment {segment}"))
 }

@@ -32,16 +32,16 @@ pub trait Itineraries<P> {
         None
     }
 
-    /// Creates the problem whose duration spans several durations of this problem, and returns it
-    /// with the vector `q` of the corresponding solution. Returns `None` if no problem spans
-    /// several durations of this one.
+    /// Creates the problem of solutions that last several times as long as a solution of this
+    /// problem, and returns it with the vector `q` of the corresponding solution. Returns `None` if
+    /// no problem describes solutions that last several times as long.
     fn spanning(&self, _durations: f64, _q: &[f64]) -> Option<(P, Vec<f64>)> {
         None
     }
 
-    /// Returns the extra unknowns of the same solution when it begins with a later segment; the
-    /// start time is chosen so that the extra unknowns are nearest to `near`. Returns `None` if the
-    /// solution that begins with the later segment does not solve this problem.
+    /// Returns the extra unknowns of a solution that is rewritten to begin with a later segment;
+    /// the start time is chosen so that the extra unknowns are nearest to `near`. Returns `None` if
+    /// the solution that begins with the later segment does not solve this problem.
     fn rotated(&self, _segments: usize, _q: &[f64], _near: &[f64]) -> Option<Vec<f64>> {
         None
     }
@@ -49,25 +49,27 @@ pub trait Itineraries<P> {
     /// Checks that the segments of a solution follow each other as its itinerary says.
     ///
     /// # Errors
-    /// [`Failure`] with the end of the offending segment, its time, and the mode to which it leads.
+    /// [`Failure`] that states where the offending segment ends, the time of this end, and the mode
+    /// to which it leads.
     fn check_ends(&self, _ends: Ends<f64>, _q: &[f64]) -> Result<(), Failure> {
         Ok(())
     }
 
-    /// Returns a sudden change of the mode to which an event leads between two solutions, each
-    /// given by the states at the ends of its segments and by its vector `q`; `None` if all events
-    /// lead to the same modes in both solutions.
+    /// Compares two solutions, each given by the states at the ends of its segments and by its
+    /// vector `q`, and returns an event that leads to different modes in the two solutions; `None`
+    /// if all events lead to the same modes.
     fn jump_between(&self, _solutions: [(Ends<f64>, &[f64]); 2]) -> Option<Jump> {
         None
     }
 
-    /// Returns the limits of the admissible solutions with this itinerary, at the parameters `p`.
+    /// Returns the limits at which the admissible solutions with this itinerary end, at the
+    /// parameters `p`.
     fn limits(&self, _p: &[f64]) -> Vec<Limit> {
         Vec::new()
     }
 
-    /// Returns the standard name of the solution at which a limit's monitor vanishes; `None` if the
-    /// solution has no standard name.
+    /// Returns the standard name of the bifurcation at a limit of admissible solutions, where the
+    /// monitor of the limit vanishes; `None` if the bifurcation has no standard name.
     fn name_of_limit(
         &self,
         _monitor: usize,

@@ -19,7 +19,7 @@ pub struct Mesh {
     points: Vec<f64>,
 }
 
-/// The error for breakpoints that do not form a mesh.
+/// The error that reports breakpoints that do not form a mesh.
 #[derive(Clone, Debug, PartialEq, miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum MeshError {

@@ -177,8 +177,9 @@ impl Method {
         }
     }
 
-    /// Computes the residual on an interval, its derivatives with respect to the nodes and to the
-    /// active entries of `q`, and the extrema that [`extrema`](Self::extrema) visits.
+    /// Computes the residual on an interval, its derivatives with respect to the values at the
+    /// nodes and to the active entries of `q`, and the extrema that [`extrema`](Self::extrema)
+    /// visits.
     pub(super) fn linearise(
         &mut self,
         interval: Interval<f64>,
@@ -197,8 +198,8 @@ impl Method {
     }
 
     /// Sets the error that is allowed in residuals, derivatives and extrema during a Newton
-    /// iteration; 0 restores the method's own accuracy. Returns whether results with the allowed
-    /// error are valid only during the iteration.
+    /// iteration; 0 restores the method's own accuracy. Returns whether results that are computed
+    /// with this allowed error may be used only during the Newton iteration.
     pub(super) fn allow(&mut self, error: f64) -> bool {
         match self {
             Method::Collocation(_) => false,
@@ -273,8 +274,8 @@ impl Method {
         }
     }
 
-    /// Returns the growth of deviations over an interval of shooting, from its derivatives with
-    /// respect to the nodes of `n` states; 1 for collocation.
+    /// Returns the factor by which deviations grow over an interval of shooting, from the
+    /// derivatives of its equations with respect to the values at its nodes; 1 for collocation.
     pub(super) fn growth(&self, nodes: &[f64], n: usize) -> f64 {
         match self {
             Method::Collocation(_) => 1.0,
@@ -294,8 +295,8 @@ impl Method {
         }
     }
 
-    /// Returns a variant of the same accuracy with different errors, used if no more accurate
-    /// variant exists; `None` for collocation.
+    /// Returns a variant of the method with the same accuracy but different errors, which is used
+    /// if no more accurate variant exists; `None` for collocation.
     pub(super) fn other(&self) -> Option<(Self, usize)> {
         match self {
             Method::Collocation(_) => None,

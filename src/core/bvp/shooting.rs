@@ -94,12 +94,13 @@ impl Clone for Shooting {
     }
 }
 
-/// Rounding: the largest growth of deviations over a segment that is accepted: rounding errors grow
-/// by the same factor, which leaves only one or two correct digits.
+/// Rounding: the largest accepted factor by which deviations grow over an interval: rounding errors
+/// grow by the same factor, which leaves only one or two correct digits.
 const LARGEST_GROWTH: f64 = 1e14;
 
-/// Returns the growth of deviations over a segment, from the derivatives with respect to the nodes;
-/// only the dimensionless derivatives of states with respect to themselves count.
+/// Returns the factor by which deviations grow over an interval: the largest absolute derivative of
+/// a state at the interval's end with respect to the same state at its start, because only these
+/// derivatives are dimensionless.
 pub(super) fn growth(nodes: &[f64], n: usize) -> f64 {
     let own = nodes.chunks_exact(2 * n).enumerate().map(|(i, row)| row[i].abs());
     own.fold(0.0, f64::max)
@@ -128,8 +129,8 @@ impl Shooting {
         Ok(())
     }
 
-    /// Computes a weighted sum of the states at the end of the flow from a left end, and of the
-    /// contributions to the integral conditions along the flow.
+    /// Computes a weighted sum of the states at the end of the flow that begins at an interval's
+    /// left end, and of the contributions to the integral conditions along this flow.
     pub(super) fn nonlinear<T: Number>(
         &self,
         interval: Interval<T>,

@@ -78,7 +78,7 @@ use std::ops::Deref;
 /// ```
 pub struct BoundarySystem(Meshed);
 
-/// Properties of the system that are known without solving equations.
+/// Properties of the system that are known before any equations are solved.
 impl Deref for BoundarySystem {
     type Target = DiscretisedProblem;
 

@@ -8,8 +8,8 @@ use crate::core::scalar::Scalar;
 pub struct Ends<'a, T> {
     /// The states at the starts of the segments.
     pub start: &'a [T],
-    /// The states at the ends of the segments; the mesh coordinate of an end is 1, or the number of
-    /// periods.
+    /// The states at the ends of the segments; the end of a segment has the mesh coordinate 1, or
+    /// the number of periods if the solution spans several periods.
     pub end: &'a [T],
 }
 

@@ -1,5 +1,5 @@
-//! The first doubled orbits near a generalised period doubling or a resonance 1:2: starting points
-//! of curves of folds or torus points of doubled orbits.
+//! The first doubled orbits near a generalised period doubling or a resonance 1:2, where curves of
+//! folds or torus points of doubled orbits begin.
 
 use super::forms::Forms;
 use crate::core::bifurcation::at::At;

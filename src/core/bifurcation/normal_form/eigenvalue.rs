@@ -19,7 +19,7 @@ pub(super) struct Eigenvalue {
     /// The left eigenvector `p`: `p* L = 0`, and `p* L' q = −1` for the last vector `q` of the
     /// Jordan chain.
     pub left: Vec<c64>,
-    /// Whether the size of `q` is fixed by the change of the period.
+    /// Whether `q` is scaled by the change of the period that it causes, instead of by `⟨q, q⟩`.
     pub by_period: bool,
     null: NullSpace,
 }
@@ -87,13 +87,13 @@ impl Eigenvalue {
         }
     }
 
-    /// Returns the null vectors of a form of the linearisation, and the factors of the bordered
-    /// matrix.
+    /// Returns the null vectors of the linearisation in the form of this eigenvalue, and the
+    /// factors of the bordered matrix.
     fn known(&mut self, forms: &mut Forms) -> Result<&mut NullVectors, Failure> {
         self.null.of(&mut *forms.at.system, forms.at.x, self.form, None)
     }
 
-    /// The number by which a critical vector is divided to normalise it.
+    /// The number by which a critical eigenvector is divided to normalise it.
     fn size(&mut self, forms: &mut Forms, q: &[c64]) -> Result<f64, Failure> {
         let [re, im] = [forms.direction(q, |c| c.re), forms.direction(q, |c| c.im)];
         let deviation = forms.deviation(&[&re, &im], self.omega())?;
@@ -119,7 +119,7 @@ impl Eigenvalue {
         Ok(())
     }
 
-    /// The last right vector of the Jordan chain.
+    /// The last right vector of the Jordan chain; for a simple eigenvalue, the right eigenvector.
     pub fn last(&self) -> &[c64] {
         self.right.last().map_or(&[], Vec::as_slice)
     }

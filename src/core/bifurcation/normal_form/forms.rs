@@ -1,5 +1,5 @@
-//! Multilinear forms of a zero problem at a point, null vectors of its linearisations, and linear
-//! systems with them.
+//! The derivatives of a zero problem `F = 0` at a point as multilinear forms, the null vectors of
+//! its linearisations, and the solution of linear systems with these linearisations.
 
 use crate::core::bifurcation::at::At;
 use crate::core::failure::Failure;
@@ -18,10 +18,9 @@ pub(super) fn leading(v: &[f64]) -> f64 {
     v.iter().fold(0.0, |most: f64, c| if c.abs() > most.abs() { *c } else { most })
 }
 
-/// A critical direction of a real form of the linearisation: a null vector on the right and on the
-/// left.
+/// A critical direction of a linearisation, given by its right and its left null vector.
 pub(super) struct Critical<V> {
-    /// The right null vector `q`; if real, a direction of `x`.
+    /// The right null vector `q`; a real `q` is stored as a direction of `x = (z, p)`.
     pub right: V,
     /// `p`.
     pub left: V,
@@ -29,7 +28,8 @@ pub(super) struct Critical<V> {
     pub growth: f64,
 }
 
-/// The multilinear forms of `F` at a point, and linear systems with its linearisations.
+/// The multilinear forms of `F` at a point, and the solution of linear systems with the
+/// linearisations of `F`.
 pub(super) struct Forms<'f, 'a> {
     pub at: &'f mut At<'a>,
     /// The number of unknowns `z`.
@@ -281,7 +281,7 @@ impl<'f, 'a> Forms<'f, 'a> {
     }
 
     /// Computes a direction `(s, 1)` with `F_z s = −F_λ` at a point where `F_z` is singular and
-    /// `F_λ` lies in its range.
+    /// `F_λ` lies in the range of `F_z`.
     pub fn along_crossing(&mut self) -> Result<Option<Vec<f64>>, Failure> {
         let direction = self.of_parameter();
         direction.map(|direction| self.along_singular(direction)).transpose()

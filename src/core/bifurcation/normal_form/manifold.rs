@@ -85,8 +85,8 @@ impl<'e> Critical<'e> {
         Critical { eigenvalues, first, variables, omegas, orbit }
     }
 
-    /// The factor `c` in `L' = c K`, by which variables are also multiplied in the linear part of
-    /// the motion.
+    /// The factor `c` in `L' = c K`; the linear part of the motion also multiplies each variable by
+    /// this factor.
     fn multiplier(&self, omega: f64) -> c64 {
         if self.orbit { c64::new(omega.cos(), omega.sin()) } else { ONE }
     }
@@ -117,7 +117,8 @@ impl<'e> Critical<'e> {
         (rates, manifold)
     }
 
-    /// Computes the operator `Δ` applied to each monomial, without the diagonal part of `Δ`.
+    /// Computes the result of applying the operator `Δ`, without its diagonal part, to each
+    /// monomial.
     fn advanced(&self, space: &Space, rates: &[Coefficients]) -> Vec<Coefficients> {
         let mut all = match self.orbit {
             true => substitution(space, rates),
@@ -238,8 +239,8 @@ pub(super) fn motion(
     Ok(Motion { space, rates })
 }
 
-/// Adds the terms of the highest degree of a space of polynomials to the center manifold and to the
-/// motion on it.
+/// Adds to the center manifold, and to the motion on it, the terms of the highest degree of a space
+/// of polynomials.
 fn add_degree(
     forms: &mut Forms,
     critical: &mut Critical,

@@ -101,7 +101,8 @@ struct FoldInteraction {
 }
 
 impl FoldInteraction {
-    /// Returns the normal form of the interaction; the arguments are the names of `s`, `θ` and `E`.
+    /// Returns the normal form of a fold that interacts with a critical pair; the arguments are the
+    /// names of `s`, `θ` and `E`.
     fn normal_form(&self, [s, theta, e]: [&'static str; 3]) -> NormalForm {
         let FoldInteraction { a20, a02, a30, a12, b11, b21, b03 } = self;
         let sign = (a20 * a02).signum();

@@ -15,7 +15,7 @@ struct Pair {
     cubic: c64,
     /// The sum of the sizes of the terms of `Re cubic`.
     size: f64,
-    /// The squared norm `⟨q, q⟩`, integrated over the period.
+    /// The integral over the period of the squared norm `⟨q, q⟩` of the eigenvector `q`.
     square: f64,
     period: f64,
     q: Vec<c64>,

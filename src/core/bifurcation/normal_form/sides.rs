@@ -46,9 +46,9 @@ fn gradient(
 }
 
 /// Computes the division of the parameter plane by a curve of folds. Solutions `z = z₀ + ξ q + …`
-/// near a fold satisfy `p F_λ · δλ + ½ p B(q, q) ξ² = 0`. On the side where `−(p F_λ · δλ)/(p B(q,
-/// q)) > 0`, two solutions exist, with `n` and `n + 1` unstable directions; on the other side, no
-/// solution exists near the fold.
+/// near a fold satisfy `p F_λ · δλ + ½ p B(q, q) ξ² = 0`. On the side of the curve where `−(p F_λ ·
+/// δλ)/(p B(q, q)) > 0`, two solutions exist, with `n` and `n + 1` unstable directions; on the
+/// other side, no solution exists near the fold.
 pub(in crate::core::bifurcation) fn of_folds(at: &mut At) -> Result<Option<Division>, Failure> {
     let mut forms = Forms::new(at);
     let critical = forms.real(Form::Jacobian)?;

@@ -18,8 +18,9 @@ pub(super) struct Passes<const W: usize> {
     real: Vec<f64>,
 }
 
-/// Computes the residual and the Jacobian at all Gauss points, `W` directions at a time; the
-/// directions are the `n` states at the Gauss point, followed by the active entries of `q`.
+/// Computes the residual and the Jacobian of the collocation equations at all Gauss points, `W`
+/// directions at a time; the directions are the `n` states at the Gauss point, followed by the
+/// entries of `q` with respect to which derivatives are computed.
 pub(super) fn linearise_in<const W: usize>(
     basis: &Basis,
     passes: &mut Passes<W>,
@@ -58,8 +59,8 @@ where
         self.f.resize(n, DualChunk::from(0.0));
     }
 
-    /// Seeds the dual numbers for `q`; its active entries are the directions that follow the `n`
-    /// states.
+    /// Seeds the dual numbers for `q`; the entries of `q` with respect to which derivatives are
+    /// computed are the directions that follow the `n` states.
     fn seed_numbers(&mut self, q: &[f64], active: &[usize], n: usize, start: usize) {
         refill(&mut self.q, q.iter().map(|q| DualChunk::from(*q)));
         for (k, &number) in active.iter().enumerate() {

@@ -12,13 +12,13 @@ use crate::core::system::HOMOCLINIC_RADIUS;
 use nalgebra::{DMatrix, DVector};
 use std::sync::Arc;
 
-/// Heuristic: the distance from the equilibrium, in units of the extents, beyond which a nearby
-/// cycle gives the guess of the homoclinic orbit; closer to the equilibrium, the linear flow gives
-/// the guess.
+/// Heuristic: the distance from the equilibrium, in units of the states' ranges, beyond which a
+/// nearby cycle gives the guess of the homoclinic orbit; closer to the equilibrium, the linear flow
+/// gives the guess.
 const NEAR: f64 = 1e-3;
 
-/// Heuristic: the largest distance from the equilibrium, in units of the extents, at which a cycle
-/// counts as near a homoclinic orbit.
+/// Heuristic: the largest distance from the equilibrium, in units of the states' ranges, at which a
+/// cycle counts as near a homoclinic orbit.
 const FAR: f64 = 0.05;
 
 /// Rounding: a state counts as constant if it changes by less than this fraction of the motion:
@@ -37,8 +37,8 @@ const TRUNCATION: f64 = 1e-14;
 /// rounding error of the states.
 const DIGITS: f64 = 1e8;
 
-/// Heuristic: the ratio of two distances from the equilibrium: the distance at which the excursion
-/// taken from the cycle ends, and the distance at which the linear flow ends.
+/// Heuristic: the ratio of two distances from the equilibrium: the distance at which the part taken
+/// from the cycle ends, and the distance at which the linear flow ends.
 const CLEAR: f64 = 1.1;
 
 /// Heuristic: the largest distance of an orbit's end from the equilibrium, as a multiple of the
@@ -68,8 +68,8 @@ fn refused(reason: String) -> Failure {
 /// A point of a trajectory: time and states.
 type Place = (f64, Vec<f64>);
 
-/// A cycle, given by its vector `q` of parameters and extra unknowns, the times of its nodes, and
-/// its states at any time within a period.
+/// A cycle, given by its vector `q` of parameters and extra unknowns, by the times of its nodes,
+/// and by a function that returns its states at any time within a period.
 pub(in crate::core::bvp) struct Cycle<'a> {
     pub q: &'a [f64],
     pub times: Vec<f64>,
@@ -128,8 +128,8 @@ pub(in crate::core::bvp) fn from_cycle(
     Ok(guess(cycles, saddle, radii, orbit, pace))
 }
 
-/// Returns the change of time that maps the centre of the squared speed of an orbit to the middle
-/// of the mesh.
+/// Returns the change of time that moves the centre of an orbit, weighted by the squared speed, to
+/// the middle of the mesh.
 fn paced(orbit: &[Place], (field, q): (&impl FieldIn<f64>, &[f64]), sizes: &[f64]) -> Pace<f64> {
     let [begins, ends] = [0, orbit.len() - 1].map(|k| orbit[k].0);
     let duration = ends - begins;
@@ -161,11 +161,12 @@ fn between(places: &[Place], [from, to]: [Place; 2], period: f64) -> Vec<Place> 
     first.chain(inside).chain([(length, to.1)]).collect()
 }
 
-/// Returns the distances from the equilibrium at which an orbit can begin and end, in units of the
-/// smallest distance. An orbit that ends at the distance `ε` from the equilibrium has an error of the
-/// order `ε^(2 + r)` in the parameter, where `r` is the ratio of the leading rates. If the ratio `r`
-/// of the leading rates is large, a longer orbit gains no accuracy, and deviations grow by more than
-/// double precision allows.
+/// Returns the distances from the equilibrium at which a homoclinic orbit can begin and end, in
+/// units of the smallest distance that rounding errors permit. A homoclinic orbit that is truncated
+/// at the distance `ε` from the equilibrium has an error of the order `ε^(2 + r)` in the parameter,
+/// where `r` is the ratio of the leading rates. If the ratio `r` of the leading rates is large, a
+/// homoclinic orbit that is truncated closer to the equilibrium gains no accuracy, and deviations
+/// grow by more than double precision allows.
 fn radii_for(saddle: &Saddle, field: &impl FieldIn<f64>, q: &[f64]) -> [f64; 2] {
     let (_, matrix) = super::jacobian(field, &saddle.place, q, saddle);
     let rate = |side| saddle.leading(&matrix).and_then(|leading| leading.rate(side));
@@ -280,7 +281,7 @@ fn slowest(field: &impl FieldIn<f64>, places: &[Place], q: &[f64], sizes: &[f64]
     speeds.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |it| it.0)
 }
 
-/// Returns the squared speed at a point of the trajectory, in units of the extents.
+/// Returns the squared speed at a point of the trajectory, with each state in units of its range.
 fn squared_speed(field: &impl FieldIn<f64>, x: &[f64], q: &[f64], sizes: &[f64]) -> f64 {
     let mut slope = vec![0.0; x.len()];
     field.slope(0.0, x, q, &mut slope);
@@ -288,7 +289,8 @@ fn squared_speed(field: &impl FieldIn<f64>, x: &[f64], q: &[f64], sizes: &[f64])
 }
 
 /// Returns the points at which a cycle leaves and re-enters the ball of a given radius about the
-/// equilibrium; each point is farther out in its invariant subspace than the orbit's end.
+/// equilibrium; each point is farther from the equilibrium, measured in its invariant subspace,
+/// than the corresponding end of the homoclinic orbit.
 fn excursion(
     Cycle { q, states, .. }: &Cycle,
     places: &[Place],

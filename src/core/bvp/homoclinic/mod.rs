@@ -35,7 +35,7 @@ enum Recorded {
 }
 
 /// The number of extra unknowns that precede the coordinates of the equilibrium: the time `T`, the
-/// share `φ` and the gap `g`.
+/// share `φ` of `T` that has elapsed in the middle of the mesh, and the gap `g`.
 const BEFORE_PLACE: usize = 3;
 
 /// A homoclinic problem: orbits that leave an equilibrium `x₀` along its unstable manifold and return
@@ -58,10 +58,10 @@ const BEFORE_PLACE: usize = 3;
 ///     L = Cᵀ + Z Bᵀ,    N = B − C Z,    L f_x(x₀, p) N = 0
 /// ```
 ///
-/// Deviations are in units of the extents of the orbit, and `R_u` and `R_s` give their components along
-/// the eigenvectors. The parameter at which `g = 0` has truncation errors of order `ε₀^(2+r)` and
-/// `ε₁^(2+1/r)`, where `r` is the absolute value of the ratio of the leading stable and unstable eigenvalues
-/// `λ_s` and `λ_u`.
+/// Deviations are in units of the extents of the orbit (the ranges of its states), and `R_u` and
+/// `R_s` give the components of a deviation along the eigenvectors. The parameter at which `g = 0`
+/// has truncation errors of order `ε₀^(2+r)` and `ε₁^(2+1/r)`, where `r` is the absolute value of
+/// the ratio of the leading stable and unstable eigenvalues `λ_s` and `λ_u`.
 ///
 /// The excursion is often short compared with `T`, and the times that the orbit spends near the
 /// equilibrium before and after the excursion change along a branch. On a mesh with breakpoints at
@@ -73,8 +73,8 @@ const BEFORE_PLACE: usize = 3;
 ///     ∫ (s − ½) |x'|² dt = 0,    t = T θ(s),    0 ≤ s ≤ 1
 /// ```
 ///
-/// The unknowns are the states, the time `T`, the share `φ`, the gap `g`, the equilibrium `x₀`, and
-/// the matrices `Z` of both subspaces.
+/// The unknowns are the states, the time `T`, the share `φ` of `T` that has elapsed in the middle
+/// of the mesh, the gap `g`, the equilibrium `x₀`, and the matrices `Z` of both subspaces.
 pub(in crate::core) struct HomoclinicOrbit {
     /// The problem of the cycles near the homoclinic orbit.
     cycles: ErasedProblem,
@@ -129,7 +129,8 @@ impl HomoclinicOrbit {
         all
     }
 
-    /// Returns the deviation of a state from the equilibrium, in units of the extents.
+    /// Returns the deviation of a state from the equilibrium, in units of the extents (the ranges
+    /// of the states).
     fn deviation<T: Scalar>(&self, x: &[T], place: &[T]) -> Vec<T> {
         let both = x.iter().zip(place).zip(&self.saddle.sizes);
         both.map(|((x, place), size)| (*x - *place) / *size).collect()
@@ -173,7 +174,7 @@ impl<T: Number> Residual<T> for HomoclinicOrbit {
         self.conditions(ends, q, b);
     }
 
-    /// Computes the distance of the mesh point from the middle of the mesh, weighted by the squared
+    /// Computes the distance of a mesh point from the middle of the mesh, weighted by the squared
     /// speed.
     fn integrand_in(&self, segment: usize, t: T, x: &[T], q: &[T], g: &mut [T]) {
         let Parts { of_cycles, pace, .. } = self.parts(q);

@@ -10,16 +10,16 @@ use nalgebra::{DMatrix, DVector};
 /// most this fraction of the size of the matrix.
 const HYPERBOLIC: f64 = 1e-8;
 
-/// Rounding: a vector counts as linearly dependent on earlier ones if its remainder after
-/// orthogonalisation is shorter than this.
+/// Rounding: a vector counts as linearly dependent on earlier vectors if, after orthogonalisation,
+/// its remainder is shorter than this length.
 const DEPENDENT: f64 = 1e-6;
 
 /// Heuristic: the largest distance between an equilibrium and the slowest point of the orbit, in
-/// units of the extents, for which the equilibrium counts as near the orbit.
+/// units of the states' ranges, for which the equilibrium counts as near the orbit.
 const BESIDE: f64 = 0.5;
 
 /// Rounding: Newton's iteration for an equilibrium has converged if its last step is shorter than
-/// this, in units of the extents.
+/// this length, in units of the states' ranges.
 const CONVERGED: f64 = 1e-6;
 
 /// Heuristic: the largest number of Newton iterations for an equilibrium.
@@ -29,7 +29,7 @@ const ITERATIONS: usize = 30;
 pub(super) struct Saddle {
     /// The equilibrium.
     pub place: Vec<f64>,
-    /// The extents of the orbit, used as units of deviations.
+    /// The extents of the orbit (the ranges of its states), used as units of deviations.
     pub sizes: Vec<f64>,
     /// The unit of rates: the size of the Jacobian.
     pub rate: f64,
@@ -150,8 +150,8 @@ fn dot<T: Scalar>(column: &[f64], y: &[T]) -> T {
     column.iter().zip(y).fold(T::zero(), |sum, (c, y)| sum + *y * *c)
 }
 
-/// Computes the vector field at a state, and its Jacobian by columns, in units of the extents and of
-/// the rate.
+/// Computes the vector field at a state, and its Jacobian column by column, with states in units of
+/// their ranges and rates in the unit of rates.
 pub(super) fn jacobian<T: Scalar>(
     field: &impl FieldIn<T>,
     x: &[T],
@@ -297,12 +297,14 @@ impl Saddle {
         Leading::new(matrix, self.dimension(), self.outgoing.basis.len())
     }
 
-    /// Returns the deviation of a state from the equilibrium, in units of the extents.
+    /// Returns the deviation of a state from the equilibrium, in units of the extents (the ranges
+    /// of the states).
     pub fn deviation(&self, x: &[f64]) -> Vec<f64> {
         x.iter().zip(&self.place).zip(&self.sizes).map(|((x, at), size)| (x - at) / size).collect()
     }
 
-    /// Returns the distance of a state from the equilibrium, in units of the extents.
+    /// Returns the distance of a state from the equilibrium, in units of the extents (the ranges of
+    /// the states).
     pub fn distance(&self, x: &[f64]) -> f64 {
         self.deviation(x).iter().map(|y| y * y).sum::<f64>().sqrt()
     }

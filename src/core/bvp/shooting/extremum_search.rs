@@ -21,7 +21,7 @@ pub(super) struct Observers {
     extrema: Vec<Extrema<f64>>,
     rises: Vec<Roots<f64>>,
     step: RealStep,
-    /// The states at an upward crossing.
+    /// The states at an upward zero crossing of a monitored function.
     x: Vec<f64>,
 }
 
@@ -44,7 +44,8 @@ impl ExtremumSearch<'_> {
         }
     }
 
-    /// Visits the extrema and upward crossings in one step of a flow of real numbers.
+    /// Visits the extrema and upward zero crossings of the monitored functions in one step of a
+    /// flow of real numbers.
     pub fn real<F: FieldIn<f64>>(
         &mut self,
         interval: &Interval<f64>,

@@ -20,7 +20,8 @@ const ROUNDING: f64 = 1e-10;
 
 impl Solutions {
     /// Estimates the distance of a cycle with a free period from the nearest equilibrium, by one
-    /// Newton correction from each node, and returns it with the extents of the states.
+    /// Newton correction from each node; returns this distance, and the extents (ranges) of the
+    /// states.
     pub fn approach(&mut self, x: &[f64]) -> Option<Approach> {
         self.free_period(x)?;
         self.load(x);

@@ -39,7 +39,8 @@ pub(super) struct AssembledJacobian {
     /// computed: first all entries that are not parameters, then the parameters in the order of
     /// their use.
     pub active: Vec<usize>,
-    /// For each active parameter, the number of points since its derivative was last used.
+    /// For each active parameter, the number of points assembled since the derivative with respect
+    /// to this parameter was last used.
     pub idle: Vec<usize>,
     /// Typical sizes of the states at the starts of all segments, of the states at the ends, and of
     /// the extra unknowns; empty if all sizes are 1.
@@ -48,7 +49,8 @@ pub(super) struct AssembledJacobian {
     pub ends: Vec<f64>,
     /// The point that was assembled last; empty after a failure.
     pub at: Vec<f64>,
-    /// Whether the error of the assembled equations can exceed the error allowed at a solution.
+    /// Whether the assembled equations may have a larger error than is allowed for an accepted
+    /// solution.
     pub rough: bool,
     /// The number of assemblies so far.
     pub count: usize,
@@ -76,9 +78,9 @@ pub(super) struct Bordered<'a> {
     pub border: Border<'a>,
 }
 
-/// Heuristic: the number of points after which an unused parameter becomes inactive. Newton's
-/// method uses the derivative with respect to an active parameter at every point, except in
-/// iterations with an old matrix.
+/// Heuristic: a parameter becomes inactive after this number of points at which the derivative with
+/// respect to it was not used. Newton's method uses the derivative with respect to an active
+/// parameter at every point, except in iterations with an old matrix.
 const MOST_IDLE: usize = 16;
 
 impl AssembledJacobian {
@@ -301,7 +303,7 @@ impl AssembledJacobian {
         closing.zip(rows).for_each(|(out, row)| *out = row[k]);
     }
 
-    /// Returns the largest growth of deviations over an interval.
+    /// Returns the largest factor by which deviations grow over any interval.
     pub fn growth(&self, equations: &DiscretisedProblem) -> f64 {
         let (method, layout) = (&equations.method, &equations.layout);
         let segments = layout.segments.iter().zip(&self.blocks);

@@ -16,11 +16,11 @@ use crate::core::system::Solution;
 const PHASES: usize = 64;
 
 /// Heuristic: two oscillations have different shapes if the absolute value of their correlation is
-/// smaller than this.
+/// smaller than this bound.
 const ALIKE: f64 = 0.9;
 
 /// Discretisation: a state counts as constant if its oscillation, relative to the largest value of
-/// any state, is smaller than this.
+/// any state, is smaller than this bound.
 const STILL: f64 = 1e-9;
 
 impl Solutions {
@@ -79,8 +79,8 @@ impl Solutions {
         Some(self.equations.duration(&numbers, |_| true))
     }
 
-    /// Returns a saved solution on the current meshes, once for each phase with which a branch can
-    /// contain the solution.
+    /// Returns copies of a saved solution on the current meshes, one for each segment or phase at
+    /// which the solution can begin on a branch.
     pub fn images(&self, solution: &Solution, near: &[f64]) -> Result<Vec<Vec<f64>>, Failure> {
         let (equations, layout) = (&self.equations, &self.equations.layout);
         let (method, meshes) = discretisation_of(equations, solution)?;
@@ -152,8 +152,8 @@ impl Saved {
         Ok(Saved { equations, work, extras, parameters: p.clone() })
     }
 
-    /// Returns the extra unknowns of the solution when it begins with a later segment; its start
-    /// time is chosen so that the extra unknowns are nearest to `near`.
+    /// Returns the extra unknowns of the saved solution after it is rewritten to begin with a later
+    /// segment; its start time is chosen so that the extra unknowns are nearest to `near`.
     fn rotated(&self, segments: usize, near: &[f64]) -> Option<Vec<f64>> {
         let q = [&self.parameters[..], &self.extras].concat();
         self.equations.problem.itineraries()?.rotated(segments, &q, near)

@@ -28,9 +28,9 @@ pub struct DiscretisedProblem {
     pub(super) method: Method,
     pub(super) meshes: Vec<Mesh>,
     pub(super) layout: Arc<UnknownLayout>,
-    /// Whether a Newton iteration is in progress, which permits larger errors.
+    /// Whether a Newton iteration is in progress, during which larger errors are allowed.
     pub(super) rough: bool,
-    /// Whether gradients are as accurate as residuals.
+    /// Whether gradients of conditions are computed as accurately as residuals.
     pub(super) exact_gradients: bool,
 }
 

@@ -29,7 +29,8 @@ pub(super) struct Emanating {
 /// The deviation `Re (v e^{2πiτ})` of small cycles from an equilibrium, where `v` is the eigenvector
 /// of a critical pair.
 struct Wave {
-    /// The values of all unknowns: zero states, and the period of the critical pair.
+    /// The values of all unknowns at zero amplitude: all states are zero, and the period is the
+    /// period of the critical pair.
     period: Vec<f64>,
     deviation: Vec<f64>,
     /// The time derivative of the deviation, up to a factor: the deviation a quarter of a period

@@ -49,7 +49,7 @@ impl OnSegment {
     }
 }
 
-/// The extrema and upward crossings for all monitors.
+/// The extrema and upward zero crossings of scalars that the monitors need.
 #[derive(Default)]
 pub(super) struct MonitoredExtremes {
     segments: Vec<OnSegment>,

@@ -33,7 +33,8 @@ pub(super) struct Condensation {
     reduced: Vec<f64>,
     /// The values of the solution at all nodes, node by node.
     nodes: Vec<f64>,
-    /// The count of the assembly that was condensed last; 0 after a failure of the condensation.
+    /// The value of the assembly counter for the assembly that was condensed last; 0 after a
+    /// failure of the condensation.
     condensed: usize,
 }
 
@@ -222,8 +223,8 @@ impl Condensed for Condensation {
         }
     }
 
-    /// In the right-hand side, the entries for the rows of the dense matrix come first, followed by
-    /// the entries for the rows that remain from a cycle's segments.
+    /// In the condensed right-hand side, the entries for the rows of the dense matrix come first,
+    /// followed by the entries for the rows that remain from a cycle's segments.
     fn forward(&mut self, right: &mut [f64], left: &mut Vec<f64>) {
         let layout = &*self.layout;
         let Rest { states, boundary, .. } = layout.rest();
@@ -339,16 +340,18 @@ impl Condensed for Condensation {
     }
 }
 
-/// Returns the form of the linearisation for Floquet multipliers: problems that close by `x(0) =
-/// x(1)` also replace their integral and phase conditions.
+/// Returns the form of the linearisation from which Floquet multipliers are computed; in problems
+/// with the return conditions `x(0) = x(1)`, the equations "extra unknown = 0" also replace the
+/// integral and phase conditions.
 pub(super) fn form_of(layout: &UnknownLayout) -> Form {
     if layout.closes() { Form::Twisted } else { Form::Jacobian }
 }
 
-/// Converts the error for a singular matrix to the error for excessive growth of deviations, if the
-/// growth explains the singularity. If deviations grow by the factor `G` over an interval, regular
-/// matrices have pivots of size `1/G²` for the states at the interval's end and for the border. If
-/// pivots as small as `1/G²` count as zero, the factorisation cannot detect singular matrices.
+/// Converts the error for a singular matrix to the error for excessive growth of deviations, if
+/// this growth explains the singularity. If deviations grow by the factor `G` over an interval,
+/// regular matrices have pivots of size `1/G²` for the states at the interval's end and for the
+/// border. If pivots as small as `1/G²` count as zero, the factorisation cannot detect singular
+/// matrices.
 pub(super) fn singular_by_growth(growth: f64, cause: Failure) -> Failure {
     match cause {
         Failure::Singular { .. } if growth * growth * SINGULAR >= 1.0 => Failure::Growth(growth),

@@ -1,4 +1,4 @@
-//! Factored linearisations that are stored as values, each with its layout.
+//! Factorised linearisations, each stored together with the layout of its unknowns.
 
 use super::assembly::{AssembledJacobian, Bordered, Form as Kept};
 use super::discretisation::DiscretisedProblem;

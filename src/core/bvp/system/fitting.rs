@@ -9,8 +9,8 @@ use super::solutions::Solutions;
 use crate::core::bvp::error::BoundaryError;
 use crate::core::bvp::mesh::Mesh;
 
-/// Heuristic: the largest factor by which the number of intervals grows in one step: an estimate
-/// from a coarse mesh can be wrong.
+/// Heuristic: the largest factor by which the number of intervals grows in one step, because an
+/// estimate from a coarse mesh can be wrong.
 const MOST_GROWTH: f64 = 2.0;
 
 /// Heuristic: the smallest factor by which the number of intervals grows, and the safety factor of
@@ -21,8 +21,8 @@ const SPARE: f64 = 1.25;
 /// is sufficient.
 const FEW: f64 = 0.5;
 
-/// Heuristic: the smallest factor by which the number of intervals shrinks in one step: an estimate
-/// from a fine mesh can be wrong for a coarse mesh.
+/// Heuristic: the smallest factor by which the number of intervals shrinks in one step, because an
+/// estimate from a fine mesh can be wrong for a coarse mesh.
 const LEAST_KEPT: f64 = 0.75;
 
 /// Heuristic: if the mesh error exceeds the target by this factor, redistributing the intervals is

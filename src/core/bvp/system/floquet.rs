@@ -31,7 +31,8 @@ use std::sync::Arc;
 pub(super) struct Floquet {
     condensed: CondensedLu<Condensation>,
     pencil: [Vec<f64>; 2],
-    /// The count of the assembly from which the pencil was reduced; 0 if no pencil is stored.
+    /// The value of the assembly counter for the assembly from which the pencil was computed; 0 if
+    /// no pencil is stored.
     pencil_of: usize,
     /// The matrix of the return conditions, stored row by row, and the right-hand side of a linear
     /// system.
@@ -83,7 +84,8 @@ impl Floquet {
         Ok((p, q))
     }
 
-    /// Stores the pencil of a condensed matrix.
+    /// Stores the matrices `P` and `Q` of the pencil `P + μ Q` to which the linearisation is
+    /// condensed.
     pub fn keep(&mut self, condensation: &Condensation, assembled: &AssembledJacobian) {
         if condensation.pencil(assembled, &mut self.pencil) {
             self.pencil_of = assembled.count;

@@ -185,8 +185,8 @@ impl Joined {
         &mut right[segment * 2 * self.n..(segment + 1) * 2 * self.n]
     }
 
-    /// Loads the entries of a right-hand side for three kinds of conditions: between segments, at
-    /// the closure of the cycle, and of the border.
+    /// Loads the entries of a right-hand side that belong to the conditions between segments, to
+    /// the conditions that close the cycle, and to the border.
     pub fn load(
         &self,
         layout: &UnknownLayout,
@@ -268,7 +268,8 @@ impl Joined {
         }
     }
 
-    /// Eliminates the inner unknowns like [`forward`](Self::forward), for the transposed matrix.
+    /// Eliminates the inner unknowns of the chain from a right-hand side of the transposed system,
+    /// like [`forward`](Self::forward) for the original system.
     pub fn forward_transposed(&mut self, dense: &mut [f64]) {
         dense[2 * self.n..].clone_into(&mut self.reduced);
         self.chain.forward_transposed(&self.nodes, &self.reduced, dense);

@@ -17,8 +17,8 @@ use crate::core::bvp::interval::weighted as summed;
 use crate::core::failure::Failure;
 use crate::core::scalar::{CHUNK, Chunk, Directional};
 
-/// The arguments of a segment's conditions: the states at the segment's end, and the entries of `q`
-/// on which the conditions depend.
+/// The arguments of the conditions at the end of a segment: the states there, and the entries of
+/// `q` on which the conditions depend.
 fn dependence<'a>(
     layout: &'a UnknownLayout,
     segment: usize,
@@ -72,13 +72,13 @@ pub(super) fn add_gradient_of_joints<T: Directional + Number>(
 }
 
 impl AssembledJacobian {
-    /// Returns the position of a segment's rows.
+    /// Returns the position of the first derivative that belongs to a segment's conditions.
     fn joint_rows(&self, layout: &UnknownLayout, segment: usize) -> usize {
         let length = |s: usize| self.joint_width(layout, s) * (layout.after(s).states + 1);
         (0..segment).map(length).sum()
     }
 
-    /// Returns the length of a segment's rows.
+    /// Returns the length of a row: the number of arguments of a segment's conditions.
     pub fn joint_width(&self, layout: &UnknownLayout, segment: usize) -> usize {
         layout.segments[segment].states + self.active.len()
     }

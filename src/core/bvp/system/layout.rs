@@ -17,10 +17,11 @@ pub(super) struct Segment {
     pub intervals: usize,
     /// The number `K = N·m + 1` of nodes.
     pub nodes: usize,
-    /// The start of the segment's values; values are ordered state by state in `z`, and node by
-    /// node in `nodes`.
+    /// The position of the segment's first value; values are ordered state by state in `z`, and
+    /// node by node in `nodes`.
     pub values: usize,
-    /// The start of the segment's `N·m·n` equations, which are ordered interval by interval.
+    /// The position of the first of the segment's `N·m·n` equations, which are ordered interval by
+    /// interval.
     pub equations: usize,
     /// The position of the segment's states among the states of all segments.
     pub ends: usize,
@@ -49,7 +50,7 @@ pub(super) struct UnknownLayout {
     pub cycle: Option<bool>,
     /// The return conditions, which connect each period to the next period.
     pub returns: Vec<Return>,
-    /// The meaning of each boundary condition.
+    /// The shape of solutions, which determines the meaning of each boundary condition.
     pub shape: Shape,
     /// The number of unknowns, which equals the number of equations.
     pub dimension: usize,
@@ -214,8 +215,8 @@ impl UnknownLayout {
         }
     }
 
-    /// Returns the index of the condition for an initial state of the segment after `segment`; the
-    /// index after the last of these states belongs to the event condition.
+    /// Returns the index of the condition for one initial state of the segment after `segment`; the
+    /// index that follows the last initial state belongs to the event condition.
     pub fn joint(&self, segment: usize, i: usize) -> usize {
         let next = self.after(segment);
         self.conditions() + if i < next.states { next.ends + i } else { self.states + segment }

@@ -12,8 +12,8 @@ const MOVES: f64 = 0.1;
 const ROUNDING: f64 = 1e-13;
 
 /// Returns the size of the smallest segment of a cycle; the size of a segment is its largest state,
-/// in units of the states' scales. Infinite for cycles with a single segment. Constant segments and
-/// vanishing segments are ignored when the smallest segment is determined.
+/// in units of the states' scales. The size is infinite for cycles with a single segment. Constant
+/// segments and vanishing segments are ignored when the smallest segment is determined.
 pub(super) fn least_size(solutions: &mut Solutions, x: &[f64]) -> f64 {
     let segments = solutions.equations.layout.segments.len();
     if solutions.equations.layout.cycle.is_none() || segments == 1 {

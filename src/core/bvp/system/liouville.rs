@@ -13,9 +13,9 @@ use crate::core::linalg::Spectrum;
 use crate::core::problem::FieldIn;
 use crate::core::scalar::{CHUNK, Chunk, seeded};
 
-/// Discretisation: two products of multipliers agree if their logarithms differ by less than this.
-/// The quadrature of the trace is far more accurate than this tolerance; a product in which a
-/// rounding error replaces a multiplier is wrong by orders of magnitude.
+/// Discretisation: two products of multipliers agree if the difference of their logarithms is
+/// smaller than this bound. The quadrature of the trace is far more accurate than this tolerance; a
+/// product in which a rounding error replaces a multiplier is wrong by orders of magnitude.
 const SAME: f64 = std::f64::consts::LN_2;
 
 /// Heuristic: the largest error of the logarithm for which the formula determines a multiplier near

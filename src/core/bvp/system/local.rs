@@ -50,8 +50,8 @@ pub(super) struct Numbers {
 }
 
 impl Numbers {
-    /// Selects the released parameters, and all entries of `q` that are not parameters. Sets all
-    /// entries of `out` to zero.
+    /// Selects the entries of `q` for which derivatives are computed: the released parameters, and
+    /// all entries that are not parameters. Sets all entries of `out` to zero.
     pub fn release(&mut self, layout: &UnknownLayout, released: &[usize], out: &mut [f64]) {
         let of_segments = layout.parameters..layout.parameters + layout.own();
         let own = [of_segments, layout.parameters..layout.numbers()];
@@ -131,8 +131,8 @@ impl<T: Directional + Number> Passes<T> {
         }
     }
 
-    /// Loads the arguments, with unit derivatives for the arguments in the chunk of directions that
-    /// begins at `start`.
+    /// Loads the arguments as dual numbers; the arguments in the chunk of directions that begins at
+    /// `start` get unit derivatives.
     pub fn load(
         &mut self,
         layout: &UnknownLayout,

@@ -21,25 +21,26 @@ use crate::core::linalg::{largest, refill};
 use crate::core::numerics::highest_derivative;
 use crate::core::scalar::{Chunk, Scalar};
 
-/// Rounding: values of a state smaller than this, relative to the largest value of any state, can
-/// be rounding errors.
+/// Rounding: values of a state can be rounding errors if they are smaller than this fraction of the
+/// largest value of any state.
 const SMALL: f64 = 1e-9;
 
-/// Rounding: values of a state smaller than this, relative to the largest value of any state (at
-/// most 1), are treated as zeros that Newton's iteration did not reach exactly.
+/// Rounding: values of a state are treated as zeros that Newton's iteration did not reach exactly
+/// if they are smaller than this fraction of the largest value of any state (or of 1, if the
+/// largest value exceeds 1).
 const NOTHING: f64 = 1e-25;
 
 /// Rounding: the smallest size of a state as a fraction of its scale: a state whose range equals
 /// its scale has values of at least half the scale.
 const LEAST: f64 = 0.4;
 
-/// Heuristic: a polynomial is treated as noise if its highest term, relative to its values, is
-/// larger than this.
+/// Heuristic: a polynomial is treated as noise if the ratio of its highest term to its values is
+/// larger than this bound.
 const ROUGH: f64 = 0.5;
 
-/// Rounding: On a segment shorter than this, relative to all segments, solutions are constant on
-/// any mesh; states that are zero at the start of the segment are rounding errors on the whole
-/// segment.
+/// Rounding: On a segment shorter than this fraction of all segments together, solutions are
+/// constant on any mesh; states that are zero at the start of the segment are rounding errors on
+/// the whole segment.
 const SHORT: f64 = 1e-9;
 
 /// The largest estimated error of a state, in units of the state's largest value, and the position

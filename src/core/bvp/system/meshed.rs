@@ -87,7 +87,8 @@ impl Meshed {
         Ok(())
     }
 
-    /// Returns the Floquet multipliers, and the solution that was assembled last.
+    /// Returns the storage for Floquet multipliers, and the solution that was assembled last, from
+    /// which the multipliers are computed.
     pub fn multipliers(&mut self) -> (&mut Floquet, Orbit<'_>) {
         let Meshed { solutions, assembly: assembled, floquet, .. } = self;
         let Solutions { equations, phase, monitors, plain, .. } = solutions;
@@ -95,7 +96,7 @@ impl Meshed {
         (floquet, Orbit { equations, phase, assembled, errors, plain })
     }
 
-    /// Discards cached evaluations, which belong to other equations.
+    /// Discards the cached assembly and evaluations, which belong to the equations before a change.
     fn forget(&mut self) {
         self.assembly.at.clear();
         self.solutions.forget();

@@ -24,8 +24,8 @@ pub(super) const MESH_ERROR: &str = "mesh_error";
 /// A scalar at a position on a segment.
 type Term = Sighting<(Watched, Place)>;
 
-/// The monitors of a problem, with the extrema and the mesh error of a solution that the monitors
-/// need.
+/// The monitors of a problem, and the data from which they are computed: the extrema and the mesh
+/// error of a solution.
 pub(super) struct Monitors {
     all: Vec<Monitor>,
     pub extremes: MonitoredExtremes,

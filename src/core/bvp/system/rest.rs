@@ -37,7 +37,7 @@ pub(super) fn jacobian(
 }
 
 /// Rounding: an equilibrium counts as the origin if all its states, in their units, are smaller
-/// than this.
+/// than this bound.
 const AT_ORIGIN: f64 = 1e-6;
 
 /// Heuristic: the largest absolute value of the real part of a critical pair of eigenvalues, in

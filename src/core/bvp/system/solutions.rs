@@ -80,7 +80,7 @@ impl Solutions {
         self.phase.refer_to(&self.equations, x, &mut self.plain)
     }
 
-    /// Discards cached evaluations, which belong to other equations.
+    /// Discards cached evaluations, which belong to the equations before a change.
     pub fn forget(&mut self) {
         self.evaluated.clear();
         self.monitors.mesh_error.forget();

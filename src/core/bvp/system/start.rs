@@ -28,7 +28,7 @@ impl From<BoundaryError> for Failure {
 
 /// The start of a branch: a saved solution, converted to a discretised problem.
 pub(super) struct Resumed {
-    /// The discretisation of the start; `None` if it is the current discretisation.
+    /// The discretisation in which the start is given; `None` if it is the current discretisation.
     pub equations: Option<DiscretisedProblem>,
     pub start: Start,
     /// The reference motion of the phase condition (in the order of `z`); `None` if it is the
@@ -196,8 +196,8 @@ fn resampled(
     Ok(z)
 }
 
-/// Repeats an orbit, and the direction of its branch, on twice the intervals, which gives a
-/// solution that spans two periods.
+/// Repeats an orbit, and the direction of its branch, on a mesh with twice as many intervals, which
+/// gives a solution that spans two periods.
 fn double(layout: &UnknownLayout, solution: &mut Solution) {
     let nodes = (solution.state.len() - layout.extras) / layout.states;
     in_unknowns(solution, |z| {
@@ -210,7 +210,8 @@ fn double(layout: &UnknownLayout, solution: &mut Solution) {
     solution.mesh.extend(second);
 }
 
-/// Replaces the unknowns of a solution and the unknowns of its direction.
+/// Replaces the unknowns `z` of a solution, and the corresponding components of the direction of
+/// its branch.
 fn in_unknowns(solution: &mut Solution, new: impl Fn(&[f64]) -> Vec<f64>) {
     solution.state = new(&solution.state);
     if let Some((z, _)) = &mut solution.tangent {

@@ -19,8 +19,8 @@ use crate::core::failure::Failure;
 use crate::core::system::{Kind, Solution};
 use nalgebra::{DMatrix, DVector};
 
-/// Heuristic: the time covered by the orbit in both directions, in units of `1/ε`: the distance of
-/// its ends from the saddle is less than 1e-3 of the loop's size.
+/// Heuristic: the time that the orbit lasts before and after its midpoint, in units of `1/ε`: the
+/// distance of its ends from the saddle is less than 1e-3 of the loop's size.
 const HALF_TIME: f64 = 4.5;
 
 /// Heuristic: the largest value of `ε b/a`; higher-order terms are powers of `ε b/a`.
