@@ -580,3 +580,24 @@ fn settings_of_other_programs_are_named() {
         refused(at, &["trace", "m.ron", "--along", "a=0..1", "--set", &set], &[&said]);
     }
 }
+
+/// A mark near the grazing at which a branch begins is located at its own value: the branch with an
+/// impact in a period begins at V = 0.22717758, turns, and comes back to the marks.
+#[test]
+fn marks_near_a_grazing_are_located() {
+    let folder = folder();
+    let at = folder.path();
+    for mark in [0.2265, 0.2271, 0.2272, 0.228] {
+        let marked = format!("voltage={mark}");
+        succeeds(at, &["trace", "mita-type-1", "--mark", &marked, "--out", &marked]);
+        let document = Document::load(at.join(&marked).join("mita-type-1.ron")).unwrap();
+        let branch = document.branches.iter().find(|branch| branch.name == "P(1,1)").unwrap();
+        let voltage = branch.column("voltage").unwrap();
+        let marks: Vec<f64> =
+            branch.of_kind(Kind::UZ).filter_map(|point| point.value(voltage)).collect();
+        assert!(!marks.is_empty(), "{mark}");
+        for value in marks.into_iter().filter(|value| (value - mark).abs() < 2e-3) {
+            assert!((value - mark).abs() < 1e-10, "{value} at the mark {mark}");
+        }
+    }
+}

@@ -532,7 +532,6 @@ fn forget_levels_at(curve: &mut Curve, start: &mut CurvePoint, from: &Start) -> 
     let Curve { corrector, detector, .. } = curve;
     let at_limit = from.site == Site::Limit;
     let vertical = at_limit && from.direction.is_some();
-    let near = if at_limit { AT_LIMIT } else { AT_START };
     let mut slopes = vec![0.0; detector.events.len()];
     for (i, event) in detector.events.iter().enumerate() {
         if at_limit && event.test.is_decision() {
@@ -541,6 +540,9 @@ fn forget_levels_at(curve: &mut Curve, start: &mut CurvePoint, from: &Start) -> 
         }
         let Some((quantity, level)) = event.test.level() else { continue };
         slopes[i] = corrector.slope_of(quantity, start.on_curve()).unwrap_or_default();
+        // Parameters have no discretisation error, and a mark near the limit is another point.
+        let is_limit = at_limit && matches!(quantity, Quantity::Monitor(_));
+        let near = if is_limit && event.kind != Kind::UZ { AT_LIMIT } else { AT_START };
         let mut rounding = near * f64::abs(slopes[i]) + 1e-12 * level.abs();
         if let (true, admissible::AT_LIMIT, Quantity::Monitor(m)) = (vertical, event.kind, quantity)
         {
