@@ -59,8 +59,8 @@ impl Reference {
 
     /// Whether a step passes near the reference point, judged only by the quantities that do not
     /// depend on the phase: the parameters and the scalar unknowns. For orbits with an itinerary,
-    /// only the parameters are compared, because scalar unknowns depend on the first segment and on
-    /// the forcing period.
+    /// only the parameters are compared, because scalar unknowns depend on the choice of the first
+    /// segment and on the forcing period.
     fn may_be_passed(&self, corrector: &Corrector, saved: &Solution, step: Interval) -> bool {
         let groups = &corrector.equations.names().unknowns;
         let scalars = match saved.itinerary.is_empty() {
@@ -75,8 +75,8 @@ impl Reference {
     }
 }
 
-/// Returns the distance along a step at which the curve passes through the point `target`, up to
-/// its error `error`; `None` if the curve does not pass through the point.
+/// Returns the distance along a step at which the curve passes through the point `target`, which is
+/// known up to the error `error`; `None` if the curve does not pass through the point.
 fn passes(corrector: &mut Corrector, target: &[f64], step: Interval, error: f64) -> Option<f64> {
     let start = &step.from.unknowns;
     let row = corrector.norm.covector(&step.from.tangent);
@@ -94,9 +94,9 @@ fn passes(corrector: &mut Corrector, target: &[f64], step: Interval, error: f64)
     (miss < exact.max(error).min(0.1 * step.length)).then_some(along)
 }
 
-/// Returns the index in `found` of the branch point at which a branch of doubled orbits returns to
-/// its parent branch. Beyond this branch point, the branch consists of the same orbits again,
-/// shifted by half a period.
+/// Returns the index in `found` of the branch point at which a branch of period-doubled orbits
+/// returns to its parent branch. Beyond the branch point at which it returns to its parent branch,
+/// the branch consists of the same orbits again, shifted by half a period.
 pub(super) fn returns_to_parent(
     equations: &mut Extended,
     found: &[Located],

@@ -176,7 +176,7 @@ impl<'a> Extended<'a> {
         &self.x
     }
 
-    /// Converts a direction of `X` to a direction of `x`.
+    /// Converts a direction in the extended unknowns `X` to a direction in `x = (z, p)`.
     pub(crate) fn direction_of(&self, v: &[f64]) -> Vec<f64> {
         let n = self.dimension();
         let mut direction = vec![0.0; self.x.len()];

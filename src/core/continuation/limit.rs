@@ -15,11 +15,12 @@ use crate::core::bifurcation::{PointValues, TestFunction};
 const SHARES: [f64; 14] =
     [0.8, 0.65, 0.5, 0.4, 0.3, 0.2, 0.15, 0.12, 0.09, 0.06, 0.04, 0.03, 0.02, 0.01];
 
-/// Heuristic: the minimal and the maximal number of samples for an interpolating polynomial. With
-/// more than five samples in the square of the test function, rounding errors dominate.
+/// Heuristic: the minimal and the maximal number of samples for an interpolating polynomial. If a
+/// polynomial in the square of the test function interpolates more than five samples, rounding
+/// errors dominate.
 const SAMPLES: [usize; 2] = [3, 5];
 
-/// A point of the curve: the value of its test function, and its unknowns.
+/// A sampled point of the curve: the value of the test function and the unknowns at the point.
 type Sample = (f64, Vec<f64>);
 
 /// Computes the point of an interval where a test function vanishes, by extrapolating the unknowns
@@ -80,8 +81,8 @@ fn at_zero(samples: &[Sample], i: usize) -> (f64, f64) {
     if smooth.1 < even.1 { smooth } else { even }
 }
 
-/// Returns the value at a point of the test function that changes sign where the curve is its own
-/// mirror image.
+/// Returns the value of the test function that changes sign where the curve is its own mirror
+/// image, evaluated at a point.
 fn value(locator: &mut Locator, test: &dyn TestFunction, unknowns: &[f64]) -> Option<f64> {
     let equations = &mut locator.curve.corrector.equations;
     equations.load(unknowns);

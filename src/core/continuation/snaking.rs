@@ -12,8 +12,9 @@ use crate::core::bifurcation::At;
 const TURNS: usize = 12;
 
 /// Heuristic: two folds count as lying at the same parameter value if their parameters differ by
-/// less than this fraction of the distance between the two values. The oscillations of a branch
-/// near a homoclinic orbit to an equilibrium shrink faster.
+/// less than this fraction of the distance between the two parameter values between which the
+/// branch snakes. The oscillations of a branch near a homoclinic orbit to an equilibrium shrink
+/// faster.
 const SAME: f64 = 0.02;
 
 /// The name of the column with the period of cycles.

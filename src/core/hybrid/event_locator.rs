@@ -18,7 +18,7 @@ pub(super) const INSTANT: f64 = 1e-9;
 /// of a root.
 const TOGETHER: f64 = 1e-12;
 
-/// The end of a leg within an integration step.
+/// The end of a leg (the part of the motion between two events) within an integration step.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LocatedEvent<T> {
     pub guard: usize,
@@ -32,18 +32,20 @@ impl<T: Scalar> LocatedEvent<T> {
     }
 }
 
-/// Heuristic: the first step of a leg is at most this multiple of the previous leg's duration: in
-/// chatter the legs become shorter and shorter, and a longer step could miss them.
+/// Heuristic: the first integration step of a leg (the part of the motion between two events) is at
+/// most this multiple of the previous leg's duration: in chatter the legs become shorter and
+/// shorter, and a longer step could miss them.
 const LEGS: f64 = 4.0;
 
-/// Rounding: the largest rate at which a guard that lifts off may fall at the start of a leg, in
-/// units of the scales.
+/// Rounding: a guard counts as lifting off from zero at the start of a leg only if it falls no
+/// faster than this rate, in units of the scales.
 const RESTING: f64 = 1e-12;
 
 /// Heuristic: the fractions of a step at which a guard must be positive to count as lifting off.
 const LIFTED: [f64; 5] = [0.01, 0.03, 0.1, 0.3, 1.0];
 
-/// The search for the end of a leg in the integration steps of the leg.
+/// The search for the end of a leg (the part of the motion between two events) in the integration
+/// steps of the leg.
 pub(super) struct EventLocator<'l, 'a, T> {
     pub system: &'a dyn HybridEquations,
     pub mode: usize,

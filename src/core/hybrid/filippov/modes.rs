@@ -147,7 +147,8 @@ impl<S: FilippovSystem> HybridSystem for Filippov<S> {
         }
     }
 
-    /// Computes the speed at which the field on the other side leaves the surface.
+    /// Computes the speed at which the field on the side opposite to the present mode leaves the
+    /// surface.
     fn decision<T: Scalar>(
         &self,
         _position: usize,

@@ -45,7 +45,8 @@ impl Locked {
     }
 }
 
-/// A Krylov space of the inverse matrix, orthogonal to the locked vectors.
+/// A Krylov space of the inverse matrix, orthogonal to the converged eigenvectors (the locked
+/// vectors).
 ///
 /// If the matrix `A` is not symmetric, but `D⁻¹ A D` is symmetric for a diagonal matrix `D` of
 /// scales, then `D⁻¹ A D` replaces `A`.
@@ -260,7 +261,8 @@ impl RitzPairs {
         vector
     }
 
-    /// Locks eigenvalues, with an orthonormal basis of their eigenvectors in the space.
+    /// Locks converged eigenvalues: stores them with an orthonormal basis of their eigenvectors in
+    /// the space.
     pub fn lock(&self, chosen: &[usize], space: &[Vec<f64>], locked: &mut Locked) {
         for &k in chosen {
             locked.values.push(self.values[k]);

@@ -13,8 +13,8 @@ use std::sync::Arc;
 /// eigenvalues.
 const MOST: usize = 48;
 
-/// Heuristic: the number of vectors of the previous point with which a Krylov space begins, in
-/// addition to random vectors.
+/// Heuristic: the number of vectors from the previous point of the branch with which a Krylov space
+/// begins, in addition to random vectors.
 const WARM: usize = 5;
 const SEEDS: usize = 3;
 
@@ -26,7 +26,7 @@ const REPEATED: f64 = 1e-6;
 const CONVERGED: f64 = 1e-11;
 
 /// Rounding: if a shift equals an eigenvalue, the shift is changed by this fraction of the largest
-/// entry.
+/// entry of the matrix.
 const ASIDE: f64 = 1e-10;
 
 /// Rounding: the rounding error of eigenvalues of the inverse matrix, relative to the largest
@@ -61,8 +61,9 @@ const NEUTRAL: f64 = 1e-8;
 /// Methods for Large Eigenvalue Problems*, SIAM 2011, ch. 8). Arnoldi's method starts from the
 /// eigenvectors of the previous matrix and from random vectors. The random vectors find new
 /// eigenvalues; a repeated eigenvalue is found at most as many times as there are random vectors. If an
-/// eigenvalue is found this often, another run, orthogonal to the known eigenvectors, searches for more
-/// copies of the eigenvalue. The number of unstable eigenvalues is certified in two cases:
+/// eigenvalue is found as many times as there are random vectors, another run, orthogonal to the known
+/// eigenvectors, searches for more copies of the eigenvalue. The number of unstable eigenvalues is
+/// certified in two cases:
 /// - If a diagonal scaling makes the matrix symmetric, the signs of the pivots give the number of
 ///   unstable eigenvalues (Sylvester's law of inertia). Positive eigenvalues far beyond the circle
 ///   in which all eigenvalues are known are then computed as the largest eigenvalues.
@@ -150,9 +151,8 @@ impl Leading {
         self.factor(matrix, shift).map(|()| shift)
     }
 
-    /// Whether all positive eigenvalues are known, where `positive` is the number of positive
-    /// eigenvalues. Positive eigenvalues far beyond the circle of known eigenvalues are computed and
-    /// added.
+    /// Whether all positive eigenvalues of the matrix are known, where `positive` is their number.
+    /// Positive eigenvalues far beyond the circle of known eigenvalues are computed and added.
     fn is_counted(
         &mut self,
         matrix: &Matrix,
