@@ -34,7 +34,8 @@ impl Trajectory {
         self.times.iter().copied().zip(self.states.chunks_exact(self.start().len()))
     }
 
-    /// Returns the last node at or before a time; the first node if the time is earlier.
+    /// Returns the last node at or before a time; if the time is earlier than all nodes, returns
+    /// the first node.
     pub fn before(&self, time: f64) -> (f64, &[f64]) {
         let node = self.times.partition_point(|t| *t <= time).max(1) - 1;
         let n = self.start().len();
@@ -59,7 +60,7 @@ impl Trajectory {
         part
     }
 
-    /// Replaces the trajectory after a given time by another trajectory.
+    /// Replaces the part of the trajectory after a given time by another trajectory.
     pub(in crate::core) fn join(&mut self, time: f64, next: &Trajectory) {
         for (since, states) in next.nodes() {
             self.push(time + since, states);

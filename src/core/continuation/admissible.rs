@@ -84,7 +84,8 @@ pub(super) fn stays_at_limit(
 /// order of events is undetermined and is not checked.
 ///
 /// # Errors
-/// [`Failure::Mismatch`], naming the event that leads to another mode than prescribed.
+/// [`Failure::Mismatch`], naming the event of the solution that leads to another mode than the
+/// itinerary prescribes.
 pub(super) fn check(system: &mut dyn System, x: &[f64], monitors: &[f64]) -> Result<(), Failure> {
     let p = &x[system.names().dimension()..];
     match system.events() {

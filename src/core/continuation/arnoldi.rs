@@ -3,11 +3,11 @@
 //!
 //! Along a step, the matrix `M = [F_z F_p; row]` changes from `M₀` to `M₁`. If the matrix changes
 //! linearly, the number of singular matrices along the step is the number of negative eigenvalues
-//! of `M₁⁻¹ M₀`. The other eigenvalues cluster around 1, since `M₀` and `M₁` are neighbouring
-//! discretised operators. The negative eigenvalues are therefore found with a few Arnoldi vectors.
-//! Let `M'` be the derivative of `M` along the tangent. `M + d M'` is singular at the distances `d
-//! = −1/λ`, where `λ` are the eigenvalues of `M⁻¹ M'`: the dominant eigenvalues give the nearest
-//! distances.
+//! of `M₁⁻¹ M₀`. The other eigenvalues of `M₁⁻¹ M₀` cluster around 1, since `M₀` and `M₁` are
+//! neighbouring discretised operators. The negative eigenvalues of `M₁⁻¹ M₀` are therefore found
+//! with a few Arnoldi vectors. Let `M'` be the derivative of `M` along the tangent. `M + d M'` is
+//! singular at the distances `d = −1/λ`, where `λ` are the eigenvalues of `M⁻¹ M'`: the dominant
+//! eigenvalues give the nearest distances.
 
 use super::corrector::Corrector;
 use super::curve_point::CurvePoint;
@@ -33,13 +33,14 @@ const SHARE: f64 = 0.02;
 /// points are excluded: farther along the curve, the matrix may change differently.
 const AHEAD: f64 = 12.0;
 
-/// Heuristic: the maximal number of Arnoldi vectors for counting branch points. A few vectors
-/// suffice because all eigenvalues are near 1 except eigenvalues that pass zero.
+/// Heuristic: the maximal number of Arnoldi vectors for counting branch points. A few Arnoldi
+/// vectors suffice because all eigenvalues of `M₁⁻¹ M₀` are near 1, except the eigenvalues that
+/// pass zero.
 const VECTORS: usize = 10;
 
 /// Heuristic: the Arnoldi iteration stops when the new vector, before normalisation, is shorter
-/// than this threshold. A negative eigenvalue, whose distance from 1 exceeds 1, would make the new
-/// vector longer if it were not yet found.
+/// than this threshold. A negative eigenvalue of `M₁⁻¹ M₀` differs from 1 by more than 1; if it
+/// were not yet found, the new Arnoldi vector would be longer than the threshold.
 const SPENT: f64 = 1e-2;
 
 /// The ratio of imaginary to real part below which an eigenvalue counts as real. The Arnoldi

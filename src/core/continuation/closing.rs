@@ -13,13 +13,14 @@ pub(super) struct Reference {
     place: CurvePoint,
     /// The solution at the reference point, stored with its mesh; `None` if solutions have no mesh.
     saved: Option<Solution>,
-    /// The estimated relative discretisation error of the solution.
+    /// The estimated relative discretisation error of the solution at the reference point.
     mesh_error: f64,
 }
 
 /// Rounding: a corrected point is identified with the reference point if their distance is smaller
-/// than this threshold, in units of the tolerance of Newton's method. Both points have an error of
-/// the tolerance divided by the smallest singular value of the Jacobian.
+/// than this threshold, in units of the tolerance of Newton's method. The corrected point and the
+/// reference point each have an error of the tolerance divided by the smallest singular value of
+/// the Jacobian.
 const SAME: f64 = 1e3;
 
 /// Discretisation: Solutions on different meshes are identified if their difference is at most this

@@ -189,8 +189,9 @@ impl Cluster {
 }
 
 /// Returns the number of eigenvalues that pass zero in the interval, and, at each sample point, the
-/// values of functions that vanish where an eigenvalue passes zero. These functions are growth
-/// rates or, if eigenvalues are not computed, the distances to singular matrices in the interval.
+/// values of functions that vanish where an eigenvalue passes zero. The returned functions are
+/// growth rates of eigenvalues or, if eigenvalues are not computed, distances to singular matrices
+/// in the interval.
 fn vanishing(
     curve: &mut Curve,
     places: &[CurvePoint],

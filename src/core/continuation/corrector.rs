@@ -13,8 +13,8 @@ use crate::core::linalg::clear_rounding;
 use crate::core::system::{Kind, Representation, Solution};
 
 /// Heuristic: the largest relative error of the matrix from which the tangent and the number of
-/// unstable eigenvalues are computed. A small error is acceptable because the tangent serves only
-/// to predict the next point.
+/// unstable eigenvalues are computed. A small error of this matrix is acceptable because the
+/// tangent serves only to predict the next point.
 pub(super) const MATRIX_ERROR: f64 = 1e-4;
 
 /// Heuristic: if the component of the tangent along the parameter is smaller than this threshold,

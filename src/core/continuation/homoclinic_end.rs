@@ -21,8 +21,8 @@ use crate::core::system::{
 };
 
 /// Heuristic: the ratio of the truncation distances of two approximations of a homoclinic orbit,
-/// which begin and end at different distances from the equilibrium. The difference of the two
-/// orbits is the estimate of the truncation error of the homoclinic orbit.
+/// which begin and end at different distances from the equilibrium. The difference between the two
+/// approximations serves as an estimate of the truncation error of the homoclinic orbit.
 const WIDER: f64 = 10.0;
 
 /// Heuristic: the largest allowed difference between the parameter at the end of a branch and the

@@ -1,7 +1,7 @@
 //! Points at which a curve is its own mirror image: a test function changes sign at the point, and
-//! the parameters are even functions of the test function. Beyond such a point, the curve repeats
-//! itself. At such a point, the equations of the curve are singular, so the values at the point are
-//! computed as limits.
+//! the parameters are even functions of the test function. Beyond a point at which a curve is its
+//! own mirror image, the curve repeats itself. At a point where a curve is its own mirror image,
+//! the equations of the curve are singular, so the values at the point are computed as limits.
 
 use super::cluster::interpolated;
 use super::event::Event;
@@ -25,9 +25,9 @@ type Sample = (f64, Vec<f64>);
 
 /// Computes the point of an interval where a test function vanishes, by extrapolating the unknowns
 /// with polynomials in the test function. Unknowns that are even functions of the test function are
-/// extrapolated with polynomials in its square. Samples close to the end have large rounding
-/// errors, and samples far from the end a large interpolation error. The sequence of successive
-/// samples that gives the smallest error of the parameter is used.
+/// extrapolated with polynomials in its square. Samples close to the end of the curve have large
+/// rounding errors, and samples far from the end have a large interpolation error. The sequence of
+/// successive samples that gives the smallest error of the parameter is used.
 pub(super) fn limit(locator: &mut Locator, event: &Event) -> Option<Located> {
     let (root, samples) = sampled(locator, event)?;
     let corrector = &locator.curve.corrector;

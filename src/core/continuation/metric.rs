@@ -16,8 +16,8 @@ use crate::core::problem::{Group, Names};
 /// not change along the tangent, its scale is computed from the tangent a small step further along
 /// the range of the parameter. If the group does not change there either, its scale is its unit or,
 /// without a unit, the scale of the largest other group. Hence the computed points do not depend on
-/// units, unless a group of unknowns is zero at the start and does not change along either tangent.
-/// If a group of unknowns that is zero at the start has an unusual size, set its scale
+/// units, unless a group of unknowns is zero at all points of the tangent at the start. If a group
+/// of unknowns that is zero at the start has an unusual size, set its scale
 /// ([`Continuation::scale`](super::builder::Continuation::scale)).
 ///
 /// ```

@@ -272,9 +272,9 @@ impl Newton {
         }
     }
 
-    /// Whether the residual at the new point shows that Newton's iteration converges. The test is
-    /// used only for equations so nearly linear that the first correction is expected to be the
-    /// last correction.
+    /// Whether the residual at the new point shows that Newton's iteration converges. The residual
+    /// test is used only for equations that are so nearly linear that the first correction is
+    /// expected to be the last correction.
     fn simplified_step(&mut self, problem: &mut Problem, unknowns: &mut [f64]) -> bool {
         self.try_correction(unknowns, 1.0);
         let evaluated = problem.equations.residual(&self.trial, problem.closing, &mut self.next);

@@ -20,7 +20,7 @@ const AT_REST: f64 = 1e-13;
 const STILL: f64 = 1e-4;
 
 /// Heuristic: the number of consecutive points after which the progress of a branch is checked. A
-/// sharp turn of a branch requires fewer points.
+/// branch passes a sharp turn within fewer points.
 const MANY: usize = 200;
 
 /// Heuristic: a quantity makes no net progress if its largest distance from its value at the

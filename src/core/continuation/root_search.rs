@@ -1,11 +1,11 @@
 //! Search for all solutions in a box at given parameters, by Newton's method with deflation.
 //!
 //! Known solutions `z_k` of `F(z) = 0` are removed by deflation: Newton's method is applied to
-//! `m(z) F(z)` with `m = Π (1 + 1/‖z − z_k‖²)`, whose zeros are the unknown solutions only (P. E.
-//! Farrell, Á. Birkisson & S. W. Funke, SIAM J. Sci. Comput. 37 (2015) A2026). With `d = F_z⁻¹ F`
-//! and `g = ∇ ln m`, the deflated Newton step is `−d / (1 + gᵀd)`: deflation changes only the
-//! length and the sign of the Newton step. The starting points are the points of a sequence that
-//! fills the box evenly.
+//! `m(z) F(z)` with `m = Π (1 + 1/‖z − z_k‖²)`, whose zeros are only the solutions that are not yet
+//! known (P. E. Farrell, Á. Birkisson & S. W. Funke, SIAM J. Sci. Comput. 37 (2015) A2026). With `d
+//! = F_z⁻¹ F` and `g = ∇ ln m`, the deflated Newton step is `−d / (1 + gᵀd)`: deflation changes
+//! only the length and the sign of the Newton step. The starting points are the points of a
+//! sequence that fills the box evenly.
 
 use crate::core::bifurcation::Stability;
 use crate::core::cancel::CancelToken;

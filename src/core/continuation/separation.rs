@@ -42,7 +42,7 @@ pub(super) struct Parts<'s, 'a> {
     /// The kind of the special point at which the step starts, and the kind of the curve on which
     /// the point lies.
     pub origin: &'s [Kind],
-    /// The number of cuts so far.
+    /// The number of cuts by which the step has been divided so far.
     pub cuts: usize,
 }
 

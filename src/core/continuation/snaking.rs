@@ -39,7 +39,8 @@ impl Snaking {
     ///
     /// Near a homoclinic orbit to another cycle, each further revolution about that cycle adds two
     /// folds to the branch and the same time to the period (P. Hirschberg and C. Laing, *Physica D*
-    /// 89:1, 1995). The parameter values at these folds converge to two limits.
+    /// 89:1, 1995). Along a snaking branch, the parameter values at the folds converge to two
+    /// limits.
     pub fn reached(&mut self, corrector: &mut Corrector, step: Interval) -> Option<End> {
         let Interval { from, to, .. } = step;
         let [a, b] = [from, to].map(|place| corrector.slope(&place.tangent));

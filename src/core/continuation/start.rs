@@ -43,7 +43,7 @@ const AT_LIMIT: f64 = 1e-2;
 const FURTHER: f64 = 1e-3;
 
 /// Heuristic: the maximal number of times that mesh intervals are added at the start of a curve.
-/// Each addition may double the number of intervals.
+/// Each addition of mesh intervals may double their number.
 const MOST_FITTINGS: usize = 10;
 
 /// Heuristic: the maximal number of corrections of a start. After each correction, the scales are
@@ -164,8 +164,9 @@ pub(super) fn begin<'a>(
 }
 
 /// Adapts the mesh at the start of a curve: intervals are added until the mesh is fine enough, and
-/// the start is corrected on each mesh. The start is corrected in the hyperplane across the tangent
-/// if the direction was known, and with a fixed parameter if not. Returns the tangent.
+/// the start is corrected on each mesh. On each mesh, the start is corrected in the hyperplane
+/// across the tangent if the direction of the curve was known before, and with a fixed parameter if
+/// not. Returns the tangent.
 fn fit_start(
     corrector: &mut Corrector,
     (unknowns, across): (&mut Vec<f64>, bool),

@@ -11,8 +11,9 @@ use crate::core::bifurcation::{Sides, Stability};
 use crate::core::linalg::dot;
 use crate::core::system::Kind;
 
-/// Heuristic: the largest cosine of the angle between a curve and its computed normal. The angle is
-/// 90°, except for discretisation errors and for errors near a codimension-two point.
+/// Heuristic: the largest cosine of the angle between a curve and its computed normal. The angle
+/// between a curve and its computed normal is 90°, except for discretisation errors and for errors
+/// near a codimension-two point.
 const OBLIQUE: f64 = 0.05;
 
 /// The stretches (parts between special points) of one half of a curve in two parameters, collected
@@ -87,9 +88,8 @@ fn goes_on(last: &Stretch, next: &Stretch, start: usize, special: &[SpecialPoint
         && !special.iter().any(within)
 }
 
-/// Whether a stretch of a bifurcation curve, which is a part without a change of the solutions
-/// beside it, ends at a special point of this kind. Stretches do not end at marks, saved regular
-/// points and ends of branches.
+/// Whether a stretch of a bifurcation curve (a part between special points) ends at a special point
+/// of this kind. Stretches do not end at marks, saved regular points and ends of branches.
 pub(super) fn divides(kind: Kind) -> bool {
     !matches!(kind, Kind::UZ | Kind::RG | Kind::EP)
 }
