@@ -5,9 +5,9 @@ use crate::core::ode::Flow;
 use crate::core::problem::FieldIn;
 use std::ops::Range;
 
-/// A trajectory on a segment, given by its states at nodes. Flows are computed only from each node to
-/// the next node, because errors of an unstable motion would grow if a flow were computed over the
-/// whole segment.
+/// A trajectory on a segment, given by its states at nodes. Flows are computed only from each node
+/// to the next node, because errors of an unstable motion would grow if a flow were computed over
+/// the whole segment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trajectory {
     /// The times since the start of the segment, in increasing order from 0.
@@ -67,7 +67,7 @@ impl Trajectory {
         }
     }
 
-    /// Computes the states at a time since the start of the segment.
+    /// Computes the states of the trajectory at a given time since the start of the segment.
     ///
     /// # Errors
     /// [`FlowError`] if the flow to the requested time ends early.

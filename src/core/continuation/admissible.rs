@@ -27,7 +27,8 @@ pub(super) fn limits(system: &mut dyn System, p: &[f64]) -> Vec<Limit> {
     system.events().map_or_else(Vec::new, |events| events.limits(p))
 }
 
-/// Returns the threshold below which the monitor of a limit of admissible solutions counts as zero.
+/// Returns the threshold below which the monitor that vanishes at a limit of admissible solutions
+/// counts as zero.
 pub(super) fn zero(system: &mut dyn System, p: &[f64], monitor: usize) -> f64 {
     let limit = limits(system, p).into_iter().find(|limit| limit.monitor == monitor);
     VANISHES * limit.map_or(1.0, |limit| limit.scale)
@@ -51,8 +52,8 @@ pub(super) fn divided(
     Ok((monitors(vanishing), monitors(others)))
 }
 
-/// Whether the monitors of all limits of admissible solutions are larger than a fraction of their
-/// scales.
+/// Whether all monitors that vanish at limits of admissible solutions are larger than a given
+/// fraction of their scales.
 fn are_above(limits: &[Limit], monitors: &[f64], part: f64) -> bool {
     !limits.iter().any(|limit| monitors[limit.monitor] < part * limit.scale)
 }

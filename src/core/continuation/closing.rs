@@ -23,9 +23,9 @@ pub(super) struct Reference {
 /// the Jacobian.
 const SAME: f64 = 1e3;
 
-/// Discretisation: Solutions on different meshes are identified if their difference is at most this
-/// factor times the sum of their estimated errors; the estimates are accurate to a factor of two or
-/// three.
+/// Discretisation: two solutions on different meshes count as the same solution if their difference
+/// is at most this factor times the sum of their estimated errors; the estimates are accurate to a
+/// factor of two or three.
 const MESHES: f64 = 5.0;
 
 impl Reference {
@@ -96,8 +96,8 @@ fn passes(corrector: &mut Corrector, target: &[f64], step: Interval, error: f64)
 }
 
 /// Returns the index in `found` of the branch point at which a branch of period-doubled orbits
-/// returns to its parent branch. Beyond the branch point at which it returns to its parent branch,
-/// the branch consists of the same orbits again, shifted by half a period.
+/// returns to its parent branch. Beyond the branch point at which a branch of period-doubled orbits
+/// returns to its parent branch, it consists of the same orbits again, shifted by half a period.
 pub(super) fn returns_to_parent(
     equations: &mut Extended,
     found: &[Located],

@@ -196,7 +196,7 @@ pub(super) fn return_to_mesh(equations: &mut Extended, solution: &Solution, unkn
     equations.adopt(unknowns);
 }
 
-/// Restores the previous mesh.
+/// Restores the previous mesh, after a new mesh was rejected.
 fn go_back(curve: &mut Curve, half: &mut Half, before: Before) {
     let Before { solution, metric, last, others: saved, error: _ } = before;
     let Curve { corrector, detector, refiner, .. } = curve;

@@ -44,7 +44,7 @@ const MOST_HALVINGS: usize = 40;
 
 impl Locator<'_, '_> {
     /// Locates the event with the index `index` among the events of the curve. Returns `None` if
-    /// the sign change was caused by several other events.
+    /// the sign change of the event's test function was caused by several other events.
     ///
     /// # Errors
     /// [`Failure`] if the defining system does not apply to the solutions in the interval, or if a

@@ -136,8 +136,8 @@ impl Metric {
         self.unknown.iter().zip(&self.fixed).any(|(unknown, fixed)| *unknown && !fixed)
     }
 
-    /// If the scale of a group of unknowns is unknown, replaces it by the scale of the group at
-    /// another point of the curve, if the scale is known at that point.
+    /// Replaces the unknown scales of groups of unknowns by the scales of the same groups at
+    /// another point of the curve, as far as these scales are known there.
     pub(super) fn with_unknown_from(mut self, other: &Metric) -> Self {
         for k in 0..self.groups.len() {
             if self.unknown[k] && !self.fixed[k] && !other.unknown[k] {

@@ -260,7 +260,8 @@ fn released(curve: &mut Continuation) -> Result<Vec<usize>, TraceError> {
     Ok(released)
 }
 
-/// The limits of admissible solutions along a curve, given by the indices of their monitors.
+/// The limits of admissible solutions along a curve, given by the indices of the monitors that
+/// vanish at these limits.
 struct Limits {
     /// The monitors that vanish at all points of the curve; the first of these monitors is held at
     /// zero.

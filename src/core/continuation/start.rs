@@ -39,7 +39,7 @@ const EQUAL: f64 = 1e-4;
 const AT_LIMIT: f64 = 1e-2;
 
 /// Heuristic: the step along the parameter's range, as a fraction of the range ahead, after which
-/// the sizes of unknowns are measured that are zero at the start.
+/// unknowns that are zero at the start are measured to find their sizes.
 const FURTHER: f64 = 1e-3;
 
 /// Heuristic: the maximal number of times that mesh intervals are added at the start of a curve.

@@ -89,7 +89,8 @@ fn goes_on(last: &Stretch, next: &Stretch, start: usize, special: &[SpecialPoint
 }
 
 /// Whether a stretch of a bifurcation curve (a part between special points) ends at a special point
-/// of this kind. Stretches do not end at marks, saved regular points and ends of branches.
+/// of this kind. A stretch (a part of a curve between special points) does not end at marked
+/// values, saved regular points and ends of branches.
 pub(super) fn divides(kind: Kind) -> bool {
     !matches!(kind, Kind::UZ | Kind::RG | Kind::EP)
 }

@@ -50,7 +50,7 @@ pub(super) struct Series<T> {
     /// The state just before the last event.
     state: Vec<T>,
     /// The time and state of the accumulation, estimated from the events so far by each of the
-    /// three formulas.
+    /// three extrapolation formulas.
     estimates: [(T, Vec<T>); 3],
     work: [(T, Vec<T>); 2],
 }

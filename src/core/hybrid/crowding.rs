@@ -1,7 +1,8 @@
 //! Detection of ever more frequent events, for example in a system in which a relay drives the motion
 //! to a state that is reached only after infinitely many switchings.
 
-/// Heuristic: the number of successive events in a window.
+/// Heuristic: the number of successive events in each window in which the frequency of events is
+/// measured.
 const WINDOW: usize = 4000;
 /// Heuristic: a window of events counts as shorter than the previous one if the ratio of their
 /// durations is below this threshold.

@@ -62,7 +62,8 @@ pub(super) struct EventLocator<'l, 'a, T> {
     pub p: &'l [f64],
     /// The time scale of the system.
     pub unit: f64,
-    /// The start time of the leg, and the longest duration of the leg.
+    /// The start time of the leg (the part of the motion between two events), and the longest
+    /// duration of the leg.
     pub leg: (T, T),
 }
 
@@ -70,13 +71,15 @@ impl<'a, T: EventNumber> EventLocator<'_, 'a, T>
 where
     GuardOf<'a>: Watchable<T>,
 {
-    /// Returns the end of the leg if it lies in the step; `None` otherwise.
+    /// Returns the end of the leg (the part of the motion between two events) if it lies in the
+    /// integration step; `None` otherwise.
     pub fn locate<F: FieldIn<T>>(&mut self, step: &mut Step<F, T>) -> Option<LocatedEvent<T>> {
         let event = self.first(step).filter(|event| !self.lifts(event, step))?;
         self.arrive(step, event, step.length())
     }
 
-    /// Returns the end of the leg in a step that is known to end at the root of a guard.
+    /// Returns the end of the leg (the part of the motion between two events) in an integration
+    /// step that is known to end at the zero of a guard.
     pub fn reach<F: FieldIn<T>>(
         &mut self,
         step: &mut Step<F, T>,
@@ -104,9 +107,10 @@ where
         Some(located)
     }
 
-    /// Whether a guard that seems to fall at the start of a leg has zero rate there and is positive
-    /// afterwards. For example, the distance of a body that leaves a support grows with the cube of
-    /// time, and rounding errors determine its initial sign.
+    /// Whether a guard that seems to fall at the start of a leg (the part of the motion between two
+    /// events) has zero rate there and is positive afterwards. For example, the distance of a body
+    /// that leaves a support grows with the cube of time, and rounding errors determine its initial
+    /// sign.
     fn lifts<F: FieldIn<T>>(&self, located: &LocatedEvent<T>, step: &mut Step<F, T>) -> bool {
         let (LocatedEvent { guard, root }, mode) = (located, self.mode);
         let begins = step.span().0 == 0.0 && root.fraction.real().abs() <= f64::EPSILON;

@@ -206,7 +206,8 @@ impl<S: FilippovSystem> HybridSystem for Filippov<S> {
         self.0.domain(x, p)
     }
 
-    /// Checks at the ends of a sliding leg that the sliding field is tangent to the surface.
+    /// Checks at the start and the end of a sliding motion that the sliding field is tangent to the
+    /// surface.
     fn domain_at_ends(&self, mode: usize, t: f64, x: &[f64], p: &[f64]) -> Result<(), OutOfDomain> {
         if mode != Self::SLIDING {
             return Ok(());

@@ -57,13 +57,13 @@ const NEUTRAL: f64 = 1e-8;
 
 /// The rightmost eigenvalues of matrices with the same sparsity pattern, along a branch.
 ///
-/// Arnoldi's method with the inverse matrix finds the eigenvalues nearest to zero (Y. Saad, *Numerical
-/// Methods for Large Eigenvalue Problems*, SIAM 2011, ch. 8). Arnoldi's method starts from the
-/// eigenvectors of the previous matrix and from random vectors. The random vectors find new
-/// eigenvalues; a repeated eigenvalue is found at most as many times as there are random vectors. If an
-/// eigenvalue is found as many times as there are random vectors, another run, orthogonal to the known
-/// eigenvectors, searches for more copies of the eigenvalue. The number of unstable eigenvalues is
-/// certified in two cases:
+/// Arnoldi's method with the inverse matrix finds the eigenvalues nearest to zero (Y. Saad,
+/// *Numerical Methods for Large Eigenvalue Problems*, SIAM 2011, ch. 8). Arnoldi's method starts
+/// from the eigenvectors of the previous matrix and from random vectors. The random vectors find
+/// new eigenvalues; a repeated eigenvalue is found at most as many times as there are random
+/// vectors. If an eigenvalue is found as many times as there are random vectors, another run,
+/// orthogonal to the known eigenvectors, searches for more copies of the eigenvalue. The number of
+/// unstable eigenvalues is certified in two cases:
 /// - If a diagonal scaling makes the matrix symmetric, the signs of the pivots give the number of
 ///   unstable eigenvalues (Sylvester's law of inertia). Positive eigenvalues far beyond the circle
 ///   in which all eigenvalues are known are then computed as the largest eigenvalues.
@@ -259,8 +259,8 @@ impl Leading {
 
     /// Grows a Krylov space, orthogonal to the locked vectors, until all eigenvalues that can be
     /// among the `wanted` largest, or at least as large as `least`, have converged, and locks these
-    /// eigenvalues. If an eigenvalue is found that is so close to the shift that it hides the digits
-    /// of the others, returns the distance of the next eigenvalue from the shift.
+    /// eigenvalues. If an eigenvalue is found that is so close to the shift that it hides the
+    /// digits of the others, returns the distance of the next eigenvalue from the shift.
     fn run(
         &mut self,
         starts: &[Vec<f64>],
