@@ -259,8 +259,8 @@ impl Leading {
 
     /// Grows a Krylov space, orthogonal to the locked vectors, until all eigenvalues that can be
     /// among the `wanted` largest, or at least as large as `least`, have converged, and locks these
-    /// eigenvalues. If an eigenvalue is found that is so close to the shift that it hides the
-    /// digits of the others, returns the distance of the next eigenvalue from the shift.
+    /// eigenvalues. If one eigenvalue is close enough to the shift to hide the digits of the
+    /// others, returns the distance of the next eigenvalue from the shift.
     fn run(
         &mut self,
         starts: &[Vec<f64>],
