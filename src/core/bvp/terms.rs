@@ -26,11 +26,12 @@ impl<T: Scalar> Ends<'_, T> {
 pub struct Watched {
     /// The segment.
     pub segment: usize,
-    /// The scalar; functions are numbered as in
-    /// [`BoundaryProblem::watch`](super::problem::BoundaryProblem::watch).
+    /// The scalar: a state of the segment, or a function that the problem defines on the segment,
+    /// numbered as in [`BoundaryProblem::watch`](super::problem::BoundaryProblem::watch).
     pub observable: Observable,
-    /// Whether the scalar vanishes by construction in the events at the start and the end of the
-    /// segment, and therefore does not count there as a distance ([`Measure::Distance`]).
+    /// For the start and for the end of the segment, whether the scalar vanishes by construction in
+    /// the event there; if it does, its value there does not count as a distance
+    /// ([`Measure::Distance`]).
     pub vanishes: [bool; 2],
 }
 
@@ -50,14 +51,15 @@ impl Watched {
         Watched::new(segment, Observable::Function(function))
     }
 
-    /// Sets whether the scalar vanishes in the events at the start and the end of the segment.
+    /// Sets whether the monitored scalar vanishes by construction in the events at the start and at
+    /// the end of the segment.
     pub fn vanishing(self, vanishes: [bool; 2]) -> Self {
         Watched { vanishes, ..self }
     }
 }
 
-/// A quantity that is recorded along a branch: a measure of scalars on segments. Extrema are taken
-/// along the whole solution, not only at mesh points.
+/// A quantity that is recorded along a branch: a measure of scalars on segments. The extrema of the
+/// scalars are taken along the whole solution, not only at mesh points.
 pub type Monitor = Measure<Vec<Watched>, Vec<Watched>>;
 
 impl Monitor {
@@ -71,7 +73,7 @@ impl Monitor {
         Measure::Minimum(vec![Watched::state(segment, state)])
     }
 
-    /// Returns all scalars and distances that the measure uses.
+    /// Returns all monitored scalars, including distances, from which the measure is computed.
     pub(super) fn watched(&self) -> impl Iterator<Item = &Watched> {
         let all = match self {
             Measure::Distance(surfaces) | Measure::Penetration(surfaces) => vec![surfaces],
@@ -110,13 +112,14 @@ pub enum Shape {
     },
     /// Periodic orbits of consecutive segments: each segment ends at an event that leads to the
     /// next segment; the event of the last segment leads to the first segment. Only problems within
-    /// this crate can define the conditions of this shape, by `segment_end_in`: the initial states
-    /// of segments, the functions that vanish at their ends, and under forcing `cycle − Σ
-    /// durations`.
+    /// this crate can define boundary conditions for consecutive segments, with the method
+    /// `segment_end_in`: conditions for the initial states of the segments, functions that vanish
+    /// at the ends of the segments, and, under forcing, `cycle − Σ durations`.
     ///
-    /// The extra unknowns of this shape are the start time (under forcing) and the durations. The
-    /// equations of a segment are evaluated at a vector `q` that consists of the parameters, the
-    /// segment's start time and the segment's duration.
+    /// For periodic orbits of consecutive segments, the extra unknowns are the durations of the
+    /// segments and, under forcing, the start time of the cycle. The equations of a segment are
+    /// evaluated at a vector `q` that consists of the parameters, the segment's start time and the
+    /// segment's duration.
     Cycle {
         /// Whether the start time of the cycle is an unknown, as under forcing.
         forced: bool,
@@ -132,7 +135,7 @@ impl Shape {
         self == Shape::Periodic { phase: true }
     }
 
-    /// Whether solutions move along segments, which is false only for maps.
+    /// Whether time passes along segments, which is false only for cycles of maps.
     pub(super) fn moves(self) -> bool {
         self != Shape::MapCycle
     }
@@ -167,7 +170,8 @@ impl Shape {
 pub(in crate::core) struct Return {
     /// The index of the return condition among the boundary conditions.
     pub condition: usize,
-    /// The unknown `y`, whose coefficient in the condition is 1 (apart from terms in `Y`).
+    /// The unknown `y` at the start of a period, whose coefficient in the return condition `y − Y =
+    /// 0` is 1 (apart from terms in `Y`).
     pub unknown: Unknown,
 }
 

@@ -5,8 +5,9 @@ use crate::core::ode::Flow;
 use crate::core::problem::FieldIn;
 use std::ops::Range;
 
-/// A trajectory on a segment, given by its states at nodes. Flows run only from each node to the next
-/// node: if the motion is unstable, errors would grow over the whole segment.
+/// A trajectory on a segment, given by its states at nodes. Flows are computed only from each node
+/// to the next node, because errors of an unstable motion would grow if a flow were computed over
+/// the whole segment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trajectory {
     /// The times since the start of the segment, in increasing order from 0.
@@ -16,7 +17,7 @@ pub struct Trajectory {
 }
 
 impl From<Vec<f64>> for Trajectory {
-    /// Creates the trajectory with a single node at its start.
+    /// Creates a trajectory with a single node, at the start of the segment.
     fn from(states: Vec<f64>) -> Self {
         Trajectory { times: vec![0.0], states }
     }
@@ -33,7 +34,8 @@ impl Trajectory {
         self.times.iter().copied().zip(self.states.chunks_exact(self.start().len()))
     }
 
-    /// Returns the last node at or before a time; the first node if the time is earlier.
+    /// Returns the last node at or before a time; if the time is earlier than all nodes, returns
+    /// the first node.
     pub fn before(&self, time: f64) -> (f64, &[f64]) {
         let node = self.times.partition_point(|t| *t <= time).max(1) - 1;
         let n = self.start().len();
@@ -48,7 +50,8 @@ impl Trajectory {
         }
     }
 
-    /// Returns the part of the trajectory between two times, with other initial states.
+    /// Returns the part of the trajectory between two times, in which the states at the first of
+    /// these times are replaced by the states `start`.
     pub(in crate::core) fn part(&self, start: Vec<f64>, times: Range<f64>) -> Self {
         let mut part = Trajectory::from(start);
         for (time, states) in self.nodes().filter(|(time, _)| *time < times.end) {
@@ -57,14 +60,14 @@ impl Trajectory {
         part
     }
 
-    /// Replaces the trajectory after a given time by another trajectory.
+    /// Replaces the part of the trajectory after a given time by another trajectory.
     pub(in crate::core) fn join(&mut self, time: f64, next: &Trajectory) {
         for (since, states) in next.nodes() {
             self.push(time + since, states);
         }
     }
 
-    /// Computes the states at a time since the start of the segment.
+    /// Computes the states of the trajectory at a given time since the start of the segment.
     ///
     /// # Errors
     /// [`FlowError`] if the flow to the requested time ends early.

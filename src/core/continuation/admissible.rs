@@ -6,19 +6,19 @@ use crate::core::bifurcation::Quantity;
 use crate::core::failure::Failure;
 use crate::core::system::{Emanating, Kind, Limit, System};
 
-/// The kind of special points at limits of admissible solutions, where the monitor of a limit
-/// vanishes.
+/// The kind of special points at limits of admissible solutions: points at which a monitor vanishes
+/// that is positive at admissible solutions.
 pub(super) const AT_LIMIT: Kind = Kind::G;
 
-/// Discretisation: the monitor of a limit of admissible solutions counts as zero at the start of a
-/// branch if it is smaller than this threshold, in units of its scale. A saved point at such a
-/// limit is accurate to rounding on its own mesh; interpolated to another mesh, it is only accurate
-/// to the discretisation error of the coarser mesh.
+/// Discretisation: the monitor that vanishes at a limit of admissible solutions counts as zero at
+/// the start of a branch if it is smaller than this threshold, in units of its scale. A saved point
+/// at a limit of admissible solutions is accurate to rounding on its own mesh; after interpolation
+/// to another mesh, the point is only accurate to the discretisation error of the coarser mesh.
 const VANISHES: f64 = 1e-6;
 
-/// Rounding: a solution lies beyond a limit of admissible solutions if the monitor of the limit is
-/// negative and its absolute value exceeds this threshold, in units of its scale; the computed
-/// points have an error of 1e-10.
+/// Rounding: a solution is not admissible if a monitor that vanishes at a limit of admissible
+/// solutions is negative there and its absolute value exceeds this threshold, in units of its
+/// scale; computed points have an error of 1e-10.
 const BEYOND: f64 = 1e-9;
 
 /// Returns the limits of the admissible solutions at the parameters `p`; empty if the solutions of
@@ -27,15 +27,17 @@ pub(super) fn limits(system: &mut dyn System, p: &[f64]) -> Vec<Limit> {
     system.events().map_or_else(Vec::new, |events| events.limits(p))
 }
 
-/// Returns the threshold below which the monitor of a limit of admissible solutions counts as zero.
+/// Returns the threshold below which the monitor that vanishes at a limit of admissible solutions
+/// counts as zero.
 pub(super) fn zero(system: &mut dyn System, p: &[f64], monitor: usize) -> f64 {
     let limit = limits(system, p).into_iter().find(|limit| limit.monitor == monitor);
     VANISHES * limit.map_or(1.0, |limit| limit.scale)
 }
 
-/// Divides the monitors of all limits of admissible solutions into the monitors that vanish at a
-/// solution and all other monitors. The monitors of several limits vanish at the same solution if
-/// an event coincides with a segment of zero length.
+/// Divides the monitors that vanish at limits of admissible solutions into two lists: the monitors
+/// that vanish at the given solution, and all other monitors. The monitors of several limits of
+/// admissible solutions vanish at the same solution if an event of an orbit coincides with a
+/// segment of zero length.
 pub(super) fn divided(
     system: &mut dyn System,
     x: &[f64],
@@ -50,21 +52,21 @@ pub(super) fn divided(
     Ok((monitors(vanishing), monitors(others)))
 }
 
-/// Whether the monitors of all limits of admissible solutions are larger than a fraction of their
-/// scales.
+/// Whether all monitors that vanish at limits of admissible solutions are larger than a given
+/// fraction of their scales.
 fn are_above(limits: &[Limit], monitors: &[f64], part: f64) -> bool {
     !limits.iter().any(|limit| monitors[limit.monitor] < part * limit.scale)
 }
 
-/// Whether a solution lies within all limits of admissible solutions, up to the numerical error of
-/// computed points.
+/// Whether a solution is admissible, up to the numerical error of computed points: no monitor that
+/// vanishes at a limit of admissible solutions is negative.
 pub(super) fn is_within(system: &mut dyn System, p: &[f64], monitors: &[f64]) -> bool {
     are_above(&limits(system, p), monitors, -BEYOND)
 }
 
-/// Whether an event is a limit of admissible solutions whose monitor vanishes at both of two
-/// solutions, up to the numerical error of computed points, so that the signs of the monitor at
-/// these solutions are random.
+/// Whether an event marks a limit of admissible solutions and its monitor vanishes at both of two
+/// given solutions, up to the numerical error of computed points. The signs of the monitor at these
+/// solutions are then random.
 pub(super) fn stays_at_limit(
     system: &mut dyn System,
     p: &[f64],
@@ -83,7 +85,8 @@ pub(super) fn stays_at_limit(
 /// order of events is undetermined and is not checked.
 ///
 /// # Errors
-/// [`Failure::Mismatch`], naming the event that leads to another mode than prescribed.
+/// [`Failure::Mismatch`], naming the event of the solution that leads to another mode than the
+/// itinerary prescribes.
 pub(super) fn check(system: &mut dyn System, x: &[f64], monitors: &[f64]) -> Result<(), Failure> {
     let p = &x[system.names().dimension()..];
     match system.events() {

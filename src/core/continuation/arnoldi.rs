@@ -3,11 +3,11 @@
 //!
 //! Along a step, the matrix `M = [F_z F_p; row]` changes from `M₀` to `M₁`. If the matrix changes
 //! linearly, the number of singular matrices along the step is the number of negative eigenvalues
-//! of `M₁⁻¹ M₀`. The other eigenvalues cluster around 1, since `M₀` and `M₁` are neighbouring
-//! discretised operators. The negative eigenvalues are therefore found with a few Arnoldi vectors.
-//! Let `M'` be the derivative of `M` along the tangent. `M + d M'` is singular at the distances `d
-//! = −1/λ`, where `λ` are the eigenvalues of `M⁻¹ M'`: the dominant eigenvalues give the nearest
-//! distances.
+//! of `M₁⁻¹ M₀`. The other eigenvalues of `M₁⁻¹ M₀` cluster around 1, since `M₀` and `M₁` are
+//! neighbouring discretised operators. The negative eigenvalues of `M₁⁻¹ M₀` are therefore found
+//! with a few Arnoldi vectors. Let `M'` be the derivative of `M` along the tangent. `M + d M'` is
+//! singular at the distances `d = −1/λ`, where `λ` are the eigenvalues of `M⁻¹ M'`: the dominant
+//! eigenvalues give the nearest distances.
 
 use super::corrector::Corrector;
 use super::curve_point::CurvePoint;
@@ -19,26 +19,28 @@ use crate::core::system::Refinement;
 use nalgebra::{Complex, DMatrix, Schur};
 
 /// Heuristic: a test vector is assumed to have at least this component along every null vector. Let
-/// `M` be singular at the arclength `d` beyond a step of length `ℓ`. `M₁⁻¹ M₀ − 1` maps a vector to
-/// a vector at least `ℓ/d` times as long as the component of the first vector along the null
-/// vector. The length of the image therefore bounds the distance to any singular matrix. The
-/// solution of a linear system with a generic right side has a component larger than this constant
-/// along all null vectors except rapidly oscillating ones. (A generic vector itself has a smaller
-/// component if its dimension is large.) With a smaller constant, branch points are counted more
-/// often; with a larger constant, null vectors are missed.
+/// `M` be singular at the arclength `d` beyond a step of length `ℓ`. The matrix `M₁⁻¹ M₀ − 1` maps
+/// a vector to a vector whose length is at least `ℓ/d` times the component of the original vector
+/// along the null vector. The length of the image of a vector therefore gives a lower bound of the
+/// distance along the curve to any singular matrix. The solution of a linear system with a generic
+/// right side has a component larger than this constant along all null vectors except rapidly
+/// oscillating ones. (A generic vector itself has a smaller component if its dimension is large.)
+/// With a smaller constant, branch points are counted more often; with a larger constant, null
+/// vectors are missed.
 const SHARE: f64 = 0.02;
 
 /// Heuristic: the maximal distance beyond a step, in units of the step length, for which branch
 /// points are excluded: farther along the curve, the matrix may change differently.
 const AHEAD: f64 = 12.0;
 
-/// Heuristic: the maximal number of Arnoldi vectors for counting branch points. A few vectors
-/// suffice because all eigenvalues are near 1 except eigenvalues that pass zero.
+/// Heuristic: the maximal number of Arnoldi vectors for counting branch points. A few Arnoldi
+/// vectors suffice because all eigenvalues of `M₁⁻¹ M₀` are near 1, except the eigenvalues that
+/// pass zero.
 const VECTORS: usize = 10;
 
 /// Heuristic: the Arnoldi iteration stops when the new vector, before normalisation, is shorter
-/// than this threshold. A negative eigenvalue, whose distance from 1 exceeds 1, would make the new
-/// vector longer if it were not yet found.
+/// than this threshold. A negative eigenvalue of `M₁⁻¹ M₀` differs from 1 by more than 1; if it
+/// were not yet found, the new Arnoldi vector would be longer than the threshold.
 const SPENT: f64 = 1e-2;
 
 /// The ratio of imaginary to real part below which an eigenvalue counts as real. The Arnoldi
@@ -86,7 +88,7 @@ impl<'p, 'a> Factored<'p, 'a> {
         Factored { equations: &mut corrector.equations, weights: &corrector.norm.weights }
     }
 
-    /// Computes `M⁻¹` times a generic vector, scaled to length 1.
+    /// Computes the product of `M⁻¹` and a generic vector, and scales it to length 1.
     fn solution_of_generic(&mut self, seed: usize) -> Vec<f64> {
         let mut solution = generic(self.equations.length(), seed);
         self.equations.factors.solve(&mut solution);
@@ -95,7 +97,8 @@ impl<'p, 'a> Factored<'p, 'a> {
     }
 
     /// Makes a vector orthogonal to other vectors of scaled length 1 and scales it to length 1.
-    /// Returns its inner products with the other vectors, and its length after orthogonalisation.
+    /// Returns the vector's inner products with the other vectors, and the vector's length after
+    /// orthogonalisation.
     fn orthogonal(&self, v: &mut [f64], others: &[Vec<f64>]) -> (Vec<f64>, f64) {
         let product = |a: &[f64], b: &[f64]| -> f64 {
             a.iter().zip(b).zip(self.weights).map(|((a, b), w)| a * b * w).sum()
@@ -177,7 +180,7 @@ impl<'p, 'a> Factored<'p, 'a> {
     }
 
     /// Returns the distances along the curve from a point with the given tangent to the nearest
-    /// points where the matrix is singular, in increasing order.
+    /// points where the matrix `M` of the curve's equations is singular, in increasing order.
     fn distances(mut self, unknowns: &[f64], tangent: &[f64]) -> Result<Vec<f64>, Failure> {
         let row: Vec<f64> = tangent.iter().zip(self.weights).map(|(t, w)| t * w).collect();
         self.equations.assemble(unknowns)?;
@@ -227,10 +230,11 @@ pub(super) fn distances(corrector: &mut Corrector, place: &CurvePoint) -> Option
     Factored::of(corrector).distances(&place.unknowns, &place.tangent).ok()
 }
 
-/// Computes the shift of a branch point when the discretisation is refined: the difference of its
-/// distances from a given point on the two discretisations. The branch point is the nearest one
-/// with the multiplicity `count`. The shift is 0 for equations that are not discretised, or if
-/// special points are not refined.
+/// Computes by how much a branch point moves along the curve when the discretisation is refined:
+/// the difference of its distances from a given point, computed on the two discretisations. Of the
+/// branch points with the multiplicity `count`, the branch point nearest to the given point is
+/// used. The shift of a branch point is 0 for equations that are not discretised, or if special
+/// points are not refined.
 pub(super) fn shift_on_finer(
     corrector: &mut Corrector,
     refines: bool,

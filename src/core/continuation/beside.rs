@@ -23,8 +23,8 @@ fn held<'c>(curve: &'c Continuation) -> impl Iterator<Item = Kind> + 'c {
 }
 
 /// Returns the amplitude of the first orbit of a curve that emanates from a codimension-two point,
-/// if the curve consists of special cycles near an equilibrium, or of doubled orbits; `None` for
-/// other curves.
+/// if the curve consists of bifurcation points of cycles near an equilibrium, or of orbits with
+/// twice the period; `None` for other curves.
 pub(super) fn amplitude(curve: &Continuation, point: &Solution) -> Option<f64> {
     let which = point.switch.unwrap_or(0);
     let leaves = |held| match point.mesh.is_empty() {
@@ -35,9 +35,10 @@ pub(super) fn amplitude(curve: &Continuation, point: &Solution) -> Option<f64> {
     (of_orbits && held(curve).any(leaves)).then_some(curve.settings.initial_step)
 }
 
-/// Computes the start of a curve of doubled orbits, or of critical pairs that emanate at a double
-/// eigenvalue, near the codimension-two point from which the system has resumed; `None` for other
-/// curves. The guess of the first point is stored in `x` of `curve`.
+/// Computes the start of a curve near the codimension-two point from which the system has resumed,
+/// if the curve consists of orbits with twice the period, or of points with a critical pair that
+/// emanates at a double eigenvalue; `None` for other curves. The guess of the first point is stored
+/// in `x` of `curve`.
 pub(super) fn beside(
     curve: &mut Continuation,
     point: &Solution,
@@ -60,14 +61,15 @@ pub(super) fn released_in(names: &Names, released: &[(String, [f64; 2])]) -> Vec
     released.iter().filter_map(place).collect()
 }
 
-/// Returns the point from which the system has resumed, with the released parameters of the curve.
+/// Returns the data of the point from which the system has resumed, together with the released
+/// parameters of the curve.
 fn at<'c>(curve: &'c mut Continuation, released: &'c [usize], null: &'c mut NullSpace) -> At<'c> {
     let Continuation { system, x, .. } = curve;
     At { system: &mut **system, x, released, held: &[], null }
 }
 
-/// Computes the first orbit of a curve of doubled orbits, starting from the codimension-two orbit
-/// traversed twice.
+/// Computes the first orbit of a curve of period-doubled orbits, starting from the codimension-two
+/// orbit traversed twice.
 fn doubled(
     curve: &mut Continuation,
     (kind, part): (Kind, f64),
@@ -90,10 +92,10 @@ fn doubled(
     Ok(Start { site, one_sided, angle, ..Start::point(z, direction) })
 }
 
-/// Computes the first point of a curve of critical pairs that emanates from a point with a double
-/// eigenvalue; at that point, the frequency of the pair is 0, or the angle of its multipliers is 0
-/// or π. States change by a fraction of their sizes, parameters by a fraction of their ranges, and
-/// parameters stay within their ranges.
+/// Computes the first point of a curve of bifurcations with a critical pair, which emanates from a
+/// point with a double eigenvalue; at that point, the frequency of the pair is 0, or the angle of
+/// its multipliers is 0 or π. States change by a fraction of their sizes, parameters by a fraction
+/// of their ranges, and parameters stay within their ranges.
 fn critical_pairs(curve: &mut Continuation, kind: Kind) -> Result<Start, Failure> {
     let released = released_in(curve.system.names(), &curve.released);
     let n = curve.system.names().dimension();

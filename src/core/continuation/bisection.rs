@@ -13,7 +13,7 @@ const BEYOND_BISECTION: i32 = 1;
 impl Locator<'_, '_> {
     /// Divides the bracket at a corrected point of the branch, at the distance `along` from the
     /// first point of the step, and keeps the part that contains the event. Returns false if the
-    /// correction fails.
+    /// point that divides the bracket cannot be corrected.
     pub fn narrow(&mut self, event: &Event, bracket: &mut Bracket, along: f64) -> bool {
         let guess = bracket.between((along - bracket.low) / (bracket.high - bracket.low));
         let Ok(corrected) = self.corrected(guess, along) else { return false };
@@ -76,8 +76,8 @@ impl Locator<'_, '_> {
     }
 
     /// Finds by bisection the last point before an event at which all monitors can be recorded, if
-    /// they cannot be recorded at the event itself. An example is the bound `p = 0` of a branch
-    /// with a monitor `1/p`.
+    /// they cannot be recorded at the event itself. For example, a monitor `1/p` cannot be recorded
+    /// at the bound `p = 0` of a branch.
     pub fn last_recorded(&mut self, index: usize) -> Located {
         let event = self.curve.detector.events[index].clone();
         let mut bracket = Bracket::new(&mut self.curve.corrector, self.interval, (index, &event));

@@ -12,8 +12,9 @@ use crate::core::bifurcation::Quantity;
 use crate::core::system::Kind;
 
 /// Heuristic: two events count as one point if their distance is less than this threshold, in
-/// scaled arclength. An event counts as lying at the start if its distance from the start is less
-/// than this threshold. Located points are accurate to 1e-10 or better.
+/// scaled arclength. An event counts as lying at the start of the branch if its distance from the
+/// start, in scaled arclength, is less than this threshold. Located points are accurate to 1e-10 or
+/// better.
 pub(super) const AT_START: f64 = 1e-6;
 
 /// Rounding: a saved end of a branch lies on a bound if the bounded monitor differs from the bound
@@ -29,18 +30,19 @@ pub(super) struct Bound {
     pub range: [f64; 2],
 }
 
-/// The bounds of a branch, which come first in its list of events.
+/// The bounds of a branch, which come first in the branch's list of events.
 pub(super) struct Bounds {
     pub bounds: Vec<Bound>,
-    /// The derivatives of the test functions of the bounds with respect to arclength at the start.
+    /// The derivatives of the bounds' test functions at the start of the branch, with respect to
+    /// arclength.
     pub slopes: Vec<f64>,
 }
 
 impl Bounds {
     /// Moves a start at the saved end of a branch back to the bound at which the branch had ended,
     /// by at most `reach` in scaled arclength. `saved` contains the monitors at the saved end. The
-    /// move is necessary because an end located on a finer discretisation does not lie exactly on
-    /// the bound on a coarser discretisation.
+    /// start must be moved to the bound because an end located on a finer discretisation does not
+    /// lie exactly on the bound on a coarser discretisation.
     pub fn return_to(
         &self,
         (saved, reach): (&[(String, f64)], f64),
@@ -90,8 +92,8 @@ impl Bounds {
         self.left(start, |i| way * self.slopes[i])
     }
 
-    /// Returns the bound at the start that the branch would cross if the test functions changed by
-    /// the given amounts; `None` if the branch would cross no bound.
+    /// Returns the bound at the start that the branch would cross if the test functions of the
+    /// bounds changed by the given amounts; `None` if the branch would cross no bound.
     pub fn left(&self, start: &CurvePoint, change: impl Fn(usize) -> f64) -> Option<usize> {
         let leaves =
             |i: &usize| start.tests[*i] == Some(0.0) && change(*i) * self.bounds[*i].side > 0.0;

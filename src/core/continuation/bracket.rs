@@ -23,9 +23,9 @@ pub(super) struct Bracket {
     pub low: f64,
     pub high: f64,
     pub ends: [CurvePoint; 2],
-    /// The values of the event's test function at the ends.
+    /// The values of the event's test function at the two ends of the bracket.
     pub tests: [f64; 2],
-    /// The derivative of the test function at the second end, if known.
+    /// The derivative of the event's test function at the second end of the bracket, if known.
     pub slope: Option<f64>,
     /// Whether neither half of the bracket contains the event: the numbers of unstable eigenvalues
     /// changed because of several other events.
@@ -33,7 +33,7 @@ pub(super) struct Bracket {
 }
 
 impl Bracket {
-    /// Creates the bracket of a whole interval.
+    /// Creates the bracket that consists of a whole interval between two points of the curve.
     pub fn new(
         corrector: &mut Corrector,
         Interval { from, to, length }: Interval,
@@ -65,7 +65,7 @@ impl Bracket {
         self.between(fraction.clamp(0.02, 0.98))
     }
 
-    /// Returns a point between the ends of the bracket, on the cubic Hermite interpolant of both
+    /// Returns a point between the ends of the bracket, on the cubic Hermite interpolant of the two
     /// ends and their tangents.
     pub fn between(&self, fraction: f64) -> Vec<f64> {
         let length = self.high - self.low;
@@ -79,8 +79,8 @@ impl Bracket {
         hermite(&knots, fraction * length)
     }
 
-    /// Returns the change of the continued parameter over the bracket, plus the parameter error of
-    /// its ends.
+    /// Returns the change of the continued parameter over the bracket, increased by the error of
+    /// this parameter at the ends of the bracket.
     pub fn reach(&self, corrector: &Corrector) -> f64 {
         let [start, end] = self.at_ends(corrector.equations.parameters_at());
         (end - start).abs() + corrector.parameter_error()

@@ -82,8 +82,8 @@ pub struct SpecialPoint {
     pub parameters: Vec<f64>,
     /// All monitors, in the order of [`Branch::monitors`].
     pub monitors: Vec<f64>,
-    /// The number of noncritical unstable eigenvalues; `None` if stability is not defined, or not
-    /// [determined](Self::undetermined).
+    /// The number of unstable eigenvalues, not counting the eigenvalues that are critical at the
+    /// special point; `None` if stability is not defined, or not [determined](Self::undetermined).
     pub unstable: Option<usize>,
     /// The reason why the eigenvalues or multipliers could not be determined; `None` if they were
     /// determined.
@@ -97,8 +97,9 @@ pub struct SpecialPoint {
     /// the angle of a torus point, or the coefficients of normal forms.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub numbers: Vec<Number>,
-    /// The derivatives of the point's released parameters with respect to the other parameters.
-    /// The list is empty if the kind of the point has no defining system.
+    /// The sensitivities of the special point: the derivatives of the released parameters at the
+    /// point with respect to the other parameters. The list of sensitivities is empty if the kind
+    /// of the special point has no defining system.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub sensitivities: Vec<Sensitivity>,
     /// The number of simultaneously critical eigenvalues, or pairs of eigenvalues, if this number
@@ -112,8 +113,9 @@ pub struct SpecialPoint {
     /// The values of the continued parameter at two points of the branch that enclose the special
     /// point.
     pub bracket: [f64; 2],
-    /// Whether Newton's method converged on the defining system. If not, `error` is the width of
-    /// the bracket, and tables show only the bracket.
+    /// Whether Newton's method converged on the defining system. If Newton's method did not
+    /// converge, `error` is the width of the bracket around the special point, and tables show only
+    /// this bracket.
     pub converged: bool,
     /// The unknowns `z` on the discretisation of the branch, from which the branch can be
     /// restarted.
@@ -130,12 +132,13 @@ pub struct SpecialPoint {
     pub mesh: Vec<f64>,
     /// For each released parameter, the difference between two values: the value for which `state`
     /// solves the equations on the mesh of the branch, and the refined value in `parameters`. The
-    /// list is empty if all differences are zero.
+    /// list is empty if the refined value of every released parameter equals its value on the mesh
+    /// of the branch.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub mesh_shift: Vec<f64>,
     /// Curves that show the solution, such as profiles of the states, if the problem provides them.
     pub profiles: Vec<Profile>,
-    /// For output, the unknowns that are arrays with two indices, reduced to fewer entries.
+    /// The unknowns that are two-dimensional arrays, reduced to fewer entries for output.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub fields: Vec<PlaneField>,
     /// The reason why the phase response curve is missing from `profiles`, if it was requested and
@@ -223,9 +226,9 @@ pub struct Branch {
     pub points: Vec<Point>,
     /// The special points, in their order along the branch.
     pub special: Vec<SpecialPoint>,
-    /// The solutions on the two sides of a curve in two parameters, between its special points.
-    /// The list is empty for branches of solutions, and if the solutions on the two sides are
-    /// unknown.
+    /// For each part of a bifurcation curve in two parameters between its special points, the
+    /// solutions on both sides of the curve. The list is empty for branches of solutions, and if
+    /// the solutions on the two sides are unknown.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub stretches: Vec<Stretch>,
     /// The reasons why the branch ended: at its first point and at its last point.
@@ -422,7 +425,7 @@ impl SpecialPoint {
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Traced {
-    /// A regular point was computed. The first reported point is the start of the branch.
+    /// A regular point was computed. The first point that is reported is the start of the branch.
     Point(Point),
     /// A special point was found; it is reported before the next regular point.
     Special(Box<SpecialPoint>),

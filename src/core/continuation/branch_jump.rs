@@ -31,10 +31,10 @@ pub(super) struct Near {
 /// The defining system of branch points unfolds the problem, `F + β b = 0`. If `β ≠ 0` at the
 /// solution of this defining system, the two branches turn away from each other instead of
 /// crossing. Let `s` be the distance of the solution from the point `from` of the curve, measured
-/// along the tangent at `from`. Let `d` be the size of Newton's correction of the solution,
-/// computed with the equations linearised at `from`. Near the solution, the two branches are close
-/// to the hyperbola `u v = d s`, where `u` and `v` are the coordinates along its asymptotes. The
-/// distance between the branches is therefore `2 √(d s)`.
+/// along the tangent at `from`. Let `d` be the size of the Newton correction of the branch-point
+/// system's solution, computed with the equations linearised at `from`. Near the solution of the
+/// defining system, the two branches are close to the hyperbola `u v = d s`, where `u` and `v` are
+/// the coordinates along its asymptotes. The distance between the branches is therefore `2 √(d s)`.
 pub(super) fn branch_point_near(
     curve: &mut Curve,
     from: &CurvePoint,

@@ -352,13 +352,13 @@ impl<'a> Continuation<'a> {
     /// For a system of cycles, curves also start at codimension-two points of equilibria: curves of
     /// folds of cycles at a generalised Hopf point, and curves of torus points at a fold–Hopf or
     /// double Hopf point. At a double Hopf point, [`switch_to(1)`](Self::switch_to) selects the
-    /// cycles of the pair with the smaller frequency.
+    /// cycles that belong to the eigenvalue pair with the smaller frequency.
     ///
-    /// Curves of torus points also start at resonances 1:1 and 1:2, and curves of folds of doubled
-    /// orbits start at a generalised period doubling. At a 1:2 resonance with a negative
-    /// coefficient `r2_a`, [`switch_to(1)`](Self::switch_to) selects the torus points of doubled
-    /// orbits. If the resonance was found on a curve of torus points, the torus points of doubled
-    /// orbits are selected by default.
+    /// Curves of torus points also start at resonances 1:1 and 1:2, and curves of folds of
+    /// period-doubled orbits start at a generalised period doubling. At a 1:2 resonance with a
+    /// negative coefficient `r2_a`, [`switch_to(1)`](Self::switch_to) selects the torus points of
+    /// period-doubled orbits. If a 1:2 resonance was found on a curve of torus points, the torus
+    /// points of period-doubled orbits are selected by default.
     pub fn hold(mut self, kind: Kind) -> Self {
         self.held.push((kind, None));
         self

@@ -13,18 +13,19 @@ pub(super) struct Reference {
     place: CurvePoint,
     /// The solution at the reference point, stored with its mesh; `None` if solutions have no mesh.
     saved: Option<Solution>,
-    /// The estimated relative discretisation error of the solution.
+    /// The estimated relative discretisation error of the solution at the reference point.
     mesh_error: f64,
 }
 
 /// Rounding: a corrected point is identified with the reference point if their distance is smaller
-/// than this threshold, in units of the tolerance of Newton's method. Both points have an error of
-/// the tolerance divided by the smallest singular value of the Jacobian.
+/// than this threshold, in units of the tolerance of Newton's method. The corrected point and the
+/// reference point each have an error of the tolerance divided by the smallest singular value of
+/// the Jacobian.
 const SAME: f64 = 1e3;
 
-/// Discretisation: Solutions on different meshes are identified if their difference is at most this
-/// factor times the sum of their estimated errors; the estimates are accurate to a factor of two or
-/// three.
+/// Discretisation: two solutions on different meshes count as the same solution if their difference
+/// is at most this factor times the sum of their estimated errors; the estimates are accurate to a
+/// factor of two or three.
 const MESHES: f64 = 5.0;
 
 impl Reference {
@@ -59,8 +60,8 @@ impl Reference {
 
     /// Whether a step passes near the reference point, judged only by the quantities that do not
     /// depend on the phase: the parameters and the scalar unknowns. For orbits with an itinerary,
-    /// only the parameters are compared, because scalar unknowns depend on the first segment and on
-    /// the forcing period.
+    /// only the parameters are compared, because scalar unknowns depend on the choice of the first
+    /// segment and on the forcing period.
     fn may_be_passed(&self, corrector: &Corrector, saved: &Solution, step: Interval) -> bool {
         let groups = &corrector.equations.names().unknowns;
         let scalars = match saved.itinerary.is_empty() {
@@ -75,8 +76,8 @@ impl Reference {
     }
 }
 
-/// Returns the distance along a step at which the curve passes through the point `target`, up to
-/// its error `error`; `None` if the curve does not pass through the point.
+/// Returns the distance along a step at which the curve passes through the point `target`, which is
+/// known up to the error `error`; `None` if the curve does not pass through the point.
 fn passes(corrector: &mut Corrector, target: &[f64], step: Interval, error: f64) -> Option<f64> {
     let start = &step.from.unknowns;
     let row = corrector.norm.covector(&step.from.tangent);
@@ -94,9 +95,9 @@ fn passes(corrector: &mut Corrector, target: &[f64], step: Interval, error: f64)
     (miss < exact.max(error).min(0.1 * step.length)).then_some(along)
 }
 
-/// Returns the index in `found` of the branch point at which a branch of doubled orbits returns to
-/// its parent branch. Beyond this branch point, the branch consists of the same orbits again,
-/// shifted by half a period.
+/// Returns the index in `found` of the branch point at which a branch of period-doubled orbits
+/// returns to its parent branch. Beyond the branch point at which a branch of period-doubled orbits
+/// returns to its parent branch, it consists of the same orbits again, shifted by half a period.
 pub(super) fn returns_to_parent(
     equations: &mut Extended,
     found: &[Located],

@@ -1,5 +1,5 @@
-//! Clusters of eigenvalues that pass zero in a short interval of the branch: the positions of their
-//! zeros, and the types of eigenvalues.
+//! Clusters of eigenvalues that pass zero in a short interval of the branch: the positions at which
+//! they pass zero, and their types.
 
 use super::arnoldi::{distances, shift_on_finer};
 use super::corrector::Corrector;
@@ -16,22 +16,24 @@ use std::ops::RangeInclusive;
 /// and the middle of the interval, because symmetric problems may be singular at these points.
 const SAMPLES: [f64; 5] = [0.03, 0.22, 0.517, 0.76, 0.96];
 
-/// Rounding: the range in which a zero counts as inside an interval, in units of the length of the
-/// interval. The range is slightly larger than the interval because an end may itself be a zero:
-/// the ends are corrected to 1e-10 in arclength, 1e-7 of the shortest relevant step.
+/// Rounding: a zero of an eigenvalue counts as inside an interval if its position lies in this
+/// range, in units of the length of the interval. The range is slightly larger than the interval
+/// because an eigenvalue may vanish at an end of the interval itself: the ends are corrected to
+/// 1e-10 in arclength, which is 1e-7 of the shortest relevant step.
 const ENDS: RangeInclusive<f64> = -1e-6..=1.0 + 1e-6;
 
-/// Rounding: Zeros of eigenvalues closer to each other than this threshold, in units of the
-/// interval, count as equal. Eigenvalues, and their interpolating polynomials in a short interval,
-/// are accurate to rounding, 1e-16.
+/// Rounding: the positions at which two eigenvalues pass zero count as equal if their distance is
+/// smaller than this threshold, in units of the interval. Eigenvalues, and their interpolating
+/// polynomials in a short interval, are accurate to rounding, 1e-16.
 const TOGETHER: f64 = 1e-7;
 
-/// Discretisation: On a mesh, zeros closer to each other than this threshold, in scaled arclength,
-/// count as equal. The threshold for equal zeros is the discretisation error of usual meshes.
+/// Discretisation: on a mesh, the positions at which two eigenvalues pass zero count as equal if
+/// their distance is smaller than this threshold, in scaled arclength. The threshold below which
+/// two zeros of eigenvalues count as equal is the discretisation error of usual meshes.
 const ON_MESH: f64 = 1e-6;
 
-/// Heuristic: an interval is cut next to all zeros if the cut removes at least this fraction of the
-/// interval.
+/// Heuristic: an interval is cut next to the part that contains the zeros of all eigenvalues, if
+/// the cut removes at least this fraction of the interval.
 const WORTH_CUTTING: f64 = 0.25;
 
 /// Heuristic: two frequencies count as equal if their relative difference is smaller than this
@@ -56,11 +58,12 @@ pub(super) struct Cluster {
     length: f64,
     /// The number of eigenvalues that pass zero.
     pub count: usize,
-    /// The zero of the mean of the eigenvalues, computed from the polynomial through its sampled
-    /// values, and the change of this zero if the first sample is omitted.
+    /// The position at which the mean of the eigenvalues vanishes, computed from the polynomial
+    /// through the sampled values of the mean, and the change of this position if the first sample
+    /// is omitted.
     pub along: f64,
     pub uncertainty: f64,
-    /// The zeros of the individual eigenvalues, in increasing order.
+    /// The positions at which the individual eigenvalues vanish, in increasing order.
     zeros: Vec<f64>,
 }
 
@@ -86,21 +89,23 @@ impl Cluster {
         Some(Cluster { places, abscissae, length, count, along, uncertainty, zeros })
     }
 
-    /// Returns the largest distance of the zero of an eigenvalue from the zero of their mean.
+    /// Returns the largest distance between a position at which one of the eigenvalues vanishes and
+    /// the position at which their mean vanishes.
     pub fn spread(&self) -> f64 {
         self.zeros.iter().fold(0.0, |most: f64, zero| most.max((zero - self.along).abs()))
     }
 
-    /// Whether the zeros of all eigenvalues are equal, up to rounding and the discretisation error.
+    /// Whether all eigenvalues of the cluster vanish at the same position, up to rounding and the
+    /// discretisation error.
     pub fn coincides(&self, corrector: &mut Corrector) -> bool {
         let mesh = corrector.equations.system().representation().mesh;
         let error = if mesh.is_empty() { TOGETHER * self.length } else { ON_MESH };
         self.zeros.len() == self.count && self.spread() <= error
     }
 
-    /// Returns the position at which to cut the interval. If all zeros lie in a small part of the
-    /// interval, the cut lies next to this part; if not, it lies in the widest gap between two
-    /// zeros.
+    /// Returns the position at which to cut the interval. If all eigenvalues vanish in a small part
+    /// of the interval, the cut lies next to this part; if not, it lies in the widest gap between
+    /// two zeros.
     pub fn cut(&self) -> f64 {
         let [Some(first), Some(last)] = [self.zeros.first(), self.zeros.last()] else {
             return self.middle();
@@ -124,9 +129,10 @@ impl Cluster {
         SAMPLES[2] * self.length
     }
 
-    /// Returns the unknowns at the zero of the mean eigenvalue, interpolated by polynomials through
-    /// the samples. The unknowns are interpolated because the equations may be singular at the
-    /// zero, but are regular at the samples.
+    /// Returns the unknowns at the position where the mean of the eigenvalues vanishes,
+    /// interpolated by polynomials through the samples. The unknowns are interpolated because the
+    /// equations may be singular where the mean of the eigenvalues vanishes, but are regular at the
+    /// sample points.
     pub fn unknowns(&self) -> Vec<f64> {
         let component = |i: usize| {
             let values: Vec<f64> = self.places.iter().map(|place| place.unknowns[i]).collect();
@@ -135,8 +141,8 @@ impl Cluster {
         (0..self.places[0].unknowns.len()).map(component).collect()
     }
 
-    /// Estimates the discretisation error of the continued parameter at the zero, given the slope
-    /// of the parameter.
+    /// Estimates the discretisation error of the continued parameter at the position where the mean
+    /// of the eigenvalues vanishes, given the slope of the parameter.
     pub fn mesh_share(&self, curve: &mut Curve, unknowns: &[f64], slope: f64) -> Option<f64> {
         let (first, refines) = (&self.places[0], curve.refiner.accuracy > 0.0);
         Some(match first.spectrum {
@@ -183,8 +189,9 @@ impl Cluster {
 }
 
 /// Returns the number of eigenvalues that pass zero in the interval, and, at each sample point, the
-/// values of functions that vanish where an eigenvalue passes zero. These functions are growth
-/// rates or, if eigenvalues are not computed, the distances to singular matrices in the interval.
+/// values of functions that vanish where an eigenvalue passes zero. The returned functions are
+/// growth rates of eigenvalues or, if eigenvalues are not computed, distances to singular matrices
+/// in the interval.
 fn vanishing(
     curve: &mut Curve,
     places: &[CurvePoint],

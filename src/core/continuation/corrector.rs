@@ -13,8 +13,8 @@ use crate::core::linalg::clear_rounding;
 use crate::core::system::{Kind, Representation, Solution};
 
 /// Heuristic: the largest relative error of the matrix from which the tangent and the number of
-/// unstable eigenvalues are computed. A small error is acceptable because the tangent serves only
-/// to predict the next point.
+/// unstable eigenvalues are computed. A small error of this matrix is acceptable because the
+/// tangent serves only to predict the next point.
 pub(super) const MATRIX_ERROR: f64 = 1e-4;
 
 /// Heuristic: if the component of the tangent along the parameter is smaller than this threshold,
@@ -53,7 +53,8 @@ pub(super) struct Corrector<'a> {
 }
 
 /// Sets the units of null vectors: the scales of the unknowns and parameters, computed from the
-/// given weights. For collocation, the units of the vector field are used instead.
+/// given weights. For collocation, the units of the vector field are used instead of the scales of
+/// the unknowns.
 fn measure_null_vectors(equations: &mut Extended, weights: &[f64]) {
     let (n, first) = (equations.dimension(), equations.parameters_at());
     let At { system, x, released, null, .. } = equations.at();
@@ -106,9 +107,9 @@ impl<'a> Corrector<'a> {
     }
 
     /// Returns the tangent at a corrected point, of scaled length 1. The tangent is computed from
-    /// the last factored matrix with the same `row`, which differs from the matrix at the point by
-    /// the relative error `matrix_error`. If this error is too large, the matrix at the point is
-    /// factored.
+    /// the last factored matrix, which has the same last row `row`, and which differs from the
+    /// matrix at the point by the relative error `matrix_error`. If the relative error of the last
+    /// factored matrix is too large, the matrix at the point is factored.
     pub fn tangent(
         &mut self,
         unknowns: &[f64],
@@ -252,16 +253,16 @@ impl<'a> Corrector<'a> {
         self.mesh_error(unknowns) * unknowns[self.equations.parameters_at()].abs()
     }
 
-    /// Whether a solution needs another number of mesh intervals.
+    /// Whether the number of mesh intervals must be changed for a solution.
     pub fn needs_fit(&mut self, unknowns: &[f64], target: f64) -> bool {
         self.equations.load(unknowns);
         let At { system, x, .. } = self.equations.at();
         system.discretised().is_some_and(|system| system.needs_fit(x, target))
     }
 
-    /// Adapts the number of mesh intervals to a point, and interpolates `directions` to the new
-    /// mesh. Returns whether the mesh changed; after a change, the point must be corrected and the
-    /// held defining systems must be restarted.
+    /// Adapts the number of mesh intervals to the solution at a point, and interpolates the vectors
+    /// `directions` to the new mesh. Returns whether the mesh changed; after a change, the point
+    /// must be corrected and the held defining systems must be restarted.
     pub fn fit(
         &mut self,
         unknowns: &mut Vec<f64>,
@@ -288,8 +289,8 @@ impl<'a> Corrector<'a> {
     }
 
     /// Adapts the mesh, scales and borders after a point was accepted, and interpolates the
-    /// solutions and directions `others` to the new mesh. Returns the length of the old tangent in
-    /// the new scales, which may have increased.
+    /// solutions and directions `others` to the new mesh. Returns the length of the old tangent,
+    /// measured in the new scales, which may be larger than the old scales.
     pub fn accept(&mut self, place: &mut CurvePoint, mut others: Vec<&mut [f64]>) -> f64 {
         let n = self.equations.dimension();
         let mut directions: Vec<&mut [f64]> =

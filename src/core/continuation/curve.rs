@@ -23,9 +23,9 @@ pub(super) struct Curve<'a> {
 }
 
 impl Curve<'_> {
-    /// Returns the tangent at a corrected point, oriented by `row`. The last factored matrix, whose
-    /// last row must also be `row`, differs from the matrix at the point by the relative error
-    /// `matrix_error`.
+    /// Returns the tangent at a corrected point, in the direction in which its product with the
+    /// covector `row` is positive. The last factored matrix, whose last row must also be `row`,
+    /// differs from the matrix at the point by the relative error `matrix_error`.
     pub fn tangent(
         &mut self,
         unknowns: &[f64],

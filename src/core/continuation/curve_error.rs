@@ -7,9 +7,9 @@ use super::metric::ScaledNorm;
 use crate::core::linalg::{difference, dot};
 
 /// Estimates the distance between the curve and its cubic interpolant between two points, in scaled
-/// arclength. The distance is computed in the middle, perpendicular to the chord, by comparison
-/// with the quintic that also interpolates the point `before`. If `before` is not given, returns
-/// the error of the cubic interpolant of a circular arc, `θ⁴/384` times the radius.
+/// arclength. The distance is computed halfway between the two points, perpendicular to the chord,
+/// by comparison with the quintic that also interpolates the point `before`. If `before` is not
+/// given, returns the error of the cubic interpolant of a circular arc, `θ⁴/384` times the radius.
 pub(super) fn curve_error(
     norm: &ScaledNorm,
     before: Option<&CurvePoint>,
@@ -35,8 +35,8 @@ pub(super) fn curve_error(
     norm.of(&across)
 }
 
-/// Creates a knot of the interpolant at a position; the tangent is its derivative with respect to
-/// the arclength measured in the given norm.
+/// Creates the knot of the interpolant at a point of the curve; `u` is the position of the point,
+/// which is the arclength measured in the given norm.
 fn knot<'a>(norm: &ScaledNorm, u: f64, place: &'a CurvePoint) -> Knot<'a> {
     let CurvePoint { unknowns, tangent, .. } = place;
     Knot { u, x: unknowns, tangent, speed: norm.of(tangent) }

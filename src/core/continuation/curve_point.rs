@@ -57,7 +57,8 @@ impl Interval<'_> {
         hermite(&knots, along)
     }
 
-    /// Returns the point of the chord at the given fraction of its length.
+    /// Returns the point on the chord between the two ends of the interval, at the given fraction
+    /// of the chord's length.
     pub fn chord(&self, share: f64) -> Vec<f64> {
         let ends = self.from.unknowns.iter().zip(&self.to.unknowns);
         ends.map(|(a, b)| a + share * (b - a)).collect()

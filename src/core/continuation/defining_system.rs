@@ -90,7 +90,7 @@ const SAMPLES: usize = 2;
 
 /// Sets to zero those components of a solution's `z` that consist only of rounding errors, which
 /// are estimated with the last factored matrix. `weights` are the inverse squares of the scales.
-/// The components are unchanged on a mesh, or if the residual cannot be evaluated.
+/// If solutions have a mesh, or if the residual cannot be evaluated, the components are unchanged.
 fn clear_rounding(equations: &mut Extended, unknowns: &mut [f64], weights: &[f64]) {
     if equations.system().representation().is_on_mesh() {
         return;

@@ -144,9 +144,9 @@ fn with_error(
     special
 }
 
-/// Adds the discretisation error to the named numbers of a special point that is located by
-/// bracketing. The error is computed from the point of the curve on a finer discretisation that has
-/// the same value of the last parameter.
+/// Adds the discretisation error to the errors of the named numbers of a special point that is
+/// located by bracketing. The discretisation error is computed by comparison with a point of the
+/// curve on a finer discretisation, at the same value of the last parameter.
 fn refine_numbers(curve: &mut Curve, event: &Event, special: &mut SpecialPoint, beside: &Point) {
     let Curve { corrector, recorder, refiner, .. } = curve;
     let Some(&last) = corrector.equations.released.last() else { return };

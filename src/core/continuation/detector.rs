@@ -89,8 +89,8 @@ impl Detector {
         values.collect()
     }
 
-    /// Reverses the direction of the curve at a point: its tangent and the test functions that
-    /// depend on the direction.
+    /// Reverses the direction of the curve at a point: changes the signs of its tangent and of the
+    /// test functions that depend on the direction.
     pub fn reverse(&self, place: &mut CurvePoint) {
         place.tangent.iter_mut().for_each(|t| *t = -*t);
         place.determinant = -place.determinant;

@@ -10,8 +10,8 @@ use crate::core::linalg::dot;
 use crate::core::numerics::extremum;
 
 /// Heuristic: a predicted extremum of a test function is examined if it is closer to zero than this
-/// threshold, relative to the values at the ends. The interpolating parabola may be wrong by a
-/// third of the smaller end value.
+/// threshold, relative to the values at the ends. The parabola that interpolates the test function
+/// may be wrong by a third of the smaller of the values at the ends of the step.
 const NEAR: f64 = 0.3;
 
 /// Heuristic: the number of trial points for one extremum; for a smooth function, the last two or

@@ -54,9 +54,9 @@ pub(super) struct EarlyEnd {
     coarse: usize,
     /// The number of consecutive steps towards a homoclinic orbit.
     still: usize,
-    /// Whether constant parameters indicate a homoclinic orbit. Constant parameters are an
-    /// indication if the parameters changed earlier along the branch, or if the branch started near
-    /// a homoclinic orbit.
+    /// Whether constant parameters indicate a homoclinic orbit. Constant parameters indicate a
+    /// homoclinic orbit if the parameters changed earlier along the branch, or if the branch
+    /// started near a homoclinic orbit.
     may_halt: bool,
     /// The shortest and the last period along this half of the branch.
     periods: Option<[f64; 2]>,

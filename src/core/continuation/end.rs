@@ -189,7 +189,7 @@ pub enum End {
     /// The user interrupted the continuation; all points computed before the interruption are kept.
     #[error("interrupted")]
     Interrupted,
-    /// The branch was traced only in the direction opposite to this end.
+    /// The branch was not traced towards this end, but only in the opposite direction.
     #[error(
         "the branch ends at its start, because the continuation in this direction was not requested"
     )]

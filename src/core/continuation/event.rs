@@ -16,8 +16,8 @@ use std::sync::Arc;
 pub(super) type MakeCondition = Arc<dyn Fn() -> Box<dyn DefiningSystem> + Send + Sync>;
 
 /// The direction of the sign changes that count as events. The direction refers to the branch from
-/// its first point to its last; in this direction, the (last released) parameter increases at the
-/// start.
+/// its first point to its last; in this direction, the parameter that was released last increases
+/// at the start.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Direction {
     /// Sign changes in both directions count as events.
@@ -225,9 +225,10 @@ impl Event {
         Self::new(name, move || Equation::new(function.clone(), 0.0, Kind::UZ))
     }
 
-    /// Creates an event on a branch: the point from which on some event of the orbit leads to
-    /// another mode than the itinerary prescribes. The choice of the mode is not a continuous
-    /// function, so this event is located by bracketing only.
+    /// Creates an event of a branch of orbits: the point beyond which one of the events of the
+    /// orbit leads to another mode than the itinerary prescribes. The mode that follows an event of
+    /// the orbit is not a continuous function, so the point at which it changes is located by
+    /// bracketing only.
     pub(super) fn of_itinerary() -> Self {
         let test = Arc::new(OrderOfEvents);
         Self::without_condition("an event leads to another mode", Kind::G, test)

@@ -80,9 +80,11 @@ pub(super) fn events_between(
     found
 }
 
-/// Whether an apparent fold is caused only by a numerical error in the sign of the slope. At a true
-/// fold, a multiplier passes 1. If the number of unstable multipliers does not change, a fold is
-/// rejected if it did not converge, or if the slopes are as small as discretisation errors.
+/// Whether an apparent fold is caused only by a numerical error in the sign of the slope of the
+/// continued parameter. At a true fold, a multiplier passes 1. If the number of unstable
+/// multipliers does not change in an interval, a fold in it is rejected if Newton's method did not
+/// converge to it, or if the slopes of the continued parameter are as small as discretisation
+/// errors.
 fn is_noise(Interval { from, to, .. }: Interval, it: &Located, flat: bool) -> bool {
     let converged = it.special.converged;
     let noise = match (from.point.unstable, to.point.unstable) {
@@ -127,9 +129,10 @@ fn nearest_to_one(dynamics: Dynamics, place: &CurvePoint) -> Option<f64> {
 /// of its values at the ends of a step.
 const VANISHED: f64 = 1e-4;
 
-/// Whether an apparent codimension-two point, at which a critical pair meets another critical
-/// value, is in fact the end of the curve. At the end of the curve, the pair becomes one double
-/// critical value, and rounding determines the signs of determinants.
+/// Whether an apparent codimension-two point, at which a critical pair and another eigenvalue or
+/// multiplier are critical together, is in fact the end of the curve. At the end of a curve with a
+/// critical pair, the pair becomes a double critical eigenvalue or multiplier, and rounding
+/// determines the signs of determinants.
 fn is_double_value(curve: &mut Curve, Interval { from, to, .. }: Interval, it: &Located) -> bool {
     if !matches!(it.special.kind, Kind::ZH | Kind::LPNS | Kind::PDNS) {
         return false;
@@ -150,9 +153,9 @@ fn is_double_value(curve: &mut Curve, Interval { from, to, .. }: Interval, it: &
 const ONE_POINT: f64 = 1e-3;
 
 /// The kinds of points, besides folds, at which the parameter may have an extremum: a pitchfork on
-/// its curved branch, and the end of a curve that is its own mirror image. An extremum of the
-/// parameter at a point of these kinds is not reported as a fold, because the defining system of
-/// folds is singular at the point.
+/// its curved branch, and the end of a curve that is its own mirror image. At a pitchfork, and at
+/// the end of a curve that is its own mirror image, an extremum of the parameter is not reported as
+/// a fold, because the defining system of folds is singular at the point.
 const TURNS: [Kind; 3] = [Kind::BP, Kind::HB, Kind::GH];
 
 /// Whether an event is only the extremum that the parameter has at another special point found in

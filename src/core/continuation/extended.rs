@@ -148,7 +148,7 @@ impl<'a> Extended<'a> {
     }
 
     /// Returns typical sizes of the groups of unknowns; empty if the sizes are unknown. If
-    /// solutions have a mesh, unspecified sizes are 1.
+    /// solutions have a mesh, the size of a group of unknowns without a specified size is 1.
     pub(crate) fn unknown_scales(&self) -> Vec<f64> {
         let mut scales = self.system.unknown_scales(&self.x[self.dimension()..]);
         if scales.is_empty() && self.system.representation().is_on_mesh() {
@@ -176,7 +176,7 @@ impl<'a> Extended<'a> {
         &self.x
     }
 
-    /// Converts a direction of `X` to a direction of `x`.
+    /// Converts a direction in the extended unknowns `X` to a direction in `x = (z, p)`.
     pub(crate) fn direction_of(&self, v: &[f64]) -> Vec<f64> {
         let n = self.dimension();
         let mut direction = vec![0.0; self.x.len()];

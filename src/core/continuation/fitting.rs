@@ -116,8 +116,9 @@ fn arrived(
 }
 
 /// Whether the test functions of all events at a point have the same signs as on its former mesh.
-/// A change of the sign of the slope is ignored if the number of unstable multipliers is unchanged:
-/// at a true fold, a multiplier would pass 1, so the sign change is a discretisation error.
+/// A change of the sign of the continued parameter's slope is ignored if the number of unstable
+/// multipliers is unchanged: at a true fold, a multiplier would pass 1, so the sign change is a
+/// discretisation error.
 fn same_side(curve: &Curve, before: &CurvePoint, after: &CurvePoint) -> bool {
     let counts = [before.point.unstable, after.point.unstable];
     let no_fold = counts[0].is_some() && counts[0] == counts[1];
@@ -195,7 +196,7 @@ pub(super) fn return_to_mesh(equations: &mut Extended, solution: &Solution, unkn
     equations.adopt(unknowns);
 }
 
-/// Restores the previous mesh.
+/// Restores the previous mesh, after a new mesh was rejected.
 fn go_back(curve: &mut Curve, half: &mut Half, before: Before) {
     let Before { solution, metric, last, others: saved, error: _ } = before;
     let Curve { corrector, detector, refiner, .. } = curve;

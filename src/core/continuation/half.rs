@@ -17,8 +17,8 @@ use super::stretches::Stretches;
 use crate::core::bifurcation::VERTICAL;
 use crate::core::system::Kind;
 
-/// One of the two halves of a branch, from its start to one end. The field `after` of its special
-/// points counts points from the start, which has the index 0.
+/// One of the two halves of a branch, from its start to one end. The field `after` of the special
+/// points on the half counts points from the start of the branch, which has the index 0.
 pub(super) struct Half {
     pub backward: bool,
     pub points: Vec<Point>,

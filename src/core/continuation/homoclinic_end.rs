@@ -21,8 +21,8 @@ use crate::core::system::{
 };
 
 /// Heuristic: the ratio of the truncation distances of two approximations of a homoclinic orbit,
-/// which begin and end at different distances from the equilibrium. The difference of the two
-/// orbits is the estimate of the truncation error of the homoclinic orbit.
+/// which begin and end at different distances from the equilibrium. The difference between the two
+/// approximations serves as an estimate of the truncation error of the homoclinic orbit.
 const WIDER: f64 = 10.0;
 
 /// Heuristic: the largest allowed difference between the parameter at the end of a branch and the
@@ -68,7 +68,8 @@ pub(super) enum NotFound {
     )]
     #[diagnostic(help("use more `intervals` (the attempt on a finer mesh failed: {0})"))]
     Unrefined(String),
-    /// Newton's method converged to another orbit.
+    /// Newton's method converged to another homoclinic orbit, whose parameter differs from the
+    /// parameter at the end of the branch.
     #[error("Newton's method converges to {found:.6}, away from the end of the branch at {end:.6}")]
     FarOff {
         /// The parameter of the computed homoclinic orbit.
@@ -173,7 +174,7 @@ fn settle(
 }
 
 /// Returns the unknowns of an orbit interpolated to a mesh that resolves the orbit; `None` if the
-/// mesh of the system already does.
+/// mesh of the system already resolves the orbit.
 fn fitted(system: &mut dyn System, x: &[f64]) -> Option<Vec<f64>> {
     let mut fitted = x.to_vec();
     let changed = system.discretised()?.fit(&mut fitted, &mut [], RESOLVED);

@@ -13,8 +13,9 @@ use crate::core::system::{Jump, Kind};
 /// failed step.
 const AHEAD: f64 = 2.0;
 
-/// Heuristic: the distance before a discontinuity at which a branch ends, in units of the searched
-/// distance. Closer to the discontinuity, rounding determines on which side a solution lies.
+/// Heuristic: the distance before a discontinuity at which a branch ends, as a fraction of the
+/// distance within which the discontinuity was searched for. Closer to the discontinuity, rounding
+/// determines on which side a solution lies.
 const SHORT_OF: f64 = 1e-5;
 
 impl Steps<'_> {

@@ -1,7 +1,7 @@
 //! Points at which a curve is its own mirror image: a test function changes sign at the point, and
-//! the parameters are even functions of the test function. Beyond such a point, the curve repeats
-//! itself. At such a point, the equations of the curve are singular, so the values at the point are
-//! computed as limits.
+//! the parameters are even functions of the test function. Beyond a point at which a curve is its
+//! own mirror image, the curve repeats itself. At a point where a curve is its own mirror image,
+//! the equations of the curve are singular, so the values at the point are computed as limits.
 
 use super::cluster::interpolated;
 use super::event::Event;
@@ -15,18 +15,19 @@ use crate::core::bifurcation::{PointValues, TestFunction};
 const SHARES: [f64; 14] =
     [0.8, 0.65, 0.5, 0.4, 0.3, 0.2, 0.15, 0.12, 0.09, 0.06, 0.04, 0.03, 0.02, 0.01];
 
-/// Heuristic: the minimal and the maximal number of samples for an interpolating polynomial. With
-/// more than five samples in the square of the test function, rounding errors dominate.
+/// Heuristic: the minimal and the maximal number of samples for an interpolating polynomial. If a
+/// polynomial in the square of the test function interpolates more than five samples, rounding
+/// errors dominate.
 const SAMPLES: [usize; 2] = [3, 5];
 
-/// A point of the curve: the value of its test function, and its unknowns.
+/// A sampled point of the curve: the value of the test function and the unknowns at the point.
 type Sample = (f64, Vec<f64>);
 
 /// Computes the point of an interval where a test function vanishes, by extrapolating the unknowns
 /// with polynomials in the test function. Unknowns that are even functions of the test function are
-/// extrapolated with polynomials in its square. Samples close to the end have large rounding
-/// errors, and samples far from the end a large interpolation error. The sequence of successive
-/// samples that gives the smallest error of the parameter is used.
+/// extrapolated with polynomials in its square. Samples close to the end of the curve have large
+/// rounding errors, and samples far from the end have a large interpolation error. The sequence of
+/// successive samples that gives the smallest error of the parameter is used.
 pub(super) fn limit(locator: &mut Locator, event: &Event) -> Option<Located> {
     let (root, samples) = sampled(locator, event)?;
     let corrector = &locator.curve.corrector;
@@ -80,8 +81,8 @@ fn at_zero(samples: &[Sample], i: usize) -> (f64, f64) {
     if smooth.1 < even.1 { smooth } else { even }
 }
 
-/// Returns the value at a point of the test function that changes sign where the curve is its own
-/// mirror image.
+/// Returns the value of the test function that changes sign where the curve is its own mirror
+/// image, evaluated at a point.
 fn value(locator: &mut Locator, test: &dyn TestFunction, unknowns: &[f64]) -> Option<f64> {
     let equations = &mut locator.curve.corrector.equations;
     equations.load(unknowns);

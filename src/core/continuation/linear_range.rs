@@ -11,13 +11,15 @@ use std::ops::Range;
 const LINEAR: f64 = 0.05;
 const NONLINEAR: f64 = 0.3;
 
-/// Rounding: the smallest length in the search; a very small bound, so that unknowns can have any
-/// unit.
+/// Rounding: the smallest length in the search for the length at which nonlinear terms become
+/// significant; this bound is very small, so that unknowns can have any unit.
 const SMALLEST: f64 = 1e-30;
-/// Rounding: the largest length in the search.
+/// Rounding: the largest length in the search for the length at which nonlinear terms become
+/// significant.
 const LARGEST: f64 = 1e30;
 
-/// Heuristic: the factor by which the computed length may differ from the exact length.
+/// Heuristic: the factor by which the computed length at which nonlinear terms become significant
+/// may differ from the exact length.
 const CLOSE: f64 = 1.1;
 
 /// Computes the length along a tangent at which nonlinear terms are comparable with linear terms,

@@ -18,7 +18,7 @@ use crate::core::system::Kind;
 
 /// Heuristic: the largest distance of a located event from the interpolated branch, in units of the
 /// length of its bracket. In steps that turn by less than `LARGEST_ANGLE`, the distance of the
-/// curve is less than 0.1.
+/// curve from the interpolated branch is less than 0.1, in units of the length of the bracket.
 const MOST_BESIDE: f64 = 0.5;
 
 /// Heuristic: a solution of a defining system lies on the curve if a correction to the curve moves
@@ -44,7 +44,7 @@ const MOST_HALVINGS: usize = 40;
 
 impl Locator<'_, '_> {
     /// Locates the event with the index `index` among the events of the curve. Returns `None` if
-    /// the sign change was caused by several other events.
+    /// the sign change of the event's test function was caused by several other events.
     ///
     /// # Errors
     /// [`Failure`] if the defining system does not apply to the solutions in the interval, or if a
@@ -181,7 +181,7 @@ impl Locator<'_, '_> {
         values.is_none_or(|[before, after]| before * after <= 0.0)
     }
 
-    /// Whether a solution of the defining system of an event is the event, and not an event of
+    /// Whether a solution of an event's defining system is the event itself, and not an event of
     /// another kind that satisfies the same equations.
     fn is_confirmed(&mut self, event: &Event, bracket: &Bracket, located: &Located) -> bool {
         let dynamics = self.curve.corrector.equations.system().dynamics();

@@ -57,8 +57,9 @@ impl Log {
         ));
     }
 
-    /// Warns, once per branch, that solutions remain at a limit of admissible solutions along the
-    /// branch, either because events are simultaneous or because events precede a state of rest.
+    /// Warns, once per branch, that several successive solutions lie at the same limit of
+    /// admissible solutions, either because events of the orbits are simultaneous along the branch
+    /// or because the motion is about to stop at an equilibrium.
     pub fn stays_at_limit(&mut self, event: &str) {
         let warning = format!(
             "the test function of `{event}` vanishes, up to its error, at several successive \

@@ -7,17 +7,18 @@ use crate::core::problem::{Group, Names};
 /// The scales that make arclength dimensionless: `‖ΔX‖² = Σ_g (‖Δz_g‖/s_g)² + Σ (Δp/s_p)²`.
 ///
 /// `s_g` is the largest Euclidean norm of the group `g` of unknowns on the branch so far; `s_p` is
-/// the length of the range of the parameter `p`. If a group is zero at the start, its scale is its
-/// change along the tangent when the parameter changes by the length of its range; if the tangent
-/// is vertical, the scale of the group is its change over the distance [`StartSizes::reach`] along
-/// the tangent. If a parameter has no finite range, its scale is initially its change along the
-/// tangent when the unknowns change by their size, and later the distance that the parameter has
-/// covered. If a group is zero at the start and does not change along the tangent, the tangent a
-/// small step further along the range of the parameter gives its scale; if the group does not
-/// change there either, its scale is its unit; if the group has no unit, its scale is the scale of
-/// the largest other group. Hence the computed points do not depend on units, unless a group is
-/// zero at all points of the tangent at the start. If such a group has an unusual size, set its
-/// scale ([`Continuation::scale`](super::builder::Continuation::scale)).
+/// the length of the range of the parameter `p`. If a group of unknowns is zero at the start, its
+/// scale is its change along the tangent when the parameter changes by the length of its range; if
+/// the tangent is vertical, the scale of the group is its change over the distance
+/// [`StartSizes::reach`] along the tangent. If a parameter has no finite range, its scale is
+/// initially its change along the tangent when the unknowns change by their size, and later the
+/// distance that the parameter has covered. If a group of unknowns is zero at the start and does
+/// not change along the tangent, its scale is computed from the tangent a small step further along
+/// the range of the parameter. If the group does not change there either, its scale is its unit or,
+/// without a unit, the scale of the largest other group. Hence the computed points do not depend on
+/// units, unless a group of unknowns is zero at all points of the tangent at the start. If a group
+/// of unknowns that is zero at the start has an unusual size, set its scale
+/// ([`Continuation::scale`](super::builder::Continuation::scale)).
 ///
 /// ```
 /// use tangency::core::continuation::{Metric, StartSizes};
@@ -37,13 +38,15 @@ use crate::core::problem::{Group, Names};
 #[derive(Clone, Debug)]
 pub struct Metric {
     groups: Vec<f64>,
-    /// Whether the user has set the scale of each group; such a scale is constant.
+    /// For each group of unknowns, whether the user has set its scale; such a scale is constant.
     fixed: Vec<bool>,
-    /// Whether the start gives no information about the size of each group.
+    /// For each group of unknowns, whether the start of the branch gives no information about the
+    /// size of the group.
     unknown: Vec<bool>,
     parameters: Vec<f64>,
-    /// The values at the start of the parameters with an infinite range and no given scale, whose
-    /// scales grow along the branch; `None` for the other parameters.
+    /// For each parameter with an infinite range and no given scale, its value at the start of the
+    /// branch; the scale of such a parameter grows along the branch. The entry is `None` for the
+    /// other parameters.
     open: Vec<Option<f64>>,
     own: Vec<f64>,
 }
@@ -127,14 +130,14 @@ impl Metric {
         Metric { fixed: vec![false; groups.len()], unknown, groups, parameters, open, own }
     }
 
-    /// Returns whether the start gives no information about the size of a group that has no given
-    /// scale.
+    /// Whether some group of unknowns has no given scale, and the start gives no information about
+    /// its size.
     pub(super) fn is_uncertain(&self) -> bool {
         self.unknown.iter().zip(&self.fixed).any(|(unknown, fixed)| *unknown && !fixed)
     }
 
-    /// Replaces each unknown scale of a group by the scale of the group at another point of the
-    /// curve, if it is known at that point.
+    /// Replaces the unknown scales of groups of unknowns by the scales of the same groups at
+    /// another point of the curve, as far as these scales are known there.
     pub(super) fn with_unknown_from(mut self, other: &Metric) -> Self {
         for k in 0..self.groups.len() {
             if self.unknown[k] && !self.fixed[k] && !other.unknown[k] {
@@ -188,7 +191,7 @@ impl Metric {
     }
 
     /// Returns the weights of `X = (z, y, p)` for a system with the given names. The system may be
-    /// a refinement, whose groups contain more unknowns.
+    /// a finer discretisation of the same problem, whose groups contain more unknowns.
     pub fn weights(&self, names: &Names) -> Vec<f64> {
         let mut weights = Vec::new();
         for (group, scale) in names.unknowns.iter().zip(&self.groups) {
@@ -269,9 +272,9 @@ impl ScaledNorm {
 /// accurate to 1e-10.
 const ZERO: f64 = 1e-9;
 
-/// Discretisation: a group that is smaller than other groups by this factor, relative to its change
-/// along the tangent, is zero up to the error of the start. The error of the start is the
-/// discretisation error if the curve emanates from a special point.
+/// Discretisation: a group of unknowns that is smaller than other groups by this factor, relative
+/// to its change along the tangent, is zero up to the error of the start. The error of the start is
+/// the discretisation error if the curve emanates from a special point.
 const SMALL: f64 = 1e-5;
 
 /// Rounding: unknowns and their changes along the tangent that are smaller than this threshold, in
@@ -287,7 +290,8 @@ const VERTICAL: f64 = 1e-12;
 /// about √ε.
 const VERTICAL_ON_MESH: f64 = 1e-8;
 
-/// Heuristic: a group smaller than this fraction of the largest group may be a rounding error.
+/// Heuristic: a group of unknowns smaller than this fraction of the largest group may be a rounding
+/// error.
 const DOUBTFUL: f64 = 1e-6;
 
 /// Rounding: a component that was zero before a correction counts as a rounding error if it is
@@ -299,13 +303,13 @@ const RESIDUE: f64 = 1e-14;
 /// its value while the unknowns change by their sizes.
 const STILL: f64 = 1e-8;
 
-/// Rounding: the start is near a fold if all groups are smaller than this threshold, relative to
-/// their changes along the tangent over the range of the parameter; if all groups are smaller than
-/// [`ORIGIN`], the start is at the origin.
+/// Rounding: the start is near a fold if all groups of unknowns are smaller than this threshold,
+/// relative to their changes along the tangent over the range of the parameter; if all groups are
+/// smaller than [`ORIGIN`], the start is at the origin.
 const FOLD: f64 = 1e-8;
 
-/// Rounding: the start is at the origin if all groups are smaller than this threshold, relative to
-/// their changes along the tangent (see [`FOLD`]).
+/// Rounding: the start is at the origin if all groups of unknowns are smaller than this threshold,
+/// relative to their changes along the tangent (see [`FOLD`]).
 const ORIGIN: f64 = 1e-14;
 
 /// Heuristic: the start must be corrected again if a new scale is smaller than the former scale by
@@ -318,21 +322,22 @@ fn is_scale(scale: f64) -> bool {
     (1e-150..1e150).contains(&scale)
 }
 
-/// Returns the smallest ratio of a size to a slope, among the pairs for which `counts` is true.
+/// Returns the smallest ratio of the size of a group of unknowns to its slope along the tangent,
+/// among the pairs of size and slope for which `counts` is true.
 fn least_ratio(sizes: &[f64], slopes: &[f64], counts: impl Fn(f64, f64) -> bool) -> f64 {
     let pairs = sizes.iter().zip(slopes).filter(|(size, slope)| counts(**size, **slope));
     pairs.map(|(size, slope)| size / slope).fold(f64::INFINITY, f64::min)
 }
 
-/// Returns the largest ratio of the slope of a group to its size; the size of a zero group is taken
-/// as 1.
+/// Returns the largest ratio of the slope of a group of unknowns along the tangent to the size of
+/// the group; the size of a zero group is taken as 1.
 fn steepness(sizes: &[f64], slopes: &[f64]) -> f64 {
     let size = |size: f64| if size > 0.0 { size } else { 1.0 };
     sizes.iter().zip(slopes).map(|(s, slope)| slope / size(*s)).fold(0.0, f64::max)
 }
 
-/// Returns the largest ratio of the size of a group to its change over the distance `reach` along
-/// the tangent, but at most 1.
+/// Returns the largest ratio of the size of a group of unknowns to its change over the distance
+/// `reach` along the tangent, but at most 1.
 fn largest_known(sizes: &[f64], slopes: &[f64], reach: f64) -> f64 {
     let parts = sizes.iter().zip(slopes).map(|(size, slope)| size / (reach * slope));
     parts.filter(|part| part.is_finite()).fold(0.0, f64::max).min(1.0)

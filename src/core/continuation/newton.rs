@@ -75,7 +75,8 @@ const GOOD_CONTRACTION: f64 = 0.25;
 const NEARLY_LINEAR: f64 = 1e-4;
 /// The fraction of the tolerance below which a correction is not applied.
 const NEGLIGIBLE: f64 = 1e-3;
-/// The error allowed in evaluations at the start of the iteration, as a fraction of the tolerance.
+/// The error allowed in evaluations of the equations at the start of Newton's iteration, as a
+/// fraction of the tolerance.
 pub(in crate::core) const ROUGHLY: f64 = 2e-4;
 /// The smallest first correction for which the ratio of two corrections determines the curvature.
 const MEASURABLE: f64 = 3e-7;
@@ -216,7 +217,8 @@ impl Newton {
     /// the equations when the last digit of each unknown changes, with a random sign in each
     /// equation. The sample is Newton's correction for this residual (up to signs, a sum over
     /// `|M⁻¹| |M| |X| ε`: R. D. Skeel, J. ACM 26:494, 1979). The last factored matrix is used. On
-    /// return, the assembled data belong to the point.
+    /// return, the assembled data of the equations belong to the point whose rounding error was
+    /// sampled.
     pub(crate) fn rounding(
         &mut self,
         equations: &mut Extended,
@@ -263,15 +265,16 @@ impl Newton {
         Ok(&self.correction)
     }
 
-    /// Computes the point after the damped correction.
+    /// Computes the point that results from the damped Newton correction.
     fn try_correction(&mut self, unknowns: &[f64], damping: f64) {
         for ((trial, x), d) in self.trial.iter_mut().zip(unknowns).zip(&self.correction) {
             *trial = x - damping * d;
         }
     }
 
-    /// Whether the residual at the new point shows convergence. The test is used only for equations
-    /// so nearly linear that the first correction is expected to be the last correction.
+    /// Whether the residual at the new point shows that Newton's iteration converges. The residual
+    /// test is used only for equations that are so nearly linear that the first correction is
+    /// expected to be the last correction.
     fn simplified_step(&mut self, problem: &mut Problem, unknowns: &mut [f64]) -> bool {
         self.try_correction(unknowns, 1.0);
         let evaluated = problem.equations.residual(&self.trial, problem.closing, &mut self.next);

@@ -20,15 +20,15 @@ const AT_REST: f64 = 1e-13;
 const STILL: f64 = 1e-4;
 
 /// Heuristic: the number of consecutive points after which the progress of a branch is checked. A
-/// sharp turn of a branch requires fewer points.
+/// branch passes a sharp turn within fewer points.
 const MANY: usize = 200;
 
 /// Heuristic: a quantity makes no net progress if its largest distance from its value at the
 /// reference point is less than this fraction of the sum of all its changes. For a random walk of
 /// [`MANY`] steps, the largest distance is 1/14 of the sum; on a closed curve, it is 1/3 of the
-/// sum. Arclength is not used as a measure: if a discontinuity moves along an orbit, the length of
-/// a step is the square root of the displacement of the discontinuity, so the sum of lengths grows
-/// with the number of steps.
+/// sum. Arclength is not used as a measure of progress: if a discontinuity moves along an orbit,
+/// the length of a step is the square root of the displacement of the discontinuity, so the sum of
+/// lengths grows with the number of steps.
 const NOWHERE: f64 = 0.03;
 
 /// Rounding: a quantity makes no net progress if it changes by less than this fraction of its
@@ -36,8 +36,8 @@ const NOWHERE: f64 = 0.03;
 const LITTLE: f64 = 1e-6;
 
 /// Heuristic: a branch makes no net progress if its mean step is shorter than this fraction of the
-/// largest allowed step. With a mean step of this length, the maximal number of points would cover
-/// one hundredth of the largest allowed step.
+/// largest allowed step. With a mean step of this length, the maximal number of points on the
+/// branch would cover one hundredth of the largest allowed step.
 const CREEPING: f64 = 1e-5;
 
 /// Heuristic: a branch is reported as slow (`Crawl`) if over [`MANY`] points each quantity changes
@@ -117,7 +117,8 @@ struct Watch {
     points: usize,
     /// The sum of the lengths of all steps since the reference point.
     way: f64,
-    /// The path length of each quantity, and its largest distance from the reference point.
+    /// The path length of each recorded quantity since the reference point, and the largest
+    /// distance of the quantity from its value at the reference point.
     ways: Vec<[f64; 2]>,
 }
 

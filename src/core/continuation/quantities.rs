@@ -84,8 +84,8 @@ impl<'c> Quantities<'c> {
         }
     }
 
-    /// Creates the event at which a parameter or monitor takes a level. The event is located by
-    /// bracketing if the monitor has no gradient.
+    /// Creates the event at which a parameter or monitor takes a given level. The event is located
+    /// by bracketing if the monitor has no gradient.
     pub fn event(
         &self,
         kind: Kind,

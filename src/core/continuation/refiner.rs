@@ -18,8 +18,8 @@ use crate::core::system::{Kind, Refinement, System};
 pub(super) struct Refiner {
     /// The constructors of the held defining systems.
     pub held: Vec<MakeCondition>,
-    /// The indices of the parameters and monitors that must converge at special points, in addition
-    /// to the released parameters.
+    /// The indices of the parameters and monitors whose values must converge on finer
+    /// discretisations, in addition to the released parameters.
     pub settled: Vec<usize>,
     /// The required relative accuracy of the released parameters and of the columns in `settled`; 0
     /// disables refinement.

@@ -36,7 +36,8 @@ pub(super) struct Resolved {
     /// The user-defined scales: the scales of the groups of unknowns, followed by the scales of the
     /// released parameters.
     pub scales: Vec<Option<f64>>,
-    /// The indices of the parameters and monitors that must converge at special points.
+    /// The indices of the parameters and monitors whose values must converge on finer
+    /// discretisations at special points.
     pub settled: Vec<usize>,
 }
 
@@ -135,10 +136,11 @@ fn take_over(curve: &mut Continuation) -> Result<Start, Failure> {
     Ok(start)
 }
 
-/// Whether a branch starts at a branch point on the mesh of the saved solution. At such a start, the
-/// parameters are set to their unrefined values on this mesh: at the refined values, which differ
-/// from the branch point of the mesh by the discretisation error, the emanating branch would not be
-/// found. For a start on another mesh, or on an orbit with other events, no unrefined values exist.
+/// Whether a branch starts at a branch point on the mesh of the saved solution. If a branch starts
+/// at a branch point on the mesh of the saved solution, the parameters are set to their unrefined
+/// values on this mesh. The refined values differ from the branch point on this mesh by the
+/// discretisation error, so that the emanating branch would not be found at the refined values. For
+/// a start on another mesh, or on an orbit with other events, no unrefined values exist.
 fn stays_on_mesh(start: &Start, kind: Kind) -> bool {
     let is_crossing = start.site == Site::BranchPoint && start.direction.is_some();
     is_crossing && matches!(kind, Kind::BP | Kind::PD)
@@ -259,7 +261,8 @@ fn released(curve: &mut Continuation) -> Result<Vec<usize>, TraceError> {
     Ok(released)
 }
 
-/// The limits of admissible solutions along a curve, given by the indices of their monitors.
+/// The limits of admissible solutions along a curve, given by the indices of the monitors that
+/// vanish at these limits.
 struct Limits {
     /// The monitors that vanish at all points of the curve; the first of these monitors is held at
     /// zero.
@@ -270,9 +273,9 @@ struct Limits {
     ordered: bool,
 }
 
-/// Returns the limits of admissible solutions along a curve. On a curve of solutions at which an
-/// event of the orbit vanishes, the order of the events is not checked, because rounding errors
-/// determine the order.
+/// Returns the limits of admissible solutions along a curve. On a curve of solutions that all lie
+/// at a limit of admissible solutions, the order of the events is not checked, because rounding
+/// errors determine the order.
 fn limits(curve: &mut Continuation) -> Result<Limits, Failure> {
     let at_limit = curve.held.iter().any(|(kind, make)| *kind == AT_LIMIT && make.is_none());
     let system = &mut *curve.system;

@@ -1,11 +1,11 @@
 //! Search for all solutions in a box at given parameters, by Newton's method with deflation.
 //!
 //! Known solutions `z_k` of `F(z) = 0` are removed by deflation: Newton's method is applied to
-//! `m(z) F(z)` with `m = Π (1 + 1/‖z − z_k‖²)`, whose zeros are the unknown solutions only (P. E.
-//! Farrell, Á. Birkisson & S. W. Funke, SIAM J. Sci. Comput. 37 (2015) A2026). With `d = F_z⁻¹ F`
-//! and `g = ∇ ln m`, the deflated Newton step is `−d / (1 + gᵀd)`: deflation changes only the
-//! length and the sign of the Newton step. The starting points are the points of a sequence that
-//! fills the box evenly.
+//! `m(z) F(z)` with `m = Π (1 + 1/‖z − z_k‖²)`, whose zeros are only the solutions that are not yet
+//! known (P. E. Farrell, Á. Birkisson & S. W. Funke, SIAM J. Sci. Comput. 37 (2015) A2026). With `d
+//! = F_z⁻¹ F` and `g = ∇ ln m`, the deflated Newton step is `−d / (1 + gᵀd)`: deflation changes
+//! only the length and the sign of the Newton step. The starting points are the points of a
+//! sequence that fills the box evenly.
 
 use crate::core::bifurcation::Stability;
 use crate::core::cancel::CancelToken;
@@ -183,9 +183,10 @@ fn in_order(a: &[f64], b: &[f64], within: &[[f64; 2]]) -> std::cmp::Ordering {
     pairs.find(differ).map_or(std::cmp::Ordering::Equal, |((a, b), _)| a.total_cmp(b))
 }
 
-/// Returns the starting point with a given number. The first starting point is the middle of the
-/// box. The following starting points belong to the additive sequence `k α` modulo 1 with `α_j =
-/// φ^{−j}` and `φ^{n+1} = φ + 1`, which fills a box of any dimension evenly.
+/// Returns the starting point with a given number in the sequence of starting points. The first
+/// starting point is the middle of the box. The following starting points belong to the additive
+/// sequence `k α` modulo 1 with `α_j = φ^{−j}` and `φ^{n+1} = φ + 1`, which fills a box of any
+/// dimension evenly.
 fn point_of(number: usize, within: &[[f64; 2]]) -> Vec<f64> {
     let n = within.len();
     let mut phi = 2.0_f64;
@@ -277,13 +278,15 @@ impl<'a> Deflated<'a> {
         Ok(correction.iter().zip(sizes).map(|(d, size)| (d / *size).abs()).fold(0.0, f64::max))
     }
 
-    /// Returns the squared distance to a known solution, in units of the size of the box.
+    /// Returns the squared distance of the current point from a known solution, in units of the
+    /// size of the box.
     fn distance(&self, known: &[f64]) -> f64 {
         let parts = self.x.iter().zip(known).zip(&self.sizes);
         parts.map(|((z, known), size)| ((z - known) / size).powi(2)).sum()
     }
 
-    /// Returns the distance to the nearest known solution, in units of the size of the box.
+    /// Returns the distance of the current point from the nearest known solution, in units of the
+    /// size of the box.
     fn nearest(&self) -> f64 {
         let all = self.known.iter().map(|known| self.distance(known));
         all.fold(f64::INFINITY, f64::min).sqrt()

@@ -25,7 +25,7 @@ use crate::core::system::Kind;
 use std::sync::Arc;
 
 /// Rounding: Parts of a step shorter than this threshold, in scaled arclength, count as points. The
-/// bound is the tolerance of Newton's method.
+/// threshold below which a part of a step counts as a point is the tolerance of Newton's method.
 const SHORTEST: f64 = 1e-10;
 
 /// Heuristic: the maximal number of cuts by which a step is divided. Separating two events requires
@@ -42,7 +42,7 @@ pub(super) struct Parts<'s, 'a> {
     /// The kind of the special point at which the step starts, and the kind of the curve on which
     /// the point lies.
     pub origin: &'s [Kind],
-    /// The number of cuts so far.
+    /// The number of cuts by which the step has been divided so far.
     pub cuts: usize,
 }
 
@@ -314,8 +314,8 @@ impl Parts<'_, '_> {
     }
 }
 
-/// Returns the kinds of points at which eigenvalues of a type are critical; the second kind applies
-/// if the parameter has an extremum at the point.
+/// Returns two kinds of special points at which eigenvalues of the given type are critical; the
+/// second kind applies if the parameter has an extremum at the point.
 fn kinds(critical: Critical, dynamics: Dynamics) -> [Kind; 2] {
     match (critical, dynamics) {
         (Critical::MinusOne, _) => [Kind::PD; 2],

@@ -35,8 +35,8 @@ pub struct Settings {
     pub max_points: usize,
     /// The largest estimated distance, in scaled arclength, between the branch and the cubic
     /// interpolant of its points and tangents (more than 0). The setting `curve_error` determines
-    /// the accuracy of plots between points. The target of the step control is one tenth of this
-    /// distance; a step with a larger distance is repeated with a shorter length.
+    /// the accuracy of plots between points. The step control aims at one tenth of `curve_error`; a
+    /// step whose estimated distance exceeds `curve_error` is repeated with a shorter length.
     pub curve_error: f64,
     /// The scaled correction below which Newton's method has converged along the branch (between
     /// 1e-15 and 1e-3).
@@ -58,7 +58,7 @@ pub struct Settings {
     /// below the target.
     pub target_mesh_error: f64,
     /// The largest estimated relative discretisation error (more than 0). The branch ends if the
-    /// error of its solutions remains larger.
+    /// estimated discretisation error of its solutions remains larger than this value.
     pub max_mesh_error: f64,
     /// The largest ratio of the period of a cycle to the shortest period on the branch (more than
     /// 1). A branch of cycles ends if the ratio is exceeded, as it is near a homoclinic orbit.

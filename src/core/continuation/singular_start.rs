@@ -10,8 +10,8 @@ use crate::core::linalg::{Form, dot, generic, largest, norm};
 use crate::core::problem::Dynamics;
 
 /// Discretisation: the distance by which a start at a special point is moved, in units of the scale
-/// of the parameter. The distance is larger than the distance within which a special point is
-/// attributed to the start, and too small to be visible in a diagram.
+/// of the parameter. The distance by which a start is moved is larger than the distance within
+/// which a special point is attributed to the start, and is too small to be visible in a diagram.
 const MOVED: f64 = 1e-5;
 
 /// Heuristic: the relative distance from the start at which a conservation law is checked a second
@@ -26,8 +26,8 @@ const VANISHES: f64 = 1e-9;
 /// zero up to rounding.
 const NOTHING: f64 = 1e-9;
 
-/// Moves a start whose tangent is undetermined by a small change of the parameter within its range,
-/// and returns the tangent at the moved start and a warning.
+/// If the tangent at a start is undetermined, moves the start by changing the parameter slightly
+/// within its range, and returns the tangent at the moved start and a warning.
 ///
 /// # Errors
 /// Returns the `cause` of the undetermined tangent, or the conservation law that explains it, if

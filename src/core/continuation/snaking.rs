@@ -12,8 +12,9 @@ use crate::core::bifurcation::At;
 const TURNS: usize = 12;
 
 /// Heuristic: two folds count as lying at the same parameter value if their parameters differ by
-/// less than this fraction of the distance between the two values. The oscillations of a branch
-/// near a homoclinic orbit to an equilibrium shrink faster.
+/// less than this fraction of the distance between the two parameter values between which the
+/// branch snakes. The oscillations of a branch near a homoclinic orbit to an equilibrium shrink
+/// faster.
 const SAME: f64 = 0.02;
 
 /// The name of the column with the period of cycles.
@@ -38,7 +39,8 @@ impl Snaking {
     ///
     /// Near a homoclinic orbit to another cycle, each further revolution about that cycle adds two
     /// folds to the branch and the same time to the period (P. Hirschberg and C. Laing, *Physica D*
-    /// 89:1, 1995). The parameter values at these folds converge to two limits.
+    /// 89:1, 1995). Along a snaking branch, the parameter values at the folds converge to two
+    /// limits.
     pub fn reached(&mut self, corrector: &mut Corrector, step: Interval) -> Option<End> {
         let Interval { from, to, .. } = step;
         let [a, b] = [from, to].map(|place| corrector.slope(&place.tangent));

@@ -38,12 +38,12 @@ const EQUAL: f64 = 1e-4;
 /// on arclength.
 const AT_LIMIT: f64 = 1e-2;
 
-/// Heuristic: the step along the parameter's range that shows the sizes of unknowns which are zero
-/// at the start.
+/// Heuristic: the step along the parameter's range, as a fraction of the range ahead, after which
+/// unknowns that are zero at the start are measured to find their sizes.
 const FURTHER: f64 = 1e-3;
 
 /// Heuristic: the maximal number of times that mesh intervals are added at the start of a curve.
-/// Each addition may double the number of intervals.
+/// Each addition of mesh intervals may double their number.
 const MOST_FITTINGS: usize = 10;
 
 /// Heuristic: the maximal number of corrections of a start. After each correction, the scales are
@@ -164,8 +164,9 @@ pub(super) fn begin<'a>(
 }
 
 /// Adapts the mesh at the start of a curve: intervals are added until the mesh is fine enough, and
-/// the start is corrected on each mesh. The start is corrected in the hyperplane across the tangent
-/// if the direction was known, and with a fixed parameter if not. Returns the tangent.
+/// the start is corrected on each mesh. On each mesh, the start is corrected in the hyperplane
+/// across the tangent if the direction of the curve was known before, and with a fixed parameter if
+/// not. Returns the tangent.
 fn fit_start(
     corrector: &mut Corrector,
     (unknowns, across): (&mut Vec<f64>, bool),
@@ -190,13 +191,13 @@ fn fit_start(
 /// reach along the tangent.
 type Scaling<'s> = dyn Fn(&Extended, &[f64], &[f64], Option<f64>) -> Metric + 's;
 
-/// The data of a start that are known before its correction.
+/// The data of a curve's start that are known before the start is corrected.
 struct Beginning<'s> {
     site: Site,
     /// The direction of the curve at the start, if known.
     known: Option<&'s [f64]>,
     /// The number of algebraic bifurcation equations for the branches that cross at the start, and
-    /// the index of the branch to follow.
+    /// the index of the branch that is followed.
     crossing: (usize, Option<usize>),
     /// The range of the continued parameter.
     range: [f64; 2],
@@ -279,9 +280,9 @@ fn leave(
     }
 }
 
-/// Returns the point and the tangent of the curve a small step further along the parameter's range,
-/// where unknowns that are zero at the start, to first order in the parameter, have sizes; `None` if
-/// the range is open or the correction fails.
+/// Returns the point and the tangent of the curve a small step further along the parameter's range.
+/// At this point, unknowns that vanish at the start to first order in the parameter have nonzero
+/// sizes. The result is `None` if the range is infinite or the correction fails.
 fn further_along(
     corrector: &mut Corrector,
     start: &[f64],
@@ -328,9 +329,9 @@ fn leave_in_scales(
     Ok(Leaving { unknowns, tangent, parent, from_branch_point, said })
 }
 
-/// Checks the order of events at the start, discards test values that consist only of rounding
-/// errors, and adapts the mesh. Returns the derivative of the test function of each level along the
-/// curve.
+/// Checks the order of the orbit's events at the start, discards values of test functions that
+/// consist only of rounding errors, and adapts the mesh. Returns, for each level of a parameter or
+/// monitor that is an event, the derivative of the event's test function along the curve.
 fn settle(
     curve: &mut Curve,
     place: &mut CurvePoint,
@@ -374,7 +375,8 @@ fn metric(
 }
 
 /// Returns the number of algebraic bifurcation equations for the branches that cross at a special
-/// point. The number is the multiplicity of the point; at a fold, it is one smaller.
+/// point. The number of algebraic bifurcation equations is the multiplicity of the special point;
+/// at a fold, it is one smaller.
 fn equations_at_crossing(origin: &Solution) -> usize {
     (origin.multiplicity - usize::from(origin.kind == Kind::LP).min(origin.multiplicity)).max(1)
 }
@@ -523,9 +525,10 @@ fn forget_stability_at(start: &mut CurvePoint) {
     (start.point.unstable, start.stability) = (None, None);
 }
 
-/// Sets the test functions of levels on which a curve starts, up to rounding, to exactly zero, so
-/// that the first step does not pass these levels. Returns the derivative of the test function of
-/// each level along the curve at the start.
+/// If a curve starts on levels of parameters or monitors, up to rounding, sets the test functions
+/// of these levels to exactly zero, so that the first step does not pass the levels. Returns, for
+/// each level of a parameter or monitor that is an event, the derivative of the event's test
+/// function along the curve at the start.
 ///
 /// If a curve emanates at a level, its start differs from the level by the discretisation error.
 fn forget_levels_at(curve: &mut Curve, start: &mut CurvePoint, from: &Start) -> Vec<f64> {

@@ -37,8 +37,8 @@ const CONTRACTION: f64 = 0.1;
 /// shrink, in units of the distance to that point.
 const BEYOND: [f64; 3] = [2.0, 1.6, 3.0];
 /// Heuristic: the smallest distance to a branch point, in scaled arclength, that determines the
-/// length of a step across the branch point. The branches are then well separated at both ends of
-/// the step.
+/// length of a step across the branch point. With at least this distance, the two branches are well
+/// separated at both ends of a step across the branch point.
 const CROSSED: f64 = 3e-3;
 /// Heuristic: a failed step is near an equilibrium to which cycles shrink if the extrapolated
 /// amplitude vanishes within this multiple of the step length.

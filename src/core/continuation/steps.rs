@@ -88,7 +88,7 @@ pub struct Steps<'a> {
     /// The kind of the special point at the start, and the kind of the curve on which the point
     /// lies.
     pub(super) origin: Vec<Kind>,
-    /// The marked special points that coincide with the start.
+    /// The special points at marked values of parameters or monitors that coincide with the start.
     pub(super) marked: Vec<SpecialPoint>,
     /// The half of the branch that is being traced.
     pub(super) current: Option<Half>,
@@ -212,7 +212,8 @@ impl Steps<'_> {
         }
     }
 
-    /// Returns the marked special points that coincide with the start.
+    /// Returns the special points at marked values of parameters or monitors that coincide with the
+    /// start.
     fn marked_start(&mut self) -> Vec<SpecialPoint> {
         let Curve { corrector, detector, recorder, refiner } = &mut self.curve;
         let mut marked = Vec::new();

@@ -35,7 +35,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Stretch {
-    /// The indices of the first and the last point of the stretch among the points of the branch.
+    /// The indices of the first and the last point of the stretch (part of a curve between special
+    /// points) among the points of the branch.
     pub points: [usize; 2],
     /// The numbers of unstable directions of the solutions on the left of the curve, in increasing
     /// order.
@@ -46,7 +47,8 @@ pub struct Stretch {
 }
 
 impl Stretch {
-    /// Returns the stretch for the reversed direction of the branch.
+    /// Returns the stretch (part of a curve between special points) for the reversed direction of
+    /// the branch.
     pub(super) fn reversed(self) -> Self {
         let Stretch { points: [first, last], left, right } = self;
         Stretch { points: [last, first], left: right, right: left }

@@ -11,19 +11,20 @@ use crate::core::bifurcation::{Sides, Stability};
 use crate::core::linalg::dot;
 use crate::core::system::Kind;
 
-/// Heuristic: the largest cosine of the angle between a curve and its computed normal. The angle is
-/// 90°, except for discretisation errors and for errors near a codimension-two point.
+/// Heuristic: the largest cosine of the angle between a curve and its computed normal. The angle
+/// between a curve and its computed normal is 90°, except for discretisation errors and for errors
+/// near a codimension-two point.
 const OBLIQUE: f64 = 0.05;
 
 /// The stretches (parts between special points) of one half of a curve in two parameters, collected
 /// while the curve is traced.
 #[derive(Default)]
 pub(super) struct Stretches {
-    /// The completed stretches; the indices of their points are counted from the start of the
-    /// curve, which has the index 0.
+    /// The completed stretches (parts of the curve between special points); the indices of their
+    /// points are counted from the start of the curve, which has the index 0.
     found: Vec<Stretch>,
-    /// The number of noncritical unstable directions on the current stretch; `None` if no stretch
-    /// has begun.
+    /// The number of noncritical unstable directions on the current stretch (part of the curve
+    /// between special points); `None` if no stretch has begun.
     open: Option<usize>,
     /// The direction of the curve at the last point, projected onto the plane of the two
     /// parameters, in units of their scales.
@@ -31,10 +32,10 @@ pub(super) struct Stretches {
 }
 
 impl Stretches {
-    /// Extends or ends the current stretch at the point with the index `position`; `special`
-    /// specifies whether a special point lies between this point and the previous one. A point at
-    /// which the solutions on the two sides are uncertain belongs to a stretch only if the stretch
-    /// continues beyond it.
+    /// Extends or ends the current stretch (part of the curve between special points) at the point
+    /// with the index `position`; `special` specifies whether a special point lies between this
+    /// point and the previous one. A point at which the solutions on the two sides of the curve are
+    /// uncertain belongs to a stretch only if the stretch continues beyond this point.
     pub fn reach(&mut self, curve: &mut Curve, place: &CurvePoint, position: usize, special: bool) {
         let Some(kind) = curve.recorder.dividing else { return };
         let direction = in_plane(&curve.corrector, &place.tangent);
@@ -57,8 +58,8 @@ impl Stretches {
         }
     }
 
-    /// Joins the stretches of the two halves of a curve, whose start has the index `before`;
-    /// `special` contains the special points of the whole curve.
+    /// Joins the stretches (parts between special points) of the two halves of a curve, whose start
+    /// has the index `before`; `special` contains the special points of the whole curve.
     pub fn join(self, ahead: Stretches, before: usize, special: &[SpecialPoint]) -> Vec<Stretch> {
         let behind = self.found.into_iter().rev().map(|stretch| {
             let points = stretch.points.map(|k| before - k);
@@ -76,8 +77,8 @@ impl Stretches {
     }
 }
 
-/// Whether the last stretch before the start and the first stretch after the start form one
-/// stretch.
+/// Whether the last stretch (part of the curve between special points) before the start and the
+/// first stretch after the start form one stretch.
 fn goes_on(last: &Stretch, next: &Stretch, start: usize, special: &[SpecialPoint]) -> bool {
     let [from, to] = [last.points[1], next.points[0]];
     let within = |it: &SpecialPoint| (from..to).contains(&it.after) && divides(it.kind);
@@ -87,8 +88,9 @@ fn goes_on(last: &Stretch, next: &Stretch, start: usize, special: &[SpecialPoint
         && !special.iter().any(within)
 }
 
-/// Whether a stretch ends at a special point of this kind. Stretches do not end at marks, saved
-/// regular points and ends of branches.
+/// Whether a stretch of a bifurcation curve (a part between special points) ends at a special point
+/// of this kind. A stretch (a part of a curve between special points) does not end at marked
+/// values, saved regular points and ends of branches.
 pub(super) fn divides(kind: Kind) -> bool {
     !matches!(kind, Kind::UZ | Kind::RG | Kind::EP)
 }
@@ -129,8 +131,8 @@ fn sides(corrector: &mut Corrector, place: &CurvePoint, kind: Kind) -> Option<Si
     right.then_some(Sides { towards, ..sides })
 }
 
-/// Creates a stretch that begins at the point with the given index, from the direction of the curve
-/// at this point.
+/// Creates a stretch (part of the curve between special points) that begins at the point with the
+/// given index, from the direction of the curve at this point.
 fn begin(sides: Sides, direction: [f64; 2], position: usize) -> Option<Stretch> {
     let Sides { towards, there, opposite, .. } = sides;
     let across = direction[0] * towards[1] - direction[1] * towards[0];

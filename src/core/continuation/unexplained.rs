@@ -52,8 +52,9 @@ pub(super) fn unexplained(
 }
 
 /// Returns the change of the number of unstable eigenvalues in a step, unless the events found in
-/// it, or the special point at its start, explain the change. The check proceeds from the number at
-/// the first point of the step, through the numbers at the events, to the number at the last point.
+/// it, or the special point at its start, explain the change. The check compares the numbers of
+/// unstable eigenvalues in order: at the first point of the step, at each event, and at the last
+/// point.
 pub(super) fn uncounted(
     detector: &Detector,
     from: &CurvePoint,
@@ -126,9 +127,9 @@ fn crossings_at(special: &SpecialPoint) -> usize {
 }
 
 /// Removes unconverged events that were detected by numbers of unstable eigenvalues, if the
-/// remaining events explain the change of stability in the step. An event may be detected
-/// erroneously by a number of eigenvalues near a fold at which two real eigenvalues also become
-/// complex.
+/// remaining events explain the change of stability in the step. An event that is detected by a
+/// number of unstable eigenvalues may be an error near a fold at which two real eigenvalues also
+/// become complex.
 pub(super) fn without_doubtful_counts(
     detector: &Detector,
     from: &CurvePoint,

@@ -18,8 +18,8 @@ use std::sync::Arc;
 /// The equilibria of one mode of an autonomous hybrid system, `f_m(x, p) = 0`. An equilibrium is
 /// admissible while the guards of the mode are positive. In a mode whose motion is constrained to a
 /// surface ([`constrain`](crate::core::hybrid::HybridSystem::constrain)), the equilibria lie on the
-/// surface, such as the pseudo-equilibria of a Filippov system. The spectrum of an equilibrium on a
-/// surface contains only the eigenvalues of motion along the surface.
+/// surface; the pseudo-equilibria of a Filippov system are an example. The spectrum of an
+/// equilibrium on a surface contains only the eigenvalues of motion along the surface.
 ///
 /// The monitors are `distance`, which is the smallest guard, and the measures of the system that
 /// are defined at rest. A branch ends at a boundary equilibrium (`G`) where `distance` vanishes. At
@@ -199,7 +199,8 @@ impl System for HybridEquilibria {
         self.matrix.unknown_scales(p)
     }
 
-    /// Returns the representation of the equilibria, whose itinerary is the name of the mode.
+    /// Returns the representation of the equilibria, which contains the name of the mode as their
+    /// itinerary.
     fn representation(&self) -> Representation {
         Representation { itinerary: self.rest.name(), ..Representation::default() }
     }
@@ -234,9 +235,9 @@ impl System for HybridEquilibria {
 }
 
 impl OrbitEvents for HybridEquilibria {
-    /// Returns the monitor `distance` as a limit of admissible equilibria, if the mode has guards.
-    /// For equilibria on a surface, the event at the limit counts as an event of the solutions
-    /// ([`Limit::passes`]).
+    /// Returns the limit of admissible equilibria at which the monitor `distance` vanishes, if the
+    /// mode has guards. For equilibria on a surface, the event at the limit of admissible
+    /// equilibria counts as an event of the solutions ([`Limit::passes`]).
     fn limits(&self, p: &[f64]) -> Vec<Limit> {
         let scale = self.rest.scales_of_guards(p).into_iter().reduce(f64::min);
         let passes = self.rest.constrained;

@@ -3,10 +3,10 @@
 //! An equilibrium of a mode is a zero of the vector field of the mode at which the guards of the
 //! mode are positive. If a guard also vanishes at the equilibrium, the equilibrium lies on the
 //! *boundary* of its mode. An equilibrium of the mode that follows the guard may coincide with the
-//! boundary equilibrium. For example, if a vector field of a Filippov system vanishes on the
-//! surface, its equilibrium coincides with an equilibrium of sliding motion (a pseudo-equilibrium)
-//! (M. di Bernardo et al., *SIAM Review* 50:629, 2008). [`HybridEquilibria`] provides the equations
-//! of equilibria for continuation.
+//! boundary equilibrium. For example, if a vector field of a Filippov system vanishes at a point of
+//! the surface, this equilibrium coincides with an equilibrium of sliding motion (a
+//! pseudo-equilibrium) (M. di Bernardo et al., *SIAM Review* 50:629, 2008). [`HybridEquilibria`]
+//! provides the equations of equilibria for continuation.
 //!
 //! ```
 //! use tangency::prelude::*;

@@ -26,18 +26,18 @@ const INSTANT: f64 = 1e-5;
 /// The accumulation of a guard's events, if the series of events ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Accumulation<T> {
-    /// The events do not accumulate so far.
+    /// The events have not accumulated so far.
     None,
     /// The events accumulate at the last event itself, which is simultaneous with the previous one.
     Here,
-    /// The events accumulate at this time, in the state [`Series::limit`].
+    /// The events accumulate at the given time, in the state [`Series::limit`].
     At(T),
 }
 
 /// The last events of one guard, which may accumulate.
 #[derive(Clone, Debug)]
 pub(super) struct Series<T> {
-    /// The number of successive events in geometric progression.
+    /// The number of successive events whose intervals form a geometric progression.
     pub events: usize,
     /// The time of the last event in the series.
     time: T,
@@ -50,7 +50,7 @@ pub(super) struct Series<T> {
     /// The state just before the last event.
     state: Vec<T>,
     /// The time and state of the accumulation, estimated from the events so far by each of the
-    /// three formulas.
+    /// three extrapolation formulas.
     estimates: [(T, Vec<T>); 3],
     work: [(T, Vec<T>); 2],
 }

@@ -1,10 +1,11 @@
 //! Detection of ever more frequent events, for example in a system in which a relay drives the motion
 //! to a state that is reached only after infinitely many switchings.
 
-/// Heuristic: the number of successive events in a window.
+/// Heuristic: the number of successive events in each window in which the frequency of events is
+/// measured.
 const WINDOW: usize = 4000;
-/// Heuristic: the ratio of a window's duration to the previous one below which the window counts as
-/// shorter.
+/// Heuristic: a window of events counts as shorter than the previous one if the ratio of their
+/// durations is below this threshold.
 const SHORTER: f64 = 0.97;
 /// Heuristic: the number of successively shorter windows after which the simulation ends.
 const MOST: usize = 5;
@@ -15,8 +16,8 @@ const SHORT: f64 = 1e-4;
 /// A detector of too frequent events, which counts events in successive windows.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Crowd {
-    /// The time at which time last advanced between two events, and the number of events since
-    /// then.
+    /// The time of the last event that was later than the event before it, and the number of events
+    /// since then.
     pub still: (f64, usize),
     /// The time at which the window starts.
     since: f64,

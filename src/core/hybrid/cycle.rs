@@ -18,8 +18,9 @@ pub struct CycleLeg {
     /// The state at the end of the leg.
     pub end: Vec<f64>,
     /// Whether the leg represents the rest of a series of infinitely many events, up to the
-    /// accumulation of the events. For such a leg, `end` is the state just before the event that
-    /// represents the accumulation, in the mode of that event.
+    /// accumulation of the events. If a leg represents the rest of a series of infinitely many
+    /// events, `end` is the state just before the event that represents the accumulation, in the
+    /// mode of that event.
     pub accumulation: bool,
 }
 
@@ -39,7 +40,8 @@ pub struct Cycle {
 }
 
 impl CycleLeg {
-    /// Creates the leg between two events; the time of the second event is delayed by `later`.
+    /// Creates the leg (the part of the motion between two events) from its two events; the time of
+    /// the second event is delayed by `later`.
     fn between(from: &Event<f64>, to: &Event<f64>, later: f64) -> Self {
         CycleLeg {
             mode: from.next,

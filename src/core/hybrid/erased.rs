@@ -28,7 +28,7 @@ pub trait FieldNumber: Scalar {
         None
     }
 
-    /// Returns the field of a mode as a function of the time since `start`.
+    /// Returns the vector field of a mode as a function of the time since `start`.
     fn in_mode(system: &dyn HybridEquations, mode: usize, start: Self) -> FieldRef<'_, Self> {
         let (fields, wide) = (Self::fields(system), Self::wide(system));
         FieldRef {
@@ -178,7 +178,7 @@ impl dyn HybridEquations + '_ {
         sizes
     }
 
-    /// Computes an observable, which is a state or a monitor, in a mode.
+    /// Computes the value of an observable, which is a state or a monitor, in a mode.
     pub fn observe<T: MeasureNumber>(
         &self,
         observable: Observable,

@@ -18,7 +18,7 @@ pub(super) const INSTANT: f64 = 1e-9;
 /// of a root.
 const TOGETHER: f64 = 1e-12;
 
-/// The end of a leg within an integration step.
+/// The end of a leg (the part of the motion between two events) within an integration step.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LocatedEvent<T> {
     pub guard: usize,
@@ -32,18 +32,20 @@ impl<T: Scalar> LocatedEvent<T> {
     }
 }
 
-/// Heuristic: the first step of a leg is at most this multiple of the previous leg's duration: in
-/// chatter the legs become shorter and shorter, and a longer step could miss them.
+/// Heuristic: the first integration step of a leg (the part of the motion between two events) is at
+/// most this multiple of the previous leg's duration: in chatter the legs become shorter and
+/// shorter, and a longer step could miss them.
 const LEGS: f64 = 4.0;
 
-/// Rounding: the largest rate at which a guard that lifts off may fall at the start of a leg, in
-/// units of the scales.
+/// Rounding: a guard counts as lifting off from zero at the start of a leg only if it falls no
+/// faster than this rate, in units of the scales.
 const RESTING: f64 = 1e-12;
 
 /// Heuristic: the fractions of a step at which a guard must be positive to count as lifting off.
 const LIFTED: [f64; 5] = [0.01, 0.03, 0.1, 0.3, 1.0];
 
-/// The search for the end of a leg in the integration steps of the leg.
+/// The search for the end of a leg (the part of the motion between two events) in the integration
+/// steps of the leg.
 pub(super) struct EventLocator<'l, 'a, T> {
     pub system: &'a dyn HybridEquations,
     pub mode: usize,
@@ -60,7 +62,8 @@ pub(super) struct EventLocator<'l, 'a, T> {
     pub p: &'l [f64],
     /// The time scale of the system.
     pub unit: f64,
-    /// The start time of the leg, and the longest duration of the leg.
+    /// The start time of the leg (the part of the motion between two events), and the longest
+    /// duration of the leg.
     pub leg: (T, T),
 }
 
@@ -68,13 +71,15 @@ impl<'a, T: EventNumber> EventLocator<'_, 'a, T>
 where
     GuardOf<'a>: Watchable<T>,
 {
-    /// Returns the end of the leg if it lies in the step; `None` otherwise.
+    /// Returns the end of the leg (the part of the motion between two events) if it lies in the
+    /// integration step; `None` otherwise.
     pub fn locate<F: FieldIn<T>>(&mut self, step: &mut Step<F, T>) -> Option<LocatedEvent<T>> {
         let event = self.first(step).filter(|event| !self.lifts(event, step))?;
         self.arrive(step, event, step.length())
     }
 
-    /// Returns the end of the leg in a step that is known to end at the root of a guard.
+    /// Returns the end of the leg (the part of the motion between two events) in an integration
+    /// step that is known to end at the zero of a guard.
     pub fn reach<F: FieldIn<T>>(
         &mut self,
         step: &mut Step<F, T>,
@@ -102,9 +107,10 @@ where
         Some(located)
     }
 
-    /// Whether a guard that seems to fall at the start of a leg has zero rate there and is positive
-    /// afterwards. For example, the distance of a body that leaves a support grows with the cube of
-    /// time, and rounding errors determine its initial sign.
+    /// Whether a guard that seems to fall at the start of a leg (the part of the motion between two
+    /// events) has zero rate there and is positive afterwards. For example, the distance of a body
+    /// that leaves a support grows with the cube of time, and rounding errors determine its initial
+    /// sign.
     fn lifts<F: FieldIn<T>>(&self, located: &LocatedEvent<T>, step: &mut Step<F, T>) -> bool {
         let (LocatedEvent { guard, root }, mode) = (located, self.mode);
         let begins = step.span().0 == 0.0 && root.fraction.real().abs() <= f64::EPSILON;

@@ -35,7 +35,8 @@ pub(crate) fn guard_scale(
 }
 
 /// Returns the scale of a decision function for states at half their scales; the function is given
-/// by its index after an event of a guard in a mode.
+/// by the guard and the mode of an event, and by its index among the decision functions of this
+/// event.
 pub(crate) fn decision_scale(
     system: &dyn HybridEquations,
     (position, guard, mode): (usize, usize, usize),

@@ -114,12 +114,13 @@ pub struct HybridFlow<'a, T: Scalar> {
     pub(in crate::core) settings: HybridSettings,
     pub(super) flow: Flow<T>,
     pub(super) roots: Vec<Roots<T>>,
-    /// The scales of the guards in the current leg.
+    /// The scales of the guards in the current leg (part of the motion between two events).
     pub(super) scales: Vec<f64>,
-    /// The last events of each guard in each mode.
+    /// For each guard in each mode, the last events of this guard.
     pub(super) series: Vec<Series<T>>,
     pub(super) event: Event<T>,
-    /// The length of the integration step in which the last leg ended.
+    /// The length of the integration step in which the last leg (part of the motion between two
+    /// events) ended.
     pub(super) pace: Option<f64>,
     /// The time scale of the system.
     pub(super) unit: f64,
@@ -412,7 +413,8 @@ where
         }
     }
 
-    /// Prepares the integration of a leg of at most this duration in a mode.
+    /// Prepares the integration of a leg (the part of the motion between two events) of at most
+    /// this duration in a mode.
     pub(super) fn prepare_leg(&mut self, mode: usize, left: f64) {
         let period = match self.system.forcing() {
             Forcing::None => f64::INFINITY,

@@ -168,7 +168,8 @@ impl Scales {
     }
 }
 
-/// One leg of a hybrid orbit, represented by the states at its ends.
+/// One leg of a hybrid orbit (the part between two successive events), represented by the states at
+/// its ends.
 #[derive(Clone, Copy, Debug)]
 pub struct Passage<'a, T> {
     /// The mode.
@@ -249,8 +250,8 @@ pub trait HybridSystem: Send + Sync {
     /// Returns the mode in which a motion begins, given its initial state as a state of `mode`; the
     /// default is `mode`. If the state alone determines the mode, for example by the side of a
     /// surface on which the state lies, an implementation returns another mode with the same states.
-    /// Searches for cycles and attractors call this method, and so do scenes, whose initial states
-    /// are states of the first mode.
+    /// This method is called in searches for cycles and attractors, and for scene files, whose
+    /// initial states are states of the first mode.
     fn initial_mode(&self, mode: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
         mode
     }
@@ -401,7 +402,7 @@ pub trait HybridSystem: Send + Sync {
     }
 
     /// Returns the period of a periodic [`forcing`](Self::forcing); in an autonomous system, the unit
-    /// of time in scenes.
+    /// of time in scene files.
     fn period<T: Scalar>(&self, _p: &[T]) -> T {
         T::one()
     }

@@ -20,7 +20,7 @@ pub enum Tangency {
         /// The next mode.
         next: usize,
     },
-    /// A leg of the orbit has zero duration.
+    /// A leg of the orbit (the part between two successive events) has zero duration.
     Leg {
         /// The mode before the leg.
         before: usize,

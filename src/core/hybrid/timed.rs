@@ -88,8 +88,9 @@ impl Timed {
     }
 }
 
-/// Ends a leg at an event that occurs immediately. The state at the event is computed by one Euler
-/// step, whose length is nearly zero, so that the step is exact for the derivatives of the state.
+/// Ends a leg (the part of the motion between two events) at an event that occurs immediately. The
+/// state at the event is computed by one Euler step, whose length is nearly zero, so that the step
+/// is exact for the derivatives of the state.
 pub(super) fn at_once<T: EventNumber>(
     system: &dyn HybridEquations,
     (guard, left): (usize, T),

@@ -1,8 +1,8 @@
 //! Balancing: scaling a matrix so that the accuracy of its eigenvalues does not depend on the
 //! units.
 
-/// Heuristic: another sweep follows if the row and the column of an index together shrink by more
-/// than a twentieth.
+/// Heuristic: another balancing sweep follows if, for some index, the row and the column of the
+/// matrix together shrink by more than a twentieth.
 const SHRINKS: f64 = 0.95;
 
 /// Heuristic: the largest number of balancing sweeps. In each sweep, the scale of each index

@@ -320,7 +320,8 @@ impl Chain {
         }
     }
 
-    /// Stores the remaining rows of the chain up to the end of interval `i`.
+    /// Stores the rows of the chain that remain after the elimination up to the end of interval
+    /// `i`.
     fn keep_shared(&mut self, i: usize) {
         let (n, k) = (self.states, self.columns);
         let rows = self.shared.front(i - 1).chunks_exact(self.shared.stride).skip(n);
@@ -329,7 +330,8 @@ impl Chain {
         }
     }
 
-    /// Stores the remaining rows of the first interval, with columns for both ends of the interval.
+    /// Stores the rows of the first interval that remain after its elimination, with columns for
+    /// both ends of the interval.
     fn begin(&mut self, rows: &[f64]) {
         let (n, k, each) = (self.states, self.columns, self.equations_each());
         let (inner, stride) = (self.inner.eliminated, self.inner.stride);

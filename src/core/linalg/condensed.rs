@@ -120,7 +120,8 @@ impl<C: Condensed> Factorisation for CondensedLu<C> {
         self.condensed.determinant_sign() * self.lu.determinant_sign()
     }
 
-    /// Computes `μ v` at the entries with the coefficient `μ`.
+    /// Computes the product of `v` with the part of the matrix that is proportional to `μ`, which
+    /// is the derivative of the matrix with respect to `σ` for `μ = e^σ`.
     fn growth_derivative(&self, v: &[f64], out: &mut [f64]) {
         out.fill(0.0);
         self.condensed.visit_returns(&mut |_, [equation, unknown]| {
@@ -257,7 +258,9 @@ impl<C: Condensed> Factorisation for RotatedLu<C> {
         1.0
     }
 
-    /// Computes `e^{iω} v` at the entries with the coefficient `μ`.
+    /// Computes the product of a complex vector `v` with the part of the matrix that is
+    /// proportional to `μ`, which is the derivative of the matrix with respect to `σ` for `μ =
+    /// e^σ`.
     fn growth_derivative(&self, v: &[f64], out: &mut [f64]) {
         let (length, (sine, cosine)) = (v.len() / 2, self.omega.sin_cos());
         out.fill(0.0);

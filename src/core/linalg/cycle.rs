@@ -46,7 +46,7 @@ pub(in crate::core) struct Blocks<'a> {
 pub(in crate::core) struct Cycle {
     states: usize,
     chain: Chain,
-    /// The position among the unknowns of each value in `x_0 … x_{K−1}`.
+    /// For each value in `x_0 … x_{K−1}`, its position among the unknowns.
     order: Vec<usize>,
     width: usize,
     columns: Vec<f64>,
@@ -57,15 +57,15 @@ pub(in crate::core) struct Cycle {
 }
 
 impl Cycle {
-    /// Creates a cycle of blocks of `states` equations; `order` gives the position among the
-    /// unknowns of each value in `x_0 … x_{K−1}`.
+    /// Creates a cycle of blocks of `states` equations; `order` contains, for each value in `x_0 …
+    /// x_{K−1}`, its position among the unknowns.
     pub fn new(states: usize, order: Vec<usize>) -> Self {
         let blocks = order.len() / states.max(1);
         let (chain, nodes) = (Chain::new(blocks, 1, states), vec![0.0; order.len() + states]);
         Cycle { states, chain, order, nodes, ..Cycle::default() }
     }
 
-    /// Creates an empty cycle of the same shape.
+    /// Creates a cycle without entries that has the same number of blocks, of the same sizes.
     pub fn another(&self) -> Self {
         Cycle::new(self.states, self.order.clone())
     }

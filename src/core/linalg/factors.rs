@@ -29,8 +29,8 @@ pub trait Factorisation: Any + Send {
         out.iter_mut().zip(v).for_each(|(out, v)| *out = -v);
     }
 
-    /// Multiplies the transpose of the derivative with respect to the exponent `σ` by `w`, for a
-    /// real matrix.
+    /// Multiplies the transpose of the matrix's derivative with respect to the exponent `σ` by `w`,
+    /// for a real matrix.
     fn growth_derivative_transposed(&self, w: &[f64], out: &mut [f64]) {
         out.iter_mut().zip(w).for_each(|(out, w)| *out = -w);
     }

@@ -69,7 +69,8 @@ pub enum NewtonError {
         largest: f64,
     },
     /// The step crossed to a neighbouring branch at a point where the curve turns away from that
-    /// branch. The number is the distance between the two branches, in scaled arclength.
+    /// branch. The number in the error is the distance between the two branches, in scaled
+    /// arclength.
     #[error(
         "the step jumps to another branch, whose distance from the traced branch is {0:.1e} where \
          the two branches are close"

@@ -142,7 +142,7 @@ pub trait FilippovSystem: Send + Sync {
     }
 
     /// Returns the period of a periodic [`forcing`](Self::forcing); in an autonomous system, the
-    /// unit of time in scenes.
+    /// unit of time in scene files.
     fn period<T: Scalar>(&self, _p: &[T]) -> T {
         T::one()
     }

@@ -147,7 +147,8 @@ impl<S: FilippovSystem> HybridSystem for Filippov<S> {
         }
     }
 
-    /// Computes the speed at which the field on the other side leaves the surface.
+    /// Computes the speed at which the field on the side opposite to the present mode leaves the
+    /// surface.
     fn decision<T: Scalar>(
         &self,
         _position: usize,
@@ -205,7 +206,8 @@ impl<S: FilippovSystem> HybridSystem for Filippov<S> {
         self.0.domain(x, p)
     }
 
-    /// Checks at the ends of a sliding leg that the sliding field is tangent to the surface.
+    /// Checks at the start and the end of a sliding motion that the sliding field is tangent to the
+    /// surface.
     fn domain_at_ends(&self, mode: usize, t: f64, x: &[f64], p: &[f64]) -> Result<(), OutOfDomain> {
         if mode != Self::SLIDING {
             return Ok(());

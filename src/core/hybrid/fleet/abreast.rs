@@ -29,10 +29,11 @@ where
     }
 }
 
-/// A batch of flows in the modes of a hybrid system.
+/// A batch of flows that are computed together, each in a mode of a hybrid system.
 pub trait Abreast<T>: LaneSteps<T> {
-    /// Tries an integration step of the flows in the lanes, all in one mode; returns the error of
-    /// each flow, in units of the tolerance, and the forecasts for guards.
+    /// Tries an integration step of the flows in the lanes, all in one mode. Returns the error of
+    /// each flow, in units of the tolerance, and writes the forecasts of the zeros of guards into
+    /// `forecasts`.
     fn attempt(
         &mut self,
         system: (&dyn HybridEquations, usize),

@@ -59,11 +59,12 @@ pub trait FleetObserver<T: Scalar> {
 /// each motion is bit-identical for all sets and orders of simulated motions.
 ///
 /// Results agree with [`HybridFlow`] up to rounding errors, both for `f64` and for `Dual64`.
-/// Several motions in the same mode are advanced together by vector instructions. One test shows
-/// for all these motions which guards stay clear of zero; a motion with a guard that could vanish
-/// is examined separately. [`in_lanes`](super::system::HybridSystem::in_lanes) declares that a
-/// system's equations can be evaluated in lanes. If the system's equations cannot be evaluated in
-/// lanes, or if the integration method is implicit, the motions are simulated one after another.
+/// Several motions in the same mode are advanced together by vector instructions. One test shows,
+/// for all motions that are advanced together, which guards stay clear of zero; a motion with a
+/// guard that could vanish is examined separately.
+/// [`in_lanes`](super::system::HybridSystem::in_lanes) declares that a system's equations can be
+/// evaluated in lanes. If the system's equations cannot be evaluated in lanes, or if the
+/// integration method is implicit, the motions are simulated one after another.
 ///
 /// ```
 /// use std::ops::ControlFlow;
@@ -93,7 +94,7 @@ pub trait FleetObserver<T: Scalar> {
 pub struct Fleet<'a, T: FleetNumber> {
     worker: HybridFlow<'a, T>,
     stepper: Option<Box<dyn Abreast<T>>>,
-    /// The forecasts for the guards of a mode in the last integration step.
+    /// The forecasts of the zeros of a mode's guards in the last integration step.
     forecasts: Vec<EventForecast>,
     /// The guards that need a separate search for zeros in the last integration step.
     candidates: Vec<usize>,
@@ -185,9 +186,10 @@ where
     }
 }
 
-/// The slots waiting in each mode, the free slots, and the results of the motions that have ended.
+/// The slots (places for simulated motions) that wait in each mode, the free slots, and the results
+/// of the motions that have ended.
 struct Scheduler<'m, T> {
-    /// The slots waiting for a step, grouped by the mode of their motions.
+    /// The slots whose motions wait for an integration step, grouped by the mode of their motions.
     queues: Vec<Vec<usize>>,
     free: Vec<usize>,
     members: &'m mut [Member<T>],

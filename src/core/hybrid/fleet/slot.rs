@@ -14,7 +14,8 @@ use std::ops::ControlFlow;
 pub(super) struct Slot<T: Scalar> {
     pub member: usize,
     pub duration: T,
-    /// The state at the start of the motion's present leg.
+    /// The state at the start of the motion's present leg (the part of the motion since its last
+    /// event).
     pub state: HybridState<T>,
     pub p: Vec<T>,
     /// The real parts of the motion's parameters.
@@ -65,7 +66,8 @@ pub(super) enum Next {
     Start,
     /// A leg begins.
     Leg,
-    /// The next leg of the motion is simulated separately from the other motions.
+    /// The next leg of the motion (the part up to its next event) is simulated separately from the
+    /// other motions.
     Alone,
     /// The duration of the motion has passed.
     Finish,

@@ -120,7 +120,8 @@ where
         })
     }
 
-    /// Starts a batched leg of a motion; returns `false` if the leg cannot be batched.
+    /// Starts a leg of a motion (the part between two events) that is simulated in a batch; returns
+    /// `false` if the leg cannot be batched.
     fn sets_out(&mut self, number: usize) -> bool {
         let Fleet { worker, stepper, slots, .. } = self;
         let Slot { state, p, real_p, end, pace, lane_state, signs, .. } = &mut slots[number];
@@ -151,7 +152,7 @@ where
     }
 
     /// Evaluates the integration step of a lane: accepts or rejects the step, and detects the end
-    /// of a leg.
+    /// of the leg (the part of the motion between two events).
     pub(super) fn classify(
         &mut self,
         mode: usize,
@@ -187,8 +188,8 @@ where
         self.go(number, Next::Leg, observer)
     }
 
-    /// Returns the end of a lane's leg if it lies in the lane's step, or `None`; breaks if a
-    /// shorter step is needed.
+    /// Returns the end of a lane's leg if it lies in the lane's integration step, and `None`
+    /// otherwise; returns `Break` if a shorter step is needed.
     fn landing(
         &mut self,
         mode: usize,
@@ -273,8 +274,8 @@ where
         lane_state.aim(watched, &self.forecasts[watched], lane).is_some()
     }
 
-    /// Searches for the end of a leg in the step of one lane, with the solver that simulates single
-    /// motions.
+    /// Searches for the end of a leg (the part of a motion between two events) in the step of one
+    /// lane, with the solver that simulates single motions.
     fn look<R>(
         &mut self,
         mode: usize,
@@ -310,14 +311,14 @@ where
         found
     }
 
-    /// Locates the end of a leg in the step of one lane.
+    /// Locates the end of a leg (the part of a motion between two events) in the step of one lane.
     fn look_at(&mut self, mode: usize, of: (usize, usize)) -> Option<LocatedEvent<T>> {
         let guards = &self.worker.watched[mode];
         self.candidates.iter_mut().for_each(|watched| *watched = guards[*watched]);
         self.look(mode, of, |locator, step| locator.locate(step))
     }
 
-    /// Ends the leg of one lane at the root of a guard at which the integration step was aimed.
+    /// Ends the leg of one lane whose integration step was chosen to end at the zero of a guard.
     fn reach(
         &mut self,
         mode: usize,

@@ -19,8 +19,8 @@ const ROWS: usize = 4096;
 /// their relative distance is smaller than this.
 const TOGETHER: f64 = 0.01;
 
-/// Rounding: a vector is orthogonalised again if the remainder is shorter than this fraction of its
-/// length.
+/// Rounding: a vector is orthogonalised again if the remainder after orthogonalisation is shorter
+/// than this fraction of the vector's original length.
 const CANCELLED: f64 = 0.1;
 
 /// Several vectors of the same length, stored row by row.
@@ -45,7 +45,8 @@ impl Locked {
     }
 }
 
-/// A Krylov space of the inverse matrix, orthogonal to the locked vectors.
+/// A Krylov space of the inverse matrix, orthogonal to the converged eigenvectors (the locked
+/// vectors).
 ///
 /// If the matrix `A` is not symmetric, but `D⁻¹ A D` is symmetric for a diagonal matrix `D` of
 /// scales, then `D⁻¹ A D` replaces `A`.
@@ -61,7 +62,8 @@ pub(super) struct Krylov<'l> {
     pub vectors: Vec<Vec<f64>>,
     /// The number of basis vectors that have been multiplied by the inverse.
     pub images: usize,
-    /// The components of the products along the basis, stored column by column.
+    /// The components, along the basis, of the products of basis vectors with the inverse matrix,
+    /// stored column by column.
     projected: Vec<f64>,
     /// The number of rows of the matrix `projected`.
     rows: usize,
@@ -260,7 +262,8 @@ impl RitzPairs {
         vector
     }
 
-    /// Locks eigenvalues, with an orthonormal basis of their eigenvectors in the space.
+    /// Locks converged eigenvalues: stores them with an orthonormal basis of their eigenvectors in
+    /// the space.
     pub fn lock(&self, chosen: &[usize], space: &[Vec<f64>], locked: &mut Locked) {
         for &k in chosen {
             locked.values.push(self.values[k]);

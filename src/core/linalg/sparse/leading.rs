@@ -13,8 +13,8 @@ use std::sync::Arc;
 /// eigenvalues.
 const MOST: usize = 48;
 
-/// Heuristic: the number of vectors of the previous point with which a Krylov space begins, in
-/// addition to random vectors.
+/// Heuristic: the number of vectors from the previous point of the branch with which a Krylov space
+/// begins, in addition to random vectors.
 const WARM: usize = 5;
 const SEEDS: usize = 3;
 
@@ -26,7 +26,7 @@ const REPEATED: f64 = 1e-6;
 const CONVERGED: f64 = 1e-11;
 
 /// Rounding: if a shift equals an eigenvalue, the shift is changed by this fraction of the largest
-/// entry.
+/// entry of the matrix.
 const ASIDE: f64 = 1e-10;
 
 /// Rounding: the rounding error of eigenvalues of the inverse matrix, relative to the largest
@@ -57,12 +57,13 @@ const NEUTRAL: f64 = 1e-8;
 
 /// The rightmost eigenvalues of matrices with the same sparsity pattern, along a branch.
 ///
-/// Arnoldi's method with the inverse matrix finds the eigenvalues nearest to zero (Y. Saad, *Numerical
-/// Methods for Large Eigenvalue Problems*, SIAM 2011, ch. 8). Arnoldi's method starts from the
-/// eigenvectors of the previous matrix and from random vectors. The random vectors find new
-/// eigenvalues; a repeated eigenvalue is found at most as many times as there are random vectors. If an
-/// eigenvalue is found this often, another run, orthogonal to the known eigenvectors, searches for more
-/// copies of the eigenvalue. The number of unstable eigenvalues is certified in two cases:
+/// Arnoldi's method with the inverse matrix finds the eigenvalues nearest to zero (Y. Saad,
+/// *Numerical Methods for Large Eigenvalue Problems*, SIAM 2011, ch. 8). Arnoldi's method starts
+/// from the eigenvectors of the previous matrix and from random vectors. The random vectors find
+/// new eigenvalues; a repeated eigenvalue is found at most as many times as there are random
+/// vectors. If an eigenvalue is found as many times as there are random vectors, another run,
+/// orthogonal to the known eigenvectors, searches for more copies of the eigenvalue. The number of
+/// unstable eigenvalues is certified in two cases:
 /// - If a diagonal scaling makes the matrix symmetric, the signs of the pivots give the number of
 ///   unstable eigenvalues (Sylvester's law of inertia). Positive eigenvalues far beyond the circle
 ///   in which all eigenvalues are known are then computed as the largest eigenvalues.
@@ -150,9 +151,8 @@ impl Leading {
         self.factor(matrix, shift).map(|()| shift)
     }
 
-    /// Whether all positive eigenvalues are known, where `positive` is the number of positive
-    /// eigenvalues. Positive eigenvalues far beyond the circle of known eigenvalues are computed and
-    /// added.
+    /// Whether all positive eigenvalues of the matrix are known, where `positive` is their number.
+    /// Positive eigenvalues far beyond the circle of known eigenvalues are computed and added.
     fn is_counted(
         &mut self,
         matrix: &Matrix,
@@ -259,8 +259,8 @@ impl Leading {
 
     /// Grows a Krylov space, orthogonal to the locked vectors, until all eigenvalues that can be
     /// among the `wanted` largest, or at least as large as `least`, have converged, and locks these
-    /// eigenvalues. If an eigenvalue so close to the shift that it hides the digits of the others is
-    /// found, returns the distance of the next eigenvalue from the shift.
+    /// eigenvalues. If one eigenvalue is close enough to the shift to hide the digits of the
+    /// others, returns the distance of the next eigenvalue from the shift.
     fn run(
         &mut self,
         starts: &[Vec<f64>],
