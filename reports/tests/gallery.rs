@@ -61,7 +61,7 @@ fn a_gallery_of_two_scenes_opens_from_its_folder() {
     };
     browser.call("Network.enable", json!({}));
     browser.open(&target.join("index.html"));
-    looks(&mut browser);
+    let runs = looks(&mut browser);
     browser.evaluate("document.querySelector('#brusselator h3 a').click()");
     browser.wait("document.body?.dataset.ready === 'true'");
     assert_eq!(browser.evaluate("document.title"), json!("Brusselator"));
@@ -75,11 +75,11 @@ fn a_gallery_of_two_scenes_opens_from_its_folder() {
         let shown: f64 = shown.split(" ± ").next().unwrap().parse().unwrap();
         assert!((shown - value).abs() < 1e-9, "{name}: {shown}");
     }
-    // The sweep alone has tiles.
+    // A tile for each run of the sweep.
     browser.open(&target.join("mita-basins.html"));
     browser.wait("document.title.startsWith('Basins') && document.body?.dataset.ready === 'true'");
-    let painted = "document.querySelector('#panels .plot').layout.images.length > 0";
-    assert_eq!(browser.evaluate(painted), json!(true));
+    let tiles = "document.querySelector('#panels .plot').layout.shapes.length";
+    assert_eq!(browser.evaluate(tiles), json!(runs));
 
     let requests = browser.requests();
     let inside = |address: &&String| {
@@ -90,8 +90,8 @@ fn a_gallery_of_two_scenes_opens_from_its_folder() {
 }
 
 /// The index has a thumbnail, a command and a scene for each entry, and says that a sweep is coarser. Nothing is wider
-/// than a narrow window.
-fn looks(browser: &mut Browser) {
+/// than a narrow window. Returns the number of runs of the sweep.
+fn looks(browser: &mut Browser) -> usize {
     browser.wait("document.querySelectorAll('article').length === 2");
     browser.evaluate(
         "document.querySelectorAll('img').forEach(image => { image.loading = 'eager'; })",
@@ -119,6 +119,7 @@ fn looks(browser: &mut Browser) {
         browser.resize(width, 900);
         browser.wait("document.documentElement.scrollWidth <= innerWidth");
     }
+    coarse * other
 }
 
 /// A scene that cannot be traced is named, by the library, in the index and by the command.

@@ -5,6 +5,7 @@ use super::SCRIPT;
 use super::entries::{Entry, Wanted};
 use std::num::NonZeroUsize;
 use std::path::Path;
+use tangency::core::attractor::AttractorSearch;
 use tangency::core::sweep::Part;
 use tangency::output::{COLUMN, Document, FileError, Format, Render, RenderError, Results, Sweeps};
 use tangency::scene::{
@@ -13,7 +14,9 @@ use tangency::scene::{
 
 /// The largest number of periods that a sweep of the gallery simulates. A longer sweep is computed
 /// on a coarser grid.
-pub const PERIODS: usize = 100_000;
+pub const PERIODS: usize = 60_000;
+/// The largest number of periods over which a coarser sweep averages exponents.
+const EXPONENT: usize = 300;
 /// The cost of a period with a tangent vector, in units of the cost of a period without a tangent
 /// vector.
 const WITH_TANGENT: usize = 3;
@@ -121,29 +124,39 @@ fn reduce(sweeps: &mut Vec<Sweep>) -> Vec<String> {
     let mut notes = Vec::new();
     sweeps.retain(|Sweep { name, crisis, .. }| {
         if crisis.is_some() {
-            notes.push(format!(
-                "The figure omits the sweep “{name}”, whose search for crises takes minutes."
-            ));
+            notes.push(format!("The figure omits the sweep “{name}”, which searches crises."));
         }
         crisis.is_none()
     });
-    for Sweep { name, over, search, starts, .. } in sweeps {
-        let tangent = WITH_TANGENT * search.lyapunov_periods;
-        let periods = search.transient + search.recorded_periods + tangent;
-        let runs: usize = over.iter().map(|grid| grid.count).product();
-        let work = (runs * starts.len().max(1) * periods) as f64 / PERIODS as f64;
-        if work <= 1.0 {
-            continue;
-        }
-        let factor = work.powf(1.0 / over.len() as f64);
-        let whole = counts(over);
-        for grid in over.iter_mut() {
-            grid.count = (grid.count as f64 / factor).ceil().max(2.0) as usize;
-        }
-        let coarse = counts(over);
-        notes.push(format!("The figure has {coarse} of the {whole} runs of the sweep “{name}”."));
-    }
+    notes.extend(sweeps.iter_mut().filter_map(coarsened));
     notes
+}
+
+/// Makes the grid of a sweep coarser, and averages exponents over fewer periods, if the sweep would
+/// simulate more than [`PERIODS`] periods; returns a note on the changes.
+fn coarsened(Sweep { name, over, search, starts, .. }: &mut Sweep) -> Option<String> {
+    let runs = over.iter().map(|grid| grid.count).product::<usize>() * starts.len().max(1);
+    let work = |search: &AttractorSearch| {
+        let tangent = WITH_TANGENT * search.lyapunov_periods;
+        (runs * (search.transient + search.recorded_periods + tangent)) as f64 / PERIODS as f64
+    };
+    if work(search) <= 1.0 {
+        return None;
+    }
+    let exponents = match search.lyapunov_periods {
+        periods if periods > EXPONENT => {
+            search.lyapunov_periods = EXPONENT;
+            format!(" Exponents are averages over {EXPONENT} periods, not {periods}.")
+        }
+        _ => String::new(),
+    };
+    let (whole, factor) = (counts(over), work(search).powf(1.0 / over.len() as f64).max(1.0));
+    for grid in over.iter_mut() {
+        grid.count = (grid.count as f64 / factor).ceil().max(2.0) as usize;
+    }
+    let coarse = counts(over);
+    let runs = format!("The figure has {coarse} of the {whole} runs of the sweep “{name}”.");
+    Some(runs + &exponents)
 }
 
 /// Returns the numbers of values along the axes of a sweep, as a product.

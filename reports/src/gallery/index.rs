@@ -39,7 +39,10 @@ fn article(entry: &Entry, drawn: &Drawn) -> String {
     let texts = summary.iter().map(|text| paragraph("", text));
     let texts: String =
         texts.chain(notes.iter().map(|note| paragraph(" class=\"note\"", note))).collect();
-    let commands = escaped(&commands.join("\n"));
+    // Lines are broken between words only, not at the hyphens of options.
+    let word = |word: &str| format!("<span>{}</span>", escaped(word));
+    let line = |command: &String| command.split(' ').map(word).collect::<Vec<_>>().join(" ");
+    let commands = commands.iter().map(line).collect::<Vec<_>>().join("\n");
     let shown = format!("Scene (tangency show {})", escaped(entry.arguments));
     let scene = escaped(scene.trim_end());
     format!(
