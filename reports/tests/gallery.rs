@@ -10,6 +10,20 @@ use tangency_reports::gallery::{Entry, PERIODS, Section, entries, gallery};
 
 const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
 
+/// The share of the panel that tiles cover, and the numbers of columns and rows of the finest tiles. Neighbouring tiles of
+/// one colour are one shape.
+const GRID: &str = "(() => {
+    const shapes = document.querySelector('#panels .plot').layout.shapes;
+    const sides = [['x0', 'x1'], ['y0', 'y1']].map(([low, high]) => shapes.map(it => Math.abs(it[high] - it[low])));
+    const whole = [['x0', 'x1'], ['y0', 'y1']].map(names => {
+        const ends = shapes.flatMap(it => names.map(name => it[name]));
+        return Math.max(...ends) - Math.min(...ends);
+    });
+    const area = sides[0].map((width, k) => width * sides[1][k]).reduce((sum, area) => sum + area);
+    const counts = whole.map((length, axis) => Math.round(length / Math.min(...sides[axis])));
+    return [Math.round(1e9 * area / (whole[0] * whole[1])) / 1e9, ...counts];
+})()";
+
 fn made(arguments: &[&str], folder: &Path) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_tangency-reports"));
     command.arg("gallery").args(arguments).arg("--out").arg(folder).output().unwrap()
@@ -61,7 +75,7 @@ fn a_gallery_of_two_scenes_opens_from_its_folder() {
     };
     browser.call("Network.enable", json!({}));
     browser.open(&target.join("index.html"));
-    let runs = looks(&mut browser);
+    let (columns, rows_of_tiles) = looks(&mut browser);
     browser.evaluate("document.querySelector('#brusselator h3 a').click()");
     browser.wait("document.body?.dataset.ready === 'true'");
     assert_eq!(browser.evaluate("document.title"), json!("Brusselator"));
@@ -75,11 +89,8 @@ fn a_gallery_of_two_scenes_opens_from_its_folder() {
         let shown: f64 = shown.split(" ± ").next().unwrap().parse().unwrap();
         assert!((shown - value).abs() < 1e-9, "{name}: {shown}");
     }
-    // A tile for each run of the sweep.
-    browser.open(&target.join("mita-basins.html"));
-    browser.wait("document.title.startsWith('Basins') && document.body?.dataset.ready === 'true'");
-    let tiles = "document.querySelector('#panels .plot').layout.shapes.length";
-    assert_eq!(browser.evaluate(tiles), json!(runs));
+    let grid = browser.numbers(GRID);
+    assert_eq!(grid, [1.0, columns as f64, rows_of_tiles as f64]);
 
     let requests = browser.requests();
     let inside = |address: &&String| {
@@ -90,8 +101,8 @@ fn a_gallery_of_two_scenes_opens_from_its_folder() {
 }
 
 /// The index has a thumbnail, a command and a scene for each entry, and says that a sweep is coarser. Nothing is wider
-/// than a narrow window. Returns the number of runs of the sweep.
-fn looks(browser: &mut Browser) -> usize {
+/// than a narrow window. Returns the numbers of columns and rows of the sweep.
+fn looks(browser: &mut Browser) -> (usize, usize) {
     browser.wait("document.querySelectorAll('article').length === 2");
     browser.evaluate(
         "document.querySelectorAll('img').forEach(image => { image.loading = 'eager'; })",
@@ -119,7 +130,7 @@ fn looks(browser: &mut Browser) -> usize {
         browser.resize(width, 900);
         browser.wait("document.documentElement.scrollWidth <= innerWidth");
     }
-    coarse * other
+    (coarse, other)
 }
 
 /// A scene that cannot be traced is named, by the library, in the index and by the command.
