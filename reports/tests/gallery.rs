@@ -75,7 +75,7 @@ fn a_gallery_of_two_scenes_opens_from_its_folder() {
     };
     browser.call("Network.enable", json!({}));
     browser.open(&target.join("index.html"));
-    let (columns, rows_of_tiles) = looks(&mut browser);
+    let (columns, lines) = looks(&mut browser);
     browser.evaluate("document.querySelector('#brusselator h3 a').click()");
     browser.wait("document.body?.dataset.ready === 'true'");
     assert_eq!(browser.evaluate("document.title"), json!("Brusselator"));
@@ -89,8 +89,11 @@ fn a_gallery_of_two_scenes_opens_from_its_folder() {
         let shown: f64 = shown.split(" ± ").next().unwrap().parse().unwrap();
         assert!((shown - value).abs() < 1e-9, "{name}: {shown}");
     }
+    // The tiles cover the panel, in the grid that the index states.
+    browser.open(&target.join("mita-basins.html"));
+    browser.wait("document.title.startsWith('Basins') && document.body?.dataset.ready === 'true'");
     let grid = browser.numbers(GRID);
-    assert_eq!(grid, [1.0, columns as f64, rows_of_tiles as f64]);
+    assert_eq!(grid, [1.0, columns as f64, lines as f64]);
 
     let requests = browser.requests();
     let inside = |address: &&String| {
