@@ -73,7 +73,6 @@ fn a_gallery_of_two_scenes_opens_from_its_folder() {
         eprintln!("gallery: chromium is not installed, so that this test cannot run");
         return;
     };
-    browser.call("Network.enable", json!({}));
     browser.open(&target.join("index.html"));
     let (columns, lines) = looks(&mut browser);
     browser.evaluate("document.querySelector('#brusselator h3 a').click()");

@@ -20,7 +20,7 @@ pub struct Browser {
     /// The number of the last message.
     last: u64,
     session: Option<String>,
-    /// The addresses from which the page requested something, from `Network.enable` on.
+    /// The addresses from which pages requested something.
     requests: Vec<String>,
 }
 
@@ -73,6 +73,7 @@ impl Browser {
         browser.session = session.as_str().map(String::from);
         browser.call("Runtime.enable", json!({}));
         browser.call("Page.enable", json!({}));
+        browser.call("Network.enable", json!({}));
         browser.call(
             "Browser.setDownloadBehavior",
             json!({ "behavior": "allow", "downloadPath": folder }),
@@ -105,7 +106,7 @@ impl Browser {
         }
     }
 
-    /// The addresses from which pages requested something, once `Network.enable` has been called.
+    /// The addresses from which pages requested something, in order.
     pub fn requests(&self) -> &[String] {
         &self.requests
     }

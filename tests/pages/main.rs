@@ -283,6 +283,9 @@ fn texts_are_no_markup_and_nothing_is_fetched() {
     let cell = "document.querySelector('#table tbody td').textContent";
     assert_eq!(page.value(cell), json!(format!("first: {}", branch.name)));
     assert_eq!(page.value("performance.getEntriesByType('resource').length"), json!(0));
+    let inside = |address: &String| address.ends_with("/page.html") || address.starts_with("data:");
+    let requests = page.browser.requests();
+    assert!(!requests.is_empty() && requests.iter().all(inside), "{requests:?}");
 }
 
 /// Dots of a sweep are an image below the curves, painted anew for each view.

@@ -65,7 +65,7 @@ impl Entry {
             true => None,
             false => Some(sweep(&scene, &self.name, ONE_THREAD, None, &mut ())?),
         };
-        let sweeps = sweeps.as_ref().map_or(&[][..], std::slice::from_ref);
+        let sweeps = sweeps.as_slice();
         let traced = !document.branches.is_empty();
         let files = self.render(traced.then_some(&document), sweeps)?;
         let commands = self.commands(traced, !sweeps.is_empty());
