@@ -1,11 +1,12 @@
 //! Measurements of tangency's numerical methods: work-precision diagrams plot the error of methods
 //! against their CPU time, and robustness maps show where methods succeed, report failures, or are
-//! silently wrong.
+//! silently wrong. The [`gallery`] consists of interactive pages of all scenes.
 //!
 //! `docs/evidence/speed-and-accuracy.md` shows all of these diagrams and maps, and tests compare
 //! this page with the measurements.
 
 mod diagram;
+pub mod gallery;
 mod map;
 pub mod prose;
 mod report;

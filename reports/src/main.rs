@@ -1,15 +1,17 @@
 //! The program `tangency-reports`: its commands `work-precision NAME` and `robustness NAME` list,
-//! compute and save reports, and insert them into pages; its command `sentences` draws random
-//! sentences of the project's text.
+//! compute and save reports, and insert them into pages; its command `gallery` writes interactive
+//! pages of all scenes, and its command `sentences` draws random sentences of the project's text.
 
 use clap::{Args, Parser, Subcommand};
 use std::error::Error;
 use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::time::Instant;
 use tangency::core::failure::one_line;
 use tangency::core::problem::UnknownName;
 use tangency::output::write_atomically;
+use tangency_reports::gallery::{Entry as Shown, entries, gallery};
 use tangency_reports::prose::{drawn, paragraphs};
 use tangency_reports::robustness::{MAPS, map};
 use tangency_reports::work_precision::{DIAGRAMS, Effort, measure};
@@ -27,6 +29,7 @@ struct Arguments {
 enum Command {
     WorkPrecision(WorkPrecision),
     Robustness(Robustness),
+    Gallery(Gallery),
     Sentences(Sentences),
 }
 
@@ -64,6 +67,53 @@ struct Robustness {
     wanted: Wanted,
 }
 
+/// Trace all built-in scenes and models, and write their interactive pages with an index
+#[derive(Debug, Args)]
+struct Gallery {
+    /// The names of the scenes to trace; without a name, the command traces all scenes
+    #[arg(value_name = "NAME")]
+    names: Vec<String>,
+    /// The folder of the gallery; the book contains the folder `docs/gallery`
+    #[arg(long, value_name = "DIR", default_value = "docs/gallery")]
+    out: PathBuf,
+}
+
+impl Gallery {
+    /// Writes the gallery, and prints a line for each scene.
+    ///
+    /// # Errors
+    /// An unknown name, a file that cannot be written, or scenes that could not be traced; the
+    /// error names these scenes.
+    fn make(&self) -> Result<(), Box<dyn Error>> {
+        let mut chosen = entries();
+        for name in &self.names {
+            let known = chosen.iter().map(|entry| entry.name.as_str());
+            if !known.clone().any(|known| known == name) {
+                return Err(one_line(&UnknownName::new("scene", name.as_str(), known)).into());
+            }
+        }
+        chosen.retain(|entry| self.names.is_empty() || self.names.contains(&entry.name));
+        let begin = Instant::now();
+        let made = gallery(&chosen, &self.out, &|Shown { name, .. }, time, failure| {
+            let time = time.as_secs_f64();
+            match failure {
+                None => println!("{name:<26}{time:6.1} s"),
+                Some(failure) => println!("{name:<26}{time:6.1} s  failed: {failure}"),
+            }
+        })?;
+        println!("{} scenes, {:.1} s", chosen.len(), begin.elapsed().as_secs_f64());
+        println!("{}", made.index.display());
+        match &made.failures[..] {
+            [] => Ok(()),
+            failures => {
+                let failures = failures.iter().map(|(name, cause)| format!("{name}: {cause}"));
+                let failures: Vec<String> = failures.collect();
+                Err(format!("not drawn: {}", failures.join("; ")).into())
+            }
+        }
+    }
+}
+
 /// Draw sentences of documents, help, messages and doc comments, to be judged one by one
 #[derive(Debug, Args)]
 struct Sentences {
@@ -96,7 +146,7 @@ impl Sentences {
 }
 
 fn main() -> ExitCode {
-    let mut out = std::io::stdout().lock();
+    let mut out = std::io::stdout();
     let made = match Arguments::parse().command {
         Command::WorkPrecision(WorkPrecision { wanted, quick }) => {
             let effort = if quick { Effort::Quick } else { Effort::Full };
@@ -107,6 +157,7 @@ fn main() -> ExitCode {
             let names = ("robustness", "robustness map");
             wanted.make(names, MAPS, &mut out, |entry| Ok(map(entry)))
         }
+        Command::Gallery(gallery) => gallery.make(),
         Command::Sentences(sentences) => sentences.print(&mut out),
     };
     match made {

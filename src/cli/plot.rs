@@ -120,6 +120,7 @@ impl Plot {
             panel: self.panel.as_deref(),
             title: self.title.as_deref(),
             ends: [self.x_range, self.y_range].map(|ends| ends.map_or([None; 2], |it| it.0)),
+            plotly: None,
         };
         self.check(format, &sweeps)?;
         let content = results.render(format).map_err(|cause| match cause {

@@ -66,6 +66,7 @@ pub use files::{SizeLimit, write_atomically, write_together};
 pub use format::Format;
 pub use histories::histories;
 pub use number::significant;
+pub use page::PLOTLY;
 #[cfg(feature = "live")]
 pub(crate) use page::Panel;
 pub use panels::figures;

@@ -2,6 +2,7 @@
 //!
 //! Plotly 4.1.1 (`assets/plotly-gl3d.min.js`, licence in the same folder) draws the page from the
 //! figures of the pictures and the values of the documents, which the HTML file contains as JSON.
+//! The HTML file contains Plotly, or refers to a file that several pages share.
 
 use super::diagram::spine;
 use super::document::{Document, Plot};
@@ -19,15 +20,30 @@ use std::collections::BTreeMap;
 const TEMPLATE: &str = include_str!("page/page.html");
 const LOOK: &str = include_str!("page/page.css");
 const CODE: &str = include_str!("page/page.js");
-const PLOTLY: &str = include_str!("../../assets/plotly-gl3d.min.js");
+/// The script of Plotly, which draws interactive pages. Several pages can load the script from one
+/// file ([`Results::plotly`](super::Results::plotly)).
+///
+/// ```
+/// use tangency::output::{Document, Format, PLOTLY, Render, Results, example_branch};
+/// let document = Document::new("Pull-in", vec![example_branch()]);
+/// let documents = [("plate", &document)];
+/// let whole = Results { documents: &documents, ..Results::default() };
+/// let sharing = Results { plotly: Some("plotly.min.js"), ..whole };
+/// let [whole, sharing] = [whole.render(Format::Html)?, sharing.render(Format::Html)?];
+/// assert!(whole.len() > PLOTLY.len() && sharing.len() < 100_000);
+/// # Ok::<(), tangency::output::RenderError>(())
+/// ```
+pub const PLOTLY: &str = include_str!("../../assets/plotly-gl3d.min.js");
 
-/// Returns the interactive page of named documents and their figures.
+/// Returns the interactive page of named documents and their figures. The page loads Plotly from
+/// the address `plotly`, relative to the page; without an address the page contains Plotly.
 ///
 /// # Errors
 /// [`FigureError`] if a figure cannot be drawn.
 pub(super) fn page(
     documents: &[(&str, &Document)],
     figures: &[Figure],
+    plotly: Option<&str>,
 ) -> Result<String, FigureError> {
     for figure in figures {
         figure.extent()?;
@@ -50,8 +66,17 @@ pub(super) fn page(
     let data = data.map_err(|error| FigureError::Drawing(error.to_string()))?;
     // Without this letter no text can end the script, or start a comment in it.
     let data = data.replace('<', "\\u003c");
-    let parts = [("title", escaped(title)), ("look", LOOK.into()), ("data", data)];
-    let parts = parts.into_iter().chain([("plotly", PLOTLY.into()), ("code", CODE.into())]);
+    let (origin, script) = match plotly {
+        Some(address) => (" 'self'", format!("<script src=\"{}\"></script>", escaped(address))),
+        None => ("", format!("<script>{PLOTLY}</script>")),
+    };
+    let head = [("origin", origin.into()), ("title", escaped(title)), ("look", LOOK.into())];
+    let body = [("data", data), ("plotly", script), ("code", CODE.into())];
+    Ok(filled(head.into_iter().chain(body)))
+}
+
+/// Returns the template of the page with the contents of its named places, in their order.
+fn filled(parts: impl Iterator<Item = (&'static str, String)>) -> String {
     let mut page = String::new();
     let mut rest = TEMPLATE;
     for (name, content) in parts {
@@ -61,12 +86,12 @@ pub(super) fn page(
         page.push_str(&content);
         rest = after;
     }
-    Ok(page + rest)
+    page + rest
 }
 
 /// Escapes the special characters of HTML in a text.
 fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;")
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;")
 }
 
 /// All data that the page contains.

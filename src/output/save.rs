@@ -67,6 +67,10 @@ pub struct Results<'a> {
     /// The chosen lower and upper ends of the horizontal and the vertical axis, for the first panel
     /// and for further panels with the same axis; by default all data are shown.
     pub ends: [[Option<f64>; 2]; 2],
+    /// The address of a file with the text [`PLOTLY`](super::PLOTLY), relative to the interactive
+    /// page, from which the page loads Plotly: several pages can share one file. By default each
+    /// page contains Plotly.
+    pub plotly: Option<&'a str>,
 }
 
 /// The error of results that cannot be rendered.
@@ -278,7 +282,7 @@ impl Render for Results<'_> {
                 let names = self.names();
                 let documents = names.iter().map(String::as_str).zip(self.documents);
                 let documents: Vec<_> = documents.map(|(name, (_, it))| (name, *it)).collect();
-                page(&documents, &self.figures()?)?.into_bytes()
+                page(&documents, &self.figures()?, self.plotly)?.into_bytes()
             }
             Format::Csv => self.csv()?.into_bytes(),
             Format::Json => match (self.documents, self.sweeps) {

@@ -20,6 +20,8 @@ pub struct Browser {
     /// The number of the last message.
     last: u64,
     session: Option<String>,
+    /// The addresses from which pages requested something.
+    requests: Vec<String>,
 }
 
 /// Waits until there is a value.
@@ -64,13 +66,14 @@ impl Browser {
                 message.clear();
             }
         });
-        let mut browser = Browser { child, to, from, last: 0, session: None };
+        let mut browser = Browser { child, to, from, last: 0, session: None, requests: Vec::new() };
         let target = browser.call("Target.createTarget", json!({ "url": "about:blank" }));
         let target = json!({ "targetId": target["targetId"], "flatten": true });
         let session = browser.call("Target.attachToTarget", target)["sessionId"].clone();
         browser.session = session.as_str().map(String::from);
         browser.call("Runtime.enable", json!({}));
         browser.call("Page.enable", json!({}));
+        browser.call("Network.enable", json!({}));
         browser.call(
             "Browser.setDownloadBehavior",
             json!({ "behavior": "allow", "downloadPath": folder }),
@@ -92,11 +95,20 @@ impl Browser {
             // An error on the page that nothing there catches.
             let thrown = &answer["params"]["exceptionDetails"]["exception"]["description"];
             assert_ne!(answer["method"], "Runtime.exceptionThrown", "{thrown}");
+            if answer["method"] == "Network.requestWillBeSent" {
+                let address = answer["params"]["request"]["url"].as_str();
+                self.requests.extend(address.map(String::from));
+            }
             if answer["id"] == self.last {
                 assert!(answer["error"].is_null(), "{method}: {answer}");
                 return answer["result"].clone();
             }
         }
+    }
+
+    /// The addresses from which pages requested something, in order.
+    pub fn requests(&self) -> &[String] {
+        &self.requests
     }
 
     /// Opens a file.
@@ -128,6 +140,45 @@ impl Browser {
     /// Waits until an expression is true.
     pub fn wait(&mut self, expression: &str) {
         patiently(expression, || (self.evaluate(expression) == json!(true)).then_some(()));
+    }
+
+    /// The values of a list of numbers.
+    pub fn numbers(&mut self, expression: &str) -> Vec<f64> {
+        let value = self.evaluate(expression);
+        let list = value.as_array().unwrap_or_else(|| panic!("{expression}: {value}"));
+        list.iter().map(|it| it.as_f64().unwrap_or(f64::NAN)).collect()
+    }
+
+    /// Where a point of a panel is on the screen, in pixels, after it has been scrolled to.
+    pub fn pixels(&mut self, panel: usize, at: [f64; 2]) -> [f64; 2] {
+        let [x, y] = at;
+        let place = self.numbers(&format!(
+            "(() => {{
+                const plot = document.querySelectorAll('#panels .plot')[{panel}];
+                plot.scrollIntoView({{ block: 'center' }});
+                const {{ xaxis, yaxis, _size }} = plot._fullLayout;
+                const box = plot.getBoundingClientRect();
+                return [box.left + _size.l + xaxis.c2p({x:?}), box.top + _size.t + yaxis.c2p({y:?})];
+            }})()"
+        ));
+        [place[0], place[1]]
+    }
+
+    /// The rows of the text beside the pointer at a point of a panel.
+    pub fn hovered(&mut self, panel: usize, at: [f64; 2]) -> Vec<(String, String)> {
+        // What was shown before goes first.
+        self.mouse("mouseMoved", [5.0, 5.0]);
+        self.wait("document.getElementById('tip').hidden");
+        let [x, y] = self.pixels(panel, at);
+        self.mouse("mouseMoved", [x + 1.0, y]);
+        self.mouse("mouseMoved", [x, y]);
+        self.wait("!document.getElementById('tip').hidden");
+        let rows = self.evaluate(
+            "[['', document.querySelector('#tip strong').textContent],
+              ...[...document.querySelectorAll('#tip tr')].map(row => [...row.cells].map(cell => cell.textContent))]",
+        );
+        let text = |value: &Value| value.as_str().unwrap().to_string();
+        rows.as_array().unwrap().iter().map(|row| (text(&row[0]), text(&row[1]))).collect()
     }
 
     /// What the mouse does at a place in pixels: `mouseMoved`, `mousePressed`, `mouseReleased`.

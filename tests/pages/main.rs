@@ -46,41 +46,17 @@ impl Page {
 
     /// The values of a list of numbers.
     fn numbers(&mut self, expression: &str) -> Vec<f64> {
-        let value = self.value(expression);
-        let list = value.as_array().unwrap_or_else(|| panic!("{expression}: {value}"));
-        list.iter().map(|it| it.as_f64().unwrap_or(f64::NAN)).collect()
+        self.browser.numbers(expression)
     }
 
     /// Where a point of a panel is on the screen, in pixels, after it has been scrolled to.
     fn pixels(&mut self, panel: usize, at: [f64; 2]) -> [f64; 2] {
-        let [x, y] = at;
-        let place = self.numbers(&format!(
-            "(() => {{
-                const plot = document.querySelectorAll('#panels .plot')[{panel}];
-                plot.scrollIntoView({{ block: 'center' }});
-                const {{ xaxis, yaxis, _size }} = plot._fullLayout;
-                const box = plot.getBoundingClientRect();
-                return [box.left + _size.l + xaxis.c2p({x:?}), box.top + _size.t + yaxis.c2p({y:?})];
-            }})()"
-        ));
-        [place[0], place[1]]
+        self.browser.pixels(panel, at)
     }
 
     /// The rows of the text beside the pointer at a point of a panel.
     fn hovered(&mut self, panel: usize, at: [f64; 2]) -> Vec<(String, String)> {
-        // What was shown before goes first.
-        self.browser.mouse("mouseMoved", [5.0, 5.0]);
-        self.browser.wait("document.getElementById('tip').hidden");
-        let [x, y] = self.pixels(panel, at);
-        self.browser.mouse("mouseMoved", [x + 1.0, y]);
-        self.browser.mouse("mouseMoved", [x, y]);
-        self.browser.wait("!document.getElementById('tip').hidden");
-        let rows = self.value(
-            "[['', document.querySelector('#tip strong').textContent],
-              ...[...document.querySelectorAll('#tip tr')].map(row => [...row.cells].map(cell => cell.textContent))]",
-        );
-        let text = |value: &Value| value.as_str().unwrap().to_string();
-        rows.as_array().unwrap().iter().map(|row| (text(&row[0]), text(&row[1]))).collect()
+        self.browser.hovered(panel, at)
     }
 
     /// Clicks at a point of a panel. On a loaded machine Plotly may lose a click that follows a motion of
@@ -307,6 +283,9 @@ fn texts_are_no_markup_and_nothing_is_fetched() {
     let cell = "document.querySelector('#table tbody td').textContent";
     assert_eq!(page.value(cell), json!(format!("first: {}", branch.name)));
     assert_eq!(page.value("performance.getEntriesByType('resource').length"), json!(0));
+    let inside = |address: &String| address.ends_with("/page.html") || address.starts_with("data:");
+    let requests = page.browser.requests();
+    assert!(!requests.is_empty() && requests.iter().all(inside), "{requests:?}");
 }
 
 /// Dots of a sweep are an image below the curves, painted anew for each view.

@@ -11,8 +11,8 @@ use crate::core::scalar::{LaneWidth, Scalar};
 /// friction.
 ///
 /// The symbols are the displacement `q₂` and velocity `u₂` of the block relative to the frame, the
-/// velocity `u₁` of the frame, the mass `m₁` of the frame (the mass of the block is 1), `N = (m₁ +
-/// 1) g`, and the force `R = V² sin²ωt/(1 − q₂)² − q₂ − c u₂` between block and frame (section 2.2
+/// velocity `u₁` of the frame, the mass `m₁` of the frame (the mass of the block is 1), the
+/// normal force `N = (m₁ + 1) g`, and the force `R = V² sin²ωt/(1 − q₂)² − q₂ − c u₂` between block and frame (section 2.2
 /// of Zhao's dissertation):
 ///
 /// | mode | equations | conditions |
