@@ -94,7 +94,7 @@ const OF_OTHER_PROGRAMS: [(&str, &str); 20] = [
     ("singularities", "detect"),
 ];
 
-/// Returns the name of a setting that other programs call by a given name.
+/// Returns this program's name of a setting, given its name in AUTO, XPPAUT or MatCont.
 pub(crate) fn of_other_programs(name: &str) -> Option<&'static str> {
     let name = name.to_lowercase();
     OF_OTHER_PROGRAMS.iter().find(|(other, _)| *other == name).map(|(_, own)| *own)

@@ -123,8 +123,9 @@ pub trait System: Send {
     ) -> Result<(), Failure>;
 
     /// Computes the gradient of a functional with respect to `x` and writes it into `out` (of the
-    /// same length as `x`): the components of all unknowns, and the components of the parameters
-    /// listed in `released`. The components of parameters that are not released are unspecified.
+    /// same length as `x`): the derivatives with respect to all unknowns, and with respect to the
+    /// parameters listed in `released`. In `out`, the components of parameters that are not
+    /// released are unspecified.
     ///
     /// # Errors
     /// The errors of [`derivative`](System::derivative) and [`monitors`](System::monitors), and
@@ -212,7 +213,7 @@ pub trait System: Send {
         Vec::new()
     }
 
-    /// The description of the unknowns, which is saved with them.
+    /// The description of the unknowns (such as their mesh), which is saved with solutions.
     fn representation(&self) -> Representation {
         Representation::default()
     }
@@ -235,9 +236,9 @@ pub trait System: Send {
         None
     }
 
-    /// Prepares the start of a branch from a saved solution: by default, the solution must have the
-    /// same unknowns. A discretisation can change its mesh for the start, and thereby the number of
-    /// its unknowns.
+    /// Prepares the start of a branch from a saved solution; in the default implementation, the
+    /// saved solution must have the same unknowns as the system. A discretisation can change its
+    /// mesh for the start, and thereby the number of its unknowns.
     ///
     /// # Errors
     /// [`Failure`] if this system cannot start a branch from the saved solution.
@@ -270,7 +271,7 @@ pub trait System: Send {
 pub trait Discretised {
     /// Returns the same problem on a finer discretisation, which is used for the final correction
     /// of special points; the change of a special point is the share of the discretisation in its
-    /// `error`. `None` if the system has no finer discretisation.
+    /// `error`. Returns `None` if the system has no finer discretisation.
     fn refined(&mut self, x: &[f64]) -> Option<Refinement>;
 
     /// Sets the accuracy of subsequent evaluations, assemblies and factorisations.
@@ -288,10 +289,11 @@ pub trait Discretised {
         false
     }
 
-    /// Returns the unknowns of a saved solution on the present mesh. A periodic solution can begin
-    /// at any phase: an autonomous solution is shifted to the phase of the last accepted solution;
-    /// for a solution that lasts several periods of a forcing, one shifted solution is returned for
-    /// each period, at times near the times of the solution `near`.
+    /// Returns the unknowns of a saved solution, transferred to the present mesh. A periodic
+    /// solution can begin at any phase. An autonomous solution is therefore shifted to the phase of
+    /// the last accepted solution. For a solution that lasts several periods of a forcing, one
+    /// shifted solution is returned for each period, at times near the times of the solution
+    /// `near`.
     ///
     /// # Errors
     /// [`Failure`] if the saved solution does not belong to this problem.
@@ -325,8 +327,8 @@ pub trait Discretised {
     /// Returns the system of homoclinic orbits, and an initial orbit: an orbit near a saved cycle,
     /// or the saved homoclinic orbit of a curve that is continued. The orbit near a cycle begins
     /// and ends at the distance `radius` from the equilibrium, in units of the extents of the
-    /// cycle; a saved orbit keeps its end distances. The orbit is homoclinic where the monitor
-    /// `homoclinic_gap` vanishes.
+    /// cycle; a saved orbit keeps its end distances. The returned orbit is homoclinic only if the
+    /// monitor `homoclinic_gap` vanishes.
     ///
     /// # Errors
     /// [`Failure`] if no homoclinic orbit is found nearby.
@@ -338,8 +340,8 @@ pub trait Discretised {
 
     /// Returns a long cycle near the homoclinic orbit with which a curve of homoclinic orbits
     /// begins at a Bogdanov–Takens point; the two released parameters are changed accordingly. The
-    /// amplitude of the cycle is a fraction of the size of the equilibrium, or less if the normal
-    /// form limits the amplitude, times a factor.
+    /// amplitude of the cycle is a given factor times a fraction of the size of the equilibrium;
+    /// the fraction is smaller if the normal form limits the amplitude.
     ///
     /// # Errors
     /// [`Failure`] if the normal form is degenerate, or the released parameters do not unfold it.
@@ -407,14 +409,14 @@ pub(crate) const HOMOCLINIC_RADIUS: f64 = 1e-5;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Deviation {
     /// The sum of the squares of the components of the deviation, integrated over the period of an
-    /// orbit, or averaged over the iterates of a cycle of a map. The states of two orbits are
-    /// compared at equal times after the starts of the orbits.
+    /// orbit, or averaged over the iterates of a cycle of a map. For this sum, the states of the
+    /// two orbits are compared at equal times after the starts of the orbits.
     pub square: f64,
-    /// The inner product of the deviation with the velocity, integrated over the period, if the
-    /// start time of the orbit is free, as for an autonomous orbit with events; otherwise 0.
+    /// The inner product of the deviation with the orbit's velocity, integrated over the period, if
+    /// the start time of the orbit is free, as for an autonomous orbit with events; otherwise 0.
     pub along: f64,
-    /// The square of the velocity, integrated over the period, if the start time of the orbit is
-    /// free; otherwise 0.
+    /// The square of the orbit's velocity, integrated over the period, if the start time of the
+    /// orbit is free; otherwise 0.
     pub motion: f64,
     /// The period of the solution; 1 for equilibria and maps.
     pub period: f64,
@@ -434,7 +436,8 @@ impl Default for Deviation {
 }
 
 impl Deviation {
-    /// Returns `square` of the same deviation if the deviating orbit starts later by `shift`.
+    /// Returns the value that `square` has for the same deviation if the deviating orbit starts
+    /// later by the time `shift`.
     pub fn square_after(&self, shift: f64) -> f64 {
         self.square - shift * (2.0 * self.along - shift * self.motion)
     }
@@ -446,7 +449,7 @@ impl Deviation {
     }
 }
 
-/// The closeness of a cycle to an equilibrium.
+/// A measure of how close a cycle is to an equilibrium.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Approach {
     /// The estimated distance of the cycle from the nearest equilibrium, relative to the extents of
@@ -482,7 +485,8 @@ pub struct Representation {
     pub method: String,
     /// The mesh on which the unknowns are given; empty if the discretisation has no mesh.
     pub mesh: Vec<f64>,
-    /// Whether solutions are interpolated between the values on the mesh, as in collocation.
+    /// Whether the values of a solution between the mesh points are interpolated, as in
+    /// collocation.
     pub interpolated: bool,
 }
 
@@ -493,7 +497,7 @@ impl Representation {
     }
 }
 
-/// The properties of a solution that its discretisation determines.
+/// Properties of a solution that depend on its discretisation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Traits {
     /// The estimated relative error that the mesh causes; 0 if the discretisation has no mesh.
@@ -512,9 +516,10 @@ pub struct Traits {
     /// because the flow of a vector field preserves orientation. `None` for solutions other than
     /// smooth orbits.
     pub smooth_multipliers: Option<usize>,
-    /// The minimum over the segments of the largest state on a segment, in units of the states'
-    /// scales; tolerances are relative to these scales. Segments on which the states are constant
-    /// do not count; infinite if no segment counts.
+    /// For each segment, the size of its largest state is determined, in units of the states'
+    /// scales; this is the smallest of these sizes over all segments. Tolerances are relative to
+    /// the states' scales. Segments on which the states are constant are not included in this
+    /// minimum; the minimum is infinite if no segment is included.
     pub least_size: f64,
 }
 

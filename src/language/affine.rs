@@ -54,8 +54,8 @@ impl Affine {
             .fold(begin, |sum, (input, slope)| Some(sum?.plus(*slope, value(*input)?)))
     }
 
-    /// Divides by another affine value: returns the factor, and the remainder, which no longer
-    /// depends on one of the inputs of the divisor.
+    /// Divides an affine value by another affine value (the divisor): returns the factor, and a
+    /// remainder that no longer depends on one of the inputs of the divisor.
     pub fn without(self, other: &Affine) -> (f64, Self) {
         let largest = other.slopes.iter().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
         let Some((input, slope)) = largest else { return (0.0, self) };

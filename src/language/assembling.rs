@@ -13,22 +13,24 @@ use std::fmt::Write;
 use std::ops::{Deref, Range};
 use std::sync::Arc;
 
-/// The maximum number of values computed while formulas are assembled: for any model, and per state
-/// for a large model.
+/// The maximum number of values that are computed while formulas are assembled; the first limit is
+/// for any model, and the second is the limit per state for a large model.
 const WORK: [usize; 2] = [2_000_000, 150];
-/// The maximum number of operations on a tape: for any model, and per state for a large model.
+/// The maximum number of operations on a tape (the list of operations that evaluates formulas); the
+/// first limit is for any model, and the second is the limit per state for a large model.
 const OPERATIONS: [usize; 2] = [300_000, 30];
-/// Heuristic: the number of invalid definitions after which the remaining elements of an array get
-/// the same error.
+/// Heuristic: after this number of invalid definitions of elements of an array, the remaining
+/// elements get the same error.
 const ERRORS: usize = 100;
-/// Heuristic: the number of most recent phrases within which an equal phrase is not stored again.
+/// Heuristic: a phrase (a part of the text) is not stored again if it equals one of the last
+/// phrases; this is the number of last phrases that are compared.
 const RECENT: usize = 8;
 /// The maximum nesting depth of sums and functions.
 const NESTED: usize = 300;
 /// The maximum depth of nested function calls.
 const CALLS: usize = 100;
 
-/// The formulas of a scope while they are assembled into one tape.
+/// The formulas of a scope while they are assembled into one tape (a list of operations).
 pub(super) struct Assembling<'s> {
     scope: &'s Scope,
     assembly: Assembly,
@@ -36,14 +38,14 @@ pub(super) struct Assembling<'s> {
     defined: Vec<Result<Value, ModelError>>,
     /// Whether a definition is being assembled at present.
     defining: bool,
-    /// Local names, each with its value.
+    /// Local names, such as the arguments of a function or the index of a sum, each with its value.
     locals: Vec<(Arc<str>, Value)>,
     frame: usize,
     calls: Vec<String>,
     depth: usize,
     work: usize,
     phrases: Vec<Phrase>,
-    /// Whether the states of formulas are values at the ends of an interval, `x(0)` and `x(1)`.
+    /// Whether formulas contain the states at the two ends of an interval, `x(0)` and `x(1)`.
     at_ends: bool,
 }
 
@@ -78,7 +80,8 @@ impl<'s> Assembling<'s> {
         &self.assembly
     }
 
-    /// Returns whether one of the given values depends on an input that satisfies a predicate.
+    /// Returns whether at least one of the given values depends on an input for which a predicate
+    /// is true.
     pub fn depends(&self, values: &[Value], sort: impl Fn(Value) -> bool) -> bool {
         self.assembly.depends(values, sort)
     }
@@ -162,7 +165,7 @@ impl<'s> Assembling<'s> {
         (self.depth, self.frame, self.calls) = (depth, frame, calls);
     }
 
-    /// Returns the tape that computes the given values.
+    /// Returns the tape (the list of operations) that computes the given values.
     pub fn tape(&self, results: &[Value]) -> Tape {
         Layout::of(&self.assembly, results).tape(results)
     }
@@ -412,7 +415,8 @@ impl<'s> Assembling<'s> {
     }
 }
 
-/// Assembled formulas: their tape, and the positions of the tape's operations in the text.
+/// Assembled formulas: their tape (a list of operations), and the position in the text of each
+/// operation on the tape.
 #[derive(Clone, Debug)]
 pub(super) struct Program {
     tape: Tape,

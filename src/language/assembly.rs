@@ -1,5 +1,5 @@
-//! Construction of tapes from operations: merges common subexpressions, folds constants, and shares
-//! registers.
+//! Construction of tapes (lists of operations) for formulas: merges common subexpressions, folds
+//! constants, and shares registers.
 
 use super::operation::Operation;
 use std::collections::HashMap;
@@ -48,15 +48,16 @@ impl Value {
     }
 }
 
-/// The origin of an operation in the text: the index of a phrase among all parsed phrases, and the
-/// range of the operation in the phrase.
+/// The origin of an operation in the text: the index of a phrase (a part of the text) in the list
+/// of all parsed phrases, and the range of the operation in this phrase.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct Origin {
     pub phrase: usize,
     pub part: Range<usize>,
 }
 
-/// An operation with three arguments; an operation with fewer arguments repeats its first argument.
+/// An operation with its arguments, stored as three values; if the operation has fewer arguments,
+/// the first argument is repeated.
 pub(super) type Applied = (Operation, [Value; 3]);
 
 /// Operations without duplicates.
@@ -65,18 +66,20 @@ pub(super) struct Assembly {
     pub applied: Vec<Applied>,
     origins: Vec<Origin>,
     known: HashMap<Key, u32, BuildHasherDefault<Mixer>>,
-    /// The index of each number that occurs, in order of its first occurrence.
+    /// The index of each number that occurs in the formulas; numbers are counted in the order of
+    /// their first occurrence.
     numbers: HashMap<u64, u32, BuildHasherDefault<Mixer>>,
 }
 
-/// The key of an operation: the operation and its arguments in 32 bits each, to save memory in
-/// models with millions of operations.
+/// The key of an operation in the hash table: the operation and its arguments, in 32 bits each, to
+/// save memory in models with millions of operations.
 type Key = (u64, u64);
 
 /// An index larger than any index in a model.
 const NOWHERE: u32 = u32::MAX >> 2;
 
-/// A fast hash. The keys of the hash table are indices, so attackers cannot choose colliding keys.
+/// A fast hash. The keys of the hash table are indices, so that the author of a text cannot choose
+/// colliding keys.
 #[derive(Default)]
 struct Mixer(u64);
 
@@ -158,12 +161,13 @@ impl Assembly {
         self.known.get(&key(applied, number)).copied()
     }
 
-    /// Drops the tables that are needed only while operations are added.
+    /// Discards the tables that are needed only while operations are added.
     pub fn complete(&mut self) {
         (self.known, self.numbers) = Default::default();
     }
 
-    /// Returns whether one of the given values depends on an input that satisfies a predicate.
+    /// Returns whether at least one of the given values depends on an input for which a predicate
+    /// is true.
     pub fn depends(&self, values: &[Value], sort: impl Fn(Value) -> bool) -> bool {
         let needed = self.needed(values);
         let operations = self.applied.iter().zip(needed).filter(|(_, needed)| *needed);
@@ -225,8 +229,8 @@ impl Assembly {
     }
 }
 
-/// Returns the key of an operation, from which equal operations are recognised. The callback
-/// `number` returns the index of a number among all numbers of the assembly.
+/// Returns the key of an operation in the hash table, by which equal operations are recognised. The
+/// callback `number` returns the index of a number among all numbers of the assembly.
 fn key((operation, arguments): &Applied, mut number: impl FnMut(u64) -> u32) -> Key {
     let [a, b, c] = arguments.map(|value| {
         let [sort, position] = match value {

@@ -50,7 +50,7 @@ pub(super) struct Basis {
     pub labels: Vec<(String, String)>,
 }
 
-/// The functions of a problem given as text that go beyond the traits of the core.
+/// The functions that a problem given as text provides in addition to the traits of the core.
 pub(super) trait Kind {
     fn basis(&self) -> &Basis;
 
@@ -60,8 +60,8 @@ pub(super) trait Kind {
         None
     }
 
-    /// Returns the initial states of a motion; for a boundary-value problem, returns the initial
-    /// profiles at the position `tau`, in units of the interval's length.
+    /// Returns the initial states of a motion; for a boundary-value problem, returns the values of
+    /// the initial profiles at the position `tau`, in units of the interval's length.
     fn initial_along(&self, _tau: f64, p: &[f64]) -> Vec<(String, f64)> {
         self.basis().initial_at(0.0, p)
     }
@@ -103,8 +103,8 @@ pub(super) fn constant(scope: &Scope, phrase: &Phrase) -> Result<f64, ModelError
 }
 
 impl Basis {
-    /// Collects the parameters of a statement, and the names of the parameters to which a scene
-    /// gives values.
+    /// Collects the parameters of a statement of equations, and the names of the parameters to
+    /// which a scene gives values.
     pub fn of(source: &Source, common: Common, given: &[String]) -> Result<Self, ModelError> {
         let scope = Scope::new(source.clone());
         let (mut parameters, mut defaults) = (Vec::new(), Vec::new());
@@ -124,8 +124,8 @@ impl Basis {
         Ok(Basis { source, parameters, defaults, definitions, ..Basis::default() })
     }
 
-    /// Assembles a statement without modes and events up to the formulas of its rates, that is,
-    /// names, initial states and rates.
+    /// Assembles the first parts of a statement without modes and events: the names, the initial
+    /// states, and the rates of the states.
     pub fn of_rates(
         source: &Source,
         common: Common,
@@ -140,9 +140,9 @@ impl Basis {
         Ok((basis, scope, states))
     }
 
-    /// Assembles the parts of a model that do not depend on the kind of its equations, in the
-    /// scopes of all modes: monitors and sizes of states, and for systems with events also the size
-    /// of time.
+    /// Assembles the parts of a model that do not depend on the kind of its equations: the
+    /// monitors, the sizes of states, and, for systems with events, the size of time. The formulas
+    /// are assembled in the scopes of all modes.
     pub fn finish(
         &mut self,
         common: Common,
@@ -186,7 +186,8 @@ impl Basis {
         self.monitors[monitor].1[mode].value(t, x, p)
     }
 
-    /// Returns the scope of formulas: the names of states, parameters, definitions and functions.
+    /// Returns the scope in which formulas are assembled: the names of states, parameters,
+    /// definitions and functions.
     pub fn scope(&self, common: Common, states: &[Stated]) -> Result<Scope, ModelError> {
         let mut scope = Scope::new(self.source.clone());
         for (k, name) in self.parameters.iter().enumerate() {
@@ -407,8 +408,8 @@ pub(super) fn recorded(states: &[String]) -> (Vec<usize>, Vec<(String, Range<usi
     (single, arrays)
 }
 
-/// Returns the measures that are recorded by default: they are the same as for other problems,
-/// except that of a long array only the norm is recorded.
+/// Returns the measures that are recorded by default: the measures of other problems, except that
+/// only the norm of a long array is recorded.
 fn measures(states: &[String], monitors: Vec<String>) -> Vec<(String, Measure)> {
     let (single, arrays) = recorded(states);
     let norms = arrays.into_iter().map(|(name, all)| (name, Measure::norm(states[all].to_vec())));
@@ -416,9 +417,9 @@ fn measures(states: &[String], monitors: Vec<String>) -> Vec<(String, Measure)> 
     norms.chain(Measure::by_default(single, monitors)).collect()
 }
 
-/// Returns the labels of axes for columns: the label or the name of the column, followed by its
-/// unit. The column `period` has the unit of time, and the columns of the extremes of a state have
-/// the label and the unit of the state.
+/// Returns the axis labels of columns: the label that the statement gives, or else the name of the
+/// column, followed by the unit. The column `period` has the unit of time, and the columns of the
+/// extremes of a state have the label and the unit of the state.
 fn labels_of(
     basis: &Basis,
     common: Common,

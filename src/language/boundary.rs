@@ -65,8 +65,8 @@ pub(super) fn understood(
     Ok(Conditions { basis, unknowns, rates, conditions, integrands, integrals })
 }
 
-/// Labels the axis of the position on the interval, which need not be a time, by its name `t` in
-/// the equations, unless the statement gives a label.
+/// Labels the axis that shows the position on the interval by the name `t` of this position in the
+/// equations, unless the statement gives a label, because the position need not be a time.
 fn name_position(basis: &mut Basis, common: Common) {
     let monitors = basis.monitor_names();
     let mut others = basis.states.iter().chain(&basis.parameters).chain(&monitors);
@@ -86,15 +86,16 @@ impl Kind for Conditions {
         &self.basis
     }
 
-    /// Returns the initial profiles, evaluated with the additional unknowns set to 0.
+    /// Returns the values of the initial profiles, which are evaluated with the additional unknowns
+    /// set to 0.
     fn initial_along(&self, tau: f64, p: &[f64]) -> Vec<(String, f64)> {
         let q = [p, &vec![0.0; self.unknowns.len()]].concat();
         self.basis.initial_at(tau * self.basis.duration.value(&q), p)
     }
 }
 
-/// Returns an error unless the number of conditions equals the number of states plus the number of
-/// additional unknowns.
+/// Returns an error unless the number of boundary conditions and integral conditions equals the
+/// number of states plus the number of additional unknowns.
 fn check_count(source: &Source, statement: &Boundary, states: usize) -> Result<(), ModelError> {
     let given = statement.conditions.len() + statement.integrals.len();
     let unknowns = statement.unknowns.len();

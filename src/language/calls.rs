@@ -1,5 +1,5 @@
-//! Checks of the names and calls in formulas that need no values, so that functions that are never
-//! called are checked, too.
+//! Checks the names and calls in formulas without computing values, so that functions that are
+//! never called are checked, too.
 
 use super::operation::{self, Operation};
 use super::scope::{Function, Scope};
@@ -22,8 +22,8 @@ impl Scope {
         functions.into_iter().map(|(_, own)| error(own)).collect()
     }
 
-    /// Returns an error for unknown names and invalid calls in a formula, except for the given
-    /// local names.
+    /// Returns an error for unknown names and invalid calls in a formula; the given local names
+    /// count as known.
     pub fn check_nodes(
         &self,
         nodes: &[Node],

@@ -7,10 +7,11 @@ use std::sync::Arc;
 /// sparse matrices.
 pub(super) const ELEMENTS: usize = 200_000;
 
-/// The names and values of the named indices.
+/// The names of the indices of an array element, each with its value.
 pub(super) type Indices = Vec<(Arc<str>, f64)>;
 
-/// A scalar, or an element of an array with the values of its named indices.
+/// A scalar, or an element of an array; an element has the values of those of its indices that have
+/// names.
 #[derive(Clone, Debug)]
 pub(super) struct Element {
     pub name: String,

@@ -17,7 +17,7 @@ use crate::core::problem::{distinct, position};
 use crate::core::scalar::Scalar;
 use std::collections::HashMap;
 
-/// The condition under which a guard triggers an event.
+/// The condition under which an event of a guard occurs.
 #[derive(Clone, Debug)]
 pub(super) enum When {
     /// The event occurs at the zeros of a function.
@@ -27,7 +27,8 @@ pub(super) enum When {
 }
 
 impl When {
-    /// Returns the value of the guard's function, or the time left until the next given time.
+    /// Returns the value of the guard's function; for events at given times, returns the time left
+    /// until the next event.
     pub fn value<T: Scalar>(&self, t: T, x: &[T], p: &[T]) -> T {
         match self {
             When::Vanishes(function) => function.value(t, x, p),
@@ -41,7 +42,7 @@ impl When {
     }
 }
 
-/// A guard in one of the modes in which it is active.
+/// The event of a guard in one of the modes in which the guard is active.
 #[derive(Clone, Debug)]
 pub(super) struct Event {
     pub when: When,
@@ -51,8 +52,8 @@ pub(super) struct Event {
     pub resets: Vec<(usize, Tape)>,
 }
 
-/// The possible next modes, and the functions that select the next mode: the first function with a
-/// positive value selects its mode.
+/// The possible modes after an event, and the functions that select one of them: the mode of the
+/// first function with a positive value is selected.
 #[derive(Clone, Debug)]
 pub(super) struct Choice {
     modes: Vec<usize>,
@@ -60,7 +61,8 @@ pub(super) struct Choice {
 }
 
 impl Choice {
-    /// Returns the possible next modes, in the order in which their functions are tested.
+    /// Returns the possible modes after the event, in the order in which their functions are
+    /// tested.
     pub fn modes(&self) -> &[usize] {
         &self.modes
     }
@@ -70,14 +72,15 @@ impl Choice {
         &self.functions[position]
     }
 
-    /// Returns the next mode at `(t, x, p)`: the last mode if no function is positive.
+    /// Returns the mode after an event at `(t, x, p)`; the last mode is returned if no function is
+    /// positive.
     pub fn at(&self, t: f64, x: &[f64], p: &[f64]) -> usize {
         let positive = self.functions.iter().position(|function| function.value(t, x, p) > 0.0);
         self.modes[positive.unwrap_or(self.modes.len() - 1)]
     }
 }
 
-/// A mode of a statement, while the statement is assembled.
+/// A mode of a statement of equations, while the statement is assembled.
 pub(super) struct ModeScope {
     pub name: String,
     pub states: Vec<String>,
@@ -285,12 +288,12 @@ fn choice(
     Ok(Some(Choice { modes, functions }))
 }
 
-/// The reset formulas of states, by the name of the state, each with the values of the state's
-/// array indices.
+/// For each state that is reset, by its name: the formula of its value after the event, and the
+/// values of the state's array indices.
 type Resets = HashMap<String, (Formula, Indices)>;
 
-/// Returns the reset formulas of a guard in a mode, by the name of the state; a name with a range
-/// of indices resets all elements in the range.
+/// Returns the reset formulas of a guard in a mode, by the names of the reset states; a name with a
+/// range of indices resets all elements in the range.
 fn resets(
     source: &Source,
     guard: &statement::Guard,
@@ -313,7 +316,8 @@ fn resets(
     Ok(resets)
 }
 
-/// Returns the tape that computes the states in the next mode from the states in the present mode.
+/// Returns the tape (the list of operations) that computes the states after an event in the next
+/// mode from the states before the event.
 fn reset(
     source: &Source,
     guard: &statement::Guard,

@@ -23,8 +23,9 @@ pub struct TwoFields {
     rates: [Program; 2],
     sliding: Option<Program>,
     surface: Program,
-    /// Two functions: the trajectory does not leave the surface upwards while the first function is
-    /// positive, and does not leave it downwards while the second function is positive.
+    /// Two functions that decide how long sliding lasts: a sliding motion does not leave the
+    /// surface upwards while the first function is positive, and does not leave it downwards while
+    /// the second function is positive.
     holds: [Option<Program>; 2],
 }
 
@@ -139,8 +140,9 @@ fn names(source: &Source, stated: &Formulas) -> Result<FilippovNames, ModelError
     Ok(FilippovNames { above, below, sliding, surface })
 }
 
-/// Returns a function for each side of the surface: while it is positive, a sliding motion does not
-/// leave the surface to this side; `None` if the statement does not contain the function.
+/// Returns, for each side of the surface, a function: a sliding motion does not leave the surface
+/// to this side while the function is positive; `None` if the statement does not contain the
+/// function.
 fn holds(statement: &FilippovEquations, scope: &Scope) -> Result<[Option<Program>; 2], ModelError> {
     let mut holds = [None, None];
     for (side, formula) in &statement.holds {

@@ -22,7 +22,7 @@ pub struct Hybrid {
     guards: Vec<Guard>,
     /// The rates of the states in each mode.
     rates: Vec<Program>,
-    /// The events of each guard, by mode; `None` in modes that the guard does not end.
+    /// The events of each guard, one for each mode; `None` in modes that do not have this guard.
     events: Vec<Vec<Option<Event>>>,
     in_lanes: bool,
 }
@@ -65,7 +65,7 @@ impl Kind for Hybrid {
     }
 
     /// Returns the names of the guards whose functions are discontinuous, such as the phase of a
-    /// clock: an event is missed where a function jumps over zero.
+    /// clock: where such a function jumps over zero, its event is missed.
     fn jumping_guards(&self) -> Vec<&str> {
         let jumps = |all: &Vec<Option<Event>>| {
             all.iter().flatten().filter_map(|event| event.when.function()).any(Tape::jumps)
@@ -180,8 +180,8 @@ impl HybridSystem for Hybrid {
         }
     }
 
-    /// Returns the given mode if its guards are positive; otherwise returns the first mode with the
-    /// same states whose guards are positive.
+    /// Returns the given mode if all its guards are positive; otherwise returns the first mode with
+    /// the same states in which all guards are positive.
     fn initial_mode(&self, mode: usize, t: f64, x: &[f64], p: &[f64]) -> usize {
         // A guard that is not finite is reported when motion begins.
         let fallen = |guard: usize, mode: usize| {

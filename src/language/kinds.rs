@@ -53,7 +53,7 @@ macro_rules! kinds {
 
         impl Statement {
             /// Parses the bracketed part of a statement, including the brackets, at its position in
-            /// the source. Fields whose names are in `others` are also allowed.
+            /// the source. Fields whose names are in the list `others` are also allowed.
             ///
             /// # Errors
             /// [`ModelError`] with its place in the text, if the statement has an invalid form.

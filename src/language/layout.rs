@@ -1,5 +1,5 @@
-//! Layout of a tape: assigns values to registers; values that are not needed at the same time may
-//! share a register.
+//! Layout of a tape (the list of operations that evaluates formulas): assigns values to registers;
+//! values that are not needed at the same time may share a register.
 
 use super::assembly::{Assembly, Value};
 use super::operation::Operation;
@@ -13,18 +13,18 @@ const PRELOADED: usize = 6;
 /// The maximum number of results that stay in registers until the end of the tape.
 const KEPT: usize = 8;
 
-/// The number of remaining reads with which a value is marked as never to be dropped from its
+/// A special number of remaining reads, which marks a value that must never be dropped from its
 /// register.
 const KEPT_FOREVER: u32 = u32::MAX / 2;
 
-/// A tape whose layout is being computed.
+/// A tape (list of operations) while values are assigned to its registers.
 pub(super) struct Layout<'a> {
     assembly: &'a Assembly,
     needed: Vec<bool>,
-    /// The number of remaining reads of each value.
+    /// For each value, the number of operations that have not yet read it.
     reads: Values<u32>,
-    /// The cosine that is computed together with a sine of the same angle, or the sine that is
-    /// computed together with a cosine, by the index of the first of the two operations.
+    /// The pairs of a sine and a cosine of the same angle, which are computed together: the index
+    /// of the second operation, stored under the index of the first.
     partners: HashMap<u32, u32>,
     registers: Values<Option<u32>>,
     free: Vec<u32>,
@@ -143,8 +143,8 @@ impl<'a> Layout<'a> {
         self.release(value);
     }
 
-    /// Returns, for each operation, whether it is a product that is computed together with a sum,
-    /// because no other operation reads the product.
+    /// Returns a flag for each operation: true for a product that can be computed together with a
+    /// sum, because no other operation reads the product.
     fn fused(&self) -> Vec<bool> {
         let mut fused = vec![false; self.assembly.len()];
         for (k, (operation, [a, b, _])) in self.assembly.applied.iter().enumerate() {
@@ -166,7 +166,7 @@ impl<'a> Layout<'a> {
         self.push_operation((code, Operation::Add), into, registers, n);
     }
 
-    /// Adds a step to the tape; the operation matters only for a step of the general kind.
+    /// Adds a step to the tape; `operation` is used only if the code of the step is `General`.
     fn push_operation(
         &mut self,
         (code, operation): (Code, Operation),
@@ -177,8 +177,8 @@ impl<'a> Layout<'a> {
         self.steps.push(Step { code, operation, into, a, b, c, n });
     }
 
-    /// Returns the register of a value; inputs and numbers that are not in a register are loaded
-    /// first.
+    /// Returns the register that contains a value; inputs and numbers that are not in a register
+    /// are first loaded into one.
     fn read(&mut self, value: Value) -> u32 {
         if let Some(register) = self.registers.get(value) {
             return register;
@@ -276,7 +276,7 @@ impl<'a> Layout<'a> {
     }
 }
 
-/// A planned step of the tape, with the values that it reads and its constants.
+/// A planned step of the tape: its code, the values that it reads, and its constants.
 struct Planned {
     code: Code,
     inputs: Vec<Value>,
@@ -291,7 +291,7 @@ impl Planned {
     }
 }
 
-/// A sum or difference of two terms; the term `product` may be a product.
+/// A sum or difference of two terms; the term named `product` is the one that may be a product.
 struct Sum {
     product: Value,
     other: Value,
@@ -300,20 +300,20 @@ struct Sum {
 }
 
 impl Sum {
-    /// Creates a sum from an operation whose second term is regarded as the product.
+    /// Creates a sum from an operation, whose second term is tried as the product.
     fn second(operation: Operation, a: Value, b: Value) -> Self {
         let sign = if operation == Operation::Subtract { -1.0 } else { 1.0 };
         Sum { product: Sum::term(operation, b), other: a, signs: [sign, 1.0] }
     }
 
-    /// Creates a sum from an operation whose first term is regarded as the product.
+    /// Creates a sum from an operation, whose first term is tried as the product.
     fn first(operation: Operation, a: Value, b: Value) -> Self {
         let sign = if operation == Operation::Subtract { -1.0 } else { 1.0 };
         Sum { product: Sum::term(operation, a), other: b, signs: [1.0, sign] }
     }
 
-    /// Returns the term if the operation is a sum or difference; otherwise returns the time as a
-    /// placeholder, which is never a product.
+    /// Returns the given term if the operation is a sum or difference; otherwise returns the value
+    /// `Time` as a placeholder, which is never a product.
     fn term(operation: Operation, term: Value) -> Value {
         match operation {
             Operation::Add | Operation::Subtract => term,
@@ -321,8 +321,8 @@ impl Sum {
         }
     }
 
-    /// Returns the step that computes this product and the sum together, or `None` if no such step
-    /// exists.
+    /// Returns the step that computes the product `x y` and the sum together, or `None` if no such
+    /// step exists.
     fn step(&self, [x, y]: [Value; 2]) -> Option<Planned> {
         let Sum { other, signs: [sign, other_sign], .. } = *self;
         let scaled = [(x, y), (y, x)].into_iter().find_map(|(m, x)| Some((m.as_number()?, x)));

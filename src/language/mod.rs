@@ -11,11 +11,11 @@
 //! ```
 //!
 //! `docs/reference/language.md` describes the language. A formula is parsed into nodes in postfix
-//! order, and its names are resolved in the scope of its mode. All formulas that are evaluated
-//! together become one tape of operations, in which common subexpressions are computed only once. A
-//! tape is evaluated over any [`Scalar`](crate::core::scalar::Scalar) type without allocation, so
-//! that a [`Model`] supports all computations, such as derivatives of every order, orbits and local
-//! maps.
+//! order, and its names are then resolved in the scope of the mode in which the formula is used.
+//! All formulas that are evaluated together become one tape, a list of operations in which common
+//! subexpressions are computed only once. A tape is evaluated over any
+//! [`Scalar`](crate::core::scalar::Scalar) type without allocation, so that a [`Model`] supports
+//! all computations, such as derivatives of every order, orbits and local maps.
 
 mod affine;
 mod assembling;

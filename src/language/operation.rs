@@ -3,12 +3,13 @@
 use super::elementary;
 use crate::core::scalar::Scalar;
 
-/// The way in which the value of an operation depends on its arguments.
+/// The smoothness of an operation: how its value depends on its arguments.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Sort {
     /// The value is given by one smooth formula.
     Smooth,
-    /// The value is given by one of several formulas, selected by comparing numbers.
+    /// The value is given by one of several smooth formulas; a comparison of numbers selects the
+    /// formula.
     Chosen,
     /// The value is a discontinuous function of the arguments.
     Jumping,
@@ -151,8 +152,8 @@ impl Operation {
         self.sort() == Sort::Jumping
     }
 
-    /// Returns whether the value depends on a comparison; a single evaluation then cannot serve a
-    /// batch of motions with different outcomes of the comparison.
+    /// Returns whether the value depends on a comparison; if it does, a batch of motions with
+    /// different results of the comparison cannot be evaluated together.
     pub fn decides(self) -> bool {
         self.sort() != Sort::Smooth
     }

@@ -16,7 +16,8 @@ pub struct Zero {
     basis: Basis,
     names: Names,
     residual: Program,
-    /// The unknowns with a column of their own, and the long arrays whose norm is a column.
+    /// The unknowns that are shown in columns of their own, and the long arrays whose norms are
+    /// shown in columns.
     recorded: (Vec<usize>, Vec<Range<usize>>),
     monitors: Tape,
     dynamics: Dynamics,

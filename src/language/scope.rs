@@ -47,7 +47,7 @@ pub(super) struct Function {
     pub formula: usize,
 }
 
-/// The meanings of all names of a model in one of its modes.
+/// The meanings that all names in the formulas of a model have in one of its modes.
 #[derive(Clone, Debug)]
 pub(super) struct Scope {
     pub source: Source,
@@ -59,7 +59,7 @@ pub(super) struct Scope {
     pub definitions: Vec<Definition>,
     pub functions: HashMap<String, Function>,
     pub formulas: Vec<Formula>,
-    /// The names that occur in formulas.
+    /// The names that occur in at least one formula.
     pub used: RefCell<BTreeSet<String>>,
 }
 
@@ -126,7 +126,7 @@ impl Scope {
         Err(self.source.fault_of(phrase, fault).with_help("choose another name"))
     }
 
-    /// Returns an error if the formulas depend on time, for kinds of equations without time.
+    /// Returns an error if the formulas depend on time; used for kinds of equations without time.
     pub fn refuse_time(&self, reason: &str) -> Result<(), ModelError> {
         match self.uses("t") {
             true => {

@@ -22,8 +22,8 @@ pub struct Source {
 }
 
 thread_local! {
-    /// The address and the length of the text that is being parsed. The positions of substrings
-    /// borrowed by serde are computed from the addresses of these substrings.
+    /// The memory address and the length of the text that is being parsed. The positions in the
+    /// text of substrings that serde borrows are computed from the addresses of these substrings.
     static LENT: Cell<(usize, usize)> = const { Cell::new((0, 0)) };
 }
 
@@ -39,8 +39,8 @@ impl Source {
         Source { name: name.into(), text }
     }
 
-    /// Parses a part of the text; phrases that the parser borrows from the text know their
-    /// positions in it.
+    /// Parses a part of the text; the phrases (substrings) that the parser borrows from the text
+    /// know their positions in it.
     pub(super) fn lend<T>(&self, part: Range<usize>, read: impl FnOnce(&str) -> T) -> T {
         LENT.set((self.text.as_ptr() as usize, self.text.len()));
         let value = read(&self.text[part]);
@@ -54,14 +54,15 @@ impl Source {
         Phrase { text: text.into(), span: Some(span) }
     }
 
-    /// Returns the position of a phrase in this text, or the position of the original of a
-    /// rewritten phrase; `None` if the phrase is not from this text.
+    /// Returns the position of a phrase (a name or a formula) in this text; if the phrase was
+    /// rewritten, returns the position of the original phrase; `None` if the phrase is not from
+    /// this text.
     fn span_of(&self, phrase: &Phrase) -> Option<Range<usize>> {
         phrase.span.clone().filter(|span| self.text.get(span.clone()).is_some())
     }
 
-    /// Returns the file and the line of a phrase, as `equations.ron:7` or `line 7`; `None` if the
-    /// phrase is not from this text.
+    /// Returns the file and the line of a phrase (a name or a formula), as `equations.ron:7` or
+    /// `line 7`; `None` if the phrase is not from this text.
     pub(super) fn line_of(&self, phrase: &Phrase) -> Option<String> {
         let line = self.line(self.span_of(phrase)?.start);
         Some(match self.name.is_empty() {
@@ -70,7 +71,7 @@ impl Source {
         })
     }
 
-    /// Returns an error that quotes a part of a phrase.
+    /// Returns an error that quotes a part of a phrase (a name or a formula).
     pub fn fault(&self, phrase: &Phrase, part: Range<usize>, fault: Fault) -> ModelError {
         // Blanks after a part do not belong to it.
         let part = part.start..part.start + phrase.text[part].trim_end().len();
@@ -115,8 +116,8 @@ impl Source {
     }
 }
 
-/// Converts the RON error of a part of a source to a model error; the part starts at the offset
-/// `begin`.
+/// Converts an error of the RON parser in a part of a source to a model error; the part starts at
+/// the offset `begin`.
 pub(crate) fn misread(source: &Source, begin: usize, error: SpannedError) -> ModelError {
     let part = part_of(&source.text[begin..], &error);
     let fault = Fault::Form { reason: reason(&error.code) };
@@ -138,14 +139,14 @@ pub(crate) fn without_mark(text: &str) -> &str {
 pub struct Phrase {
     /// Its text.
     pub text: String,
-    /// The position of the phrase in its source, or the position of the original of a rewritten
-    /// phrase; `None` if the phrase is not from a source.
+    /// The position of the phrase in its source; if the phrase was rewritten, the position of the
+    /// original phrase; `None` if the phrase is not from a source.
     span: Option<Range<usize>>,
 }
 
 impl Phrase {
-    /// Replaces the text of a phrase, but keeps its position. Errors in the replaced text quote the
-    /// whole original phrase.
+    /// Replaces the text of a phrase (a name or a formula), but keeps its position. Errors that
+    /// occur in the new text quote the whole original phrase.
     ///
     /// ```
     /// use tangency::language::{Fault, Source};
@@ -300,7 +301,7 @@ pub enum Fault {
     /// An error in the syntax of a formula or a name.
     #[error("expected {expected}")]
     Syntax {
-        /// The syntax that would be valid at the place of the error.
+        /// A description of the syntax that is expected at the place of the error.
         expected: String,
     },
     /// An unknown name.
@@ -328,7 +329,7 @@ pub enum Fault {
     /// An error for an index, or an end of a range, that is not a constant integer.
     #[error("{what} must be an integer that does not depend on states, parameters or time{found}")]
     NotAnInteger {
-        /// The role of the number that must be an integer, such as `the index`.
+        /// The role of the number that must be an integer, for messages, such as `the index`.
         what: &'static str,
         /// The value of the number, as text; empty if the number is not constant.
         found: String,

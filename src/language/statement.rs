@@ -171,8 +171,7 @@ pub(super) struct Shared {
     pub initial: Formulas,
 }
 
-/// Returns whether a field has its default value and is therefore omitted in a serialized
-/// statement.
+/// Returns whether a field has its default value, so that it is omitted in a serialized statement.
 fn is_default<T: Default + PartialEq>(value: &T) -> bool {
     *value == T::default()
 }
@@ -214,7 +213,7 @@ pub struct Guard {
     /// The reset: states with their values after the event; all other states keep their values.
     #[serde(default, skip_serializing_if = "is_default")]
     pub reset: Formulas,
-    /// The mode that follows an accumulation of infinitely many events in a finite time.
+    /// The mode that follows if infinitely many events of the guard accumulate in a finite time.
     #[serde(default, skip_serializing_if = "is_default")]
     pub accumulates_to: Next,
     /// The shortest time within which the guard's function changes; needed if this time is shorter
@@ -229,7 +228,8 @@ pub struct Guard {
 #[serde(from = "Following", into = "Following")]
 pub struct Next(pub Vec<(Phrase, Option<Phrase>)>);
 
-/// The possible next modes as written in the text, each with or without a function.
+/// The possible modes after the event as written in the text, each with or without a function that
+/// selects it.
 #[derive(Serialize, Deserialize)]
 #[serde(
     untagged,
@@ -240,7 +240,7 @@ enum Following {
     Several(Vec<Choice>),
 }
 
-/// A possible next mode, without or with a function.
+/// A possible mode after the event, with or without a function that selects it.
 #[derive(Serialize, Deserialize)]
 #[serde(untagged)]
 enum Choice {

@@ -22,14 +22,14 @@ use winnow::token::{one_of, take_while};
 /// The dialect in which a formula is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Dialect {
-    /// The dialect of this library's models.
+    /// The dialect of formulas in this library's models.
     Own,
-    /// The dialect of XPPAUT files.
+    /// The dialect of formulas in XPPAUT files.
     Xpp,
 }
 
-/// A binary operator, with its binding strength in models and in XPPAUT files; the strength is 0 in
-/// a dialect without the operator.
+/// A binary operator, with its binding strength in models and in XPPAUT files; the strength is 0 if
+/// the dialect does not have the operator.
 pub(super) struct Infix {
     pub sign: &'static str,
     pub operation: Operation,
@@ -37,8 +37,8 @@ pub(super) struct Infix {
     pub xpp: u8,
 }
 
-/// The binary operators. In this order, an operator precedes every operator that is a prefix of it,
-/// and the preferred spelling of an operation comes last.
+/// The binary operators. In the list of operators, an operator precedes every operator that is a
+/// prefix of it, and of several spellings of an operation, the preferred one comes last.
 pub(super) const INFIX: [Infix; 16] = [
     Infix { sign: "||", operation: Operation::Or, own: 1, xpp: 0 },
     Infix { sign: "|", operation: Operation::Or, own: 1, xpp: 4 },
@@ -124,21 +124,24 @@ pub(super) enum Step<N = String> {
     Number(String),
     /// Pushes the value that a name denotes.
     Name(N),
-    /// Replaces the given number of indices on the stack by the array element with these indices.
+    /// Removes the given number of indices from the stack, and pushes the value of the array
+    /// element with these indices.
     Element(N, usize),
-    /// Replaces the given number of indices and an end of the interval (0 or 1) by the value of the
-    /// array element at this end.
+    /// Removes the given number of indices and an end of the interval (0 or 1) from the stack, and
+    /// pushes the value of the array element at this end.
     ElementAt(N, usize),
     /// Replaces the operands of an operation by its result.
     Apply(Operation),
-    /// Replaces the given number of arguments by the value of a function.
+    /// Removes the given number of arguments from the stack, and pushes the value of a function of
+    /// these arguments.
     Call(N, usize),
-    /// Replaces the two ends of a range by the sum of a formula over an index in this range.
+    /// Removes the two ends of a range from the stack, and pushes the sum of a formula over an
+    /// index in this range.
     Sum(N, Vec<Node<N>>),
 }
 
 impl<N> Step<N> {
-    /// Returns the number of values on the stack that the step replaces.
+    /// Returns the number of values on the stack that the step replaces by its result.
     pub fn operands(&self) -> usize {
         match self {
             Step::Number(_) | Step::Name(_) => 0,
@@ -176,7 +179,8 @@ impl Formula {
 /// Parses a formula that is written in a given dialect.
 ///
 /// # Errors
-/// The invalid part of the text, and a description of the syntax error.
+/// Returns, as the error, the range of the invalid part of the text, and a description of the
+/// syntax error.
 pub(super) fn nodes(text: &str, dialect: Dialect) -> Result<Vec<Node>, (Range<usize>, Fault)> {
     let whole = preceded(blank, |input: &mut Input| expression(input, 0));
     all(text, dialect, whole, "an operator, as in `2*x`, or the end of the formula")
@@ -320,7 +324,7 @@ fn number(input: &mut Input) -> ModalResult<String> {
     (number, multispace0).map(|(number, _)| number).parse_next(input)
 }
 
-/// Runs a parser at the next level of nesting.
+/// Runs a parser with the nesting depth increased by one.
 fn deeper<'a, T>(
     input: &mut Input<'a>,
     parser: impl FnOnce(&mut Input<'a>) -> ModalResult<T>,

@@ -1,15 +1,15 @@
-//! Tapes of formulas: lists of steps on registers, which are evaluated in any scalar type without
-//! allocation.
+//! Tapes, which evaluate formulas: a tape is a list of steps on registers that is evaluated in any
+//! scalar type without allocation.
 
 use super::elementary;
 use super::operation::Operation;
 use crate::core::scalar::{Scalar, in_registers_of};
 
-/// The instruction that a step of a tape executes. In the description of a step, `a`, `b` and `c`
-/// are registers, and `n` is a number.
+/// The instruction that a step of a tape executes. In the descriptions of instructions, `a`, `b`
+/// and `c` denote registers, and `n` denotes a number.
 ///
-/// Products are fused with sums, because every step costs a dispatch, which takes longer than the
-/// operation on real numbers.
+/// Some instructions compute a product and a sum, because selecting an instruction takes longer
+/// than executing it on real numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Code {
     /// Loads the state with index `a`.
@@ -18,8 +18,8 @@ pub(super) enum Code {
     Parameter,
     /// `n`.
     Number,
-    /// Stores register `a` as result number `into`; used if the tape has too many results to keep
-    /// in registers.
+    /// Stores the value of register `a` as result number `into`; used if the tape has too many
+    /// results to keep all of them in registers.
     Result,
     /// `a + b`.
     Add,
@@ -57,7 +57,7 @@ pub(super) enum Code {
     PowerReal,
     /// Computes `sin a`, and stores `cos a` in register `c`.
     SineCosine,
-    /// Applies the operation of the step to `a`, `b` and `c`.
+    /// Applies the operation that is stored in the step to `a`, `b` and `c`.
     General,
 }
 
@@ -81,16 +81,18 @@ pub(super) struct Tape {
     pub steps: Vec<Step>,
     /// The number of registers that the tape uses. The first register contains the time.
     pub registers: usize,
-    /// The number of states that are preloaded into the registers after the first register.
+    /// The number of states that are loaded into registers before the first step; these registers
+    /// follow the first register.
     pub preloaded: usize,
-    /// The indices of the parameters that are preloaded into the registers after the states.
+    /// The indices of the parameters that are loaded into registers before the first step; these
+    /// registers follow the registers of the states.
     pub parameters: Vec<u32>,
     /// The registers that contain the results at the end; empty if the tape has many results.
     pub outputs: Vec<u32>,
 }
 
-/// A register. The alignment of a register keeps vectors within one cache line, because reading a
-/// vector that was just stored is slow if it extends over two lines.
+/// A register. The alignment keeps the vector in a register within one cache line, because reading
+/// a vector that was just stored is slow if the vector extends over two lines.
 #[derive(Clone, Copy)]
 #[repr(align(32))]
 struct Register<T>(T);

@@ -1,5 +1,5 @@
-//! Parses the surroundings of a statement in a text, and splits the bracketed part into unparsed
-//! fields.
+//! Parses what surrounds a statement in a text (attributes, comments and the name of its kind), and
+//! splits the bracketed part into unparsed fields.
 
 use super::source::{ModelError, Source, misread, without_mark};
 use ron::extensions::Extensions;
@@ -7,7 +7,8 @@ use ron::value::RawValue;
 use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
 use std::ops::Range;
 
-/// Returns the name of the kind of the statement that a text consists of, and the rest of the text.
+/// Returns the name of the kind of a statement, given a text that consists of this statement, and
+/// the rest of the text.
 pub(crate) fn statement_in(text: &str) -> (&str, &str) {
     let text = skip_attributes(without_mark(text));
     text.split_at(text.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(text.len()))
@@ -88,7 +89,7 @@ fn behind_comments(text: &str, at: usize) -> usize {
     text.len() - skip_comments(&text[at..]).len()
 }
 
-/// Names of fields with their unparsed values.
+/// The names of fields, each with its unparsed value.
 #[derive(Default)]
 pub(crate) struct Parts<'a>(pub Vec<(String, &'a RawValue)>);
 

@@ -1,4 +1,5 @@
-//! The times of an event that occurs at given times, as a formula such as `n*period + phase`.
+//! The times of an event that occurs at given times, which are stated by a formula such as
+//! `n*period + phase`.
 
 use super::assembling::Assembling;
 use super::duration::Duration;

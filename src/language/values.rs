@@ -1,5 +1,5 @@
-//! Data attached to values: tables for inputs and results, which are faster than maps, and a map
-//! for numbers.
+//! Data that are attached to the values in formulas: tables for inputs and results, which are
+//! faster than maps, and a map for numbers.
 
 use super::assembly::Value;
 use std::collections::HashMap;
@@ -15,7 +15,8 @@ pub(super) struct Values<T> {
 }
 
 impl<T: Copy + Default> Values<T> {
-    /// Returns the data attached to a value, or the default data if none were stored.
+    /// Returns the data that are attached to a value in a formula, or the default data if no data
+    /// were stored.
     pub fn get(&self, value: Value) -> T {
         let known = match value {
             Value::Time => Some(&self.time),

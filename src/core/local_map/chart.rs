@@ -43,8 +43,8 @@ pub(super) struct Source<'a> {
 }
 
 impl Source<'_> {
-    /// Returns the space of the polynomials, whose variables are the coordinates followed by the
-    /// parameters.
+    /// Returns the space of the polynomials of the local map; the variables of the polynomials are
+    /// the coordinates followed by the parameters.
     pub fn space(&self, order: usize) -> Result<&'static Space, GrazingError> {
         Ok(Space::of(self.section.coordinates.len() + self.parameters.len(), order)?)
     }
@@ -58,10 +58,10 @@ pub(super) struct Place<T> {
     pub x: Vec<T>,
 }
 
-/// The maximal number of Newton iterations (heuristic): each iteration doubles the number of correct digits
-/// of the real part, and the degree to which the series is correct. Four iterations reach 16
-/// digits, and three more the highest degree; the remaining iterations allow for a poor initial
-/// guess.
+/// The maximal number of Newton iterations (heuristic): each iteration doubles the number of
+/// correct digits of the real part, and the degree up to which the Taylor series is correct. Four
+/// iterations give 16 correct digits, and three more iterations give correct coefficients up to the
+/// highest degree; the remaining iterations allow for a poor initial guess.
 const ROUNDS: usize = 12;
 /// The size of a Newton step, relative to the largest step, below which the step is a rounding
 /// error (rounding): about 50 ε.
@@ -70,15 +70,16 @@ const ROUNDING: f64 = 1e-14;
 /// (heuristic): Newton's method converges quadratically, so that the next step would be a rounding error.
 pub(super) const REACHED: f64 = 1e-6;
 
-/// Coordinates on the section of a grazing point, with parameters that are jets; provides points on
-/// the section and the motion from these points.
+/// Coordinates on the section of a grazing point, and the parameters as jets; the chart computes
+/// points on the section and the motion from these points.
 pub(super) struct Chart<'a, const C: usize> {
     pub source: Source<'a>,
     /// The deviations of the coordinates from the grazing point, as independent variables of the
     /// jets.
     pub deviations: Vec<Jet<C>>,
     p: Vec<Jet<C>>,
-    /// The time per unit of phase, `T(p)/phase of a period`.
+    /// The time in which the phase grows by 1: the forcing period `T(p)` divided by the phase of a
+    /// period.
     unit: Jet<C>,
     /// The time scale.
     pub scale: f64,
@@ -140,8 +141,8 @@ where
         place
     }
 
-    /// Returns a [`Moment`] with the mode, time and state of `place`, the system, and the
-    /// parameters.
+    /// Returns a [`Moment`] with the mode, the time and the state in `place`, and with the system
+    /// and the parameters of the chart.
     pub fn at<'m>(&'m self, Place { mode, t, x }: &'m Place<Jet<C>>) -> Moment<'m, Jet<C>> {
         Moment { system: self.source.system, mode: *mode, t: *t, x, p: &self.p }
     }
@@ -180,8 +181,8 @@ where
         place
     }
 
-    /// Returns the deviations of a point's coordinates from the coordinates of the grazing point,
-    /// whose phase is increased by `periods` forcing periods.
+    /// Returns the deviations of a point's coordinates from the coordinates that the grazing point
+    /// has after `periods` forcing periods.
     pub fn deviations_of(&self, place: &Place<Jet<C>>, periods: usize) -> Vec<Jet<C>> {
         let deviation = |coordinate: &Coordinate| match coordinate {
             Coordinate::State(i) => place.x[*i] - self.source.point.x[*i],

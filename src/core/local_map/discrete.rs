@@ -4,9 +4,9 @@ use super::map::LocalMap;
 use crate::core::problem::{DiscreteMap, Names};
 use crate::core::scalar::Scalar;
 
-/// The states and the parameters of the discrete map are deviations from the grazing orbit. At each
-/// point, the derivative of the map is the derivative on the side of the grazing on which the point
-/// lies.
+/// The states and the parameters of the discrete map are deviations from the grazing orbit. The
+/// derivative of the map at a point is the one-sided derivative on the side of the grazing (with or
+/// without the event) on which the point lies.
 impl DiscreteMap for LocalMap {
     fn names(&self) -> Names {
         Names::new(self.coordinates().iter().map(String::as_str), self.parameters().to_vec())

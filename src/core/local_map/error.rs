@@ -22,7 +22,7 @@ pub enum GrazingError {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Settings(#[from] SettingsError),
-    /// A parameter or measure of this name does not exist.
+    /// The named parameter or measure does not exist.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Unknown(#[from] UnknownName),
@@ -68,7 +68,8 @@ pub enum GrazingError {
         guard: String,
         /// The mode.
         mode: String,
-        /// The part of the second gradient that is orthogonal to the first gradient.
+        /// The relative length of the part of one gradient (of the guard or of its rate) that is
+        /// orthogonal to the other gradient.
         pivot: f64,
     },
     /// The orbit does not graze the guard's surface at the given point.
@@ -138,10 +139,10 @@ pub enum GrazingError {
     Apart {
         /// The name of the guard that the orbit grazes.
         touched: String,
-        /// The name of the guard that ends the returning motion.
+        /// The name of the guard at which the motion from the grazing point ends immediately.
         back: String,
-        /// The coefficient that measures the distance between the surfaces of the two guards, in
-        /// units of the scales.
+        /// The coefficient that measures the distance between the surface of the grazed guard and
+        /// the surface of the guard `back`, in units of the scales.
         left: f64,
     },
     /// The orbit does not return to the grazing point.
@@ -153,7 +154,7 @@ pub enum GrazingError {
         "give the durations of the legs of the orbit, and locate the grazing (G) first"
     ))]
     NoReturn {
-        /// The coordinate whose deviation is the largest.
+        /// The name of the coordinate that deviates most from the grazing point after one period.
         coordinate: String,
         /// The deviation.
         missed: f64,
@@ -186,7 +187,8 @@ pub enum GrazingError {
         estimate: f64,
         /// The allowed error.
         tolerance: f64,
-        /// The penetration at the point; negative if the motion does not reach the surface.
+        /// The penetration at the point at which the local map is evaluated; negative if the motion
+        /// does not reach the surface.
         penetration: f64,
     },
 }

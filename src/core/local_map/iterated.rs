@@ -17,13 +17,14 @@ const MOST: f64 = 1.0;
 /// The index of the map's only event, which occurs if the virtual point lies beyond the surface.
 const IMPACT: usize = 0;
 
-/// The iteration of a local map, which gives the attractors near a grazing in a fraction of the
-/// time that a simulation takes.
+/// The iteration of a local map: it finds the attractors near a grazing in a fraction of the time
+/// of a simulation.
 ///
 /// The states of the iterated map are deviations of the local map's coordinates from the grazing
 /// orbit. The parameters are the parameters of the system, in the order of the given names; only
-/// the parameters of the local map affect the result. If the virtual point lies beyond the surface,
-/// the period has the event `impact`; the only measure is `penetration`.
+/// the parameters of the local map affect the result. If the virtual point of an iterate lies
+/// beyond the surface, the iterate counts as a period with the event `impact`; the only measure of
+/// the map is `penetration`.
 ///
 /// ```
 /// use tangency::core::attractor::AttractorSearch;
@@ -53,7 +54,8 @@ pub struct Iterated {
     dual: Moving<Dual64>,
 }
 
-/// The map in one scalar type, with the deviations of its parameters from the grazing orbit.
+/// The local map in one scalar type, with the deviations of its parameters from their values on the
+/// grazing orbit.
 struct Moving<T> {
     iteration: Iteration<Arc<LocalMap>, T>,
     p: Vec<T>,

@@ -8,8 +8,8 @@ use std::ops::Deref;
 /// An evaluator of a [`LocalMap`] in one scalar type, with its buffers: after the first image, the
 /// iteration allocates no memory.
 ///
-/// A point consists of one component per coordinate of the map, and the parameters are the
-/// deviations of the map's parameters.
+/// A point is a list with one component for each coordinate of the map, and the parameters are
+/// given as deviations from their values at the grazing.
 ///
 /// With dual numbers the iteration computes the Jacobian of the map, whose entries grow like `1/y`
 /// near grazing.
@@ -22,19 +22,19 @@ pub struct Iteration<M, T> {
 }
 
 impl LocalMap {
-    /// Creates an iteration of the map.
+    /// Creates an evaluator with which the map can be iterated.
     pub fn iteration<T: Scalar>(&self) -> Iteration<&Self, T> {
         self.iteration_to(self.space().order())
     }
 
-    /// Creates an iteration of the map that omits terms above a given order.
+    /// Creates an evaluator of the map that omits terms above a given order.
     pub fn iteration_to<T: Scalar>(&self, order: usize) -> Iteration<&Self, T> {
         Iteration::new(self, order)
     }
 
-    /// Returns the contribution of the terms of highest order to the image of a point. The
-    /// contribution estimates the error of the map of the next lower order; if the series
-    /// converges, it bounds the error of the present map.
+    /// Returns the contribution of the terms of highest order to the image of a point. This
+    /// contribution estimates the error of the local map of the next lower order; if the Taylor
+    /// series converges, the contribution bounds the error of the local map of the full order.
     pub fn error(&self, x: &[f64], p: &[f64]) -> f64 {
         let (mut image, mut lower) = (x.to_vec(), x.to_vec());
         self.iteration().apply(&mut image, p);
@@ -73,8 +73,8 @@ impl<M: Deref<Target = LocalMap>, T: Scalar> Iteration<M, T> {
         Iteration { map, order, monomials: Monomials::default(), place: Vec::new() }
     }
 
-    /// Computes the penetration `−h` at a point on the section, given the deviations of its
-    /// coordinates and of the parameters.
+    /// Computes the penetration `−h` at a point on the section, given the deviations of the point's
+    /// coordinates and of the parameters from the grazing orbit.
     pub fn penetration(&mut self, x: &[T], p: &[T]) -> T {
         self.at(x, p);
         self.map.smooth.penetration.sum_to(self.order, &self.monomials)

@@ -12,13 +12,14 @@ use crate::core::scalar::Polynomial;
 /// Heuristic: the maximal number of Newton iterations for a grazing orbit.
 const ITERATIONS: usize = 12;
 /// Discretisation: the largest distance, in units of the scales, by which an orbit may miss its
-/// start when Newton's method has converged: a hundred times the tolerance of the flow.
+/// starting point after one turn if Newton's method has converged: a hundred times the tolerance of
+/// the flow.
 const DONE: f64 = 1e-11;
 
 impl GrazingPoint {
     /// Computes the nearest grazing point to which the orbit returns, by Newton's method on the
-    /// linear local map; the named parameter is free. At the result, the orbit misses its start by
-    /// at most 1e-11.
+    /// linear local map; the named parameter is free. After one turn, the orbit that is found
+    /// misses its starting point by at most 1e-11, in units of the scales.
     ///
     /// ```
     /// use tangency::core::local_map::GrazingPoint;
@@ -45,7 +46,7 @@ impl GrazingPoint {
     ///
     /// # Errors
     /// [`GrazingError`] if the linear map cannot be computed;
-    /// [`NotLocated`](GrazingError::NotLocated) if the iteration does not converge.
+    /// [`NotLocated`](GrazingError::NotLocated) if Newton's method does not converge.
     pub fn located(
         &self,
         system: &dyn HybridEquations,

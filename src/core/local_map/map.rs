@@ -87,8 +87,8 @@ impl LocalMap {
         Ok(LocalMap { coordinates, parameters, origin, scales, normal, smooth, discontinuity })
     }
 
-    /// Returns the monomials of all polynomials, whose variables are the coordinates followed by
-    /// the parameters.
+    /// Returns the monomials of the map's polynomials, whose variables are the coordinates followed
+    /// by the parameters.
     pub fn space(&self) -> &'static Space {
         self.penetration().space()
     }
@@ -159,8 +159,9 @@ impl LocalMap {
 }
 
 /// Heuristic: the largest distance, in units of the scales, by which an orbit may miss its grazing
-/// point after one turn. Only wrong input is rejected: an orbit whose durations belong to other
-/// legs misses the point by a distance of order 1, a located orbit by 1e-11.
+/// point after one turn. Only wrong input is rejected: an orbit with durations of the wrong legs
+/// (the parts of an orbit between two events) misses the point by a distance of order 1, but a
+/// located orbit misses it by 1e-11.
 const RETURNS: f64 = 1e-3;
 
 /// Returns an error if the orbit does not return to its grazing point.

@@ -30,7 +30,7 @@ pub(super) struct Discontinuity {
 /// 1e-13, divided twice by `y`, results in 1e-10 or less.
 const NEGLIGIBLE: f64 = 1e-9;
 
-/// Computes a map in a chart whose jets are large enough for the given order.
+/// Computes one of the polynomial maps with jets that are large enough for the given order.
 macro_rules! in_chart {
     ($source:expr, $order:expr, $map:ident) => {{
         let space = $source.space($order)?;
@@ -146,7 +146,8 @@ where
         Ok(Discontinuity { images, entry, power })
     }
 
-    /// Returns the lowest power of `y` in the difference between the images and the virtual point.
+    /// Returns the lowest power of `y` in the difference between the images under `D` and the
+    /// virtual points.
     fn leading_power(
         &self,
         images: &[Jet<C>],

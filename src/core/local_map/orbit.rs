@@ -9,22 +9,24 @@ use crate::core::failure::Failure;
 use crate::core::scalar::Scalar;
 use crate::core::system::Limit;
 
-/// The periodic points of a [`LocalMap`] with a given sequence of iterates with an impact, which
-/// pass through the surface, and iterates without an impact:
+/// The periodic points of a [`LocalMap`], with a given sequence of iterates. Each iterate either
+/// has an impact, in which motion passes through the surface, or does not have an impact:
 ///
 /// ```text
 ///     ξ_{k+1} = P(ξ_k, p),    k = 0 … K − 1,    ξ_K = ξ_0
 /// ```
 ///
-/// Each point has an additional unknown: at an impact `y_k`, which determines the normal coordinate
-/// of the virtual point `ξ_k`, and otherwise the distance `h` from the surface. In these unknowns
-/// the equations are regular where an impact becomes a grazing, `y_k = 0`. The generalised
-/// eigenvalue problem for the multipliers is also regular there: no entry grows like `1/y`.
+/// Each point has an additional unknown: at an impact, the unknown is `y_k`, which determines the
+/// normal coordinate of the virtual point `ξ_k`; without an impact, it is the distance `h` from the
+/// surface. In these unknowns the equations are regular where an impact becomes a grazing, `y_k =
+/// 0`. At a grazing, the generalised eigenvalue problem for the multipliers is also regular: no
+/// entry of its matrices grows like `1/y`.
 ///
 /// The problem is a boundary-value problem on segments without motion, so that all methods for
 /// periodic orbits apply: multipliers, stability, folds, period doublings, torus bifurcations,
 /// grazings, and the curves of these bifurcations. Coordinates and parameters are deviations from
-/// the grazing orbit, except parameters and monitors with [`in_place`](Self::in_place).
+/// the grazing orbit; after a call of [`in_place`](Self::in_place), parameters and monitors are
+/// values of the system instead.
 ///
 /// ```
 /// use tangency::core::continuation::Continuation;
@@ -59,14 +61,15 @@ pub struct LocalOrbit {
     in_place: bool,
 }
 
-/// The indices of three functions of all points: the smallest `y` at impacts, the smallest distance
-/// from the surface at the other points, and the penetration of the impact with the smallest `y`
-/// or, without impacts, minus the distance.
+/// The indices of three functions that depend on all points of an orbit: the smallest `y` at
+/// impacts; the smallest distance from the surface at the points without an impact; and the
+/// penetration of the impact with the smallest `y`, or the negative of the distance if there are no
+/// impacts.
 const DEPTH: usize = 0;
 const DISTANCE: usize = 1;
 const PENETRATION: usize = 2;
 
-/// The names of the monitors that depend on the ends of all iterates.
+/// The names of the monitors that are functions of all points of an orbit.
 const ENDS: [&str; 3] = ["penetration", "depth", "distance"];
 
 /// Returns the name of the monitor for the largest value of a coordinate.
@@ -101,7 +104,7 @@ impl LocalOrbit {
         self
     }
 
-    /// Omits the terms of the map above a given order.
+    /// Evaluates the local map without its terms above a given order.
     pub fn to_order(mut self, order: usize) -> Self {
         self.order = order;
         self
@@ -119,8 +122,8 @@ impl LocalOrbit {
         BoundarySystem::new(self, Shooting::default(), meshes)
     }
 
-    /// Iterates over the points; each item contains a point, whether the point is an impact, and
-    /// its additional unknown.
+    /// Iterates over the points of the orbit; each item contains a point, a flag that is true if
+    /// the point is an impact, and the additional unknown of the point.
     fn points<'a, T: Scalar>(
         &'a self,
         x: &'a [T],

@@ -15,7 +15,8 @@ use num_dual::Dual;
 pub(super) const TOUCHES: f64 = 1e-8;
 
 /// A grazing point of an orbit: its time and state, the zero-length legs after an event at the
-/// point, and the legs by which the orbit returns to the point.
+/// point (a leg is a part of the orbit between two events), and the legs by which the orbit returns
+/// to the point.
 ///
 /// ```
 /// use tangency::core::local_map::GrazingPoint;
@@ -34,7 +35,7 @@ pub(super) const TOUCHES: f64 = 1e-8;
 pub struct GrazingPoint {
     /// The grazed guard.
     pub guard: usize,
-    /// The mode that an event of the guard would end.
+    /// The mode of the orbit at the grazing point, which an event of the guard would end.
     pub mode: usize,
     /// The time of grazing, relevant only under forcing.
     pub time: f64,
@@ -42,10 +43,11 @@ pub struct GrazingPoint {
     pub x: Vec<f64>,
     /// All parameters.
     pub p: Vec<f64>,
-    /// The zero-length legs between an event of the guard and the resumption of motion in the mode.
+    /// The zero-length legs (parts of an orbit between two events) that follow an event of the
+    /// guard, until motion resumes in the mode.
     pub following: Vec<Leg>,
-    /// The legs by which the orbit returns to the grazing point, with their durations; the last leg
-    /// ends at the grazing point.
+    /// The legs (parts of the orbit between two events) by which the orbit returns to the grazing
+    /// point, with their durations; the last leg ends at the grazing point.
     pub legs: Vec<(Leg, f64)>,
     /// The number of forcing periods of the orbit.
     pub periods: usize,
@@ -130,7 +132,7 @@ impl GrazingPoint {
 pub(super) enum Surface {
     /// The surface on which a guard vanishes.
     Guard(usize),
-    /// The surface on which the rate of change of a guard along the motion vanishes.
+    /// The turning surface, on which the rate of change of a guard along the motion vanishes.
     Turning(usize),
 }
 

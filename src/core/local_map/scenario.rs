@@ -11,10 +11,10 @@
 //!     z = −(N D_z − E)⁻¹ (N D_p + N_p − E_p) p.
 //! ```
 //!
-//! The orbit with an impact exists on the side on which `y` is positive. The orbit without impacts
-//! is `ξ = (I − N)⁻¹ N_p p`, and it exists on the side on which `h` is positive. One multiplier of
-//! the orbit with an impact grows like `[Nβ]_normal/(2y)` (A. B. Nordmark, *J. Sound Vib.* 145:279,
-//! 1991).
+//! The orbit with an impact exists on the side of the grazing on which `y` is positive. The orbit
+//! without impacts is `ξ = (I − N)⁻¹ N_p p`, and exists on the side of the grazing on which `h` is
+//! positive. One multiplier of the orbit with an impact grows like `[Nβ]_normal/(2y)` (A. B.
+//! Nordmark, *J. Sound Vib.* 145:279, 1991).
 //!
 //! If `β = 0`, as at a soft stop, the same equations hold with the penetration `y²` in place of
 //! `y`: the first column of `D_z` and of `E` is then the derivative with respect to `y²`, and the
@@ -33,14 +33,15 @@ use std::fmt::{Display, Formatter};
 #[non_exhaustive]
 pub enum Scenario {
     /// Scenario I: an unstable orbit with an impact exists on the same side of the grazing as the
-    /// stable orbit without impacts. In scenario I both orbits end at the grazing, from which
-    /// motion jumps to another attractor, mostly a stable orbit with an impact, with hysteresis.
+    /// stable orbit without impacts. In scenario I both orbits end at the grazing. Motion jumps
+    /// from there to another attractor, mostly a stable orbit with an impact, and the jump shows
+    /// hysteresis.
     Jump,
     /// Scenario II: an orbit with an impact, unstable with a multiplier near `−∞`, exists beyond
     /// the grazing: the attractor changes continuously, mostly to a chaotic attractor.
     Continuous,
     /// A stable orbit with the event exists beyond the grazing, so that the attractor persists.
-    /// This scenario occurs if the discontinuity map is of order 3/2 or more
+    /// The persistent scenario occurs if the discontinuity map is of order 3/2 or more
     /// ([`LocalMap::exponent`]), unless a multiplier is 1.
     Persistent,
     /// Scenario III: the orbit without impacts has lost its stability before it grazes: attractors
@@ -67,14 +68,16 @@ pub struct Classification {
     /// The multipliers of the orbit without impacts at the grazing, which are the eigenvalues of
     /// `N`.
     pub multipliers: Spectrum,
-    /// The derivative of the distance `h` of the orbit without impacts with respect to the
-    /// parameter: the orbit exists on the side on which `h` is positive.
+    /// The derivative, with respect to the parameter, of the distance `h` between the surface and
+    /// the orbit without impacts: this orbit exists on the side of the grazing on which `h` is
+    /// positive.
     pub distance: f64,
-    /// The derivative of `y` of the orbit with an impact with respect to the parameter: the orbit
-    /// exists on the side on which `y` is positive. If the discontinuity map has no square root
-    /// ([`LocalMap::exponent`]), the derivative of `y²` is used instead.
+    /// The derivative, with respect to the parameter, of the unknown `y` of the orbit with an
+    /// impact: this orbit exists on the side of the grazing on which `y` is positive. If the
+    /// discontinuity map does not contain a square root ([`LocalMap::exponent`]), the derivative of
+    /// `y²` is stored instead of the derivative of `y`.
     pub depth: f64,
-    /// The coefficient of the multiplier `growth/y` of the orbit with an impact, to leading order:
+    /// The coefficient in the multiplier `growth/y`, to leading order, of the orbit with an impact:
     /// the multiplier tends to `+∞` in scenario I, and to `−∞` in scenario II and beyond a fold
     /// (III). The coefficient is 0 if the discontinuity map has no square root.
     pub growth: f64,
@@ -85,7 +88,7 @@ fn slope(polynomial: &Polynomial, variable: usize) -> f64 {
     polynomial.coefficients()[1 + variable]
 }
 
-/// Returns the coefficient of the square of a variable.
+/// Returns the coefficient of the square of a variable in a polynomial.
 fn second(polynomial: &Polynomial, variable: usize) -> f64 {
     let mut powers = vec![0; polynomial.space().variables()];
     powers[variable] = 2;
@@ -93,7 +96,7 @@ fn second(polynomial: &Polynomial, variable: usize) -> f64 {
 }
 
 impl LocalMap {
-    /// Classifies the grazing as the named parameter increases.
+    /// Classifies the grazing by the scenario that occurs as the named parameter increases.
     ///
     /// ```
     /// use tangency::core::local_map::{GrazingPoint, LocalMap, MapSettings, Scenario};
@@ -111,10 +114,10 @@ impl LocalMap {
     /// ```
     ///
     /// # Errors
-    /// [`GrazingError::Unknown`] if the parameter is not a variable of the map,
-    /// [`GrazingError::Failure`] if a multiplier of either orbit is 1, which occurs at
-    /// codimension-two points. [`GrazingError::NoRoot`] for a map of order 1 whose discontinuity
-    /// map has no square root.
+    /// [`GrazingError::Unknown`] if the parameter is not a variable of the map;
+    /// [`GrazingError::Failure`] if a multiplier of the orbit with an impact, or of the orbit
+    /// without impacts, is 1, as at codimension-two points. [`GrazingError::NoRoot`] for a map of
+    /// order 1 whose discontinuity map has no square root.
     pub fn classified(&self, parameter: &str) -> Result<Classification, GrazingError> {
         let (n, normal) = (self.coordinates().len(), self.normal());
         let p = n + position("parameter", parameter, self.parameters())?;

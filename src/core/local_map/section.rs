@@ -18,9 +18,9 @@ pub(super) enum Coordinate {
 /// The section `Π` of a grazing point, whose coordinates are all states of the mode except one, and
 /// the phase of the forcing.
 ///
-/// The state that contributes most to the rate of the guard follows from the section's equation
-/// (`eliminated`), and the state that contributes most to the guard itself is replaced by `y`
-/// (`normal`).
+/// One state, `eliminated`, contributes most to the rate of the guard and is computed from the
+/// section's equation; another state, `normal`, contributes most to the guard itself and is
+/// replaced by `y`.
 #[derive(Clone, Debug)]
 pub(super) struct Section {
     pub eliminated: usize,
@@ -106,7 +106,7 @@ impl Section {
         Ok(Section { eliminated, normal, slopes, curvature, coordinates, scales })
     }
 
-    /// Returns the index of the normal state among the coordinates.
+    /// Returns the index, among the coordinates, of the state that `y` replaces.
     pub fn normal_coordinate(&self) -> usize {
         self.coordinates.iter().position(|c| *c == Coordinate::State(self.normal)).unwrap_or(0)
     }

@@ -10,8 +10,8 @@ use crate::core::orbit::{
 use crate::core::system::{Solution, System};
 use std::any::Any;
 
-/// Returns the grazing point at the end of a leg if the leg ends at an event with zero approach
-/// speed.
+/// Returns the grazing point at the end of a leg (a part of an orbit between two events), if the
+/// event at this end has zero approach speed.
 fn ending(orbit: &KnownOrbit, leg: usize) -> Result<Option<GrazingPoint>, GrazingError> {
     let all = orbit.legs.all();
     let Leg { mode, exit: Some(guard), accumulates: false } = all[leg] else {
@@ -54,8 +54,8 @@ fn touching(orbit: &KnownOrbit) -> Result<GrazingPoint, GrazingError> {
 
 impl GrazingPoint {
     /// Finds the point at which an orbit touches the surface of a guard without an event, or has an
-    /// event with zero approach speed, from the initial states of its legs, its parameters and its
-    /// further unknowns.
+    /// event with zero approach speed. The orbit is given by the initial states of its legs (parts
+    /// between two events), its parameters and its further unknowns.
     ///
     /// # Errors
     /// [`GrazingError::Failure`] if the orbit has no such point.
@@ -66,7 +66,8 @@ impl GrazingPoint {
         GrazingPoint::on(orbit.itineraries.known(&known, q))
     }
 
-    /// Finds the grazing point of an orbit whose trajectories on the legs are known.
+    /// Finds the grazing point of an orbit, given the trajectories on its legs (parts between two
+    /// events).
     fn on(orbit: KnownOrbit) -> Result<Self, GrazingError> {
         for leg in 0..orbit.known.len() {
             if let Some(point) = ending(&orbit, leg)? {
@@ -77,8 +78,9 @@ impl GrazingPoint {
     }
 
     /// Finds the grazing point at a special point, labelled `G`, on a branch of orbits or on a
-    /// curve of grazings. The orbits use the mesh and itinerary of the special point; for unstable
-    /// motion, no leg is integrated from one end to the other.
+    /// curve of grazings. The orbits use the mesh and the itinerary of the special point. Since
+    /// motion can be unstable, no leg (part of an orbit between two events) is integrated from one
+    /// end to the other.
     ///
     /// ```
     /// use tangency::core::bvp::{BoundarySystem, Mesh, Shooting};

@@ -22,8 +22,8 @@ pub(super) struct Curve<'a> {
     pub sign: f64,
     /// The number of iterates of the map that map the half onto itself.
     pub iterates: usize,
-    /// The logarithm of the factor, above 1, by which these iterates (on a stable manifold, their
-    /// inverses) multiply `e^t`.
+    /// The logarithm of the factor, above 1, by which `iterates` iterates of the map multiply
+    /// `e^t`; on a stable manifold, iterates of the inverse map are meant.
     pub rate: f64,
 }
 

@@ -14,7 +14,8 @@ pub(super) struct Limits {
     pub length: f64,
     /// The maximal number of points.
     pub points: usize,
-    /// The resolution: the largest distance between the curve and a chord.
+    /// The resolution: the largest distance between the curve and a chord between two successive
+    /// points.
     pub resolution: f64,
     /// The smallest and the largest allowed value of each state.
     pub bounds: [[f64; 2]; 2],
@@ -33,7 +34,8 @@ pub(super) struct Node {
     pub arclength: f64,
 }
 
-/// A trial step, with its middle point, its end point, and the arclengths of its two halves.
+/// A trial step along the curve: its middle point, its end point, and the arclengths of its two
+/// halves.
 struct Trial {
     middle: Place,
     end: Place,
@@ -46,7 +48,8 @@ impl Trial {
     }
 }
 
-/// A limit at which a step can end: the maximal arclength, or a bound of a state.
+/// A limit of the computed curve, at which a step can end: the maximal arclength, or a bound of a
+/// state.
 #[derive(Clone, Copy, Debug)]
 enum Limit {
     Length,
@@ -68,22 +71,24 @@ const LONGEST: f64 = 0.5;
 /// Heuristic: the largest angle between the tangents at the two ends of half a step.
 const TURN: f64 = 0.4;
 
-/// Heuristic: the largest distance between two points, as a fraction of the maximal arclength.
+/// Heuristic: the largest distance between two successive points, as a fraction of the maximal
+/// arclength.
 const SPACING: f64 = 0.02;
 
 /// Heuristic: the largest ratio of the arclength of half a step to its chord: if the ratio is
 /// larger, the curve may turn back undetected.
 const STRETCHED: f64 = 1.1;
 
-/// Heuristic: the next step is longer if the error of a step, as a fraction of the allowed error,
-/// is below this number.
+/// Heuristic: the next step is made longer if the error of the present step, as a fraction of the
+/// allowed error, is below this number.
 const WELL: f64 = 0.25;
 const LONGER: f64 = 1.5;
 
 /// Heuristic: the shortest step, as a fraction of the resolution; shorter steps are abandoned.
 const SHORTEST: f64 = 1e-3;
 
-/// The reason for short steps that is reported if the map can be evaluated everywhere.
+/// The reason that is reported for the failure of short steps, if the map can be evaluated
+/// everywhere.
 const SHARP: &str = "the curve turns too sharply";
 
 /// The growth of one half of a manifold.
@@ -99,12 +104,13 @@ pub(super) struct Growth<'a> {
     rule: (Vec<f64>, Vec<f64>),
 }
 
-/// Heuristic: the number of Gauss points in half a step: arclengths are much more accurate than the
-/// curve.
+/// Heuristic: the number of Gauss points in half a step; with this number, arclengths are much more
+/// accurate than the curve.
 const GAUSS: usize = 4;
 
 impl<'a> Growth<'a> {
-    /// Starts the growth at a distance from the saddle equal to the resolution.
+    /// Starts the growth of the curve at a distance from the saddle equal to the resolution, or
+    /// closer.
     pub fn new(curve: &'a Curve<'a>, limits: &'a Limits) -> Result<Self, Lost> {
         let t = curve.local.radius.min(limits.resolution).min(0.1 * limits.length).ln();
         let last = curve.place(t, None)?;
@@ -243,8 +249,9 @@ impl<'a> Growth<'a> {
         }
     }
 
-    /// Returns the distance of the end of a step from a limit (negative beyond the limit), and the
-    /// derivative of this distance with respect to the step length.
+    /// Returns the distance between the end of a step and a limit (an arclength or a bound of a
+    /// state), which is negative beyond the limit, and the derivative of this distance with respect
+    /// to the step length.
     fn left(&self, limit: Limit, trial: &Trial) -> [f64; 2] {
         let Place { at, slope, .. } = &trial.end;
         match limit {
@@ -258,7 +265,8 @@ impl<'a> Growth<'a> {
         }
     }
 
-    /// Returns the shortened step that ends at a limit, for a step that passes this limit.
+    /// Shortens a step that passes a limit (an arclength or a bound of a state), and returns the
+    /// step that ends at the limit.
     fn step_to(&self, limit: Limit) -> f64 {
         let ends = RootLimits { rounds: 60, moved: 1e-15 };
         bracketed_zero([0.0, self.step], 1.0, 0.5 * self.step, ends, |step| {
@@ -267,7 +275,8 @@ impl<'a> Growth<'a> {
         })
     }
 
-    /// Returns the reason why the half ends at a limit.
+    /// Returns the reason why the half of the manifold ends, given the limit (an arclength or a
+    /// bound of a state) at which it ends.
     fn reached(&self, limit: Limit) -> End {
         match limit {
             Limit::Length => {

@@ -11,11 +11,11 @@ use crate::core::scalar::{Jet, Space};
 const ORDER: usize = 8;
 
 /// Discretisation: the largest allowed size of the last terms of the polynomial, relative to the
-/// sizes of the saddle and of the distance from the saddle.
+/// norm of the saddle or to the distance from the saddle, whichever is larger.
 const NEGLIGIBLE: f64 = 1e-15;
 
 /// Discretisation: the largest allowed error of the equation `g(W(s)) = W(λ s)`, relative to the
-/// sizes of the saddle and of the distance from the saddle.
+/// norm of the saddle or to the distance from the saddle, whichever is larger.
 const LARGEST: f64 = 1e-12;
 
 /// Heuristic: the largest number of times that the domain of the polynomial is halved until the
@@ -73,7 +73,7 @@ impl Local {
         (value, slope)
     }
 
-    /// Returns the reference size for errors at the distance `s` from the saddle.
+    /// Returns the size to which errors at the distance `s` from the saddle are compared.
     fn size(&self, s: f64) -> f64 {
         norm(self.coefficients[0]).max(s)
     }

@@ -38,7 +38,8 @@ impl Lost {
 const MOST: usize = 25;
 
 /// Discretisation: Newton's method has converged if the last correction is smaller than this
-/// fraction of the point: the next correction would be of the order of its square.
+/// fraction of the point: since convergence is quadratic, the next correction would be of the order
+/// of the square of this fraction.
 const LAST: f64 = 1e-9;
 
 /// Computes the preimage of a point near a guess, and the derivative of the map at the preimage.

@@ -1,10 +1,11 @@
 //! Detection of manifold halves that converge to a point.
 
-/// Heuristic: the largest arclength per iterate of a converged curve, as a fraction of the
-/// resolution.
+/// Heuristic: the largest arclength that a converged curve gains in one iterate, as a fraction of
+/// the resolution.
 const STILL: f64 = 0.1;
 
-/// Heuristic: the largest ratio of the arclengths of successive iterates of a converged curve.
+/// Heuristic: the largest ratio of the arclengths that a converged curve gains in successive
+/// iterates.
 const LESS: f64 = 0.9;
 
 /// Heuristic: the number of consecutive iterates in which a converged curve must satisfy the bounds
@@ -13,7 +14,7 @@ const TIMES: usize = 3;
 
 /// The arclength that a curve gains from iterate to iterate.
 pub(super) struct Settling {
-    /// The length of an iterate in the parameter `t`.
+    /// The increase of the parameter `t` in one iterate.
     window: f64,
     /// The parameter at the beginning of the current iterate, and the arclength there.
     begin: [f64; 2],

@@ -20,8 +20,8 @@ pub struct ManifoldSettings {
     pub length: f64,
     /// The maximal number of points of each half, at least 3.
     pub max_points: usize,
-    /// The resolution: the largest distance between the curve and the chord between two points,
-    /// above 0. Bends of the curve that are sharper than the resolution are cut off.
+    /// The resolution: the largest distance between the curve and the chord between two successive
+    /// points, above 0. Bends of the curve that are sharper than the resolution are cut off.
     pub resolution: f64,
     /// The smallest and the largest allowed value of each state, in the units of the states.
     pub bounds: [[f64; 2]; 2],
@@ -59,8 +59,8 @@ pub struct Manifold {
     /// The error of the local manifold: the largest distance between `g(W(s))` and `W(λ s)`, in units
     /// of the states' scales.
     pub local_error: f64,
-    /// Both halves of the manifold; the first half leaves the saddle towards smaller values of the
-    /// first state.
+    /// Both halves of the manifold; along the first half, the first state decreases near the
+    /// saddle.
     pub halves: [Half; 2],
 }
 

@@ -1,17 +1,18 @@
-//! Ladders of successively finer discretisations, and error estimates for quantities computed on
-//! their rungs.
+//! Ladders, which are sequences of successively finer discretisations (the rungs), and error
+//! estimates for quantities that are computed on the rungs.
 //!
 //! Each problem defines its next finer discretisation in one place
 //! ([`Discretised::refined`](crate::core::system::Discretised::refined)). The final correction of a
-//! special point uses the next finer discretisation after the one of its branch. A scene chooses
-//! the cheapest sufficiently accurate discretisation from a [`ladder`], which contains the same
-//! discretisations, one more rung between each two of them, and coarser rungs below them. The
-//! corrections of special points and the choice of scenes estimate errors from the changes between
-//! rungs, by [`error_of_last`].
+//! special point uses the discretisation that follows the discretisation of its branch in this
+//! refinement. A scene chooses the cheapest sufficiently accurate discretisation from a [`ladder`].
+//! The ladder contains the discretisations that refinement yields, one more discretisation between
+//! each two of them, and coarser discretisations below them. Both the correction of special points
+//! and the choice by scenes estimate errors from the changes between successive discretisations, by
+//! [`error_of_last`].
 
-/// Extends a ladder of discretisations from the given rungs, up to `most` rungs in total. Each
-/// further rung refines the last rung but one, so that two rungs lead from a discretisation to its
-/// refinement.
+/// Extends a ladder of discretisations from the given rungs, up to `most` rungs in total. Each new
+/// rung (discretisation) is the refinement of the last rung but one, so that two rungs lead from a
+/// discretisation to its refinement.
 ///
 /// ```
 /// use tangency::core::numerics::ladder;
@@ -28,15 +29,16 @@ pub fn ladder<D>(mut rungs: Vec<D>, most: usize, finer: impl Fn(&D) -> Option<D>
     rungs
 }
 
-/// Estimates the error of the last of several approximations of a number, computed on rungs of
-/// growing accuracy; infinite for a single approximation.
+/// Estimates the error of the last of several approximations of a number, which are computed on the
+/// rungs of a ladder (increasingly fine discretisations); infinite for a single approximation.
 ///
-/// A single change `d` bounds the error of the finer approximation if each rung at least halves the
-/// error. With two changes, further changes are assumed to shrink by the same ratio `ρ ≤ ½`: their
-/// sum is `d(ρ + ρ² + …) = dρ/(1 − ρ)`, and the estimate is four times this sum. Ratios are bounded
-/// below by 0.1, and changes by a hundredth of the previous change, because spectral convergence
-/// can become algebraic at a corner singularity, and changes pass through zero where errors change
-/// sign.
+/// If only two approximations are given, their difference `d` bounds the error of the finer one,
+/// provided that each rung (discretisation) at least halves the error. If two changes between
+/// successive approximations are known, further changes are assumed to shrink by the same ratio `ρ
+/// ≤ ½`: their sum is `d(ρ + ρ² + …) = dρ/(1 − ρ)`, and the estimate is four times this sum. The
+/// ratio is at least 0.1, and a change is at least a hundredth of the previous change, because
+/// spectral convergence can become algebraic at a corner singularity, and because changes pass
+/// through zero where errors change sign.
 ///
 /// ```
 /// use tangency::core::numerics::error_of_last;

@@ -1,4 +1,4 @@
-//! Batched steps: the flows of one vector field are advanced together, each by one step, in the
+//! Batched steps: several flows of one vector field are advanced together, each by one step, in the
 //! lanes of a vector register.
 //!
 //! Every flow in the batch has its own state, step length and parameters. This module computes the
@@ -48,8 +48,8 @@ impl<T: Scalar> Flow<T> {
         Ok(())
     }
 
-    /// Passes the step of one lane to `observe` as a step of this flow. The state at the end of the
-    /// step is marked as known exactly.
+    /// Passes the step that was computed in one lane to `observe`, as if it were a step of this
+    /// flow. The state at the end of the passed step is marked as known exactly.
     pub(in crate::core) fn show_lane<F: FieldIn<T>>(
         &mut self,
         field: &F,
@@ -70,7 +70,7 @@ impl<T: Scalar> Flow<T> {
         buffers.partial.resize(n);
         let Stages { slopes, end, .. } = &mut buffers.stages;
         abreast.show(lane, h, slopes, end);
-        // The state at the end of the step is marked as known exactly.
+        // The state at the end of the passed step is marked as known exactly.
         let first = scheme.tableau().map_or(0, |tableau| tableau.end() * n);
         buffers.partial.end.clone_from(&buffers.stages.end);
         buffers.stages.slopes[first..first + n].clone_into(&mut buffers.slopes);
@@ -80,7 +80,7 @@ impl<T: Scalar> Flow<T> {
     }
 }
 
-/// A batched step with access to single lanes, for registers of any width.
+/// A batched step for registers of any width, with access to the flow in each lane.
 pub trait LaneSteps<T> {
     /// Returns the number of flows in the batch.
     fn lanes(&self) -> usize;
@@ -88,11 +88,11 @@ pub trait LaneSteps<T> {
     /// Returns the number of evaluations of the vector field in a step.
     fn cost(&self) -> usize;
 
-    /// Forgets which flow's parameters are in each lane; called when the flows are renumbered.
+    /// Marks the parameters in all lanes as unknown; called when the flows are renumbered.
     fn vacate(&mut self);
 
-    /// Loads a flow into a lane; flows with the same occupant number must have the same parameters. A
-    /// flow must be loaded into unused lanes as well.
+    /// Loads a flow into a lane. The occupant number identifies the flow's parameters: flows with
+    /// the same number must have the same parameters. Unused lanes must also be loaded with a flow.
     fn load(&mut self, lane: usize, lane_state: &LaneState<T>, occupant: (usize, &[T]));
 
     /// Writes the derivatives `k_j` at all stages of a lane's step, divided by `h`, and the state
@@ -106,8 +106,8 @@ pub trait LaneSteps<T> {
 /// A batch of flows in the lanes of registers of type `R`, which takes one step.
 pub(in crate::core) struct BatchStepper<T: InLanes<R>, R: Register> {
     tableau: &'static Tableau,
-    /// The occupant numbers of the flows whose parameters are in the lanes, and whether any of them
-    /// is new.
+    /// The occupant number in each lane, which identifies the flow whose parameters are in the
+    /// lane, and whether any of these numbers is new.
     occupants: [usize; MOST_LANES],
     renewed: bool,
     /// The inputs of the step, lane by lane: states, time derivatives, parameters, times and

@@ -6,14 +6,15 @@ use super::tableau::{Row, Tableau};
 use crate::core::scalar::Scalar;
 
 /// Heuristic: States count as small if the relative tolerance adds less than this fraction to the
-/// absolute tolerance: the real parts then carry no information about the size of derivatives.
+/// absolute tolerance: the real parts of the states then do not show how large their derivatives
+/// are.
 const SMALL: f64 = 0.01;
 
 /// The function that measures numbers in error estimates; by default, the size of a number is the
 /// absolute value of its real part.
 pub type Size<T> = fn(&T) -> f64;
 
-/// The measure of errors of a step, with its tolerances.
+/// The measure by which the errors of a step are judged, with its tolerances.
 #[derive(Clone, Copy)]
 pub(super) struct Measure<'a, T> {
     pub relative: f64,
@@ -30,8 +31,8 @@ impl<T: Scalar> Measure<'_, T> {
         self.absolute * scale + self.relative * size(x).max(size(y))
     }
 
-    /// Returns the measure that is used if the real parts of numbers are small, with another
-    /// definition of their size.
+    /// Returns the measure of errors that is used if the real parts of all states are small: it
+    /// uses another definition of the size of a number, and tolerances ten times as large.
     #[cold]
     pub fn at_rest(self, size: Size<T>) -> Self {
         let (relative, absolute) = (10.0 * self.relative, 10.0 * self.absolute);
@@ -70,7 +71,7 @@ impl<T: Scalar> Measure<'_, T> {
     }
 
     /// Returns the root mean square of an error estimate in units of the tolerated error; the step
-    /// is acceptable if it is at most 1.
+    /// is acceptable if this value is at most 1.
     pub fn error(&self, h: f64, row: Row, x: &[T], stages: &Stages<T>) -> f64 {
         let [square] = self.squares(h, [row], x, stages);
         (square / x.len().max(1) as f64).sqrt()

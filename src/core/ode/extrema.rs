@@ -151,9 +151,9 @@ impl<T: Scalar> Extrema<T> {
 }
 
 /// Solves `dh/dθ = 0` by Newton's method on shorter steps, with the second derivative on the dense
-/// output: each iteration gains the correct digits of the dense output, and one order of
-/// derivatives; an iteration that increases `|dh/dθ|` is undone. Returns the position `θ` of the
-/// extremum, and the value at the extremum.
+/// output. Each iteration adds as many correct digits as the dense output has, and makes one more
+/// order of derivatives correct; an iteration that increases `|dh/dθ|` is undone. Returns the
+/// position `θ` of the extremum, and the value at the extremum.
 pub(super) fn improved<F: FieldIn<T>, T: Scalar, W: Watchable<T>>(
     sampler: &mut WatchSampler<T>,
     step: &mut Step<F, T>,

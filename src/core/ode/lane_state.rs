@@ -12,7 +12,7 @@ use crate::core::scalar::Scalar;
 /// root is located outside the batch.
 const TRIES: usize = 4;
 
-/// The purpose of the next step.
+/// The purpose of the next step of a flow in its lane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Purpose {
     /// An ordinary step.
@@ -20,11 +20,11 @@ enum Purpose {
     /// A shortened step that should end at a zero of a watched function; `fraction` is its length
     /// as a fraction of the ordinary step.
     Aim { watched: usize, fraction: f64, tries: usize },
-    /// A step that must be examined outside the batch.
+    /// A step in which roots must be located outside the batch.
     Look,
 }
 
-/// A root of a watched function at which a step ends.
+/// A root of a watched function, at which a shortened step ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::core) struct Reached {
     /// The index of the watched function that has the root.
@@ -149,9 +149,9 @@ impl<T: Scalar> LaneState<T> {
         Some(())
     }
 
-    /// Returns the root if the shortened step just tried ends so close to the root that the
-    /// position of the root is known. If the shortened step does not end close to the root, another
-    /// step is tried, or the whole step is examined outside the batch.
+    /// Returns the root, if the shortened step that was just tried ends close enough to the root to
+    /// determine its position. If the shortened step does not end close to the root, either another
+    /// shortened step is tried, or the root is located outside the batch.
     pub(in crate::core) fn reached(
         &mut self,
         forecasts: &[EventForecast],

@@ -47,8 +47,9 @@ impl<F: FieldIn<T>, T: Scalar> Motion<'_, F, T> {
         }
     }
 
-    /// Returns the motion slowed down by the factor `fraction` from `σ` on: the slowed motion moves
-    /// from `σ` to `σ + h` as the original motion moves from `σ` to `σ + h·fraction`.
+    /// Returns the motion that is slowed down by the factor `fraction` from `σ` on: between `σ` and
+    /// `σ + h`, the slowed motion passes the same states as the original motion between `σ` and `σ
+    /// + h·fraction`.
     pub fn slowed(&self, sigma: f64, fraction: T) -> Self {
         Motion { start: self.time(sigma), length: self.length * fraction, ..*self }
     }

@@ -20,11 +20,12 @@ pub struct Root<T> {
 
 /// Rounding: values of a watched function up to this size (a few hundred ε), in units of the
 /// function's scale, count as zero at the start of a flow. A function that starts at zero counts as
-/// positive only after it exceeds this size, and as fallen only after it decreases by this size.
+/// positive only after it exceeds this size, and as negative only after it decreases by this size.
 pub(super) const ZERO: f64 = 1e-13;
-/// Discretisation: if a function at the start of a flow is below minus this value, in units of its
-/// scale, it crossed zero before the start. Events end at zero of their function only to the
-/// tolerance of the flow, which is usually smaller by a factor of 1e3.
+/// Discretisation: if a watched function is below minus this value, in units of its scale, at the
+/// start of a flow, the function crossed zero before the start. At a located event, the function is
+/// zero only up to the tolerance of the flow, which is usually smaller than this value by a factor
+/// of 1e3.
 pub(crate) const NEGATIVE: f64 = 1e-9;
 /// Rounding: the largest number of iterations for a root: the same number of bisections reduces a
 /// step to rounding errors.
@@ -32,9 +33,9 @@ const ROUNDS: usize = 60;
 /// Rounding: the iteration for a root of dense output ends when the root changes by less than this
 /// fraction of a step.
 const SETTLED: f64 = 4.0 * f64::EPSILON;
-/// Heuristic: if the changes of a root are below this fraction of a step, the iteration also ends
-/// when the changes no longer decrease: close to a tangency, rounding errors of the value move the
-/// root farther.
+/// Heuristic: if the changes of a root in successive iterations are below this fraction of a step,
+/// the iteration also ends when these changes no longer decrease: close to a tangency, even a
+/// rounding error of the function's value changes the root considerably.
 const NEAR: f64 = 1e-6;
 /// Discretisation: an extremum is close to zero if its value is smaller than this, in units of the
 /// change of the function about the extremum. The sign of such an extremum is decided only after
@@ -51,13 +52,13 @@ const FAR: f64 = 10.0;
 pub(in crate::core) enum Sign {
     /// The sign is unknown, because the flow begins.
     Unknown,
-    /// The function has been positive: its next downward zero crossing counts.
+    /// The watched function has been positive: its next downward zero crossing counts as a root.
     Positive,
-    /// The function was zero at the start of the flow and has not been positive since; `level` is its
-    /// largest value so far, and `top` is the position of this value in the flow.
+    /// The watched function was zero at the start of the flow and has not been positive since;
+    /// `level` is its largest value so far, and `top` is the position of this value in the flow.
     Zero { level: f64, top: f64 },
-    /// The function has crossed zero downwards: another crossing counts only after the function has
-    /// been positive.
+    /// The watched function has crossed zero downwards: another crossing counts as a root only
+    /// after the function has been positive.
     Fallen,
 }
 
@@ -65,10 +66,10 @@ pub(in crate::core) enum Sign {
 /// flow must call the search with the same function in all steps. Upward crossings of a function are
 /// found as downward crossings of its negative.
 ///
-/// Between extrema of dense output, a function is monotone, so that its signs bracket a root even if the
-/// function becomes negative only briefly within one step; an extremum close to zero is first computed
-/// to the accuracy of the method. The root and its derivatives are computed on shorter steps of the
-/// method.
+/// Between extrema on dense output, a function is monotone, so that its signs at the extrema
+/// bracket a root even if the function becomes negative only briefly within one step. An extremum
+/// close to zero is first computed to the accuracy of the method. The root and its derivatives are
+/// computed on shorter steps of the method.
 ///
 /// A function that is zero at the start of the flow has a root at the start if it decreases; if it
 /// does not decrease, it must become positive before a root counts. If the decrease is detected only
@@ -107,8 +108,8 @@ pub struct Roots<T> {
     /// The sample at the end of the last step, with the derivative with respect to the position in
     /// the flow.
     end: Option<Sample>,
-    /// The value at the end of the last step and its change in that step; used while the function
-    /// is far from zero and its derivatives are not computed.
+    /// The value of the function at the end of the last step and its change in that step, used
+    /// while the function is far from zero and its derivatives are not computed.
     far: Option<(f64, f64)>,
     /// The unit of the tolerances for values of the function.
     scale: f64,
@@ -331,8 +332,8 @@ impl<T: Scalar> Roots<T> {
         self.at_once(watch, step, theta)
     }
 
-    /// Adds derivatives to a root whose real part is known, by Newton's method, one order in each
-    /// iteration.
+    /// Computes the derivatives of a root whose real part is known, by Newton's method, one order
+    /// of derivatives in each iteration.
     pub(in crate::core) fn at_once<F: FieldIn<T>, W: Watchable<T>>(
         &mut self,
         watch: &W,

@@ -76,8 +76,8 @@ impl<T: Scalar> Linearisation<T> {
 
 impl<T: Scalar> Stages<T> {
     /// Computes the stages of a step of length `h` from `x` at `σ`, and the state at the end of the
-    /// step; returns `false` if the matrix of the stages is singular. The vector field of the step is
-    /// `fraction` times the linearised vector field.
+    /// step; returns `false` if the matrix of the stages is singular. The step solves the equation
+    /// whose vector field is `fraction` times the linearised vector field.
     pub fn advance_linearised<F: FieldIn<T>>(
         &mut self,
         linear: &mut Linearisation<T>,

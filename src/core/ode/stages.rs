@@ -23,8 +23,9 @@ impl<T> Default for Stages<T> {
     }
 }
 
-/// Heuristic: the largest size in bytes of a number that stays in registers: steps of a few states
-/// with such numbers are unrolled. This size affects only the run time.
+/// Heuristic: the largest size, in bytes, of a number for which intermediate values stay in
+/// registers: for such numbers, steps of systems with few states are unrolled. This threshold
+/// affects only the run time.
 const IN_REGISTERS: usize = 72;
 
 /// Returns the number of states for which a step is unrolled; 0 for numbers that do not stay in
@@ -50,7 +51,8 @@ impl<T: Scalar> Stages<T> {
         &self.slopes[stage * n..(stage + 1) * n]
     }
 
-    /// Returns the derivative `k_j` of one stage, as a mutable slice to fill in.
+    /// Returns the derivative `k_j` of one stage, as a mutable slice into which the caller writes
+    /// it.
     pub fn slope_mut(&mut self, stage: usize) -> &mut [T] {
         let n = self.end.len();
         &mut self.slopes[stage * n..(stage + 1) * n]

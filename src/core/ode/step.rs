@@ -35,14 +35,14 @@ pub(super) struct Buffers<T: Scalar> {
 pub(super) struct Known {
     /// Whether the coefficients of dense output are computed.
     interpolant: bool,
-    /// For real numbers, the last fraction of the step at which the state and its time derivative
-    /// were computed exactly.
+    /// The fraction of the step at which the state and its time derivative were last computed
+    /// exactly; used only for real numbers.
     exact: Option<f64>,
 }
 
 impl Known {
-    /// Creates the results of a step whose state and time derivative are known exactly at a
-    /// fraction.
+    /// Creates the record of the known results for a step whose state and time derivative are known
+    /// exactly at a fraction of the step.
     pub fn at(fraction: f64) -> Self {
         Known { exact: Some(fraction), ..Known::default() }
     }
@@ -60,8 +60,8 @@ impl<T: Scalar> Default for Buffers<T> {
 /// more than this fraction of the largest.
 const CLEAR: f64 = 0.05;
 
-/// Heuristic: two fractions of a step count as equal for the polynomials of dense output if their
-/// distance is smaller than this.
+/// Heuristic: two positions in a step, as fractions of the step, count as equal for the polynomials
+/// of dense output if their distance is smaller than this.
 const NEAR: f64 = 1e-4;
 
 /// Rounding: Over a distance less than this fraction of the step, a method of order 2 is exact up
@@ -71,8 +71,8 @@ pub(super) const CLOSE: f64 = 1e-5;
 /// The largest value of `θ⁴ (1 − θ)³`, the last term of dense output.
 const LAST_TERM: f64 = 256.0 * 27.0 / 823_543.0;
 
-/// The nodes and weights of a Gauss rule on the interval from 0 to 1; on a step, the error of the
-/// rule is smaller than the step's error at any tolerance.
+/// The nodes and weights of a Gauss rule on the interval from 0 to 1. On an integration step, the
+/// error of this rule is smaller than the error of the step, at any tolerance.
 static GAUSS: LazyLock<Vec<[f64; 2]>> = LazyLock::new(|| {
     let (places, weights) = gauss_legendre(6);
     places.iter().zip(weights).map(|(y, w)| [0.5 * (1.0 + y), 0.5 * w]).collect()
@@ -176,8 +176,9 @@ impl<'a, F: FieldIn<T>, T: Scalar> Step<'a, F, T> {
         x.copy_from_slice(&self.buffers.partial.end);
     }
 
-    /// Calls `visit` for each node of a Gauss rule from the start of the step to a fraction, with
-    /// the weight (in time), the time and the state.
+    /// Calls `visit` for each node of a Gauss rule for the integral over time from the start of the
+    /// step to a fraction of it, with the weight (in units of time), the time and the state of the
+    /// node.
     pub fn quadrature(&mut self, end: f64, mut visit: impl FnMut(T, T, &[T])) {
         let mut x = self.buffers.x.clone();
         for [place, weight] in GAUSS.iter() {
@@ -242,20 +243,20 @@ impl<'a, F: FieldIn<T>, T: Scalar> Step<'a, F, T> {
         end.iter_mut().zip(slopes).for_each(|(end, slope)| *end += *slope * h * 0.5);
     }
 
-    /// Returns, for real numbers, the last fraction at which the state is known exactly, if it lies
-    /// within a given distance of the fraction `fraction`.
+    /// For real numbers, returns the fraction of the step at which the state was last computed
+    /// exactly, if it lies within a given distance of `fraction`.
     fn met_within(&self, distance: f64, fraction: T) -> Option<f64> {
         self.known.exact.filter(|met| T::NDERIV == 0 && (met - fraction.real()).abs() <= distance)
     }
 
-    /// Returns, for real numbers, the last fraction at which the state is known exactly, if it is
-    /// very near to the fraction `fraction`.
+    /// For real numbers, returns the fraction of the step at which the state was last computed
+    /// exactly, if it is very near to `fraction`.
     pub(super) fn met_near(&self, fraction: f64) -> Option<f64> {
         self.met_within(NEAR, T::constant(fraction))
     }
 
     /// Whether the derivatives of a state at all stages of an explicit step have the same sign and
-    /// are not close to zero. The stages are so close together that the state has no extremum
+    /// are not close to zero. Since the stages are close together, such a state has no extremum
     /// between them.
     pub(super) fn keeps_direction(&self, state: usize) -> bool {
         let Some(tableau) = self.scheme.tableau() else { return false };
@@ -266,7 +267,8 @@ impl<'a, F: FieldIn<T>, T: Scalar> Step<'a, F, T> {
         least > CLEAR * most || most < CLEAR * least
     }
 
-    /// Passes this step of an explicit method, without its derivatives, to `show`.
+    /// Passes the real parts of this step of an explicit method, as a step of real numbers, to
+    /// `show`.
     pub(in crate::core) fn without_derivatives(
         &self,
         real: &mut RealStep,

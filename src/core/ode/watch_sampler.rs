@@ -28,7 +28,8 @@ pub(super) struct Sample {
 }
 
 impl Sample {
-    /// Returns the position and the value of the vertex of the parabola through the sample.
+    /// Returns the position and the value of the vertex of the parabola with the value, slope and
+    /// curvature of the sample.
     pub fn vertex(&self) -> [f64; 2] {
         let Sample { fraction, value, slope, curvature } = *self;
         let change = slope / curvature;
@@ -39,12 +40,14 @@ impl Sample {
         }
     }
 
-    /// Returns the value of the function, with its slope as derivative.
+    /// Returns the value of the function and its derivative (the slope), for the location of a
+    /// zero.
     pub fn crossing(&self) -> (f64, Option<f64>) {
         (self.value, Some(self.slope))
     }
 
-    /// Returns the slope of the function, with its curvature as derivative.
+    /// Returns the slope of the function and its derivative (the curvature), for the location of an
+    /// extremum.
     pub fn turning(&self) -> (f64, Option<f64>) {
         (self.slope, Some(self.curvature))
     }
@@ -55,7 +58,7 @@ impl Sample {
     }
 }
 
-/// The states and parameters of a watched function in one scalar type.
+/// The states and parameters at which a watched function is evaluated, in one scalar type.
 #[derive(Clone, Debug)]
 struct Arguments<S> {
     x: Vec<S>,
@@ -90,10 +93,10 @@ pub(super) struct WatchSampler<T> {
     pub samples: Vec<Sample>,
     real: Arguments<Dual2_64>,
     lifted: Arguments<Dual2<T>>,
-    /// Arguments for evaluations of the function and its slope only.
+    /// Arguments for evaluations of only the value and the slope of the function.
     real_slope: Arguments<Dual64>,
     slope: Arguments<Dual<T>>,
-    /// Arguments for evaluations of the function's value only.
+    /// Arguments for evaluations of only the value of the function.
     plain: Arguments<f64>,
 }
 
@@ -106,9 +109,9 @@ impl<T> Default for WatchSampler<T> {
 }
 
 impl<T: Scalar> WatchSampler<T> {
-    /// Computes values and slopes at both ends of the step, without evaluating the vector field;
-    /// the start is computed only if its sample is unknown. Returns `None` for a Rosenbrock method,
-    /// which does not provide time derivatives.
+    /// Computes the value and the slope of the watched function at both ends of the step, without
+    /// evaluating the vector field; the sample at the start is computed only if it is unknown.
+    /// Returns `None` for a Rosenbrock method, which does not provide time derivatives.
     pub fn ends<F: FieldIn<S>, S: Scalar, W: Watchable<T>>(
         &mut self,
         step: &Step<F, S>,

@@ -1,4 +1,5 @@
-//! Legs that represent infinitely many events, which accumulate in a finite time.
+//! Legs (parts of an orbit between two events) that represent infinitely many events, which
+//! accumulate in a finite time.
 //!
 //! A leg that represents infinitely many events begins just after the first of these events. The
 //! states of such a leg are constant, and the leg lasts until the following events accumulate. A
@@ -10,8 +11,8 @@ use super::legs::OrbitLegs;
 use crate::core::failure::OutOfDomain;
 use crate::core::hybrid::{ChatterNumber, Event, HybridEquations, HybridState};
 
-/// Computes the accumulation of events that ends a leg, given the start time, duration and initial
-/// state of the leg.
+/// Computes the accumulation of events that ends a leg (a part of an orbit), given the start time,
+/// duration and initial state of the leg.
 pub(super) fn accumulation<T: ChatterNumber>(
     system: &dyn HybridEquations,
     leg: Leg,
@@ -23,12 +24,12 @@ pub(super) fn accumulation<T: ChatterNumber>(
     T::accumulated(system, leg.exit?, start, lasts.real(), p)
 }
 
-/// Discretisation: the fraction of an orbit's duration within which infinitely many events are
-/// simultaneous: the accuracy of the state at the end of the orbit.
+/// Discretisation: infinitely many events count as simultaneous if they occur within this fraction
+/// of the orbit's duration, which is the accuracy of the state at the end of the orbit.
 const AT_ONCE: f64 = 1e-9;
 
-/// Returns an error if the events of a leg accumulate at the first of these events: the leg then
-/// has zero length on every nearby orbit, and its duration has no derivatives.
+/// Returns an error if the events of a leg (a part of an orbit) accumulate at the first of these
+/// events: the leg then has zero length on every nearby orbit, and its duration has no derivatives.
 pub(super) fn check_rebound(
     orbit: &OrbitLegs,
     leg: usize,

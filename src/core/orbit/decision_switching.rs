@@ -9,8 +9,9 @@ use crate::core::bvp::Guess;
 use crate::core::failure::Failure;
 use crate::core::hybrid::{HybridEquations, MeasureNumber, Moment, decision_scale};
 
-/// Heuristic: the largest distance, as a fraction of the scales, between the start of the next leg and the
-/// state to which motion through the other mode leads, if a branch emanates.
+/// Heuristic: a branch emanates at a decision if motion through the other mode leads to a state
+/// within this distance of the start of the next leg (the part of the orbit after the event), as a
+/// fraction of the scales.
 const CONTINUOUS: f64 = 1e-4;
 
 /// A decision at the end of a leg: the functions that select the mode after the event.
@@ -19,11 +20,12 @@ pub(super) struct Decision {
     mode: usize,
     /// The modes that can follow the event.
     modes: Vec<usize>,
-    /// The mode that follows the event on this itinerary.
+    /// The mode that follows the event in the itinerary of the orbit.
     next: usize,
 }
 
-/// Returns the decision at the end of a leg, or `None` if only one mode can follow.
+/// Returns the decision at the event that ends a leg (a part of an orbit between two events), or
+/// `None` if only one mode can follow this event.
 pub(super) fn decision_after(legs: &OrbitLegs, leg: usize) -> Option<Decision> {
     let Leg { mode, exit: Some(guard), accumulates: false } = legs.all()[leg] else {
         return None;
@@ -34,15 +36,16 @@ pub(super) fn decision_after(legs: &OrbitLegs, leg: usize) -> Option<Decision> {
     several.then_some(Decision { guard, mode, modes, next })
 }
 
-/// Returns the decisions at the ends of all legs, that is, at events after which decision functions
-/// select one of several modes.
+/// Returns the decisions on an orbit, that is, the events after which decision functions select one
+/// of several modes.
 pub(super) fn decisions(legs: &OrbitLegs) -> impl Iterator<Item = Decision> + '_ {
     (0..legs.all().len()).filter_map(|leg| decision_after(legs, leg))
 }
 
 impl Decision {
-    /// Returns the margin of the decision: positive if the event leads to the mode of the
-    /// itinerary, `None` if the event can never lead to this mode.
+    /// Returns the margin of the decision, which vanishes where another mode is selected: it is
+    /// positive if the event leads to the mode of the itinerary, and `None` if the event can never
+    /// lead to this mode.
     pub(super) fn margin<T: MeasureNumber>(&self, at: Moment<T>) -> Option<T> {
         let Decision { modes, next, .. } = self;
         let least = |a: T, b: T| if b.real() < a.real() { b } else { a };
@@ -59,7 +62,7 @@ impl Decision {
         margin
     }
 
-    /// Evaluates the `k`-th decision function.
+    /// Evaluates decision function number `k`, counted from 0.
     fn value<T: MeasureNumber>(&self, k: usize, at: Moment<T>) -> T {
         at.system.decision(k, self.guard, self.mode, at.t, at.x, at.p)
     }
@@ -125,7 +128,8 @@ pub(super) fn decided_otherwise(orbit: &KnownOrbit) -> Result<Option<Guess<Orbit
     Ok(Some(Guess { beside, ..guess }))
 }
 
-/// Whether the guard of the event that ends a zero-length leg has zero rate of change at time `t`.
+/// Whether the guard whose event ends a given zero-length leg (part of the orbit) has zero rate of
+/// change at time `t`.
 fn slow(orbit: &KnownOrbit, (leg, motion, _): &Lasting, t: f64) -> bool {
     let (system, x, p) = (orbit.system(), motion.start(), orbit.p());
     let at = Moment { system, mode: leg.mode, t, x, p };

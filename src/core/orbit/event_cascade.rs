@@ -10,29 +10,30 @@ use crate::core::problem::gradient;
 use crate::core::scalar::Chunk;
 use num_dual::{Dual, Dual64};
 
-/// Heuristic: the displacement of a guard's rate or of a decision function to either side of zero, in units
-/// of its scale, at which the subsequent events are determined.
+/// Heuristic: the subsequent events are determined at a nearby point, at which a guard's rate or a
+/// decision function differs from zero by this amount, in units of its scale.
 pub(super) const NUDGE: f64 = 1e-6;
-/// Heuristic: the longest duration of a leg, in units of the time scale, near an event at which the leg
-/// vanishes.
+/// Heuristic: in an event cascade, the next event counts as immediate if it occurs within this
+/// time, in units of the time scale.
 const AT_ONCE: f64 = 1e-2;
 /// Heuristic: the magnitude, in units of its scale, below which a guard or its rate counts as zero.
 const ZERO: f64 = 1e-9;
-/// Heuristic: the smallest fraction of a function's gradient that must be tangent to a guard's surface if
-/// the function varies along the surface.
+/// Heuristic: a function varies along a guard's surface if more than this fraction of the
+/// function's gradient is tangent to the surface.
 const ACROSS: f64 = 1e-6;
-/// Heuristic: the largest change of a state by a reset at a grazing point, in units of the scales, at which
-/// the reset counts as continuous.
+/// Heuristic: a reset at a grazing point counts as continuous if it changes no state by more than
+/// this, in units of the scales.
 pub(super) const UNMOVED: f64 = 1e-6;
 /// Heuristic: the maximal number of events in a cascade.
 const MOST_LEGS: usize = 32;
 
-/// An event whose subsequent events depend on rounding errors, with a nearby event whose subsequent
-/// events do not.
+/// An event after which the sequence of further events depends on rounding errors, and a nearby
+/// event after which this sequence is well determined.
 pub(super) struct Onset {
     pub guard: usize,
     pub mode: usize,
-    /// The next mode, if known; otherwise the system determines the next mode at the nearby event.
+    /// The mode after the event, if known; if it is unknown, the system determines the mode at the
+    /// nearby event.
     pub next: Option<usize>,
     /// The time and state at the event.
     pub at: (f64, Vec<f64>),
@@ -40,8 +41,8 @@ pub(super) struct Onset {
     pub near: (f64, Vec<f64>),
 }
 
-/// The zero-length legs that follow an event, and the state from which motion then resumes in a
-/// mode.
+/// The zero-length legs (parts of an orbit between two events) that follow an event, and the state
+/// from which motion then resumes in a mode.
 pub(super) struct Following {
     pub legs: Vec<Lasting>,
     pub state: Vec<f64>,
@@ -73,8 +74,8 @@ impl Onset {
         })
     }
 
-    /// Computes the event cascade until motion reaches a required mode and state, at the event and
-    /// at the nearby event; `None` if the cascade does not reach such a state.
+    /// Computes the event cascade, at the event and at the nearby event, until motion reaches a
+    /// required mode and state; `None` if the cascade does not reach such a state.
     pub(super) fn following_until(
         self,
         orbits: &OrbitLegs,
@@ -125,9 +126,9 @@ fn moved(Moment { system, mode, t, x, p }: Moment<f64>, duration: f64) -> Vec<f6
     step(&f, duration)
 }
 
-/// Returns the guard of a mode that is the first to fall to zero almost immediately, and the time
-/// until it does. Timed events of the guards in the list `come` have already occurred and are
-/// excluded.
+/// Returns the guard of a mode that falls to zero first, if it does so almost immediately, and the
+/// time until then. Timed events (events at given times) of the guards in the list `come` have
+/// already occurred and are excluded.
 fn soonest(orbits: &OrbitLegs, at: Moment<f64>, come: &[usize]) -> Option<(f64, usize)> {
     let unit = time_scale(at.system, at.p);
     let falling = orbits.vanishing_in(at.mode).filter_map(|guard| {
@@ -141,8 +142,8 @@ fn soonest(orbits: &OrbitLegs, at: Moment<f64>, come: &[usize]) -> Option<(f64, 
     soon.min_by(|a, b| a.0.total_cmp(&b.0))
 }
 
-/// Projects a state onto a guard's surface, to first order. The displacement, in units of the
-/// scales, is along the directions that the event's reset preserves (for example at the end of
+/// Projects a state onto a guard's surface, to first order. The state is displaced, in units of the
+/// scales, along the directions that the event's reset preserves (for example at the end of
 /// sliding), or along the gradient of the guard if the reset does not preserve any direction.
 pub(super) fn onto(guard: usize, at: Moment<f64>) -> Vec<f64> {
     let Moment { system, mode, t, x, p } = at;
@@ -168,10 +169,10 @@ pub(super) fn onto(guard: usize, at: Moment<f64>) -> Vec<f64> {
 }
 
 /// Returns a time and state near an event, still on the guard's surface, at which a function is
-/// larger by `change`. The displacement is along the part of the function's gradient with respect
-/// to the states that is tangent to the guard's surface, or with respect to states and time if the
-/// function does not vary with the states along the surface. Returns the event itself if the
-/// function varies neither with the states nor with time along the surface.
+/// larger by `change`. The displacement is along the part, tangent to the guard's surface, of the
+/// function's gradient with respect to the states. If the function does not vary with the states
+/// along the surface, the gradient with respect to states and time is used. Returns the event
+/// itself if the function varies neither with the states nor with time along the surface.
 pub(super) fn nudged(
     guard: usize,
     at: Moment<f64>,
@@ -258,9 +259,9 @@ fn course(at: Moment<f64>, guard: usize) -> [f64; 4] {
     [at.guard(guard), rate.re.re, rate.eps.re, rate.eps.eps[0]]
 }
 
-/// Returns the first time at which a non-negative function falls through zero, given its value and
-/// derivatives; the time is 0 if the function is already zero, within the tolerance `zero`, and
-/// falls.
+/// Returns the first time at which a non-negative function crosses zero downwards, given its value
+/// and derivatives; the time is 0 if the function is already zero, within the tolerance `zero`, and
+/// decreases.
 fn falls([value, rate, second, third]: [f64; 4], zero: [f64; 2]) -> Option<f64> {
     // A zero at the current time is divided out.
     match value.abs() <= zero[0] {
@@ -270,8 +271,8 @@ fn falls([value, rate, second, third]: [f64; 4], zero: [f64; 2]) -> Option<f64> 
     }
 }
 
-/// Returns the first positive root at which a quadratic polynomial falls; the constant coefficient
-/// of the polynomial must not be negative.
+/// Returns the first positive root of a quadratic polynomial at which the polynomial decreases; its
+/// constant coefficient must not be negative.
 fn falling_root([c, b, a]: [f64; 3]) -> Option<f64> {
     let root = (b * b - 4.0 * a * c).sqrt();
     let time = if b < 0.0 { 2.0 * c / (root - b) } else { (b + root) / (-2.0 * a) };

@@ -48,7 +48,8 @@ pub(super) fn name_of_grazing(orbit: &KnownOrbit, monitor: &Monitor) -> Option<&
     kind.or(several.then_some(DOUBLE))
 }
 
-/// Returns the start of the first zero-length leg of the orbit.
+/// Returns the time and state at the start of the first zero-length leg (part between two events)
+/// of the orbit.
 fn vanished(orbit: &KnownOrbit) -> Option<Place> {
     let (legs, count) = (orbit.legs, orbit.legs.all().len());
     let leg = (0..count).find(|leg| !orbit.lasts(*leg))?;
@@ -57,8 +58,8 @@ fn vanished(orbit: &KnownOrbit) -> Option<Place> {
     Some((tangency, orbit.begins(leg), orbit.known[leg].start().to_vec()))
 }
 
-/// Returns the event with the smallest approach speed, or with the smallest decision margin, as
-/// `function` selects.
+/// Returns the event with the smallest approach speed, or the event with the smallest decision
+/// margin, depending on `function`.
 fn at_event(orbit: &KnownOrbit, function: usize) -> Result<Option<Place>, Failure> {
     let mut least: Option<(f64, Place)> = None;
     for (leg, Leg { mode, exit, accumulates }) in orbit.legs.all().iter().copied().enumerate() {

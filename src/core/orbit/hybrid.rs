@@ -27,18 +27,18 @@ use std::sync::{Arc, OnceLock};
 ///     L_0 + … + L_{S−1} = q T(p)                    under forcing of period T
 /// ```
 ///
-/// The unknowns are the states, the durations `L_s` and, under forcing, the start time `T_0`. These
-/// equations remain regular when an event becomes tangential: a leg may have zero length, and an
-/// impact may have zero speed. Since the equations are regular, a branch of impacting orbits can
-/// start at the grazing point.
+/// The unknowns are the states, the durations `L_s` and, under forcing, the start time `T_0`. The
+/// equations of a hybrid orbit remain regular when an event becomes tangential: a leg (a part of
+/// the orbit between two events) may have zero length, and an impact may have zero speed. Since the
+/// equations are regular, a branch of impacting orbits can start at the grazing point.
 ///
-/// An orbit without events is one segment that closes after `q` forcing periods; without forcing
-/// the segment closes after an unknown period, with a phase condition.
+/// An orbit without events is a single segment whose end equals its start after `q` forcing
+/// periods; without forcing, the period is unknown, and a phase condition is added.
 #[derive(Clone)]
 pub struct HybridOrbit {
     pub(in crate::core) itineraries: OrbitItineraries,
-    /// For each leg, whether the leg ends on the surface on which it begins; computed when first
-    /// needed.
+    /// For each leg (part of the orbit between two events), whether the leg ends on the surface on
+    /// which it begins; computed when first needed.
     returning: OnceLock<Vec<bool>>,
 }
 
@@ -85,14 +85,14 @@ impl HybridOrbit {
         Ok(OrbitLegs::new(system, itinerary, false).into())
     }
 
-    /// Records [`Measure::Penetration`](crate::core::problem::Measure::Penetration) as a monitor,
-    /// which is 0 if motion beyond the surface would not turn back within a period.
+    /// Records [`Measure::Penetration`](crate::core::problem::Measure::Penetration) as a monitor.
+    /// The penetration is 0 if motion beyond the surface would not turn back within a period.
     pub fn with_penetration(self) -> Self {
         let OrbitLegs { system, itinerary, .. } = self.itineraries.legs;
         OrbitLegs::new(system, itinerary, true).into()
     }
 
-    /// Returns the legs of the orbits.
+    /// Returns the legs of the orbits, which are the parts between two successive events.
     pub(in crate::core) fn legs(&self) -> &OrbitLegs {
         &self.itineraries.legs
     }
@@ -162,8 +162,8 @@ where
 }
 
 impl<T: GuardNumber + MeasureNumber> Watches<T> for HybridOrbit {
-    /// Evaluates a watched function; the watched functions are the guards, followed by the system's
-    /// monitors.
+    /// Evaluates a watched function, given by its index in the list of guards followed by the
+    /// system's monitors.
     fn watch_in(&self, Watched { segment, observable, .. }: Watched, t: T, x: &[T], q: &[T]) -> T {
         let OrbitLegs { system, layout, guards, .. } = self.legs();
         let (mode, t, p) = (self.legs().mode(segment), layout.begin(q) + t, layout.p(q));

@@ -10,8 +10,8 @@ pub struct Leg {
     pub mode: usize,
     /// The guard at which the leg ends; `None` if the orbit has no events.
     pub exit: Option<usize>,
-    /// Whether the leg begins just after an event of the guard `exit` and represents the infinitely
-    /// many subsequent events, up to their accumulation.
+    /// Whether the leg represents infinitely many events: it begins just after an event of the
+    /// guard `exit`, and ends where the subsequent events of this guard accumulate.
     pub accumulates: bool,
 }
 
@@ -23,7 +23,7 @@ impl Leg {
 }
 
 /// The itinerary of a hybrid orbit in one cycle: its legs, each ended by an event, and the number
-/// of forcing periods in the cycle. The last event leads to the first leg.
+/// of forcing periods in the cycle. The last event of the cycle leads to the first leg.
 ///
 /// An itinerary is written as one word for each leg, `mode:event`; the number of periods precedes
 /// the words if it is not 1: `2* slip:rest stick:impact`. The itinerary of an orbit without events
@@ -47,7 +47,7 @@ pub struct Itinerary {
     pub periods: usize,
 }
 
-/// The suffix of an event's name that denotes infinitely many of these events.
+/// The suffix that, after the name of an event, denotes infinitely many of these events.
 const ALL: &str = "+";
 
 /// Reasons why an itinerary is invalid.

@@ -1,4 +1,4 @@
-//! Computed orbits, with the trajectories on their legs.
+//! Computed orbits, with the trajectories on their legs (the parts between two events).
 
 use super::itinerary::{Itinerary, Leg};
 use super::legs::OrbitLegs;
@@ -10,9 +10,10 @@ use crate::core::hybrid::{HybridEquations, Moment, time_scale};
 /// grazing.
 pub(super) const VANISHES: f64 = 1e-6;
 
-/// Heuristic: the duration of a leg, in units of the time scale, below which the leg has zero length. The
-/// speed at the end of a leg that begins at rest is proportional to the square of the leg's
-/// duration: if the speed vanishes to 1e-12, the duration vanishes to 1e-6.
+/// Heuristic: a leg (a part of the orbit between two events) has zero length if its duration, in
+/// units of the time scale, is below this value. The speed at the end of a leg that begins at rest
+/// is proportional to the square of the leg's duration: if the speed vanishes to an accuracy of
+/// 1e-12, the duration vanishes to 1e-6.
 const NO_TIME: f64 = 1e-5;
 
 /// A computed orbit: its legs, the trajectory on each leg, and the vector `q` of parameters and
@@ -61,7 +62,7 @@ impl<'a> KnownOrbit<'a> {
         Moment { system: self.system(), mode: self.legs.mode(leg), t, x, p: self.p() }
     }
 
-    /// Returns the time and state at which a leg ends.
+    /// Returns the time and the state at the end of a leg.
     pub fn end_of(&self, leg: usize) -> Result<(f64, Vec<f64>), Failure> {
         let length = self.length(leg);
         Ok((self.begins(leg) + length, self.state_on(leg, length)?))

@@ -10,10 +10,9 @@ use crate::core::scalar::Scalar;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Discretisation: the exponent of the multiplier `e^(−LOST)` in the direction normal to the
-/// surface of a mode, for orbits that never leave the surface: the multiplier is zero up to
-/// rounding. The vector field alone would preserve deviations from the surface, with a multiplier
-/// 1.
+/// Discretisation: for an orbit that never leaves the surface of its mode, the multiplier in the
+/// direction normal to the surface is set to `e^(−LOST)`, which is zero up to rounding. The vector
+/// field alone would preserve deviations from the surface, so that this multiplier would be 1.
 const LOST: f64 = 36.0;
 
 /// The position of each leg's states and scalar unknowns in the vectors of the whole orbit. The
@@ -74,7 +73,7 @@ impl LegLayout {
     }
 }
 
-/// The legs of the orbits that a hybrid system has with a given itinerary.
+/// The legs (parts between two events) of the orbits of a hybrid system with a given itinerary.
 #[derive(Clone)]
 pub(in crate::core) struct OrbitLegs {
     pub system: Arc<dyn HybridEquations>,
@@ -119,9 +118,9 @@ impl OrbitLegs {
         self.all()[leg].mode
     }
 
-    /// Iterates over the events of an orbit; each item contains the leg that the event ends, its
-    /// guard, and the time and state of the event. Legs that end at an accumulation of events are
-    /// skipped.
+    /// Iterates over the events of an orbit; each item contains the leg (part of the orbit) that
+    /// the event ends, the guard of the event, and the time and state of the event. Legs that end
+    /// at an accumulation of events are skipped.
     pub fn events<'a, T: Scalar>(
         &'a self,
         ends: Ends<'a, T>,
@@ -155,13 +154,14 @@ impl OrbitLegs {
         self.guards_in(mode).filter(|guard| !self.guards[*guard].is_timed())
     }
 
-    /// Returns the guards of a mode whose events occur at given times.
+    /// Returns the guards of a mode that have timed events, which occur at given times.
     pub fn timed_in(&self, mode: usize) -> impl Iterator<Item = usize> + '_ {
         self.guards_in(mode).filter(|guard| self.guards[*guard].is_timed())
     }
 
     /// Returns the vector field on a leg, given the leg's vector `q`; time is measured from the
-    /// start of the leg. The vector field is zero on a leg that ends at an accumulation of events.
+    /// start of the leg. The vector field is zero on a leg that represents accumulating events,
+    /// because the states of such a leg are constant.
     pub fn field_on<'a, T: ChatterNumber>(&'a self, leg: usize, q: &'a [T]) -> FieldRef<'a, T> {
         let (Leg { mode, accumulates, .. }, numbers) = (self.all()[leg], self.parameters.len());
         if accumulates {

@@ -78,18 +78,18 @@ struct Iterates<M> {
     count: usize,
 }
 
-/// Heuristic: the relative difference, in units of the largest state, below which iterates repeat;
-/// Newton's method then converges to the cycle.
+/// Heuristic: the iterates of a map count as repeating if they differ by less than this fraction of
+/// the largest state; Newton's method then converges to the cycle.
 const REPEATS: f64 = 1e-6;
 
-/// Heuristic: the ratio of the difference between the halves of a cycle to the difference at the
-/// previous point, below which the halves are equal, up to the error of a special point. The sizes
-/// of the states cannot serve as the unit of this difference, since cycles may shrink to a fixed
-/// point at 0.
+/// Heuristic: the halves of a cycle count as equal, up to the error of a special point, if their
+/// difference is less than this fraction of the difference at the previous point of the branch. The
+/// sizes of the states cannot serve as the unit of the difference between the halves, since cycles
+/// may shrink to a fixed point at 0.
 const SHRUNK: f64 = 1e-3;
 
-/// Heuristic: the relative difference between the halves of a converged cycle, in units of their
-/// size, below which the halves are equal.
+/// Heuristic: the halves of a converged cycle count as equal if they differ by less than this
+/// fraction of their size.
 const TWICE: f64 = 1e-6;
 
 /// Buffers for the arguments and values of a map in one scalar type.
@@ -164,7 +164,8 @@ impl<M: DiscreteMap> MapCycle<M> {
     /// the stable cycle.
     ///
     /// # Errors
-    /// [`Failure::Mismatch`] if the iterates do not repeat with such a period.
+    /// [`Failure::Mismatch`] if the iterates do not repeat after at most [`LONGEST`](Self::LONGEST)
+    /// iterates.
     pub fn settled(
         map: Arc<M>,
         start: &[f64],
@@ -224,13 +225,14 @@ impl<M: DiscreteMap> MapCycle<M> {
 }
 
 impl<M: DiscreteMap> Iterates<M> {
-    /// Returns the index of a state after `k` iterates in the vector of unknowns.
+    /// Returns the index, in the vector of unknowns, of a state after `k` iterates.
     fn at(&self, k: usize, state: usize) -> usize {
         state * self.count + k % self.count
     }
 
-    /// Evaluates part of the residuals `x_{k+1} − f(x_k, p)`, iterate by iterate; a function
-    /// returns the components of the argument `x = (z, p)`.
+    /// Evaluates one part (the real part or a derivative, as selected by `part`) of the residuals
+    /// `x_{k+1} − f(x_k, p)`, iterate by iterate; the function `argument` returns the components of
+    /// `x = (z, p)`.
     fn evaluate<T: Scalar>(
         &self,
         work: &mut Iterate<T>,
@@ -261,9 +263,9 @@ impl<M: DiscreteMap> Iterates<M> {
         left
     }
 
-    /// Adds the gradient of the directional derivative of `wᵀ F` along `v`, with respect to the
-    /// unknowns and the released parameters. Only the nonlinear part of `wᵀ F`, which is `−wᵀ f`,
-    /// contributes to the gradient.
+    /// Adds to `out` the gradient of the directional derivative of `wᵀ F` along `v`; the gradient
+    /// is taken with respect to the unknowns and the released parameters. Only the nonlinear part
+    /// of `wᵀ F`, which is `−wᵀ f`, contributes to the gradient.
     fn add_gradient<T: Directional>(
         &self,
         work: &mut Iterate<T>,

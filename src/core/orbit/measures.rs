@@ -11,10 +11,10 @@ use crate::core::problem::{Measure, Observable};
 /// The names of the monitors that are positive on admissible orbits and vanish at grazings.
 pub(crate) const GRAZINGS: [&str; 5] = ["approach", "shortest", "decision", "distance", "spacing"];
 
-/// The indices of functions of the states at the ends of legs: the smallest approach speed, the
-/// shortest duration, the penetration after the event with the smallest approach speed, the
-/// smallest decision margin, and the shortest time to a timed event. The functions that the system
-/// itself defines have the subsequent indices.
+/// The indices of the functions of the states at the ends of legs (parts of an orbit between two
+/// events): the smallest approach speed, the shortest duration, the penetration after the event
+/// with the smallest approach speed, the smallest decision margin, and the shortest time to a timed
+/// event. The indices of the functions that the system itself defines follow these indices.
 pub(super) const APPROACH: usize = 0;
 pub(super) const SHORTEST: usize = 1;
 pub(super) const PENETRATION: usize = 2;
@@ -22,8 +22,8 @@ pub(super) const DECISION: usize = 3;
 pub(super) const SPACING: usize = 4;
 pub(super) const OWN: usize = 5;
 
-/// Returns the segments on which a scalar exists, each with the watched function that represents
-/// the scalar.
+/// Returns the segments on which a scalar is defined, each with the watched function that
+/// represents the scalar on this segment.
 pub(super) fn on_segments(scalars: impl IntoIterator<Item = Option<Observable>>) -> Vec<Watched> {
     let all = scalars.into_iter().enumerate();
     all.filter_map(|(segment, observable)| Some(Watched::new(segment, observable?))).collect()
@@ -62,8 +62,8 @@ pub(super) fn monitors_of(legs: &OrbitLegs) -> Vec<(String, Monitor)> {
     monitors
 }
 
-/// Returns the monitor that represents a measure. The watched functions are the guards, followed by
-/// the system's monitors.
+/// Returns the monitor that computes a measure on the orbits. The watched functions are the guards,
+/// followed by the system's monitors.
 fn on_legs(legs: &OrbitLegs, measure: &Measure) -> Monitor {
     let numbered = |observable| match observable {
         Observable::Function(monitor) => Observable::Function(legs.guards.len() + monitor),
@@ -79,8 +79,9 @@ fn on_legs(legs: &OrbitLegs, measure: &Measure) -> Monitor {
     }
 }
 
-/// Returns all guards along the legs, each with a flag whether the guard belongs to the event at
-/// the beginning or the end of its leg.
+/// Returns all guards along the legs (parts between two events) of the orbits, each with two flags:
+/// whether the guard belongs to the event at the beginning of its leg, and whether it belongs to
+/// the event at the end.
 fn watched_guards(legs: &OrbitLegs) -> Vec<Watched> {
     let (all, mut watched) = (legs.all(), Vec::new());
     for (s, leg) in all.iter().enumerate().filter(|(_, leg)| !leg.accumulates) {

@@ -1,4 +1,5 @@
-//! Detection of discontinuous resets, beyond which a branch of orbits cannot be continued.
+//! Detection of discontinuous resets; a branch of orbits cannot be continued beyond an orbit at
+//! which a reset is discontinuous.
 
 use super::event_cascade::{NUDGE, UNMOVED, moved_state};
 use super::known_orbit::KnownOrbit;
@@ -9,7 +10,7 @@ use crate::core::hybrid::{Moment, time_scale};
 use crate::core::system::Jump;
 
 /// Rounding: the number of bisections: the last interval is smaller than the rounding error, even
-/// between points one minimal step apart.
+/// if bisection starts between points that are one minimal step apart.
 const HALVINGS: usize = 30;
 
 /// Returns the first discontinuity of a reset between two orbits; the states and times of their

@@ -1,11 +1,12 @@
-//! Legs that end on the surface on which they begin.
+//! Legs (parts of an orbit between two events) that end on the surface on which they begin.
 //!
 //! Examples of such legs are the motion of a block that rocks on its other corner, and the contact
-//! with a soft stop while it is compressed. A leg that ends on the surface on which it begins also
-//! satisfies `h = 0` at its end if its duration is zero. If the duration of such a leg shrinks to
-//! zero, the branch of orbits with the leg crosses a branch of orbits on which the leg has zero
-//! duration, and the equations are singular. The equation `h = 0` divided by the duration is
-//! regular: it states that the mean rate of the guard along the leg vanishes.
+//! with a soft stop while it is compressed. For a leg that ends on the surface on which it begins,
+//! the equation `h = 0` at its end is also satisfied if the duration of the leg is zero. If the
+//! duration of such a leg shrinks to zero, the branch of orbits with the leg intersects the branch
+//! of orbits on which the leg has zero duration, and the equations are singular there. The quotient
+//! of the guard `h` at the end of the leg and the duration gives a regular equation: the mean rate
+//! of the guard along the leg vanishes.
 
 use super::legs::OrbitLegs;
 use crate::core::bvp::Ends;
@@ -14,19 +15,20 @@ use crate::core::linalg::dot;
 use crate::core::problem::gradient;
 use num_dual::Dual;
 
-/// Heuristic: the duration of a leg, in units of the time scale, below which the mean rate of the guard is
-/// evaluated as the guard's rate at mid-time. For such short legs, the quotient of guard and
-/// duration has a rounding error inversely proportional to the duration, and the rate at mid-time
-/// differs from the mean rate only to second order in the duration.
+/// Heuristic: for legs (parts of an orbit) with a duration below this value, in units of the time
+/// scale, the guard's rate at mid-time is used as the mean rate of the guard. For such short legs,
+/// the quotient of guard and duration has a rounding error inversely proportional to the duration,
+/// and the rate at mid-time differs from the mean rate only to second order in the duration.
 const SHORT: f64 = 1e-8;
-/// Rounding: the largest difference between the values and slopes of two guards, in units of the slopes,
-/// at which the guards are the same function up to a factor: the rounding error of a few thousand
+/// Rounding: two guards are the same function up to a factor if their values and slopes, after
+/// scaling, differ by at most this fraction of the slopes: the rounding error of a few thousand
 /// operations.
 const SAME: f64 = 1e-9;
 
-/// Returns for each leg whether its guard, after the reset, equals the guard of the preceding event
-/// up to a factor. The two guards are compared at the end of the preceding leg, in a solution or in
-/// an initial guess. Returns `None` if a guard is not finite at such an end.
+/// Returns, for each leg (part of the orbit), whether the guard at its end equals, after the reset
+/// and up to a factor, the guard of the preceding event. The two guards are compared at the end of
+/// the preceding leg, in a solution or in an initial guess. Returns `None` if a guard is not finite
+/// at the end of a preceding leg.
 pub(super) fn begins_on_exit(legs: &OrbitLegs, ends: Ends<f64>, q: &[f64]) -> Option<Vec<bool>> {
     let count = legs.all().len();
     let begins = |leg: usize| {
@@ -45,8 +47,8 @@ pub(super) fn begins_on_exit(legs: &OrbitLegs, ends: Ends<f64>, q: &[f64]) -> Op
     (0..count).map(begins).collect()
 }
 
-/// Whether a guard, evaluated after the reset of an event, equals the vanishing guard of the event
-/// up to a factor. Returns `None` if one of the two guards is not finite.
+/// Whether a guard, evaluated after the reset of an event, equals the guard of this event up to a
+/// factor. Returns `None` if one of the two guards is not finite.
 fn same_guard(at: Moment<f64>, entry: usize, (next, exit): (usize, usize)) -> Option<bool> {
     let Moment { system, mode, t, x, p } = at;
     let mut sizes = system.sizes_of(mode, p);
@@ -76,9 +78,9 @@ fn same_guard(at: Moment<f64>, entry: usize, (next, exit): (usize, usize)) -> Op
     Some(ratio.is_finite() && size > 0.0 && apart.all(|apart| apart <= SAME * size))
 }
 
-/// Computes the mean rate of a guard along a leg that begins on the guard's surface, given the end
-/// of the leg, per unit of the time scale. For legs longer than the time scale, returns the value
-/// of the guard at the end instead.
+/// Computes the mean rate, per unit of the time scale, of a guard along a leg (part of an orbit)
+/// that begins on the guard's surface, given the end of the leg. For legs longer than the time
+/// scale, returns the value of the guard at the end instead.
 pub(super) fn mean_rate<T: EventNumber>(end: Moment<T>, guard: usize, duration: T) -> T
 where
     Dual<T>: GuardNumber,

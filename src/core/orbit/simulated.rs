@@ -10,11 +10,11 @@ use crate::core::failure::{Failure, one_line};
 use crate::core::hybrid::{Cycle, CycleLeg, Moment};
 use crate::core::problem::gradient;
 
-/// The minimal number of events in a series before an accumulation; a simulation needs this number
-/// to predict the accumulation and its time.
+/// The minimal number of events, in a series of events that accumulate, before the accumulation; a
+/// simulation needs this number to predict the accumulation and its time.
 const SERIES: usize = 4;
-/// The minimal ratio of the duration of the simulated series to the remaining time until the
-/// accumulation.
+/// The minimal ratio of two times: the duration of the simulated series of events, and the
+/// remaining time until the events accumulate.
 const LONGER: f64 = 30.0;
 
 impl HybridOrbit {
@@ -148,8 +148,9 @@ fn check_guards(orbit: &OrbitLegs, cycle: &Cycle, p: &[f64]) -> Result<(), Failu
     Ok(())
 }
 
-/// Returns the index of the first leg in the series before an accumulation: the leg follows an
-/// event of the series, and the intervals between all later events of the series shrink.
+/// Returns the index of the first leg in the series of events before an accumulation: this leg
+/// begins at an event of the series, and the intervals between all later events of the series
+/// shrink.
 fn begins(legs: &[CycleLeg], accumulation: &CycleLeg) -> usize {
     let (mut first, mut interval) = (legs.len(), accumulation.duration);
     let ended = (0..legs.len())

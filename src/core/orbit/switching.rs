@@ -1,6 +1,6 @@
 //! Changes of the itinerary of hybrid orbits: the grazings at which the itinerary changes, and the
-//! branches of orbits that emanate at these grazings, with vanished legs omitted, with another mode
-//! after a decision, or with an event added at a grazing point.
+//! branches that emanate there. The orbits on these branches lack the vanished legs, continue in
+//! another mode after a decision, or have an additional event at a grazing point.
 
 use super::accumulation::{accumulation, check_rebound};
 use super::decision_switching::{decided_otherwise, decisions};
@@ -20,11 +20,12 @@ use crate::core::failure::{Failure, one_line};
 use crate::core::hybrid::{GuardOf, Moment, time_scale};
 use crate::core::system::{Jump, Limit};
 
-/// Heuristic: the smallest approach speed of an event, in units of the scales, at which the mode after the
-/// event is checked.
+/// Heuristic: the mode after an event is checked only if the approach speed of the event, in units
+/// of the scales, is larger than this value.
 const SURE: f64 = 1e-4;
 
-/// The present itinerary of hybrid orbits: its legs, and the monitors of the orbits.
+/// The present itinerary of hybrid orbits: the legs (parts between two events), and the monitors of
+/// the orbits.
 #[derive(Clone)]
 pub(in crate::core) struct OrbitItineraries {
     pub legs: OrbitLegs,
@@ -83,8 +84,9 @@ impl Itineraries<ErasedProblem> for OrbitItineraries {
         Some((self.legs.like(itinerary).into_equations(), q))
     }
 
-    /// Returns the extra unknowns of the orbit that starts a number of legs later; in a forced
-    /// system, the start time is shifted by a multiple of the forcing period.
+    /// Returns the extra unknowns (the durations and the start time) of the same orbit if it starts
+    /// a given number of legs later; in a forced system, the start time is shifted by a multiple of
+    /// the forcing period.
     fn rotated(&self, segments: usize, q: &[f64], near: &[f64]) -> Option<Vec<f64>> {
         let legs = self.legs.all();
         let same = |(s, leg): (usize, &Leg)| *leg == legs[(s + segments) % legs.len()];
@@ -101,9 +103,9 @@ impl Itineraries<ErasedProblem> for OrbitItineraries {
         Some(start.into_iter().chain(durations).collect())
     }
 
-    /// Returns the monitors that vanish where the itinerary changes, each with its scale: the scale
-    /// of the guards, of their rates, of the decision functions, or of time. The scales of guards
-    /// are evaluated at half the scales of the states.
+    /// Returns the monitors that vanish where the itinerary changes, each with its scale. Depending
+    /// on the monitor, this is the scale of a guard, of a guard's rate, of a decision function, or
+    /// of time. The scales of guards are evaluated at half the scales of the states.
     fn limits(&self, p: &[f64]) -> Vec<Limit> {
         let (system, time) = (self.legs.system(), time_scale(self.legs.system(), p));
         let of_guards = |mode: usize| {
@@ -205,8 +207,8 @@ impl Itineraries<ErasedProblem> for OrbitItineraries {
     }
 }
 
-/// Checks that an event leads to the next mode of the itinerary. Events that are tangential or
-/// virtual are not checked.
+/// Checks that an event leads to the next mode of the itinerary. Tangential events, and virtual
+/// events with a negative approach speed, are not checked.
 fn check_event(legs: &OrbitLegs, leg: usize, t: f64, x: &[f64], p: &[f64]) -> Result<(), Failure> {
     let Leg { mode, exit: Some(guard), .. } = legs.all()[leg] else { return Ok(()) };
     let at = Moment { system: legs.system(), mode, t, x, p };

@@ -1,5 +1,6 @@
-//! Timed events on orbits: a leg must not pass a timed event of its mode without ending, but other
-//! events may be simultaneous with timed events.
+//! Timed events, which occur at given times, on orbits: a leg (a part of an orbit between two
+//! events) must not pass a timed event of its mode without ending, but other events may be
+//! simultaneous with timed events.
 
 use super::itinerary::Leg;
 use super::known_orbit::{KnownOrbit, VANISHES};
@@ -8,9 +9,10 @@ use crate::core::bvp::Ends;
 use crate::core::failure::Failure;
 use crate::core::hybrid::{EventNumber, Moment, time_scale};
 
-/// Returns the shortest time from a timed event before a leg to the start of the leg, or from the
-/// end of a leg to the next timed event. The result is negative if the leg passes a timed event,
-/// and infinite if all legs last from one timed event to the next.
+/// Returns the shortest of these times, over all legs (parts of the orbit): from a timed event
+/// before a leg to the start of the leg, and from the end of a leg to the next timed event. The
+/// result is negative if the leg passes a timed event, and infinite if all legs last from one timed
+/// event to the next.
 pub(super) fn spacing<T: EventNumber>(legs: &OrbitLegs, ends: Ends<T>, q: &[T]) -> T {
     let least = |a: T, b: T| if b.real() < a.real() { b } else { a };
     let (count, layout) = (legs.all().len(), &legs.layout);
@@ -84,8 +86,8 @@ impl OrbitLegs {
 }
 
 impl KnownOrbit<'_> {
-    /// Whether a timed event of a leg's mode, or of the next mode, is simultaneous with the
-    /// different event that ends the leg.
+    /// Whether a leg (part of an orbit) is ended by one event, but another event, a timed event of
+    /// the mode of the leg or of the next mode, occurs simultaneously.
     pub(super) fn collides(&self, leg: usize) -> bool {
         let (legs, end) = (self.legs, self.begins(leg) + self.length(leg));
         let (exit, unit) = (legs.all()[leg].exit, time_scale(self.system(), self.p()));

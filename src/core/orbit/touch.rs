@@ -1,4 +1,4 @@
-//! Grazing points of an orbit: points at which a guard vanishes without an event of its own.
+//! Grazing points of an orbit: points at which a guard vanishes but its event does not occur.
 
 use super::known_orbit::{KnownOrbit, VANISHES};
 use crate::core::failure::Failure;
@@ -10,7 +10,7 @@ use std::ops::ControlFlow;
 pub(super) struct Touch {
     pub leg: usize,
     pub guard: usize,
-    /// The time of the point since the beginning of the leg.
+    /// The time from the beginning of the leg to the point.
     pub since: f64,
     /// The value of the guard at the point.
     pub value: f64,
@@ -55,8 +55,8 @@ fn dips(orbit: &KnownOrbit, leg: usize, guard: usize, scale: f64) -> Result<Vec<
     found.into_iter().map(touch).collect()
 }
 
-/// Returns the minima of a guard on a leg: the time of each minimum since the beginning of the leg,
-/// and the value of the guard.
+/// Returns the minima of a guard on a leg (a part of an orbit between two events), each with its
+/// time since the beginning of the leg and with the value of the guard.
 fn minima(
     orbit: &KnownOrbit,
     leg: usize,

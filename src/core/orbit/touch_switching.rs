@@ -36,14 +36,14 @@ impl Passed {
     }
 }
 
-/// Heuristic: the time from the new event to the grazing point, in units of the time scale, if the event is
-/// moved to determine the direction of a branch.
+/// Heuristic: the time between the new event and the grazing point, in units of the time scale, if
+/// the event is moved away from the grazing point to determine the direction of a branch.
 const SOONER: f64 = 1e-3;
-/// Heuristic: the ratio of two times before the grazing point at which the error is compared; the error
-/// must decrease as the square of the time.
+/// Heuristic: the ratio of the two times before the grazing point at which the error is computed;
+/// the error must decrease as the square of the time.
 const NEARER: f64 = 4.0;
-/// Heuristic: the number of simultaneous grazing points that are combined into branches, with 2⁸ subsets;
-/// at the later grazing points, only the orbits of branch 0 cross the surface.
+/// Heuristic: the largest number of simultaneous grazing points whose 2⁸ subsets define branches;
+/// at further grazing points, only the orbits of branch 0 cross the surface.
 const MOST_TOUCHES: usize = 8;
 /// Rounding: the errors of states after an integrated motion, in units of the states' scales.
 const ROUNDING: f64 = 1e-11;
@@ -137,12 +137,12 @@ fn passed(orbit: &KnownOrbit, touch: &Touch) -> Result<Passed, Failure> {
     Ok(Passed { leg, guard, since, distance: value.abs(), following })
 }
 
-/// Returns an event shortly before a grazing point, on the same motion, if motion after the event
-/// cascade continues as if no event had occurred. The branch then emanates in the direction given
-/// by this earlier event, since the equations are singular in this direction. The event leaves the
-/// motion unchanged, for example, if motion grazes a surface that only stops it, or slides up to
-/// the end of the sliding region. Returns `None` if the event changes the motion, as an impact
-/// does.
+/// Returns an event of the same motion shortly before a grazing point, if motion continues after
+/// the event and its cascade as if no event had occurred. The branch then emanates in the direction
+/// that the earlier event determines, since the equations are singular in this direction. The event
+/// leaves the motion unchanged, for example, if motion grazes a surface that only stops it, or
+/// slides up to the end of the sliding region. Returns `None` if the event changes the motion, as
+/// an impact does.
 fn passed_sooner(orbit: &KnownOrbit, touch: &Touch, passed: &Passed) -> Option<Passed> {
     if passed.following.legs.is_empty() {
         return None;
@@ -160,8 +160,8 @@ fn passed_sooner(orbit: &KnownOrbit, touch: &Touch, passed: &Passed) -> Option<P
     (same && second_order).then_some(near)
 }
 
-/// Returns the event at the time `sooner` before a grazing point, and the distance between the end
-/// of its cascade and the grazing motion, in units of the scales.
+/// Returns the event that occurs the time `sooner` before a grazing point, and the distance, in
+/// units of the scales, between the end of the event's cascade and the grazing motion.
 fn sooner(orbit: &KnownOrbit, touch: &Touch, sooner: f64) -> Option<(Passed, f64)> {
     let Touch { leg, guard, .. } = *touch;
     let since = Some(touch.since - sooner).filter(|since| *since > 0.0)?;

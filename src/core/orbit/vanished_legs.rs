@@ -1,5 +1,6 @@
-//! Branch switching at vanishing legs, to the orbits without the zero-length legs of a grazing, and
-//! without the events that are only tangential at the grazing.
+//! Branch switching at vanishing legs (parts of an orbit between two events), to the orbits without
+//! the legs that have zero length at a grazing, and without the events that are only tangential at
+//! the grazing.
 
 use super::event_cascade::{Following, NUDGE, Onset, UNMOVED, check_unmoved, moved_state, nudged};
 use super::itinerary::{Itinerary, Leg};
@@ -9,7 +10,8 @@ use crate::core::bvp::{Guess, Trajectory};
 use crate::core::failure::Failure;
 use crate::core::hybrid::{Moment, time_scale};
 
-/// Returns the orbits without the legs or events that vanish on the given orbit.
+/// Returns the orbits that lack the legs (parts between two events) or the events that vanish on
+/// the given orbit.
 pub(super) fn without(orbit: &KnownOrbit) -> Result<Option<Guess<OrbitLegs>>, Failure> {
     if orbit.legs.layout.smooth {
         return Ok(None);
@@ -54,9 +56,9 @@ fn without_touches(orbit: &KnownOrbit) -> Result<Option<Guess<OrbitLegs>>, Failu
     Ok(Some(orbit.with_legs(all, begins)))
 }
 
-/// Heuristic: the fraction of the period after the grazing point at which the segment of an
-/// autonomous orbit without events starts. With this fraction, the grazing point, the motion just
-/// before it, and the motion half a period later are inside the segment.
+/// Heuristic: the time after the grazing point, as a fraction of the period, at which the segment
+/// of an autonomous orbit without events starts. With this fraction, the grazing point, the motion
+/// just before it, and the motion half a period later are inside the segment.
 const BEHIND: f64 = 0.38;
 
 /// Returns orbits without events, given a motion of one period that begins with a specified leg.
@@ -103,11 +105,12 @@ fn behind_touch(orbit: &KnownOrbit, leg: usize) -> Result<Option<usize>, Failure
     Ok(next)
 }
 
-/// Returns the orbits without the zero-length legs. The events before the zero-length legs then
-/// lead to the legs after them; at a border collision, these events are replaced by the events that
-/// come first on the other side. Returns `None` if the orbit has neither zero-length legs nor
-/// simultaneous events, or if no event leads past the zero-length legs (which can then vanish with
-/// an event of zero approach speed).
+/// Returns the orbits without the zero-length legs (parts between two events) of the given orbit.
+/// On the returned orbits, the events before the zero-length legs lead directly to the legs after
+/// the zero-length legs; at a border collision, these events are replaced by the events that occur
+/// first on the other side of the collision. Returns `None` if the orbit has neither zero-length
+/// legs nor simultaneous events, or if no event leads past the zero-length legs (which can then
+/// vanish with an event of zero approach speed).
 fn without_vanished(orbit: &KnownOrbit) -> Result<Option<Guess<OrbitLegs>>, Failure> {
     let kept = kept(orbit);
     let Some(&Kept { leg: first, .. }) = kept.first() else { return Ok(None) };
@@ -143,7 +146,7 @@ fn without_vanished(orbit: &KnownOrbit) -> Result<Option<Guess<OrbitLegs>>, Fail
 }
 
 /// Whether the grazing is a border collision, at which two events exchange their order and the leg
-/// between them vanishes.
+/// between these events vanishes.
 pub(super) fn is_border_collision(orbit: &KnownOrbit) -> bool {
     let mut changed = kept(orbit).into_iter().filter(|it| it.changes);
     changed.any(|it| exchanged(orbit, it.leg, it.next).is_some())
@@ -154,8 +157,8 @@ struct Kept {
     leg: usize,
     /// The index of the next leg of positive length.
     next: usize,
-    /// Whether zero-length legs lie between this leg and the next, or a timed event is simultaneous
-    /// with the event that ends this leg.
+    /// Whether zero-length legs lie between this leg and the next leg of positive length, or a
+    /// timed event is simultaneous with the event that ends this leg.
     changes: bool,
 }
 

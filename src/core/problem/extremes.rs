@@ -9,8 +9,9 @@ pub(in crate::core) struct Sighting<P> {
     pub value: f64,
 }
 
-/// The extremes of one scalar on one leg of a motion. The scalar is monotone between visited points,
-/// and the points are visited in order, from the beginning of the leg to its end.
+/// The extremes of one scalar on one leg (a part between two events) of a motion. The scalar is
+/// monotone between visited points, and the points are visited in order, from the beginning of the
+/// leg to its end.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::core) struct Extremes<P> {
     largest: Sighting<P>,
@@ -28,7 +29,7 @@ pub(in crate::core) struct Extremes<P> {
     falling: bool,
     /// The typical size of the scalar.
     scale: f64,
-    /// The smallest change that counts as a fall or rise of the scalar.
+    /// The smallest change of the scalar that counts as a fall or a rise.
     depth: f64,
     /// The size of the scalar's errors at the beginning of the leg.
     error: f64,
@@ -117,12 +118,14 @@ impl<P: Copy + Default> Extremes<P> {
         }
     }
 
-    /// Returns the local minima that count as distances: the minima inside the leg, and the end of
-    /// the leg. The flags `vanishes` state whether the scalar vanishes in the event that begins the
-    /// leg, and in the event that ends the leg. If the scalar vanishes in an event, neither the end
-    /// of the leg counts, nor a minimum reached monotonically from the beginning or before the end,
-    /// since such a minimum is the event itself. If a reset moves the state away from the surface,
-    /// as in a spiking neuron, the beginning of the leg is not the event.
+    /// Returns the local minima that count as distances from the surface: the minima inside the
+    /// leg, and the end of the leg. The flags `vanishes` state whether the scalar vanishes in the
+    /// event that begins the leg, and in the event that ends the leg. If the scalar vanishes in one
+    /// of these events, the end of the leg does not count. A minimum that is reached monotonically
+    /// from the beginning or before the end does not count either, since such a minimum is the
+    /// event itself. If the reset of the event moves the state away from the surface, as in a
+    /// spiking neuron, the scalar does not vanish at the beginning of the leg, and its minima there
+    /// count.
     fn dips(&self, vanishes: [bool; 2]) -> impl Iterator<Item = Sighting<P>> {
         let [begins, ends] = vanishes;
         let begins = begins && self.first.is_none_or(|first| first.abs() <= ON * self.scale);
@@ -133,7 +136,7 @@ impl<P: Copy + Default> Extremes<P> {
     }
 }
 
-/// The extremes of a scalar over several legs of a motion.
+/// The extremes of a scalar over several legs (parts between two events) of a motion.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::core) struct Overall<P> {
     largest: Option<Sighting<P>>,
@@ -172,8 +175,9 @@ impl<P: Copy> Overall<P> {
         }
     }
 
-    /// Returns up to two extremes, each with a factor; the sum of the products is the value of a
-    /// measure of extremes. For a measure of another kind, no extremes are returned.
+    /// Returns the extremes that a measure needs, at most two, each with a factor; the value of the
+    /// measure is the sum of the products. For a measure that does not depend on extremes, the
+    /// result is empty.
     pub fn terms<S, D>(&self, measure: &Measure<S, D>) -> [Option<(Sighting<P>, f64)>; 2] {
         let times = |factor: f64| move |sighting| (sighting, factor);
         let (largest, smallest) = (self.largest.map(times(1.0)), self.smallest);
@@ -188,7 +192,8 @@ impl<P: Copy> Overall<P> {
         }
     }
 
-    /// Returns the value of a measure of extremes; 0 if the scalar is not defined on any leg.
+    /// Returns the value of a measure that depends on extremes; 0 if the scalar is not defined on
+    /// any leg.
     pub fn value<S, D>(&self, measure: &Measure<S, D>) -> f64 {
         self.terms(measure).iter().flatten().map(|(s, factor)| factor * s.value).sum()
     }

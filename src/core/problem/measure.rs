@@ -10,8 +10,9 @@ use std::convert::Infallible;
 /// The type parameter `S` is the type by which a measure refers to a scalar of the motion. In user
 /// code, `S` is the name of a state or of a monitor. In a boundary-value problem, `S` lists the
 /// segments on which the scalar is defined, and `D` lists the surfaces to which distances are
-/// measured ([`bvp::Monitor`](crate::core::bvp::Monitor)). Extremes are taken over the interior and
-/// the ends of all legs in whose mode the scalar is defined.
+/// measured ([`bvp::Monitor`](crate::core::bvp::Monitor)). Extremes of a scalar are taken over the
+/// interior and the ends of all legs (parts of the motion between two events) in whose mode the
+/// scalar is defined.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Measure<S = String, D = Infallible> {
@@ -23,8 +24,9 @@ pub enum Measure<S = String, D = Infallible> {
     Minimum(S),
     /// The difference between the largest and the smallest value of a scalar.
     Range(S),
-    /// The smallest local minimum of a guard inside a leg or at its end, or the maximum of the guard
-    /// if it has no minimum: a distance that vanishes if the motion touches a surface.
+    /// The smallest local minimum of a guard inside a leg (a part of the motion between two events)
+    /// or at its end, or the maximum of the guard if it has no minimum. This distance vanishes if
+    /// the motion touches a surface.
     Distance(D),
     /// The negative of [`Distance`](Self::Distance): the depth to which motion would pass beyond a
     /// surface if the surface were absent.
@@ -37,10 +39,11 @@ pub enum Measure<S = String, D = Infallible> {
         /// The scalar that is evaluated at the crossings.
         value: S,
     },
-    /// A time integral of a sum over one or several scalars.
+    /// A time integral of a sum over one or several scalars, given by the list.
     Integral(Integral, Vec<S>),
-    /// A scalar that the problem computes from the states at the ends of all legs, given by its
-    /// index ([`HybridSystem::measure`](crate::core::hybrid::HybridSystem::measure),
+    /// A number, given by its index, that the problem computes from the states at the ends of all
+    /// legs (parts of the motion between two events)
+    /// ([`HybridSystem::measure`](crate::core::hybrid::HybridSystem::measure),
     /// [`BoundaryProblem::of_ends`](crate::core::bvp::BoundaryProblem::of_ends)).
     Ends(usize),
 }
@@ -58,7 +61,7 @@ impl<S, D> Measure<S, D> {
 }
 
 impl<S> Measure<S> {
-    /// Converts the measure to another type of references to scalars.
+    /// Converts the measure to a measure whose scalars are given by another type.
     ///
     /// ```
     /// use tangency::core::bvp::{Monitor, Watched};
@@ -102,9 +105,9 @@ impl<S> Measure<S> {
 }
 
 impl Measure {
-    /// The name of a measure that every hybrid system has: the depth to which the motion would pass
-    /// beyond the surface at its slowest event if the surface were absent. The value of the
-    /// penetration is the magnitude of the guard at the turning point
+    /// The name of a measure that every hybrid system has: the depth to which the motion would
+    /// pass, at its event with the smallest approach speed, beyond the surface if the surface were
+    /// absent. The value of the penetration is the magnitude of the guard at the turning point
     /// ([`virtual_point`](crate::core::hybrid::virtual_point)). For a motion without events, the
     /// penetration is the negative of the smallest distance from a surface.
     pub const PENETRATION: &str = "penetration";
@@ -204,8 +207,8 @@ impl Integral {
         }
     }
 
-    /// Converts an integral over some duration to the value of the measure; the value is 0 if the
-    /// integral is 0, as for a zero duration.
+    /// Converts a time integral, given the duration, to the value of the measure; the value is 0 if
+    /// the integral is 0, as for a zero duration.
     pub(in crate::core) fn of<T: Scalar>(self, sum: T, time: T) -> T {
         match self {
             Integral::Total => sum,

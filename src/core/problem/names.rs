@@ -25,8 +25,8 @@ pub struct Group {
     /// The number of components of the group.
     pub length: usize,
     /// The first and the last value of each index of an array; an empty list if the group is not an
-    /// array. The last index varies fastest. On a mesh, each element of the array has one component
-    /// per node.
+    /// array. The last index varies fastest. If the group is defined on a mesh, each element of the
+    /// array has one component per mesh node.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub indices: Vec<[i64; 2]>,
 }
@@ -72,7 +72,7 @@ impl Group {
         self.indices.iter().map(range).fold(1, usize::saturating_mul)
     }
 
-    /// Puts the group on a mesh, so that each element has one value per node.
+    /// Defines the group on a mesh, so that each element of the array has one value per mesh node.
     pub fn on_mesh(mut self, nodes: usize) -> Self {
         self.length = self.count() * nodes;
         self

@@ -1,4 +1,5 @@
-//! Gradients of derivatives of a residual that is the gradient of a potential.
+//! Gradients of the directional derivatives of a residual `F`, if `F` is the gradient of a
+//! potential.
 
 use super::names::Names;
 use crate::core::failure::Failure;
@@ -24,7 +25,7 @@ impl PotentialGradient {
     /// derivative of `D` along `w` equals the gradient of `wᵀD` with respect to the unknowns.
     ///
     /// # Errors
-    /// The errors of the closure `along`.
+    /// Returns the errors of the closure `along`.
     pub fn gradient(
         &mut self,
         w: &[f64],

@@ -1,9 +1,9 @@
 //! Vector fields in one scalar type, the form in which integrators evaluate them.
 //!
 //! A [`VectorField`] is generic over scalar types and cannot be a trait object. If different fields
-//! must have a common type, they are used in one scalar type at a time: [`FieldIn`] is the interface
-//! through which an integrator with numbers `T` evaluates a field, and [`FieldRef`] refers to one
-//! field of a collection through a pointer.
+//! must have a common type, they are used in one scalar type at a time: an integrator with numbers
+//! `T` evaluates a field through the interface [`FieldIn`], and [`FieldRef`] refers to one field of
+//! a collection through a pointer.
 
 use super::field::VectorField;
 use crate::core::failure::OutOfDomain;
@@ -18,12 +18,12 @@ pub(in crate::core) type Wide<T> = DualChunk<T, WIDTH>;
 /// A vector field in one scalar type, the form in which an integrator with numbers of this type
 /// evaluates the field. Every [`VectorField`] implements this trait.
 pub trait FieldIn<T: Scalar> {
-    /// The type of the same vector field with real numbers.
+    /// The type of the same vector field, evaluated with real numbers.
     type Real<'a>: FieldIn<f64>
     where
         Self: 'a;
 
-    /// Returns the same vector field with real numbers.
+    /// Returns the same vector field, evaluated with real numbers.
     fn real(&self) -> Self::Real<'_>;
 
     /// Computes the vector field `f(t, x, p)` and writes it into `f`.
@@ -96,8 +96,8 @@ pub trait Fields<T>: Domains {
     /// Computes the vector field with the given index at `(t, x, p)` and writes it into `f`.
     fn field_of(&self, index: usize, t: T, x: &[T], p: &[T], f: &mut [T]);
 
-    /// Projects a state onto the surface that is invariant under one of the fields; the default
-    /// implementation, for a field without such a surface, leaves the state unchanged.
+    /// Projects a state onto the invariant surface of one of the fields; the default implementation
+    /// is for fields without such a surface, and leaves the state unchanged.
     fn constrain_of(&self, _index: usize, _t: T, _x: &mut [T], _p: &[T]) {}
 }
 
@@ -170,9 +170,10 @@ fn at_pace<T: Scalar>(pace: Pace<T>, t: T, f: &mut [T]) {
 pub struct FieldRef<'a, T: Scalar> {
     /// The collection.
     pub fields: &'a dyn Fields<T>,
-    /// The same collection of fields with derivatives, if implicit schemes are supported.
+    /// The same collection of fields, evaluated with derivatives; `None` if implicit schemes are
+    /// not supported.
     pub wide: Option<&'a dyn Fields<Wide<T>>>,
-    /// The same collection of fields with real numbers.
+    /// The same collection of fields, evaluated with real numbers.
     pub real: &'a dyn WideFields<f64>,
     /// The index of the field in the collection.
     pub index: usize,
@@ -180,8 +181,8 @@ pub struct FieldRef<'a, T: Scalar> {
     pub start: T,
     /// The number of leading parameters on which the vector field depends.
     pub numbers: usize,
-    /// The rate of attraction to the field's invariant surface; `None` for the field without
-    /// attraction, which preserves the distance from the surface.
+    /// The rate of attraction to the field's invariant surface; `None` if no attraction is added,
+    /// in which case the field preserves the distance from the surface.
     pub attraction: Option<T>,
     /// The transformation of time that is applied to an autonomous field.
     pub pace: Option<Pace<T>>,

@@ -207,9 +207,9 @@ macro_rules! vector_field {
     };
 }
 
-/// Defines a [`ZeroProblem`](crate::core::problem::ZeroProblem) by its residuals, one formula for each
-/// unknown in the order of the unknowns; the order affects the stability if the formulas are the rates of
-/// a motion. The declared struct is `Clone`, `Copy` and `Debug`.
+/// Defines a [`ZeroProblem`](crate::core::problem::ZeroProblem) by its residuals, one formula for
+/// each unknown, in the order of the unknowns. If the formulas are the rates of a motion, this
+/// order affects the computed stability. The declared struct is `Clone`, `Copy` and `Debug`.
 ///
 /// The brackets after the struct's name contain the unknowns and, after a semicolon, the parameters,
 /// all or none of them with default values. Local values, monitors, struct fields and further methods

@@ -27,14 +27,14 @@ pub trait Watch {
     /// Computes the value of `h(t, x, p)`.
     fn value<T: Scalar>(&self, t: T, x: &[T], p: &[T]) -> T;
 
-    /// Returns the size of a typical change of `h`, which is the unit of tolerances; if `h` is a
-    /// state, the integrator supplies the size.
+    /// Returns the size of a typical change of `h`, which is the unit of tolerances; not needed if
+    /// `h` is a state, because the integrator then supplies the size.
     fn scale(&self) -> f64 {
         1.0
     }
 
-    /// Returns the index of the watched state if `h` is a state, whose derivatives are then known
-    /// without an evaluation.
+    /// Returns the index of the state if `h` is a state; the derivatives of a state are known
+    /// without an evaluation of `h`.
     fn state(&self) -> Option<usize> {
         None
     }
@@ -61,7 +61,8 @@ impl<W: Watchable<f64>> Watchable<f64> for Opposite<'_, W> {
 pub enum Observable {
     /// A state.
     State(usize),
-    /// A function of time, states and parameters that the problem defines, given by its index.
+    /// A function of time, states and parameters, given by its index among the functions that the
+    /// problem defines.
     Function(usize),
 }
 
@@ -125,8 +126,8 @@ impl<W: Watch, T: Scalar> Watchable<T> for W {
     }
 }
 
-/// Returns the change of a function at a point when time and states change by their scales; 1 if
-/// this change is zero or not finite.
+/// Returns the change of a function at a point if time and all states change by their scales;
+/// returns 1 if this change is zero or not finite.
 pub(in crate::core) fn change_by(
     (time, states): (f64, &[f64]),
     place: (f64, &[f64]),

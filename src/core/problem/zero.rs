@@ -23,8 +23,8 @@ pub enum Dynamics {
     /// matrix for which `F` is nearly the gradient of a potential: an equilibrium is stable if
     /// every eigenvalue of `F_z` has a positive real part.
     SecondOrder,
-    /// A periodic orbit, which the unknowns represent: the orbit is stable if every Floquet
-    /// multiplier except the trivial one lies inside the unit circle.
+    /// The unknowns represent a periodic orbit, which is stable if every Floquet multiplier except
+    /// the trivial one lies inside the unit circle.
     Periodic,
     /// The residual does not represent any dynamics, so that stability is not reported.
     None,
@@ -68,9 +68,9 @@ pub trait ZeroProblem: Send + Sync {
     /// Computes the monitors and writes them into `values`, in the order of [`Names::monitors`].
     fn monitors<T: Scalar>(&self, _z: &[T], _p: &[T], _values: &mut [T]) {}
 
-    /// Returns the typical sizes of the groups of unknowns, in their order; the sizes must be given
-    /// if unknowns can be zero and their sizes differ strongly. By default the sizes of the
-    /// unknowns are determined at the start of a branch.
+    /// Returns the typical sizes of the groups of unknowns, in the order of the groups; the sizes
+    /// must be given if unknowns can be zero and the sizes of the groups differ strongly. By
+    /// default the sizes of the unknowns are determined at the start of a branch.
     fn scales(&self, _p: &[f64]) -> Vec<f64> {
         Vec::new()
     }

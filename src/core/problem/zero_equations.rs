@@ -1,6 +1,6 @@
 //! An object-safe trait that represents all zero problems.
 //!
-//! Users implement [`ZeroProblem`] generically for all scalar types.
+//! Users implement the trait [`ZeroProblem`] generically for all scalar types.
 //! [`Dense`](crate::core::system::Dense) calls a zero problem through [`ZeroEquations`], one scalar
 //! type at a time, and is therefore compiled once for all problems.
 
@@ -11,8 +11,9 @@ use crate::core::failure::OutOfDomain;
 use crate::core::scalar::{Chunk, Jet, Scalar, Traced};
 use num_dual::{Dual, Dual2, Dual64};
 
-/// The capacity of the jets for center manifolds: at most 126 coefficients are used (order 5 in 4
-/// variables). The fields of hybrid systems use jets of the same capacity.
+/// The capacity, in coefficients, of the jets that compute center manifolds: at most 126
+/// coefficients are used (order 5 in 4 variables). The vector fields of hybrid systems are
+/// evaluated with jets of the same capacity.
 pub(in crate::core) const ROOM: usize = 128;
 
 /// A scalar type in which every zero problem can be evaluated.

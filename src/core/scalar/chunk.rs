@@ -138,8 +138,8 @@ fn parts<T: Copy, const W: usize>(mut part: impl FnMut(usize) -> T) -> [T; W] {
 }
 
 /// Runs an operation on all derivatives of a number. The operation is inlined if the derivatives are
-/// real. It is compiled once if they are nested dual numbers, whose operations would otherwise
-/// enlarge every caller.
+/// real numbers. If the derivatives are nested dual numbers, the operation is compiled only once,
+/// since its code would otherwise enlarge every caller.
 #[inline(always)]
 fn of_parts<T: Scalar, R>(operation: impl FnOnce() -> R) -> R {
     #[inline(never)]
@@ -210,7 +210,8 @@ pub(crate) trait Directional: Scalar {
     fn derivative(&self) -> &Chunk;
 }
 
-/// The implementation for order 0, without derivatives along the additional direction.
+/// The implementation for order 0, in which a number has no derivatives along the additional
+/// direction.
 impl Directional for Chunk {
     #[inline]
     fn along(seeded: Chunk, _: f64) -> Self {

@@ -3,8 +3,8 @@
 /// Implements comparison by real parts, constants, sums, products and conversions for a scalar
 /// type.
 ///
-/// The argument `real` returns the real part of a number, which is used for comparison; the
-/// argument `constant` converts a real number to the scalar type.
+/// The macro argument `real` is a function that returns the real part of a number, for comparisons;
+/// the macro argument `constant` is a function that converts a real number to the scalar type.
 macro_rules! number_of_reals {
     ([$($generics:tt)*] $type:ty, real: $real:expr, constant: $constant:expr) => {
         impl<$($generics)*> PartialEq for $type {

@@ -35,7 +35,8 @@ struct Operation {
 struct Record {
     operations: Vec<Operation>,
     slopes: Vec<f64>,
-    /// For each node, the last result from which a search has reached the node.
+    /// For each node of the record, the index of the last result from which a search of the
+    /// dependencies has reached the node.
     reached: Vec<u32>,
     stack: Vec<u32>,
 }

@@ -30,11 +30,11 @@ pub type Visit<'a> = dyn FnMut(Found) + 'a;
 pub type Make<'a> =
     dyn Fn() -> Result<Box<dyn StroboscopicMap + 'a>, StroboscopicError> + Sync + 'a;
 
-/// Executes all unfinished runs of a part of a plan: `done(run)` is `None` for an unfinished run,
-/// and otherwise the state in which the run ended (`None` inside if the run failed). `make` creates
-/// the map, once for each batch of strands (chains of dependent runs); `p` contains the parameters
-/// that do not vary. The cancel token of the search can cancel every run between two periods, on
-/// all threads; unfinished runs are discarded.
+/// Executes all unfinished runs of a part of a plan. The function `done(run)` returns `None` for an
+/// unfinished run, `Some(None)` for a failed run, and otherwise the state in which the run ended.
+/// `make` creates the map, once for each batch of strands (chains of dependent runs); `p` contains
+/// the parameters that do not vary. The cancel token of the search can cancel every run between two
+/// periods, on all threads; unfinished runs are discarded.
 ///
 /// ```
 /// use tangency::core::attractor::{AttractorSearch, StroboscopicError, StroboscopicMap, PeriodMap};
@@ -115,8 +115,8 @@ fn batch_size(strands: usize, threads: usize) -> usize {
     strands.div_ceil(threads * rounds).max(LEAST_ABREAST)
 }
 
-/// The outcome of a run: an attractor, and the location of a crisis if one was searched for and
-/// found.
+/// The outcome of a run: an attractor, and the location of its crisis if a crisis was searched for
+/// and found.
 type Outcome = (Result<Attractor, StroboscopicError>, Option<[f64; 2]>);
 
 /// The data shared by all batches of runs.

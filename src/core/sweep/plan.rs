@@ -98,14 +98,15 @@ impl Order {
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
-    /// The axes of the grid; the last one varies fastest.
+    /// The axes of the grid; along the runs, the value on the last axis varies fastest.
     pub axes: Vec<Axis>,
     /// The starts.
     pub starts: Vec<HybridState<f64>>,
     /// The choice of the starting states of runs.
     pub order: Order,
-    /// The number of strands (chains of dependent runs) into which the axis is divided if each run
-    /// starts where the preceding run ended; each strand begins at the plan's starting state.
+    /// The number of strands (chains of dependent runs) into which the axis is divided, if each run
+    /// starts where the preceding run ended; the first run of each strand begins at the starting
+    /// state of the plan.
     pub strands: usize,
     /// The settings of the search for the attractor of each run.
     pub search: AttractorSearch,

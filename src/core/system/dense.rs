@@ -29,7 +29,7 @@ pub struct Dense<P> {
 }
 
 impl<P: ZeroProblem + 'static> Dense<P> {
-    /// Creates the system of a zero problem.
+    /// Creates the system, with dense matrices, of a zero problem.
     pub fn new(problem: P) -> Self {
         Dense::shared(Arc::new(problem))
     }
@@ -61,15 +61,15 @@ impl<P: ZeroProblem + 'static> Dense<P> {
 }
 
 /// A [`ZeroProblem`] as a [`System`] whose `F_z` is sparse: each equation depends on few unknowns,
-/// as in a discretised partial differential equation. Time and memory grow only slightly faster
-/// than linearly in the number of unknowns.
+/// as in a discretised partial differential equation. Time and memory for a sparse matrix grow only
+/// slightly faster than linearly in the number of unknowns.
 ///
 /// The sparsity pattern of `F_z` is determined at the first point, by evaluating the residual on
-/// numbers that record its computation. Each assembly of `F_z` is compared with a directional
-/// derivative: the pattern is extended if an equation that contains comparisons depends on further
-/// unknowns. Columns without a common row have the same color and are differentiated together: a
-/// Jacobian with `c` colors takes `⌈c/8⌉` passes. Only the rightmost eigenvalues of a sparse `F_z`
-/// are computed.
+/// numbers that record its computation. Each assembled `F_z` is compared with a directional
+/// derivative of the residual. The pattern is extended if an equation that contains comparisons
+/// depends on further unknowns. Columns that have no common row get the same color and are
+/// differentiated together: a Jacobian with `c` colors takes `⌈c/8⌉` passes. Only the rightmost
+/// eigenvalues of a sparse `F_z` are computed.
 ///
 /// ```
 /// use tangency::core::continuation::{Continuation, Settings};
@@ -104,7 +104,7 @@ pub struct Sparse<P> {
 }
 
 impl<P: ZeroProblem + 'static> Sparse<P> {
-    /// Creates the system of a zero problem.
+    /// Creates the system, with sparse matrices, of a zero problem.
     pub fn new(problem: P) -> Self {
         let problem = Arc::new(problem);
         Sparse { system: ZeroSystem::structured(problem.clone(), Matrices::Sparse), problem }

@@ -28,7 +28,7 @@ impl<'a> Expansion<'a> {
         Ok(Expansion { space, x, terms })
     }
 
-    /// A component of `x = (z, p)`, as a jet.
+    /// Returns component number `i` of the argument `x = (z, p)`, as a jet.
     pub fn argument(&self, i: usize) -> Jet<ROOM> {
         let Expansion { space, x, terms } = self;
         if terms.first().is_none_or(|term| i >= term.len()) {
@@ -38,8 +38,8 @@ impl<'a> Expansion<'a> {
             .unwrap_or_else(|_| Jet::constant(f64::NAN))
     }
 
-    /// Returns the Taylor coefficients of the left-hand sides, in the order of the monomials of the
-    /// space.
+    /// Returns the Taylor coefficients of all equations, whose left-hand sides are given as jets,
+    /// in the order of the monomials of the space.
     ///
     /// # Errors
     /// [`Failure`] if a Taylor coefficient is not finite.

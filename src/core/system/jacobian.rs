@@ -54,7 +54,8 @@ impl Jacobian {
         }
     }
 
-    /// Factors a form of the matrix, bordered by additional rows and columns.
+    /// Factors the matrix, or the variant of it that `form` selects, bordered by additional rows
+    /// and columns.
     pub fn factor(&self, form: Form, border: Border, into: &mut Factors) -> Result<(), Failure> {
         match (form, self) {
             (Form::Antiperiodic, _) => Err(Failure::Unsupported(

@@ -1,14 +1,15 @@
 //! Mixed derivatives along two and three directions.
 //!
-//! The mixed derivatives are by-products of the numbers that gradients need: `F_xx[v, w]` is the
-//! derivative of `F_x[v]` along `w`, and `F_xxx[v, v, w]` is the derivative of `F_xx[v, v]` along
-//! `w`. A chunk (a dual number with several directions) carries `w` in its first direction.
+//! The dual numbers with which gradients are computed also yield the mixed derivatives: `F_xx[v,
+//! w]` is the derivative of `F_x[v]` along `w`, and `F_xxx[v, v, w]` is the derivative of `F_xx[v,
+//! v]` along `w`. A chunk (a dual number with several directions) carries `w` in its first
+//! direction.
 
 use crate::core::failure::Failure;
 use crate::core::scalar::{Chunk, Directional};
 
-/// Creates a component of the argument, given the components of `v`, the direction of all
-/// derivatives but the last, and of `w`, the direction of the last derivative.
+/// Creates a component of the argument as a dual number, given the components of two directions:
+/// all derivatives except the last are taken along `v`, and the last derivative is taken along `w`.
 #[inline]
 pub(in crate::core) fn moving<T: Directional>(x: f64, v: f64, w: f64) -> T {
     let mut seeded = Chunk::of(x);
@@ -28,7 +29,7 @@ pub(in crate::core) fn mixed<T: Directional>(number: &T) -> f64 {
 /// size.
 ///
 /// # Errors
-/// The errors of `derivative(v, w, out)`.
+/// Returns the errors of the closure `derivative(v, w, out)`.
 pub(in crate::core) fn third(
     [d, e, f]: [&[f64]; 3],
     out: &mut [f64],

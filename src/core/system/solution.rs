@@ -8,8 +8,8 @@ use super::kind::Kind;
 pub struct Solution {
     /// The kind of special point of the saved solution.
     pub kind: Kind,
-    /// The bifurcation that the branch of the saved solution continues; `None` if it is a branch of
-    /// ordinary solutions.
+    /// The kind of bifurcation, if the saved solution lies on a curve of bifurcation points; `None`
+    /// if it lies on a branch of ordinary solutions.
     pub condition: Option<Kind>,
     /// The itinerary of the solution, if solutions of its system can have different itineraries.
     pub itinerary: String,
@@ -34,8 +34,8 @@ pub struct Solution {
     pub frequency: Option<f64>,
     /// The estimated error of the continuation parameter at the solution.
     pub error: f64,
-    /// The index of the other branch to which to switch, counted from 0; `None` to stay on the
-    /// branch of the saved solution.
+    /// The index, counted from 0, of the other branch at this solution on which the new branch
+    /// continues; `None` to stay on the branch of the saved solution.
     pub switch: Option<usize>,
     /// At a point of codimension two, the amplitude of the cycle or doubled orbit with which a curve of
     /// special orbits starts, as a fraction of the size of the equilibrium or orbit; `None` for other
@@ -85,7 +85,7 @@ pub struct Start {
     /// A direction `(z, p)` of the start, if known: the direction of the curve, or at a branch
     /// point the direction of the incoming branch.
     pub direction: Option<Vec<f64>>,
-    /// The position of the start relative to the branch.
+    /// The relation of the start to the new branch, such as a point on it or a branch point.
     pub site: Site,
     /// Whether the branch is traced to one side only, because both sides consist of the same
     /// solutions.
@@ -94,14 +94,14 @@ pub struct Start {
     pub angle: Option<f64>,
 }
 
-/// The position of a start relative to the branch.
+/// The relation of the start to the new branch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Site {
     /// A point of the curve, or a guess of a point.
     Point,
-    /// A regular point of the branch to which the saved solution leads, such as the orbit of half
-    /// the period at the end of a branch of doubled orbits.
+    /// A regular point of another branch, to which the saved solution leads: for example, the orbit
+    /// of half the period at the end of a branch of doubled orbits.
     OtherBranch,
     /// A branch point, whose tangents solve the algebraic bifurcation equations.
     BranchPoint,
@@ -123,9 +123,9 @@ impl Start {
         Start { z, direction, site: Site::Point, one_sided: false, angle: None }
     }
 
-    /// The known direction, if it is a direction of the new curve: always for a start at a
-    /// `Site::Singular` or `Site::Beside`; for a start at a `Site::Limit`, if the curve consists of
-    /// `solutions`; for any other start, if the start was found on the same curve.
+    /// Returns the known direction of the start, if it is a direction of the new curve: always at a
+    /// `Site::Singular` or `Site::Beside`; at a `Site::Limit`, only if the curve consists of
+    /// `solutions`; at any other site, only if the start was found on the same curve.
     pub(crate) fn direction(&self, same_curve: bool, solutions: bool) -> Option<&Vec<f64>> {
         let known = match self.site {
             Site::Point | Site::OtherBranch | Site::BranchPoint => same_curve,

@@ -14,8 +14,8 @@ use std::sync::Arc;
 /// multiplications of a dense factorisation.
 const PAYS: f64 = 0.25;
 
-/// Rounding: the directional derivative must agree with the matrix-vector product to this fraction
-/// of the sizes of the summed terms.
+/// Rounding: the directional derivative of the residual must agree with the product of the matrix
+/// and the probe direction, up to this fraction of the sizes of the summed terms.
 const AGREES: f64 = 1e-9;
 
 /// A sparse `F_z`.
@@ -206,8 +206,9 @@ impl SparseJacobian {
         }
     }
 
-    /// Computes the gradient of a weighted sum of the equations, which are evaluated to dual
-    /// numbers, in the directions of the chunk that begins at direction `start`.
+    /// Computes a part of the gradient of a weighted sum of the equations: the components for the
+    /// chunk of directions that begins at direction `start`. The equations are given as dual
+    /// numbers with derivatives in these directions.
     pub fn weigh<'a>(
         &self,
         number: impl Fn(usize) -> &'a Chunk,

@@ -129,8 +129,8 @@ impl ZeroSystem {
         Ok(())
     }
 
-    /// Adds missing entries to the pattern of the sparse matrix, if the directional derivative
-    /// along `probe` differs from the product of the matrix with `probe` at this point.
+    /// Adds missing entries to the pattern of the sparse matrix, if at this point the directional
+    /// derivative along `probe` differs from the product of the matrix and `probe`.
     fn complete(&mut self, x: &[f64]) -> Result<(), Failure> {
         let (Jacobian::Sparse(sparse), Some(traced)) = (&mut self.jacobian, &self.traced) else {
             return Ok(());
@@ -387,8 +387,8 @@ impl System for ZeroSystem {
         self.problem.scales(p)
     }
 
-    /// Names sparse matrices in the description of the method, because with sparse matrices only
-    /// the rightmost eigenvalues are computed.
+    /// Adds the use of sparse matrices to the description of the method, because with sparse
+    /// matrices only the rightmost eigenvalues are computed.
     fn representation(&self) -> Representation {
         let method = match self.jacobian {
             Jacobian::Sparse(_) => "sparse matrices",

@@ -76,8 +76,8 @@ pub(super) const REFUSED: [(&str, &str, &str, Option<&str>); 18] = [
     ),
 ];
 
-/// Rejects calls of functions that have no counterpart, before any other error in the line is
-/// reported.
+/// Rejects calls of functions that have no counterpart in this library, before any other error in
+/// the line is reported.
 pub(super) fn refuse_calls(source: &Source, line: Slice) -> Result<(), ModelError> {
     let plain = |word: &str| {
         let start = line.text.get(..word.len());

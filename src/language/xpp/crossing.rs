@@ -1,5 +1,5 @@
-//! Decides from the formulas whether the motion crosses the surface of a `global` condition at its
-//! event.
+//! Decides, from the formulas, whether the motion continues across the surface of a `global`
+//! condition when the event of this condition occurs.
 
 use super::super::affine::Affine;
 use super::super::assembling::Assembling;
@@ -12,8 +12,8 @@ use std::collections::BTreeMap;
 /// The relative size below which a constant counts as zero.
 const ROUNDING: f64 = 1e-12;
 
-/// The `global` conditions of a file, in a system with one mode, which applies on both sides of the
-/// surface of each condition.
+/// The `global` conditions of a file, for a system with a single mode that is valid on both sides
+/// of the surface of each condition.
 pub(super) struct Crossings {
     conditions: Vec<Condition>,
     /// The rate of each state if it is affine, and the states on which the rate depends.
@@ -22,8 +22,8 @@ pub(super) struct Crossings {
     inputs: BTreeMap<Value, Affine>,
 }
 
-/// A `global` condition: the function that is positive before its event, and the resets; `None`
-/// replaces a formula that is not affine.
+/// A `global` condition: the function that is positive before its event, and the resets of the
+/// event; `None` replaces a formula that is not affine.
 struct Condition {
     guard: Option<Affine>,
     resets: BTreeMap<usize, Option<Affine>>,
@@ -64,8 +64,8 @@ impl Crossings {
         Ok(Crossings { conditions, rates, inputs })
     }
 
-    /// Returns whether the motion may cross the surface of a condition after its event, in the
-    /// direction in which it arrives; `None` if the relevant parts of the formulas are not affine.
+    /// Returns whether the motion may continue across the surface of a condition after the event of
+    /// this condition; `None` if the relevant parts of the formulas are not affine.
     pub fn goes_on(&self, k: usize) -> Option<bool> {
         let Condition { guard, resets } = &self.conditions[k];
         let guard = guard.as_ref()?;

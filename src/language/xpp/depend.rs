@@ -47,14 +47,15 @@ impl Formulas {
         found
     }
 
-    /// Returns the index of a function that depends on itself, or `None` if no function does.
+    /// Returns the index of a function that depends on itself, or `None` if no function depends on
+    /// itself.
     pub fn circular(&self) -> Option<usize> {
         let circular =
             |k: &usize| self.by_functions(&self.functions[*k]).contains(&Known::Function(*k));
         (0..self.functions.len()).find(circular)
     }
 
-    /// Returns an order of the constants that are formulas in which each constant follows the
+    /// Sorts the constants that are given by formulas, such that each constant follows the
     /// constants on which it depends; the error is a constant that depends on itself.
     pub fn order(&self) -> Result<Vec<usize>, usize> {
         let count = self.constants.len();
@@ -92,8 +93,8 @@ impl Formulas {
         Ok(order)
     }
 
-    /// Substitutes new values for states in a formula; if `fixed` is true, also in the fixed
-    /// quantities on which the formula depends.
+    /// Substitutes new values for states in a formula; if `fixed` is true, the values are also
+    /// substituted in the fixed quantities on which the formula depends.
     pub fn after(&self, tree: &Tree, states: &BTreeMap<usize, Tree>, fixed: bool) -> Option<Tree> {
         let mut left = LARGEST;
         self.replaced(tree, &Replacing { states, fixed }, None, &mut left)
@@ -152,7 +153,7 @@ impl Formulas {
     }
 }
 
-/// The formulas that are substituted for names.
+/// The formulas that are substituted for names in other formulas.
 struct Replacing<'a> {
     states: &'a BTreeMap<usize, Tree>,
     fixed: bool,

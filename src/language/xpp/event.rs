@@ -1,8 +1,9 @@
 //! Conversion of XPPAUT's `global` lines, which are conditions with resets, to guards.
 //!
-//! After a condition is met, the motion may cross its surface, or the motion may start beyond the
-//! surface: an additional mode then lasts until the motion returns. If the resets prevent a
-//! crossing, as at impacts, the condition needs only one mode.
+//! After a condition is met, the motion may cross the surface of the condition; the motion may also
+//! start beyond this surface. In both cases, an additional mode lasts until the motion returns. If
+//! the resets of the condition prevent a crossing of its surface, as at impacts, the condition
+//! needs only one mode.
 
 use super::super::basis::Kind;
 use super::super::operation::Operation;
@@ -23,7 +24,7 @@ use std::collections::{BTreeMap, BTreeSet};
 /// The maximum number of conditions for which an additional mode is created.
 const PASSED: usize = 3;
 
-/// The absolute value below which the function of a condition counts as zero.
+/// The absolute value below which the function of a `global` condition counts as zero.
 const ROUNDING: f64 = 1e-9;
 
 /// A resolved condition.
@@ -90,7 +91,8 @@ impl Event {
     }
 }
 
-/// Describes the result of the random trials of a condition.
+/// Describes the result of random trials that decide whether the motion crosses the surface of a
+/// condition.
 fn tried_out(source: &Source, place: &Phrase, goes_on: bool) -> String {
     let line = source.line_of(place).unwrap_or_default();
     let result = match goes_on {
@@ -135,7 +137,7 @@ type Passed = Vec<bool>;
 
 impl Hybrid<'_, '_> {
     /// Returns the statement with the required number of modes, and descriptions of the conditions
-    /// that were decided by random trials.
+    /// for which random trials decided whether the motion crosses the surface.
     pub fn statement(self) -> Result<(HybridEquations, Vec<String>), ModelError> {
         let plain = self.with_modes(&[], &Vec::new())?;
         let source = self.names.source;
@@ -182,8 +184,8 @@ impl Hybrid<'_, '_> {
         model.modes().swap_remove(0).states.iter().map(value).collect()
     }
 
-    /// Returns the statement with modes beyond the given conditions; the motion starts in the first
-    /// mode.
+    /// Returns the statement with additional modes for motion beyond the surfaces of the given
+    /// conditions; the motion starts in the first mode.
     fn with_modes(
         &self,
         passable: &[usize],
@@ -293,8 +295,8 @@ impl Hybrid<'_, '_> {
         Ok(Guard { function: Some(function), next, reset, ..Guard::default() })
     }
 
-    /// Returns the states that an event resets, with their formulas, including the resets of other
-    /// conditions that are met immediately after the event.
+    /// Returns the states that an event resets, each with its formula; the resets of other
+    /// conditions that are met immediately after the event are included.
     fn resets(
         &self,
         k: usize,

@@ -20,12 +20,12 @@ pub(super) fn read(names: &Names, text: Slice, arguments: &[String]) -> Result<T
 #[derive(Clone, Copy, PartialEq)]
 enum Index {
     Outside,
-    /// The formula is inside a sum whose index does not have a value yet.
+    /// The formula is inside a sum, but the index of the sum does not have a value yet.
     Free,
     At(i64),
 }
 
-/// The context for resolving the names of a formula.
+/// The context in which the names of a formula are resolved.
 struct Reader<'a, 's> {
     names: &'a Names<'s>,
     text: Slice<'a>,

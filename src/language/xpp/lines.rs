@@ -33,8 +33,8 @@ fn joined(source: &Source) -> Vec<Text> {
     lines
 }
 
-/// Returns whether a line is a comment or a list of options or sets; indices in such a line are not
-/// expanded.
+/// Returns whether a line is a comment, a list of options, or a list of parameter sets; indices in
+/// such a line are not expanded.
 fn is_plain(text: &str) -> bool {
     let word = text.trim_start();
     let set = word.get(..4).is_some_and(|first| first.eq_ignore_ascii_case("set "));
@@ -91,7 +91,8 @@ fn refuse_range(source: &Source, line: Slice) -> Result<(), ModelError> {
     }
 }
 
-/// The numbers of array elements and letters that have been expanded so far.
+/// The number of array elements, and the number of letters, that the expansion of arrays has
+/// produced so far.
 struct Budget<'s> {
     source: &'s Source,
     elements: usize,
@@ -99,7 +100,7 @@ struct Budget<'s> {
 }
 
 impl Budget<'_> {
-    /// Expands lines for all indices of a range.
+    /// Expands lines of an array: writes them once for each index of a range.
     fn write_out(
         &mut self,
         lines: &[Slice],
@@ -181,7 +182,7 @@ fn range_of<'a>(source: &Source, line: Slice<'a>) -> Result<Option<Range<'a>>, M
     Ok(found)
 }
 
-/// Returns the text of a line that does not belong to an array.
+/// Returns the text of a line that is not expanded as an array.
 fn alone(source: &Source, line: Slice) -> Result<Text, ModelError> {
     if let Some(at) = line.text.find("](0)") {
         let place = line.part(at..at + 4);

@@ -126,10 +126,11 @@ impl SparseLu {
     }
 
     /// Factors a matrix without a border that a diagonal scaling makes symmetric. Pivots are taken
-    /// from the diagonal, and their signs are the signs of the eigenvalues.
+    /// from the diagonal, and the number of negative pivots equals the number of negative
+    /// eigenvalues.
     ///
     /// # Errors
-    /// The same errors as [`factor`](Self::factor).
+    /// Returns the same errors as [`factor`](Self::factor).
     pub fn factor_symmetric(
         &mut self,
         elimination: &Arc<Elimination>,
@@ -204,9 +205,10 @@ impl<E: Entry> SparseLu<E> {
         rows.iter_mut().for_each(|scale| *scale = inverse_power_of_two(*scale));
     }
 
-    /// Assembles the front of a node, eliminates columns with acceptable pivots, and passes the
-    /// remaining columns to the parent's front. If no node is given, all remaining columns are
-    /// eliminated: the border, and delayed columns.
+    /// Assembles the frontal matrix (the front) of a node of the elimination tree, eliminates
+    /// columns with acceptable pivots, and passes the remaining columns to the front of the parent
+    /// node. If no node is given, eliminates all remaining columns: the columns of the border, and
+    /// columns that were delayed because they had no acceptable pivot.
     fn eliminate(
         &mut self,
         elimination: &Elimination,
@@ -247,9 +249,9 @@ impl<E: Entry> SparseLu<E> {
         }
     }
 
-    /// Adds the entries of a node and of the border to a front of zeros whose row and column lists
-    /// begin at `from`. In these lists, delayed columns come after the node's own columns and
-    /// before the node's pattern.
+    /// Clears a front (frontal matrix) whose row and column lists begin at `from`, and adds the
+    /// matrix entries of a node and of the border. In the row and column lists of the front,
+    /// delayed columns come after the node's own columns and before the node's pattern.
     fn assemble(&mut self, from: usize, delayed: usize, node: Option<&Node>, matrix: &Matrix<E>) {
         let [rows, columns] = &self.lists;
         let (rows, columns) = (&rows[from..], &columns[from..]);
@@ -283,8 +285,8 @@ impl<E: Entry> SparseLu<E> {
         }
     }
 
-    /// Adds the Schur complement of a child to a front of the given size; `local` contains the
-    /// positions of rows and columns in the front.
+    /// Adds the Schur complement of a child node to the parent's front (frontal matrix), which has
+    /// the given size; `local` contains the positions of rows and columns in this front.
     fn add(&mut self, size: usize, child: &Rest<E>) {
         let [rows, columns] = &child.lists;
         self.runs.clear();
@@ -309,8 +311,8 @@ impl<E: Entry> SparseLu<E> {
         }
     }
 
-    /// Stores the factors of the first columns of the front whose row and column lists begin at
-    /// `from`.
+    /// Stores the factors of the eliminated columns, which are the first columns of the front
+    /// (frontal matrix); the row and column lists of the front begin at `from`.
     fn keep(&mut self, from: usize, pivots: usize) {
         let size = self.lists[0].len() - from;
         let factors = self.factors.len();
@@ -323,8 +325,8 @@ impl<E: Entry> SparseLu<E> {
         }
     }
 
-    /// Passes the remaining rows and columns of the front whose lists begin at `from` to the
-    /// parent's front.
+    /// Passes the rows and columns that were not eliminated in a front (frontal matrix) to the
+    /// parent's front; the lists of the front begin at `from`.
     fn leave(&mut self, from: usize, [pivots, summed]: [usize; 2], parent: usize) {
         let size = self.lists[0].len() - from;
         if pivots == size {
@@ -391,7 +393,8 @@ impl<E: Entry> SparseLu<E> {
     }
 
     /// Solves linear systems for several right-hand sides in place, with one right-hand side in each
-    /// lane: reading the factors takes longer than multiplying by them.
+    /// lane of a vector register, because reading the factors from memory takes longer than
+    /// multiplying by them.
     pub fn solve_lanes<const W: usize>(&mut self, right: &mut [[E; W]]) {
         let ([rows, columns], [row_scales, column_scales]) = (&self.lists, &self.scales);
         for (row, scale) in right.iter_mut().zip(row_scales) {
@@ -475,7 +478,7 @@ impl<E: Entry> SparseLu<E> {
     }
 }
 
-/// Multiplies a row by a number, in all lanes.
+/// Multiplies one component of the right-hand sides in all lanes by a number.
 #[inline]
 fn scaled<E: Entry, const W: usize>(mut row: [E; W], scale: f64) -> [E; W] {
     for lane in 0..W {
@@ -484,7 +487,7 @@ fn scaled<E: Entry, const W: usize>(mut row: [E; W], scale: f64) -> [E; W] {
     row
 }
 
-/// Subtracts multiples of a column from the right-hand sides in all lanes.
+/// Subtracts a multiple of one column of the factors from the right-hand side in each lane.
 #[inline]
 fn reduce<E: Entry, const W: usize>(part: &mut [[E; W]], column: &[E], multiples: [E; W]) {
     let column = &column[..part.len()];
@@ -495,7 +498,8 @@ fn reduce<E: Entry, const W: usize>(part: &mut [[E; W]], column: &[E], multiples
     }
 }
 
-/// Copies the components of a vector that belong to a front to contiguous storage.
+/// Copies those components of a vector that belong to a front (frontal matrix) to contiguous
+/// memory.
 fn gather<T: Copy>(part: &mut Vec<T>, places: &[usize], vector: &[T]) {
     part.clear();
     part.extend(places.iter().map(|&place| vector[place]));
@@ -531,7 +535,7 @@ pub(in crate::core) type SparseShiftedLu = Shifted<SparseLu<c64>>;
 impl SparseShiftedLu {
     /// Factors the bordered matrix `A − iω`; the border consists of complex columns and rows, and a
     /// zero corner. All columns and rows of the border are given as real parts, followed by
-    /// imaginary parts. The rows of the border enter as their complex conjugates.
+    /// imaginary parts. The bordered matrix contains the complex conjugates of the given rows.
     ///
     /// # Errors
     /// The errors are the same as in the factorisation of real matrices.

@@ -10,8 +10,8 @@ const AGREE: f64 = 1e-12;
 const UNEVEN: f64 = 1e3;
 
 impl Pattern {
-    /// An entry with its row and column, and the position of the entry with row and column
-    /// exchanged, if this entry exists.
+    /// An entry of a matrix: its row, its column, and the position of the transposed entry (with
+    /// row and column exchanged), if the transposed entry exists.
     fn transposed(&self) -> impl Iterator<Item = (usize, [usize; 2], Option<usize>)> + '_ {
         (0..self.size()).flat_map(move |j| {
             (self.start(j)..)
@@ -20,7 +20,7 @@ impl Pattern {
         })
     }
 
-    /// Returns the position of the entry with row and column exchanged.
+    /// Returns the position of the transposed entry, whose row and column are exchanged.
     fn across(&self, [i, j]: [usize; 2]) -> Option<usize> {
         self.column(i).binary_search(&j).ok().map(|at| self.start(i) + at)
     }
@@ -29,9 +29,10 @@ impl Pattern {
     /// same eigenvalues and the same signs of pivots. Returns `None` if no such scales exist, or if they
     /// differ too much.
     ///
-    /// For example, finite differences with no-flux boundaries, or with cells of different sizes, lead to
-    /// matrices `a` that a diagonal scaling makes symmetric. The scales of neighbours follow from `d_i² /
-    /// d_j² = a_ij / a_ji`, and all other entries must be consistent with these scales.
+    /// For example, finite differences with no-flux boundaries, or with cells of different sizes,
+    /// lead to matrices `a` that a diagonal scaling makes symmetric. The scales of two coupled
+    /// unknowns `i` and `j` satisfy `d_i² / d_j² = a_ij / a_ji`; scales are computed from some of
+    /// the entries, and must be consistent with all other entries.
     pub fn symmetrising(&self, entries: &[f64]) -> Option<Vec<f64>> {
         let mut scales = vec![0.0; self.size()];
         let mut open = Vec::new();

@@ -9,28 +9,31 @@ use faer::sparse::linalg::cholesky::{
 };
 use faer::sparse::linalg::{SupernodalThreshold, SymbolicSupernodalParams};
 
-/// Heuristic: the largest bandwidth of a matrix that is eliminated in its own order.
+/// Heuristic: the largest bandwidth of a matrix whose columns are eliminated in their original
+/// order.
 const BAND: usize = 12;
 
 /// Heuristic: the number of columns of a band matrix that are eliminated together.
 const BLOCK: usize = 12;
 
-/// Heuristic: the rules for merging nodes: if the merged node has at most the first number of
-/// columns, its fraction of zeros must be less than the second number.
+/// Heuristic: the rules for merging nodes of the elimination tree, as pairs (columns, fraction): if
+/// the merged node has at most this number of columns, less than this fraction of its entries may
+/// be zero.
 const RELAX: &[(usize, f64)] = &[(8, 0.9), (24, 0.5), (64, 0.1), (usize::MAX, 0.02)];
 
 /// A node of the elimination tree: columns that are eliminated together.
 #[derive(Clone, Debug)]
 pub(super) struct Node {
-    /// The unknowns of the columns; in the same order, the equations whose rows are fully summed at
-    /// this node.
+    /// The unknowns whose columns are eliminated at this node; the same indices, in the same order,
+    /// are the equations whose rows are fully summed at this node.
     pub own: Vec<usize>,
     /// The unknowns that are eliminated later and are coupled to the columns of this node.
     pub pattern: Vec<usize>,
     /// The parent of the node; for a root, the number of nodes.
     pub parent: usize,
-    /// The entries of the matrix that belong to this node, each with its position, row and column;
-    /// rows and columns are counted first in `own`, then in `pattern`.
+    /// The entries of the matrix that belong to this node, each given by its position in the
+    /// matrix, its row and its column; rows and columns are numbered by their positions in the list
+    /// `own` followed by the list `pattern`.
     pub entries: Vec<[u32; 3]>,
 }
 
@@ -41,9 +44,10 @@ pub(super) struct Tree {
 }
 
 impl Tree {
-    /// Computes the tree of a pattern, which is made symmetric first: band matrices keep their
-    /// order, other patterns use approximate minimum degree (P. R. Amestoy, T. A. Davis and I. S.
-    /// Duff, SIAM J. Matrix Anal. Appl. 17 (1996) 886), where a node consists of several columns.
+    /// Computes the elimination tree of a sparsity pattern, which is made symmetric first. The
+    /// columns of a band matrix keep their order; for other patterns, the order is the approximate
+    /// minimum degree order (P. R. Amestoy, T. A. Davis and I. S. Duff, SIAM J. Matrix Anal. Appl.
+    /// 17 (1996) 886), and a node consists of several columns.
     pub fn of(pattern: &Pattern) -> Tree {
         let n = pattern.size();
         let band = (0..n)
@@ -55,7 +59,7 @@ impl Tree {
     }
 }
 
-/// Returns the nodes for a band matrix.
+/// Returns the nodes of the elimination tree of a band matrix.
 fn banded(n: usize, band: usize) -> Vec<Node> {
     let count = n.div_ceil(BLOCK);
     let node = |k: usize| {
@@ -66,7 +70,8 @@ fn banded(n: usize, band: usize) -> Vec<Node> {
     (0..count).map(node).collect()
 }
 
-/// Returns the nodes in the order of approximate minimum degree.
+/// Returns the nodes of the elimination tree whose columns are in the approximate minimum degree
+/// order.
 fn minimum_degree(pattern: &Pattern) -> Vec<Node> {
     let n = pattern.size();
     let (starts, rows) = upper(pattern);

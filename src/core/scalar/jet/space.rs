@@ -163,7 +163,7 @@ impl Space {
         self.degrees[self.order + 1]
     }
 
-    /// Returns the powers of the variables in a monomial.
+    /// Returns the exponents of all variables in a monomial.
     pub fn exponents(&self, monomial: usize) -> &[u8] {
         &self.exponents[monomial * self.variables..(monomial + 1) * self.variables]
     }

@@ -1,5 +1,5 @@
-//! The `num_dual` traits for numbers in the lanes of a register, so that equations can be evaluated
-//! with such numbers.
+//! The `num_dual` traits for numbers with one value in each lane of a vector register, so that
+//! equations can be evaluated with such numbers.
 
 use super::Lanes;
 use super::register::Register;

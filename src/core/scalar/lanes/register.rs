@@ -2,8 +2,9 @@
 //!
 //! A program is compiled for every processor of its target, and can therefore use only the
 //! narrowest registers by default. Each wider kind of registers has its own number types. Code that
-//! uses such number types and is called through [`in_registers`] is compiled with the instructions
-//! of the wider registers; these number types are used only on processors that have the registers.
+//! uses the number types of wider registers is called through [`in_registers`], and is compiled
+//! with the instructions of these registers; such number types are used only on processors that
+//! have the registers.
 
 use self::target::{Middle, Narrow, Wide, middle, narrow, wide};
 #[cfg(feature = "scene")]
@@ -80,7 +81,7 @@ pub trait Register: Copy + Debug + Send + Sync + 'static {
     type Vector: SimdFloat<Self::Simd, Element = f64>;
     /// The number of lanes of the vector.
     const LANES: usize = <Self::Vector as SimdBase<Self::Simd>>::LEN;
-    /// The width that names this kind of registers.
+    /// The width by which users select this kind of registers.
     const WIDTH: LaneWidth;
 
     /// Returns the instructions for these registers if the instruction level of the processor
@@ -169,7 +170,8 @@ impl LaneWidth {
         Self::all_in(Level::baseline()).last().unwrap_or(LaneWidth::Baseline)
     }
 
-    /// Iterates over all registers of the processor, from the narrowest to the widest.
+    /// Iterates over all kinds of registers that the processor has, from the narrowest to the
+    /// widest.
     pub fn available() -> impl Iterator<Item = Self> {
         Self::all_in(Level::new())
     }

@@ -8,7 +8,8 @@ use fearless_simd::{ExtractToken, Select, Simd, SimdBase, SimdMask};
 /// rounding size: the number of quarter turns then has 16 bits, so that its product with the first
 /// part of π/2 is exact.
 const LARGEST: f64 = 1e5;
-/// A number whose addition and subtraction rounds another number to an integer.
+/// A large number: adding it to another number, and then subtracting it again, rounds the other
+/// number to an integer.
 const ROUNDING: f64 = 6_755_399_441_055_744.0;
 /// The value π/2 as the sum of two parts, the first of 33 bits.
 const HALF_PI: [f64; 2] = [1.570_796_326_734_125_6, 6.077_100_506_506_192e-11];
@@ -42,7 +43,8 @@ fn polynomial<R: Register>(coefficients: &[f64; 6], x: R::Vector) -> R::Vector {
     rest.iter().fold(x * *first + *second, |sum, c| sum * x + *c)
 }
 
-/// Returns the nearest integer to each number; the numbers must be far smaller than [`ROUNDING`].
+/// Returns the nearest integer to the number in each lane; the numbers must be far smaller than
+/// [`ROUNDING`].
 #[inline(always)]
 fn rounded<R: Register>(x: R::Vector) -> R::Vector {
     x + ROUNDING - ROUNDING
