@@ -12,7 +12,7 @@ use crate::core::sweep::Part;
 use crate::output::{
     Columns, Document, Format, PointTable, Selection, SizeLimit, Summary, read, write_atomically,
 };
-use crate::scene::{Grid, Outcome, designs};
+use crate::scene::{Choices, Grid, Outcome, designs};
 use clap::Args;
 use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 use std::io::Write;
@@ -22,15 +22,29 @@ use std::sync::mpsc::{Sender, channel};
 /// The options of a grid of settings: the axes of the grid, and the part of the grid to compute.
 #[derive(Debug, Args)]
 pub struct GridArgs {
-    /// Trace the scene for equally spaced values of a setting, on all cores; repeat the option to
-    /// trace all combinations of several settings. The results of finished combinations are kept;
-    /// repeat the command to resume an interrupted grid
-    #[arg(long, value_name = "NAME=LOW..HIGH:COUNT", value_parser = axis)]
-    pub grid: Vec<Grid>,
+    /// Trace the scene for equally spaced values or for a list of values of a setting, on all cores;
+    /// repeat the option to trace all combinations of several settings. The results of finished
+    /// combinations are kept; repeat the command to resume an interrupted grid
+    #[arg(long, value_name = "NAME=LOW..HIGH:COUNT or NAME=VALUE,…", value_parser = choices)]
+    pub grid: Vec<Choices>,
     /// Compute only part K of N parts of the grid; the part that finishes last writes the table of
     /// all parts
     #[arg(long, value_name = "K/N", value_parser = super::sweep::share, requires = "grid")]
     part: Option<Part>,
+}
+
+/// Parses `NAME=LOW..HIGH:COUNT` or `NAME=VALUE,…`.
+fn choices(text: &str) -> Result<Choices, String> {
+    if text.contains("..") {
+        return axis(text).map(Choices::from);
+    }
+    let form = || {
+        format!("`{text}` is not of the form NAME=LOW..HIGH:COUNT or NAME=VALUE,…, for example gap=1,2,4")
+    };
+    let (name, values) = text.split_once('=').ok_or_else(form)?;
+    let values: Vec<String> = values.split(',').map(|value| value.trim().to_string()).collect();
+    let (name, empty) = (name.trim().to_string(), values.iter().any(String::is_empty));
+    if name.is_empty() || empty { Err(form()) } else { Ok(Choices { name, values }) }
 }
 
 /// Parses `NAME=LOW..HIGH:COUNT`.

@@ -4,6 +4,8 @@
 use super::error::CommandError;
 use super::request::end;
 use super::results::Results;
+use super::warning::warn;
+use crate::core::continuation::Branch;
 use crate::output::{
     self, Document, Format, Render, RenderError, SizeLimit, Sweeps, write_atomically,
 };
@@ -129,6 +131,7 @@ impl Plot {
             }
             cause => CommandError::Unrendered(cause),
         })?;
+        self.warn_of_absent(&named, &sweeps);
         let content = match self.separator {
             Some(separator) => {
                 output::separated(&String::from_utf8_lossy(&content), separator).into_bytes()
@@ -137,6 +140,27 @@ impl Plot {
         };
         write_atomically(&target, content)?;
         Ok(writeln!(out, "{}", target.display())?)
+    }
+
+    /// Warns of documents and sweeps that lack a requested column and are not drawn.
+    fn warn_of_absent(&self, documents: &[(&str, &Document)], sweeps: &[Sweeps]) {
+        for column in self.x.iter().chain(&self.y) {
+            for (name, document) in documents {
+                let lacks = |branch: &Branch| branch.columns_showing(column).is_empty();
+                if document.branches.iter().all(lacks) {
+                    warn(&format!("`{name}` has no column `{column}` and is not drawn"));
+                }
+            }
+            for table in sweeps.iter().flat_map(|it| &it.sweeps) {
+                if !table.has_column(column) {
+                    warn(&format!(
+                        "the sweep `{}` has no column `{column}` and is not drawn: if `{column}` is a monitor, \
+                         repeat the sweep with `--measure {column}`",
+                        table.name
+                    ));
+                }
+            }
+        }
     }
 
     /// Draws the regions of a two-parameter diagram if `--regions` is given.

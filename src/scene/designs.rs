@@ -12,6 +12,24 @@ const MOST: usize = 100_000;
 /// The number of significant digits with which the values of a design are written.
 const DIGITS: usize = 12;
 
+/// The values of a setting in a grid.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Choices {
+    /// The name of the setting.
+    pub name: String,
+    /// The values of the setting, as in `--set`.
+    pub values: Vec<String>,
+}
+
+impl From<Grid> for Choices {
+    /// Returns the equally spaced values of a range, but at most one more than a grid can have.
+    fn from(Grid { name, low, high, count }: Grid) -> Self {
+        let value = |k: usize| significant(spaced([low, high], count, k), DIGITS);
+        let values = (0..count.min(MOST + 1)).map(value).collect();
+        Choices { name, values }
+    }
+}
+
 /// Returns all designs of a grid; a design consists of settings by name, in the form of `--set`.
 /// In the order of the designs, the last setting varies first.
 ///
@@ -20,17 +38,18 @@ const DIGITS: usize = 12;
 /// designs.
 ///
 /// ```
-/// use tangency::scene::{Grid, designs};
-/// let axis = |name: &str, low, high, count| Grid { name: name.into(), low, high, count };
-/// let all = designs(&[axis("gap", 1e-6, 4e-6, 4), axis("thickness", 1.0, 2.0, 2)])?;
+/// use tangency::scene::{Choices, Grid, designs};
+/// let gap = Grid { name: "gap".into(), low: 1e-6, high: 4e-6, count: 4 };
+/// let supports = Choices { name: "supports".into(), values: vec!["CCCC".into(), "SSSS".into()] };
+/// let all = designs(&[Choices::from(gap), supports])?;
 /// assert_eq!(all.len(), 8);
-/// assert_eq!(all[3], [("gap".into(), "2e-6".into()), ("thickness".into(), "2".into())]);
+/// assert_eq!(all[3], [("gap".into(), "2e-6".into()), ("supports".into(), "SSSS".into())]);
 /// # Ok::<(), tangency::scene::SceneError>(())
 /// ```
-pub fn designs(grid: &[Grid]) -> Result<Vec<Vec<(String, String)>>, SceneError> {
-    let count = grid.iter().try_fold(1_usize, |all, axis| all.checked_mul(axis.count));
+pub fn designs(grid: &[Choices]) -> Result<Vec<Vec<(String, String)>>, SceneError> {
+    let count = grid.iter().try_fold(1_usize, |all, axis| all.checked_mul(axis.values.len()));
     let Some(count) = count.filter(|count| (1..=MOST).contains(count)) else {
-        let counts: Vec<String> = grid.iter().map(|axis| axis.count.to_string()).collect();
+        let counts: Vec<String> = grid.iter().map(|axis| axis.values.len().to_string()).collect();
         let counts = counts.join(" × ");
         let message = format!(
             "the grid has {counts} designs, but the number of designs must be \
@@ -38,7 +57,7 @@ pub fn designs(grid: &[Grid]) -> Result<Vec<Vec<(String, String)>>, SceneError> 
         );
         return Err(SceneError::invalid(message));
     };
-    let twice = |(k, axis): &(usize, &Grid)| grid[..*k].iter().any(|it| it.name == axis.name);
+    let twice = |(k, axis): &(usize, &Choices)| grid[..*k].iter().any(|it| it.name == axis.name);
     if let Some((_, axis)) = grid.iter().enumerate().find(twice) {
         let name = shown(&axis.name);
         let message = format!(
@@ -48,10 +67,10 @@ pub fn designs(grid: &[Grid]) -> Result<Vec<Vec<(String, String)>>, SceneError> 
         return Err(SceneError::invalid(message));
     }
     let design = |mut index: usize| {
-        let setting = |axis: &Grid| {
-            let value = spaced([axis.low, axis.high], axis.count, index % axis.count);
-            index /= axis.count;
-            (axis.name.clone(), significant(value, DIGITS))
+        let setting = |axis: &Choices| {
+            let value = axis.values[index % axis.values.len()].clone();
+            index /= axis.values.len();
+            (axis.name.clone(), value)
         };
         let mut design: Vec<_> = grid.iter().rev().map(setting).collect();
         design.reverse();

@@ -58,7 +58,7 @@ mod words;
 
 pub use builtin::{BUILT_IN, BuiltIn, LIBRARY};
 pub use catalogue::{Catalogue, NamedScene};
-pub use designs::designs;
+pub use designs::{Choices, designs};
 pub use discretisation::{
     BoundarySettings, CollocationSettings, Discretisation, FieldSettings, HybridOrbitSettings,
     MapSettings, ShootingSettings, Solution, ZeroSettings,

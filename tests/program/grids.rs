@@ -95,6 +95,8 @@ fn a_grid_of_another_scene_is_refused() {
         refused(at, &[&GRID[..6], more].concat(), &[said]);
     }
     assert!(!at.join("new").exists());
+    succeeds(at, &[&GRID[..4], &["--grid", "b=1,3", "--out", "list"]].concat());
+    assert!(at.join("list/fold/b=1.ron").exists() && at.join("list/fold/b=3.ron").exists());
     let output = tangency(at, &["trace", "fold.ron", "--grid", "b=1..3"]);
     let message = failure(&output, 2);
     assert!(message.contains("NAME=LOW..HIGH:COUNT"), "{message}");

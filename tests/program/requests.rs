@@ -113,6 +113,15 @@ fn sweeps_of_models_record_monitors() {
             assert!((row.points[column(name)] / exact - 1.0).abs() < 1e-8, "{name} at r = {r}");
         }
     }
+    // A sweep without the column of the axis is named.
+    succeeds(at, &["trace", "m.ron", "--along", "r=1..2"]);
+    let plot = |column: &str| {
+        let both = ["plot", "out/m.ron", "out/m-sweep.npz", "--y", column, "--out", "both.svg"];
+        stderr(&tangency(at, &both))
+    };
+    assert_eq!(plot("max_x"), "");
+    let said = plot("period");
+    assert!(said.contains("the sweep `up` has no column `period` and is not drawn"), "{said}");
     let unknown = [&sweep[..], &["--measure", "max_y", "--afresh"]].concat();
     refused(at, &unknown, &["unknown measure `max_y`", "max_x"]);
 }
