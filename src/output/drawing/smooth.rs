@@ -26,7 +26,7 @@ pub(super) fn smooth(
     let mut all: Vec<[f64; 2]> = before.into_iter().collect();
     all.extend(points);
     all.extend(after);
-    all.dedup();
+    let all = distinct(&all, [points.first(), points.last()]);
     let mut tangents: Vec<[[f64; 2]; 2]> =
         (0..all.len()).map(|k| tangents(&all, k, corner)).collect();
     let count = all.len();
@@ -57,6 +57,32 @@ pub(super) fn smooth(
         }
     }
     drawn
+}
+
+/// The distance below which two points are one point, relative to the extent of the curve: at an
+/// event, the states before and after the event may differ by rounding errors, and the direction
+/// between the two is meaningless.
+const SAME: f64 = 1e-7;
+
+/// Returns the points, except for points that equal the preceding point; the two ends are kept.
+fn distinct(points: &[[f64; 2]], ends: [Option<&[f64; 2]>; 2]) -> Vec<[f64; 2]> {
+    let [from, to] = [f64::min, f64::max].map(|bound| {
+        [0, 1].map(|i| points.iter().map(|at| at[i]).reduce(bound).unwrap_or_default())
+    });
+    let same = SAME * distance(from, to);
+    let mut all: Vec<[f64; 2]> = Vec::new();
+    for at in points {
+        let is_end = ends.contains(&Some(at));
+        match all.last() {
+            Some(last) if last == at || distance(*last, *at) <= same && !is_end => {}
+            Some(last) if distance(*last, *at) <= same && !ends.contains(&Some(last)) => {
+                all.pop();
+                all.push(*at);
+            }
+            _ => all.push(*at),
+        }
+    }
+    all
 }
 
 /// Returns the incoming and outgoing directions of a curve at a point, as derivatives with respect
@@ -99,4 +125,22 @@ fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
 /// Returns the angle between two directions.
 fn angle(a: [f64; 2], b: [f64; 2]) -> f64 {
     (a[0] * b[1] - a[1] * b[0]).atan2(a[0] * b[0] + a[1] * b[1]).abs()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two states at one event, apart by a rounding error in any direction, leave a straight line
+    /// straight.
+    #[test]
+    fn a_repeated_point_does_not_turn_the_curve() {
+        for error in [[0.0, 1e-13], [-1e-13, 1e-13], [0.0, -2e-13]] {
+            let mut points: Vec<[f64; 2]> = (0..10).map(|k| [k as f64, 0.5 * k as f64]).collect();
+            points.insert(5, [4.0 + error[0], 2.0 + error[1]]);
+            for [x, y] in smooth(&points, [None, None], SLIGHT) {
+                assert!((y - 0.5 * x).abs() < 1e-9, "({x}, {y})");
+            }
+        }
+    }
 }
