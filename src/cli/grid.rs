@@ -39,7 +39,9 @@ fn choices(text: &str) -> Result<Choices, String> {
         return axis(text).map(Choices::from);
     }
     let form = || {
-        format!("`{text}` is not of the form NAME=LOW..HIGH:COUNT or NAME=VALUE,…, for example gap=1,2,4")
+        format!(
+            "`{text}` is not of the form NAME=LOW..HIGH:COUNT or NAME=VALUE,…, for example gap=1,2,4"
+        )
     };
     let (name, values) = text.split_once('=').ok_or_else(form)?;
     let values: Vec<String> = values.split(',').map(|value| value.trim().to_string()).collect();

@@ -160,7 +160,17 @@ fn switch(text: &str) -> Result<Switch, String> {
     text.split(',').map(followed).collect::<Result<_, _>>().map(Switch::Kinds)
 }
 
+/// The labels of MatCont and of other programs, with the kinds of the same points.
+const OTHER_LABELS: [(&str, &str); 6] =
+    [("SN", "LP"), ("H", "HB"), ("NS", "TR"), ("LPC", "LP"), ("BPC", "BP"), ("PD1", "PD")];
+
+/// Parses a kind of special point.
 pub fn kind(text: &str) -> Result<Kind, String> {
+    if let Some((_, own)) = OTHER_LABELS.iter().find(|(other, _)| *other == text.to_uppercase()) {
+        return Err(format!(
+            "there is no kind `{text}`: points that other programs label `{text}` are called `{own}` here"
+        ));
+    }
     ron::from_str(&text.to_uppercase()).map_err(|error| match error.code {
         ron::Error::NoSuchEnumVariant { .. } => [Some(reason(&error.code)), remedy(&error.code)]
             .map(Option::unwrap_or_default)

@@ -102,8 +102,9 @@ pub enum FlowError {
          the vector field is not smooth"
     )]
     #[diagnostic(help(
-        "integrate over a shorter time, or split the integration where the vector field is not \
-         smooth"
+        "if the solution blows up, a state leaves the domain of the model, as at pull-in: integrate \
+         over a shorter time, or end the motion by an event; if the vector field is not smooth, \
+         split the integration there"
     ))]
     StepTooSmall {
         /// The time.

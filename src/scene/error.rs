@@ -189,6 +189,10 @@ pub enum SceneError {
          ({ends})",
         nth + 1, counted(*found, kind)
     )]
+    #[diagnostic(help(
+        "change the range, the start or the varied parameter of `{from}` such that the branch passes a \
+         {kind}; the first `--along` names the parameter that varies along the branch"
+    ))]
     NoSuchPoint {
         /// The name of the run that cannot start.
         run: String,

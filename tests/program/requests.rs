@@ -588,6 +588,8 @@ fn settings_of_other_programs_are_named() {
         let said = format!("`{name}` of other programs is called `{own}` here");
         refused(at, &["trace", "m.ron", "--along", "a=0..1", "--set", &set], &[&said]);
     }
+    let output = tangency(at, &["trace", "m.ron", "--along", "a=0..1", "--hold", "NS"]);
+    assert!(failure(&output, 2).contains("are called `TR` here"));
 }
 
 /// A mark near the grazing at which a branch begins is located at its own value: the branch with an

@@ -47,8 +47,8 @@ pub enum CycleSearchError {
          {distance:.1e}, above the tolerance {tolerance:.1e}"
     )]
     #[diagnostic(help(
-        "simulate longer (`transient`, `returns`, `longest`), or start at another state if the \
-         motion is not periodic"
+        "simulate longer (`--settle`, `CycleSearch::transient`), or start at another state; if the \
+         motion is not periodic, sweep the parameter (`tangency sweep`)"
     ))]
     Unsettled {
         /// The number of returns of the motion that were compared.

@@ -14,8 +14,8 @@ pub enum StroboscopicError {
     /// The system has no forcing.
     #[error("the system has no forcing, so its motion cannot be sampled once per forcing period")]
     #[diagnostic(help(
-        "define a forcing (`HybridSystem::forcing`, `period`), or sample the motion at an event \
-         (`--at EVENT`, `at` in a scene's sweep, `ReturnMap`)"
+        "define a forcing (`period` in a model), or sample the motion at an event (`--at EVENT`; \
+         `at` in a scene; `ReturnMap` in Rust)"
     ))]
     NoPeriod,
     /// Sampling at an event was requested, but the system has a forcing.
