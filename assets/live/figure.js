@@ -56,6 +56,8 @@ const ticksBetween = ([low, high], count) => {
   const first = Math.ceil(low / step - 1e-9);
   const values = [];
   for (let k = first; k * step <= high + 1e-9 * step; k += 1) values.push(k * step);
+  // One tick shows no scale.
+  if (values.length < 2 && count < 16) return ticksBetween([low, high], 2 * count);
   return [values, step];
 };
 

@@ -158,6 +158,9 @@ pub(super) fn simulate(
     cancel: &CancelToken,
 ) -> Result<(Simulated, Branch), Trouble> {
     let (_, space) = space(kept, point).ok_or_else(|| Trouble::plain(NO_SPACE))?;
+    if start.1.is_nan() || start.1 <= 0.0 {
+        return Err(Trouble::plain("the duration of a simulation must be above 0"));
+    }
     let resolution = space
         .simulation((*kept.scene).clone(), start, cancel)
         .and_then(|scene| scene.resolve(None))
@@ -176,24 +179,23 @@ pub(super) fn simulate(
     };
     let profiles: Vec<Profile> =
         history.special.drain(..).flat_map(|special| special.profiles).collect();
-    let (states, rows) = table(&profiles);
+    let (states, rows, is_complete) = table(&profiles);
     let (rows, is_thinned) = drawn(rows);
+    let is_thinned = is_thinned || !is_complete;
     Ok((Simulated { states, rows, is_thinned, warnings: resolution.warnings() }, history))
 }
 
 /// A time and the states at this time.
 type Row = Vec<Option<f64>>;
 
-/// Returns the names of the states in time histories, and the rows of times and states; a state that
-/// has no value at a time is `None`.
-fn table(profiles: &[Profile]) -> (Vec<String>, Vec<Row>) {
+/// Returns the names of the states in time histories, the rows of times and states, and whether the
+/// rows contain all values; a state that has no value at a time is `None`. The times are the times of
+/// the longest history.
+fn table(profiles: &[Profile]) -> (Vec<String>, Vec<Row>, bool) {
     let histories: Vec<&Profile> = profiles.iter().filter(|it| it.along == "time").collect();
     let names = histories.iter().map(|it| it.name.clone()).collect();
-    // A history with all times exists unless no state occurs in all modes.
-    let Some(longest) = histories.iter().max_by_key(|it| it.points.len()) else {
-        return (names, Vec::new());
-    };
-    let mut next = vec![0; histories.len()];
+    let longest = histories.iter().map(|it| &it.points[..]).max_by_key(|points| points.len());
+    let (mut next, mut taken) = (vec![0; histories.len()], 0);
     let row = |[time, _]: &[f64; 2]| {
         let mut row = vec![Some(*time)];
         for (history, next) in histories.iter().zip(&mut next) {
@@ -204,10 +206,12 @@ fn table(profiles: &[Profile]) -> (Vec<String>, Vec<Row>) {
             let here = points.get(*next).filter(|point| point[0] == *time);
             row.push(here.map(|point| point[1]));
             *next += usize::from(here.is_some());
+            taken += usize::from(here.is_some());
         }
         row
     };
-    (names, longest.points.iter().map(row).collect())
+    let rows = longest.unwrap_or_default().iter().map(row).collect();
+    (names, rows, taken == histories.iter().map(|it| it.points.len()).sum::<usize>())
 }
 
 /// Returns the rows that a picture needs, and whether rows that matter for the picture are omitted.

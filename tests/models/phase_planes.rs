@@ -16,7 +16,8 @@ fn lines_that_cross_lie_on_both_axes() {
     let lines = zero_set([&x, &y], |[x, y]| x * y);
     assert!(lines.iter().flatten().all(|[x, y]| (x * y).abs() < 1e-12));
     let length = |line: &Vec<[f64; 2]>| {
-        let parts = line.windows(2).map(|pair| (pair[1][0] - pair[0][0]).hypot(pair[1][1] - pair[0][1]));
+        let parts =
+            line.windows(2).map(|pair| (pair[1][0] - pair[0][0]).hypot(pair[1][1] - pair[0][1]));
         parts.sum::<f64>()
     };
     // The two axes are 2 and 3 long; the corners of the crossing cut off less than a cell.
@@ -67,9 +68,12 @@ fn the_phase_space_has_the_values_and_the_time_scale_of_the_point() {
         let all = space.parameters.iter().chain(&space.states);
         all.clone().find(|(known, _)| known == name).unwrap().1
     };
-    assert!(["a", "b", "x", "y"].iter().zip([1.5, 3.25, 1.5, 3.25 / 1.5]).all(|(name, exact)| {
-        (value(name) - exact).abs() < 1e-8
-    }));
+    assert!(
+        ["a", "b", "x", "y"]
+            .iter()
+            .zip([1.5, 3.25, 1.5, 3.25 / 1.5])
+            .all(|(name, exact)| { (value(name) - exact).abs() < 1e-8 })
+    );
     // Eight periods of 2π/ω, to two digits.
     assert!(space.is_equilibrium && space.duration == 34.0, "{}", space.duration);
     let [x, y] = space.nullclines([0, 1], [[0.1, 3.0], [0.0, 5.0]]);
@@ -86,11 +90,11 @@ fn the_phase_space_has_the_values_and_the_time_scale_of_the_point() {
     assert!((space.duration / (5.0 * period) - 1.0).abs() < 0.05 && !space.is_equilibrium);
     // A simulation from the orbit stays on it.
     let token = CancelToken::default();
-    let simulated = space.simulation(scene.clone(), (space.states.clone(), period), &token).unwrap();
+    let simulated =
+        space.simulation(scene.clone(), (space.states.clone(), period), &token).unwrap();
     let history = &execute(&simulated, None, &mut ()).document.branches[0];
-    let column = |branch: &tangency::core::continuation::Branch, name: &str| {
-        branch.column(name).unwrap()
-    };
+    let column =
+        |branch: &tangency::core::continuation::Branch, name: &str| branch.column(name).unwrap();
     let [simulated, traced] = [
         history.points[0].value(column(history, "max_x")).unwrap(),
         end.value(column(cycles, "max_x")).unwrap(),
