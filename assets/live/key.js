@@ -24,6 +24,7 @@ export const showKey = (element, panel, colours) => {
     const key = add(element, "span", undefined, { className: "key" });
     const line = add(key, "i");
     line.style.color = colours[panel.names.indexOf(name) % colours.length];
+    if (panel.dashed?.includes(name)) line.style.borderTopStyle = "dashed";
     add(key, "span", name);
   });
   panel.meanings.filter(([style]) => panel.curves.some(curve => curve.style === style)).forEach(([style, meaning]) => {

@@ -351,8 +351,7 @@ export class Plane {
     const marks = runs.flatMap(run => this.#points(run).slice(0, 1).map(at => mark(at, "Ring", `start of simulation ${run.number}`)));
     if (plane.is_equilibrium) marks.push(mark(own.map(it => it.value), "Disc", "equilibrium"));
     const names = ["orbit", ...nullclines, ...runs.map(run => `simulation ${run.number}`)];
-    const meanings = field ? [["Dashed", "nullclines"]] : [];
-    const panel = { labels: this.#pair, logarithmic: [false, false], names, curves, marks, meanings, beside: [], walls: [], extent, arrows: field?.arrows };
+    const panel = { labels: this.#pair, logarithmic: [false, false], names, dashed: nullclines, curves, marks, meanings: [], beside: [], walls: [], extent, arrows: field?.arrows };
     this.#plot.show(panel, { colours });
     showKey(this.#legend, panel, colours);
   }

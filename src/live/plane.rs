@@ -172,7 +172,7 @@ pub(super) fn simulate(
         return Err(Trouble::plain(message));
     }
     if let Some(cause) = outcome.error {
-        return Err(Trouble::from(&cause));
+        return Err(Trouble::from(&cause).without_run());
     }
     let Some(mut history) = outcome.document.branches.pop() else {
         return Err(Trouble::plain("the simulation has no history"));
