@@ -10,14 +10,14 @@ import { follow } from "./server.js";
 const MOST_FIELDS = 12;
 /** A click is a simulation if no second click follows within this time, in milliseconds. */
 const DOUBLE = 250;
-/** The visible ranges are rounded to this number of parts. */
+/** Clicked values are rounded to a part of the visible range, at most one of this number of parts. */
 const PARTS = 1000;
 
 const isInside = (value, [low, high]) => value >= low && value <= high;
 /** Rounds a value to a decimal that is not far from it in units of a range. */
 const rounded = (value, [low, high]) => {
-  const digits = Math.max(0, Math.min(15, -Math.floor(Math.log10((high - low) / PARTS))));
-  return Number(value.toFixed(digits));
+  const step = 10 ** Math.floor(Math.log10((high - low) / PARTS));
+  return Number((Math.round(value / step) * step).toPrecision(12));
 };
 
 /** The simulations of a result, and the phase plane of the selected point. */

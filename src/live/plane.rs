@@ -23,6 +23,9 @@ const FINE: f64 = 1.0 / 1500.0;
 /// branch, and the margin around an orbit.
 const MARGIN: f64 = 0.25;
 
+/// The relative size of a range that is zero to rounding error.
+const ROUNDING: f64 = 1e-9;
+
 /// A point of the last result of a page.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -85,24 +88,24 @@ pub(super) fn plane(kept: &Kept, point: Point) -> Option<Plane> {
 }
 
 /// Returns the range of a state in the phase plane: the range of its profile with a margin, or the
-/// range of its values on the branch with at least a margin around the value at the point.
+/// range of its values on the branch with at least a margin around the value at the point. A profile
+/// that is constant to rounding error, compared with the branch, has the range of the branch.
 fn range(branch: &Branch, profiles: &[Profile], name: &str, value: f64) -> [f64; 2] {
     let ends = |values: &mut dyn Iterator<Item = f64>| {
         let finite = values.filter(|value| value.is_finite());
         finite.fold([value; 2], |[low, high], value| [low.min(value), high.max(value)])
     };
+    let columns = branch.columns_showing(name);
+    let points = branch.points.iter();
+    let on_branch =
+        ends(&mut points.flat_map(|point| columns.iter().filter_map(|k| point.value(*k))));
     let own = profiles.iter().find(|it| it.name == name && it.points.len() > 1);
-    let [low, high] = match own {
-        Some(profile) => ends(&mut profile.points.iter().map(|point| point[1])),
-        None => {
-            let columns = branch.columns_showing(name);
-            let points = branch.points.iter();
-            ends(&mut points.flat_map(|point| columns.iter().filter_map(|k| point.value(*k))))
-        }
-    };
-    let width = high - low;
+    let own = own.map(|profile| ends(&mut profile.points.iter().map(|point| point[1])));
+    let width = |[low, high]: [f64; 2]| high - low;
+    let [low, high] =
+        own.filter(|it| width(*it) > ROUNDING * width(on_branch)).unwrap_or(on_branch);
     let least = if value == 0.0 { 1.0 } else { value.abs() };
-    let width = if width > 1e-6 * least { width } else { 2.0 * least };
+    let width = if high - low > 1e-6 * least { high - low } else { 2.0 * least };
     let margin = MARGIN * width;
     [low.min(value - width / 2.0) - margin, high.max(value + width / 2.0) + margin]
 }
