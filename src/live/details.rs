@@ -40,20 +40,11 @@ impl<'a> From<&'a Profile> for Shown<'a> {
     }
 }
 
-/// Returns the place of a point on its branch; a negative number is the negative label of a special
-/// point.
-pub(super) fn place(point: i64) -> Option<Place> {
-    match usize::try_from(point) {
-        Ok(index) => Some(Place::Regular(index)),
-        Err(_) => Some(Place::Special(usize::try_from(point.checked_neg()?).ok()?)),
-    }
-}
-
 /// Returns the details of a point; `None` if the point does not exist.
 pub(super) fn details(kept: &Kept, at: At) -> Option<Details<'_>> {
     let branch = kept.document.branches.get(at.branch)?;
     let plane = plane(kept, at);
-    let label = match place(at.point)? {
+    let label = match at.place()? {
         Place::Regular(index) => {
             return Some(of_point(branch, (index, branch.points.get(index)?), plane));
         }

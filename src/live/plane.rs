@@ -1,14 +1,13 @@
 //! The phase plane at a point: simulations from states that the user chooses, nullclines and
 //! directions.
 
-use super::details::place;
 use super::pages::Kept;
 use super::trouble::Trouble;
 use crate::core::cancel::CancelToken;
 use crate::core::continuation::Branch;
 use crate::core::problem::Profile;
 use crate::output::Bar;
-use crate::scene::PhaseSpace;
+use crate::scene::{PhaseSpace, Place};
 use serde::{Deserialize, Serialize};
 use std::time::Duration;
 
@@ -33,6 +32,16 @@ pub(super) struct Point {
     pub branch: usize,
     /// The index of the point, or the negative label of a special point.
     pub point: i64,
+}
+
+impl Point {
+    /// Returns the place of the point on its branch.
+    pub fn place(self) -> Option<Place> {
+        match usize::try_from(self.point) {
+            Ok(index) => Some(Place::Regular(index)),
+            Err(_) => Some(Place::Special(usize::try_from(self.point.checked_neg()?).ok()?)),
+        }
+    }
 }
 
 /// The phase space at a point, as the page shows it.
@@ -63,15 +72,17 @@ struct State {
 pub(super) fn space(kept: &Kept, point: Point) -> Option<(&Branch, PhaseSpace)> {
     let branch = kept.document.branches.get(point.branch)?;
     let resolution = kept.scene.resolve(None).ok()?;
-    let space = resolution.phase_space(branch, place(point.point)?)?;
+    let space = resolution.phase_space(branch, point.place()?)?;
     Some((branch, space))
 }
 
 /// Describes the phase space at a point.
 pub(super) fn plane(kept: &Kept, point: Point) -> Option<Plane> {
     let (branch, space) = space(kept, point)?;
-    let label = usize::try_from(point.point.checked_neg()?).ok();
-    let special = label.and_then(|label| branch.labelled(label));
+    let special = match point.place()? {
+        Place::Regular(_) => None,
+        Place::Special(label) => branch.labelled(label),
+    };
     let profiles = special.map_or(&[][..], |special| &special.profiles);
     let state = |(name, value): &(String, f64)| {
         let [low, high] = range(branch, profiles, name, *value);

@@ -50,7 +50,7 @@ fn the_phase_space_has_the_values_and_the_time_scale_of_the_point() {
     let scene = Scene::parse(
         "Scene(
             title: \"Brusselator\",
-            problem: Equations(states: [(\"x\", \"a - (b + 1)*x + x^2*y\"), (\"y\", \"b*x - x^2*y\")], solution: equilibrium),
+            problem: Equations(states: [(\"x\", \"a - (b + 1)*x + x^2*y\"), (\"y\", \"b*x - x^2*y\")], initial: [(\"x\", 1.5), (\"y\", 0.7)], solution: equilibrium),
             parameters: [(\"a\", 2), (\"b\", 1)],
             runs: [
                 (name: \"rest\", set: [(\"a\", \"1.5\")], along: [(name: \"b\", low: 1, high: 5)]),
