@@ -7,6 +7,9 @@ const WIDTHS = { Thin: 1, DottedLine: 1.5, Dotted: 1.2 };
 const MOST_LABELS = 60;
 /** A mark or a point is meant by the pointer within this number of pixels. */
 const REACH = 14;
+/** Half the length of an arrow, and of the cap of a bar, in pixels. */
+const ARROW = 7;
+const CAP = 5;
 const MARGIN = { left: 66, right: 16, top: 16, bottom: 46 };
 
 const polygon = (count, turn = 0, r = 5.5) => Array.from({ length: count }, (_, k) => {
@@ -53,6 +56,8 @@ const ticksBetween = ([low, high], count) => {
   const first = Math.ceil(low / step - 1e-9);
   const values = [];
   for (let k = first; k * step <= high + 1e-9 * step; k += 1) values.push(k * step);
+  // One tick shows no scale.
+  if (values.length < 2 && count < 16) return ticksBetween([low, high], 2 * count);
   return [values, step];
 };
 
@@ -94,10 +99,12 @@ class Scale {
   }
 }
 
-/** The range of all points on an axis, with a margin. */
+/** The range of all points on an axis, with a margin, or the given range of the panel. */
 const extentOf = (panel, axis, logarithmic) => {
+  if (panel.extent) return panel.extent[axis];
   const shown = panel.marks.filter(mark => mark.symbol !== "Doubtful").map(mark => mark.at[axis]);
-  const [least, most] = [panel.curves.flatMap(curve => curve.points.map(point => point[axis])), shown]
+  const bars = (panel.bars ?? []).flatMap(bar => (axis ? [bar.low, bar.high] : [bar.at]));
+  const [least, most] = [panel.curves.flatMap(curve => curve.points.map(point => point[axis])), shown, bars]
     .flat().reduce(([low, high], value) => [Math.min(low, value), Math.max(high, value)], [Infinity, -Infinity]);
   if (least > most) return [0, 1];
   if (logarithmic) return least === most ? [least / 2, most * 2] : [least / (most / least) ** 0.04, most * (most / least) ** 0.04];
@@ -116,7 +123,11 @@ export class Plot {
   #selected = null;
   #old = null;
 
-  /** A plot in an element. `options.select(place)` and `options.tip(text, event)` answer the pointer. */
+  /**
+   * A plot in an element. `options.select(place)` and `options.tip(text, event)` answer the pointer,
+   * `options.click(values, event)` a click beside marks and points that can be selected, and
+   * `options.zoomed()` a change of the visible ranges.
+   */
   constructor(element, options) {
     this.element = element;
     this.options = options;
@@ -130,13 +141,16 @@ export class Plot {
   show(panel, { colours, steady = false, partial = false } = {}) {
     if (partial && this.#panel && !this.#old) this.#old = this.#panel;
     if (!partial) this.#old = null;
-    const key = JSON.stringify([panel.labels, panel.logarithmic]);
+    const key = JSON.stringify([panel.labels, panel.logarithmic, panel.extent]);
     if (key !== this.#key) [this.#key, this.#zoom, this.#ranges, this.#old] = [key, null, null, null];
     this.#panel = panel;
     this.colours = colours;
     this.#ranges = [0, 1].map(axis => this.#rangeOf(axis, steady || partial));
     this.#draw();
   }
+
+  /** The visible ranges of the axes. */
+  get ranges() { return this.#zoom ?? this.#ranges; }
 
   /** Draws a ring around a place. */
   select(place) {
@@ -174,7 +188,9 @@ export class Plot {
       inside.append(old);
     }
     this.#walls(panel, inside, box);
+    this.#arrows(panel.arrows ?? [], inside);
     this.#curves(panel, inside);
+    this.#bars(panel.bars ?? [], inside);
     this.rings = make("g");
     this.svg.replaceChildren(clip, ...this.#axes(panel, box), inside, make("rect", { ...box, class: "frame" }), this.#marks(panel, box), this.rings);
     this.#ring();
@@ -209,7 +225,7 @@ export class Plot {
       const dots = () => at.forEach(([a, b]) => group.append(make("circle", { cx: a, cy: b, r: 2, fill: colour })));
       if (["Dots", "Specks", "Blots"].includes(curve.style)) return dots();
       const path = at.map(([a, b], k) => `${k ? "L" : "M"}${a.toFixed(1)} ${b.toFixed(1)}`).join("");
-      const attributes = { d: path, fill: "none", stroke: colour, "stroke-width": WIDTHS[curve.style] ?? 2, "stroke-linejoin": "round" };
+      const attributes = { d: path, fill: "none", stroke: colour, "stroke-width": WIDTHS[curve.style] ?? 2, "stroke-linejoin": "round", "data-name": curve.name };
       if (DASHES[curve.style]) attributes["stroke-dasharray"] = DASHES[curve.style];
       group.append(make("path", attributes));
       if (curve.style === "DottedLine") dots();
@@ -231,6 +247,32 @@ export class Plot {
       const place = this.#scales[axis].to(at);
       const line = axis === 0 ? { x1: place, x2: place, y1: box.y, y2: box.y + box.height } : { y1: place, y2: place, x1: box.x, x2: box.x + box.width };
       group.append(make("line", { ...line, stroke: "#555", "stroke-width": 2 }));
+    });
+  }
+
+  /** Arrows of equal length in the given directions, around their places. */
+  #arrows(arrows, group) {
+    const [x, y] = this.#scales;
+    const path = arrows.map(([place, direction]) => {
+      const at = [x.to(place[0]), y.to(place[1])];
+      const along = [x, y].map((scale, axis) => direction[axis] * (scale.pixels[1] - scale.pixels[0]));
+      const [u, v] = along.map(part => (ARROW * part) / Math.hypot(...along));
+      const [[a, b], [c, d]] = [[at[0] - u, at[1] - v], [at[0] + u, at[1] + v]];
+      const head = [-1, 1].map(side => `${(c - 0.6 * u + 0.4 * side * v).toFixed(1)} ${(d - 0.6 * v - 0.4 * side * u).toFixed(1)}`);
+      return `M${a.toFixed(1)} ${b.toFixed(1)}L${c.toFixed(1)} ${d.toFixed(1)}M${head[0]}L${c.toFixed(1)} ${d.toFixed(1)}L${head[1]}`;
+    }).join("");
+    if (path) group.append(make("path", { d: path, class: "arrows" }));
+  }
+
+  /** Vertical bars with a cap at each end. */
+  #bars(bars, group) {
+    const [x, y] = this.#scales;
+    bars.forEach(({ number, at, low, high, title }) => {
+      const [place, ends] = [x.to(at), [y.to(low), y.to(high)]];
+      const caps = ends.map(end => `M${place - CAP} ${end}H${place + CAP}`).join("");
+      const bar = make("path", { d: `M${place} ${ends[0]}V${ends[1]}${caps}`, class: "bar", "data-number": number, "data-at": at, "data-low": low, "data-high": high });
+      bar.append(make("title", {}, title));
+      group.append(bar);
     });
   }
 
@@ -312,14 +354,14 @@ export class Plot {
   }
 
   #listen() {
-    let press = null;
+    let [press, dragged] = [null, false];
     const at = event => {
       const box = this.svg.getBoundingClientRect();
       return [event.clientX - box.left, event.clientY - box.top];
     };
     this.svg.addEventListener("pointerdown", event => {
       if (event.button !== 0 || event.pointerType === "touch") return;
-      press = { from: at(event), box: make("rect", { class: "box" }) };
+      [press, dragged] = [{ from: at(event), box: make("rect", { class: "box" }) }, false];
       this.svg.setPointerCapture(event.pointerId);
     });
     this.svg.addEventListener("pointermove", event => {
@@ -343,19 +385,29 @@ export class Plot {
       const [[a, b], [c, d]] = [press.from, at(event)];
       press.box.remove();
       press = null;
+      dragged = Math.abs(c - a) > 6 || Math.abs(d - b) > 6;
       if (Math.abs(c - a) > 12 && Math.abs(d - b) > 12 && this.#scales) {
         const [x, y] = this.#scales;
         this.#zoom = [[x.from(Math.min(a, c)), x.from(Math.max(a, c))], [y.from(Math.max(b, d)), y.from(Math.min(b, d))]];
         this.#draw();
+        this.options.zoomed?.();
       }
     });
     this.svg.addEventListener("click", event => {
       const meant = this.#meant(event);
-      if (meant?.from?.length === 3) this.options.select?.(meant.from);
+      if (meant?.from?.length === 3) {
+        this.options.select?.(meant.from);
+        return;
+      }
+      if (!this.#scales || dragged) return;
+      const values = at(event).map((pixel, axis) => this.#scales[axis].from(pixel));
+      const inside = values.every((value, axis) => value >= this.ranges[axis][0] && value <= this.ranges[axis][1]);
+      if (inside) this.options.click?.(values, event);
     });
     this.svg.addEventListener("dblclick", () => {
       this.#zoom = null;
       this.#draw();
+      this.options.zoomed?.();
     });
   }
 }

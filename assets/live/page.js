@@ -3,6 +3,7 @@
 
 import { Editor, Parameters, Settings, add } from "./controls.js";
 import { Details, Panels, Table, showNotes } from "./results.js";
+import { Plane } from "./plane.js";
 import { Request } from "./request.js";
 import { ask, fetchFile, follow } from "./server.js";
 import { State, setupOfLink } from "./state.js";
@@ -28,9 +29,10 @@ const parameters = new Parameters($("#parameters .rows"), () => state);
 const settings = new Settings($("#settings"), () => state);
 const asked = new Request($("#request .rows"), () => state);
 let described = null;
-const panels = new Panels($("#panels"), { select: place => select(place), axes: (axis, name) => chooseAxis(axis, name) });
+const panels = new Panels($("#panels"), { select: place => select(place), axes: (axis, name) => chooseAxis(axis, name), bars: bars => plane.bars(bars) });
 const table = new Table($("#points"), (place, focus) => select(place, focus));
-const details = new Details($("#details"), run => state.edit({ runs: [...state.setup.runs, run] }));
+const plane = new Plane(id, { bars: bars => panels.bars(bars), lost: () => lost() });
+const details = new Details($("#details"), run => state.edit({ runs: [...state.setup.runs, run] }), plane);
 
 const say = text => { $("#status .text").textContent = text; };
 
@@ -99,6 +101,7 @@ const fail = trouble => {
 const finish = (own, done) => {
   last = done;
   traced = own.setup;
+  plane.forget();
   delete document.body.dataset.trouble;
   [parameters, settings, editor].forEach(it => it.mark(null));
   panels.show(done.drawing, [own.setup.x, own.setup.y], own.live);
@@ -130,9 +133,9 @@ const refresh = async () => {
   if (!place) return;
   const number = turn;
   try {
-    const answer = await ask({ point: { page: id, branch: place[1], point: place[2] } });
+    const answer = await ask({ point: { page: id, at: { branch: place[1], point: place[2] } } });
     if (selected !== place || number !== turn) return;
-    details.show(answer.details, last.drawing.colours);
+    details.show(answer.details, place, last.drawing.colours);
     panels.select(place);
   } catch (error) {
     // The point has gone.

@@ -2,42 +2,13 @@
 
 import { add, numberIn } from "./controls.js";
 import { Plot } from "./figure.js";
-
-const LOOKS = { Dashed: "dashed", Dotted: "dotted", Thin: "thin", DottedLine: "dotted and joined", Dots: "dots", Solid: "solid" };
-const BORDERS = { Dashed: "dashed", Dotted: "dotted" };
-
-const tip = document.getElementById("tip");
-const showTip = (text, event) => {
-  tip.hidden = text === null;
-  if (text === null) return;
-  tip.textContent = text;
-  tip.style.left = `${Math.max(4, Math.min(event.clientX + 16, innerWidth - tip.offsetWidth - 8))}px`;
-  tip.style.top = `${Math.max(4, Math.min(event.clientY + 16, innerHeight - tip.offsetHeight - 8))}px`;
-};
-
-/** The names of curves and the meanings of their styles. */
-const showKey = (element, panel, colours) => {
-  element.replaceChildren();
-  const drawn = name => panel.curves.some(curve => curve.name === name);
-  const names = panel.names.filter(name => name && drawn(name));
-  if (panel.names.length > 1) names.forEach(name => {
-    const key = add(element, "span", undefined, { className: "key" });
-    const line = add(key, "i");
-    line.style.color = colours[panel.names.indexOf(name) % colours.length];
-    add(key, "span", name);
-  });
-  panel.meanings.filter(([style]) => panel.curves.some(curve => curve.style === style)).forEach(([style, meaning]) => {
-    const key = add(element, "span", undefined, { className: "key", title: LOOKS[style] ?? "" });
-    add(key, "i").style.borderTopStyle = BORDERS[style] ?? "solid";
-    add(key, "span", meaning);
-  });
-};
+import { showKey, showTip } from "./key.js";
 
 /** All diagrams of a result. */
 export class Panels {
   #shown = [];
 
-  /** `actions.select(place)` and `actions.axes(x, y)` answer the user. */
+  /** `actions.select(place)` and `actions.axes(x, y)` answer the user; `actions.bars(bars)` are the bars to show. */
   constructor(element, actions) {
     [this.element, this.actions] = [element, actions];
   }
@@ -45,12 +16,21 @@ export class Panels {
   show(drawing, axes, steady) {
     this.drawing = drawing;
     this.#count(drawing.panels.length);
+    if (drawing.panels.length) drawing.panels[0].bars = this.actions.bars(drawing.bars);
     drawing.panels.forEach((panel, k) => {
       const { plot, key } = this.#shown[k];
       plot.show(panel, { colours: drawing.colours, steady });
       showKey(key, panel, drawing.colours);
     });
     this.#showAxes(drawing.columns, axes);
+  }
+
+  /** Shows the ranges of simulated histories over the first diagram. */
+  bars(bars) {
+    if (!this.drawing?.panels.length) return;
+    this.drawing.bars = bars;
+    this.drawing.panels[0].bars = this.actions.bars(bars);
+    this.#shown[0].plot.show(this.drawing.panels[0], { colours: this.drawing.colours, steady: true });
   }
 
   /** Shows the branches that are being traced over the last ones. */
@@ -142,17 +122,18 @@ export class Table {
   }
 }
 
-/** The values and profiles of a point, and the runs that can continue there. */
+/** The values, the phase plane and the profiles of a point, and the runs that can continue there. */
 export class Details {
-  constructor(element, follow) {
-    [this.element, this.follow] = [element, follow];
+  constructor(element, follow, plane) {
+    [this.element, this.follow, this.plane] = [element, follow, plane];
   }
 
   hide() {
     this.element.hidden = true;
+    this.plane.leave();
   }
 
-  show(details, colours) {
+  show(details, place, colours) {
     this.element.hidden = false;
     this.element.replaceChildren();
     add(this.element, "h2", details.title);
@@ -167,8 +148,13 @@ export class Details {
       add(row, "td", value);
     });
     const profiles = add(this.element, "div", undefined, { className: "profiles" });
-    if (!details.profiles.length) add(profiles, "span", "Profiles are saved at special points of orbits and boundary-value problems.");
-    [...new Set(details.profiles.map(it => it.along))].forEach((along, k) => this.#profiles(profiles, along, details.profiles.filter(it => it.along === along), colours, k));
+    if (!details.profiles.length && !details.plane) add(profiles, "span", "Profiles are saved at special points of orbits and boundary-value problems.");
+    if (details.plane) this.plane.show(profiles, details, place, colours);
+    else this.plane.leave();
+    // The phase plane shows the phase portraits.
+    const isState = name => details.plane?.states.some(it => it.name === name);
+    const others = details.profiles.filter(it => !(isState(it.along) && isState(it.name)));
+    [...new Set(others.map(it => it.along))].forEach((along, k) => this.#profiles(profiles, along, others.filter(it => it.along === along), colours, k));
   }
 
   #profiles(parent, along, profiles, colours, k) {

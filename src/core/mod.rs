@@ -17,7 +17,7 @@
 //! | [`manifold`] | stable and unstable manifolds of saddles of maps |
 //! | [`attractor`] | attractors by simulation: cycles, Lyapunov exponents, crises |
 //! | `sweep` (feature `scene`) | parameter sweeps: attractors over grids of parameters, on all cores |
-//! | [`numerics`] | quadrature, interpolation, bracketed roots |
+//! | [`numerics`] | quadrature, interpolation, bracketed roots, zero sets in the plane |
 //! | [`cancel`], [`failure`], [`spelling`] | cancellation of computations; errors of evaluations and solves; suggestions for unknown names |
 //!
 //! The comment of a numerical constant begins with the reason for its value: `Rounding` for bounds on rounding errors,

@@ -6,6 +6,7 @@ use super::http::{self, Refusal};
 use super::library::Library;
 use super::opened::{Opened, beginning, example};
 use super::pages::{Kept, Message, Pages, Slots};
+use super::plane::{self, Point, field, simulate};
 use super::setup::Setup;
 use super::trouble::Trouble;
 use super::work::{Drawing, trace};
@@ -17,14 +18,14 @@ use serde_json::{Value, json};
 use std::io::Write;
 use std::net::TcpStream;
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::time::{Duration, Instant};
 
 /// The maximum duration of a trace, after which the server stops it.
 const LONGEST: Duration = Duration::from_secs(120);
-/// The interval at which the server checks the connection of a trace that sends no messages.
+/// The interval at which the server checks the connection of a computation that sends no messages.
 const SILENCE: Duration = Duration::from_millis(200);
-/// The stack size of a trace's thread in bytes; deeply nested formulas need more than the usual
+/// The stack size of a computation's thread in bytes; deeply nested formulas need more than the usual
 /// size.
 const STACK: usize = 32 << 20;
 /// The maximum length of the name that identifies a page.
@@ -50,7 +51,13 @@ enum Call {
     /// Requests the diagram of the last result with other axes.
     Axes { page: String, x: Option<String>, y: Option<String> },
     /// Requests the details of a point of the last result.
-    Point { page: String, branch: usize, point: i64 },
+    Point { page: String, at: Point },
+    /// Requests a simulation from a state, for a duration, at the parameters of a point of the last
+    /// result; the response is a stream of messages.
+    Simulate { page: String, number: u64, at: Point, state: Vec<(String, f64)>, duration: f64 },
+    /// Requests the vector field in a rectangle of the plane of two states, at the parameters of a
+    /// point of the last result; the response is a stream of messages.
+    Field { page: String, at: Point, states: [String; 2], ranges: [[f64; 2]; 2] },
     /// Requests the last result as a file.
     File { page: String, format: String },
     /// Requests a sign that the server is running.
@@ -90,15 +97,18 @@ impl Service {
                 let kept = self.pages.turn_axes(&page, [x, y]);
                 json_of_kept(stream, kept, |kept| json!({ "drawing": Drawing::of(kept) }))
             }
-            Call::Point { page, branch, point } => {
-                json_of_kept(stream, self.pages.kept(&page), |kept| {
-                    match details(kept, branch, point) {
-                        Some(details) => json!({ "details": details }),
-                        None => trouble(
-                            "the selected point is not on the branches of the present \
-                                         result",
-                        ),
-                    }
+            Call::Point { page, at } => {
+                json_of_kept(stream, self.pages.kept(&page), |kept| match details(kept, at) {
+                    Some(details) => json!({ "details": details }),
+                    None => trouble("the selected point is not on the branches of the present result"),
+                })
+            }
+            Call::Simulate { page, number, at, state, duration } => {
+                self.simulate(stream, page, number, (at, state, duration))
+            }
+            Call::Field { page, at, states, ranges } => {
+                self.of_result(stream, page, move |_, kept, _| {
+                    Ok(json!({ "field": field(kept, at, (states, ranges))? }))
                 })
             }
             Call::File { page, format } => self.file(stream, &page, &format),
@@ -146,39 +156,89 @@ impl Service {
         let Some(cancel) = self.pages.begin(page, turn) else {
             return json_of(stream, &json!({ "superseded": true }));
         };
-        http::begin(stream, LINES)?;
-        let (out, messages) = channel();
-        let (service, token, id) = (Arc::clone(self), cancel.clone(), page.to_string());
-        let work = move || {
-            let Some(_slot) = service.slots.take(&token) else { return };
-            if let Some(kept) =
-                trace(&setup, (&service.library, service.opened.as_ref()), &token, &out)
-            {
+        let (service, id) = (Arc::clone(self), page.to_string());
+        stream_of(stream, (cancel, LONGEST), move |token, out| {
+            let Some(_slot) = service.slots.take(token) else { return };
+            let at = (&service.library, service.opened.as_ref());
+            if let Some(kept) = trace(&setup, at, token, out) {
                 service.pages.keep(&id, turn, kept);
             }
-        };
-        let thread = std::thread::Builder::new().stack_size(STACK).spawn(work)?;
-        let passed = pass(stream, &messages, &cancel);
-        if passed.is_err() {
-            cancel.cancel();
-            return passed;
-        }
-        // The result is kept before the page can ask for it.
-        let end = match thread.join() {
-            Ok(()) => json!({ "end": true }),
-            Err(_) => {
-                json!({ "failed": Trouble::plain("the trace failed unexpectedly"), "end": true })
-            }
-        };
-        stream.write_all(Message::of(&end).line())
+        })
+    }
+
+    /// Simulates from a state at the parameters of a point, and keeps the extremes of the history.
+    fn simulate(
+        self: &Arc<Self>,
+        stream: &mut TcpStream,
+        page: String,
+        number: u64,
+        (at, state, duration): (Point, Vec<(String, f64)>, f64),
+    ) -> std::io::Result<()> {
+        let id = page.clone();
+        self.of_result(stream, page, move |service, kept, cancel| {
+            let (simulated, history) = simulate(kept, at, (state, duration), cancel)?;
+            let kept = service.pages.add_history(&id, kept, (number, history));
+            let bars = kept.map_or(Vec::new(), |kept| plane::bars(&kept));
+            Ok(json!({ "simulated": simulated, "bars": bars }))
+        })
+    }
+
+    /// Computes a message from the last result of a page on a separate thread, and sends the
+    /// message.
+    fn of_result(
+        self: &Arc<Self>,
+        stream: &mut TcpStream,
+        page: String,
+        work: impl FnOnce(&Service, &Kept, &CancelToken) -> Result<Value, Trouble> + Send + 'static,
+    ) -> std::io::Result<()> {
+        let service = Arc::clone(self);
+        let limits = (CancelToken::default(), plane::LONGEST);
+        stream_of(stream, limits, move |token, out| {
+            let Some(_slot) = service.slots.take(token) else { return };
+            let message = match service.pages.kept(&page) {
+                None => json!({ "failed": Trouble::plain(NO_RESULT) }),
+                Some(kept) => work(&service, &kept, token)
+                    .unwrap_or_else(|trouble| json!({ "failed": trouble })),
+            };
+            // The page may have been closed.
+            let _ = out.send(Message::of(&message));
+        })
     }
 }
 
-/// Passes messages to the page until the trace ends. The trace is cancelled if it takes too long.
+/// Answers with a stream of messages, which a separate thread computes; the computation is cancelled
+/// after the longest time, or if the page closes the connection.
+fn stream_of(
+    stream: &mut TcpStream,
+    (cancel, longest): (CancelToken, Duration),
+    work: impl FnOnce(&CancelToken, &Sender<Message>) + Send + 'static,
+) -> std::io::Result<()> {
+    http::begin(stream, LINES)?;
+    let ((out, messages), token) = (channel(), cancel.clone());
+    let work = move || work(&token, &out);
+    let thread = std::thread::Builder::new().stack_size(STACK).spawn(work)?;
+    let passed = pass(stream, &messages, (&cancel, longest));
+    if passed.is_err() {
+        cancel.cancel();
+        return passed;
+    }
+    // A result is kept before the page can ask for it.
+    let end = match thread.join() {
+        Ok(()) => json!({ "end": true }),
+        Err(_) => {
+            let trouble = Trouble::plain("the computation failed unexpectedly");
+            json!({ "failed": trouble, "end": true })
+        }
+    };
+    stream.write_all(Message::of(&end).line())
+}
+
+/// Passes messages to the page until the computation ends. The computation is cancelled if it takes
+/// longer than the given time.
 fn pass(
     stream: &mut TcpStream,
     messages: &Receiver<Message>,
-    cancel: &CancelToken,
+    (cancel, longest): (&CancelToken, Duration),
 ) -> std::io::Result<()> {
     let begin = Instant::now();
     loop {
@@ -188,7 +248,7 @@ fn pass(
             Err(RecvTimeoutError::Timeout) => stream.write_all(b"\n")?,
             Err(RecvTimeoutError::Disconnected) => return Ok(()),
         }
-        if begin.elapsed() > LONGEST {
+        if begin.elapsed() > longest {
             cancel.cancel();
         }
     }

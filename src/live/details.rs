@@ -2,10 +2,11 @@
 //! point.
 
 use super::pages::Kept;
+use super::plane::{Plane, Point as At, plane};
 use crate::core::continuation::{Branch, Point, SpecialPoint};
 use crate::core::problem::Profile;
 use crate::output::significant;
-use crate::scene::FollowUp;
+use crate::scene::{FollowUp, Place};
 use serde::Serialize;
 
 /// The number of significant digits with which values are shown.
@@ -20,6 +21,9 @@ pub(super) struct Details<'a> {
     rows: Vec<[String; 2]>,
     profiles: Vec<Shown<'a>>,
     follow_ups: Vec<FollowUp>,
+    /// The phase space at the point; `None` if the problem has no motion, or if the states at the
+    /// point are not known.
+    plane: Option<Plane>,
 }
 
 /// A profile.
@@ -36,22 +40,24 @@ impl<'a> From<&'a Profile> for Shown<'a> {
     }
 }
 
-/// Returns the details of a point, given by the index of its branch and the index of the point on
-/// the branch; a negative index is the negative label of a special point. Returns `None` if the
-/// point does not exist.
-pub(super) fn details(kept: &Kept, branch: usize, point: i64) -> Option<Details<'_>> {
-    let branch = kept.document.branches.get(branch)?;
-    if point >= 0 {
-        let point = usize::try_from(point).ok()?;
-        return Some(of_point(branch, point, branch.points.get(point)?));
-    }
-    let special = branch.labelled(usize::try_from(point.checked_neg()?).ok()?)?;
+/// Returns the details of a point; `None` if the point does not exist.
+pub(super) fn details(kept: &Kept, at: At) -> Option<Details<'_>> {
+    let branch = kept.document.branches.get(at.branch)?;
+    let plane = plane(kept, at);
+    let label = match at.place()? {
+        Place::Regular(index) => {
+            return Some(of_point(branch, (index, branch.points.get(index)?), plane));
+        }
+        Place::Special(label) => label,
+    };
+    let special = branch.labelled(label)?;
     let follow_ups = kept.scene.resolve(None).map(|it| it.follow_ups(branch, special.label));
     Some(Details {
         title: title(branch, special),
         rows: rows(branch, special),
         profiles: special.profiles.iter().map(Shown::from).collect(),
         follow_ups: follow_ups.unwrap_or_default(),
+        plane,
     })
 }
 
@@ -73,7 +79,11 @@ fn columns(branch: &Branch, value: impl Fn(usize) -> Option<f64>) -> Vec<[String
     names.into_iter().filter_map(|(column, name)| Some(row(name, value(column)?))).collect()
 }
 
-fn of_point<'a>(branch: &Branch, index: usize, point: &Point) -> Details<'a> {
+fn of_point<'a>(
+    branch: &Branch,
+    (index, point): (usize, &Point),
+    plane: Option<Plane>,
+) -> Details<'a> {
     let mut rows = columns(branch, |column| point.value(column));
     if let Some(unstable) = point.unstable {
         rows.push(["unstable directions".into(), unstable.to_string()]);
@@ -82,7 +92,7 @@ fn of_point<'a>(branch: &Branch, index: usize, point: &Point) -> Details<'a> {
         rows.push(["virtual".into(), "beyond a grazing".into()]);
     }
     let title = format!("{}, point {index}", branch.name);
-    Details { title, rows, profiles: Vec::new(), follow_ups: Vec::new() }
+    Details { title, rows, profiles: Vec::new(), follow_ups: Vec::new(), plane }
 }
 
 /// Returns the rows of a special point: values of columns, normal-form coefficients,

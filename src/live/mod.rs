@@ -24,6 +24,7 @@ mod http;
 mod library;
 mod opened;
 mod pages;
+mod plane;
 mod preview;
 mod server;
 mod setup;

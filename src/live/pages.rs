@@ -1,6 +1,7 @@
 //! The open pages, with the running trace and the last result of each page.
 
 use crate::core::cancel::CancelToken;
+use crate::core::continuation::Branch;
 use crate::output::Document;
 use crate::scene::Scene;
 use serde::Serialize;
@@ -10,6 +11,9 @@ use std::time::Duration;
 /// The maximum number of pages whose results are kept; beyond this number, the result of the page
 /// that was unused for the longest time is dropped.
 const MOST: usize = 16;
+
+/// The maximum number of simulated histories that are kept with a result.
+const HISTORIES: usize = 100;
 
 /// A message from the server to a page, which is one line of JSON.
 pub(super) struct Message(String);
@@ -37,6 +41,9 @@ pub(super) struct Kept {
     pub document: Arc<Document>,
     /// The columns on the axes of the diagram; `None` for the default columns.
     pub axes: [Option<String>; 2],
+    /// The extremes of simulated histories at points of the result, each with the number of its
+    /// simulation.
+    pub histories: Vec<(u64, Branch)>,
 }
 
 /// A page, with the number of its last trace, the token that cancels this trace, and the last
@@ -97,6 +104,29 @@ impl Pages {
         let mut all = self.all();
         let page = all.iter_mut().find(|page| page.id == id)?;
         let kept = Kept { axes, ..(**page.kept.as_ref()?).clone() };
+        page.kept = Some(Arc::new(kept));
+        page.kept.clone()
+    }
+
+    /// Adds a simulated history to the last result of a page, and returns the result; `None` if the
+    /// page has another result by now.
+    pub fn add_history(
+        &self,
+        id: &str,
+        result: &Kept,
+        history: (u64, Branch),
+    ) -> Option<Arc<Kept>> {
+        let mut all = self.all();
+        let page = all.iter_mut().find(|page| page.id == id)?;
+        let last = page.kept.as_ref()?;
+        if !Arc::ptr_eq(&last.document, &result.document) {
+            return None;
+        }
+        let mut kept = (**last).clone();
+        if kept.histories.len() >= HISTORIES {
+            kept.histories.remove(0);
+        }
+        kept.histories.push(history);
         page.kept = Some(Arc::new(kept));
         page.kept.clone()
     }

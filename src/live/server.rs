@@ -16,7 +16,7 @@ use std::time::Duration;
 const PAUSE: Duration = Duration::from_millis(50);
 
 /// The files of the page, each with its name, its media type and its content.
-const FILES: [(&str, &str, &str); 9] = [
+const FILES: [(&str, &str, &str); 11] = [
     ("", "text/html; charset=utf-8", include_str!("../../assets/live/page.html")),
     ("page.css", "text/css; charset=utf-8", include_str!("../../assets/live/page.css")),
     ("page.js", SCRIPT, include_str!("../../assets/live/page.js")),
@@ -25,6 +25,8 @@ const FILES: [(&str, &str, &str); 9] = [
     ("controls.js", SCRIPT, include_str!("../../assets/live/controls.js")),
     ("request.js", SCRIPT, include_str!("../../assets/live/request.js")),
     ("figure.js", SCRIPT, include_str!("../../assets/live/figure.js")),
+    ("key.js", SCRIPT, include_str!("../../assets/live/key.js")),
+    ("plane.js", SCRIPT, include_str!("../../assets/live/plane.js")),
     ("results.js", SCRIPT, include_str!("../../assets/live/results.js")),
 ];
 

@@ -69,4 +69,13 @@ impl Trouble {
     pub fn of_run(run: &str, cause: &SceneError) -> Self {
         Trouble { run: Some(run.into()), ..Trouble::from(cause) }
     }
+
+    /// Returns the error of the only run of a scene, without the name of the run.
+    pub fn without_run(mut self) -> Self {
+        let run = self.run.take().map(|run| format!("run `{run}`: "));
+        if let Some(rest) = run.and_then(|run| self.message.strip_prefix(&run).map(String::from)) {
+            self.message = rest;
+        }
+        self
+    }
 }

@@ -6,6 +6,7 @@ use super::describe::describe;
 use super::library::Library;
 use super::opened::Opened;
 use super::pages::{Kept, Message};
+use super::plane::{NumberedBar, bars};
 use super::preview::Preview;
 use super::setup::Setup;
 use super::trouble::Trouble;
@@ -58,7 +59,7 @@ pub(super) fn trace(
     }
     let axes = [setup.x.clone(), setup.y.clone()];
     let (scene, document) = (Arc::new(scene), Arc::new(document));
-    let kept = Kept { name: setup.file_name(), scene, document, axes };
+    let kept = Kept { name: setup.file_name(), scene, document, axes, histories: Vec::new() };
     let stopped = cancel.is_cancelled();
     let done = Done {
         millis: begin.elapsed().as_secs_f64() * 1e3,
@@ -125,6 +126,8 @@ pub(super) struct Drawing {
     panels: Vec<serde_json::Value>,
     /// The reason why the diagram cannot be drawn; `None` if the diagram can be drawn.
     trouble: Option<String>,
+    /// The ranges of simulated histories over the first diagram.
+    bars: Vec<NumberedBar>,
 }
 
 impl Drawing {
@@ -145,7 +148,8 @@ impl Drawing {
                 }
             }
         }
-        Drawing { colours: hexadecimal(), columns, panels: panels.collect(), trouble }
+        let (colours, panels) = (hexadecimal(), panels.collect());
+        Drawing { colours, columns, panels, trouble, bars: bars(kept) }
     }
 }
 

@@ -15,6 +15,7 @@
 //! ```
 
 mod axis;
+mod bars;
 mod check;
 mod chosen;
 mod comparison;
@@ -49,6 +50,7 @@ mod tile;
 mod units;
 mod words;
 
+pub(crate) use bars::Bar;
 pub use chosen::Chosen;
 pub use comparison::{Difference, compare, compare_within};
 pub use diagram::diagram;

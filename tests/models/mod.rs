@@ -15,6 +15,7 @@ mod library;
 mod library_of_impacts;
 mod normal_forms;
 mod ode;
+mod phase_planes;
 mod planes;
 mod product_modes;
 mod restated;

@@ -5,6 +5,7 @@ mod follow;
 mod hostile;
 mod keep;
 mod latency;
+mod plane;
 mod program;
 mod session;
 
