@@ -7,7 +7,7 @@ const LOOKS = { Dashed: "dashed", Dotted: "dotted", Thin: "thin", DottedLine: "d
 const BORDERS = { Dashed: "dashed", Dotted: "dotted" };
 
 const tip = document.getElementById("tip");
-const showTip = (text, event) => {
+export const showTip = (text, event) => {
   tip.hidden = text === null;
   if (text === null) return;
   tip.textContent = text;
@@ -58,6 +58,9 @@ export class Panels {
     if (!this.#shown.length) this.#count(1);
     this.#shown[0].plot.show(panel, { colours: colours ?? this.drawing?.colours ?? ["#0072b2"], partial: true });
   }
+
+  /** The element and the plot of a panel. */
+  at(k) { return this.#shown[k]; }
 
   select(place) {
     this.#shown.forEach(({ plot }) => plot.select(place));

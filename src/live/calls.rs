@@ -1,12 +1,14 @@
 //! The calls that a page sends to the server, and the server's responses.
 
+use super::attractors::{self, Place};
 use super::describe::settings;
 use super::details::details;
 use super::http::{self, Refusal};
 use super::library::Library;
 use super::opened::{Opened, beginning, example};
-use super::pages::{Kept, Message, Pages, Slots};
+use super::pages::{Kept, Message, Pages, Slots, Tasks};
 use super::setup::Setup;
+use super::sweeping::{self, Sweeping};
 use super::trouble::Trouble;
 use super::work::{Drawing, trace};
 use crate::core::cancel::CancelToken;
@@ -17,7 +19,7 @@ use serde_json::{Value, json};
 use std::io::Write;
 use std::net::TcpStream;
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::time::{Duration, Instant};
 
 /// The maximum duration of a trace, after which the server stops it.
@@ -45,6 +47,13 @@ enum Call {
     Trace { page: String, turn: u64, setup: Box<Setup> },
     /// Stops the trace.
     Stop { page: String },
+    /// Requests a sweep under the diagram of the last result; the response is a stream of messages.
+    Sweep { page: String, turn: u64, sweep: Sweeping },
+    /// Stops the sweep.
+    StopSweep { page: String },
+    /// Requests the attractors at a point of a diagram in two parameters; the response is a stream
+    /// of messages.
+    Attractors { page: String, turn: u64, place: Place },
     /// Requests the list of the settings that have an effect in a setup.
     Settings { setup: Box<Setup> },
     /// Requests the diagram of the last result with other axes.
@@ -63,6 +72,8 @@ pub(super) struct Service {
     pub opened: Option<Opened>,
     pub pages: Pages,
     pub slots: Slots,
+    pub sweeps: Tasks,
+    pub attractors: Tasks,
 }
 
 impl Service {
@@ -77,7 +88,9 @@ impl Service {
                 Some(setup) => json_of(stream, &json!({ "setup": setup })),
                 None => json_of(stream, &trouble("there is no such example")),
             },
-            Call::Trace { page, .. } if page.len() > ID => {
+            Call::Trace { page, .. } | Call::Sweep { page, .. } | Call::Attractors { page, .. }
+                if page.len() > ID =>
+            {
                 return http::refuse(stream, Refusal::Message);
             }
             Call::Trace { page, turn, setup } => self.trace(stream, &page, turn, *setup),
@@ -85,6 +98,26 @@ impl Service {
                 self.pages.cancel(&page);
                 json_of(stream, &json!({}))
             }
+            Call::Sweep { page, turn, sweep } => self.on_kept(
+                stream,
+                (&page, turn),
+                |it| &it.sweeps,
+                move |kept, token, out| {
+                    sweeping::sweep(kept, &sweep, (token, out));
+                },
+            ),
+            Call::StopSweep { page } => {
+                self.sweeps.pages.cancel(&page);
+                json_of(stream, &json!({}))
+            }
+            Call::Attractors { page, turn, place } => self.on_kept(
+                stream,
+                (&page, turn),
+                |it| &it.attractors,
+                move |kept, token, out| {
+                    attractors::attractors(kept, &place, (token, out));
+                },
+            ),
             Call::Settings { setup } => self.settings(stream, &setup),
             Call::Axes { page, x, y } => {
                 let kept = self.pages.turn_axes(&page, [x, y]);
@@ -143,32 +176,64 @@ impl Service {
         let Some(cancel) = self.pages.begin(page, turn) else {
             return json_of(stream, &json!({ "superseded": true }));
         };
-        http::begin(stream, LINES)?;
-        let (out, messages) = channel();
-        let (service, token, id) = (Arc::clone(self), cancel.clone(), page.to_string());
-        let work = move || {
-            let Some(_slot) = service.slots.take(&token) else { return };
-            if let Some(kept) =
-                trace(&setup, (&service.library, service.opened.as_ref()), &token, &out)
-            {
+        let (service, id) = (Arc::clone(self), page.to_string());
+        stream_of(stream, &cancel, move |token, out| {
+            let Some(_slot) = service.slots.take(token) else { return };
+            let kept = trace(&setup, (&service.library, service.opened.as_ref()), token, out);
+            if let Some(kept) = kept {
                 service.pages.keep(&id, turn, kept);
             }
-        };
-        let thread = std::thread::Builder::new().stack_size(STACK).spawn(work)?;
-        let passed = pass(stream, &messages, &cancel);
-        if passed.is_err() {
-            cancel.cancel();
-            return passed;
-        }
-        // The result is kept before the page can ask for it.
-        let end = match thread.join() {
-            Ok(()) => json!({ "end": true }),
-            Err(_) => {
-                json!({ "failed": Trouble::plain("the trace failed unexpectedly"), "end": true })
-            }
-        };
-        stream.write_all(Message::of(&end).line())
+        })
     }
+
+    /// Runs a computation that uses the last result of a page on a separate thread, and passes its
+    /// messages to the page.
+    fn on_kept(
+        self: &Arc<Self>,
+        stream: &mut TcpStream,
+        (page, turn): (&str, u64),
+        tasks: fn(&Service) -> &Tasks,
+        work: impl FnOnce(&Kept, &CancelToken, &Sender<Message>) + Send + 'static,
+    ) -> std::io::Result<()> {
+        let Some(kept) = self.pages.kept(page) else {
+            http::begin(stream, LINES)?;
+            let none = json!({ "failed": Trouble::plain(NO_RESULT), "end": true });
+            return stream.write_all(Message::of(&none).line());
+        };
+        let Some(cancel) = tasks(self).pages.begin(page, turn) else {
+            return json_of(stream, &json!({ "superseded": true }));
+        };
+        let service = Arc::clone(self);
+        stream_of(stream, &cancel, move |token, out| {
+            if let Some(_slot) = tasks(&service).slots.take(token) {
+                work(&kept, token, out);
+            }
+        })
+    }
+}
+
+/// Runs a computation on a separate thread, and passes its messages to the page.
+fn stream_of(
+    stream: &mut TcpStream,
+    cancel: &CancelToken,
+    work: impl FnOnce(&CancelToken, &Sender<Message>) + Send + 'static,
+) -> std::io::Result<()> {
+    http::begin(stream, LINES)?;
+    let ((out, messages), token) = (channel(), cancel.clone());
+    let thread = std::thread::Builder::new().stack_size(STACK).spawn(move || work(&token, &out))?;
+    let passed = pass(stream, &messages, cancel);
+    if passed.is_err() {
+        cancel.cancel();
+        return passed;
+    }
+    // The result is kept before the page can ask for it.
+    let end = match thread.join() {
+        Ok(()) => json!({ "end": true }),
+        Err(_) => {
+            json!({ "failed": Trouble::plain("the computation failed unexpectedly"), "end": true })
+        }
+    };
+    stream.write_all(Message::of(&end).line())
 }
 
 /// Passes messages to the page until the trace ends. The trace is cancelled if it takes too long.

@@ -14,6 +14,7 @@
 //! server.serve()
 //! ```
 
+mod attractors;
 mod calls;
 mod command;
 mod connections;
@@ -27,6 +28,7 @@ mod pages;
 mod preview;
 mod server;
 mod setup;
+mod sweeping;
 mod trouble;
 mod work;
 

@@ -52,6 +52,8 @@ mod words;
 pub use chosen::Chosen;
 pub use comparison::{Difference, compare};
 pub use diagram::diagram;
+#[cfg(feature = "live")]
+pub(crate) use diagram::usual_axes;
 pub use document::{Against, Deviation, Document, Enlargement, Plot};
 #[cfg(feature = "live")]
 pub(crate) use drawing::hexadecimal;
@@ -69,6 +71,8 @@ pub use number::significant;
 #[cfg(feature = "live")]
 pub(crate) use page::Panel;
 pub use panels::figures;
+#[cfg(feature = "live")]
+pub(crate) use panels::specks;
 pub(crate) use panels::{check_columns, drop_empty_parts};
 pub use point_table::{Columns, PointTable, Selection, csv};
 pub use save::{Render, RenderError, Results, SaveError, save};

@@ -1,5 +1,6 @@
 //! `tangency live` in a browser, and under hostile requests.
 
+mod attractors;
 mod change;
 mod follow;
 mod hostile;
@@ -7,6 +8,7 @@ mod keep;
 mod latency;
 mod program;
 mod session;
+mod sweep;
 
 pub use program::Program;
 pub use session::Session;
