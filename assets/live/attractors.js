@@ -28,7 +28,7 @@ export class Attractors {
 
   constructor(element, page, tip) {
     [this.element, this.page] = [element, page];
-    add(element, "h2", "Attractors at a point of two parameters");
+    add(element, "h2", "Attractors in two parameters");
     const line = add(element, "div", undefined, { className: "line" });
     this.toggle = add(line, "button", "Show attractors", { id: "attractors-toggle", type: "button" });
     this.toggle.setAttribute("aria-pressed", "false");

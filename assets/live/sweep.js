@@ -4,8 +4,8 @@ import { add } from "./controls.js";
 import { format } from "./figure.js";
 import { ask, follow } from "./server.js";
 
-/** The colours of the points, by the names of sweeps. */
-const COLOURS = { up: "#8d969e", down: "#6a9cc9" };
+/** The colours and the meanings of the points, by the names of sweeps. */
+const LOOKS = { up: ["#8d969e", "increasing"], down: ["#5b95c9", "decreasing"] };
 
 export class Sweep {
   #turn = 0;
@@ -34,6 +34,7 @@ export class Sweep {
     this.bar.setAttribute("aria-label", "finished runs of the sweep");
     this.text = add(this.form, "span", "", { id: "sweep-text" });
     this.text.setAttribute("role", "status");
+    this.key = add(this.form, "span", undefined, { className: "line" });
     this.form.addEventListener("submit", event => {
       event.preventDefault();
       this.#begin();
@@ -122,7 +123,7 @@ export class Sweep {
       curves.forEach(({ name, points }) => {
         const known = this.#curves.find(curve => curve.name === name);
         if (known) points.forEach(point => known.points.push(point));
-        else this.#curves.push({ name, points, colour: COLOURS[name] ?? COLOURS.up });
+        else this.#curves.push({ name, points, colour: (LOOKS[name] ?? LOOKS.up)[0] });
       });
       this.#show(this.#curves);
       [this.bar.max, this.bar.value] = [progress.total, progress.done];
@@ -138,6 +139,14 @@ export class Sweep {
   /** Draws the points in the next frame. */
   #show(curves) {
     this.#curves = curves;
+    if (curves.length !== this.key.children.length) {
+      this.key.replaceChildren();
+      curves.forEach(({ name, colour }) => {
+        const key = add(this.key, "span", undefined, { className: "key" });
+        add(key, "i").style.borderTopColor = colour;
+        add(key, "span", (LOOKS[name] ?? [])[1] ?? name);
+      });
+    }
     cancelAnimationFrame(this.#frame);
     if (!curves.length) return this.plot()?.specks([]);
     this.#frame = requestAnimationFrame(() => this.plot()?.specks(this.#curves));

@@ -52,17 +52,25 @@ pub(super) fn attractors(
     place: &Place,
     (cancel, out): (&CancelToken, &Sender<Message>),
 ) {
-    if let Err(cause) = search(kept, place, (cancel, out)) {
+    let found = match scene_at(kept, place, cancel) {
+        Some(scene) => scene.and_then(|scene| search(&scene, kept, place, (cancel, out))),
+        None => {
+            let none = Trouble::plain("the diagram has no curve in these two parameters");
+            let _ = out.send(Message::of(&json!({ "failed": none })));
+            return;
+        }
+    };
+    if let Err(cause) = found {
         let _ = out.send(Message::of(&json!({ "failed": Trouble::from(&cause) })));
     }
 }
 
 fn search(
+    scene: &Scene,
     kept: &Kept,
     place: &Place,
     (cancel, out): (&CancelToken, &Sender<Message>),
 ) -> Result<(), SceneError> {
-    let Some(scene) = scene_at(kept, place, cancel).transpose()? else { return Ok(()) };
     let states = scene.sampling()?.states;
     let axes = axes(&states, &place.shown);
     let axes_message = json!({ "states": states, "shown": axes });

@@ -130,3 +130,25 @@ fn other_initial_states_find_a_second_attractor() {
     session.value("(document.getElementById('attractors').scrollIntoView({ block: 'end' }), 0)");
     session.picture("attractors-two");
 }
+
+/// A page without a result, and a result without a curve in two parameters.
+#[test]
+fn calls_without_a_diagram_are_answered() {
+    let program = Program::start(&[]);
+    let place = json!({ "at": [["m", 0.5], ["w", 2.0]], "from": [], "shown": [null, null], "refined": true });
+    let attractors = |turn: u64| {
+        let call = json!({ "attractors": { "page": "p", "turn": turn, "place": place } });
+        program.call(call.to_string().as_bytes())
+    };
+    let swept = json!({ "count": 3, "both": true, "at": "nothing" });
+    let sweep = json!({ "sweep": { "page": "p", "turn": 1, "sweep": swept } }).to_string();
+    assert!(attractors(1).contains("there is no result"));
+    assert!(program.call(sweep.as_bytes()).contains("there is no result"));
+    let trace =
+        json!({ "trace": { "page": "p", "turn": 1, "setup": { "name": "t", "text": HOPF } } });
+    assert!(program.call(trace.to_string().as_bytes()).contains("\"done\""));
+    let answer = attractors(2);
+    assert!(answer.contains("\"end\":true") && answer.contains("no curve"), "{answer}");
+    let answer = program.call(sweep.as_bytes());
+    assert!(answer.contains("\"failed\"") && answer.contains("\"end\":true"), "{answer}");
+}
