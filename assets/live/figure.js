@@ -101,7 +101,9 @@ const extentOf = (panel, axis, logarithmic, specks) => {
     .flat().filter(value => !logarithmic || value > 0).reduce(([low, high], value) => [Math.min(low, value), Math.max(high, value)], [Infinity, -Infinity]);
   if (least > most) return [0, 1];
   if (logarithmic) return least === most ? [least / 2, most * 2] : [least / (most / least) ** 0.04, most * (most / least) ** 0.04];
-  const margin = most > least ? 0.04 * (most - least) : Math.abs(most) * 0.1 || 1;
+  // Values that differ by rounding are equal.
+  const size = Math.max(Math.abs(least), Math.abs(most));
+  const margin = most - least > 1e-9 * size ? 0.04 * (most - least) : size * 0.1 || 1;
   return [least - margin, most + margin];
 };
 

@@ -130,6 +130,8 @@ export class Sweep {
       this.#say(`${progress.done} of ${progress.total} runs`);
     }
     if (swept) {
+      cancelAnimationFrame(this.#frame);
+      this.plot()?.specks(this.#curves);
       const runs = swept.stopped ? `stopped after ${swept.done} of ${swept.total} runs` : `${swept.done} runs`;
       this.#say(swept.failed ? `${runs}; ${swept.failed} failed: ${swept.why}` : runs, swept.failed > 0);
     }

@@ -4,7 +4,7 @@ use super::session::HOPF;
 use super::{Program, Session};
 use serde_json::json;
 
-/// Traces the curve of Hopf points `m = 0` in the plane of `m` and `w`, and shows attractors.
+/// Traces the curve of Hopf points `m = w/4` in the plane of `m` and `w`, and shows attractors.
 fn plane(program: &Program) -> Option<Session> {
     let mut session = Session::open(program)?;
     session.type_equations(HOPF);
@@ -61,28 +61,28 @@ fn drag(session: &mut Session, by: [f64; 2]) -> Vec<String> {
     during
 }
 
-/// The normal form of a Hopf point: rest for `m < 0`, and a cycle of the period `2π/w` for `m > 0`.
+/// The normal form of a Hopf point: rest for `m < w/4`, and a cycle of the period `2π/w` for `m > w/4`.
 #[test]
 fn a_drag_across_a_hopf_curve_changes_the_attractor() {
     let program = Program::start(&[]);
     let Some(mut session) = plane(&program) else { return };
-    // The cross is at m = −1/2; the horizontal axis shows the range from −1 to 1.
-    let during = drag(&mut session, [-60.0, 30.0]);
-    assert!(at(&mut session)[0] < 0.0);
+    // The cross begins in the middle of the picture, on the Hopf curve.
+    let during = drag(&mut session, [-150.0, 0.0]);
+    let [m, w] = at(&mut session);
+    assert!(m < w / 4.0 - 0.05, "{m} {w}");
     assert!(during.iter().all(|it| it == "equilibrium" || it == "not settled yet"), "{during:?}");
     assert_eq!(labels(&mut session), ["equilibrium"]);
     session.value("(document.getElementById('attractors').scrollIntoView({ block: 'end' }), 0)");
     session.picture("attractors-rest");
-    drag(&mut session, [420.0, -60.0]);
+    drag(&mut session, [320.0, 20.0]);
     let [m, w] = at(&mut session);
-    assert!(m > 0.0);
+    assert!(m > w / 4.0 + 0.05, "{m} {w}");
     let found = labels(&mut session);
     let period: f64 = found[0].strip_prefix("period ").unwrap().parse().unwrap();
     // The page shows the parameter with four digits.
     let exact = std::f64::consts::TAU / w;
     assert!((period - exact).abs() < 2e-3 * exact, "{period} and {exact}");
     assert_eq!(found.len(), 1, "{found:?}");
-    // The radius of the cycle is √m: the portrait is drawn in axes that contain the cycle.
     session.value("(document.getElementById('attractors').scrollIntoView({ block: 'end' }), 0)");
     session.picture("attractors-cycle");
     session.browser.resize(420, 900);
@@ -118,6 +118,7 @@ fn other_initial_states_find_a_second_attractor() {
     let program = Program::start(&[]);
     let Some(mut session) = Session::open(&program) else { return };
     session.type_equations("x' = h + m*x - x^3\npar h=-1, m=1\ninit x=-1.3\n");
+    session.fill("[aria-label='h, upper end of its range']", "1");
     session.choose("branch", "LP");
     session.fill("[aria-label='lower end of the second parameter']", "0.2");
     session.fill("[aria-label='upper end of the second parameter']", "2");
@@ -125,7 +126,10 @@ fn other_initial_states_find_a_second_attractor() {
     session.browser.wait("!document.getElementById('attractors').hidden");
     session.click("document.getElementById('attractors-toggle')");
     searched(&mut session);
-    // In the middle of the picture, near h = 0, the motion has two attractors.
+    // The folds are at h = ±2 (m/3)^1.5; between them, the motion has two attractors.
+    drag(&mut session, [-150.0, 0.0]);
+    let [h, m] = at(&mut session);
+    assert!(h.abs() < 2.0 * (m / 3.0).powf(1.5), "{h} {m}");
     assert_eq!(labels(&mut session), ["equilibrium", "equilibrium"]);
     session.value("(document.getElementById('attractors').scrollIntoView({ block: 'end' }), 0)");
     session.picture("attractors-two");
