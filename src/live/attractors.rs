@@ -11,8 +11,13 @@ use std::sync::mpsc::Sender;
 
 /// The maximum number of points of a curve that is sent to the page.
 const MOST: usize = 4_000;
-/// (H) Two attractors whose extents differ by less than this fraction of their size are equal.
+/// (H) Two cycles or equilibria whose extents differ by less than this fraction of their size are
+/// equal.
 const EQUAL: f64 = 1e-3;
+/// (H) The same fraction for motions that are not periodic, whose extents depend on the duration.
+const SIMILAR: f64 = 0.2;
+/// (H) The size of an equilibrium, in units of the scales of the states.
+const AT_REST: f64 = 1e-2;
 /// The name of the horizontal axis of motions with one state.
 const TIME: &str = "time";
 
@@ -79,7 +84,7 @@ fn search(
     let patience = if place.refined { Patience::Usual } else { Patience::Short };
     let first = if place.from.is_empty() { initial.clone() } else { place.from.clone() };
     let mut starts = vec![first];
-    let mut known: Vec<(String, [[f64; 2]; 2])> = Vec::new();
+    let mut known: Vec<Known> = Vec::new();
     let mut next = 0;
     while let Some(start) = starts.get(next) {
         let found = scene.attractor(start, patience)?;
@@ -94,12 +99,18 @@ fn search(
             starts.extend(around(&initial, &found, &axes, &curve));
         }
         next += 1;
-        let own = (found.kind.to_string(), extent(&curve));
-        if known.iter().any(|known| is_equal(known, &own)) {
+        let own = Known::of(&found, &axes, &curve);
+        if known.iter().any(|known| known.is_equal(&own)) {
             continue;
         }
         let (certain, rests) = (is_certain(&found.kind), found.kind == AttractorKind::Equilibrium);
-        let shown = Shown { label: own.0.clone(), certain, rests, points: &curve, end: &found.end };
+        let shown = Shown {
+            label: found.kind.to_string(),
+            certain,
+            rests,
+            points: &curve,
+            end: &found.end,
+        };
         let _ = out.send(Message::of(&json!({ "attractor": shown })));
         known.push(own);
     }
@@ -176,14 +187,41 @@ fn around(
     starts
 }
 
-/// Returns whether two attractors have the same label and nearly the same extents.
-fn is_equal(a: &(String, [[f64; 2]; 2]), b: &(String, [[f64; 2]; 2])) -> bool {
-    let near = |axis: usize| {
-        let [a, b] = [a.1[axis], b.1[axis]];
-        let size = (a[1] - a[0]).max(a[0].abs().max(a[1].abs()));
-        (0..2).all(|end| (a[end] - b[end]).abs() <= EQUAL * size.max(f64::MIN_POSITIVE))
-    };
-    a.0 == b.0 && (0..2).all(near)
+/// An attractor that has been found.
+struct Known {
+    kind: AttractorKind,
+    extent: [[f64; 2]; 2],
+    /// The scales of the quantities on the axes.
+    scales: [f64; 2],
+}
+
+impl Known {
+    fn of(found: &Attracted, axes: &[String; 2], curve: &[[f64; 2]]) -> Self {
+        let scale = |axis: usize| found.scales.iter().find(|(name, _)| *name == axes[axis]);
+        let scales = [0, 1].map(|axis| scale(axis).map_or(1.0, |(_, scale)| *scale));
+        Known { kind: found.kind.clone(), extent: extent(curve), scales }
+    }
+
+    /// Returns whether two attractors are of the same kind and have nearly the same extents.
+    fn is_equal(&self, other: &Known) -> bool {
+        use AttractorKind::{Cycle, Equilibrium, Failed};
+        let near = |a: f64, b: f64, tolerance: f64| (a - b).abs() <= tolerance;
+        let (same, part) = match (&self.kind, &other.kind) {
+            (Failed { reason }, Failed { reason: other }) => return reason == other,
+            (
+                Cycle { period, forcing_periods },
+                Cycle { period: other, forcing_periods: others },
+            ) => (forcing_periods == others && near(*period, *other, EQUAL * period), EQUAL),
+            (Equilibrium, Equilibrium) => (true, EQUAL),
+            (kind, other) => (kind == other, SIMILAR),
+        };
+        let close = |axis: usize| {
+            let [a, b] = [self.extent[axis], other.extent[axis]];
+            let size = (a[1] - a[0]).max(AT_REST * self.scales[axis]);
+            (0..2).all(|end| near(a[end], b[end], part * size.max(EQUAL * a[end].abs())))
+        };
+        same && (0..2).all(close)
+    }
 }
 
 /// Returns whether a search has decided what the attractor is.

@@ -5,10 +5,11 @@ use super::simulate::{SAMPLES, Simulated, curves, moved, portrait, search, searc
 use super::statement::{Scene, Start};
 use crate::core::attractor::{CycleSearch, CycleSearchError};
 use crate::core::cancel::CancelToken;
+use crate::core::equilibrium::{equilibrium_near, place_in_words};
 use crate::core::failure::one_line;
 use crate::core::hybrid::{
-    Cycle, History, HybridEquations, HybridError, HybridFlow, HybridSettings, HybridState, Piece,
-    time_scale,
+    Cycle, CycleLeg, History, HybridEquations, HybridError, HybridFlow, HybridSettings,
+    HybridState, Piece, time_scale,
 };
 use crate::core::problem::{Forcing, Profile};
 use crate::output::significant;
@@ -31,6 +32,9 @@ const SHOWN: [f64; 2] = [50.0, 200.0];
 
 /// (H) The distance of a nearby state from a state of the motion, in units of the scales.
 const NUDGE: f64 = 1e-3;
+
+/// (H) The size of a motion, in units of the scales, up to which the motion is at rest.
+const REST: f64 = 1e-7;
 
 /// The kind of an attractor.
 #[derive(Clone, Debug, PartialEq)]
@@ -139,6 +143,8 @@ impl Scene {
     /// assert!(matches!(kind, AttractorKind::Cycle { .. }), "{kind}");
     /// let AttractorKind::Cycle { period, .. } = scene(0.5)?.attractor(&start, Patience::Usual)?.kind else { panic!("a cycle") };
     /// assert!((period - std::f64::consts::PI).abs() < 1e-5);
+    /// let found = scene(-0.5)?.attractor(&[], Patience::Short)?;
+    /// assert!(found.kind == AttractorKind::Equilibrium && found.end[0].1.abs() < 1e-9);
     /// # Ok::<(), tangency::scene::SceneError>(())
     /// ```
     ///
@@ -192,7 +198,8 @@ impl Patience {
     }
 
     /// Searches for an attractor. A motion may converge to an unstable equilibrium or cycle, for
-    /// example if the motion starts there; the search is then repeated from a nearby state.
+    /// example if the motion starts there: a short search therefore starts near the given state,
+    /// and a usual search is repeated from a state near the attractor that it has found.
     fn attracting(
         self,
         system: &dyn HybridEquations,
@@ -200,20 +207,27 @@ impl Patience {
         search: &CycleSearch,
         (p, cancel): (&[f64], &CancelToken),
     ) -> Result<Cycle, CycleSearchError> {
-        let found = searched(system, start, search, (p, cancel));
+        let sought = |start: &HybridState<f64>| sought(system, start, search, (p, cancel));
+        // The nearby state may be beyond a surface.
+        let refused = |found: &Result<Cycle, CycleSearchError>| {
+            matches!(found, Err(CycleSearchError::Motion(_))) && !system.guards().is_empty()
+        };
+        if self == Patience::Short {
+            let found = sought(&nudged(system, start, p));
+            return if refused(&found) { sought(start) } else { found };
+        }
+        let found = sought(start);
         let state = match &found {
             Err(CycleSearchError::Equilibrium { mode, states, .. }) => {
                 HybridState { mode: *mode, time: start.time, x: states.clone() }
             }
-            Ok(Cycle { legs, start, .. }) if self == Patience::Usual && !legs.is_empty() => {
+            Ok(Cycle { legs, start, .. }) if !legs.is_empty() => {
                 HybridState { mode: legs[0].mode, time: *start, x: legs[0].start.clone() }
             }
             _ => return found,
         };
-        let again = searched(system, &nudged(system, &state, p), search, (p, cancel));
-        // The nearby state may be beyond a surface.
-        let refused = matches!(again, Err(CycleSearchError::Motion(_)));
-        if refused && !system.guards().is_empty() { found } else { again }
+        let again = sought(&nudged(system, &state, p));
+        if refused(&again) { found } else { again }
     }
 
     /// Returns the duration of the transient, and of the curve of a motion that is not periodic.
@@ -239,6 +253,33 @@ impl Patience {
             (Patience::Usual, cause) => AttractorKind::Failed { reason: one_line(cause) },
         }
     }
+}
+
+/// Searches for the attractor of a motion. At rest, rounding and the errors of the integration may
+/// repeat; such a repetition is an equilibrium, not a cycle.
+fn sought(
+    system: &dyn HybridEquations,
+    start: &HybridState<f64>,
+    search: &CycleSearch,
+    (p, cancel): (&[f64], &CancelToken),
+) -> Result<Cycle, CycleSearchError> {
+    let found = searched(system, start, search, (p, cancel));
+    let Ok(cycle) = &found else { return found };
+    let [CycleLeg { mode, exit: None, start, .. }] = &cycle.legs[..] else { return found };
+    let curve = moved(cancel, |settings| around(system, settings, cycle, p));
+    let states = curve.iter().flatten().flat_map(|piece| &piece.states);
+    let mut scales = system.scales_of(*mode, p);
+    scales.resize(start.len(), 1.0);
+    let moves = |x: &Vec<f64>| {
+        x.iter().zip(start).zip(&scales).any(|((x, start), scale)| (x - start).abs() > REST * scale)
+    };
+    if system.forcing() != Forcing::None || curve.is_err() || states.clone().any(moves) {
+        return found;
+    }
+    let (mode, time) = (*mode, cycle.start);
+    let Some(states) = equilibrium_near(system, mode, start, p) else { return found };
+    let place = place_in_words(system, mode, &states);
+    Err(CycleSearchError::Equilibrium { time, place, mode, states })
 }
 
 /// Returns a state near a state of the motion. The distances differ from state to state, so that
