@@ -93,7 +93,7 @@ fn a_wrong_value_is_shown_at_its_field() {
     session.click("document.querySelector('#settings summary')");
     session.browser.wait("document.getElementById('setting-max_step') !== null");
     let help = session.text("document.getElementById('setting-max_step-meaning').textContent");
-    assert!(help.starts_with("The largest step."), "{help}");
+    assert!(help.starts_with("The maximum step"), "{help}");
     session.fill("#setting-max_step", "wide");
     let field = "document.getElementById('setting-max_step')";
     assert_eq!(session.text(&format!("{field}.getAttribute('aria-invalid')")), "true");
