@@ -20,12 +20,15 @@ use std::fmt;
 pub enum Patience {
     /// A short simulation without a transient, for a start near the attractor.
     Short,
-    /// The effort with which a branch of orbits searches for its start.
+    /// The transient with which a branch of orbits searches for its start, and enough returns for a
+    /// decision.
     Usual,
 }
 
 /// (H) The returns, and the time in units of the time scale, after which a short search ends.
 const SHORT: (usize, f64) = (40, 150.0);
+/// (H) The returns after which a usual search ends: a page waits for searches from several states.
+const RETURNS: usize = 200;
 /// (H) The duration of the curve of a motion that is not periodic, in forcing periods or in units
 /// of the time scale: after a short search and after a usual search.
 const SHOWN: [f64; 2] = [50.0, 200.0];
@@ -193,7 +196,7 @@ impl Patience {
         let (returns, longest) = SHORT;
         match self {
             Patience::Short => CycleSearch { transient: 0.0, returns, longest, ..usual },
-            Patience::Usual => usual,
+            Patience::Usual => CycleSearch { returns: RETURNS, ..usual },
         }
     }
 
