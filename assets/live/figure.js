@@ -100,15 +100,17 @@ class Scale {
 }
 
 /** The range of all points on an axis, with a margin, or the given range of the panel. */
-const extentOf = (panel, axis, logarithmic) => {
+const extentOf = (panel, axis, logarithmic, specks) => {
   if (panel.extent) return panel.extent[axis];
   const shown = panel.marks.filter(mark => mark.symbol !== "Doubtful").map(mark => mark.at[axis]);
   const bars = (panel.bars ?? []).flatMap(bar => (axis ? [bar.low, bar.high] : [bar.at]));
-  const [least, most] = [panel.curves.flatMap(curve => curve.points.map(point => point[axis])), shown, bars]
-    .flat().reduce(([low, high], value) => [Math.min(low, value), Math.max(high, value)], [Infinity, -Infinity]);
+  const [least, most] = [[...panel.curves, ...specks].flatMap(curve => curve.points.map(point => point[axis])), shown, bars]
+    .flat().filter(value => !logarithmic || value > 0).reduce(([low, high], value) => [Math.min(low, value), Math.max(high, value)], [Infinity, -Infinity]);
   if (least > most) return [0, 1];
   if (logarithmic) return least === most ? [least / 2, most * 2] : [least / (most / least) ** 0.04, most * (most / least) ** 0.04];
-  const margin = most > least ? 0.04 * (most - least) : Math.abs(most) * 0.1 || 1;
+  // Values that differ by rounding are equal.
+  const size = Math.max(Math.abs(least), Math.abs(most));
+  const margin = most - least > 1e-9 * size ? 0.04 * (most - least) : size * 0.1 || 1;
   return [least - margin, most + margin];
 };
 
@@ -122,6 +124,9 @@ export class Plot {
   #zoom = null;
   #selected = null;
   #old = null;
+  #specks = [];
+  /** Called after the plot is drawn. */
+  drawn = null;
 
   /**
    * A plot in an element. `options.select(place)` and `options.tip(text, event)` answer the pointer,
@@ -152,6 +157,39 @@ export class Plot {
   /** The visible ranges of the axes. */
   get ranges() { return this.#zoom ?? this.#ranges; }
 
+  /** Draws the points of sweeps under the curves: `groups` with a name, a colour and points. */
+  specks(groups) {
+    if (!groups.length && !this.#specks.length) return;
+    this.#specks = groups;
+    if (!this.#panel) return;
+    this.#ranges = [0, 1].map(axis => this.#rangeOf(axis, true));
+    this.#draw();
+  }
+
+  /** The place of a point in pixels; `null` outside the axes. */
+  toPixels(point) {
+    if (!this.#scales) return null;
+    const at = point.map((value, axis) => this.#scales[axis].to(value));
+    const [x, y] = this.#scales.map(({ pixels }) => pixels);
+    return at[0] >= x[0] - 1 && at[0] <= x[1] + 1 && at[1] <= y[0] + 1 && at[1] >= y[1] - 1 ? at : null;
+  }
+
+  /** The point at a place in pixels, or the nearest point within the axes. */
+  fromPixels(at) {
+    return at.map((pixel, axis) => {
+      const { pixels: [a, b] } = this.#scales[axis];
+      return this.#scales[axis].from(Math.min(Math.max(pixel, Math.min(a, b)), Math.max(a, b)));
+    });
+  }
+
+  /** The place of a point as shares of both axes, and the point at such a place. */
+  toShare(point) {
+    return this.#scales.map((scale, axis) => (scale.to(point[axis]) - scale.pixels[0]) / (scale.pixels[1] - scale.pixels[0]));
+  }
+  fromShare(share) {
+    return this.fromPixels(this.#scales.map(({ pixels: [a, b] }, axis) => a + share[axis] * (b - a)));
+  }
+
   /** Draws a ring around a place. */
   select(place) {
     this.#selected = place;
@@ -159,7 +197,7 @@ export class Plot {
   }
 
   #rangeOf(axis, steady) {
-    const next = extentOf(this.#panel, axis, this.#panel.logarithmic[axis]);
+    const next = extentOf(this.#panel, axis, this.#panel.logarithmic[axis], this.#specks);
     const last = this.#ranges?.[axis];
     if (!steady || !last) return next;
     const fits = last[0] <= next[0] + 0.04 * (last[1] - last[0]) && last[1] >= next[1] - 0.04 * (last[1] - last[0]);
@@ -187,6 +225,7 @@ export class Plot {
       this.#curves(this.#old, old);
       inside.append(old);
     }
+    this.#spots(inside);
     this.#walls(panel, inside, box);
     this.#arrows(panel.arrows ?? [], inside);
     this.#curves(panel, inside);
@@ -194,6 +233,17 @@ export class Plot {
     this.rings = make("g");
     this.svg.replaceChildren(clip, ...this.#axes(panel, box), inside, make("rect", { ...box, class: "frame" }), this.#marks(panel, box), this.rings);
     this.#ring();
+    this.drawn?.();
+  }
+
+  /** The points of sweeps, of which one is drawn at each place. */
+  #spots(group) {
+    const [x, y] = this.#scales;
+    this.#specks.forEach(({ name, colour, points }) => {
+      const places = new Set(points.map(([a, b]) => [x.to(a), y.to(b)].map(pixel => Math.round(pixel * 2) / 2)).filter(at => at.every(Number.isFinite)).map(at => at.join(" ")));
+      const d = [...places].map(place => `M${place}h0`).join("");
+      group.append(make("path", { class: "specks", d, stroke: colour, "data-name": name, "data-count": points.length }));
+    });
   }
 
   #axes(panel, box) {
@@ -222,7 +272,7 @@ export class Plot {
     panel.curves.forEach(curve => {
       const colour = this.colours[Math.max(0, panel.names.indexOf(curve.name)) % this.colours.length];
       const at = curve.points.map(([a, b]) => [x.to(a), y.to(b)]);
-      const dots = () => at.forEach(([a, b]) => group.append(make("circle", { cx: a, cy: b, r: 2, fill: colour })));
+      const dots = () => at.forEach(([a, b]) => group.append(make("circle", { cx: a, cy: b, r: curve.style === "Blots" ? 4 : 2, fill: colour })));
       if (["Dots", "Specks", "Blots"].includes(curve.style)) return dots();
       const path = at.map(([a, b], k) => `${k ? "L" : "M"}${a.toFixed(1)} ${b.toFixed(1)}`).join("");
       const attributes = { d: path, fill: "none", stroke: colour, "stroke-width": WIDTHS[curve.style] ?? 2, "stroke-linejoin": "round", "data-name": curve.name };
@@ -350,6 +400,7 @@ export class Plot {
     };
     this.#panel.curves.forEach(curve => curve.points.forEach((point, k) => consider(point, curve.from[k], curve.name, "", 0)));
     this.#panel.marks.forEach(mark => consider(mark.at, mark.from, mark.meaning, mark.label, 6));
+    this.#specks.forEach(({ name, points }) => points.forEach(point => consider(point, null, `sweep ${name}`, "", -6)));
     return best;
   }
 

@@ -2,11 +2,14 @@
 // next one is there.
 
 import { Editor, Parameters, Settings, add } from "./controls.js";
+import { Attractors } from "./attractors.js";
+import { showTip } from "./key.js";
 import { Details, Panels, Table, showNotes } from "./results.js";
 import { Plane } from "./plane.js";
 import { Request } from "./request.js";
 import { ask, fetchFile, follow } from "./server.js";
 import { State, setupOfLink } from "./state.js";
+import { Sweep } from "./sweep.js";
 
 /** A trace that is out of date may still end within this time, in milliseconds. */
 const PATIENCE = 250;
@@ -31,6 +34,8 @@ const asked = new Request($("#request .rows"), () => state);
 let described = null;
 const panels = new Panels($("#panels"), { select: place => select(place), axes: (axis, name) => chooseAxis(axis, name), bars: bars => plane.bars(bars) });
 const table = new Table($("#points"), (place, focus) => select(place, focus));
+const sweep = new Sweep($("#sweep"), id, () => panels.at(0)?.plot);
+const attractors = new Attractors($("#attractors"), id, showTip);
 const plane = new Plane(id, { bars: bars => panels.bars(bars), lost: () => lost() });
 const details = new Details($("#details"), run => state.edit({ runs: [...state.setup.runs, run] }), plane);
 
@@ -39,6 +44,8 @@ const say = text => { $("#status .text").textContent = text; };
 // Traces. While a control is dragged, a trace that is soon complete is not cancelled.
 const request = live => {
   pending = { live, begun: performance.now() };
+  document.body.dataset.busy = "true";
+  sweep.changed();
   if (!current) return start();
   const age = performance.now() - current.begun;
   if (!live || age > PATIENCE) return start();
@@ -69,6 +76,7 @@ const start = () => {
       $("#stop").hidden = true;
       document.body.dataset.busy = "false";
       document.body.dataset.turn = String(own.turn);
+      if (!pending && traced === own.setup) sweep.finished();
       start();
     });
 };
@@ -77,6 +85,7 @@ const take = (own, message) => {
   if (message.described) {
     described = message.described;
     parameters.show(described);
+    sweep.describe(described);
     document.title = `${message.described.title || "tangency"} – tangency`;
   }
   if (message.partial) {
@@ -105,6 +114,7 @@ const finish = (own, done) => {
   delete document.body.dataset.trouble;
   [parameters, settings, editor].forEach(it => it.mark(null));
   panels.show(done.drawing, [own.setup.x, own.setup.y], own.live);
+  showAttractors(done.drawing);
   table.show(done.branches, selected);
   showNotes($("#notes"), done, own.setup.runs, name => state.edit({ runs: state.setup.runs.filter(run => run.name !== name) }));
   $("#command").textContent = done.command;
@@ -118,6 +128,11 @@ const finish = (own, done) => {
   document.body.dataset.latency = String(Math.round(performance.now() - own.input));
   if (selected) refresh();
   if (!own.live && $("#settings").open) showSettings();
+};
+
+const showAttractors = drawing => {
+  const values = Object.fromEntries((described?.parameters ?? []).map(({ name, value }) => [name, value]));
+  attractors.show(drawing, k => panels.at(k), values);
 };
 
 // Points.
@@ -155,7 +170,10 @@ const chooseAxis = async (axis, name) => {
     const { drawing } = await ask({ axes: { page: id, x: state.setup.x, y: state.setup.y } });
     if (!drawing.panels.length) throw new Error(drawing.trouble);
     last.drawing = drawing;
+    sweep.changed();
     panels.show(drawing, [state.setup.x, state.setup.y], false);
+    showAttractors(drawing);
+    sweep.finished();
     say("");
   } catch (error) {
     say(error.message);

@@ -39,6 +39,9 @@ export class Panels {
     this.#shown[0].plot.show(panel, { colours: colours ?? this.drawing?.colours ?? ["#0072b2"], partial: true });
   }
 
+  /** The element and the plot of a panel. */
+  at(k) { return this.#shown[k]; }
+
   select(place) {
     this.#shown.forEach(({ plot }) => plot.select(place));
   }

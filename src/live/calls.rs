@@ -1,13 +1,15 @@
 //! The calls that a page sends to the server, and the server's responses.
 
+use super::attractors::{self, Place};
 use super::describe::settings;
 use super::details::details;
 use super::http::{self, Refusal};
 use super::library::Library;
 use super::opened::{Opened, beginning, example};
-use super::pages::{Kept, Message, Pages, Slots};
+use super::pages::{Kept, Message, Pages, Slots, Tasks};
 use super::plane::{self, Point, field, simulate};
 use super::setup::Setup;
+use super::sweeping::{self, Sweeping};
 use super::trouble::Trouble;
 use super::work::{Drawing, trace};
 use crate::core::cancel::CancelToken;
@@ -46,6 +48,13 @@ enum Call {
     Trace { page: String, turn: u64, setup: Box<Setup> },
     /// Stops the trace.
     Stop { page: String },
+    /// Requests a sweep under the diagram of the last result; the response is a stream of messages.
+    Sweep { page: String, turn: u64, sweep: Sweeping },
+    /// Stops the sweep.
+    StopSweep { page: String },
+    /// Requests the attractors at a point of a diagram in two parameters; the response is a stream
+    /// of messages.
+    Attractors { page: String, turn: u64, place: Place },
     /// Requests the list of the settings that have an effect in a setup.
     Settings { setup: Box<Setup> },
     /// Requests the diagram of the last result with other axes.
@@ -70,6 +79,8 @@ pub(super) struct Service {
     pub opened: Option<Opened>,
     pub pages: Pages,
     pub slots: Slots,
+    pub sweeps: Tasks,
+    pub attractors: Tasks,
 }
 
 impl Service {
@@ -84,7 +95,9 @@ impl Service {
                 Some(setup) => json_of(stream, &json!({ "setup": setup })),
                 None => json_of(stream, &trouble("there is no such example")),
             },
-            Call::Trace { page, .. } if page.len() > ID => {
+            Call::Trace { page, .. } | Call::Sweep { page, .. } | Call::Attractors { page, .. }
+                if page.len() > ID =>
+            {
                 return http::refuse(stream, Refusal::Message);
             }
             Call::Trace { page, turn, setup } => self.trace(stream, &page, turn, *setup),
@@ -92,6 +105,26 @@ impl Service {
                 self.pages.cancel(&page);
                 json_of(stream, &json!({}))
             }
+            Call::Sweep { page, turn, sweep } => self.on_kept(
+                stream,
+                (&page, turn),
+                |it| &it.sweeps,
+                move |kept, token, out| {
+                    sweeping::sweep(kept, &sweep, (token, out));
+                },
+            ),
+            Call::StopSweep { page } => {
+                self.sweeps.pages.cancel(&page);
+                json_of(stream, &json!({}))
+            }
+            Call::Attractors { page, turn, place } => self.on_kept(
+                stream,
+                (&page, turn),
+                |it| &it.attractors,
+                move |kept, token, out| {
+                    attractors::attractors(kept, &place, (token, out));
+                },
+            ),
             Call::Settings { setup } => self.settings(stream, &setup),
             Call::Axes { page, x, y } => {
                 let kept = self.pages.turn_axes(&page, [x, y]);
@@ -100,7 +133,9 @@ impl Service {
             Call::Point { page, at } => {
                 json_of_kept(stream, self.pages.kept(&page), |kept| match details(kept, at) {
                     Some(details) => json!({ "details": details }),
-                    None => trouble("the selected point is not on the branches of the present result"),
+                    None => {
+                        trouble("the selected point is not on the branches of the present result")
+                    }
                 })
             }
             Call::Simulate { page, number, at, state, duration } => {
@@ -162,6 +197,31 @@ impl Service {
             let at = (&service.library, service.opened.as_ref());
             if let Some(kept) = trace(&setup, at, token, out) {
                 service.pages.keep(&id, turn, kept);
+            }
+        })
+    }
+
+    /// Runs a computation that uses the last result of a page on a separate thread, and passes its
+    /// messages to the page.
+    fn on_kept(
+        self: &Arc<Self>,
+        stream: &mut TcpStream,
+        (page, turn): (&str, u64),
+        tasks: fn(&Service) -> &Tasks,
+        work: impl FnOnce(&Kept, &CancelToken, &Sender<Message>) + Send + 'static,
+    ) -> std::io::Result<()> {
+        let Some(kept) = self.pages.kept(page) else {
+            http::begin(stream, LINES)?;
+            let none = json!({ "failed": Trouble::plain(NO_RESULT), "end": true });
+            return stream.write_all(Message::of(&none).line());
+        };
+        let Some(cancel) = tasks(self).pages.begin(page, turn) else {
+            return json_of(stream, &json!({ "superseded": true }));
+        };
+        let service = Arc::clone(self);
+        stream_of(stream, (cancel, LONGEST), move |token, out| {
+            if let Some(_slot) = tasks(&service).slots.take(token) {
+                work(&kept, token, out);
             }
         })
     }

@@ -3,7 +3,8 @@
 use super::help::meaning;
 use super::library::Library;
 use super::setup::Setup;
-use crate::scene::{Purpose, Range, Scene, SceneError};
+use crate::core::failure::one_line;
+use crate::scene::{Purpose, Range, Sampling, Scene, SceneError};
 use serde::Serialize;
 
 /// The parameters of a scene and their ranges.
@@ -17,7 +18,34 @@ pub(super) struct Description {
     along: Vec<Range>,
     /// The names of the states, whose values at the start can be given.
     states: Vec<String>,
+    /// The ways in which a sweep can sample the motion.
+    sweep: Sampled,
 }
+
+/// The ways in which a sweep can sample the motion of a scene.
+#[derive(Serialize)]
+struct Sampled {
+    /// The events at which a motion without forcing can be sampled.
+    events: Vec<String>,
+    /// The reason why the motion cannot be sampled; `None` if a sweep is possible.
+    why_not: Option<String>,
+}
+
+impl Sampled {
+    fn of(scene: &Scene) -> Self {
+        match scene.sampling() {
+            Ok(Sampling { forced, events, .. }) => {
+                let none = !forced && events.is_empty();
+                Sampled { events, why_not: none.then(|| UNSAMPLED.into()) }
+            }
+            Err(cause) => Sampled { events: Vec::new(), why_not: Some(one_line(&cause)) },
+        }
+    }
+}
+
+/// The reason why a motion without forcing and without events cannot be sampled.
+const UNSAMPLED: &str = "A sweep samples the motion once a period of the forcing or at an event; these equations have \
+                         neither a forcing nor an event.";
 
 /// A parameter of the scene, with its initial value.
 #[derive(Serialize)]
@@ -65,6 +93,7 @@ pub(super) fn describe(setup: &Setup, values: &Scene, traced: Option<&Scene>) ->
         parameters: parameters.collect(),
         along,
         states: values.problem.text().map_or(Vec::new(), |model| model.states()),
+        sweep: Sampled::of(values),
     }
 }
 

@@ -14,6 +14,7 @@
 //! server.serve()
 //! ```
 
+mod attractors;
 mod calls;
 mod command;
 mod connections;
@@ -28,6 +29,7 @@ mod plane;
 mod preview;
 mod server;
 mod setup;
+mod sweeping;
 mod trouble;
 mod work;
 

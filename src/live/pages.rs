@@ -3,7 +3,7 @@
 use crate::core::cancel::CancelToken;
 use crate::core::continuation::Branch;
 use crate::output::Document;
-use crate::scene::Scene;
+use crate::scene::{Scene, SceneError};
 use serde::Serialize;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
@@ -44,6 +44,48 @@ pub(super) struct Kept {
     /// The extremes of simulated histories at points of the result, each with the number of its
     /// simulation.
     pub histories: Vec<(u64, Branch)>,
+}
+
+impl Kept {
+    /// Returns the scene without runs and with the parameter values of a branch, except for the
+    /// given values; the token cancels its computations.
+    pub fn alone(
+        &self,
+        branch: &Branch,
+        own: &[(String, f64)],
+        cancel: &CancelToken,
+    ) -> Result<Scene, SceneError> {
+        let mut scene = Scene {
+            runs: Vec::new(),
+            sweeps: Vec::new(),
+            accuracy: None,
+            ..Scene::clone(&self.scene)
+        };
+        scene.settings.cancel = cancel.clone();
+        let of_branch = branch.points.first().map_or(&[][..], |point| &point.parameters);
+        let known: Vec<String> =
+            scene.problem.parameters().into_iter().map(|(name, _)| name).collect();
+        let values = branch.parameters.iter().cloned().zip(of_branch.iter().copied());
+        let values = values.filter(|(name, _)| known.contains(name)).chain(own.iter().cloned());
+        let values: Vec<(String, String)> =
+            values.map(|(name, value)| (name, value.to_string())).collect();
+        scene.set_all(&values)?;
+        Ok(scene)
+    }
+}
+
+/// Computations in the background of pages: at most one for each page, with a limit on the number
+/// that run simultaneously.
+pub(super) struct Tasks {
+    pub pages: Pages,
+    pub slots: Slots,
+}
+
+impl Tasks {
+    /// Creates an empty list of computations.
+    pub fn new() -> Self {
+        Tasks { pages: Pages::default(), slots: Slots::new() }
+    }
 }
 
 /// A page, with the number of its last trace, the token that cancels this trace, and the last

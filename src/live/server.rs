@@ -5,7 +5,7 @@ use super::connections::Connections;
 use super::http::{self, Incoming, Refusal};
 use super::library::Library;
 use super::opened::Opened;
-use super::pages::{Pages, Slots};
+use super::pages::{Pages, Slots, Tasks};
 use std::io;
 use std::net::{Ipv4Addr, SocketAddr, TcpListener, TcpStream};
 use std::sync::Arc;
@@ -16,7 +16,7 @@ use std::time::Duration;
 const PAUSE: Duration = Duration::from_millis(50);
 
 /// The files of the page, each with its name, its media type and its content.
-const FILES: [(&str, &str, &str); 11] = [
+const FILES: [(&str, &str, &str); 13] = [
     ("", "text/html; charset=utf-8", include_str!("../../assets/live/page.html")),
     ("page.css", "text/css; charset=utf-8", include_str!("../../assets/live/page.css")),
     ("page.js", SCRIPT, include_str!("../../assets/live/page.js")),
@@ -27,6 +27,8 @@ const FILES: [(&str, &str, &str); 11] = [
     ("figure.js", SCRIPT, include_str!("../../assets/live/figure.js")),
     ("key.js", SCRIPT, include_str!("../../assets/live/key.js")),
     ("plane.js", SCRIPT, include_str!("../../assets/live/plane.js")),
+    ("sweep.js", SCRIPT, include_str!("../../assets/live/sweep.js")),
+    ("attractors.js", SCRIPT, include_str!("../../assets/live/attractors.js")),
     ("results.js", SCRIPT, include_str!("../../assets/live/results.js")),
 ];
 
@@ -63,8 +65,14 @@ impl Server {
         let token = random.iter().map(|byte| format!("{byte:02x}")).collect();
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port))?;
         let at = listener.local_addr()?;
-        let service =
-            Arc::new(Service { library, opened, pages: Pages::default(), slots: Slots::new() });
+        let service = Arc::new(Service {
+            library,
+            opened,
+            pages: Pages::default(),
+            slots: Slots::new(),
+            sweeps: Tasks::new(),
+            attractors: Tasks::new(),
+        });
         Ok(Server { listener, at, token, service })
     }
 

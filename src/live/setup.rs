@@ -2,7 +2,7 @@
 
 use super::library::Library;
 use crate::core::cancel::CancelToken;
-use crate::core::problem::UnknownName;
+use crate::core::problem::{UnknownName, columns_showing};
 use crate::core::system::Kind;
 use crate::scene::{Following, Problem, Range, Request, Run, Scene, SceneError, Stated};
 use serde::{Deserialize, Serialize};
@@ -46,6 +46,33 @@ pub struct Setup {
     /// diagram does not show.
     #[serde(skip_serializing)]
     pub draft: bool,
+}
+
+/// The names in a setup that do not exist in its text, for example after a change of the text.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct LeftOut {
+    /// The parameters and settings.
+    parameters: Vec<String>,
+    /// The columns.
+    columns: Vec<String>,
+}
+
+impl LeftOut {
+    /// Returns a warning for each name.
+    pub fn warnings(&self) -> Vec<String> {
+        let of_parameter = |name: &String| {
+            format!(
+                "the changed value or range of `{name}` is left out: the text has no such parameter"
+            )
+        };
+        let of_column = |name: &String| {
+            format!(
+                "the bound, mark, start or axis of `{name}` is left out: branches have no such column"
+            )
+        };
+        let parameters = self.parameters.iter().map(of_parameter);
+        parameters.chain(self.columns.iter().map(of_column)).collect()
+    }
 }
 
 /// The maximum number of generations of emanating branches.
@@ -113,19 +140,19 @@ impl Setup {
         Ok(self.stated(library)?.as_written(&self.name, &Request::default()))
     }
 
-    /// Returns a setup and a list of names: the setup lacks the values, ranges and runs of
-    /// parameters that the changed text no longer contains, and the list contains the names of
-    /// these parameters.
-    pub(super) fn suited(&self, library: &Library) -> Result<(Setup, Vec<String>), SceneError> {
+    /// Returns a setup and a list of names. The setup lacks the values, ranges and runs of
+    /// parameters, and the bounds, marks, initial states and axes of columns, that the changed text
+    /// no longer contains; the list contains the names of these parameters and columns.
+    pub(super) fn suited(&self, library: &Library) -> Result<(Setup, LeftOut), SceneError> {
         let scene = self.plain(library)?;
         let parameters: Vec<String> =
             scene.problem.parameters().into_iter().map(|(name, _)| name).collect();
         let known = [scene.setting_names(), parameters.clone()].concat();
-        let mut left_out = Vec::new();
+        let mut left_out = LeftOut::default();
         let mut keeps = |name: &String, known: &[String]| {
             let keeps = known.contains(name);
-            if !keeps && !left_out.contains(name) {
-                left_out.push(name.clone());
+            if !keeps && !left_out.parameters.contains(name) {
+                left_out.parameters.push(name.clone());
             }
             keeps
         };
@@ -133,20 +160,53 @@ impl Setup {
         suited.set.retain(|(name, _)| keeps(name, &known));
         suited.along.retain(|range| keeps(&range.name, &parameters));
         suited.runs.retain(|run| run.along.iter().all(|range| keeps(&range.name, &parameters)));
+        suited.leave_out_columns(scene, &mut left_out);
         Ok((suited, left_out))
     }
 
-    /// Checks that the text contains all parameters and settings of the request; a text with syntax
-    /// errors is not checked.
+    /// Removes the bounds, marks, initial states and axes of columns that no branch can have.
+    fn leave_out_columns(&mut self, mut scene: Scene, left_out: &mut LeftOut) {
+        let chosen = self.x.is_some() || self.y.is_some();
+        if self.bounds.is_empty() && self.marks.is_empty() && self.state.is_empty() && !chosen {
+            return;
+        }
+        let states = scene.problem.text().map(|model| model.states());
+        scene.runs.extend(self.runs.iter().cloned());
+        let columns = scene.columns();
+        let mut keeps = |name: &String, keeps: bool| {
+            if !keeps && !left_out.columns.contains(name) {
+                left_out.columns.push(name.clone());
+            }
+            keeps
+        };
+        let shown = |name: &String| {
+            let known = |name: &str| columns.as_ref().is_none_or(|it| it.iter().any(|c| c == name));
+            !columns_showing(name, known).is_empty()
+        };
+        self.bounds.retain(|bound| keeps(&bound.name, shown(&bound.name)));
+        self.marks.retain(|(name, _)| keeps(name, shown(name)));
+        self.state
+            .retain(|(name, _)| keeps(name, states.as_ref().is_none_or(|it| it.contains(name))));
+        for axis in [&mut self.x, &mut self.y] {
+            axis.take_if(|name| !keeps(name, shown(name)));
+        }
+    }
+
+    /// Checks that the text contains all parameters, settings and columns of the request; a text
+    /// with syntax errors is not checked.
     ///
     /// # Errors
-    /// [`SceneError::UnknownName`] with a suggestion, if a parameter or setting does not exist.
+    /// [`SceneError::UnknownName`] with a suggestion, if a parameter, setting or column does not
+    /// exist.
     pub fn check_names(&self, library: &Library) -> Result<(), SceneError> {
         let Ok((_, left_out)) = self.suited(library) else { return Ok(()) };
-        let Some(unknown) = left_out.first() else { return Ok(()) };
         let scene = self.plain(library)?;
-        let known = [scene.problem.names(), scene.setting_names()].concat();
-        Err(UnknownName::new("parameter or setting", unknown, known).into())
+        if let Some(unknown) = left_out.parameters.first() {
+            let known = [scene.problem.names(), scene.setting_names()].concat();
+            return Err(UnknownName::new("parameter or setting", unknown, known).into());
+        }
+        let Some(unknown) = left_out.columns.first() else { return Ok(()) };
+        Err(UnknownName::new("column", unknown, scene.columns().unwrap_or_default()).into())
     }
 
     /// Returns the scene that the page traces.

@@ -66,20 +66,12 @@ pub(super) fn trace(
         stopped,
         command: command(setup, library, opened),
         failed: failed.iter().map(|(run, cause)| Trouble::of_run(run, cause)).collect(),
-        warnings: left_out.iter().map(|name| unknown(name)).chain(kept.scene.warnings()).collect(),
+        warnings: [left_out.warnings(), kept.scene.warnings()].concat(),
         drawing: Drawing::of(&kept),
         branches: kept.document.branches.iter().map(BranchRow::new).collect(),
     };
     let _ = out.send(Message::of(&json!({ "done": done })));
     Some(kept)
-}
-
-/// Returns the warning that a changed value belongs to a parameter or setting that the text does
-/// not contain.
-fn unknown(name: &str) -> String {
-    format!(
-        "the changed value or range of `{name}` is ignored: the model has no parameter `{name}`"
-    )
 }
 
 /// A scene with all its runs, the results of the runs, and the errors of the runs that failed.
@@ -124,6 +116,9 @@ pub(super) struct Drawing {
     /// The names of the columns that the axes can show.
     columns: Vec<String>,
     panels: Vec<serde_json::Value>,
+    /// The names of the two parameters on the axes of each panel; `None` for panels that do not
+    /// show curves of special points in two parameters.
+    planes: Vec<Option<[String; 2]>>,
     /// The reason why the diagram cannot be drawn; `None` if the diagram can be drawn.
     trouble: Option<String>,
     /// The ranges of simulated histories over the first diagram.
@@ -137,6 +132,7 @@ impl Drawing {
             Ok(figures) => (figures, None),
             Err(cause) => (Vec::new(), Some(one_line(&cause))),
         };
+        let planes = panels.iter().map(|figure| plane(kept, figure)).collect();
         let panels = panels.iter().map(|figure| json!(Panel::new(figure)));
         let mut columns: Vec<String> = Vec::new();
         for name in kept.document.branches.iter().flat_map(Branch::columns) {
@@ -149,8 +145,23 @@ impl Drawing {
             }
         }
         let (colours, panels) = (hexadecimal(), panels.collect());
-        Drawing { colours, columns, panels, trouble, bars: bars(kept) }
+        Drawing { colours, columns, panels, planes, trouble, bars: bars(kept) }
     }
+}
+
+/// Returns the names of the two parameters on the axes of a figure that shows a curve of special
+/// points.
+fn plane(kept: &Kept, figure: &Figure) -> Option<[String; 2]> {
+    let plot = &kept.document.plot;
+    let is_plain = |name: &str| plot.deviations.iter().all(|it| it.column != name);
+    kept.document.branches.iter().filter(|branch| branch.condition.is_some()).find_map(|branch| {
+        let [first, second] = &branch.released[..] else { return None };
+        let labels = [figure.x_label.as_str(), figure.y_label.as_str()];
+        let is_plane = |[x, y]: &[&String; 2]| [plot.label(x), plot.label(y)] == labels;
+        let names = [[first, second], [second, first]].into_iter().find(is_plane)?;
+        let plain = names.iter().all(|name| is_plain(name));
+        plain.then(|| names.map(String::clone))
+    })
 }
 
 /// Returns the diagrams of a result, without the figures of profiles.

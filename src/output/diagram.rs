@@ -155,7 +155,7 @@ struct Named<'a> {
 }
 
 /// Returns the default axes of the diagram; `None` if the documents contain no branch.
-pub(super) fn usual_axes(documents: &[(&str, &Document)]) -> Option<[String; 2]> {
+pub(crate) fn usual_axes(documents: &[(&str, &Document)]) -> Option<[String; 2]> {
     let branches = named(documents);
     let (x, y) = axes(first_of(&branches)?, &documents.first()?.1.plot, None, &[]).ok()?;
     Some([x.to_owned(), y[0].to_owned()])

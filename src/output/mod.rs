@@ -54,6 +54,8 @@ pub(crate) use bars::Bar;
 pub use chosen::Chosen;
 pub use comparison::{Difference, compare, compare_within};
 pub use diagram::diagram;
+#[cfg(feature = "live")]
+pub(crate) use diagram::usual_axes;
 pub use document::{Against, Deviation, Document, Enlargement, Plot};
 #[cfg(feature = "live")]
 pub(crate) use drawing::hexadecimal;
@@ -72,6 +74,8 @@ pub use page::PLOTLY;
 #[cfg(feature = "live")]
 pub(crate) use page::Panel;
 pub use panels::figures;
+#[cfg(feature = "live")]
+pub(crate) use panels::specks;
 pub(crate) use panels::{check_columns, drop_empty_parts};
 pub use point_table::{Columns, PointTable, Selection, csv};
 pub use save::{Render, RenderError, Results, SaveError, save};

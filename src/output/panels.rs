@@ -7,6 +7,8 @@ use super::error::FigureError;
 use super::fields::fields;
 use super::figure::{Figure, Series, Style};
 use super::profiles::{TIME, profiles};
+#[cfg(feature = "live")]
+use super::sweeps::SweepTable;
 use super::sweeps::{Sweeps, basins, scatter};
 use super::symbols::distinguish;
 use super::tile::Tile;
@@ -219,10 +221,8 @@ fn together(
         false => Vec::new(),
     };
     if let Some((_, document)) = documents.first() {
+        rescale(document, [x, y], &mut scattered)?;
         let scales = [Scale::of(document, x)?, Scale::of(document, y)?];
-        for at in scattered.iter_mut().flat_map(|series| &mut series.points) {
-            *at = [0, 1].map(|k| scales[k].shown(at[k]));
-        }
         for Tile { at, size, .. } in &mut tiles {
             *size = [0, 1].map(|k| scales[k].shown(at[k] + size[k]) - scales[k].shown(at[k]));
             *at = [0, 1].map(|k| scales[k].shown(at[k]));
@@ -263,6 +263,34 @@ fn together(
     keep_positive(&mut figure);
     clip(&mut figure, [x, y].map(|column| plot.range(column)));
     Ok(figure)
+}
+
+/// Converts the points of sweeps to the units of the axes of a document's diagram.
+fn rescale(
+    document: &Document,
+    axes: [&str; 2],
+    scattered: &mut [Series],
+) -> Result<(), FigureError> {
+    let scales = [Scale::of(document, axes[0])?, Scale::of(document, axes[1])?];
+    for at in scattered.iter_mut().flat_map(|series| &mut series.points) {
+        *at = [0, 1].map(|k| scales[k].shown(at[k]));
+    }
+    Ok(())
+}
+
+/// Returns the points of a sweep in the axes of a document's diagram.
+///
+/// # Errors
+/// [`FigureError::NoOrigin`] if the special point from which deviations are measured does not exist.
+#[cfg(feature = "live")]
+pub(crate) fn specks(
+    document: &Document,
+    table: &SweepTable,
+    axes: [&str; 2],
+) -> Result<Vec<[f64; 2]>, FigureError> {
+    let mut scattered = scatter(table, axes[0], axes[1]);
+    rescale(document, axes, &mut scattered)?;
+    Ok(scattered.into_iter().flat_map(|series| series.points).collect())
 }
 
 /// Returns the label of a column that sweeps show. A state at an event gets the label of the state

@@ -1,10 +1,9 @@
 //! The columns of branches, which are known before the branches are traced.
 
-use super::discretisation::Solution;
 use super::error::SceneError;
 use super::resolve::{Resolved, ResolvedSweep};
-use super::simulate::history_columns;
-use super::statement::{Scene, Start};
+use super::simulate::{Simulated, history_columns};
+use super::statement::{Range, Run, Scene, Start};
 use crate::core::attractor::Layout;
 use crate::core::bifurcation::catalogue;
 use crate::core::continuation::{Branch, End};
@@ -26,6 +25,39 @@ impl Scene {
             }
         }
         plot
+    }
+
+    /// Returns the names of all columns that branches of the scene may have, whether the branches
+    /// consist of equilibria or of orbits; `None` if the columns are not known before the branches
+    /// are traced. For a scene without runs, a run along the first parameter is assumed.
+    ///
+    /// ```
+    /// use tangency::scene::{BUILT_IN, Scene};
+    /// let text = BUILT_IN.iter().find(|scene| scene.name == "lorenz").unwrap().text;
+    /// let columns = Scene::parse(text)?.columns().unwrap();
+    /// assert!(["x", "max_x", "period"].iter().all(|name| columns.iter().any(|it| it == name)));
+    /// assert!(!columns.contains(&"w".to_string()));
+    /// # Ok::<(), tangency::scene::SceneError>(())
+    /// ```
+    pub fn columns(&self) -> Option<Vec<String>> {
+        let first = self.problem.parameter_names().into_iter().next()?;
+        let assumed = Run {
+            start: Start::Simulated(Simulated::default()),
+            ..Run::along("branch", vec![Range { name: first, low: None, high: None }])
+        };
+        let runs = if self.runs.is_empty() { vec![assumed] } else { self.runs.clone() };
+        let mut columns: Vec<String> = Vec::new();
+        for run in &runs {
+            let mut resolved = self.resolved(run).ok()?;
+            let mut branches = vec![resolved.untraced()?];
+            if let Some(solution) = resolved.problem.solution() {
+                resolved.problem.follow(solution.other());
+                // Forced systems do not have equilibria.
+                branches.extend(resolved.untraced());
+            }
+            columns.extend(branches.iter().flat_map(Branch::columns).map(String::from));
+        }
+        Some(columns)
     }
 
     /// Returns an error, before any computation, if the plot uses a column that no branch and no
@@ -152,10 +184,7 @@ impl Resolved {
             return None;
         }
         let mut other = self.clone();
-        other.problem.follow(match self.problem.solution()? {
-            Solution::Orbit => Solution::Equilibrium,
-            Solution::Equilibrium => Solution::Orbit,
-        });
+        other.problem.follow(self.problem.solution()?.other());
         // Forced systems do not have equilibria.
         let (own, other) = (self.untraced()?, other.untraced()?);
         let shows = |branch: &Branch, name: &str| !branch.columns_showing(name).is_empty();

@@ -109,6 +109,16 @@ pub enum Solution {
     Equilibrium,
 }
 
+impl Solution {
+    /// Returns the other kind of solution.
+    pub(super) fn other(self) -> Self {
+        match self {
+            Solution::Orbit => Solution::Equilibrium,
+            Solution::Equilibrium => Solution::Orbit,
+        }
+    }
+}
+
 /// The discretisation of trajectories, which is a method with its settings.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]

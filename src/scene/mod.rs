@@ -16,6 +16,7 @@
 //! )
 //! ```
 
+mod attracted;
 mod builtin;
 mod by_name;
 mod catalogue;
@@ -47,6 +48,7 @@ mod problem;
 mod profile;
 mod request;
 mod resolve;
+mod sampling;
 mod set;
 mod simulate;
 mod source;
@@ -57,6 +59,7 @@ mod text;
 mod trace;
 mod words;
 
+pub use attracted::{Attracted, AttractorKind, Patience};
 pub use builtin::{BUILT_IN, BuiltIn, LIBRARY};
 pub use catalogue::{Catalogue, NamedScene};
 pub use designs::{Choices, designs};
@@ -81,6 +84,7 @@ pub use problem::Problem;
 pub use profile::Profile;
 pub use request::{Request, SearchBox, Swept};
 pub use resolve::{Resolution, Resolved, StartPoint};
+pub use sampling::Sampling;
 pub use simulate::Simulated;
 pub use source::Files;
 pub use stated::Stated;

@@ -61,7 +61,7 @@ impl Simulated {
 const EVENTS: &str = "events";
 
 /// The number of samples per integration step in a history.
-const SAMPLES: usize = 8;
+pub(super) const SAMPLES: usize = 8;
 
 /// Simulates a system, first through a transient and then through a history; returns the history as
 /// a branch with one point, and the final state.
@@ -124,7 +124,11 @@ fn is_stiff(cause: &(dyn Error + 'static)) -> bool {
 }
 
 /// Returns the settings of the search for periodic motion.
-fn search(system: &dyn HybridEquations, simulated: &Simulated, p: &[f64]) -> CycleSearch {
+pub(super) fn search(
+    system: &dyn HybridEquations,
+    simulated: &Simulated,
+    p: &[f64],
+) -> CycleSearch {
     CycleSearch { transient: simulated.transient * system.period(p), ..CycleSearch::default() }
 }
 
@@ -187,11 +191,20 @@ fn found(
     cancel: &CancelToken,
 ) -> Result<Result<Cycle, CycleSearchError>, SceneError> {
     let start = stated(&system.modes()[0], &simulated.state)?;
-    let search = search(system, simulated, p);
-    Ok(moved(cancel, |settings| {
+    Ok(searched(system, &start, &search(system, simulated, p), (p, cancel)))
+}
+
+/// Searches for the attractor to which a motion converges.
+pub(super) fn searched(
+    system: &dyn HybridEquations,
+    start: &HybridState<f64>,
+    search: &CycleSearch,
+    (p, cancel): (&[f64], &CancelToken),
+) -> Result<Cycle, CycleSearchError> {
+    moved(cancel, |settings| {
         let mut flow = HybridFlow::new(system, settings)?;
         search.find(&mut flow, start.clone(), p)
-    }))
+    })
 }
 
 /// Returns a state of the first mode from values given by name, with zero for all other states; the
@@ -206,7 +219,7 @@ pub(super) fn stated(mode: &Mode, given: &[(String, f64)]) -> Result<HybridState
 
 /// Returns the history of every state of the system; cumulative states of a mode are represented by
 /// their sum.
-fn curves(system: &dyn HybridEquations, pieces: &[Piece], begin: f64) -> Vec<Profile> {
+pub(super) fn curves(system: &dyn HybridEquations, pieces: &[Piece], begin: f64) -> Vec<Profile> {
     let (modes, counted) = (system.modes(), system.cumulative_states());
     let mut curves: Vec<Profile> = Vec::new();
     for name in distinct(modes.iter().flat_map(|mode| &mode.states)) {
@@ -310,14 +323,19 @@ fn profiles(curves: &[Profile]) -> Vec<Profile> {
     let filled = curves.iter().filter(|curve| !curve.points.is_empty());
     let mut profiles: Vec<Profile> = filled.cloned().collect();
     if let [first, second, ..] = curves {
-        // A mode without the second state (contact) is missing in the portrait.
-        let value = |t: f64| second.points.iter().find(|q| q[0] >= t).map(|q| q[1]);
-        let same = first.points.len() == second.points.len();
-        let points = match same {
-            true => first.points.iter().zip(&second.points).map(|(a, b)| [a[1], b[1]]).collect(),
-            false => first.points.iter().filter_map(|a| Some([a[1], value(a[0])?])).collect(),
-        };
-        profiles.push(Profile { name: second.name.clone(), along: first.name.clone(), points });
+        profiles.push(portrait(first, second));
     }
     profiles
+}
+
+/// Returns the phase portrait of two states whose curves in time are given.
+pub(super) fn portrait(first: &Profile, second: &Profile) -> Profile {
+    // A mode without the second state (contact) is missing in the portrait.
+    let value = |t: f64| second.points.iter().find(|q| q[0] >= t).map(|q| q[1]);
+    let same = first.points.len() == second.points.len();
+    let points = match same {
+        true => first.points.iter().zip(&second.points).map(|(a, b)| [a[1], b[1]]).collect(),
+        false => first.points.iter().filter_map(|a| Some([a[1], value(a[0])?])).collect(),
+    };
+    Profile { name: second.name.clone(), along: first.name.clone(), points }
 }

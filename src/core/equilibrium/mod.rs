@@ -36,4 +36,4 @@ mod rest;
 pub use equilibria::HybridEquilibria;
 pub use error::EquilibriumError;
 pub use near::equilibrium_near;
-pub(in crate::core) use near::place_in_words;
+pub(crate) use near::place_in_words;

@@ -57,11 +57,7 @@ pub fn equilibrium_near(
 }
 
 /// Describes an equilibrium as text: its states, and its mode if the system has several modes.
-pub(in crate::core) fn place_in_words(
-    system: &dyn HybridEquations,
-    mode: usize,
-    states: &[f64],
-) -> String {
+pub(crate) fn place_in_words(system: &dyn HybridEquations, mode: usize, states: &[f64]) -> String {
     let modes = system.modes();
     let Mode { name, states: names, .. } = &modes[mode];
     let within = if modes.len() > 1 { format!("in mode `{name}`, ") } else { String::new() };

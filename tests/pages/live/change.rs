@@ -65,6 +65,27 @@ fn equations_are_edited_and_errors_are_at_their_place() {
     assert_eq!(session.value("document.getElementById('trouble').hidden"), true);
 }
 
+/// A text without a state has no use for bounds, marks, starts and axes of this state.
+#[test]
+fn columns_that_the_text_no_longer_has_are_left_out_with_a_warning() {
+    let program = Program::start(&[]);
+    let setup = |text: &str| {
+        let setup = json!({
+            "name": "t", "text": text, "along": [{ "name": "a", "low": -1.0, "high": 1.0 }],
+            "bounds": [{ "name": "y", "low": -5.0, "high": 5.0 }, { "name": "x", "low": -5.0, "high": 5.0 }],
+            "marks": [["y", 0.5], ["max_x", 0.5]], "state": [["y", 0.0], ["x", 0.0]], "y": "y",
+        });
+        json!({ "trace": { "page": "p", "turn": 1, "setup": setup } }).to_string().into_bytes()
+    };
+    let both = program.call(&setup("x' = a - x\ny' = x - y\npar a=0\n"));
+    assert!(both.contains("\"done\"") && !both.contains("left out"), "{both}");
+    let setup = String::from_utf8(setup("x' = a - x\npar a=0\n")).unwrap();
+    let one = program.call(setup.replace("\"turn\":1", "\"turn\":2").as_bytes());
+    assert!(one.contains("\"done\"") && !one.contains("\"failed\":{"), "{one}");
+    assert_eq!(one.matches("is left out").count(), 1, "{one}");
+    assert!(one.contains("the bound, mark, start or axis of `y` is left out"), "{one}");
+}
+
 #[test]
 fn a_wrong_value_is_shown_at_its_field() {
     let program = Program::start(&["lorenz"]);

@@ -1,5 +1,6 @@
 //! `tangency live` in a browser, and under hostile requests.
 
+mod attractors;
 mod change;
 mod follow;
 mod hostile;
@@ -8,6 +9,7 @@ mod latency;
 mod plane;
 mod program;
 mod session;
+mod sweep;
 
 pub use program::Program;
 pub use session::Session;

@@ -15,6 +15,9 @@ pub struct Session {
 /// The fold of `load = k u (1 − u)` is at `u = 1/2`, `load = k/4`.
 pub const FOLD: &str = "u' = load - k*u*(1 - u)\npar load=0, k=1\ninit u=0\n";
 
+/// The normal form of a Hopf point at `m = w/4`, with the angular frequency `w`.
+pub const HOPF: &str = "x' = (m - w/4)*x - w*y - x*(x^2 + y^2)\ny' = w*x + (m - w/4)*y - y*(x^2 + y^2)\npar m=-0.5, w=2\ninit x=0, y=0\n";
+
 impl Session {
     /// Opens the page of a program; `None` without a browser.
     pub fn open(program: &Program) -> Option<Session> {
