@@ -1,4 +1,4 @@
-//! The calls that a page sends to the server, and the server's responses.
+//! The calls that a web page sends to the server, and the server's responses.
 
 use super::describe::settings;
 use super::details::details;
@@ -20,12 +20,14 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 
-/// The maximum duration of a trace, after which the server stops it.
+/// The maximum duration of a trace (the computation of the branches for a page), after which the
+/// server stops it.
 const LONGEST: Duration = Duration::from_secs(120);
-/// The interval at which the server checks the connection of a trace that sends no messages.
+/// The interval at which the server checks whether the page is still connected, during a trace that
+/// sends no messages.
 const SILENCE: Duration = Duration::from_millis(200);
-/// The stack size of a trace's thread in bytes; deeply nested formulas need more than the usual
-/// size.
+/// The stack size, in bytes, of the thread that traces the branches for a page; deeply nested
+/// formulas need more than the usual size.
 const STACK: usize = 32 << 20;
 /// The maximum length of the name that identifies a page.
 const ID: usize = 64;
@@ -37,27 +39,28 @@ const LINES: &str = "application/x-ndjson";
 #[derive(Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 enum Call {
-    /// Requests the setup that the page shows first, and the list of examples.
+    /// Requests the setup (the scene and its changed values) that the page shows first, and the
+    /// list of examples.
     Open {},
     /// Requests the setup of an example.
     Example { name: String },
-    /// Requests the trace of a setup; the response is a stream of messages.
+    /// Requests that the branches of a setup are traced; the response is a stream of messages.
     Trace { page: String, turn: u64, setup: Box<Setup> },
     /// Stops the trace.
     Stop { page: String },
-    /// Requests the list of the settings that have an effect in a setup.
+    /// Requests the list of the settings that have an effect on the runs of a setup.
     Settings { setup: Box<Setup> },
-    /// Requests the diagram of the last result with other axes.
+    /// Requests the diagram of the last result, with other columns on its axes.
     Axes { page: String, x: Option<String>, y: Option<String> },
-    /// Requests the details of a point of the last result.
+    /// Requests the details of a point in the last result.
     Point { page: String, branch: usize, point: i64 },
     /// Requests the last result as a file.
     File { page: String, format: String },
-    /// Requests a sign that the server is running.
+    /// Requests a short response, which shows that the server is running.
     Alive {},
 }
 
-/// The state that all connections share.
+/// The state of the server that all connections share.
 pub(super) struct Service {
     pub library: Library,
     pub opened: Option<Opened>,
@@ -135,7 +138,8 @@ impl Service {
         }
     }
 
-    /// Traces a setup on a separate thread, and passes the messages of the trace to the page.
+    /// Traces the branches of a setup on a separate thread, and passes the messages of this
+    /// computation to the page.
     fn trace(
         self: &Arc<Self>,
         stream: &mut TcpStream,
@@ -174,7 +178,8 @@ impl Service {
     }
 }
 
-/// Passes messages to the page until the trace ends. The trace is cancelled if it takes too long.
+/// Passes messages to the page until the branches are traced. The computation is cancelled if it
+/// takes too long.
 fn pass(
     stream: &mut TcpStream,
     messages: &Receiver<Message>,
@@ -211,7 +216,7 @@ fn json_of_kept(
     json_of(stream, &kept.map_or_else(|| trouble(NO_RESULT), |kept| value(&kept)))
 }
 
-/// The error for a page that has no result yet.
+/// The error of a request for the result of a page that has no result yet.
 const NO_RESULT: &str = "the page has no result: trace the scene again";
 
 /// Returns a result as a file, with the media type of the file's content.

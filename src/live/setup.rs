@@ -13,7 +13,7 @@ use std::path::PathBuf;
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Setup {
-    /// The name of the results, used for files.
+    /// The name of the files in which results are saved.
     pub name: String,
     /// The text of a scene, of equations in RON, or of an XPPAUT model.
     pub text: String,
@@ -38,12 +38,14 @@ pub struct Setup {
     pub depth: usize,
     /// The kinds of special points from which further branches are traced; empty for all kinds.
     pub kinds: Vec<Kind>,
-    /// The column on the horizontal axis of the diagram; `None` for the default column.
+    /// The column of the results on the horizontal axis of the diagram; `None` for the default
+    /// column.
     pub x: Option<String>,
-    /// The column on the vertical axis of the diagram; `None` for the default column.
+    /// The column of the results on the vertical axis of the diagram; `None` for the default
+    /// column.
     pub y: Option<String>,
-    /// Whether a control is being dragged: special points then lack sensitivities, which the
-    /// diagram does not show.
+    /// Whether the user is dragging a control of the page: sensitivities of special points, which
+    /// the diagram does not show, are then not computed.
     #[serde(skip_serializing)]
     pub draft: bool,
 }
@@ -52,8 +54,8 @@ pub struct Setup {
 const DEPTH: usize = 20;
 
 impl Setup {
-    /// Returns the kinds of special points at which branches are switched, or `None` if branches
-    /// are not switched.
+    /// Returns the kinds of special points at which branches are switched; `None` if no branches
+    /// are switched.
     pub(super) fn following(&self) -> Option<Following> {
         let all = Following::all(self.depth.min(DEPTH));
         let kinds = if self.kinds.is_empty() { all.kinds } else { self.kinds.clone() };
@@ -101,21 +103,21 @@ impl Setup {
         }
     }
 
-    /// Returns the scene with the changed values; the scene of a model has no runs.
+    /// Returns the scene with the changed values of the setup; a scene made from a model has no
+    /// runs.
     pub(super) fn values(&self, library: &Library) -> Result<Scene, SceneError> {
         let mut scene = self.plain(library)?;
         scene.set_all(&self.set)?;
         Ok(scene)
     }
 
-    /// Returns the scene as written in the text; the scene of a model has no runs.
+    /// Returns the scene as written in the text; a scene made from a model has no runs.
     fn plain(&self, library: &Library) -> Result<Scene, SceneError> {
         Ok(self.stated(library)?.as_written(&self.name, &Request::default()))
     }
 
-    /// Returns a setup and a list of names: the setup lacks the values, ranges and runs of
-    /// parameters that the changed text no longer contains, and the list contains the names of
-    /// these parameters.
+    /// Removes the values, ranges and runs of parameters that the changed text no longer contains;
+    /// returns the remaining setup and the names of the removed parameters.
     pub(super) fn suited(&self, library: &Library) -> Result<(Setup, Vec<String>), SceneError> {
         let scene = self.plain(library)?;
         let parameters: Vec<String> =
@@ -136,8 +138,8 @@ impl Setup {
         Ok((suited, left_out))
     }
 
-    /// Checks that the text contains all parameters and settings of the request; a text with syntax
-    /// errors is not checked.
+    /// Checks that the text contains all parameters and settings that the request names; a text
+    /// with syntax errors is not checked.
     ///
     /// # Errors
     /// [`SceneError::UnknownName`] with a suggestion, if a parameter or setting does not exist.
