@@ -9,11 +9,11 @@ use crate::output::significant;
 /// The maximum number of designs in a grid.
 const MOST: usize = 100_000;
 
-/// The number of significant digits with which the values of a design are written.
+/// The number of significant digits of the values in a design.
 const DIGITS: usize = 12;
 
-/// Returns all designs of a grid; a design consists of settings by name, in the form of `--set`.
-/// In the order of the designs, the last setting varies first.
+/// Returns all designs of a grid; a design (a combination of values) consists of settings by name,
+/// in the form of the option `--set`. In the list of designs, the last setting varies fastest.
 ///
 /// # Errors
 /// [`SceneError::Invalid`] if the grid has no values, a duplicate name, or more than 100 000

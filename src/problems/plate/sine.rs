@@ -51,10 +51,11 @@ pub struct SineSettings {
     /// pairs are sorted by `m² + n²`, then by `m`.
     pub modes: usize,
     /// The in-plane supports of the edges; all edges stay straight and are free of shear traction.
-    /// [`InPlane::Slide`]: no normal displacement ("immovable" in section 3.2), with `p_x` and
-    /// `p_y` of eqs. 3.22–3.23.
-    /// [`InPlane::Straight`]: no mean normal force ("movable" in section 3.2), so that `p_x = p_y = 0`.
-    /// Other in-plane supports are rejected.
+    /// [`InPlane::Slide`]: the normal displacement of the edges is zero ("immovable" in section
+    /// 3.2), and `p_x` and `p_y` are given by eqs. 3.22–3.23.
+    /// [`InPlane::Straight`]: the mean normal force on the edges is zero ("movable" in section
+    /// 3.2), so that `p_x = p_y = 0`.
+    /// All other in-plane supports are rejected.
     pub in_plane: InPlane,
     /// The theory of the plate: linear theory, or von Kármán's theory.
     pub theory: Theory,
