@@ -10,7 +10,7 @@ use serde::Serialize;
 #[derive(Serialize)]
 pub(super) struct Description {
     title: String,
-    /// Whether the text is a scene, which contains runs, or else a model without runs.
+    /// Whether the text is a scene, which contains runs; false for a model, which has no runs.
     is_scene: bool,
     parameters: Vec<Parameter>,
     /// The parameters that are varied by all runs of the scene, with their ranges.

@@ -113,11 +113,11 @@ pub(super) struct Slots {
     freed: Condvar,
 }
 
-/// A slot for a computation that is in use, and becomes free when the value is dropped.
+/// A slot that a computation uses; the slot becomes free when this value is dropped.
 pub(super) struct Slot<'a>(&'a Slots);
 
 impl Slots {
-    /// Creates one slot for a computation per processor, but at least two slots.
+    /// Creates one slot for each processor, but at least two slots; each slot allows one computation.
     pub fn new() -> Self {
         let processors = std::thread::available_parallelism().map_or(2, |count| count.get());
         Slots { free: Mutex::new(processors.max(2)), freed: Condvar::new() }

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 
 debug_is_message!(FileError, FigureError);
 
-/// The error of a file of results that cannot be read, parsed or written.
+/// The error of a file that cannot be read, parsed or written.
 #[derive(miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum FileError {
