@@ -30,7 +30,7 @@ impl Message {
 /// The last result of a page, which the server keeps.
 #[derive(Clone)]
 pub(super) struct Kept {
-    /// The file name under which the result is saved, without an extension.
+    /// The name of the result, which is also the name of the files in which the result is saved.
     pub name: String,
     /// The scene whose result is kept, including all runs that were traced.
     pub scene: Arc<Scene>,
