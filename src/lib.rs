@@ -11,16 +11,17 @@
 //!
 //! form a curve, a **branch**. Continuation follows the branch by its arclength; in this
 //! parametrisation, a fold is a regular point. A **monitor** is a scalar function of the solution.
-//! A **special point** is a solution at which one more condition holds: a monitor has a given
+//! A **special point** is a solution that satisfies one more condition: a monitor has a given
 //! value, or a matrix is singular. A **defining system** is a set of equations that states such a
 //! condition. The equations of the branch together with the defining system determine the special
-//! point. If the defining system is kept and a second parameter is released, the special points
-//! form a curve, which is followed like a branch.
+//! point. If the equations of the defining system are kept and a second parameter is varied, the
+//! special points form a curve, which is followed like a branch.
 //!
 //! A **boundary-value problem** becomes a zero problem by collocation or by shooting. **Periodic
 //! orbits** are boundary-value problems with `x(1) = x(0)`: their Floquet multipliers decide
 //! stability, and period doublings and torus points are special points. A **hybrid orbit** is a
-//! sequence of smooth legs with events and resets between them.
+//! sequence of smooth legs (parts of the orbit between two events), with events and resets between
+//! them.
 //!
 //! # Three examples
 //!
@@ -118,10 +119,10 @@
 //! | [`live`] | a web server whose page shows diagrams that follow changes of a scene |
 //! | [`cli`] | the command line: [`cli::run`] is the whole program for any catalogue of problems |
 //!
-//! The module `core` does not depend on any device, and `output` does not depend on any problem;
-//! `scene` joins `core`, `problems` and `output`, and `cli` adds the command line. The project's
-//! book (`docs` in the repository) contains tutorials, the reference of scenes and commands, the
-//! mathematics (`docs/concepts`), and measurements (`docs/evidence`).
+//! The module `core` does not depend on any device, and the module `output` does not depend on any
+//! problem; `scene` combines `core`, `problems` and `output`, and `cli` adds the command line. The
+//! project's book (`docs` in the repository) contains tutorials, the reference of scenes and
+//! commands, the mathematics (`docs/concepts`), and measurements (`docs/evidence`).
 
 #[cfg(feature = "cli")]
 pub mod cli;

@@ -11,13 +11,14 @@ use std::ops::Range;
 /// A marked part of a line of text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Place {
-    /// The number of the line, counted from 1; `None` for a text that is not in a file.
+    /// The number of the line that contains the marked part, counted from 1; `None` for a text that
+    /// is not in a file.
     pub line: Option<usize>,
     /// The number of the first marked column, counted from 1.
     pub column: usize,
     /// The number of marked columns.
     pub width: usize,
-    /// The text of the whole line.
+    /// The text of the whole line that contains the marked part.
     pub text: String,
 }
 
@@ -33,12 +34,12 @@ impl Place {
     }
 }
 
-/// The maximum width of a quoted line; of a longer line, only the surroundings of the place are
-/// quoted.
+/// The maximum number of characters of a quoted line; of a longer line, only the surroundings of
+/// the error are quoted.
 const WIDTH: usize = 100;
 
-/// Formats the line, followed by a line with marks below the place; the result is empty for an
-/// empty line.
+/// Formats the line, followed by a line with marks below the marked part; the result is empty for
+/// an empty line.
 impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let Place { line, column, width, text } = self;
@@ -127,7 +128,7 @@ pub(crate) fn reason(code: &RonError) -> String {
     }
 }
 
-/// Returns the description of the structure to which a field belongs.
+/// Returns a phrase that names the structure to which an unknown field would belong.
 fn of(outer: &Option<String>) -> String {
     outer.as_ref().map_or(String::new(), |outer| format!(" of `{outer}`"))
 }
@@ -145,7 +146,8 @@ pub(crate) fn remedy(code: &RonError) -> Option<String> {
     }
 }
 
-/// Returns the message for an unknown name, which includes the kind of the name.
+/// Returns the message for an unknown name, which states the kind of object (for example a field)
+/// that the name should denote.
 pub(crate) fn unknown(what: &str, found: &str, outer: &Option<String>) -> String {
     format!("unknown {what} `{}`{}", shown(found), of(outer))
 }

@@ -1,4 +1,4 @@
-//! The calls that a page sends to the server, and the server's responses.
+//! The calls that a web page sends to the server, and the server's responses.
 
 use super::attractors::{self, Place};
 use super::describe::settings;
@@ -23,7 +23,8 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::time::{Duration, Instant};
 
-/// The maximum duration of a trace, after which the server stops it.
+/// The maximum duration of a trace (the computation of the branches for a page), after which the
+/// server stops it.
 const LONGEST: Duration = Duration::from_secs(120);
 /// The interval at which the server checks the connection of a computation that sends no messages.
 const SILENCE: Duration = Duration::from_millis(200);
@@ -40,11 +41,12 @@ const LINES: &str = "application/x-ndjson";
 #[derive(Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 enum Call {
-    /// Requests the setup that the page shows first, and the list of examples.
+    /// Requests the setup (the scene and its changed values) that the page shows first, and the
+    /// list of examples.
     Open {},
     /// Requests the setup of an example.
     Example { name: String },
-    /// Requests the trace of a setup; the response is a stream of messages.
+    /// Requests that the branches of a setup are traced; the response is a stream of messages.
     Trace { page: String, turn: u64, setup: Box<Setup> },
     /// Stops the trace.
     Stop { page: String },
@@ -57,9 +59,9 @@ enum Call {
     Attractors { page: String, turn: u64, place: Place },
     /// Requests the list of the settings that have an effect in a setup.
     Settings { setup: Box<Setup> },
-    /// Requests the diagram of the last result with other axes.
+    /// Requests the diagram of the last result, with other columns on its axes.
     Axes { page: String, x: Option<String>, y: Option<String> },
-    /// Requests the details of a point of the last result.
+    /// Requests the details of a point in the last result.
     Point { page: String, at: Point },
     /// Requests a simulation from a state, for a duration, at the parameters of a point of the last
     /// result; the response is a stream of messages.
@@ -69,11 +71,11 @@ enum Call {
     Field { page: String, at: Point, states: [String; 2], ranges: [[f64; 2]; 2] },
     /// Requests the last result as a file.
     File { page: String, format: String },
-    /// Requests a sign that the server is running.
+    /// Requests a short response, which shows that the server is running.
     Alive {},
 }
 
-/// The state that all connections share.
+/// The state of the server that all connections share.
 pub(super) struct Service {
     pub library: Library,
     pub opened: Option<Opened>,
@@ -180,7 +182,8 @@ impl Service {
         }
     }
 
-    /// Traces a setup on a separate thread, and passes the messages of the trace to the page.
+    /// Traces the branches of a setup on a separate thread, and passes the messages of this
+    /// computation to the page.
     fn trace(
         self: &Arc<Self>,
         stream: &mut TcpStream,
@@ -331,7 +334,7 @@ fn json_of_kept(
     json_of(stream, &kept.map_or_else(|| trouble(NO_RESULT), |kept| value(&kept)))
 }
 
-/// The error for a page that has no result yet.
+/// The error of a request for the result of a page that has no result yet.
 const NO_RESULT: &str = "the page has no result: trace the scene again";
 
 /// Returns a result as a file, with the media type of the file's content.

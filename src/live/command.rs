@@ -1,4 +1,4 @@
-//! The command line that is equivalent to a setup.
+//! The command line that computes the same result as the page.
 
 use super::library::Library;
 use super::opened::Opened;

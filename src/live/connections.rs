@@ -24,7 +24,8 @@ struct Listed {
     has_request: bool,
 }
 
-/// An accepted connection, which is removed from the list when this value is dropped.
+/// An accepted connection to the server, which is removed from the list of open connections when
+/// this value is dropped.
 pub(super) struct Connection {
     all: Connections,
     number: u64,
@@ -35,9 +36,9 @@ impl Connections {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Accepts a connection. If the number of connections has reached the limit, the oldest
-    /// connection that has not sent a request is closed; returns `None` if all connections have
-    /// sent requests.
+    /// Accepts a connection. If the number of open connections has reached the limit, closes the
+    /// oldest connection that has not sent a request; returns `None` if all connections have sent
+    /// requests.
     pub fn accept(&self, stream: &TcpStream) -> Option<Connection> {
         let copy = stream.try_clone().ok()?;
         let mut open = self.open();

@@ -11,7 +11,7 @@ use serde::Serialize;
 #[derive(Serialize)]
 pub(super) struct Description {
     title: String,
-    /// Whether the text is a scene, which contains runs, rather than a model without runs.
+    /// Whether the text is a scene, which contains runs; false for a model, which has no runs.
     is_scene: bool,
     parameters: Vec<Parameter>,
     /// The parameters that are varied by all runs of the scene, with their ranges.
@@ -55,7 +55,8 @@ struct Parameter {
     /// The range over which the parameter is usually varied.
     low: f64,
     high: f64,
-    /// The name of the run that sets the parameter; such a parameter cannot be changed on the page.
+    /// The name of the run that sets the parameter; a parameter that a run sets cannot be changed
+    /// on the page.
     set_by: Option<String>,
 }
 
@@ -68,8 +69,8 @@ pub(super) struct Setting {
     set_by: Option<String>,
 }
 
-/// Describes the scene of a setup; `traced` is the complete scene, or `None` if the scene could not
-/// be built.
+/// Describes the scene of a setup; `traced` is the scene with all its runs, or `None` if the scene
+/// could not be built.
 pub(super) fn describe(setup: &Setup, values: &Scene, traced: Option<&Scene>) -> Description {
     let parameters = values.problem.parameters().into_iter().map(|(name, _)| {
         let value = traced.and_then(|scene| scene.value(&name)).or_else(|| values.value(&name));

@@ -72,7 +72,8 @@ fn title(branch: &Branch, special: &SpecialPoint) -> String {
     format!("{}: {kind} {label}, {}{subkind}{doubt}", branch.name, kind.meaning())
 }
 
-/// Returns the columns of a branch with their values at a point, the varied parameters first.
+/// Returns the columns of a branch with their values at one point of the branch, the varied
+/// parameters first.
 fn columns(branch: &Branch, value: impl Fn(usize) -> Option<f64>) -> Vec<[String; 2]> {
     let mut names: Vec<(usize, &str)> = branch.columns().enumerate().collect();
     names.sort_by_key(|(_, name)| !branch.released.iter().any(|it| it == name));
@@ -95,7 +96,7 @@ fn of_point<'a>(
     Details { title, rows, profiles: Vec::new(), follow_ups: Vec::new(), plane }
 }
 
-/// Returns the rows of a special point: values of columns, normal-form coefficients,
+/// Returns the rows that describe a special point: values of columns, normal-form coefficients,
 /// eigenvalues and sensitivities.
 fn rows(branch: &Branch, special: &SpecialPoint) -> Vec<[String; 2]> {
     let mut rows = columns(branch, |column| special.value(column));

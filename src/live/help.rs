@@ -6,7 +6,7 @@ use std::sync::LazyLock;
 /// The text of the reference manual of scenes and settings.
 const REFERENCE: &str = include_str!("../../docs/reference/scenes.md");
 
-/// The meaning of each setting, by the name of the setting.
+/// The meanings of all settings, by the name of the setting.
 static MEANINGS: LazyLock<BTreeMap<&'static str, String>> = LazyLock::new(meanings);
 
 /// Returns the meaning of a setting; the text is empty if the reference manual does not list the
@@ -15,7 +15,7 @@ pub(super) fn meaning(name: &str) -> &'static str {
     MEANINGS.get(name).map_or("", String::as_str)
 }
 
-/// Parses the table rows `| `name` | default | meaning |` that follow the heading of the settings.
+/// Parses the table rows `| `name` | default | meaning |` below the heading of the settings.
 fn meanings() -> BTreeMap<&'static str, String> {
     let settings = REFERENCE.split_once("\n## Settings\n").map_or("", |(_, rest)| rest);
     let settings = settings.split("\n## ").next().unwrap_or_default();

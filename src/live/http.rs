@@ -137,7 +137,7 @@ fn head(bytes: &[u8]) -> Result<Option<(Incoming, usize, usize)>, Refusal> {
     Ok(Some((incoming, begin, length)))
 }
 
-/// Reads more bytes from the connection until a total number of bytes is reached.
+/// Reads bytes from the connection until the given total number of bytes has been read.
 fn more(
     stream: &mut TcpStream,
     bytes: &mut Vec<u8>,
@@ -200,7 +200,7 @@ pub(super) fn refuse(stream: &mut TcpStream, refusal: Refusal) {
     }
 }
 
-/// Reads the rest of a refused request for a short time.
+/// Reads the rest of a refused request for a short time, so that the client sees the response.
 fn leave(stream: &mut TcpStream) {
     let (most, time) = REST;
     let deadline = Instant::now() + time;

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 /// The problems and examples that a server offers.
 #[derive(Clone, Debug)]
 pub struct Library {
-    /// The catalogue of problems, and of scenes that serve as examples.
+    /// The catalogue of problems, and of the scenes that serve as examples.
     pub catalogue: Catalogue,
     /// The folder that contains the files to which scenes may refer; `None` if scenes must not
     /// refer to files.

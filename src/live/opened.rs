@@ -7,9 +7,10 @@ use crate::scene::Range;
 /// The scene or the model that pages show first.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Opened {
-    /// The name of a built-in scene or the path of a file, as given on the command line.
+    /// The name of a built-in scene, or the path of a file, that was given on the command line.
     pub place: String,
-    /// The text of the scene or model, and the request applied to it.
+    /// The text of the scene or model, and the request (the options of the command line) applied to
+    /// it.
     pub setup: Setup,
 }
 

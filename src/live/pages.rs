@@ -34,9 +34,9 @@ impl Message {
 /// The last result of a page, which the server keeps.
 #[derive(Clone)]
 pub(super) struct Kept {
-    /// The name of files in which the result is saved.
+    /// The name of the result, which is also the name of the files in which the result is saved.
     pub name: String,
-    /// The scene whose result is kept, with all traced runs.
+    /// The scene whose result is kept, including all runs that were traced.
     pub scene: Arc<Scene>,
     pub document: Arc<Document>,
     /// The columns on the axes of the diagram; `None` for the default columns.
@@ -88,8 +88,8 @@ impl Tasks {
     }
 }
 
-/// A page, with the number of its last trace, the token that cancels this trace, and the last
-/// result.
+/// A page, with the number of its last trace (computation of branches), the token that cancels this
+/// computation, and the last result.
 struct Page {
     id: String,
     turn: u64,
@@ -106,8 +106,8 @@ impl Pages {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Cancels the running trace of a page, and returns the cancellation token of the new trace;
-    /// `None` if a newer trace has already begun.
+    /// Cancels the computation that is running for a page, and returns the cancellation token of
+    /// the new computation; `None` if an even newer computation has already begun.
     pub fn begin(&self, id: &str, turn: u64) -> Option<CancelToken> {
         let mut all = self.all();
         let known = all.iter().position(|page| page.id == id);
@@ -128,7 +128,7 @@ impl Pages {
         Some(cancel)
     }
 
-    /// Keeps the result of a trace, unless a newer trace has begun.
+    /// Keeps the result of a computation for a page, unless a newer computation has begun.
     pub fn keep(&self, id: &str, turn: u64, kept: Kept) {
         let mut all = self.all();
         if let Some(page) = all.iter_mut().find(|page| page.id == id && page.turn == turn) {
@@ -136,12 +136,12 @@ impl Pages {
         }
     }
 
-    /// Cancels the running trace of a page.
+    /// Cancels the computation that is running for a page.
     pub fn cancel(&self, id: &str) {
         self.all().iter().filter(|page| page.id == id).for_each(|page| page.cancel.cancel());
     }
 
-    /// Changes the axes of the last result of a page, and returns the result.
+    /// Changes the columns on the axes of the last result of a page, and returns the result.
     pub fn turn_axes(&self, id: &str, axes: [Option<String>; 2]) -> Option<Arc<Kept>> {
         let mut all = self.all();
         let page = all.iter_mut().find(|page| page.id == id)?;
@@ -179,17 +179,17 @@ impl Pages {
     }
 }
 
-/// The slots that limit how many traces run simultaneously.
+/// The slots that limit how many computations for pages run simultaneously.
 pub(super) struct Slots {
     free: Mutex<usize>,
     freed: Condvar,
 }
 
-/// A slot that is in use.
+/// A slot that a computation uses; the slot becomes free when this value is dropped.
 pub(super) struct Slot<'a>(&'a Slots);
 
 impl Slots {
-    /// Creates one slot for each processor, but at least two slots.
+    /// Creates one slot for each processor, but at least two slots; each slot allows one computation.
     pub fn new() -> Self {
         let processors = std::thread::available_parallelism().map_or(2, |count| count.get());
         Slots { free: Mutex::new(processors.max(2)), freed: Condvar::new() }

@@ -9,24 +9,27 @@ use serde_json::json;
 use std::sync::mpsc::Sender;
 use std::time::{Duration, Instant};
 
-/// The time before the first picture of unfinished branches, and between two of them.
+/// The time until the first picture of unfinished branches is sent, and the time between two
+/// pictures.
 const FIRST: Duration = Duration::from_millis(8);
 const NEXT: Duration = Duration::from_millis(30);
 
 /// The maximum number of points in the picture of a branch that is still being traced.
 const SHOWN: usize = 4_000;
-/// The number of points after which a trace is stopped, so that its result fits into memory.
+/// The number of points after which the computation of branches is stopped, so that its result fits
+/// into memory.
 const MOST: usize = 500_000;
 
-/// An observer that sends pictures of unfinished branches to the page, and stops a trace that has
-/// too many points.
+/// An observer that sends pictures of unfinished branches to the page, and stops a computation that
+/// has too many points.
 pub(super) struct Preview<'a> {
     document: Document,
     /// The chosen columns.
     axes: [Option<&'a str>; 2],
     out: &'a Sender<Message>,
     shown: bool,
-    /// Whether the second half of the last branch is being traced.
+    /// Whether the second half of the last branch, in the direction opposite to the first half, is
+    /// being traced.
     backward: bool,
     next: Instant,
     points: usize,
@@ -34,8 +37,8 @@ pub(super) struct Preview<'a> {
 }
 
 impl<'a> Preview<'a> {
-    /// Creates an observer for the axes of a plot; the observer stops the trace by cancelling the
-    /// token.
+    /// Creates an observer that draws branches on the axes of a plot, and cancels the token to stop
+    /// the computation.
     pub fn new(
         plot: Plot,
         axes: [Option<&'a str>; 2],

@@ -81,7 +81,7 @@ impl Server {
         format!("http://{}/{}/", self.at, self.token)
     }
 
-    /// Answers requests until the program ends.
+    /// Answers the requests of pages until the program ends.
     pub fn serve(self) -> ! {
         let connections = Connections::default();
         let Server { listener, at, token, service } = self;
@@ -141,7 +141,8 @@ impl Access {
         let _ = sent;
     }
 
-    /// Returns the requested file of the page, or `None` if the request is a call.
+    /// Returns the requested file of the page, or `None` if the request is a call of the page
+    /// instead of a file.
     fn file_or_call(
         &self,
         incoming: &Incoming,

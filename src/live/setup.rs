@@ -13,7 +13,7 @@ use std::path::PathBuf;
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Setup {
-    /// The name of the results, used for files.
+    /// The name of the files in which results are saved.
     pub name: String,
     /// The text of a scene, of equations in RON, or of an XPPAUT model.
     pub text: String,
@@ -38,12 +38,14 @@ pub struct Setup {
     pub depth: usize,
     /// The kinds of special points from which further branches are traced; empty for all kinds.
     pub kinds: Vec<Kind>,
-    /// The column on the horizontal axis of the diagram; `None` for the default column.
+    /// The column of the results on the horizontal axis of the diagram; `None` for the default
+    /// column.
     pub x: Option<String>,
-    /// The column on the vertical axis of the diagram; `None` for the default column.
+    /// The column of the results on the vertical axis of the diagram; `None` for the default
+    /// column.
     pub y: Option<String>,
-    /// Whether a control is being dragged: special points then lack sensitivities, which the
-    /// diagram does not show.
+    /// Whether the user is dragging a control of the page: sensitivities of special points, which
+    /// the diagram does not show, are then not computed.
     #[serde(skip_serializing)]
     pub draft: bool,
 }
@@ -79,8 +81,8 @@ impl LeftOut {
 const DEPTH: usize = 20;
 
 impl Setup {
-    /// Returns the kinds of special points at which branches are switched, or `None` if branches
-    /// are not switched.
+    /// Returns the kinds of special points at which branches are switched; `None` if no branches
+    /// are switched.
     pub(super) fn following(&self) -> Option<Following> {
         let all = Following::all(self.depth.min(DEPTH));
         let kinds = if self.kinds.is_empty() { all.kinds } else { self.kinds.clone() };
@@ -128,14 +130,15 @@ impl Setup {
         }
     }
 
-    /// Returns the scene with the changed values; the scene of a model has no runs.
+    /// Returns the scene with the changed values of the setup; a scene made from a model has no
+    /// runs.
     pub(super) fn values(&self, library: &Library) -> Result<Scene, SceneError> {
         let mut scene = self.plain(library)?;
         scene.set_all(&self.set)?;
         Ok(scene)
     }
 
-    /// Returns the scene as written in the text; the scene of a model has no runs.
+    /// Returns the scene as written in the text; a scene made from a model has no runs.
     fn plain(&self, library: &Library) -> Result<Scene, SceneError> {
         Ok(self.stated(library)?.as_written(&self.name, &Request::default()))
     }

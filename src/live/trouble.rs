@@ -11,9 +11,9 @@ use serde::Serialize;
 pub(super) struct Trouble {
     /// The message.
     message: String,
-    /// The number of the line in the text, counted from 1.
+    /// The number of the line with the error in the text, counted from 1.
     line: Option<usize>,
-    /// The number of the first column in the line, counted from 1.
+    /// The number of the first marked column in the line, counted from 1.
     column: usize,
     /// The number of columns to mark.
     width: usize,
@@ -50,7 +50,7 @@ impl From<&SceneError> for Trouble {
     }
 }
 
-/// Returns the message of an error in equations and its remedy, without the place, which the page
+/// Returns the message and the remedy of an error in equations, but not its place, which the page
 /// shows separately.
 fn said(error: &ModelError) -> String {
     match &error.help {

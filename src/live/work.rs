@@ -1,5 +1,5 @@
-//! The trace of a setup for a page: a description of the scene, pictures of unfinished branches,
-//! and the result.
+//! Traces the branches of a setup for a page: sends a description of the scene, pictures of
+//! unfinished branches, and the result.
 
 use super::command::command;
 use super::describe::describe;
@@ -23,12 +23,13 @@ use std::sync::Arc;
 use std::sync::mpsc::Sender;
 use std::time::Instant;
 
-/// The number of significant digits of values in tables.
+/// The number of significant digits with which tables show values.
 const DIGITS: usize = 10;
-/// The number of significant digits of errors in tables.
+/// The number of significant digits with which tables show errors.
 const ERROR_DIGITS: usize = 2;
 
-/// Traces a setup and sends messages to its page; returns the result that the server keeps.
+/// Traces the branches of a setup and sends messages to its page; returns the result that the
+/// server keeps.
 pub(super) fn trace(
     setup: &Setup,
     (library, opened): (&Library, Option<&Opened>),
@@ -94,12 +95,12 @@ fn branches(
     (resolution.scene().clone(), outcome.document, failed)
 }
 
-/// The result of a trace, as it is sent to the page.
+/// The result of tracing branches, as it is sent to the page.
 #[derive(Serialize)]
 struct Done<'a> {
-    /// The duration of the trace in milliseconds.
+    /// The duration of the computation in milliseconds.
     millis: f64,
-    /// Whether the trace was stopped before it was complete.
+    /// Whether the computation was stopped before all branches were complete.
     stopped: bool,
     /// The equivalent command.
     command: String,
@@ -126,7 +127,7 @@ pub(super) struct Drawing {
 }
 
 impl Drawing {
-    /// Draws the diagrams of a result with the chosen axes.
+    /// Draws the diagrams of a result with the chosen columns on the axes.
     pub fn of(kept: &Kept) -> Self {
         let (panels, trouble) = match diagrams(kept) {
             Ok(figures) => (figures, None),

@@ -1,12 +1,12 @@
-//! Scales and ranges of axes: an axis shows the values of a column, or their deviations from a
-//! special point.
+//! Scales and ranges of axes: an axis shows either the values of a column, or the deviations of
+//! these values from the value at a special point.
 
 use super::document::{Deviation, Document};
 use super::error::FigureError;
 use super::figure::{Figure, Series, Style};
 
-/// The scale of a column on an axis: the values themselves, or their deviations from a special
-/// point.
+/// The scale of a column on an axis: the axis shows the values themselves, or their deviations from
+/// the value at a special point.
 pub(super) struct Scale<'a>(Option<(&'a Deviation, f64)>);
 
 impl<'a> Scale<'a> {
@@ -35,13 +35,13 @@ impl<'a> Scale<'a> {
         self.0.is_none()
     }
 
-    /// Returns the number that the axis shows for a value of the column.
+    /// Returns the number that the axis shows for a given value of the column.
     pub fn shown(&self, value: f64) -> f64 {
         self.0.map_or(value, |(deviation, at)| deviation.shown(value, at))
     }
 }
 
-/// Removes the parts of a figure outside the given ranges of its axes.
+/// Removes the parts of a figure that are outside the given ranges of its axes.
 pub(super) fn clip(figure: &mut Figure, ranges: [[f64; 2]; 2]) {
     if ranges.iter().flatten().all(|end| end.is_infinite()) {
         return;
@@ -90,8 +90,8 @@ pub(super) fn keep_positive(figure: &mut Figure) {
     figure.walls.retain(|wall| !axes[wall.axis] || wall.at > 0.0);
 }
 
-/// Returns a part of a series, where each point of the part gets the origin of the nearest point of
-/// the whole series.
+/// Returns a part of a series of points as a separate series, where each point gets the origin
+/// (document, branch and point) of the nearest point of the whole series.
 fn part_of(whole: &Series, piece: Piece) -> Series {
     let (points, numbers): (Vec<[f64; 2]>, Vec<usize>) = piece.into_iter().unzip();
     let origins = numbers.iter().filter_map(|number| whole.origins.get(*number).copied());

@@ -18,11 +18,11 @@ use std::fmt;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Chosen {
-    /// The requested relative error of special points.
+    /// The requested maximum relative error of special points.
     pub accuracy: f64,
-    /// The names and values of the chosen settings.
+    /// The names and values of the settings that were chosen.
     pub settings: Vec<(String, String)>,
-    /// The estimated largest relative error of any special point.
+    /// The largest estimated relative error among all special points.
     pub estimate: f64,
     /// The special point with the largest estimated error.
     pub of: String,

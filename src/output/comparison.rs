@@ -1,5 +1,5 @@
-//! Comparison of documents, as in the command `tangency compare`: finds special points that
-//! appeared, disappeared or moved.
+//! Comparison of two documents (files of results), as in the command `tangency compare`: finds
+//! special points that appeared, disappeared or moved.
 
 use super::document::Document;
 use super::number::significant;
@@ -24,7 +24,8 @@ pub enum Difference {
         branch: String,
         /// The parameter.
         name: String,
-        /// The value of the parameter in the old document, and the value in the new document.
+        /// The value of the constant parameter in the old document, and its value in the new
+        /// document.
         values: [f64; 2],
     },
     /// A special point that exists in only one of the two documents.
@@ -33,7 +34,7 @@ pub enum Difference {
         branch: String,
         /// The kind of the special point.
         kind: Kind,
-        /// The continuation parameter, and its value at the point.
+        /// The continuation parameter, and its value at the special point.
         at: (String, f64),
         /// Whether the special point is in the new document rather than the old one.
         new: bool,
@@ -54,18 +55,18 @@ pub enum Difference {
         /// The allowed difference.
         allowed: f64,
     },
-    /// A special point with a property, such as its stability, that differs between the two
+    /// A special point that has a property, such as its stability, with different values in the two
     /// documents.
     Property {
         /// The branch of the special point.
         branch: String,
         /// The kind of the special point.
         kind: Kind,
-        /// The continuation parameter, and its value at the point.
+        /// The continuation parameter, and its value at the special point.
         at: (String, f64),
         /// The name of the property that differs.
         property: &'static str,
-        /// The property in the old document, and the property in the new document.
+        /// The value of the property in the old document, and its value in the new document.
         values: [String; 2],
     },
 }
@@ -111,24 +112,25 @@ impl fmt::Display for Difference {
     }
 }
 
-/// The relative rounding error by which values may differ in addition to their stated errors.
+/// The relative rounding error by which values of two documents may differ in addition to their
+/// stated errors.
 const ROUNDING: f64 = 1e-12;
 
-/// The allowed difference between two documents in a column without a stated error, relative to the
-/// largest value of the column along both branches.
+/// The allowed difference between the values of two documents in a column without a stated error,
+/// relative to the largest value of the column along both branches.
 const COLUMNS: f64 = 1e-6;
 
-/// The largest distance between a point of the old and a point of the new document, relative to the
-/// largest value, at which both are compared as the same special point.
+/// The largest distance at which a special point of the old document and a special point of the new
+/// document are compared as the same point, relative to the largest values along the branches.
 const FAR: f64 = 0.2;
 
 /// Returns the differences of a new document from an old one: branches are matched by name, special
 /// points of a branch by kind and position. The continuation parameter may differ by the sum of the
 /// stated errors of the two documents, every other column by 10⁻⁶ of its largest value along the
-/// branches. If one of two matched points has not converged, only their brackets are compared. A
-/// constant parameter whose value differs is reported before the special points, once for each
-/// branch. Points that were saved on request (`RG`) and the number of points of a branch are not
-/// compared.
+/// branches. If one of two matched special points has not converged, only the intervals that
+/// contain the two points are compared. A constant parameter whose value differs between the
+/// documents is reported before the special points, once for each branch. Points that were saved on
+/// request (`RG`) and the number of points of a branch are not compared.
 ///
 /// ```
 /// use tangency::output::{Document, compare, example_branch};
@@ -249,8 +251,8 @@ struct Both<'a> {
 }
 
 impl Both<'_> {
-    /// Returns the columns of the two branches, with the values at two given points and the largest
-    /// value along the branches.
+    /// Returns the columns of the two branches, each with its values at one special point of each
+    /// branch and its largest value along the branches.
     fn columns<'b>(
         self,
         point: &'b SpecialPoint,
@@ -272,8 +274,8 @@ impl Both<'_> {
         })
     }
 
-    /// Returns the largest distance between two points in any column, relative to the largest value
-    /// in the column.
+    /// Returns the distance between two special points: the largest difference in any column,
+    /// relative to the largest value in the column.
     fn distance(self, point: &SpecialPoint, there: &SpecialPoint) -> f64 {
         let parts = self.columns(point, there).filter(|(.., size)| *size > 0.0);
         parts.map(|(_, [a, b], size)| (a - b).abs() / size).fold(0.0, f64::max)
@@ -318,8 +320,8 @@ impl Both<'_> {
     }
 }
 
-/// Returns the allowed difference between two points that have not both converged: infinite if
-/// their brackets overlap, otherwise 0.
+/// Returns the allowed difference between two special points if at least one of them has not
+/// converged: infinite if the intervals that contain the points overlap, otherwise 0.
 fn gap(point: &SpecialPoint, there: &SpecialPoint) -> f64 {
     let ends = |point: &SpecialPoint| {
         let [a, b] = point.bracket;
@@ -329,7 +331,7 @@ fn gap(point: &SpecialPoint, there: &SpecialPoint) -> f64 {
     if b < c || d < a { 0.0 } else { f64::INFINITY }
 }
 
-/// Returns the properties of a point that are not numbers.
+/// Returns the properties of a special point that are not numbers.
 fn properties(point: &SpecialPoint) -> [(&'static str, String); 4] {
     let unstable = match (point.unstable, &point.undetermined) {
         (Some(count), _) => count.to_string(),

@@ -3,7 +3,7 @@
 
 use crate::core::continuation::{Point, Slopes, SpecialPoint};
 
-/// The largest angle by which a cubic turns between two of its vertices, in radians, where each of
+/// The largest angle, in radians, by which a drawn cubic turns between two of its vertices; each of
 /// the two columns is scaled by the length of its range.
 const TURN: f64 = 0.1;
 
@@ -14,19 +14,21 @@ const MOST: f64 = 16.0;
 #[derive(Clone, Copy)]
 pub(super) struct Knot {
     values: [f64; 2],
-    /// The derivatives of the two columns with respect to the position along the branch, and the
-    /// position of the point.
+    /// The derivatives of the two columns with respect to the position of the point along the
+    /// branch, and this position.
     slopes: Option<([f64; 2], f64)>,
 }
 
 impl Knot {
-    /// Returns the knot at a point of a branch, if the point has values in both columns.
+    /// Returns the knot (a point of the curve with its derivatives) for a point of a branch, if the
+    /// point has values in both columns.
     pub fn of_point(point: &Point, columns: [usize; 2]) -> Option<Self> {
         let values = [point.value(columns[0])?, point.value(columns[1])?];
         Some(Knot { values, slopes: slopes(point.slopes.as_ref(), columns) })
     }
 
-    /// Returns the knot at a special point, if the point has values in both columns.
+    /// Returns the knot (a point of the curve with its derivatives) for a special point, if the
+    /// point has values in both columns.
     pub fn of_special(point: &SpecialPoint, columns: [usize; 2]) -> Option<Self> {
         let values = [point.value(columns[0])?, point.value(columns[1])?];
         Some(Knot { values, slopes: slopes(point.slopes.as_ref(), columns) })
@@ -40,9 +42,9 @@ fn slopes(slopes: Option<&Slopes>, columns: [usize; 2]) -> Option<([f64; 2], f64
 }
 
 /// Returns the vertices of the curve between two successive points of a branch, excluding these two
-/// points. The result is empty if derivatives are unknown, or if a column is not smooth between the
-/// points, for example if a maximum jumps to another peak. `ranges` contains the lengths of the
-/// ranges of the two columns.
+/// points. The result is empty if derivatives are unknown, or if one of the two columns is not
+/// smooth between the points, for example if a maximum jumps to another peak. `ranges` contains the
+/// lengths of the ranges of the two columns.
 pub(super) fn between(from: &Knot, to: &Knot, ranges: [f64; 2]) -> Vec<[f64; 2]> {
     let (Some((first, begin)), Some((last, end))) = (from.slopes, to.slopes) else {
         return Vec::new();
@@ -63,8 +65,8 @@ pub(super) fn between(from: &Knot, to: &Knot, ranges: [f64; 2]) -> Vec<[f64; 2]>
     (1..parts).map(at).collect()
 }
 
-/// A column between two points: its values at both points, and its derivatives with respect to the
-/// fraction of the way from the first to the second point.
+/// A column between two points of a branch: its values at both points, and its derivatives with
+/// respect to the fraction of the way from the first to the second point.
 struct Axis {
     values: [f64; 2],
     slopes: [f64; 2],
@@ -75,10 +77,10 @@ impl Axis {
         self.values[1] - self.values[0]
     }
 
-    /// Returns whether the cubic approximates the column: whether its third derivative, `h³ f‴`, is
-    /// small compared with the changes over the step. The test is necessary because derivatives at
-    /// both ends do not reveal a jump between them, and because near a zero of a square root the
-    /// cubic would leave the range of the two end values.
+    /// Returns whether the cubic is a good approximation of the column: whether the third
+    /// derivative of the cubic, `h³ f‴`, is small compared with the changes over the step. The test
+    /// is necessary because derivatives at both ends do not reveal a jump between them, and because
+    /// near a zero of a square root the cubic would leave the range of the two end values.
     fn is_smooth(&self) -> bool {
         let [a, b] = self.slopes;
         let change = self.change();

@@ -13,22 +13,23 @@ use crate::core::continuation::{Branch, End, Point, SpecialPoint};
 use crate::core::problem::UnknownName;
 use crate::core::system::Kind;
 
-/// The name `period`, both of the column with the period of orbits and of the unknown if the period
-/// is free.
+/// The name `period`: the column with the period of orbits has this name, and so has the unknown if
+/// the period is free.
 pub(super) const PERIOD: &str = "period";
 
 /// Draws the diagram of all branches of one or several documents. In the diagram of a single
 /// document each branch has its own colour; in the diagram of several documents all branches of a
 /// document have one colour and the document's given name. The first document determines the title,
-/// axes and labels; `x` and `y` choose other columns for the axes, and several columns may share
-/// the vertical axis. By default the axes are the continuation parameter and the first state.
+/// axes and labels; the arguments `x` and `y` choose other columns for the axes, and several
+/// columns may share the vertical axis. By default the axes are the continuation parameter and the
+/// first state.
 ///
 /// Every curve passes through its special points, and changes between solid (stable) and dashed
 /// (unstable) exactly at special points. If an axis shows a state, each branch of orbits is drawn
 /// twice: with the largest and with the smallest value of the state along the orbit. Branches that
-/// do not contain a column of the axes are omitted. Curves of special points are drawn only in the
-/// axes of their two parameters; in these axes, branches of solutions are omitted if such curves
-/// exist.
+/// lack a column of the axes are omitted. Curves of special points are drawn only if the two axes
+/// show the two parameters of the curves; on these axes, branches of solutions are omitted if such
+/// curves exist.
 ///
 /// # Errors
 /// [`FigureError::UnknownColumn`] with the existing columns, [`FigureError::NoMonitor`] if no
@@ -90,9 +91,9 @@ pub fn diagram(
     Ok(figure)
 }
 
-/// Returns the curves and marks of all drawn branches, independent of the axes, for uses that need
-/// only the order, styles and origins of curves and marks. Both coordinates of the returned points
-/// are the continuation parameter.
+/// Returns the curves and marks of all drawn branches, for uses that need only their order, styles
+/// and origins, but no coordinates on particular axes. Both coordinates of every returned point are
+/// the value of the continuation parameter.
 pub(super) fn spine(documents: &[(&str, &Document)]) -> Figure {
     let mut figure = Figure::default();
     for Named { name, branch, place } in &named(documents) {
@@ -125,12 +126,12 @@ fn hide_starts(figure: &mut Figure) {
     });
 }
 
-/// Heuristic: if at least this number of user points have the same label and an axis shows the
-/// column in the label, the labels of these points are omitted.
+/// Heuristic: if at least this number of user-defined points have the same label, and an axis shows
+/// the column that the label names, the labels of these points are omitted.
 const REPEATED: usize = 3;
 
-/// Removes the labels such as `gap = 1` from user points if three or more user points have them and
-/// an axis shows `gap`.
+/// Removes labels such as `gap = 1` from user-defined points if three or more of these points have
+/// the same label and an axis shows `gap`.
 fn hide_repeated(figure: &mut Figure, axes: &[&str]) {
     let of_axis = |mark: &Mark| {
         let column = mark.label.split_once(" = ").map(|(column, _)| column);
@@ -150,7 +151,8 @@ fn hide_repeated(figure: &mut Figure, axes: &[&str]) {
 struct Named<'a> {
     name: String,
     branch: &'a Branch,
-    /// The position of the document among the documents, and of the branch in the document.
+    /// The index of the document among the drawn documents, and the index of the branch in this
+    /// document.
     place: [usize; 2],
 }
 
@@ -167,10 +169,10 @@ fn first_of<'a>(branches: &[Named<'a>]) -> Option<&'a Branch> {
     solutions.or(branches.first()).map(|named| named.branch)
 }
 
-/// Returns the branches that are drawn in the given axes.
+/// Returns the branches that can be drawn on the given axes.
 ///
 /// # Errors
-/// [`FigureError::UnknownColumn`] if no branch contains the columns.
+/// [`FigureError::UnknownColumn`] if no branch contains the columns of the axes.
 fn living_in<'a>(
     branches: &[Named<'a>],
     x: &str,
@@ -199,7 +201,8 @@ fn living_in<'a>(
 }
 
 impl Named<'_> {
-    /// Adds the branch to a figure with two columns as axes, if the branch contains both columns.
+    /// Adds the branch to a figure whose axes show two columns, if the branch contains both
+    /// columns.
     fn add_to(
         &self,
         figure: &mut Figure,
@@ -299,15 +302,16 @@ pub(super) fn drawn_of(document: &Document) -> impl Iterator<Item = &Branch> {
     document.branches.iter().filter(|it| curves.is_empty() || curves.contains(&it.name))
 }
 
-/// Returns whether the solutions of a branch are orbits whose period is an unknown, either itself
-/// or as a sum of durations.
+/// Returns whether the solutions of a branch are orbits with an unknown period; the unknown is
+/// either the period itself or the durations of parts of the orbit.
 pub(super) fn has_free_period(branch: &Branch) -> bool {
     let any = |known: fn(&str) -> bool| branch.unknowns.iter().any(|group| known(&group.name));
     let durations = any(|name| name.starts_with("duration[")) && !any(|name| name == "start");
     branch.column(PERIOD).is_some() && (any(|name| name == PERIOD) || durations)
 }
 
-/// Returns the first recorded quantity other than the period; for orbits it is the first state.
+/// Returns the name of the first recorded quantity of a branch other than the period; for orbits it
+/// is the first state.
 fn first_quantity(branch: &Branch) -> Option<&str> {
     let mut others = branch.monitors.iter().map(String::as_str).filter(|name| *name != PERIOD);
     let first = others.next().or(branch.monitors.first().map(String::as_str))?;
@@ -316,7 +320,8 @@ fn first_quantity(branch: &Branch) -> Option<&str> {
     Some(state.filter(has_least).unwrap_or(first))
 }
 
-/// Returns the one or more columns that show a quantity.
+/// Returns the columns of a branch that show a quantity: for a state of orbits, its maximum and its
+/// minimum.
 fn columns(branch: &Branch, name: &str) -> Result<Vec<usize>, FigureError> {
     let columns = branch.columns_showing(name);
     if columns.is_empty() {
@@ -330,11 +335,12 @@ fn columns(branch: &Branch, name: &str) -> Result<Vec<usize>, FigureError> {
 struct Curve<'a> {
     name: &'a str,
     branch: &'a Branch,
-    /// The position of the document among the documents, and of the branch in the document.
+    /// The index of the document among the drawn documents, and the index of the branch in this
+    /// document.
     place: [usize; 2],
     plot: &'a Plot,
-    /// The columns on the two axes, the scales of these columns, and the shifts added to the shown
-    /// values.
+    /// The columns on the two axes, the scales of these columns, and the numbers that are added to
+    /// the shown values.
     columns: [usize; 2],
     scales: &'a [Scale<'a>; 2],
     shift: [f64; 2],
@@ -348,7 +354,7 @@ impl Curve<'_> {
         self.add_marks(figure);
     }
 
-    /// Returns the pieces of the curve, each with one line style.
+    /// Returns the pieces of the drawn branch, each with one line style.
     fn pieces(&self, cubic: bool) -> Vec<Series> {
         let mut pieces = Pieces { name: self.name, series: Vec::new() };
         let [document, branch] = self.place;
@@ -428,7 +434,7 @@ impl Curve<'_> {
         }));
     }
 
-    /// Adds the numbers of unstable directions on the two sides of the curve to a figure.
+    /// Adds the numbers of unstable directions on the two sides of a bifurcation curve to a figure.
     fn add_regions(&self, figure: &mut Figure) {
         let beside = |Region { points: [first, last], sides }: Region| {
             let points = self.branch.points.get(first..=last).unwrap_or_default().iter();
@@ -459,8 +465,8 @@ impl Curve<'_> {
     }
 }
 
-/// Returns the event of a user-defined point, with the unit prefix of the axis that shows its
-/// column: `gap = 2 µm`.
+/// Returns the label of a user-defined point, such as `gap = 2 µm`, with the unit prefix of the
+/// axis that shows the column.
 pub(super) fn event(plot: &Plot, special: &SpecialPoint) -> String {
     let parts = special.event.split_once(" = ");
     let shown = parts.and_then(|(column, value)| {
@@ -494,7 +500,7 @@ impl Pieces<'_> {
         }
     }
 
-    /// Inserts a gap before the next point of the curve.
+    /// Inserts a gap into the drawn curve before its next point.
     fn interrupt(&mut self) {
         if self.series.last().is_some_and(|last| !last.points.is_empty()) {
             self.series.push(Series::new(self.name, self.style(), []));
@@ -520,7 +526,7 @@ fn style_of(point: &Point) -> Style {
     }
 }
 
-/// Returns the line style for a number of unstable eigenvalues.
+/// Returns the line style of solutions with a given number of unstable eigenvalues.
 pub(super) fn style(unstable: Option<usize>) -> Style {
     match unstable {
         Some(1..) => Style::Dashed,

@@ -16,8 +16,8 @@ pub struct Document {
     pub format: String,
     /// The title of the document, in words.
     pub title: String,
-    /// The settings of the computation of the branches, by unique name: the scene, its terms, the
-    /// number of its modes.
+    /// The settings with which all branches were computed, by unique name, for example the scene,
+    /// its terms, and the number of its modes.
     #[serde(default)]
     pub settings: Vec<(String, String)>,
     /// The settings that were chosen to achieve a requested accuracy.
@@ -26,8 +26,8 @@ pub struct Document {
     /// The default plot of the branches.
     #[serde(default)]
     pub plot: Plot,
-    /// Settings that differ for single branches: the name of each such branch, and its own settings
-    /// by name.
+    /// Settings that differ between branches: the name of each such branch, and the settings of
+    /// this branch by name.
     #[serde(default)]
     pub differences: Vec<(String, Vec<(String, String)>)>,
     /// The branches of the document; their names are unique.
@@ -38,19 +38,19 @@ pub struct Document {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Plot {
-    /// The column on the horizontal axis; by default the first varied parameter.
+    /// The column on the horizontal axis of the plot; by default the first varied parameter.
     pub x: Option<String>,
-    /// The column on the vertical axis; by default the first monitor (for a curve of special
-    /// points, the second varied parameter).
+    /// The column on the vertical axis of the plot; by default the first monitor (for a curve of
+    /// special points, the second varied parameter).
     pub y: Option<String>,
     /// The labels of columns on axes, with units: `("load", "load V² (1)")`. The label of a column
     /// without an entry is its name.
     pub labels: Vec<(String, String)>,
-    /// Additional panels of diagrams, as pairs of columns for the horizontal and the vertical axis.
-    /// Branches that do not contain both columns of a panel are omitted from it.
+    /// Additional panels of diagrams, each given by the two columns on its horizontal and vertical
+    /// axis. Branches that do not contain both columns of a panel are omitted from it.
     pub panels: Vec<(String, String)>,
-    /// Additional panels in plots of parameter sweeps, as pairs of columns for the horizontal and
-    /// the vertical axis.
+    /// Additional panels in plots of parameter sweeps, each given by the two columns on its
+    /// horizontal and vertical axis.
     pub swept: Vec<(String, String)>,
     /// The profiles to draw for each special point, as pairs (abscissa, ordinate):
     /// `("displacement", "velocity")` is the phase portrait, `("time", "velocity")` a time history.
@@ -61,36 +61,37 @@ pub struct Plot {
     pub points: Vec<String>,
     /// The names of the branches that diagrams show; by default all branches.
     pub curves: Vec<String>,
-    /// Numbers that diagrams add to a column of a branch, to compare curves of different height:
-    /// name of the branch, name of the column, number.
+    /// The numbers that diagrams add to the values of a branch in a column, to compare curves of
+    /// different height: name of the branch, name of the column, number.
     pub shifts: Vec<(String, String, f64)>,
-    /// The columns that diagrams show as deviations from a special point, or as roots of such
-    /// deviations.
+    /// The columns that diagrams show as deviations from the value at a special point, or as roots
+    /// of such deviations.
     pub deviations: Vec<Deviation>,
     /// The ranges that the axes of columns show, in the numbers written on the axis: column, lower
     /// end, upper end.
     pub ranges: Vec<(String, f64, f64)>,
     /// The columns with logarithmic axes; an axis of several columns is logarithmic if all its
-    /// columns are named. Points with a zero or negative value in such a column are not drawn.
+    /// columns are named. Points with a zero or negative value in a column with a logarithmic axis
+    /// are not drawn.
     pub logarithmic: Vec<String>,
     /// Whether curves of bifurcations in two parameters are labelled on both sides with the number
     /// of unstable directions.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub regions: bool,
-    /// Parts of the diagram that are enlarged in separate panels; their ranges are in the units of
-    /// the axes.
+    /// Parts of the diagram that are enlarged in separate panels; the ranges of these parts are in
+    /// the units of the axes.
     pub enlargements: Vec<Enlargement>,
     /// Plots of special points from all branches against a setting in which the branches differ.
     pub against: Vec<Against>,
 }
 
-/// A part of a diagram, given by its ranges on both axes.
+/// A part of a diagram to enlarge, given by its ranges on both axes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Enlargement {
-    /// The range of the part on the horizontal axis.
+    /// The range of the enlarged part on the horizontal axis.
     pub x: [f64; 2],
-    /// The range of the part on the vertical axis.
+    /// The range of the enlarged part on the vertical axis.
     pub y: [f64; 2],
 }
 
@@ -104,7 +105,8 @@ pub struct Deviation {
     pub column: String,
     /// The branch that contains the special point.
     pub branch: String,
-    /// The kind of the special point; the first special point of this kind on the branch is used.
+    /// The exponent `p` of the shown deviation: diagrams show `|v|^p` with the sign of `v`, where
+    /// `v` is the deviation.
     pub kind: Kind,
     /// The exponent of the absolute deviation: diagrams show the absolute deviation raised to this
     /// power, with the sign of the deviation.
@@ -133,9 +135,9 @@ impl Deviation {
     }
 }
 
-/// A plot of the special points of one kind against a setting in which branches differ, for example
-/// pull-in against the number of modes. Branches that also differ in other settings form a separate
-/// series for each combination of these settings.
+/// A plot of the special points of one kind against a setting that differs between branches, for
+/// example pull-in against the number of modes. Branches that also differ in other settings form
+/// separate series, one for each combination of values of these settings.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Against {
@@ -154,8 +156,8 @@ impl Plot {
         entry.map_or(column, |(_, label)| label)
     }
 
-    /// Returns the plot restricted to the given branches, without the parts that concern other
-    /// branches or columns.
+    /// Returns a copy of the plot for the given branches only: parts that concern other branches,
+    /// or columns that the given branches lack, are removed.
     ///
     /// ```
     /// use tangency::output::{Plot, example_branch};
@@ -213,7 +215,7 @@ impl Plot {
         self.logarithmic.iter().any(|name| name == column)
     }
 
-    /// Returns the number that the plot adds to a column of a branch.
+    /// Returns the number that diagrams add to the values of a branch in a column.
     pub(super) fn shift(&self, branch: &str, column: &str) -> f64 {
         let meant = |entry: &&(String, String, f64)| entry.0 == branch && entry.1 == column;
         self.shifts.iter().find(meant).map_or(0.0, |(_, _, shift)| *shift)
@@ -248,8 +250,8 @@ impl Document {
         Ok(&self.branches[position("branch", name, names)?])
     }
 
-    /// Returns the special point with a label, on a named branch, or on the only branch that
-    /// contains the label.
+    /// Returns the special point with a given label: on the named branch, or, without a name, on
+    /// the only branch that contains the label.
     ///
     /// # Errors
     /// [`UnknownPoint`] if the branch or the label does not exist, or if several branches contain

@@ -15,8 +15,9 @@ impl Document {
     /// digits.
     ///
     /// # Errors
-    /// [`FormatError::Invalid`] if the text could not be parsed again because of a number that is
-    /// not finite, a list of the wrong length, or a duplicate name.
+    /// [`FormatError::Invalid`] if the serialized text could not be parsed again, because the
+    /// document contains a number that is not finite, a list of the wrong length, or a duplicate
+    /// name.
     pub fn to_ron(&self) -> Result<String, FormatError> {
         check::document(self)?;
         let pretty = PrettyConfig::new()
@@ -88,8 +89,8 @@ impl Document {
     }
 }
 
-/// Classifies a text that could not be parsed: not a document, of another version, truncated, or
-/// invalid.
+/// Determines why a text could not be parsed: it is not a document, has another version of the
+/// format, is truncated, or is invalid.
 fn explain(text: &str, error: &ron::error::SpannedError) -> FormatError {
     let (line, column) = (error.span.start.line, error.span.start.col);
     let known = remedy(&error.code).map_or(String::new(), |known| format!("; {known}"));

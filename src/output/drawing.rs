@@ -75,8 +75,8 @@ pub fn pdf(figures: &[Figure], width: f64) -> Result<Vec<u8>, FigureError> {
 /// system fonts.
 ///
 /// # Errors
-/// The errors of [`draw`], and [`FigureError::Drawing`] if a side would have more than 16 384
-/// pixels.
+/// The errors of [`draw`], and [`FigureError::Drawing`] if a side of the picture would have more
+/// than 16 384 pixels.
 ///
 /// ```
 /// use tangency::output::{COLUMN, Figure, Series, Style, png};

@@ -1,4 +1,4 @@
-//! The errors of reading, writing and drawing results.
+//! The errors that occur when results are read, written or drawn.
 
 use super::tag::FORMAT;
 use super::words::{Invalid, quoted};
@@ -145,7 +145,8 @@ impl FileError {
     }
 }
 
-/// The error of a text that is not a document, or of a document that cannot be written.
+/// The error of a text that should be a document (a file of results) but is not, or of a document
+/// that cannot be written.
 #[derive(Clone, Debug, PartialEq, miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum FormatError {
@@ -153,11 +154,11 @@ pub enum FormatError {
     #[error("not a tangency document (line {line}, column {column}: {reason})")]
     #[diagnostic(help("give a document saved by a trace"))]
     Foreign {
-        /// The line of the first error, counted from 1.
+        /// The line of the first syntax error, counted from 1.
         line: usize,
-        /// The column of the first error, counted from 1.
+        /// The column of the first syntax error, counted from 1.
         column: usize,
-        /// The description of the first error.
+        /// The description of the first syntax error.
         reason: String,
     },
     /// The document was written in another version of the format.
@@ -217,7 +218,7 @@ pub enum FormatError {
 #[derive(Clone, Debug, PartialEq, Eq, miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum UnknownPoint {
-    /// No branch has the requested name.
+    /// No branch has the name that was requested.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Branch(#[from] UnknownName),
@@ -251,20 +252,20 @@ pub enum UnknownPoint {
 #[derive(Clone, PartialEq, miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum FigureError {
-    /// A branch does not contain a requested column.
+    /// A branch does not contain a column that was requested.
     #[error("branch `{branch}`: {source}")]
     #[diagnostic(forward(source))]
     UnknownColumn {
         /// The name of the branch.
         branch: String,
-        /// The name of the requested column, and the names of the existing columns.
+        /// The name of the requested column, with the names of the existing columns.
         source: UnknownName,
     },
-    /// No branch and no sweep contains a requested column.
+    /// No branch and no sweep contains a column that was requested.
     #[error(transparent)]
     #[diagnostic(transparent)]
     NoColumn(UnknownName),
-    /// No figure has an axis for the columns that should be logarithmic.
+    /// No figure has an axis that shows the columns for which a logarithmic axis was requested.
     #[error("no axis shows only {}", names.join(", "))]
     #[diagnostic(help("name all columns that share the axis, or use a linear axis"))]
     NotLogarithmic {
@@ -277,7 +278,7 @@ pub enum FigureError {
     NoMonitor {
         /// The name of the branch that has no monitor.
         branch: String,
-        /// The names of the existing columns.
+        /// The names of the columns that exist.
         available: Vec<String>,
     },
     /// The special point from which the deviations of a column are measured does not exist.
@@ -309,8 +310,8 @@ pub enum FigureError {
         "the curve `{series}` cannot be drawn: its point {index}, ({}, {}), is not finite", at[0], at[1]
     )]
     NotFinite {
-        /// The name of the series, or the label of the mark, with the coordinate that cannot be
-        /// drawn.
+        /// The name of the series, or the label of the mark, that contains the coordinate that
+        /// cannot be drawn.
         series: String,
         /// The index of the point that cannot be drawn, counted from 0.
         index: usize,
@@ -323,7 +324,7 @@ pub enum FigureError {
     )]
     #[diagnostic(help("remove the point, or use a linear axis"))]
     NotPositive {
-        /// The name of the curve or mark with the coordinate that cannot be drawn.
+        /// The name of the curve or mark that contains the coordinate that cannot be drawn.
         series: String,
         /// The index of the point that cannot be drawn, counted from 0.
         index: usize,
@@ -348,7 +349,7 @@ pub enum FigureError {
     #[error("the width of a picture must be between {} and {} mm, but is {width} \
              mm", range.start(), range.end())]
     Width {
-        /// The requested width, in millimetres.
+        /// The requested width of the picture, in millimetres.
         width: f64,
         /// The allowed widths.
         range: std::ops::RangeInclusive<f64>,

@@ -3,9 +3,10 @@
 use crate::core::continuation::{Branch, End, Point, Settings, SpecialPoint};
 use crate::core::system::Kind;
 
-/// Returns the branch of the parallel-plate actuator, `load = u (1 − u)²` for `0 ≤ u ≤ 0.8`: stable
-/// up to its fold at `u = 1/3`, `load = 4/27`, unstable beyond the fold. The branch is computed
-/// without a solver, so that its output can be shown and tested separately.
+/// Returns the branch of the parallel-plate actuator, `load = u (1 − u)²` for `0 ≤ u ≤ 0.8`: it is
+/// stable up to its fold at `u = 1/3`, `load = 4/27`, and unstable beyond the fold. The branch is
+/// given by a formula and computed without a solver, so that examples of output do not depend on
+/// the solver.
 ///
 /// ```
 /// let branch = tangency::output::example_branch();

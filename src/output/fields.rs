@@ -8,14 +8,14 @@ use super::profiles::{Shown, shown};
 use super::tile::{Hue, Tile};
 use crate::core::problem::{PlaneField, distinct};
 
-/// The maximum number of levels of a map, which is also the number of shades.
+/// The maximum number of levels of a contour map, which is also the number of shades.
 const LEVELS: usize = 9;
-/// The number of significant digits of levels in the legend.
+/// The number of significant digits with which the legend shows the levels.
 const DIGITS: usize = 6;
 
-/// Returns a contour map for each field of each shown special point, as [`figures`](super::figures)
-/// describes. All maps of fields with the same name have the same levels. No fields are shown if
-/// the document chooses kinds of profiles.
+/// Returns a contour map for each field at each special point that is shown, as
+/// [`figures`](super::figures) describes. All contour maps of fields with the same name have the
+/// same levels. If the document chooses kinds of profiles to draw, no fields are shown.
 pub(super) fn fields(documents: &[(&str, &Document)]) -> Result<Vec<Figure>, FigureError> {
     let Some((_, Document { plot, .. })) = documents.first() else { return Ok(Vec::new()) };
     if !plot.profiles.is_empty() {
@@ -53,7 +53,8 @@ fn map(plot: &Plot, shown: &Shown, field: &PlaneField, levels: &Levels) -> Figur
     figure
 }
 
-/// Returns the ends of the cell around an index, which are half-way to the neighbouring indices.
+/// Returns the ends of the cell of the grid around an index; they are half-way to the neighbouring
+/// indices.
 fn ends(along: &[i64], k: usize) -> [f64; 2] {
     let at = along[k] as f64;
     let half = |other: Option<&i64>| other.map(|other| 0.5 * (*other as f64 - at));
@@ -63,13 +64,13 @@ fn ends(along: &[i64], k: usize) -> [f64; 2] {
     [at + low.unwrap_or(-0.5), at + high.unwrap_or(0.5)]
 }
 
-/// Returns the middle of the cell around an index.
+/// Returns the middle of the cell of the grid around an index.
 fn middle(along: &[i64], k: usize) -> f64 {
     let [low, high] = ends(along, k);
     0.5 * (low + high)
 }
 
-/// Returns the widths of the cells around all indices.
+/// Returns the widths of the cells of the grid around all indices.
 fn widths(along: &[i64]) -> Vec<f64> {
     let width = |k| {
         let [low, high] = ends(along, k);
@@ -81,13 +82,13 @@ fn widths(along: &[i64]) -> Vec<f64> {
 /// Levels of a contour map at multiples of a step.
 struct Levels {
     step: f64,
-    /// The multiple of the step at the first level, and the number of levels.
+    /// The first level as a multiple of the step, and the number of levels.
     first: f64,
     count: usize,
 }
 
 impl Levels {
-    /// Returns the common levels of some fields; `None` if the fields contain no values.
+    /// Returns levels that several fields have in common; `None` if the fields contain no values.
     fn of<'a>(fields: impl Iterator<Item = &'a PlaneField>) -> Option<Self> {
         let values = fields.flat_map(|field| &field.values);
         let range = values.fold(None, |range: Option<[f64; 2]>, value| {
@@ -105,7 +106,7 @@ impl Levels {
         Some(Levels { step, first, count: count.min(LEVELS) })
     }
 
-    /// Returns the shade of a value, and the meaning of the shade for the legend.
+    /// Returns the shade for a value of a field, and the meaning of the shade for the legend.
     fn level(&self, label: &str, value: f64) -> (usize, String) {
         let k = ((value / self.step).floor() - self.first).clamp(0.0, (self.count - 1) as f64);
         let shade = (LEVELS - 1) * k as usize / (self.count - 1).max(1);

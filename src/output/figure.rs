@@ -26,12 +26,12 @@ pub struct Figure {
     pub x_label: String,
     /// The label of the vertical axis, with its unit.
     pub y_label: String,
-    /// The curves. The curves; those with the same name are pieces of one curve, and share a colour
-    /// and an entry in the legend.
+    /// The curves. The curves of the figure; curves with the same name are pieces of one curve, and
+    /// share a colour and an entry in the legend.
     pub series: Vec<Series>,
     /// The marks.
     pub marks: Vec<Mark>,
-    /// The texts beside curves, on their two sides.
+    /// The texts on the two sides of curves, such as numbers of unstable directions.
     pub beside: Vec<Beside>,
     /// The line styles with their meanings, if any: `(Dashed, "unstable")`.
     pub styles: Vec<(Style, String)>,
@@ -39,28 +39,30 @@ pub struct Figure {
     pub tiles: Vec<Tile>,
     /// The labels at 0, 1, 2, … on the vertical axis; if empty, the axis is labelled with numbers.
     pub y_names: Vec<String>,
-    /// Walls at which the motion is reset, on axes that show the coordinate that the wall bounds.
+    /// Walls (surfaces at which the motion is reset), on axes that show the coordinate bounded by
+    /// the wall.
     pub walls: Vec<Wall>,
-    /// Whether each of the two axes is logarithmic. All coordinates on a logarithmic axis must be
-    /// positive.
+    /// For each of the two axes, whether the axis is logarithmic. All coordinates on a logarithmic
+    /// axis must be positive.
     pub logarithmic: [bool; 2],
-    /// The lower and the upper end of each of the two axes; by default an end follows from the
-    /// data, with a margin.
+    /// The lower and the upper end of each of the two axes; an end that is not given follows from
+    /// the data, with a margin.
     pub ends: [[Option<f64>; 2]; 2],
 }
 
 /// A curve, or a piece of a curve.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Series {
-    /// The name of the curve in the legend; the legend lists curves if the figure contains more
-    /// than one name.
+    /// The name of the curve in the legend; the legend lists the curves if the figure contains
+    /// curves of more than one name.
     pub name: String,
     /// The drawing style.
     pub style: Style,
     /// The points `[x, y]` in the units of the axes.
     pub points: Vec<[f64; 2]>,
-    /// The origin of each point; empty for curves without origins. A vertex that was interpolated
-    /// between two points of a branch has the origin of the first of them.
+    /// The origin of each point (the document, branch and point from which the point was drawn);
+    /// empty for curves without origins. A vertex that was interpolated between two points of a
+    /// branch has the origin of the first of these two points.
     pub origins: Vec<Origin>,
 }
 
@@ -78,20 +80,20 @@ pub struct Series {
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Beside {
-    /// The name of the curve.
+    /// The name of the curve that has the texts.
     pub curve: String,
-    /// The points `[x, y]` of the part, in the units of the axes.
+    /// The points `[x, y]` of the part of the curve, in the units of the axes.
     pub points: Vec<[f64; 2]>,
-    /// The texts on the left and on the right of the part, in the direction from its first point to
-    /// its last.
+    /// The texts on the left and on the right of the part of the curve, as seen in the direction
+    /// from its first point to its last point.
     pub sides: [String; 2],
 }
 
-/// The origin of a drawn point in the drawn results.
+/// The origin of a drawn point: the place in the results from which the point was drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Origin {
-    /// A point of a branch.
+    /// The origin is a point of a branch.
     Point {
         /// The position of the document among the drawn documents.
         document: usize,
@@ -100,7 +102,7 @@ pub enum Origin {
         /// The position of the point on the branch.
         point: usize,
     },
-    /// A special point of a branch.
+    /// The origin is a special point of a branch.
     Special {
         /// The position of the document among the drawn documents.
         document: usize,
@@ -109,7 +111,7 @@ pub enum Origin {
         /// The label of the special point.
         label: usize,
     },
-    /// A run of a sweep; the curve has the name of the sweep.
+    /// The origin is a run of a sweep; the name of the curve is the name of the sweep.
     Run(usize),
 }
 
@@ -150,11 +152,11 @@ pub struct Wall {
 /// A marked point.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mark {
-    /// The position of the mark, in the units of the axes.
+    /// The position of the mark in the figure, in the units of the axes.
     pub at: [f64; 2],
-    /// The text next to the mark, its label.
+    /// The label of the mark, which is written next to the mark.
     pub label: String,
-    /// The meaning of the mark in the legend.
+    /// The meaning of the mark, which the legend shows.
     pub meaning: String,
     /// The appearance.
     pub symbol: Symbol,
@@ -208,10 +210,10 @@ pub enum Symbol {
     OpenPentagon,
     /// A white hexagon with a brown outline.
     OpenHexagon,
-    /// A gray ring, for a point that may not exist; the point does not count for the extent of a
-    /// figure.
+    /// A grey ring, for a point that may not exist; the ranges of the axes do not depend on this
+    /// point.
     Doubtful,
-    /// No symbol: only the label, which is a number.
+    /// No symbol; only the label of the mark is drawn, which is a number.
     Number,
 }
 
@@ -241,7 +243,7 @@ impl Figure {
         distinct(self.series.iter().map(|series| &series.name))
     }
 
-    /// Returns the ranges of `x` and `y` over all points of the figure.
+    /// Returns the ranges of `x` and `y` that contain all points of the figure.
     ///
     /// # Errors
     /// [`FigureError::NotFinite`] with the place of a coordinate that is NaN or infinite,

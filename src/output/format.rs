@@ -16,28 +16,28 @@ use std::path::{Path, PathBuf};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Format {
-    /// All data of branches, or the data of a report, as RON.
+    /// A RON file with all data of branches, or with the data of a report.
     Ron,
-    /// Sweeps or histories, as an archive of NumPy arrays.
+    /// An archive of NumPy arrays with sweeps or histories.
     Npz,
     /// A vector picture.
     Svg,
     /// A pixel picture.
     Png,
-    /// All points of branches, the points of sweeps, or histories, as comma-separated values.
+    /// Comma-separated values with all points of branches, the points of sweeps, or histories.
     Csv,
-    /// A vector picture for printing.
+    /// A vector picture in PDF, for printing.
     Pdf,
     /// An interactive page.
     Html,
-    /// A complete document, as JSON.
+    /// A JSON file with a complete document.
     Json,
-    /// The tables of a report, in Markdown.
+    /// A Markdown file with the tables of a report.
     Markdown,
 }
 
-/// Data formats with their file extensions; the data formats of results come first, then the
-/// formats to which files can be converted.
+/// Formats of data with their file extensions: first the formats in which results are saved, then
+/// the formats to which files can be converted.
 const DATA: [(Format, &str); 3] =
     [(Format::Ron, "ron"), (Format::Npz, "npz"), (Format::Markdown, "md")];
 const VIEWS: &[(Format, &str)] = &[
@@ -50,11 +50,11 @@ const VIEWS: &[(Format, &str)] = &[
     (Format::Json, "json"),
 ];
 
-/// The file extensions of pictures and tables, as messages list them.
+/// The file extensions of pictures and tables, in the form in which messages list them.
 const ENDINGS: &[&str] = &[".svg", ".png", ".pdf", ".html", ".csv", ".npz", ".json"];
 
 impl Format {
-    /// Returns the format of a picture or table, given the extension of its file name.
+    /// Returns the format of a picture or a table from the extension of its file name.
     ///
     /// # Errors
     /// [`FileError::Ending`] for unknown or missing extensions.

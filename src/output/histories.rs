@@ -9,7 +9,8 @@ use super::table::{Csv, quoted};
 use crate::core::continuation::{Branch, SpecialPoint};
 use crate::core::problem::{Profile, distinct};
 
-/// A set of profiles over the same abscissa, with their branch and label.
+/// A set of profiles over the same abscissa, with the name of their branch and the label of their
+/// special point.
 struct Course<'a> {
     /// The name of the branch and, if several special points are written, the label of the point.
     place: Vec<String>,
@@ -22,7 +23,8 @@ impl<'a> Course<'a> {
         Course { place, curves: all.filter(|profile| profile.along == along).collect() }
     }
 
-    /// Returns the histories of a document, one course (set of profiles) for each branch.
+    /// Returns the histories of a document: for each branch, the set of profiles over time that
+    /// forms its history.
     fn histories(document: &'a Document) -> Vec<Self> {
         let of = |branch: &'a Branch| Course::new(vec![branch.name.clone()], &branch.special, TIME);
         document.branches.iter().map(of).collect()
@@ -42,16 +44,16 @@ impl<'a> Course<'a> {
     }
 }
 
-/// The ordinates of a course (set of profiles) at one abscissa; NaN for states that do not exist in
-/// the mode.
+/// The values of all profiles of a set at one abscissa; the value is NaN for a state that does not
+/// exist in the mode.
 struct Row {
     course: usize,
     at: f64,
     state: Vec<f64>,
 }
 
-/// Returns the names of all ordinates, and the rows of all courses (sets of profiles). Two rows
-/// with the same time contain the states just before and just after an event.
+/// Returns the names of all ordinates, and the rows of a table of all sets of profiles. If two rows
+/// of the table have the same time, they contain the states just before and just after an event.
 fn rows(courses: &[Course]) -> (Vec<String>, Vec<Row>) {
     let names = distinct(courses.iter().flat_map(|course| &course.curves).map(|it| &it.name));
     let mut rows = Vec::new();
@@ -79,9 +81,9 @@ fn rows(courses: &[Course]) -> (Vec<String>, Vec<Row>) {
 }
 
 /// Writes the histories of all branches as comma-separated values: `branch`, `time`, and every
-/// state by name. Two rows with the same time contain the states just before and just after an
-/// event; a cell is empty if the state does not exist in the mode. Numbers in the table have 15
-/// significant digits.
+/// state by name. If two rows have the same time, they contain the states just before and just
+/// after an event; a cell is empty if the state does not exist in the mode. Numbers in the table
+/// have 15 significant digits.
 ///
 /// ```
 /// use tangency::scene::{Scene, execute};
@@ -123,9 +125,9 @@ pub(super) fn arrays(document: &Document) -> Result<Vec<u8>, String> {
     archive(TIME, &Course::histories(document))
 }
 
-/// Returns the profiles of special points as an archive of NumPy arrays, with the columns of
-/// [`of_points`]. For several special points, each array name is preceded by the branch and the
-/// label, as in `r/2/time`.
+/// Returns the profiles of special points as an archive of NumPy arrays, with the same columns as
+/// the table that [`of_points`] writes. For several special points, each array name is preceded by
+/// the branch and the label, as in `r/2/time`.
 pub(super) fn arrays_of_points(points: &[Shown]) -> Result<Vec<u8>, String> {
     let (along, courses) = Course::of_points(points);
     archive(along, &courses)

@@ -5,9 +5,9 @@ use super::document::Document;
 /// The largest number of settings in the name of a document.
 const MOST_SETTINGS: usize = 3;
 
-/// Returns a name for each of several documents: the settings in which they differ, such as `c =
-/// 0.8`, or their given names if these settings do not distinguish them. Settings are ignored if
-/// they are parameters that vary along a branch.
+/// Returns a name for each of several documents. The name consists of the values of the settings in
+/// which the documents differ, such as `c = 0.8`, or is the given name if these settings do not
+/// distinguish the documents. A setting is ignored if it is a parameter that varies along a branch.
 pub(super) fn distinguished(documents: &[(&str, &Document)]) -> Vec<String> {
     let given = || documents.iter().map(|(name, _)| (*name).to_owned()).collect::<Vec<_>>();
     let keys = differing(documents);

@@ -9,12 +9,12 @@
 
 const MAGIC: &[u8] = b"\x93NUMPY";
 
-/// The alignment of the first number in the file, in bytes.
+/// The position in the file of the first number of a column is a multiple of this number of bytes.
 const ALIGNMENT: usize = 64;
 
-/// A type of numbers in a column.
+/// A type of the numbers in a column.
 pub(super) trait Element: Sized {
-    /// NumPy's name of the number type.
+    /// The name of this type of numbers in NumPy.
     const TYPE: &str;
     /// The number of bytes of one number.
     const SIZE: usize;
@@ -50,7 +50,7 @@ impl Element for f64 {
     }
 }
 
-/// The error of a file that is not a column of numbers of the required type.
+/// The error of a file that does not contain a column of numbers of the required type.
 #[derive(Debug, miette::Diagnostic, thiserror::Error)]
 pub(super) enum ColumnError {
     #[error("the entry of the archive is not an array in NumPy's format")]
@@ -69,7 +69,7 @@ pub(super) enum ColumnError {
     Length { stated: usize, size: usize, bytes: usize },
 }
 
-/// Returns the content of a file with a column of numbers.
+/// Returns the content of a file that stores a column of numbers.
 pub(super) fn to_npy<T: Element>(values: impl Iterator<Item = T>) -> Vec<u8> {
     let mut numbers = Vec::new();
     values.for_each(|value| value.write(&mut numbers));
@@ -87,7 +87,7 @@ pub(super) fn to_npy<T: Element>(values: impl Iterator<Item = T>) -> Vec<u8> {
 /// Returns the numbers of a column from the content of its file.
 ///
 /// # Errors
-/// [`ColumnError`] if the file is not a complete one-dimensional array with numbers of this type.
+/// [`ColumnError`] if the file is not a complete one-dimensional array of numbers of this type.
 pub(super) fn from_npy<T: Element>(bytes: &[u8]) -> Result<Vec<T>, ColumnError> {
     let (header, numbers) = parts(bytes).ok_or(ColumnError::Format)?;
     let found = value(header, "descr").and_then(|text| text.strip_prefix('\''));
@@ -119,7 +119,7 @@ fn parts(bytes: &[u8]) -> Option<(&str, &[u8])> {
     Some((std::str::from_utf8(header).ok()?, numbers))
 }
 
-/// Returns the text of the entry with a given key in a header.
+/// Returns the text of the entry with a given key in the header of a file.
 fn value<'a>(header: &'a str, key: &str) -> Option<&'a str> {
     let (_, rest) = header.split_once(&format!("'{key}'"))?;
     Some(rest.trim_start().strip_prefix(':')?.trim_start())

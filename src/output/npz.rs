@@ -28,7 +28,7 @@ impl Npz {
         self.0.write_all(bytes).map_err(|error| error.to_string())
     }
 
-    /// Returns the bytes of the archive.
+    /// Returns all bytes of the finished archive.
     pub fn finish(self) -> Result<Vec<u8>, String> {
         Ok(self.0.finish().map_err(|error| error.to_string())?.into_inner())
     }

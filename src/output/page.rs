@@ -101,12 +101,12 @@ struct Data<'a> {
     colours: Vec<String>,
     /// The names of the columns with logarithmic axes.
     logarithmic: &'a [String],
-    /// The meaning of the texts beside curves.
+    /// The meaning of the texts on the sides of curves.
     regions: &'static str,
     documents: Vec<PageDocument<'a>>,
     panels: Vec<Panel<'a>>,
-    /// The curves and marks of all branches, without coordinates for particular axes. The page
-    /// takes the coordinates of these curves and marks from the columns that the reader chooses.
+    /// The curves and marks of all branches, without coordinates. The page takes the coordinates of
+    /// these curves and marks from the columns that the user chooses for the axes.
     spine: Panel<'a>,
 }
 
@@ -145,9 +145,9 @@ struct PageBranch<'a> {
     warnings: &'a [String],
     released: &'a [String],
     columns: Vec<&'a str>,
-    /// The names of axes, each with the columns that an axis of this name shows.
+    /// The names of possible axes, each with the columns that an axis of this name shows.
     shows: BTreeMap<&'a str, Vec<usize>>,
-    /// The values of all points, column by column; null for missing values.
+    /// The values of all points of the branch, column by column; null for missing values.
     values: Vec<Vec<Option<f64>>>,
     unstable: Vec<Option<usize>>,
     admissible: Vec<bool>,
@@ -233,7 +233,7 @@ impl<'a> PageProfile<'a> {
 pub(crate) struct Panel<'a> {
     title: &'a str,
     labels: [&'a str; 2],
-    /// The names of the curves, in the order of their colours.
+    /// The names of the curves in the figure, in the order of their colours.
     names: Vec<&'a str>,
     curves: Vec<Curve<'a>>,
     marks: Vec<PageMark<'a>>,
@@ -241,10 +241,10 @@ pub(crate) struct Panel<'a> {
     beside: Vec<PageBeside<'a>>,
     tiles: Vec<PageTile<'a>>,
     heights: &'a [String],
-    /// The axis on which each wall is at a constant coordinate, and the coordinate of the wall.
+    /// For each wall, the axis on which the wall is at a constant coordinate, and this coordinate.
     walls: Vec<(usize, f64)>,
     logarithmic: [bool; 2],
-    /// The chosen lower and upper end of each of the two axes.
+    /// The lower and the upper end that were chosen for each of the two axes.
     ends: [[Option<f64>; 2]; 2],
 }
 
@@ -287,7 +287,8 @@ struct Curve<'a> {
     name: &'a str,
     style: String,
     points: &'a [[f64; 2]],
-    /// The origin of each point: a document, a branch, and a point or a label on the branch.
+    /// The origin of each point: the document, the branch, and the point or the label of the
+    /// special point on the branch.
     from: Vec<Place>,
 }
 
@@ -300,8 +301,8 @@ fn curve(series: &Series) -> Curve<'_> {
     }
 }
 
-/// The origin of a point: a document, a branch, and a point of the branch, or a special point by
-/// its negative label; for a sweep, only the run.
+/// The origin of a point: for a branch, the document, the branch, and the index of the point or the
+/// negative label of the special point; for a sweep, only the run.
 #[derive(Serialize)]
 #[serde(untagged)]
 enum Place {
@@ -330,7 +331,7 @@ struct PageMark<'a> {
     from: Option<Place>,
 }
 
-/// Texts beside a part of a curve, on its left and on its right.
+/// Texts on the left and on the right of a part of a curve.
 #[derive(Serialize)]
 struct PageBeside<'a> {
     curve: &'a str,

@@ -21,11 +21,12 @@ use std::collections::BTreeSet;
 /// panels that the first document defines, panels for curves of special points that no other panel
 /// shows, and one figure for each kind of profile (mode shapes, time histories, phase portraits)
 /// and for each field of special points. If the first document defines neither axes nor panels, a
-/// panel of the period is added for orbits with a free period. [`Plot::profiles`] and
-/// [`Plot::points`] of the first document select the profiles and the points. By default, the
-/// figures show a phase portrait and a time history of up to three different orbits, or the
-/// profiles of the user points and, for comparison, of the first end of the branch. If `x` or `y`
-/// is given, only the diagram with these columns is returned.
+/// panel of the period is added for orbits with a free period. The settings [`Plot::profiles`] and
+/// [`Plot::points`] of the first document select the profiles to draw, and the special points whose
+/// profiles are drawn. By default, the figures show a phase portrait and a time history of up to
+/// three different orbits; for other solutions, they show the profiles of the user-defined points
+/// and, for comparison, of the first end of the branch. If `x` or `y` is given, only the diagram
+/// with these columns on its axes is returned.
 ///
 /// [`Plot::profiles`]: super::Plot::profiles
 /// [`Plot::points`]: super::Plot::points
@@ -106,7 +107,7 @@ pub fn figures(
     Ok(figures)
 }
 
-/// Rejects logarithmic axes for columns that do not exist.
+/// Returns an error if a logarithmic axis is requested for a column that does not exist.
 fn check_logarithmic(
     plot: &Plot,
     documents: &[(&str, &Document)],
@@ -125,7 +126,8 @@ fn check_logarithmic(
     Err(FigureError::NoColumn(UnknownName::new("column", unknown, known)))
 }
 
-/// Rejects the choice of logarithmic axes if no figure has a logarithmic axis.
+/// Returns an error if logarithmic axes are requested but no figure has an axis that shows the
+/// columns.
 fn check_axes(plot: Option<&Plot>, figures: &[Figure]) -> Result<(), FigureError> {
     let names = plot.map_or(&[][..], |plot| &plot.logarithmic);
     let has = figures.iter().any(|figure| figure.logarithmic != [false; 2]);
@@ -135,8 +137,8 @@ fn check_axes(plot: Option<&Plot>, figures: &[Figure]) -> Result<(), FigureError
     }
 }
 
-/// Removes ranges and enlargements that do not contain any branch of a document, for example
-/// because a restarted scene has only one branch.
+/// Removes the chosen ranges and enlargements that do not contain any part of the document's
+/// branches, for example because a restarted scene has only one branch.
 pub(crate) fn drop_empty_parts(document: &mut Document) {
     let drawn = |document: &Document| diagram(&[("", document)], None, &[]);
     if drawn(document).is_ok_and(|whole| whole.extent().is_err()) {
@@ -181,8 +183,9 @@ pub(super) fn of_histories(document: &Document) -> bool {
     !document.branches.is_empty() && document.branches.iter().all(in_time)
 }
 
-/// Rejects a diagram or panels whose columns the branches of a document do not contain. The
-/// branches may still be empty, so that errors are reported before the computation.
+/// Returns an error if the diagram or a panel uses columns that the branches of a document do not
+/// contain. The check also works for branches that do not contain any points yet, so that errors
+/// are reported before the computation.
 pub(crate) fn check_columns(document: &Document) -> Result<(), FigureError> {
     let mut plain = document.clone();
     // Special points are not known yet.
@@ -196,7 +199,7 @@ pub(crate) fn check_columns(document: &Document) -> Result<(), FigureError> {
     Ok(())
 }
 
-/// Returns the branches of documents and the results of sweeps in one diagram. If sweeps are drawn,
+/// Returns one diagram of the branches of documents and the results of sweeps. If sweeps are drawn,
 /// a column of the axes need not exist in all branches and sweeps.
 fn together(
     documents: &[(&str, &Document)],
@@ -306,8 +309,8 @@ fn swept_label(plot: &Plot, column: &str) -> String {
     }
 }
 
-/// Returns a figure of the special points of a document's branches against a setting in which the
-/// branches differ. Branches for which that setting is not recorded are omitted.
+/// Returns a figure of the special points of a document's branches against a setting that differs
+/// between the branches. Branches for which that setting is not recorded are omitted.
 fn special_points_against(document: &Document, against: &Against) -> Figure {
     let Against { kind, setting, column } = against;
     let label = document.plot.label(column);

@@ -9,7 +9,7 @@ use crate::core::problem::{UnknownName, distinct};
 use crate::core::system::Kind;
 use std::cmp::Ordering;
 
-/// A table of the special points of given kinds on all branches of some documents, with one row for
+/// A table of the special points of several documents, restricted to given kinds, with one row for
 /// each point. The rows are sorted by the settings in which the documents differ.
 ///
 /// ```
@@ -42,24 +42,24 @@ pub struct Selection<'a> {
     pub kinds: &'a [Kind],
     /// The columns.
     pub columns: Columns<'a>,
-    /// Whether to append the columns of all sensitivities, such as `dload/dgap`, unless the
-    /// selected columns contain a sensitivity.
+    /// Whether to append the columns of all sensitivities, such as `dload/dgap`; they are not
+    /// appended if the selected columns already contain a sensitivity.
     pub sensitivities: bool,
 }
 
 /// The columns of a table of special points.
 #[derive(Clone, Copy, Debug, Default)]
 pub enum Columns<'a> {
-    /// The settings in which the documents differ, the branch, label and kind of each point, the
-    /// varied parameters, the monitors and the error.
+    /// The default columns: the settings in which the documents differ, the branch, label and kind
+    /// of each special point, the varied parameters, the monitors and the error.
     #[default]
     Usual,
-    /// All columns of [`csv`]; if the table contains several documents, `file` and the settings in
-    /// which they differ come first.
+    /// All columns of [`csv`]; if the table contains special points of several documents, the
+    /// columns `file` and the settings in which the documents differ come first.
     All,
-    /// The named columns: settings of documents, parameters, monitors and numbers of points by
-    /// name, `file`, `branch`, `label`, `kind`, `error`, `unstable`, `converged`, `multiplicity`,
-    /// and sensitivities.
+    /// The columns with the given names: settings of documents, parameters, monitors and numbers of
+    /// special points by name, `file`, `branch`, `label`, `kind`, `error`, `unstable`, `converged`,
+    /// `multiplicity`, and sensitivities.
     Named(&'a [&'a str]),
 }
 
@@ -84,12 +84,13 @@ impl Cell {
     }
 }
 
-/// The significant digits of numbers in files, and of numbers on a screen.
+/// The number of significant digits with which numbers are written in files, and the number of
+/// digits on a screen.
 const DIGITS: usize = 15;
 const SHOWN: usize = 10;
 
-/// The columns that every point has: `PLACE` to the left and `QUALITY` to the right of the columns
-/// that depend on the system.
+/// The columns that every special point has: the columns `PLACE` are on the left and the columns
+/// `QUALITY` on the right of the columns that depend on the system.
 const PLACE: [&str; 3] = ["branch", "label", "kind"];
 const QUALITY: [&str; 4] = ["error", "unstable", CONVERGED, "multiplicity"];
 const FILE: &str = "file";
@@ -103,18 +104,18 @@ struct Found<'a> {
     point: &'a SpecialPoint,
 }
 
-/// A column: its title, the name of its values, and the source of its values.
+/// A column of the table: its title, the name of its values, and the source of its values.
 struct Column {
     title: String,
     name: String,
     source: Source,
 }
 
-/// The source of the values of a column.
+/// The source from which the values of a column of the table are taken.
 #[derive(Clone, Copy, PartialEq)]
 enum Source {
-    /// The value with this name, from the first source that contains the name: numbers of points,
-    /// monitors, parameters, settings, sensitivities.
+    /// The value comes from the first source that contains the column's name: numbers of special
+    /// points, monitors, parameters, settings, sensitivities.
     Any,
     Parameters,
     Monitors,
@@ -146,7 +147,7 @@ impl Column {
 /// `converged` (if `false`, no digit is reliable, and the error is missing), and `multiplicity`,
 /// the number of simultaneously critical eigenvalues or pairs. Numbers in the table have 15
 /// significant digits. A cell is empty if a branch does not contain the column, and `unstable` is
-/// `?` if multipliers are not determined. The title of a parameter or monitor is prefixed if
+/// `?` if multipliers are not determined. The title of a parameter or monitor gets a prefix if
 /// another column has the same name, for example `parameter error` or `monitor error`.
 ///
 /// ```
@@ -161,8 +162,8 @@ pub fn csv(branches: &[Branch]) -> String {
 }
 
 impl PointTable {
-    /// Collects the special points of documents into a table. If a point of the table has not
-    /// converged, the column `converged` is added, except with [`Columns::All`].
+    /// Collects the special points of documents into a table. If any special point of the table has
+    /// not converged, the column `converged` is added, except with [`Columns::All`].
     ///
     /// # Errors
     /// [`UnknownName`] for a column that does not exist in any document.
@@ -223,7 +224,8 @@ impl PointTable {
         self.lines(DIGITS).map(line).collect()
     }
 
-    /// Returns the titles of the columns, and the rows with numbers of the given digits.
+    /// Returns the titles of the columns and the rows of the table, where numbers are written with
+    /// the given number of digits.
     fn lines(&self, digits: usize) -> impl Iterator<Item = Vec<String>> {
         let rows = self.rows.iter();
         let rows = rows.map(move |row| row.iter().map(|cell| cell.written(digits)).collect());
@@ -246,7 +248,8 @@ impl PointTable {
     }
 }
 
-/// Returns all columns of a list of points, after the given first columns.
+/// Returns the given first columns, followed by all other columns that the listed special points
+/// have.
 fn complete(first: Vec<Column>, found: &[Found]) -> Vec<Column> {
     let mut parameters = distinct(found.iter().flat_map(|found| &found.branch.parameters));
     // A parameter in which documents differ is among the first columns.
@@ -281,7 +284,7 @@ fn found<'a>(
     branch.special.iter().map(move |point| Found { file, document, branch, point })
 }
 
-/// Returns the special points of documents, of given kinds or of all kinds.
+/// Returns the special points of documents, either of the given kinds or of all kinds.
 fn chosen<'a>(documents: &[(&'a str, &'a Document)], kinds: &[Kind]) -> Vec<Found<'a>> {
     let mut documents = documents.to_vec();
     let keys = differing(&documents);
@@ -303,7 +306,7 @@ fn chosen<'a>(documents: &[(&'a str, &'a Document)], kinds: &[Kind]) -> Vec<Foun
     branches.filter(|found| kinds.is_empty() || kinds.contains(&found.point.kind)).collect()
 }
 
-/// Returns the names of all columns of a table.
+/// Returns the names of all columns that a table of the special points can have.
 fn known<'a>(documents: &[(&str, &'a Document)]) -> Vec<&'a str> {
     let documents = || documents.iter().map(|(_, document)| *document);
     let branches = || documents().flat_map(|document| &document.branches);
@@ -331,13 +334,13 @@ fn derivatives(documents: &[(&str, &Document)], kinds: &[Kind]) -> Vec<String> {
     names
 }
 
-/// Returns the columns by which the points of several documents can be distinguished.
+/// Returns the columns by which the special points of different documents can be distinguished.
 fn places(documents: &[(&str, &Document)]) -> Vec<Column> {
     let file = (documents.len() > 1).then(|| Column::any(FILE));
     file.into_iter().chain(differing(documents).into_iter().map(Column::setting)).collect()
 }
 
-/// Returns the default columns of a table.
+/// Returns the columns that a table has by default.
 fn usual<'a>(documents: &[(&str, &'a Document)], found: &[Found<'a>]) -> Vec<Column> {
     let mut columns = places(documents);
     let keys = differing(documents);
@@ -373,7 +376,7 @@ impl Found<'_> {
         cell.unwrap_or(Cell::Text(String::new()))
     }
 
-    /// Returns the content of a column that exists for every point.
+    /// Returns the content of a cell in one of the columns that exist for every special point.
     fn own(&self, name: &str) -> Option<Cell> {
         let Found { file, branch, point, .. } = self;
         Some(Cell::Text(match name {
@@ -418,7 +421,7 @@ impl Found<'_> {
         })
     }
 
-    /// Returns the value of a setting of the document or of the branch.
+    /// Returns the value of a setting, which belongs to the branch or to its document.
     fn setting(&self, name: &str) -> Option<&str> {
         let Found { document, branch, .. } = self;
         let Document { differences, settings, .. } = (*document)?;

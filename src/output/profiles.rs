@@ -10,24 +10,24 @@ use crate::core::continuation::{Branch, SpecialPoint};
 use crate::core::problem::{Profile, UnknownName, distinct};
 use crate::core::system::Kind;
 
-/// The maximum number of curves in a figure whose points are chosen by default: for orbits, and for
-/// other solutions.
+/// The maximum number of curves in a figure if the special points are chosen by default: for
+/// orbits, and for other solutions.
 const MOST_ORBITS: usize = 3;
 const MOST_CURVES: usize = 8;
-/// The relative difference of a measure, in units of its range over all orbits, above which two
-/// orbits count as different.
+/// Two orbits count as different if one of their measures differs by more than this fraction of the
+/// range of the measure over all orbits.
 const ALIKE: f64 = 0.05;
-/// The relative distance between the ends of a history, in units of its range, below which the
-/// history counts as closed.
+/// A history counts as closed if the distance between its two ends is below this fraction of the
+/// history's range.
 const RETURNS: f64 = 1e-6;
 
-/// The kinds of special points whose solutions are shown by default.
+/// The kinds of special points whose solutions are drawn by default.
 const SHOWN: [Kind; 6] = [Kind::LP, Kind::PD, Kind::TR, Kind::BP, Kind::G, Kind::UZ];
 
 /// The name that selects all special points with profiles.
 pub(super) const ALL: &str = "all";
 
-/// A special point whose profiles are shown, and the name of its curve.
+/// A special point whose profiles are drawn, and the name of the curve for this point.
 pub(super) struct Shown<'a> {
     pub name: String,
     /// The name of the branch, preceded by the name of its document if several documents are drawn.
@@ -52,9 +52,9 @@ impl Shown<'_> {
         self.point.profiles.iter().filter(is_history)
     }
 
-    /// Returns the time at which the drawn histories begin if the phase of an orbit is free: the
-    /// time of the first reset, or of the maximum of the first state. Histories that begin just
-    /// after an event keep their start.
+    /// Returns the time at which the drawn histories of an orbit begin if the phase of the orbit is
+    /// free: the time of the first reset, or of the maximum of the first state. A history that
+    /// begins just after an event keeps its start.
     fn begin(&self) -> Option<f64> {
         let free = has_free_period(self.branch)
             && self.histories().all(|history| returns(&history.points));
@@ -113,8 +113,8 @@ impl Shown<'_> {
     }
 }
 
-/// Two points at the same time are the two ends of a reset if their relative distance exceeds this
-/// value.
+/// Two successive points at the same time are the two ends of a reset if their relative distance
+/// exceeds this value.
 const JUMP: f64 = 1e-6;
 
 fn range(values: impl Iterator<Item = f64>) -> f64 {
@@ -123,8 +123,8 @@ fn range(values: impl Iterator<Item = f64>) -> f64 {
     high - low
 }
 
-/// Returns the points just before resets of a state: points whose successor has the same time and
-/// another value.
+/// Returns the points just before resets of a state: each of these points is followed by a point
+/// with the same time and another value of the state.
 fn jumps(times: &[[f64; 2]], points: &[[f64; 2]]) -> Vec<usize> {
     let ranges = [0, 1].map(|k| range(points.iter().map(|at| at[k])));
     let moves =
@@ -142,8 +142,8 @@ fn returns(points: &[[f64; 2]]) -> bool {
 }
 
 /// Shifts a periodic history such that it begins at a given time; at the time of a reset, the
-/// history begins after the reset. A history that jumps between its end and its start keeps the
-/// jump, for example a phase response at an event without a reset.
+/// history begins after the reset. If the values at the two ends of a history differ, the shifted
+/// history has a jump there, for example a phase response at an event without a reset.
 fn begun_at(time: f64, points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let [Some(first), Some(last)] = [points.first(), points.last()] else { return Vec::new() };
     let after = points.iter().rposition(|at| at[0] == time);
@@ -155,7 +155,7 @@ fn begun_at(time: f64, points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     points[begin..].iter().map(|point| at(point, 0.0)).chain(rest).collect()
 }
 
-/// The abscissa of time histories.
+/// The name of the abscissa of time histories.
 pub(super) const TIME: &str = "time";
 
 /// Returns the special points whose profiles and fields are shown: the points that the first
@@ -218,8 +218,8 @@ pub(super) fn profiles(documents: &[(&str, &Document)]) -> Result<Vec<Figure>, F
     chosen(figures, &plot.profiles)
 }
 
-/// Adds an empty series to a figure for every point without a curve in it, so that each point has
-/// the same colour in all figures.
+/// Adds an empty series to each figure for every special point that has no curve in the figure, so
+/// that each special point has the same colour in all figures.
 fn keep_colours(shown: &[Shown], figures: &mut [(&Profile, Figure)]) {
     for (_, figure) in figures {
         let mut drawn = std::mem::take(&mut figure.series);
@@ -243,10 +243,11 @@ fn ordinate(plot: &Plot, profile: &Profile) -> String {
     }
 }
 
-/// Returns the walls in phase portraits, each with the state that it bounds: at a wall, the motion
-/// is reset along a line of constant state, and the state does not go beyond the line. A line
-/// counts as a wall only if at least two different resets lie on it: an orbit with a single reset
-/// may have its largest value of any state at this reset, even without a wall.
+/// Returns the walls in a phase portrait, each with the state that the wall bounds: at a wall, the
+/// motion is reset along a line on which this state is constant, and the state does not go beyond
+/// the line. A line counts as a wall only if at least two different resets lie on it, because the
+/// largest value of any state on an orbit with a single reset may occur at this reset, even without
+/// a wall.
 fn walls(figures: &[(&Profile, Figure)]) -> Vec<(String, Wall)> {
     let mut walls: Vec<(String, Wall)> = Vec::new();
     for (profile, figure) in figures.iter().filter(|(profile, _)| profile.along != TIME) {
@@ -280,8 +281,8 @@ fn walls(figures: &[(&Profile, Figure)]) -> Vec<(String, Wall)> {
 }
 
 /// Returns the figures of the requested kinds of profiles, in the requested order; by default all
-/// figures. The figure of a phase response is always included, since a setting requests the
-/// response.
+/// figures. The figure of a phase response is always included, because a phase response is computed
+/// only if a setting requests it.
 fn chosen(
     mut figures: Vec<(&Profile, Figure)>,
     kinds: &[(String, String)],
@@ -309,7 +310,7 @@ fn chosen(
     Ok(found)
 }
 
-/// Returns the points whose profiles are shown by default.
+/// Returns the special points whose profiles are drawn by default.
 fn usual<'a>(documents: &[(&str, &'a Document)]) -> Vec<Shown<'a>> {
     let mut shown: Vec<Shown> = Vec::new();
     for (document, content) in documents {
@@ -333,7 +334,7 @@ fn usual<'a>(documents: &[(&str, &'a Document)]) -> Vec<Shown<'a>> {
 }
 
 /// Returns the first few orbits that differ from each other; orbits at ends of branches are
-/// considered last.
+/// considered after all other orbits.
 fn different(mut orbits: Vec<Shown>) -> Vec<Shown> {
     orbits.sort_by_key(|shown| matches!(shown.point.kind, Kind::EP | Kind::MX));
     let of = |shown: &Shown, name: &str| shown.point.value(shown.branch.column(name)?);
@@ -371,7 +372,7 @@ fn has_curves(point: &SpecialPoint) -> bool {
     !(point.profiles.is_empty() && point.fields.is_empty())
 }
 
-/// Returns whether the profiles of a special point are arrays of unknowns.
+/// Returns whether the profiles of a special point show the elements of arrays of unknowns.
 fn is_array(point: &SpecialPoint) -> bool {
     !point.fields.is_empty() || point.profiles.iter().any(|profile| profile.along == Profile::INDEX)
 }

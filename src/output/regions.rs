@@ -1,22 +1,22 @@
-//! Labels of parameter regions: the numbers of unstable directions on the two sides of a
-//! bifurcation curve in two parameters.
+//! Labels of the regions beside a bifurcation curve in two parameters: the numbers of unstable
+//! directions on the two sides of the curve.
 
 use crate::core::continuation::{Branch, Stretch};
 
 /// The labels on both sides of a stretch of a curve in the plane of two columns.
 pub(super) struct Region {
-    /// The positions of the first and the last point of the stretch on the branch.
+    /// The indices, on the branch, of the first and the last point of the stretch.
     pub points: [usize; 2],
-    /// The texts on the left and on the right of the curve, in the direction from the first point
-    /// to the last.
+    /// The texts on the left and on the right of the curve, as seen in the direction from the first
+    /// point to the last.
     pub sides: [String; 2],
 }
 
-/// The meaning of the texts beside curves, for the legend.
+/// The explanation, in the legend, of the texts on the sides of curves.
 pub(super) const MEANING: &str = "(n)\u{2002}unstable directions, (0+1) of two solutions, (–) none";
 
-/// Returns the labelled stretches of a bifurcation curve, if the columns of the two axes are the
-/// two parameters of the curve.
+/// Returns the labelled stretches of a bifurcation curve, if the two axes show the two parameters
+/// of the curve.
 pub(super) fn regions(branch: &Branch, columns: [usize; 2]) -> Vec<Region> {
     let released: Vec<Option<usize>> =
         branch.released.iter().map(|name| branch.column(name)).collect();
@@ -35,8 +35,8 @@ pub(super) fn regions(branch: &Branch, columns: [usize; 2]) -> Vec<Region> {
     branch.stretches.iter().map(region).collect()
 }
 
-/// Returns the text for one side of a curve: the numbers of unstable directions of the solutions on
-/// this side, such as `(0+1)`.
+/// Returns the text for one side of a curve, such as `(0+1)`: the numbers of unstable directions of
+/// the solutions on this side.
 fn text(counts: &[usize]) -> String {
     if counts.is_empty() {
         return "(–)".into();

@@ -21,11 +21,11 @@ debug_is_message!(SaveError);
 
 /// A result that can be rendered in several formats.
 pub trait Render {
-    /// Returns the content of the result's file in one format.
+    /// Returns the content of the file that contains the result in the given format.
     ///
     /// # Errors
     /// [`RenderError`] if the results cannot be drawn or written, or the format is unsuitable for
-    /// them.
+    /// the results.
     fn render(&self, format: Format) -> Result<Vec<u8>, RenderError>;
 }
 
@@ -43,29 +43,29 @@ pub trait Render {
 /// ```
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Results<'a> {
-    /// The documents, each with a name that distinguishes its branches from the branches of other
-    /// documents. In pictures, documents are named by the settings in which they differ, such as `c
-    /// = 0.8`, if the number of these settings is small.
+    /// The documents (sets of branches), each with a name that distinguishes its branches from the
+    /// branches of other documents. In pictures, if documents differ in only a few settings, each
+    /// document is named by the values of these settings, such as `c = 0.8`.
     pub documents: &'a [(&'a str, &'a Document)],
     /// The sweeps.
     pub sweeps: &'a [Sweeps],
-    /// The column on the horizontal axis; if it is given, only one diagram is drawn; by default the
-    /// columns follow from the documents.
+    /// The column on the horizontal axis; if a column is given, only one diagram is drawn; by
+    /// default the documents determine the axis.
     pub x: Option<&'a str>,
-    /// The columns on the vertical axis; if empty, the documents determine them.
+    /// The columns on the vertical axis; if the list is empty, the documents determine the axis.
     pub y: &'a [&'a str],
-    /// The special points whose profiles are drawn or written, as `LABEL` or `BRANCH/LABEL`; if
-    /// empty, pictures show the points that the documents choose, and tables contain the points of
-    /// the branches.
+    /// The special points whose profiles are drawn or written, as `LABEL` or `BRANCH/LABEL`; if the
+    /// list is empty, pictures show the special points that the documents choose, and tables
+    /// contain the points of the branches.
     pub points: &'a [String],
     /// The width of pictures in millimetres; by default [`PAGE`].
     pub width: Option<f64>,
-    /// The letter of the only panel that is drawn; by default all panels are drawn.
+    /// The letter of the panel, if only one panel is drawn; by default all panels are drawn.
     pub panel: Option<&'a str>,
     /// The title of pictures; by default the title of the first document.
     pub title: Option<&'a str>,
-    /// The chosen lower and upper ends of the horizontal and the vertical axis, for the first panel
-    /// and for further panels with the same axis; by default all data are shown.
+    /// The chosen lower and upper ends of the horizontal and the vertical axis, which apply to the
+    /// first panel and to further panels with the same axis; by default all data are shown.
     pub ends: [[Option<f64>; 2]; 2],
     /// The address of a file with the text [`PLOTLY`](super::PLOTLY), relative to the interactive
     /// page, from which the page loads Plotly: several pages can share one file. By default each
@@ -77,15 +77,15 @@ pub struct Results<'a> {
 #[derive(Clone, Debug, PartialEq, miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum RenderError {
-    /// The picture cannot be drawn.
+    /// The results cannot be drawn as a picture.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Figure(#[from] FigureError),
-    /// The data cannot be written in the format.
+    /// The data cannot be written in the requested format.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Format(#[from] FormatError),
-    /// The format is unsuitable for the results.
+    /// The requested format is unsuitable for the results.
     #[error("{0}")]
     Unsuited(&'static str),
 }
@@ -98,17 +98,17 @@ pub enum SaveError {
     #[error(transparent)]
     #[diagnostic(transparent)]
     File(#[from] FileError),
-    /// The picture cannot be drawn, but all other files are saved. Files other than pictures are
+    /// A picture cannot be drawn, but all other files are saved. Files other than pictures are
     /// saved despite this error.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Figure(#[from] FigureError),
-    /// The format is unsuitable for the results.
+    /// A requested format is unsuitable for the results.
     #[error("{}: {reason}", path.display())]
     Unsuited {
         /// The path of the file that was not written.
         path: PathBuf,
-        /// The rule of the format that the result violates.
+        /// The rule of the file format that the result violates.
         reason: &'static str,
     },
 }
@@ -118,8 +118,8 @@ pub enum SaveError {
 /// removed.
 ///
 /// # Errors
-/// [`SaveError`]; after [`SaveError::Figure`] all files except pictures are saved, after any other
-/// error no file is saved.
+/// [`SaveError`]; after [`SaveError::Figure`] all files except pictures have been saved, after any
+/// other error no file has been saved.
 ///
 /// ```no_run
 /// use std::path::Path;
@@ -190,8 +190,8 @@ impl Results<'_> {
         Ok(figures)
     }
 
-    /// Restricts panels to the chosen ends of their axes: the first panel, and further panels with
-    /// the same axis, except for enlargements.
+    /// Restricts the axes of panels to the chosen ends: in the first panel, and in further panels
+    /// with the same axis, except for enlargements.
     fn set_ends(&self, figures: &mut [Figure]) {
         let plots = self.documents.iter().map(|(_, document)| &document.plot);
         let plot = plots.chain(self.sweeps.iter().map(|sweeps| &sweeps.plot)).next();
@@ -229,8 +229,9 @@ impl Results<'_> {
         }
     }
 
-    /// Returns the table of the profiles of the named special points; if no points are named, the
-    /// table of all points of the branches, or the histories if the document contains nothing else.
+    /// Returns the table of the profiles of the named special points. If no special points are
+    /// named, returns the table of all points of the branches, or the histories if the document
+    /// contains only histories.
     fn csv(&self) -> Result<String, RenderError> {
         match self.documents {
             [] if !self.sweeps.is_empty() => Ok(of_sweeps(self.sweeps)),

@@ -5,8 +5,9 @@ use crate::core::continuation::{Branch, End};
 use crate::core::system::Kind;
 use std::fmt;
 
-/// The summary of a branch in one sentence: its range, its ends with the reasons for them, and its
-/// stability. Unexpected ends are explained in the last part of the summary.
+/// The summary of a branch in one sentence: the range of the continuation parameter, the ends of
+/// the branch with the reasons for them, and its stability. Unexpected ends are explained in the
+/// last part of the summary.
 ///
 /// ```
 /// use tangency::output::{Summary, example_branch};
@@ -69,8 +70,8 @@ impl fmt::Display for Summary<'_> {
 }
 
 impl Summary<'_> {
-    /// Returns the reasons to doubt the branch: special points that have not converged, and
-    /// unexpected ends.
+    /// Returns the reasons why the results for a branch may be wrong: special points that have not
+    /// converged, and unexpected ends.
     ///
     /// ```
     /// use tangency::output::{Summary, example_branch};
@@ -98,8 +99,8 @@ impl Summary<'_> {
         column.and_then(|column| self.0.points[index].value(column)).unwrap_or(f64::NAN)
     }
 
-    /// Returns the value of the continuation parameter where stability changes between a point and
-    /// the next one.
+    /// Returns the value of the continuation parameter at which stability changes between a given
+    /// point of the branch and the next point.
     fn boundary(&self, index: usize) -> f64 {
         let changes = |kind| !matches!(kind, Kind::EP | Kind::UZ | Kind::MX | Kind::ND);
         let mut special = self.0.special.iter().filter(|point| point.after == index);

@@ -28,7 +28,7 @@ pub(super) fn symbol(kind: Kind) -> Symbol {
     }
 }
 
-/// The symbols for further kinds whose default symbol is already used by another kind.
+/// The symbols for kinds of special points whose default symbol is already used by another kind.
 const FURTHER: [Symbol; 10] = [
     Symbol::FourStar,
     Symbol::OpenTriangle,
@@ -53,8 +53,9 @@ fn others(symbol: Symbol) -> impl Iterator<Item = Symbol> {
     similar.iter().copied().chain(FURTHER)
 }
 
-/// Gives every kind of special point in the panels of a picture its own symbol: the first kind with
-/// a default symbol keeps it. Kinds share a symbol only if all symbols are in use.
+/// Chooses symbols such that every kind of special point in the panels of a picture has its own
+/// symbol: of several kinds with the same default symbol, the first kind keeps this symbol. Kinds
+/// share a symbol only if all symbols are in use.
 pub(super) fn distinguish(figures: &mut [Figure]) {
     let mut taken: Vec<(String, Symbol)> = Vec::new();
     for mark in figures.iter_mut().flat_map(|figure| &mut figure.marks) {

@@ -6,11 +6,11 @@ use super::number::{certain_digits, significant};
 use crate::core::continuation::{Branch, Number, Point, SpecialPoint};
 use crate::core::problem::distinct;
 
-/// Writes all points of the branches of some documents as comma-separated values: `branch`, `point`
-/// (counted from 0), every parameter and monitor by name, `unstable`, and `admissible`. If the
-/// table contains several documents, the first column, `file`, contains their names. Numbers have
-/// 15 significant digits; a cell is empty if a branch does not contain the column, and `unstable`
-/// is `?` if multipliers are not determined.
+/// Writes all points of the branches of one or several documents as comma-separated values:
+/// `branch`, `point` (counted from 0), every parameter and monitor by name, `unstable`, and
+/// `admissible`. If there are several documents, the first column, `file`, contains the names of
+/// the documents. Numbers have 15 significant digits; a cell is empty if a branch does not contain
+/// the column, and `unstable` is `?` if multipliers are not determined.
 ///
 /// ```
 /// use tangency::output::{Document, example_branch, table};
@@ -78,7 +78,7 @@ impl Csv {
     }
 }
 
-/// Returns the contents of a row in the given columns.
+/// Returns the contents of a point's row in the given columns.
 fn cells<'a>(
     columns: &'a [&str],
     names: &'a [String],
@@ -126,7 +126,8 @@ pub fn separated(csv: &str, separator: char) -> String {
     out + &cell
 }
 
-/// Puts a name in quotes if it would otherwise break the table (RFC 4180).
+/// Puts a name in quotes if it contains characters that have a meaning in comma-separated values
+/// (RFC 4180).
 pub(super) fn quoted(name: &str) -> String {
     if name.contains([',', '"', '\n', '\r']) {
         format!("\"{}\"", name.replace('"', "\"\""))
@@ -154,18 +155,18 @@ pub(super) fn quoted(name: &str) -> String {
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Screen {
-    /// The shown columns of a point: their positions and names.
+    /// The columns that are shown: the index of each column in a point, and the name of the column.
     columns: Vec<(usize, String)>,
-    /// The number of columns that do not fit into the width of the screen.
+    /// The number of columns that are omitted because they do not fit into the width of the screen.
     omitted: usize,
     /// The width of the screen, in characters.
     width: usize,
 }
 
-/// The largest number of characters of a number with 12 significant digits.
+/// The largest number of characters that a number with 12 significant digits takes.
 const WIDTH: usize = 18;
-/// The number of characters for label, kind and stability, and the number of characters for the
-/// number of omitted columns.
+/// The number of characters reserved for label, kind and stability, and the number of characters
+/// reserved for the number of omitted columns.
 const FIRST: usize = 22;
 const MORE: usize = 5;
 
@@ -179,8 +180,8 @@ fn number(value: Option<f64>) -> String {
 }
 
 impl Screen {
-    /// Creates the lines of a branch, whether or not it is finished, for a screen with an optional
-    /// width in characters.
+    /// Creates the layout of the lines for the special points of a branch, which need not be
+    /// finished, on a screen with an optional width in characters.
     pub fn of(branch: &Branch, width: Option<usize>) -> Self {
         let names = branch.released.iter().chain(&branch.monitors);
         let column = |name: &String| Some((branch.column(name)?, name.clone()));
@@ -210,8 +211,8 @@ impl Screen {
         self.assemble(["      ", "", &unstable], |(column, _)| number(point.value(*column)))
     }
 
-    /// Returns the line for one special point, with its standard name and its numbers; the line of
-    /// a point that has not converged is marked.
+    /// Returns the line for one special point, with the standard name of its kind and its numbers;
+    /// if the point has not converged, the line is marked.
     pub fn line(&self, point: &SpecialPoint) -> String {
         let label = format!("{:>6}", point.label);
         let unstable = count(point.unstable, &point.undetermined);

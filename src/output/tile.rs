@@ -9,9 +9,9 @@ pub struct Tile {
     pub size: [f64; 2],
     /// The hue.
     pub hue: Hue,
-    /// The index of the shade, counted from 0, which distinguishes rectangles of one hue.
+    /// The index of the shade, counted from 0; shades distinguish rectangles of one hue.
     pub shade: usize,
-    /// The meaning of the colour, in words, for the legend.
+    /// The meaning of the tile's colour, in words, for the legend.
     pub meaning: String,
 }
 
@@ -37,8 +37,8 @@ impl Tile {
         [-0.5, 0.5].map(|part| [0, 1].map(|k| self.at[k] + part * self.size[k]))
     }
 
-    /// Adds the tile to a list of tiles; neighbouring tiles along an axis with the same meaning are
-    /// merged.
+    /// Adds the tile to a list of tiles; if a tile next to it along an axis has the same meaning,
+    /// the two tiles are merged.
     ///
     /// ```
     /// use tangency::output::{Hue, Tile};
@@ -66,7 +66,8 @@ impl Tile {
     }
 }
 
-/// Returns the smallest distance between different values; `None` if all values are equal.
+/// Returns the smallest distance between two different values of a list; `None` if all values are
+/// equal.
 ///
 /// ```
 /// assert_eq!(tangency::output::spacing([0.0, 2.0, 1.5].into_iter()), Some(0.5));

@@ -2,15 +2,15 @@
 
 use super::number::significant;
 
-/// The units that take prefixes, and the prefixes by exponent. Units of length and time take only
-/// prefixes for small values.
+/// The units that take prefixes, and the prefixes by exponent. Returns the exponent, a multiple of
+/// 3, of the power of ten by which an axis divides its numbers, given the largest of the numbers; 0
+/// if the numbers are readable without a factor.
 const UNITS: [&str; 12] = ["m", "s", "V", "A", "N", "Pa", "Hz", "J", "W", "F", "C", "g"];
 const PREFIXES: [(i32, &str); 8] =
     [(-12, "p"), (-9, "n"), (-6, "µ"), (-3, "m"), (3, "k"), (6, "M"), (9, "G"), (12, "T")];
 const ONLY_SMALLER: [&str; 2] = ["m", "s"];
 
-/// Returns the exponent, a multiple of 3, of the power of ten that an axis factors out of its
-/// numbers, given the largest of the numbers; 0 if the numbers are readable without a factor.
+/// Returns the text and the unit of an axis label: `gap` and `m` for `gap (m)`.
 pub(super) fn exponent(largest: f64) -> i32 {
     match largest {
         ..1e-2 | 1e5.. => 3 * (largest.log10() / 3.0).floor() as i32,
@@ -18,8 +18,8 @@ pub(super) fn exponent(largest: f64) -> i32 {
     }
 }
 
-/// Returns the text and the unit of a label: `gap` and `m` for `gap (m)`. `None` for a label of
-/// several columns, which has no single unit.
+/// Returns `None` for an axis label of several columns, because it has no single unit. `None` for a
+/// label of several columns, which has no single unit.
 pub(super) fn parts(label: &str) -> Option<(&str, &str)> {
     let parts = label.strip_suffix(')').and_then(|label| label.rsplit_once('('));
     let (words, unit) = parts.filter(|(words, _)| !words.contains(['(', ',']))?;
@@ -34,9 +34,9 @@ pub(super) fn prefixed(unit: &str, exponent: i32) -> Option<String> {
     Some(format!("{prefix}{unit}"))
 }
 
-/// Writes a number with a prefixed unit, as on an axis up to this number: `2 µm` for `2e-6` with
-/// the label `gap (m)`; `None` for a number that is readable without a prefix, and for a label
-/// without a unit that takes prefixes.
+/// Writes a number with a prefixed unit, as on an axis whose largest number is this number: `2 µm`
+/// for `2e-6` with the label `gap (m)`. Returns `None` for a number that is readable without a
+/// prefix, and for a label without a unit that takes prefixes.
 pub(super) fn with_prefix(value: f64, label: &str) -> Option<String> {
     let (_, unit) = parts(label)?;
     let exponent = exponent(value.abs());

@@ -1,4 +1,4 @@
-//! Checks names and texts from files, and formats them for messages.
+//! Checks names and texts that are read from files, and formats names and texts for messages.
 
 use crate::core::spelling::is_hidden;
 
@@ -6,7 +6,7 @@ use crate::core::spelling::is_hidden;
 #[derive(Clone, Debug, PartialEq, Eq, miette::Diagnostic, thiserror::Error)]
 #[error("{place} is {found}, but {rule}")]
 pub struct Invalid {
-    /// The place of the value: branch, point or label, column.
+    /// The place of the value in the document: the branch, the point or label, and the column.
     pub place: String,
     /// The value.
     pub found: String,
@@ -27,16 +27,16 @@ pub(crate) fn quoted(text: &str) -> String {
 /// The maximum number of characters in a line of a message.
 #[cfg(feature = "cli")]
 const LINE: usize = 700;
-/// The number of characters kept at the end of a shortened line.
+/// The number of characters that are kept at the end of a line that is shortened in the middle.
 #[cfg(feature = "cli")]
 const END: usize = 300;
 /// The maximum number of lines in a message.
 #[cfg(feature = "cli")]
 const LINES: usize = 20;
-/// The number of characters of the longest word that is never divided.
+/// The maximum length, in characters, of a word that is never divided.
 #[cfg(feature = "cli")]
 const WORD: usize = 40;
-/// The largest number of digits with which a number is written in full.
+/// The largest number of digits with which a message writes a number in full.
 #[cfg(feature = "cli")]
 const DIGITS: usize = 25;
 
@@ -57,7 +57,8 @@ fn escaped(line: &str) -> String {
     line.chars().map(show).collect()
 }
 
-/// Rewrites numbers of many digits in a line in scientific notation, such as `1e300`.
+/// Rewrites numbers that have many digits in a line of a message in scientific notation, such as
+/// `1e300`.
 #[cfg(feature = "cli")]
 fn with_powers(line: &str) -> String {
     let is_digit = |letter: char| letter.is_ascii_digit() || letter == '.';
@@ -91,22 +92,22 @@ fn shortened(line: &str) -> String {
     format!("{} … {}", text(&letters[..first]), text(&letters[last..]))
 }
 
-/// Rejects a name or title that would move the cursor of a terminal, or make a picture file
-/// invalid.
+/// Returns an error for a name or title that contains characters that would move the cursor of a
+/// terminal, or make a picture file invalid.
 pub(crate) fn text(place: &str, text: &str) -> Result<(), Invalid> {
     require(!text.contains(is_hidden), place, text, "must not contain control characters")
 }
 
-/// Rejects a name that contains a folder, since the name of a result must be a single component of
-/// a path.
+/// Returns an error for a name that contains the name of a folder, because the name of a result
+/// must be a single component of a path.
 pub(crate) fn component(place: &str, name: &str) -> Result<(), Invalid> {
     text(place, name)?;
     let rule = "the name must be a plain file name, without a folder";
     require(is_plain(name), place, name, rule)
 }
 
-/// Rejects a name of an archive entry that would place the unpacked file outside the destination
-/// folder.
+/// Returns an error for the name of an archive entry that would place the unpacked file outside the
+/// destination folder.
 pub(crate) fn entry(place: &str, name: &str) -> Result<(), Invalid> {
     text(place, name)?;
     let rule = "the name of an entry of an archive must consist of plain names separated by `/`";

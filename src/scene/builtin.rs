@@ -64,7 +64,7 @@ impl ProblemSettings for PlateSettings {
 /// A built-in scene of the program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BuiltIn {
-    /// The name by which the scene is requested.
+    /// The name under which the command line and the library find the scene.
     pub name: &'static str,
     /// The text of the scene, as RON.
     pub text: &'static str,

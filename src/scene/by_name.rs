@@ -14,13 +14,13 @@ use ron::value::RawValue;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-/// A field of a settings structure.
+/// A field of a settings structure: its name and its value.
 struct Field {
     name: String,
-    /// The value of the field in RON; for a value with settings of its own, such as
-    /// `collocation(intervals: 20)`, only the name of the value.
+    /// The value of the field in RON notation; if the value has settings of its own, as in
+    /// `collocation(intervals: 20)`, only the name of the value, `collocation`.
     value: String,
-    /// The settings that the value of the field has itself, such as `intervals` in
+    /// The settings that belong to the value of the field, such as `intervals` in
     /// `collocation(intervals: 20)`; `None` for a value that cannot have settings.
     own: Option<Vec<(String, String)>>,
 }
@@ -33,7 +33,7 @@ impl Field {
         }
     }
 
-    /// Replaces the value of the field, or a setting that this value has itself; returns false if
+    /// Replaces the value of the field, or a setting that belongs to this value; returns false if
     /// the name is unknown.
     fn replace(&mut self, name: &str, value: &str) -> Result<bool, RonError> {
         if self.name == name {
@@ -52,7 +52,7 @@ impl Field {
     }
 }
 
-/// Returns the fields of a settings structure.
+/// Returns all fields of a settings structure, with their values.
 fn fields(settings: &impl Serialize) -> Vec<Field> {
     let choice = |value: &str| {
         let (word, _) = value.split_once('(').filter(|(word, _)| is_word(word))?;
@@ -70,7 +70,7 @@ fn is_word(text: &str) -> bool {
         && text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
 }
 
-/// Returns the named values between the brackets of a RON text.
+/// Returns the values between the brackets of a RON text, each with its name.
 fn parts(text: &str) -> Vec<(String, String)> {
     // The text was serialized from a structure, so it can always be parsed.
     let Parts(parts) = options().from_str(text).unwrap_or_default();
@@ -95,8 +95,8 @@ fn in_quotes(old: &str, value: &str) -> Result<String, RonError> {
     Ok(value)
 }
 
-/// Formats a value for readers: a text is shown without quotes, and `None` is shown as `usual`, a
-/// default that the problem chooses.
+/// Formats a value for display: a text is shown without quotes, and `None` is shown as `usual`,
+/// which means that the problem chooses a default.
 fn shown(value: String) -> String {
     match options().from_str::<String>(&value) {
         Ok(text) => text,
@@ -105,7 +105,7 @@ fn shown(value: String) -> String {
     }
 }
 
-/// Returns all settings by name, with their values.
+/// Returns all settings of a settings structure by name, with their values.
 pub(super) fn settings(settings: &impl Serialize) -> Vec<(String, String)> {
     let field = |Field { name, value, own }| {
         std::iter::once((name, value)).chain(own.into_iter().flatten())

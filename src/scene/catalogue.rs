@@ -58,7 +58,7 @@ pub struct Catalogue {
 /// A scene that can be traced by name.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct NamedScene {
-    /// The name by which the scene is requested.
+    /// The name under which the command line and the library find the scene.
     pub name: String,
     /// The text of the scene, as RON.
     pub text: String,
@@ -75,13 +75,13 @@ impl Catalogue {
         self.model::<_, ZeroSettings>(name, Arc::new(problem))
     }
 
-    /// Adds a smooth vector field to the catalogue; scenes can compute its equilibria, periodic
-    /// orbits, simulations and sweeps.
+    /// Adds a smooth vector field to the catalogue; scenes can compute the equilibria, periodic
+    /// orbits, simulations and sweeps of the field.
     pub fn field(self, name: &'static str, field: impl VectorField + 'static) -> Self {
         self.model::<_, FieldSettings>(name, Arc::new(field))
     }
 
-    /// Adds a map to the catalogue; scenes can compute its fixed points and cycles.
+    /// Adds a map to the catalogue; scenes can compute the fixed points and cycles of the map.
     ///
     /// ```
     /// use tangency::core::problem::DiscreteMap;
@@ -118,8 +118,8 @@ impl Catalogue {
         self.model::<_, BoundarySettings>(name, problem)
     }
 
-    /// Adds a hybrid system to the catalogue; scenes can compute its periodic orbits, simulations,
-    /// sweeps, and local maps at grazings.
+    /// Adds a hybrid system to the catalogue; scenes can compute the periodic orbits, simulations,
+    /// sweeps, and local maps at grazings of the system.
     pub fn hybrid(self, name: &'static str, system: impl HybridSystem + 'static) -> Self {
         let system: Hybrid = Arc::new(system);
         self.model::<_, HybridOrbitSettings>(name, system)
@@ -167,9 +167,10 @@ impl Catalogue {
     /// Parses a scene.
     ///
     /// # Errors
-    /// [`SceneError::Model`] with its position for an invalid text; [`SceneError::UnknownName`] for
-    /// a problem that is not in the catalogue; [`SceneError::Invalid`] for invalid contents, such
-    /// as numbers that are not finite, duplicate or unknown names, or runs without a start.
+    /// [`SceneError::Model`] with the position of the error for a text that cannot be parsed;
+    /// [`SceneError::UnknownName`] for a problem that is not in the catalogue;
+    /// [`SceneError::Invalid`] for invalid contents, such as numbers that are not finite, duplicate
+    /// or unknown names, or runs without a start.
     pub fn parse(&self, text: &str) -> Result<Scene, SceneError> {
         self.parse_in(Files::of(Path::new("")), text)
     }
@@ -187,7 +188,8 @@ impl Catalogue {
     /// source.
     ///
     /// # Errors
-    /// The errors of [`parse`](Self::parse), and [`SceneError::Value`] for the name of a file.
+    /// The errors of [`parse`](Self::parse), and [`SceneError::Value`] if the scene refers to a
+    /// file.
     pub fn parse_alone(&self, text: &str) -> Result<Scene, SceneError> {
         self.parse_within(None, text)
     }
@@ -233,8 +235,8 @@ impl Catalogue {
         Ok(scene)
     }
 
-    /// Returns the problem of a scene, parsed from the part of the scene's text that contains the
-    /// name and the settings of the problem.
+    /// Returns the problem of a scene; it is parsed from the part of the scene's text that contains
+    /// the name and the settings of the problem.
     fn problem(
         &self,
         stated: &RawValue,

@@ -13,14 +13,14 @@ use crate::core::spelling::shown;
 use std::collections::HashSet;
 use std::ops::RangeInclusive;
 
-/// The range of allowed tolerances for the flow of a sweep.
+/// The range of allowed tolerances with which a sweep integrates the flow.
 const FLOW_TOLERANCES: RangeInclusive<f64> = 1e-15..=1e-3;
 
-/// The maximum number of unused parameters listed in a warning.
+/// The maximum number of unused parameters that a warning lists.
 const MOST_UNUSED: usize = 5;
 
-/// The range of allowed durations of simulations, in the model's unit of time. The computing time
-/// of simulations is limited by the maximum number of steps and not by the duration.
+/// The range of allowed durations of simulations, in the model's unit of time. The maximum number
+/// of steps, and not the duration, limits the computing time of simulations.
 const TIMES: RangeInclusive<f64> = 0.0..=1e15;
 
 impl Scene {
@@ -66,8 +66,8 @@ impl Scene {
         self.check_accuracy()
     }
 
-    /// Returns an error if a parameter has the name of a setting, because `--set` would be
-    /// ambiguous.
+    /// Returns an error if a parameter has the name of a setting, because the option `--set` would
+    /// be ambiguous.
     fn check_names(&self) -> Result<(), SceneError> {
         let settings = self.setting_names();
         let named = |name: &&String| settings.contains(name);
@@ -250,8 +250,8 @@ impl Problem {
 }
 
 impl Run {
-    /// Returns whether two runs have solutions of the same kind: solutions of the flow, or
-    /// solutions of the same local map.
+    /// Returns whether two runs have solutions of the same kind: either both have solutions of the
+    /// flow, or both have solutions of the same local map.
     pub(super) fn is_akin_to(&self, other: &Run) -> bool {
         let map = |run: &Run| {
             let order = run.set.iter().find(|(name, _)| name == "order").cloned();
@@ -261,14 +261,14 @@ impl Run {
     }
 }
 
-/// Returns an error if the period or the length of the equations is not positive for the initial
-/// parameters.
+/// Returns an error if, for the initial parameters, the period of the forcing or the length of the
+/// interval is not positive.
 fn check_durations(problem: &Problem, p: &[f64]) -> Result<(), SceneError> {
     let refused = problem.text().and_then(|model| model.refused_duration(p));
     Ok(refused.map_or(Ok(()), Err)?)
 }
 
-/// Returns the run with a given name among the earlier runs.
+/// Returns the run with a given name among the runs that precede a given run.
 fn named<'a>(earlier: &'a [Run], name: &str) -> Result<&'a Run, UnknownName> {
     let names = earlier.iter().map(|run| &run.name);
     Ok(&earlier[position("earlier run", name, names)?])
@@ -361,7 +361,7 @@ fn check_held(run: &Run) -> Result<(), SceneError> {
     Err(SceneError::invalid(message).with_help(format!("hold one of {}", held.join(", "))))
 }
 
-/// Returns an error if a run without a local map has options of local maps.
+/// Returns an error if a run that uses no local map has options that apply only to local maps.
 fn no_map(run: &Run) -> Result<(), SceneError> {
     let found = match (run.impacts.is_empty(), run.expanded) {
         (true, None) => return Ok(()),

@@ -1,4 +1,4 @@
-//! The columns of branches, which are known before the branches are traced.
+//! The columns of branches, which are known before the branches are computed.
 
 use super::error::SceneError;
 use super::resolve::{Resolved, ResolvedSweep};
@@ -14,8 +14,8 @@ use crate::core::problem::{Names, UnknownName, distinct};
 use crate::output::{Document, FigureError, Plot, SweepTable, check_columns};
 
 impl Scene {
-    /// Returns the plot of the scene; columns that the scene does not label have the labels given
-    /// in the model's equations.
+    /// Returns the plot of the scene; columns without a label in the scene get the labels that the
+    /// model's equations state.
     pub(super) fn labelled_plot(&self) -> Plot {
         let mut plot = self.plot.clone();
         let labels = self.problem.text().map_or(&[][..], |model| model.labels());
@@ -121,7 +121,7 @@ impl Scene {
 }
 
 impl Resolved {
-    /// Returns a branch without points, with all columns that the branch of the run may have;
+    /// Returns a branch without points but with all columns that the branch of the run may have;
     /// `None` if the columns are not known yet.
     fn untraced(&self) -> Option<Branch> {
         let run = &self.run;
@@ -166,8 +166,9 @@ impl Resolved {
 }
 
 impl Resolved {
-    /// Returns the run without the bounds and marks of columns that occur only for the other kind
-    /// of solution (orbits have a `period`, equilibria do not), and the names of these columns.
+    /// Returns a copy of the run, and a list of names: the copy lacks the bounds and marks of
+    /// columns that exist only for the other kind of solution (orbits have a `period`, equilibria
+    /// do not), and the list contains the names of these columns.
     pub(super) fn without_idle(&self) -> (Resolved, Vec<String>) {
         let idle = self.idle_columns().unwrap_or_default();
         let mut resolved = self.clone();
@@ -194,8 +195,8 @@ impl Resolved {
 }
 
 impl ResolvedSweep {
-    /// Returns an empty table of results, with all columns that the sweep may have; `None` if the
-    /// columns are not known yet.
+    /// Returns a table of results without rows but with all columns that the sweep may have; `None`
+    /// if the columns are not known yet.
     fn undone(&self) -> Option<SweepTable> {
         let motion = self.motion().ok()?;
         let mut modes = motion.modes();

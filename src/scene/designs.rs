@@ -9,7 +9,7 @@ use crate::output::significant;
 /// The maximum number of designs in a grid.
 const MOST: usize = 100_000;
 
-/// The number of significant digits with which the values of a design are written.
+/// The number of significant digits of the values in a design.
 const DIGITS: usize = 12;
 
 /// The values of a setting in a grid.

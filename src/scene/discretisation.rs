@@ -17,8 +17,8 @@ use serde::{Deserialize, Serialize};
 pub(super) trait ProblemSettings:
     Clone + Default + Send + Sync + Serialize + DeserializeOwned + 'static
 {
-    /// Returns the setting that selects the kind of solutions, for problems with several kinds of
-    /// solutions.
+    /// Returns the setting that selects the kind of solutions to compute, for problems with several
+    /// kinds of solutions.
     fn solution(&mut self) -> Option<&mut Solution> {
         None
     }
@@ -28,7 +28,8 @@ pub(super) trait ProblemSettings:
         None
     }
 
-    /// Checks that the settings are in their ranges, for ranges that do not depend on parameters.
+    /// Checks that the settings are in their allowed ranges, for ranges that do not depend on
+    /// parameters.
     fn check(&self) -> Result<(), SettingError> {
         Ok(())
     }
@@ -38,7 +39,8 @@ pub(super) trait ProblemSettings:
         None
     }
 
-    /// Returns copies of the settings with the given discretisations, in the same order.
+    /// Returns copies of the settings, one for each of the given discretisations, in the same
+    /// order.
     fn with(&self, discretisations: impl IntoIterator<Item = Discretisation>) -> Vec<Self> {
         let mut all = Vec::new();
         for other in discretisations {
@@ -51,8 +53,8 @@ pub(super) trait ProblemSettings:
         all
     }
 
-    /// Returns copies of the settings with growing accuracy and cost; they differ in the tolerance
-    /// of flows, or in the number of Gauss points and intervals.
+    /// Returns copies of the settings with growing accuracy and cost; the copies differ in the
+    /// tolerance of the integration, or in the number of Gauss points and mesh intervals.
     fn ladder(&self) -> Vec<Self> {
         let discretisation = self.clone().discretisation().copied();
         self.with(discretisation.map_or(Vec::new(), Discretisation::ladder))
@@ -73,7 +75,7 @@ impl ProblemSettings for ZeroSettings {}
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct MapSettings {
-    /// The number of iterates of a cycle (1 to 4096) for runs that do not start from an earlier
+    /// The number of iterates of a cycle (1 to 4096), for runs that do not continue from an earlier
     /// run; the default is 1, that is, fixed points.
     pub iterates: usize,
 }
@@ -119,7 +121,7 @@ impl Solution {
     }
 }
 
-/// The discretisation of trajectories, which is a method with its settings.
+/// The method that discretises trajectories, with the settings of the method.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
@@ -127,9 +129,9 @@ pub enum Discretisation {
     /// Collocation at Gauss points on an adaptive mesh: the default for smooth vector fields and
     /// boundary-value problems, equally accurate for stable and unstable orbits.
     Collocation(CollocationSettings),
-    /// Multiple shooting: the default for hybrid systems, because the smooth legs of their orbits
-    /// are short. For hybrid systems, shooting takes at most a third of the time of collocation
-    /// (`tangency-reports work-precision orbit`).
+    /// Multiple shooting: the default for hybrid systems, because the smooth parts of their orbits
+    /// between two events are short. For hybrid systems, shooting takes at most a third of the
+    /// computing time of collocation (`tangency-reports work-precision orbit`).
     Shooting(ShootingSettings),
 }
 
@@ -137,9 +139,9 @@ pub enum Discretisation {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct CollocationSettings {
-    /// The number of mesh intervals in each segment (1 to 4096).
+    /// The number of mesh intervals in each segment of a solution (1 to 4096).
     pub intervals: usize,
-    /// The number of Gauss points in an interval (2 to 7).
+    /// The number of Gauss points in a mesh interval (2 to 7).
     pub degree: usize,
 }
 
@@ -147,8 +149,8 @@ pub struct CollocationSettings {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ShootingSettings {
-    /// The number of parts into which each segment is divided; each part is integrated separately
-    /// (1 to 4096).
+    /// The number of parts into which each segment of a solution is divided (1 to 4096); each part
+    /// is integrated separately.
     pub segments: usize,
     /// The integration scheme.
     pub scheme: Scheme,
@@ -174,9 +176,9 @@ impl Default for Discretisation {
     }
 }
 
-/// The coarsest collocation meshes, given by the number of Gauss points per interval and the number
-/// of intervals: each mesh is about one digit more accurate than the previous mesh, at the lowest
-/// cost (`tangency-reports work-precision orbit`).
+/// The coarsest collocation meshes, each given by the number of Gauss points per interval and the
+/// number of intervals. Each mesh is about one digit more accurate than the previous mesh, at the
+/// lowest possible cost (`tangency-reports work-precision orbit`).
 const MESHES: [(usize, usize); 9] =
     [(3, 5), (4, 5), (4, 10), (4, 15), (5, 15), (5, 20), (5, 30), (7, 30), (7, 45)];
 
@@ -186,13 +188,13 @@ const TOLERANCES: [f64; 2] = [1e-3, 1e-4];
 /// The maximum number of discretisations among which an automatic choice is made.
 const RUNGS: usize = 12;
 
-/// The settings for the periodic orbits or equilibria of a smooth field.
+/// The settings that apply to the periodic orbits or equilibria of a smooth vector field.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct FieldSettings {
     /// The kind of solutions of the vector field that are computed.
     pub solution: Solution,
-    /// The discretisation of periodic orbits; the default is collocation.
+    /// The method that discretises periodic orbits; the default is collocation.
     pub method: Discretisation,
     /// The type of matrices for equilibria: `cheaper`, `dense` or `sparse`.
     pub matrices: Matrices,
@@ -202,28 +204,29 @@ pub struct FieldSettings {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct BoundarySettings {
-    /// The discretisation of solutions; the default is collocation.
+    /// The method that discretises the solutions of a boundary-value problem; the default is
+    /// collocation.
     pub method: Discretisation,
 }
 
-/// The settings for the periodic orbits or equilibria of a hybrid system.
+/// The settings that apply to the periodic orbits or equilibria of a hybrid system.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct HybridOrbitSettings {
     /// The kind of solutions of the hybrid system that are computed.
     pub solution: Solution,
-    /// The mode in which equilibria are computed, for runs that do not start from an earlier run;
-    /// the default is the initial mode of the motion.
+    /// The mode of the hybrid system in which equilibria are computed, for runs that do not
+    /// continue from an earlier run; the default is the mode in which the motion starts.
     pub mode: String,
-    /// The discretisation of orbits; the default is multiple shooting.
+    /// The method that discretises orbits of a hybrid system; the default is multiple shooting.
     pub method: Discretisation,
-    /// The modes and events of the orbit, for runs that do not start from an earlier run; the
+    /// The modes and events of the orbit, for runs that do not continue from an earlier run; the
     /// default is an orbit without events in the first mode.
     pub itinerary: String,
     /// The order of local maps near grazings (1 to 7).
     pub order: usize,
-    /// Whether branches record how far the orbit would penetrate a surface if the surface were
-    /// absent.
+    /// Whether branches record how far the orbit would penetrate the surface of an event if the
+    /// event did not occur.
     pub penetration: bool,
 }
 
@@ -305,13 +308,14 @@ fn in_range(
 }
 
 impl Discretisation {
-    /// Returns collocation and shooting with their default settings.
+    /// Returns the two methods of discretisation, collocation and shooting, with their default
+    /// settings.
     pub(super) fn methods() -> [Self; 2] {
         use Discretisation::{Collocation, Shooting};
         [Collocation(CollocationSettings::default()), Shooting(ShootingSettings::default())]
     }
 
-    /// Returns discretisations of growing accuracy and cost.
+    /// Returns discretisations with growing accuracy and cost.
     fn ladder(self) -> Vec<Self> {
         let coarse = match self {
             Discretisation::Shooting(own) => TOLERANCES
@@ -362,12 +366,12 @@ impl Discretisation {
         }
     }
 
-    /// Builds the system of equations of a problem.
+    /// Builds the system of equations whose solutions a problem traces.
     pub fn system(&self, problem: impl IntoEquations) -> Result<Box<dyn System>, SceneError> {
         Ok(Box::new(self.boundary(problem)?))
     }
 
-    /// Discretises a boundary-value problem.
+    /// Discretises the equations of a boundary-value problem.
     pub(super) fn boundary(
         &self,
         problem: impl IntoEquations,
@@ -378,8 +382,8 @@ impl Discretisation {
         built(BoundarySystem::new(problem, method, meshes))
     }
 
-    /// Builds the system of orbits that have the itinerary of a simulated orbit, and returns the
-    /// system with the unknowns of the simulated orbit.
+    /// Builds the system of equations for orbits that have the same sequence of modes and events as
+    /// a simulated orbit; returns the system and the simulated orbit as its unknowns.
     pub fn start(
         &self,
         simulated: Guess<impl IntoEquations>,
@@ -390,7 +394,8 @@ impl Discretisation {
         Ok((Box::new(system), z))
     }
 
-    /// Returns the method of discretisation, and the number of mesh intervals on each segment.
+    /// Returns the method of discretisation, and the number of mesh intervals on each segment of a
+    /// solution.
     pub(super) fn method(&self) -> Result<(Method, usize), SceneError> {
         Ok(match *self {
             Discretisation::Collocation(CollocationSettings { intervals, degree }) => {

@@ -3,8 +3,8 @@
 use super::statement::{Scene, Sweep};
 use crate::core::sweep::{MOST_RUNS, Order};
 
-/// The division of a sweep into parts: the sequences of consecutive runs of the sweep (its
-/// *strands*) are assigned to the parts in turn.
+/// The division of a sweep into parts. The units that are assigned to the parts in turn are
+/// *strands*: sequences of runs in which each run begins where the preceding run ended.
 ///
 /// ```
 /// use tangency::scene::Division;
@@ -24,13 +24,13 @@ pub struct Division {
     pub strands: usize,
     /// The number of runs of the sweep.
     pub runs: usize,
-    /// The number of runs in the largest part.
+    /// The number of runs in the part that has the most runs.
     pub largest: usize,
 }
 
 impl Division {
-    /// Assigns sequences of consecutive runs (strands) to `parts` parts in turn; each sequence is
-    /// given by its number of runs.
+    /// Assigns strands (sequences of runs that follow one another) to `parts` parts in turn; each
+    /// strand is given by its number of runs.
     pub fn new(strands: impl IntoIterator<Item = usize>, parts: usize) -> Self {
         let parts = parts.max(1);
         let (mut sizes, mut count) = (Vec::new(), 0);
@@ -45,21 +45,23 @@ impl Division {
         Division { parts, strands: count, runs: sizes.iter().sum(), largest }
     }
 
-    /// Returns the number of runs that the largest part would contain if single runs, instead of
-    /// sequences of consecutive runs, were assigned to the parts.
+    /// Returns the number of runs in the largest part if single runs, instead of sequences of runs
+    /// that follow one another, were assigned to the parts.
     pub fn even(&self) -> usize {
         self.runs.div_ceil(self.parts)
     }
 
-    /// Returns whether the largest part exceeds the size of an even part by at most a tenth.
+    /// Returns whether the number of runs in the largest part exceeds the average number of runs
+    /// per part by at most a tenth.
     pub fn is_even(&self) -> bool {
         self.largest <= self.even() + self.even() / 10
     }
 }
 
 impl Sweep {
-    /// Returns the lengths of the sequences of consecutive runs, in order, if the axis were divided
-    /// into `strands` sequences; with `None`, into the number of sequences that the sweep states.
+    /// Returns the lengths of the sequences of runs that follow one another, in order, if the axis
+    /// of the sweep were divided into `strands` sequences; for `None`, into the number of sequences
+    /// that the sweep states.
     pub(super) fn strand_lengths(&self, strands: Option<usize>) -> impl Iterator<Item = usize> {
         let points = self.over.iter().try_fold(1, |points, grid| grid.count.checked_mul(points));
         // Larger sweeps are rejected before the first run.
@@ -85,9 +87,9 @@ impl Scene {
         self.divided(parts, None)
     }
 
-    /// Returns a value of the setting `strands` for all sweeps with which the runs are divided more
-    /// evenly into `parts` parts, and the number of runs in the largest of these parts; `None` if
-    /// no value divides the runs more evenly.
+    /// Returns a value of the setting `strands` that divides the runs of all sweeps more evenly
+    /// into `parts` parts, and the number of runs in the largest part with this value; `None` if no
+    /// value divides the runs more evenly.
     pub fn better_strands(&self, parts: usize) -> Option<(usize, usize)> {
         let followed = || self.sweeps.iter().filter(|sweep| sweep.order != Order::Anew);
         let chains: usize = followed().map(|sweep| sweep.starts.len().max(1)).sum();

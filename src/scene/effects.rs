@@ -8,16 +8,16 @@ use super::set::is_of_sweeps;
 use super::statement::Scene;
 use crate::core::problem::{Dynamics, Forcing};
 
-/// The purpose for which a scene is read.
+/// The purpose for which a scene is read, which determines the settings that have an effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Purpose {
-    /// The runs of the scene are traced.
+    /// The branches of the scene's runs are computed.
     Runs,
-    /// The runs of the scene are traced, and the branches that emanate from their special points
-    /// are traced, too.
+    /// The branches of the scene's runs are computed, and the branches that emanate from special
+    /// points of these branches are computed, too.
     Exploration,
-    /// The sweeps of the scene are computed; its runs are traced only to be drawn together with the
-    /// sweeps.
+    /// The sweeps of the scene are computed; the branches of its runs are computed only to be drawn
+    /// together with the sweeps.
     Sweeps,
 }
 
@@ -58,7 +58,7 @@ impl Scene {
     }
 }
 
-/// The property that solutions must have for a setting of the continuation to have an effect.
+/// A property of solutions, which a setting of the continuation requires to have an effect.
 #[derive(Clone, Copy, PartialEq)]
 enum Need {
     /// A discretisation.
@@ -69,7 +69,8 @@ enum Need {
     Dynamics,
 }
 
-/// The settings of the continuation that have an effect only if solutions have a certain property.
+/// The settings of the continuation that have an effect only if the solutions have a certain
+/// property.
 const NEEDS: [(&str, Need); 8] = [
     ("refinement", Need::Discretisation),
     ("refine", Need::Discretisation),
@@ -117,7 +118,7 @@ impl Resolved {
         })
     }
 
-    /// Returns whether the solutions lack a property; returns false if this is unknown.
+    /// Returns whether the solutions lack a property; returns false if this is not known.
     fn lacks(&self, need: Need) -> bool {
         let Resolved { problem, values, reach, .. } = self;
         let exact = problem.ladder(values, reach).is_ok_and(|ladder| ladder.is_empty());
@@ -150,7 +151,7 @@ impl ResolvedSweep {
 }
 
 impl Need {
-    /// Returns a phrase for messages that describes solutions without the property.
+    /// Returns a phrase for messages that describes solutions without this property.
     fn without(self) -> &'static str {
         match self {
             Need::Discretisation => "where equations need no discretisation",

@@ -51,7 +51,8 @@ pub enum SceneError {
     #[error("`{0}` is given twice")]
     #[diagnostic(help("give each parameter or state only once, in `--over` or in `--from`"))]
     Twice(String),
-    /// The option `--both` is given, but the number of parameters to sweep is not one.
+    /// The option `--both` is given, but the number of parameters to sweep is zero or more than
+    /// one.
     #[error("`--both` sweeps the values of one parameter upward and downward")]
     #[diagnostic(help("give `--over` exactly once, for a parameter and not for an initial state"))]
     BothWays,
@@ -59,10 +60,11 @@ pub enum SceneError {
     #[error(transparent)]
     #[diagnostic(transparent)]
     UnknownName(#[from] UnknownName),
-    /// A value that does not have the form that its parameter or setting requires.
+    /// A value that does not have the form required by the parameter or setting to which it is
+    /// assigned.
     #[error("`{}` cannot be `{}`: {reason}", shown(name), shown(value))]
     Value {
-        /// The remedy, unless the reason implies the remedy.
+        /// The remedy for the error; omitted if the reason for the error implies the remedy.
         #[help]
         help: Option<String>,
         /// The name of the parameter or setting whose value is wrong.
@@ -77,7 +79,7 @@ pub enum SceneError {
     NoEffect {
         /// The name of the parameter or setting that has no effect.
         name: String,
-        /// A phrase that tells where the setting has no effect, and why.
+        /// A phrase that states where the setting has no effect, and why.
         reason: String,
         /// The remedy.
         #[help]
@@ -113,10 +115,10 @@ pub enum SceneError {
     /// The scene contains an invalid or inconsistent value.
     #[error("{message}")]
     Invalid {
-        /// A message with the place, the value at this place, and the condition that the value
-        /// violates.
+        /// A message that states the place in the scene, the value at this place, and the condition
+        /// that the value violates.
         message: String,
-        /// The remedy, unless the message implies the remedy.
+        /// The remedy for the error; omitted if the message implies the remedy.
         #[help]
         help: Option<String>,
     },
@@ -128,9 +130,9 @@ pub enum SceneError {
     #[error("{requirement}, but this problem is {kind}", requirement = .needs)]
     #[diagnostic(help("state the vector field as a hybrid system with one mode"))]
     Unsupported {
-        /// A description of the problems that support the computation.
+        /// A description of the problems that support the requested computation.
         needs: &'static str,
-        /// The kind of the problem.
+        /// The kind of the problem, which does not support the requested computation.
         kind: &'static str,
     },
     /// Some parameters of the problem have no value.
@@ -144,21 +146,21 @@ pub enum SceneError {
         /// The names of the parameters that have no value.
         missing: Vec<String>,
     },
-    /// The plan of a sweep is invalid.
+    /// The plan of a sweep, that is, of its axes and runs, is invalid.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Plan(#[from] PlanError),
-    /// The motion cannot be sampled stroboscopically.
+    /// The motion cannot be sampled once in every period.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Strobe(#[from] StroboscopicError),
-    /// The results of earlier runs belong to another scene.
+    /// The results of earlier runs were computed with another scene.
     #[error("the saved runs of the sweep are from another scene, or from other settings")]
     #[diagnostic(help(
         "remove the file of the saved runs, start again with --afresh, or choose another folder"
     ))]
     OtherScene,
-    /// The results of earlier runs are in tables of another form.
+    /// The tables with the results of earlier runs do not have the form of the sweep's tables.
     #[error("the saved runs of the sweep are in tables of another form: {0}")]
     #[diagnostic(help(
         "remove the file of the saved runs, start again with --afresh, or choose another folder"
@@ -168,14 +170,14 @@ pub enum SceneError {
     #[error("{chosen}, which is more")]
     #[diagnostic(help("request a lower accuracy, or state the discretisation"))]
     Unmet {
-        /// The finest discretisation, and the error estimated with it.
+        /// A description of the finest discretisation, and the error that was estimated with it.
         chosen: Box<Chosen>,
     },
-    /// The plot is invalid, whatever the results are.
+    /// The plot of the scene is invalid, independently of the results.
     #[error("the plot: {0}")]
     #[diagnostic(forward(0))]
     Figure(#[from] FigureError),
-    /// The run was cancelled, for example by Ctrl-C.
+    /// A run was cancelled by the user, for example by Ctrl-C.
     #[error(
         "the run `{run}` was interrupted before its first point; all runs before `{run}` are saved"
     )]
@@ -183,7 +185,8 @@ pub enum SceneError {
         /// The name of the cancelled run.
         run: String,
     },
-    /// A run starts at a special point that an earlier run did not find.
+    /// A run should start at a special point of an earlier run, but the earlier run did not find
+    /// the special point.
     #[error(
         "the run `{run}` starts at {kind} number {} of the branch `{from}`, but this branch has {} \
          ({ends})",
@@ -194,21 +197,21 @@ pub enum SceneError {
          {kind}; the first `--along` names the parameter that varies along the branch"
     ))]
     NoSuchPoint {
-        /// The name of the run that cannot start.
+        /// The name of the run that cannot start because the special point is missing.
         run: String,
         /// The name of the earlier run, whose branch should contain the special point.
         from: String,
         /// The kind of the special point at which the run should start.
         kind: String,
-        /// The index of the special point among the special points of this kind.
+        /// The index of the missing special point among the special points of this kind.
         nth: usize,
         /// The number of special points of this kind that the earlier run found.
         found: usize,
         /// The reasons why the branch of the earlier run ended.
         ends: String,
     },
-    /// No branch starts at the given state, and the motion from this state does not converge to an
-    /// attractor.
+    /// No branch starts at the given state, and the motion that starts in this state does not
+    /// converge to an attractor.
     #[error(
         "the simulated motion from the given state does not converge to an attractor: {cause}; a \
          branch cannot start at the given state either: {near}"
@@ -217,7 +220,7 @@ pub enum SceneError {
     NoStart {
         /// The reason why no branch starts at the state.
         near: Box<SceneError>,
-        /// The reason why the motion from the state does not converge.
+        /// The reason why the motion that starts in the state does not converge.
         cause: Box<SceneError>,
     },
     /// A run failed.
@@ -230,8 +233,8 @@ pub enum SceneError {
         #[source]
         cause: Box<RunError>,
     },
-    /// A run failed at its start, and the request has changed the first value of the parameter that
-    /// varies along the run.
+    /// A run failed at its start, after the request had changed the first value of the parameter
+    /// that varies along the run.
     #[error("{cause}")]
     #[diagnostic(help(
         "replace `--set {name}={value}` by `--mark {name}={value}`: the branch then starts at the value of \
@@ -240,7 +243,7 @@ pub enum SceneError {
     Moved {
         /// The parameter that varies along the run.
         name: String,
-        /// The changed value of the parameter at the start.
+        /// The changed value with which the parameter starts.
         value: String,
         /// The reason why the run failed.
         cause: Box<SceneError>,
@@ -251,7 +254,7 @@ pub enum SceneError {
 #[derive(Clone, Debug, PartialEq, miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum RunError {
-    /// The requested local map does not exist.
+    /// The local map that a run or sweep requests does not exist.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Local(#[from] GrazingError),
@@ -263,23 +266,23 @@ pub enum RunError {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Simulation(#[from] HybridError),
-    /// A simulation did not converge to a periodic motion at which a branch could start.
+    /// A simulation did not converge to a periodic motion from which a branch could start.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Unsettled(#[from] CycleSearchError),
-    /// No saddle was found whose manifolds could be computed.
+    /// No saddle was found whose stable and unstable manifolds could be computed.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Manifold(#[from] ManifoldError),
-    /// The continuation of a branch could not start.
+    /// The continuation of a branch could not start from the given solution.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Trace(#[from] TraceError),
 }
 
 impl SceneError {
-    /// Returns whether the error names a file of equations; messages then name this file instead of
-    /// the scene's file.
+    /// Returns whether the error names a file of equations; if so, messages name this file instead
+    /// of the scene's file.
     pub fn names_file(&self) -> bool {
         match self {
             SceneError::File { .. } => true,
@@ -288,8 +291,9 @@ impl SceneError {
         }
     }
 
-    /// Returns whether a run that varies parameters might succeed from another start: the run
-    /// failed because no solution was found, or because the solution is out of bounds.
+    /// Returns whether a run that varies parameters might succeed if it started from another
+    /// solution: the run failed because no solution was found, or because the solution is out of
+    /// bounds.
     pub(super) fn is_of_start(&self, is_released: impl Fn(&str) -> bool) -> bool {
         use TraceError::{OutOfRange, Start};
         let of_run = |cause: &RunError| match cause {
@@ -313,21 +317,21 @@ impl SceneError {
         SceneError::Value { name, value, reason, help: None }
     }
 
-    /// Returns the error for a setting that has no effect as long as another setting has its
-    /// present value.
+    /// Returns the error for a setting that has no effect because another setting has its present
+    /// value.
     pub(super) fn no_effect_under(name: &str, under: &str, value: &str) -> Self {
         let reason = format!("where `{under}` is `{value}`");
         let help = Some(format!("omit `{name}`, or also set `{under}` to another value"));
         SceneError::NoEffect { name: name.into(), reason, help }
     }
 
-    /// Returns the error for an invalid statement, with the given message.
+    /// Returns the error for an invalid text of a scene, with the given message.
     pub(super) fn invalid(message: impl Into<String>) -> Self {
         SceneError::Invalid { message: message.into(), help: None }
     }
 
-    /// Returns the error for a setting that has no effect, with the reason; the suggested remedy is
-    /// to omit the setting.
+    /// Returns the error for a setting that has no effect, with the given reason; the error
+    /// suggests omitting the setting.
     pub(super) fn idle(name: &str, reason: impl Into<String>) -> Self {
         let help = Some(format!("omit `{name}`"));
         SceneError::NoEffect { name: name.into(), reason: reason.into(), help }
@@ -344,7 +348,7 @@ impl SceneError {
         self
     }
 
-    /// Adds the remedy of the underlying error, if it has a remedy.
+    /// Adds a remedy to the error: the remedy of its cause, if the cause has a remedy.
     pub(super) fn with_help_of(self, cause: &dyn Diagnostic) -> Self {
         match cause.help() {
             Some(help) => self.with_help(help.to_string()),
@@ -353,7 +357,7 @@ impl SceneError {
     }
 }
 
-/// Formats the number of special points of a kind: `no HB`, `1 HB`.
+/// Formats the number of special points of a given kind, for example `no HB` or `1 HB`.
 fn counted(found: usize, kind: &str) -> String {
     if found == 0 { format!("no {kind}") } else { format!("{found} {kind}") }
 }

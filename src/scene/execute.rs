@@ -1,5 +1,5 @@
-//! Tracing of a scene with the discretisation that the scene states, or with a discretisation
-//! chosen for the requested accuracy.
+//! Tracing of the branches of a scene, either with the discretisation that the scene states, or
+//! with a discretisation that is chosen for the requested accuracy.
 
 use super::error::SceneError;
 use super::fidelity::traced_to;
@@ -10,8 +10,8 @@ use super::trace::{Outcome, traced, traced_each};
 use crate::output::Document;
 
 impl Outcome {
-    /// Returns the outcome of tracing a scene that could not be resolved: an empty document and the
-    /// error.
+    /// Returns the outcome for a scene that could not be resolved: a document without branches, and
+    /// the error.
     pub(super) fn failed(scene: &Scene, cause: SceneError) -> Self {
         Outcome { document: Document::new(scene.title.clone(), Vec::new()), error: Some(cause) }
     }
@@ -26,9 +26,9 @@ impl Resolution {
         }
     }
 
-    /// Traces the runs, and continues with the next run if a run fails. Returns the outcome with
-    /// the branches of all other runs, and the errors together with the names of the failed runs.
-    /// The trace of a scene that requests an accuracy stops at the first error.
+    /// Traces the branches of the runs, and continues with the next run if a run fails. Returns the
+    /// outcome with the branches of all runs that succeeded, and the errors together with the names
+    /// of the failed runs. If the scene requests an accuracy, tracing stops at the first error.
     ///
     /// ```
     /// use tangency::scene::Scene;
@@ -58,8 +58,8 @@ impl Resolution {
     }
 }
 
-/// Resolves a scene and traces its runs; if a start point is given, traces the run that continues
-/// from this point ([`Scene::resolve`]).
+/// Resolves a scene and traces the branches of its runs; if a start point is given, traces only the
+/// run that continues from this point ([`Scene::resolve`]).
 ///
 /// ```
 /// use tangency::scene::{BUILT_IN, Scene, execute};
@@ -72,8 +72,8 @@ impl Resolution {
 /// ```
 ///
 /// If the scene requests an accuracy, a discretisation that reaches the accuracy is chosen;
-/// [`Document::chosen`](crate::output::Document::chosen) contains the choice and its estimated
-/// error:
+/// [`Document::chosen`](crate::output::Document::chosen) contains the chosen discretisation and its
+/// estimated error:
 ///
 /// ```
 /// # use tangency::scene::{BUILT_IN, Scene, execute};

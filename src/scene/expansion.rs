@@ -1,5 +1,5 @@
-//! Taylor expansions of the curves of folds and of period doublings that emanate from a grazing
-//! point of codimension two.
+//! Taylor expansions of two curves that emanate from a grazing point of codimension two: a curve of
+//! folds and a curve of period doublings.
 //!
 //! An orbit with one impact solves `F = P(D(z, p), p) − ξ(z, p) = 0`, where `ξ` is the virtual
 //! point that corresponds to `z` (its `y` and its other coordinates). Such an orbit has the Floquet
@@ -9,12 +9,12 @@
 //!     (∂[P ∘ D]/∂z − μ ∂ξ/∂z) v = 0,    ⟨c, v⟩ = 1.
 //! ```
 //!
-//! Both equations, for the orbit and for its multiplier, are regular at `y = 0`. Suppose that the
-//! derivative of the smooth map does not map `β` into the normal direction (`∂P/∂θ = 0` in one
-//! phase). Then the point `y = 0` solves both equations for `μ = 1` and for `μ = −1`, so that a
-//! curve of folds and a curve of period doublings emanate from this point. If one parameter is a jet (a truncated Taylor
-//! series), Newton's iteration for `z`, `v` and another parameter yields the Taylor series of the
-//! curve, one term per iteration.
+//! The equation of the orbit and the equation of its multiplier are both regular at `y = 0`.
+//! Suppose that the derivative of the smooth map maps `β` to a vector without a component in the
+//! normal direction (`∂P/∂θ = 0` in one phase). Then the point `y = 0` solves both equations for `μ
+//! = 1` and for `μ = −1`, so that a curve of folds and a curve of period doublings emanate from
+//! this point. If one parameter is a jet (a truncated Taylor series), Newton's iteration for `z`,
+//! `v` and another parameter yields the Taylor series of the curve, one term per iteration.
 
 use crate::core::failure::Failure;
 use crate::core::linalg::{Border, BorderedLu};
@@ -30,11 +30,12 @@ use num_dual::{Dual, Dual64, DualNum};
 pub struct Expansion {
     /// The kind of the special points: folds ([`Kind::LP`]) or period doublings ([`Kind::PD`]).
     pub kind: Kind,
-    /// The coefficients `c_1, c_2, …` of the parameter `Δp₁`, one for each order of the local map.
+    /// The coefficients `c_1, c_2, …` of the parameter `Δp₁` as a function of `Δp₂`, one for each
+    /// order of the local map.
     pub parameter: Vec<f64>,
-    /// The coefficients of the penetration depth `y` along the curve; their number is one less than
-    /// the number of coefficients of the parameter. The curve exists on the side of `Δp₂ = 0` on
-    /// which `y` is positive.
+    /// The coefficients of the penetration depth `y` along the curve as a function of `Δp₂`; their
+    /// number is one less than the number of coefficients of `Δp₁`. The curve exists on that side
+    /// of `Δp₂ = 0` on which the penetration depth `y` is positive.
     pub depth: Vec<f64>,
 }
 
@@ -49,25 +50,26 @@ pub enum ExpansionError {
     )]
     #[diagnostic(help("locate the degenerate point on the curve of grazings first"))]
     NotDegenerate(f64),
-    /// The expansion of curves of the requested kind is not known.
+    /// The Taylor expansion of curves of the requested kind is not known.
     #[error("curves of LP and PD emanate from a degenerate grazing, but none of {0}")]
     NoCurve(Kind),
     /// The requested parameter does not exist in the local map.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Unknown(#[from] UnknownName),
-    /// The equations of the curve cannot be solved.
+    /// The equations for the curve of special points cannot be solved.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Failure(#[from] Failure),
-    /// The requested series has too many terms.
+    /// The requested Taylor series has too many terms.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Jet(#[from] JetError),
 }
 
-/// The curve given by a Taylor series, `Δp₁ − Σ c_k Δp₂ᵏ = 0`, with the penetration depth as a
-/// monitor, as a zero problem: it can be traced and drawn together with the exact curve.
+/// A zero problem for the curve given by a Taylor series, `Δp₁ − Σ c_k Δp₂ᵏ = 0`, with the
+/// penetration depth as a monitor; the curve of the series can thus be traced and drawn together
+/// with the exact curve.
 ///
 /// ```
 /// use tangency::core::continuation::Continuation;
@@ -93,10 +95,10 @@ pub struct ExpansionCurve {
     pub names: [String; 2],
 }
 
-/// The name of the penetration depth `y` along the curve.
+/// The name of the monitor for the penetration depth `y` along the curve.
 const DEPTH: &str = "depth";
 
-/// Evaluates the series `Σ c_k xᵏ`, whose first index is k = 1.
+/// Evaluates the series `Σ c_k xᵏ` without a constant term: its first index is k = 1.
 fn power_series<T: Scalar>(coefficients: &[f64], x: T) -> T {
     coefficients.iter().rev().fold(T::zero(), |sum, c| (sum + *c) * x)
 }
@@ -123,26 +125,28 @@ impl ZeroProblem for ExpansionCurve {
     }
 }
 
-/// A Taylor series with enough terms for the highest order of local maps.
+/// The type of Taylor series, with enough terms for the highest order of local maps.
 type Series = Jet<16>;
 
-/// The largest absolute value of the last unknown of a bordered system with which the bordered
-/// matrix counts as singular.
+/// The bordered matrix counts as singular if the last unknown of the bordered system has at most
+/// this absolute value.
 const SINGULAR: f64 = 1e-6;
 
-/// The equations of the curve of special points.
+/// The equations that determine the curve of special points.
 struct Curve<'a> {
     map: &'a LocalMap,
     /// The multiplier.
     mu: f64,
-    /// The indices of the dependent and of the independent parameter.
+    /// The indices of two parameters of the local map: the dependent parameter and the independent
+    /// parameter of the series.
     parameters: [usize; 2],
-    /// The vector `c` of the normalisation `c·v = 1` of null vectors.
+    /// The vector `c` in the normalisation `c·v = 1` of null vectors `v`.
     scale: Vec<f64>,
 }
 
 impl Curve<'_> {
-    /// Evaluates the image and the virtual point of `z`, with their derivatives along `v`.
+    /// Evaluates the image of `z` under the local map and the virtual point of `z`, together with
+    /// their derivatives along `v`.
     fn along<T: Scalar>(&self, z: &[T], v: &[T], p: &[T]) -> [Vec<Dual<T>>; 2] {
         let z: Vec<_> = z.iter().zip(v).map(|(z, v)| Dual::new(*z, *v)).collect();
         let p: Vec<_> = p.iter().map(|p| Dual::new(*p, T::zero())).collect();
@@ -153,8 +157,8 @@ impl Curve<'_> {
         [image, place]
     }
 
-    /// Evaluates `F`, the equation of the multiplier, and the normalisation of `v`, for the
-    /// unknowns `(z, Δp₁, v)`.
+    /// Evaluates the orbit equation `F`, the equation of the multiplier, and the normalisation of
+    /// `v`, for the unknowns `(z, Δp₁, v)`.
     fn residual<T: Scalar>(&self, u: &[T], other: T, out: &mut [T]) {
         let n = self.scale.len();
         let (z, v) = (&u[..n], &u[n + 1..]);
@@ -196,7 +200,7 @@ impl Curve<'_> {
         }
     }
 
-    /// Computes the Jacobian matrix of the residual with respect to the unknowns, stored by
+    /// Computes the Jacobian matrix of these equations with respect to their unknowns, stored by
     /// columns.
     fn jacobian(&self, u: &[f64]) -> Vec<f64> {
         let mut out = vec![Dual64::from(0.0); u.len()];
@@ -210,8 +214,8 @@ impl Curve<'_> {
         matrix
     }
 
-    /// Computes the Taylor series of the unknowns by Newton's iteration with the Jacobian matrix at
-    /// the grazing.
+    /// Computes the Taylor series of the unknowns by Newton's iteration; every step uses the
+    /// Jacobian matrix at the grazing.
     fn solved(&self, order: usize) -> Result<Vec<Series>, ExpansionError> {
         let n = self.scale.len();
         let start = [vec![0.0; n + 1], self.null_vector()?].concat();
@@ -236,9 +240,9 @@ impl Curve<'_> {
     }
 }
 
-/// Computes the Taylor series of the curve of folds ([`Kind::LP`]) or of period doublings
-/// ([`Kind::PD`]) of orbits with one impact that emanates from a degenerate grazing of a local map;
-/// the series gives one parameter as a function of another parameter.
+/// Computes a Taylor series that gives one parameter as a function of another parameter along a
+/// curve of folds ([`Kind::LP`]) or period doublings ([`Kind::PD`]) of orbits with one impact; the
+/// curve emanates from a degenerate grazing of a local map.
 ///
 /// ```
 /// use tangency::scene::expanded;

@@ -17,22 +17,22 @@ use crate::core::system::Kind;
 use std::collections::VecDeque;
 use std::error::Error;
 
-/// The maximum number of runs added to a scene.
+/// The maximum number of runs in a scene to which automatic branch switching adds runs.
 const RUNS: usize = 50;
 
-/// Traces the runs of a scene, and then the branches that emanate from the special points found, up
-/// to a depth: with depth 1, branches are switched at special points of the scene's own runs; with
-/// depth 2, also at special points of the added runs. A special point that two branches share is
-/// used only once. Returns the scene with all added runs, so that the scene has at most 50 runs;
-/// tracing the returned scene reproduces the result.
+/// Traces the branches of a scene's runs, and then the branches that emanate from the special
+/// points found, up to a depth: with depth 1, branches are switched at special points of the
+/// scene's own runs; with depth 2, also at special points of the added runs. A special point that
+/// two branches share is used only once. Returns the scene with all added runs; runs are added only
+/// up to a total of 50 runs. Tracing the returned scene reproduces the result.
 ///
 /// If several branches cross at a point, all branches that the equations at this point determine
 /// are traced.
 ///
-/// An added run that fails is omitted, its first error is kept, and the other runs continue. At a
-/// grazing, and at a point where several eigenvalues are critical, a failure is not an error: the
-/// branch that contains the special point gets a warning with the reason. Special points that have
-/// not converged, and runs beyond the maximum number of 50, also cause warnings.
+/// If an added run fails, it is omitted, the first such error is kept, and the other runs continue.
+/// At a grazing, and at a special point with several critical eigenvalues, a failure is not an
+/// error: the branch that contains the special point gets a warning with the reason. Special points
+/// that have not converged, and runs beyond the maximum total of 50 runs, also cause warnings.
 ///
 /// ```
 /// use tangency::scene::{Scene, explore};
@@ -67,7 +67,8 @@ pub struct Following {
     /// The depth of the exploration: with depth 1, branches are switched at special points of the
     /// scene's own runs; with depth 2, also at special points of the added runs.
     pub depth: usize,
-    /// Whether to omit runs that would start at a solution through which an earlier branch passes.
+    /// Whether to omit a run if an earlier branch passes through the solution at which the run
+    /// would start.
     pub distinct: bool,
 }
 
@@ -81,23 +82,24 @@ impl Following {
         Following { kinds, depth, distinct: false }
     }
 
-    /// Selects the special points of the same kinds on the branches found by branch switching, with
-    /// the depth reduced by one; `None` if no branch is switched on these branches.
+    /// Returns the selection for the branches that branch switching has found: the same kinds of
+    /// special points, and the depth reduced by one; `None` if no branch is switched on these
+    /// branches.
     pub fn next_generation(self) -> Option<Self> {
         let depth = self.depth.checked_sub(1).filter(|depth| *depth > 0)?;
         Some(Following { depth, ..self })
     }
 
-    /// Returns the kinds of points of curves from which other curves emanate.
+    /// Returns the kinds of special points on curves from which other curves emanate.
     pub fn of_curves() -> Vec<Kind> {
         catalogue::crossings()
     }
 }
 
 impl Resolution {
-    /// Traces the runs, and then the branches that emanate from special points, as the function
-    /// [`explore`] does. If the scene requests an accuracy, the discretisation is chosen for the
-    /// scene's own runs and also used for the added runs.
+    /// Traces the branches of the runs, and then the branches that emanate from special points, as
+    /// the function [`explore`] does. If the scene requests an accuracy, the discretisation is
+    /// chosen for the scene's own runs and also used for the added runs.
     pub fn explore(
         &self,
         following: &Following,
@@ -125,12 +127,14 @@ impl Resolution {
     }
 }
 
-/// The runs traced so far, and the pending runs to which their special points lead.
+/// The runs that have been traced so far, and the runs from their special points that will be
+/// traced next.
 struct Exploration<'a> {
     resolution: &'a Resolution,
     following: &'a Following,
     tracing: Tracing,
-    /// The pending runs, each with the number of branch switches that lead to the run.
+    /// The runs that will be traced next, each with the number of branch switches that lead to the
+    /// run.
     coming: VecDeque<(Run, usize)>,
 }
 
@@ -140,7 +144,8 @@ impl<'a> Exploration<'a> {
         Exploration { resolution, following, tracing: Tracing::default(), coming }
     }
 
-    /// Traces the own and all added runs; returns the scene with all runs, and the outcome.
+    /// Traces the scene's own runs and all added runs; returns the scene with all these runs, and
+    /// the outcome.
     fn all(mut self, observer: &mut dyn SceneObserver) -> (Scene, Outcome) {
         while let Some((run, steps)) = self.coming.pop_front() {
             // The scene's own runs are always traced, unless several starts may lie on one branch.
@@ -171,8 +176,8 @@ impl<'a> Exploration<'a> {
         (scene, self.tracing.outcome(self.resolution))
     }
 
-    /// Appends the number of the branch to the name of a run, if several runs start at given
-    /// solutions.
+    /// Appends the index of the branch to the name of a run, if the run is one of several runs that
+    /// start at given solutions.
     fn numbered(&self, run: Run) -> Run {
         let is_start = self.following.distinct && matches!(run.start, Start::Guess(_));
         let first = self.tracing.runs.iter().find(|_| is_start);
@@ -195,8 +200,8 @@ impl<'a> Exploration<'a> {
         start.is_some_and(|z| others.any(|it| passes(it, &mut *system, &resolved.values, &z)))
     }
 
-    /// Returns whether another run has already traced the same curve from the same special point,
-    /// which was found on another curve.
+    /// Returns whether another run has already traced the curve on which a run would start, from
+    /// the same special point found on another curve.
     fn is_started(&self, run: &Run) -> bool {
         let Tracing { runs, done, .. } = &self.tracing;
         let Some(point) = origin(run, done).filter(|_| run.hold.is_some()) else { return false };
@@ -269,7 +274,7 @@ impl<'a> Exploration<'a> {
         }
     }
 
-    /// Records the failure of an added run, and omits the run.
+    /// Records the failure of an added run, and omits the run from the scene.
     fn leave_out(&mut self, run: &Run, steps: usize, cause: SceneError) {
         let Some((from, point)) = origin(run, &self.tracing.done) else { return };
         let (from, kind, label) = (from.name.clone(), point.kind, point.label);
@@ -298,8 +303,8 @@ impl<'a> Exploration<'a> {
         }
     }
 
-    /// Warns if several branches of periodic orbits emanate from the Hopf point, because only one
-    /// of them is traced.
+    /// Warns if several branches of periodic orbits emanate from a Hopf point, because only one of
+    /// them is traced.
     fn warn_if_one_of_several(&mut self, run: &Run) {
         let point = origin(run, &self.tracing.done).map(|(_, point)| point);
         let Some(point) = point.filter(|it| it.kind == Kind::HB && it.multiplicity > 1) else {
@@ -314,7 +319,7 @@ impl<'a> Exploration<'a> {
         self.warn(&run.name, [why]);
     }
 
-    /// Adds warnings to the branch of a run.
+    /// Adds warnings to the branch that a run has traced.
     fn warn(&mut self, branch: &str, why: impl IntoIterator<Item = String>) {
         if let Some(done) = self.tracing.done.iter_mut().find(|done| done.name == branch) {
             done.warnings.extend(why);
@@ -322,23 +327,23 @@ impl<'a> Exploration<'a> {
     }
 }
 
-/// Returns the special point at which a run starts, with its branch.
+/// Returns the special point at which a run starts, with the branch that contains the point.
 fn origin<'a>(run: &Run, done: &'a [Branch]) -> Option<(&'a Branch, &'a SpecialPoint)> {
     let Start::From { run: from, kind, nth, .. } = &run.start else { return None };
     let branch = done.iter().find(|branch| branch.name == *from)?;
     Some((branch, branch.of_kind(*kind).nth(*nth)?))
 }
 
-/// Returns whether a run that starts at a special point traces a curve of period-doubled orbits, in
-/// addition to a curve of the orbits themselves.
+/// Returns whether a run that starts at a special point traces a curve of period-doubled orbits; a
+/// curve of the orbits themselves may start at the same point.
 fn is_of_doubled(run: &Run, (branch, point): (&Branch, &SpecialPoint)) -> bool {
     let Start::From { which, .. } = run.start else { return false };
     let on = (point.kind, branch.condition);
     run.hold.is_some_and(|held| catalogue::is_of_doubled(on, held, which))
 }
 
-/// Returns the failure of the system or its equations that caused an error of a run; `None` if the
-/// error has another cause.
+/// Returns the failure of the equations that caused the error of a run; `None` if the error has
+/// another cause.
 fn failure(cause: &SceneError) -> Option<&Failure> {
     let mut error: Option<&dyn Error> = Some(cause);
     while let Some(cause) = error {
@@ -350,7 +355,8 @@ fn failure(cause: &SceneError) -> Option<&Failure> {
     None
 }
 
-/// Returns the run along the next branch that crosses at the start point of a given run.
+/// Returns the run along the next of several branches that cross at the point where a given run
+/// starts.
 fn next_across(run: &Run, done: &[Branch]) -> Option<Run> {
     let several = origin(run, done).is_some_and(|(_, point)| point.multiplicity > 1);
     let mut next = run.clone();
@@ -401,7 +407,7 @@ fn begins_at(point: &SpecialPoint, held: Kind, doubled: bool) -> bool {
     held != Kind::TR || decides.is_none_or(|decides| decides < 0.0)
 }
 
-/// Returns the setting with which a run traces orbits, unless the scene or the run already states
+/// Returns the setting that makes a run trace orbits, unless the scene or the run already states
 /// this setting.
 pub(super) fn orbits_of(resolution: &Resolution, run: &Run) -> Option<(String, String)> {
     let seen = resolution.further(run).ok()?.problem.solution();

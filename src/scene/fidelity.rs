@@ -1,4 +1,4 @@
-//! The choice of the cheapest discretisation with which the special points have the requested
+//! The choice of the cheapest discretisation that computes the special points with the requested
 //! accuracy.
 //!
 //! A problem has a list of discretisations, ordered from the cheapest to the most expensive. With
@@ -7,8 +7,8 @@
 //! numbers of a discretisation are compared with the numbers of the next two discretisations, and
 //! of all finer discretisations that have been computed, by [`error_of_first`]. The search starts
 //! at a guessed discretisation. If the estimated error of this discretisation is below the
-//! requested accuracy, the search proceeds to the coarsest discretisation whose error is below the
-//! accuracy; otherwise it proceeds to finer discretisations.
+//! requested accuracy, the search proceeds to coarser discretisations, up to the coarsest one whose
+//! error is below the accuracy; otherwise it proceeds to finer discretisations.
 
 use super::error::SceneError;
 use super::observer::SceneObserver;
@@ -24,14 +24,15 @@ use crate::output::{Chosen, Document};
 use std::ops::RangeInclusive;
 use std::time::Duration;
 
-/// The range of accuracies that can be requested.
+/// The range of accuracies that a scene can request.
 const RANGE: RangeInclusive<f64> = 1e-12..=0.1;
 
 /// The minimum number of finer discretisations from which the error of a discretisation is
 /// estimated.
 const ABOVE: usize = 2;
 
-/// An observer of trial computations, which passes on the user's cancellation but shows no results.
+/// An observer of trial computations with a discretisation: it passes on the user's cancellation,
+/// but shows no results.
 pub(super) struct Unseen<'a>(pub &'a mut dyn SceneObserver);
 
 impl Observer for Unseen<'_> {
@@ -46,15 +47,15 @@ impl SceneObserver for Unseen<'_> {
     }
 }
 
-/// An estimated error, with the point at which the error occurs.
+/// An estimated error, with the special point at which the error occurs.
 #[derive(Clone, Debug, PartialEq)]
 struct Estimate {
     error: f64,
     of: String,
 }
 
-/// The discretisations of a scene, ordered from coarse to fine (`rungs`), and the outcomes of the
-/// discretisations that have been computed.
+/// The discretisations of a scene, ordered from coarse to fine, and the outcomes with the
+/// discretisations that have already been computed.
 struct Search<'a> {
     rungs: Vec<Resolution>,
     found: Vec<Option<Outcome>>,
@@ -67,14 +68,14 @@ impl Search<'_> {
         found[rung].get_or_insert_with(|| traced(&rungs[rung], observer))
     }
 
-    /// Returns whether a trial computation was interrupted.
+    /// Returns whether a trial computation with a discretisation was interrupted.
     fn interrupted(&self) -> bool {
         let branches = self.found.iter().flatten().flat_map(|outcome| &outcome.document.branches);
         branches.into_iter().any(|branch| branch.ends.contains(&End::Interrupted))
     }
 
-    /// Estimates the error of a discretisation from all finer discretisations that have been
-    /// computed, after computing the next two finer discretisations.
+    /// Computes the next two discretisations that are finer than a given one, and estimates the
+    /// error of the given one from all finer discretisations that have been computed.
     fn estimate(&mut self, rung: usize) -> Estimate {
         for needed in rung..=rung + ABOVE {
             self.trace(needed);
@@ -85,8 +86,8 @@ impl Search<'_> {
         largest(&self.known(rung))
     }
 
-    /// Returns the outcome with a discretisation, and the outcomes with all finer discretisations
-    /// that have been computed.
+    /// Returns the outcome with a discretisation, followed by the outcomes with all finer
+    /// discretisations that have been computed.
     fn known(&self, rung: usize) -> Vec<&Outcome> {
         self.found[rung..].iter().flatten().collect()
     }
@@ -118,8 +119,8 @@ impl Search<'_> {
 }
 
 /// Traces runs with the cheapest discretisation that reaches an accuracy, and records the choice in
-/// the document. Branches are shown only after the discretisation has been chosen. Also returns the
-/// runs with the chosen discretisation.
+/// the document. Branches are shown to the observer only after the discretisation has been chosen.
+/// Also returns the runs with the chosen discretisation.
 pub(super) fn traced_to(
     accuracy: f64,
     resolution: &Resolution,
@@ -152,7 +153,8 @@ pub(super) fn traced_to(
     (outcome, on_rung)
 }
 
-/// Returns the settings of a discretisation in which the discretisations of the list differ.
+/// Returns the settings of one discretisation, restricted to the settings in which the
+/// discretisations of the list differ.
 fn chosen(ladder: &[Problem], rung: usize) -> Vec<(String, String)> {
     let names = varied(ladder);
     let settings = ladder[rung].settings().into_iter();
@@ -167,7 +169,7 @@ fn varied(ladder: &[Problem]) -> Vec<String> {
 }
 
 impl Resolution {
-    /// Returns copies of the runs with discretisations of growing accuracy.
+    /// Returns copies of the runs for each of several discretisations with growing accuracy.
     fn rungs(&self) -> Result<Vec<(Problem, Resolution)>, SceneError> {
         let rung = |problem: Problem| {
             let resolution = self.scene().on(&problem).resolve(self.start())?;
@@ -178,21 +180,22 @@ impl Resolution {
 }
 
 impl Scene {
-    /// Returns copies of the problem with discretisations of growing accuracy that are suitable for
-    /// all runs.
+    /// Returns copies of the problem with discretisations of growing accuracy, each suitable for
+    /// all runs of the scene.
     fn ladder(&self) -> Result<Vec<Problem>, SceneError> {
         let values = self.values()?;
         self.problem.ladder(&values, &reach(&self.problem, &self.runs, &values))
     }
 
-    /// Returns the scene with one of the discretisations; special points are not refined further.
+    /// Returns the scene with one of the discretisations; in this scene, special points are not
+    /// refined with a finer discretisation.
     fn on(&self, problem: &Problem) -> Scene {
         let settings = Settings { refinement: 0.0, ..self.settings.clone() };
         Scene { problem: problem.clone(), settings, accuracy: None, ..self.clone() }
     }
 
-    /// Returns an error if the requested accuracy is out of range, or if it is combined with
-    /// settings that it would choose.
+    /// Returns an error if the requested accuracy is out of range, or if the scene also states a
+    /// setting that the accuracy would choose.
     pub(super) fn check_accuracy(&self) -> Result<(), SceneError> {
         let Some(accuracy) = self.accuracy else { return Ok(()) };
         if !RANGE.contains(&accuracy) {
@@ -258,22 +261,25 @@ fn refused(message: String) -> Result<(), SceneError> {
     Err(SceneError::invalid(message))
 }
 
-/// Returns the end of the branch that a special point marks; `None` if the point is not an end.
+/// Returns the end of the branch that a special point marks; `None` if the special point is not at
+/// an end.
 fn end_at<'a>(branch: &'a Branch, special: &SpecialPoint) -> Option<&'a End> {
     branch.ends.iter().find(|end| end.to_string() == special.event)
 }
 
-/// The special points that are compared between discretisations.
+/// The kinds of special points that are compared between discretisations.
 #[derive(Clone, Copy, PartialEq)]
 enum Counted {
-    /// All special points except the ends of branches.
+    /// All special points except the ends of branches are compared.
     Special,
-    /// All special points including ends, if these are at bounds, events or grazings.
+    /// All special points are compared, and also the ends of branches that are at bounds, events or
+    /// grazings.
     Ends,
 }
 
-/// Returns whether a special point must be the same with every discretisation. The end of a branch
-/// is arbitrary unless it is at a bound, an event or a grazing, or is the start.
+/// Returns whether a special point must be found with every discretisation. The end of a branch may
+/// differ between discretisations unless the end is at a bound, an event or a grazing, or is the
+/// start of the branch.
 fn is_definite(branch: &Branch, special: &SpecialPoint, counted: Counted) -> bool {
     let fixed = |end: &End| {
         use End::{Event, Grazing, MonitorBound, ParameterBound, Start};
@@ -288,7 +294,7 @@ fn is_definite(branch: &Branch, special: &SpecialPoint, counted: Counted) -> boo
 
 /// Returns the columns at a special point to which the requested accuracy applies: the varied
 /// parameters and the columns that the setting `refine` names, except the column whose given value
-/// defines the point. The accuracy does not apply to the start of a branch.
+/// defines the point. The requested accuracy does not apply to columns at the start of a branch.
 fn columns(branch: &Branch, special: &SpecialPoint) -> Vec<usize> {
     let given = match end_at(branch, special) {
         Some(End::Start) => return Vec::new(),
@@ -299,23 +305,23 @@ fn columns(branch: &Branch, special: &SpecialPoint) -> Vec<usize> {
     names.filter(|name| given != Some(name)).filter_map(|name| branch.column(name)).collect()
 }
 
-/// Returns the reference value by which an error is divided: the value itself, or a hundredth of
-/// the largest value on the branch if the value is smaller. The reference value is at least the
-/// rounding error of numbers of order 1, which matters for instance for the deflection of a flat
-/// plate.
+/// Returns the reference value by which an error is divided to give a relative error: the absolute
+/// value of the number itself, or a hundredth of the largest value on the branch if the number is
+/// smaller than this. The reference value is at least the rounding error of numbers of order 1,
+/// which matters for instance for the deflection of a flat plate.
 fn size(branch: &Branch, column: usize, value: f64) -> f64 {
     let points = branch.points.iter().filter_map(|point| point.value(column));
     let largest = points.fold(0.0, |size: f64, value| size.max(value.abs()));
     value.abs().max(0.01 * largest).max(f64::EPSILON)
 }
 
-/// Returns an infinite error, with the reason why it is infinite.
+/// Returns an infinite estimated error, together with the reason why it is infinite.
 fn unlike(of: impl Into<String>) -> Estimate {
     Estimate { error: f64::INFINITY, of: of.into() }
 }
 
-/// Returns the estimated error of a column of a special point with the first of the given
-/// discretisations.
+/// Returns the estimated error of the first of the given discretisations, for the value of a column
+/// at a special point.
 fn error_in(column: usize, rungs: &[&SpecialPoint]) -> f64 {
     let values = rungs.iter().map(|special| special.value(column));
     match values.collect::<Option<Vec<f64>>>() {
@@ -324,8 +330,8 @@ fn error_in(column: usize, rungs: &[&SpecialPoint]) -> f64 {
     }
 }
 
-/// Returns the special points of a branch that must be the same with every discretisation, each as
-/// computed with all discretisations; `None` if the points differ between discretisations.
+/// Returns the special points of a branch that must be found with every discretisation, each as
+/// computed with all discretisations; `None` if different discretisations found different points.
 fn followed<'a>(rungs: &[&'a Branch], counted: Counted) -> Option<Vec<Vec<&'a SpecialPoint>>> {
     let definite = |branch: &&'a Branch| -> Vec<&'a SpecialPoint> {
         let definite = |special: &&SpecialPoint| is_definite(branch, special, counted);
@@ -341,14 +347,14 @@ fn followed<'a>(rungs: &[&'a Branch], counted: Counted) -> Option<Vec<Vec<&'a Sp
     all.iter().all(alike).then(|| (0..first.len()).map(point).collect())
 }
 
-/// Returns the branch with a given index in each outcome.
+/// Returns, for each outcome, the branch with a given index.
 fn nth<'a>(found: &[&'a Outcome], place: usize) -> Vec<&'a Branch> {
     found.iter().filter_map(|outcome| outcome.document.branches.get(place)).collect()
 }
 
 /// Returns the largest relative error of special points in the first outcome, estimated from the
-/// outcomes with finer discretisations. If a scene has no special points other than ends, the ends
-/// at bounds are compared.
+/// outcomes with finer discretisations. If a scene has no special points other than ends of
+/// branches, the ends at bounds are compared.
 fn largest(found: &[&Outcome]) -> Estimate {
     if let Some(cause) = found.iter().find_map(|outcome| outcome.error.as_ref()) {
         return unlike(one_line(cause));
@@ -362,8 +368,8 @@ fn largest(found: &[&Outcome]) -> Estimate {
     })
 }
 
-/// Returns the largest error of the special points to compare; `None` if the outcomes contain no
-/// such points.
+/// Returns the largest error among the special points that are compared; `None` if the outcomes
+/// contain no such points.
 fn largest_of(found: &[&Outcome], counted: Counted) -> Option<Estimate> {
     let mut largest: Option<Estimate> = None;
     for place in 0..found[0].document.branches.len() {
@@ -395,8 +401,8 @@ fn largest_of(found: &[&Outcome], counted: Counted) -> Option<Estimate> {
     largest
 }
 
-/// Adds the discretisation error, which is estimated from this discretisation and finer ones, to
-/// the error of each special point.
+/// Adds the discretisation error to the error of each special point; the discretisation error is
+/// estimated from this discretisation and finer ones.
 fn add_errors(document: &mut Document, found: &[&Outcome]) {
     for (place, branch) in document.branches.iter_mut().enumerate() {
         let rungs = nth(found, place);

@@ -9,10 +9,10 @@ use super::statement::{Range, Run, Scene, Start};
 use crate::core::continuation::{RootSearch, Roots};
 use crate::core::problem::{Forcing, position};
 
-/// The solutions that a search found, with the names of the unknowns.
+/// The solutions that a search in a box found, with the names of the unknowns.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Found {
-    /// The names of the unknowns, in the order of the components of a solution.
+    /// The names of the unknowns, in the order in which a solution lists its components.
     pub unknowns: Vec<String>,
     /// The solutions.
     pub roots: Roots,
@@ -37,7 +37,7 @@ impl Scene {
     ///
     /// # Errors
     /// The errors of [`set`](Self::set); [`SceneError`] if the problem is discretised, or if the
-    /// box lacks the range of an unknown.
+    /// box does not state the range of an unknown.
     pub fn find(mut self, request: &Request) -> Result<Found, SceneError> {
         self.settings.cancel = request.cancel.clone();
         self.set_all(&request.set)?;
@@ -85,9 +85,9 @@ impl Scene {
         Ok(Found { unknowns, roots })
     }
 
-    /// Replaces the first run by one run for each solution in a box. Solutions are searched at
-    /// several values of the continuation parameter in its range, because a branch need not exist
-    /// at the value at which the first run starts.
+    /// Replaces the first run of the scene by one run for each solution found in a box. Solutions
+    /// are searched at several values of the continuation parameter in its range, because a branch
+    /// need not exist at the initial value of the parameter.
     pub(super) fn begin_everywhere(&mut self, within: &SearchBox) -> Result<(), SceneError> {
         let Some(first) = self.runs.first().cloned() else { return Ok(()) };
         let Some(range) = first.along.first().cloned() else {
@@ -132,9 +132,9 @@ impl Scene {
 const VALUES: usize = 8;
 
 /// Returns the parameter values at which solutions are searched: several values in the parameter's
-/// range if the range is finite, and finally the parameter's own value. The values in the range are
-/// not round numbers: special points often have round parameter values, and no branch should start
-/// at a special point.
+/// range if the range is finite, and finally the parameter's own value. The chosen values in the
+/// range are not round numbers, because special points often have round parameter values and no
+/// branch should start at a special point.
 fn searched(range: &Range, own: Option<f64>) -> Vec<f64> {
     let place = |k: usize| (k as f64 + 0.618_033_988_749_895) / VALUES as f64;
     let mut values: Vec<f64> = range.low.zip(range.high).map_or(Vec::new(), |(low, high)| {

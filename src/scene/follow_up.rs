@@ -11,13 +11,14 @@ use serde::Serialize;
 /// A run that can continue from a special point.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FollowUp {
-    /// A description of the solutions that the run traces.
+    /// A description of the solutions that the further run traces.
     pub title: String,
-    /// The run that can continue. For a curve in two parameters, the run lacks the range of the
-    /// second parameter.
+    /// The run that can continue from the special point. For a curve in two parameters, the run
+    /// lacks the range of the second parameter.
     pub run: Run,
-    /// The parameters that can be the second parameter of a curve, with their usual ranges; empty
-    /// for branches, and for curves that continue in the two parameters of another curve.
+    /// The parameters that can be chosen as the second parameter of a curve, with their usual
+    /// ranges; empty for branches, and for curves that continue in the two parameters of another
+    /// curve.
     pub second: Vec<Range>,
 }
 
@@ -64,8 +65,8 @@ impl Resolution {
         all
     }
 
-    /// Returns the curve of special points of the same kind as a special point of a branch of
-    /// solutions; `None` if such a curve cannot be traced.
+    /// Returns a run along the curve of special points of the same kind as a given special point on
+    /// a branch of solutions; `None` if such a curve cannot be traced.
     fn curve(
         &self,
         run: &Run,
@@ -109,7 +110,7 @@ impl Resolution {
     }
 }
 
-/// Returns a description of the solutions that a run from a special point traces.
+/// Returns a description of the solutions that a run traces from a special point.
 fn title_of(run: &Run, point: &SpecialPoint) -> String {
     match (run.hold, point.kind) {
         (Some(held), _) => format!("curve of {}s", held.meaning()),

@@ -16,16 +16,17 @@ const TRIAL: Duration = Duration::from_millis(20);
 /// Heuristic: the maximum number of periods for which a motion is followed in order to estimate its
 /// speed.
 const TRIAL_PERIODS: u32 = 64;
-/// Heuristic: the largest number of bisection steps that a forecast assumes: after this number of
-/// steps, the ends of nearly every interval are neighbouring floating-point numbers.
+/// Heuristic: the largest number of bisection steps that a forecast assumes; after this number of
+/// steps, the two ends of nearly every interval are neighbouring floating-point numbers.
 const MOST_HALVINGS: f64 = 106.0;
-/// Heuristic: the cost of a period with a tangent vector, in units of the cost of a period without
-/// tangent vector.
+/// Heuristic: the cost of simulating a period with a tangent vector, relative to the cost of a
+/// period without tangent vector.
 const WITH_TANGENT: usize = 3;
-/// Heuristic: the length of a long branch from its start, in units of scaled arclength.
+/// Heuristic: the length, in units of scaled arclength, of a branch that counts as long, measured
+/// from its start.
 const FAR: f64 = 10.0;
 
-/// An observer that stops a motion after a given processor time.
+/// An observer that stops a simulated motion after a given processor time.
 struct Until(ThreadTime);
 
 impl HybridObserver<f64> for Until {
@@ -38,8 +39,8 @@ impl HybridObserver<f64> for Until {
     }
 }
 
-/// Estimates how long following a motion for a given time will take, by following the beginning of
-/// the motion; reports the estimate unless the trial already covers the whole time.
+/// Estimates how long it will take to follow a motion for a given time, by following the beginning
+/// of the motion; the estimate is reported unless this trial already covers the whole time.
 pub(super) fn motion(
     run: &str,
     system: &dyn HybridEquations,
@@ -62,9 +63,9 @@ pub(super) fn motion(
     }
 }
 
-/// Estimates how long tracing a branch will take, up to the arclength [`FAR`] in both directions or
-/// to the maximum number of points. The estimate assumes that each point takes as long as the start
-/// point.
+/// Estimates how long it will take to trace a branch, up to the arclength [`FAR`] in both
+/// directions or up to the maximum number of points. The estimate assumes that the computation of
+/// each point takes as long as the computation of the start point.
 pub(super) fn branch(run: &str, steps: &Steps, start: Duration, observer: &mut dyn SceneObserver) {
     let settings = &steps.branch().settings;
     let each_way = settings.max_points.min((FAR / settings.max_step).ceil() as usize);
@@ -78,19 +79,20 @@ pub(super) fn branch(run: &str, steps: &Steps, start: Duration, observer: &mut d
 pub struct SweepForecast {
     /// The number of runs of the sweep that are not finished.
     pub runs: usize,
-    /// The maximum number of periods of a run; a period with a tangent vector counts as several
-    /// periods.
+    /// The maximum number of periods of a run, where a period with a tangent vector counts as
+    /// several periods.
     pub periods: usize,
     /// The number of threads that compute the sweep.
     pub threads: usize,
-    /// The estimated maximum duration of the sweep, from the first periods of the first run. Most
-    /// runs end before the maximum number of periods, when they have converged.
+    /// The estimated maximum duration of the sweep, which is extrapolated from the first periods of
+    /// the first run. Most runs end earlier than this estimate assumes, because they converge
+    /// before the maximum number of periods.
     pub time: Duration,
 }
 
 impl SweepForecast {
-    /// Returns an upper estimate of the work of `runs` runs on `threads` threads; `None` if the
-    /// trial motion ends with an error.
+    /// Returns an upper estimate of the work of a sweep that computes `runs` runs on `threads`
+    /// threads; `None` if the trial motion ends with an error.
     pub(super) fn of(
         plan: &Plan,
         p: &[f64],
@@ -124,7 +126,7 @@ fn most_periods(plan: &Plan) -> usize {
     one.saturating_mul(times)
 }
 
-/// Multiplies a duration by a number.
+/// Multiplies a duration by a number, which need not be an integer.
 fn over(each: Duration, times: f64) -> Duration {
     Duration::try_from_secs_f64(each.as_secs_f64() * times).unwrap_or(Duration::MAX)
 }

@@ -3,12 +3,13 @@
 use crate::core::continuation::{Branch, RootSearch, SpecialPoint};
 use crate::core::system::{Kind, System};
 
-/// The largest relative difference of corresponding numbers with which two grazings count as the
-/// same grazing.
+/// Two grazings count as the same grazing if the relative difference of all corresponding numbers
+/// is at most this value.
 const SAME_GRAZING: f64 = 1e-7;
 
-/// Returns whether two grazings are the same, by comparing the columns that both branches have. (At
-/// period doublings, the column `period` is not compared, because the periods differ.)
+/// Returns whether two grazings on two branches are the same, by comparing the columns that both
+/// branches have. (At period doublings, the column `period` is not compared, because the periods
+/// differ.)
 pub(super) fn is_one_grazing(
     (branch, special): (&Branch, &SpecialPoint),
     (other, there): (&Branch, &SpecialPoint),
@@ -30,17 +31,18 @@ pub(super) fn is_one_grazing(
 /// Two special points can be the same point only if their continuation parameters differ by at most
 /// this multiple of the sum of their errors, plus rounding errors.
 const ERRORS: f64 = 10.0;
-/// The rounding error of a column, relative to the largest values on the branches.
+/// The rounding error of the values in a column, relative to the largest values on the branches.
 const ROUNDING: f64 = 1e-12;
 
-/// The difference, relative to the largest values on the branches, up to which two special points
-/// count as equal in a column that both branches have, except for the continuation parameter.
+/// Two special points count as equal in a column if the difference of their values, relative to the
+/// largest values on the branches, is at most this number; the continuation parameter is compared
+/// differently.
 const SAME: f64 = 1e-6;
 
-/// Returns whether the special points of two branches are the same point. A branch of orbits ends
-/// at a Hopf point only within the error of the point, because the amplitude grows like a square
-/// root; likewise a curve of folds of cycles ends at a generalised Hopf point only within its
-/// error.
+/// Returns whether two special points, each on one of two branches, are the same point. A branch of
+/// orbits ends at a Hopf point only within the error of the point, because the amplitude grows like
+/// a square root; likewise a curve of folds of cycles ends at a generalised Hopf point only within
+/// its error.
 pub(super) fn is_one(
     (branch, point): (&Branch, &SpecialPoint),
     (other, there): (&Branch, &SpecialPoint),

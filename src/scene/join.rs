@@ -1,5 +1,5 @@
-//! Special points of branches that meet in a grazing: the branches share one special point, which
-//! only one of them lists as a grazing.
+//! Special points at which two branches meet in a grazing: the branches share one special point,
+//! and only one of the branches lists this point as a grazing.
 
 use super::identity::is_one_grazing;
 use super::observer::SceneObserver;
@@ -31,8 +31,8 @@ impl Observer for Joined<'_> {
 }
 
 /// Turns a grazing at which a branch meets an earlier branch into an end, because the earlier
-/// branch already lists the grazing. A monitor that is zero at the grazing on one of the branches
-/// may be nonzero on the other branch.
+/// branch already lists the grazing. A monitor that is zero at the grazing on one branch may have a
+/// nonzero value at the same grazing on the other branch.
 pub(super) fn join(branch: &Branch, special: &mut SpecialPoint, done: &[&Branch]) {
     if special.kind != Kind::G || branch.condition.is_some() {
         return;

@@ -41,7 +41,7 @@ fn refuse_large(unknowns: usize) -> Result<(), SceneError> {
     )))
 }
 
-/// A zero problem, which needs no discretisation.
+/// A zero problem in a scene; it needs no discretisation.
 impl<P: ZeroProblem + 'static> Model for Configured<Arc<P>, ZeroSettings> {
     fn kind(&self) -> &'static str {
         "a zero problem"
@@ -56,7 +56,7 @@ impl<P: ZeroProblem + 'static> Model for Configured<Arc<P>, ZeroSettings> {
     }
 }
 
-/// The periodic orbits or the equilibria of a smooth vector field.
+/// The problem of computing the periodic orbits or the equilibria of a smooth vector field.
 impl<F: VectorField + 'static> Model for Configured<Arc<F>, FieldSettings> {
     fn kind(&self) -> &'static str {
         "a smooth vector field"
@@ -128,7 +128,7 @@ fn no_equilibrium(reason: &str) -> SceneError {
     SceneError::value("solution", "equilibrium", reason).with_help("set `solution` to `orbit`")
 }
 
-/// The cycles of a map.
+/// The problem of computing the cycles of a map.
 impl<M: DiscreteMap + 'static> Model for Configured<Arc<M>, MapSettings> {
     fn kind(&self) -> &'static str {
         "a map"
@@ -188,7 +188,7 @@ impl<M: DiscreteMap + 'static> PlaneMap for Configured<Arc<M>, MapSettings> {
 /// A boundary-value problem with the default values of its parameters.
 pub(super) type Boundary = (ErasedProblem, Vec<f64>);
 
-/// The solutions of a boundary-value problem.
+/// The problem of computing the solutions of a boundary-value problem.
 impl Model for Configured<Boundary, BoundarySettings> {
     fn kind(&self) -> &'static str {
         "a boundary-value problem"
@@ -225,7 +225,7 @@ impl Model for Configured<Boundary, BoundarySettings> {
 pub(super) type Hybrid = Arc<dyn HybridEquations>;
 
 impl Configured<Hybrid, HybridOrbitSettings> {
-    /// Adds to an orbit all monitors that the settings request.
+    /// Adds all monitors that the settings request to the equations of an orbit.
     fn watched(&self, orbit: HybridOrbit) -> HybridOrbit {
         if self.settings.penetration { orbit.with_penetration() } else { orbit }
     }
@@ -235,8 +235,8 @@ impl Configured<Hybrid, HybridOrbitSettings> {
         refuse_large(states.unwrap_or(0))
     }
 
-    /// Returns the system of equilibria in the mode that the settings name, or in the first mode if
-    /// the settings name no mode.
+    /// Returns the system of equations for equilibria in the mode that the settings name, or in the
+    /// first mode if the settings name no mode.
     fn equilibria(&self) -> Result<Box<dyn System>, SceneError> {
         self.refuse_large()?;
         let (system, mode) = (self.problem.clone(), self.settings.mode.as_str());

@@ -12,8 +12,8 @@ use crate::core::system::{Dense, Kind, System};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// The local map whose fixed or periodic points a run traces: the map at a grazing that an earlier
-/// run found. The order of the local map is the setting `order` of the problem.
+/// The local map whose fixed or periodic points a run traces; it is the local map at a grazing that
+/// an earlier run found. The order of the local map is the setting `order` of the problem.
 ///
 /// The parameters of the local map are the parameters of the flow, so that branches of the map and
 /// of the flow can be compared. For a local map, a run with the start `Rest` starts near the
@@ -23,20 +23,20 @@ use std::sync::Arc;
 pub struct Local {
     /// The name of the earlier run that found the grazing.
     pub run: String,
-    /// The kind of the special point: a grazing on a branch, or a special point on a curve of
-    /// grazings.
+    /// The kind of the special point at which the map is built: a grazing on a branch, or a special
+    /// point on a curve of grazings.
     pub kind: Kind,
-    /// The index of the special point among the special points of its kind, in the order of the
+    /// The index of this special point among the special points of its kind, in the order of the
     /// branch, counted from 0.
     #[serde(default)]
     pub nth: usize,
-    /// The parameters in which the local map is expanded. All other parameters have their values at
-    /// the grazing.
+    /// The parameters in which the local map is expanded into a Taylor series. All other parameters
+    /// of the local map have their values at the grazing.
     pub parameters: Vec<String>,
 }
 
 impl Local {
-    /// Builds the local map of a system at a special point.
+    /// Builds the local map of a hybrid system at a special point.
     pub(super) fn map(
         &self,
         system: &Arc<dyn HybridEquations>,
@@ -55,16 +55,16 @@ impl Local {
 }
 
 /// Returns the system of equations for fixed or periodic points of a local map. Each entry of
-/// `impacts` states whether an iterate passes through the surface; without entries, the system
-/// describes fixed points without impact.
+/// `impacts` states whether one iterate passes through the surface of the impact; if `impacts` is
+/// empty, the system describes fixed points without impact.
 pub(super) fn points_of(map: LocalMap, impacts: &[bool]) -> Result<Box<dyn System>, GrazingError> {
     let impacts = if impacts.is_empty() { &[false] } else { impacts };
     let points = LocalOrbit::of(map, impacts).in_place().system();
     Ok(Box::new(points.map_err(Failure::from)?))
 }
 
-/// Returns the curve of special points of a kind that emanates from the grazing of a local map, as
-/// a Taylor series in one of the map's two parameters.
+/// Returns the curve of special points of a given kind that emanates from the grazing of a local
+/// map; the curve is a Taylor series in one of the map's two parameters.
 pub(super) fn series_of(
     map: &LocalMap,
     kind: Kind,
@@ -78,7 +78,8 @@ pub(super) fn series_of(
     Ok(Box::new(Dense::new(ExpansionCurve { expansion, origin: order.map(|k| p[k]), names })))
 }
 
-/// The largest value of the guard at a converged grazing, in units of the guard's scale.
+/// The largest value of the guard function at a grazing that counts as converged, in units of the
+/// guard's scale.
 const TOUCHES: f64 = 1e-6;
 
 /// Returns an error if a special point is not a grazing, even if a grazing may be near.
@@ -94,7 +95,7 @@ fn touches(system: &dyn HybridEquations, point: &GrazingPoint) -> Result<(), Gra
     Err(GrazingError::NoTouch { guard, time: *time, value, rate: 0.0 })
 }
 
-/// Returns the grazing at a special point of a branch, or at a point of a curve of grazings.
+/// Returns the grazing orbit at a special point of a branch, or at a point of a curve of grazings.
 fn grazing_point(
     system: &Arc<dyn HybridEquations>,
     method: Method,

@@ -16,31 +16,33 @@ use crate::core::spelling::listed;
 use crate::core::system::Kind;
 use crate::output::{Document, Plot};
 
-/// The specification of the manifolds to compute.
+/// The request that specifies which manifolds to compute, and how.
 #[derive(Clone, Debug, Default)]
 pub struct Manifolds {
-    /// The point of an earlier result at which the saddle lies; `None` to search the saddle near
-    /// the states of the request.
+    /// The point of an earlier result at which the saddle lies; `None` if the saddle should be
+    /// searched near the states of the request.
     pub start: Option<StartPoint>,
     /// The settings of the computation, such as the maximum length and the resolution.
     pub settings: ManifoldSettings,
 }
 
 /// The name of the number that measures the accuracy of one half of a manifold: the largest
-/// distance from the image of a computed point to the computed curve.
+/// distance between the image of a computed point and the computed curve.
 pub const DEVIATION: &str = "deviation";
 
-/// The name of the error of the local expansion of the manifold.
+/// The name of the number that contains the error of the local expansion of the manifold at the
+/// saddle.
 const LOCAL_ERROR: &str = "local_error";
 
-/// The name by which error messages denote the computation.
+/// The name of the computation of manifolds in error messages.
 const RUN: &str = "manifolds";
 
 impl Scene {
-    /// Computes the unstable and the stable manifold of a saddle of the scene's map, as branches;
-    /// their columns are the states and the arclength from the saddle, which is negative on one
-    /// half. The saddle has the label 2; the ends have the labels 1 and 3, and each end has the
-    /// number `deviation` of its half.
+    /// Computes the unstable and the stable manifold of a saddle of the scene's map, as branches.
+    /// The columns of these branches are the states and the arclength from the saddle, which is
+    /// negative on one half of the manifold. The saddle has the label 2, the ends of the manifold
+    /// have the labels 1 and 3, and each end has the number `deviation`, which measures the
+    /// accuracy of its half.
     ///
     /// ```
     /// use std::path::Path;
@@ -100,7 +102,7 @@ impl Scene {
     }
 }
 
-/// Computes both manifolds, and returns the reason if no stable manifold exists.
+/// Computes both manifolds of the saddle; if no stable manifold exists, returns the reason.
 fn both(
     map: &dyn PlaneMap,
     states: &[f64],
@@ -117,8 +119,8 @@ fn both(
     })
 }
 
-/// Returns the values of the parameters at the start point, except the parameters that are changed
-/// at the start.
+/// Returns the values that the parameters have at the start point, without the parameters that are
+/// changed at the start.
 fn parameters_of(start: &StartPoint) -> Result<Vec<(String, f64)>, SceneError> {
     let values = labelled(start)?.parameters.iter().copied();
     let all = start.branch.parameters.iter().cloned().zip(values);
@@ -169,8 +171,8 @@ fn begun(
     Ok(states.iter().map(value).collect())
 }
 
-/// Converts a manifold into a branch that leads from the end of one half through the saddle to the
-/// end of the other half.
+/// Converts a manifold of a saddle into a branch that leads from the end of one half through the
+/// saddle to the end of the other half.
 fn branch(
     manifold: &Manifold,
     states: &[String],
@@ -208,7 +210,7 @@ fn branch(
     }
 }
 
-/// Returns the special points of a manifold: both ends, and the saddle between the ends.
+/// Returns the special points of a manifold's branch: both ends, and the saddle between the ends.
 fn special(
     manifold: &Manifold,
     rows: &[Vec<f64>],

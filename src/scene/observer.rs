@@ -8,8 +8,8 @@ pub trait SceneObserver: Observer {
     /// Called when a run begins; `shown` states whether the branch of the run is shown.
     fn run(&mut self, _run: &str, _shown: bool) {}
 
-    /// Called before a computation of the named run that may take long, with an upper estimate of
-    /// the duration.
+    /// Called before a computation of the named run that may take a long time, with an upper
+    /// estimate of its duration.
     fn work(&mut self, _run: &str, _what: &str, _longest: Duration) {}
 }
 

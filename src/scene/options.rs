@@ -5,8 +5,8 @@ use super::request::Request;
 use super::statement::Range;
 
 impl Request {
-    /// Returns the options of `tangency trace` that state the request, as pairs of a name and a
-    /// value.
+    /// Returns the options of `tangency trace` that correspond to the request, as pairs of a name
+    /// and a value.
     ///
     /// ```
     /// use tangency::scene::{Range, Request};
@@ -38,8 +38,8 @@ impl Request {
 }
 
 impl Following {
-    /// Returns the options of `tangency trace` that state the kinds of special points and the depth
-    /// of branch switching.
+    /// Returns the options of `tangency trace` that select the kinds of special points at which
+    /// branches are switched, and the depth of branch switching.
     pub fn options(&self) -> Vec<(&'static str, String)> {
         if self.kinds.is_empty() {
             return Vec::new();
@@ -62,7 +62,8 @@ fn equal((name, value): &(String, f64)) -> String {
     format!("{name}={}", number(*value))
 }
 
-/// Returns the shortest decimal form of a number that is parsed to the same number.
+/// Returns the shortest decimal form of a floating-point number from which the same number is
+/// parsed.
 fn number(value: f64) -> String {
     let [plain, scientific] = [value.to_string(), format!("{value:e}")];
     if plain.len() <= scientific.len() + 2 { plain } else { scientific }

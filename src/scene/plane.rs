@@ -7,8 +7,8 @@ pub(super) trait PlaneMap {
     /// Returns the names of the map's states.
     fn states(&self) -> Vec<String>;
 
-    /// Computes the stable or the unstable manifold of the cycle near the given states, which are
-    /// the first state or the states of all iterates of the cycle.
+    /// Computes the stable or the unstable manifold of the map's cycle near the given states; these
+    /// are the first state of the cycle, or the states of all its iterates.
     fn manifold(
         &self,
         states: &[f64],

@@ -25,14 +25,14 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// The names of parameters and their default values; `None` for a parameter without a default
-/// value.
+/// The names of the parameters of a problem, with their default values; `None` for a parameter
+/// without a default value.
 pub(super) type Parameters = Vec<(String, Option<f64>)>;
 
 const SIMULATED: &str = "only vector fields and hybrid systems can be simulated";
 
-/// A function that returns the values of states by name, at a given time in units of a segment's
-/// duration.
+/// A function that returns the values of the states by name at a given time; the time is in units
+/// of the duration of a segment.
 pub(super) type Profiles<'a> = &'a dyn Fn(f64) -> Vec<(String, f64)>;
 
 /// The interface of a problem with its settings, as catalogues and scenes store it. If a kind of
@@ -44,24 +44,24 @@ pub(super) trait Model: Adjustable {
     fn parameters(&self) -> Parameters;
 
     /// Returns copies of the problem with settings of growing accuracy and cost, for parameters
-    /// that start at `p` and vary as far as `reach`; the result is empty if the problem has no
-    /// discretisation.
+    /// that start at the values `p` and vary as far as `reach`; the result is empty if the problem
+    /// has no discretisation.
     fn ladder(&self, _p: &[f64], _reach: &[f64]) -> Result<Vec<Box<dyn Model>>, SceneError> {
         Ok(Vec::new())
     }
 
     /// Returns a copy of the problem for a run that starts in the given states, if these states
-    /// determine the kind of solution; otherwise returns `None`.
+    /// determine whether equilibria or orbits are traced; otherwise returns `None`.
     fn begun_at(&self, _start: &[(String, f64)], _p: &[f64]) -> Option<Box<dyn Model>> {
         None
     }
 
-    /// Returns the system of equations for parameters that start at `p`; `reach` states how far
-    /// each parameter varies from its start.
+    /// Returns the system of equations that the problem solves, for parameters that start at the
+    /// values `p`; `reach` states how far each parameter varies from its start.
     fn system(&self, p: &[f64], reach: &[f64]) -> Result<Box<dyn System>, SceneError>;
 
-    /// Returns the unknowns of a solution with the given profiles; `None` if the solutions of the
-    /// problem are not profiles.
+    /// Returns the unknowns that represent a solution with the given profiles; `None` if the
+    /// solutions of the problem are not profiles.
     fn sampled(&self, _profiles: Profiles) -> Result<Option<Vec<f64>>, SceneError> {
         Ok(None)
     }
@@ -71,14 +71,14 @@ pub(super) trait Model: Adjustable {
         Err(self.lacks(SIMULATED))
     }
 
-    /// Returns the system of orbits that have the itinerary of a simulated orbit, and the unknowns
-    /// of the simulated orbit.
+    /// Returns the system of equations for orbits that have the itinerary (the sequence of modes
+    /// and events) of a simulated orbit, and the simulated orbit as its unknowns.
     fn started(&self, _simulated: Guess<HybridOrbit>, _p: &[f64]) -> Result<Started, SceneError> {
         Err(self.lacks(SIMULATED))
     }
 
-    /// Returns the system of orbits that have the itinerary of the simulated attractor, and the
-    /// unknowns of the attractor's orbit.
+    /// Returns the system of equations for orbits that have the itinerary (the sequence of modes
+    /// and events) of a simulated attractor, and the orbit of the attractor as its unknowns.
     fn settled(
         &self,
         run: &str,
@@ -108,21 +108,22 @@ pub(super) trait Model: Adjustable {
         Err(SceneError::invalid(message).with_help("state the problem as a `Map`"))
     }
 
-    /// Returns the error for a computation that this kind of problem does not support.
+    /// Returns the error for a requested computation that this kind of problem does not support.
     fn lacks(&self, needs: &'static str) -> SceneError {
         SceneError::Unsupported { needs, kind: self.kind() }
     }
 }
 
-/// The operations on settings that all problems support.
+/// The operations on the settings of a problem that all problems support.
 pub(super) trait Adjustable: Send + Sync {
     fn boxed(&self) -> Box<dyn Model>;
     fn with_defaults(&self) -> Box<dyn Model>;
     fn read(&self, settings: &str) -> Result<Box<dyn Model>, SpannedError>;
     fn written(&self) -> String;
-    /// Returns the names of the settings, with their values.
+    /// Returns the names of the problem's settings, with their values.
     fn settings(&self) -> Vec<(String, String)>;
-    /// Returns the names of all settings, including the settings of methods that are not selected.
+    /// Returns the names of all settings of the problem, including the settings of methods that are
+    /// not selected.
     fn setting_names(&self) -> Vec<String>;
     /// Returns the kind of solutions to trace, or `None` if the problem has only one kind of
     /// solutions.
@@ -130,15 +131,16 @@ pub(super) trait Adjustable: Send + Sync {
     /// Returns a copy of the problem that traces another kind of solutions; the copy is unchanged
     /// if the problem has only one kind.
     fn following(&self, solution: Solution) -> Box<dyn Model>;
-    /// Returns a copy of the problem with another number of mesh intervals, if the problem is
-    /// discretised by collocation.
+    /// Returns a copy of the problem with another number of mesh intervals; the copy is unchanged
+    /// if the problem is not discretised by collocation.
     fn on_intervals(&self, count: usize) -> Box<dyn Model>;
-    /// Returns whether a setting selects a method.
+    /// Returns whether a setting selects a method of discretisation.
     fn chooses(&self, name: &str) -> bool;
     /// Sets one setting of the problem by name; returns false if the name is unknown.
     fn assign(&mut self, name: &str, value: &str) -> Result<bool, SceneError>;
     fn check(&self) -> Result<(), SettingError>;
-    /// Returns the setting, with its value, that makes the named setting ineffective.
+    /// Returns the setting that makes the named setting ineffective, with the value that has this
+    /// effect.
     fn without_effect(&self, name: &str) -> Option<(String, String)>;
 }
 
@@ -236,7 +238,7 @@ where
     }
 }
 
-/// The setting of collocation on which the settings of mesh adaptation depend.
+/// The setting of collocation that decides whether the settings of mesh adaptation have an effect.
 const INTERVALS: &str = "intervals";
 
 /// The settings of the continuation that concern the adaptation of meshes.
@@ -253,15 +255,18 @@ pub(super) fn names_of<S: ProblemSettings>() -> Vec<String> {
     names
 }
 
-/// A model given as text, with its statement; problems are compared by their statements.
+/// A model whose equations are given as text; two such problems are compared by the text of their
+/// equations.
 #[derive(Clone, Debug)]
 pub(super) struct Stated {
     pub model: language::Model,
-    /// The text of the statement from its first bracket, as [`Statement::ron`] writes it.
+    /// The text of the equations from its first bracket, in the form that [`Statement::ron`]
+    /// writes.
     pub written: String,
-    /// The file that contains the statement; `None` if the scene contains the statement.
+    /// The file that contains the equations; `None` if the scene itself contains the equations.
     pub file: Option<PathBuf>,
-    /// Notes about lines of a file that have no effect, and about names that were changed.
+    /// Notes about lines of the file of equations that have no effect, and about names that were
+    /// changed.
     pub notes: Vec<String>,
     /// The numerical options given in a file, such as the bound on quantities and the duration of a
     /// simulation.
@@ -269,7 +274,7 @@ pub(super) struct Stated {
 }
 
 impl Stated {
-    /// Parses the statement of a model, for a scene that gives values to some parameters.
+    /// Parses the equations of a model, for a scene that gives values to some parameters.
     pub(super) fn new(
         statement: Statement,
         source: &Source,
@@ -310,7 +315,8 @@ impl Problem {
         self.text.as_ref().map(|text| &text.model)
     }
 
-    /// Returns the file that contains the equations; `None` if the scene contains the equations.
+    /// Returns the file that contains the equations; `None` if the scene itself contains the
+    /// equations.
     pub fn file(&self) -> Option<&Path> {
         self.text.as_ref()?.file.as_deref()
     }
@@ -321,7 +327,7 @@ impl Problem {
         self.text.as_ref().map_or(&[], |text| &text.notes)
     }
 
-    /// Returns the equations as the text of a file that [`from_file`](Self::from_file) can read;
+    /// Returns the equations in the form of a file that [`from_file`](Self::from_file) can read;
     /// the text is empty if the equations are not given as text.
     pub fn equations(&self) -> String {
         self.text.as_ref().map_or(String::new(), |text| format!("{}{}", self.name, text.written))
@@ -344,9 +350,9 @@ impl Problem {
         self.model.begun_at(&states, p).map_or_else(|| self.clone(), |model| self.with(model))
     }
 
-    /// Returns the unknowns of the profiles at which a branch starts; `None` if the solutions of
-    /// the problem are not profiles. States that the table of profiles omits start at the values
-    /// `initial`, or at 0.
+    /// Returns the unknowns that represent the profiles at which a branch starts; `None` if the
+    /// solutions of the problem are not profiles. States that do not occur in the table of profiles
+    /// start at the values `initial`, or at 0.
     pub(super) fn sampled(
         &self,
         p: &[f64],
@@ -374,7 +380,7 @@ impl Problem {
         self.model.parameters()
     }
 
-    /// Returns the names of the problem's settings, and their values as text.
+    /// Returns the names of the problem's settings, with their values as text.
     pub fn settings(&self) -> Vec<(String, String)> {
         self.model.settings()
     }
@@ -390,7 +396,8 @@ impl Problem {
         self.model = self.model.following(solution);
     }
 
-    /// Sets the number of mesh intervals, if the problem is discretised by collocation.
+    /// Sets the number of mesh intervals; has no effect if the problem is not discretised by
+    /// collocation.
     pub(super) fn take_intervals(&mut self, count: usize) {
         self.model = self.model.on_intervals(count);
     }
@@ -440,8 +447,8 @@ impl Problem {
         self.with(self.model.with_defaults())
     }
 
-    /// Returns the text by which scenes state the problem: its equations if they are given as text,
-    /// and its settings.
+    /// Returns the text by which scenes state the problem: its equations, if they are given as
+    /// text, and its settings.
     pub(super) fn written(&self) -> String {
         let settings = self.model.written();
         let Some(text) = &self.text else { return settings };

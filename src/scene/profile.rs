@@ -1,22 +1,24 @@
-//! Initial profiles of boundary-value problems, which are read from files or stated in scenes.
+//! Initial profiles of solutions of boundary-value problems; they are read from files or stated in
+//! scenes.
 
 use super::error::SceneError;
 use super::source::{SceneText, file_of};
 use crate::core::problem::{Names, UnknownName};
 use serde::{Deserialize, Serialize};
 
-/// The name of the field in a run's start that names a file of points.
+/// The name of the field, in the start of a run, that names a file with the points of a profile.
 const FILE: &str = "file";
 
-/// An initial profile of a boundary-value problem, as a table of states whose first column is time.
-/// The time range of the table is stretched to the length of the problem's interval.
+/// An initial profile of a solution of a boundary-value problem, given as a table of states whose
+/// first column is time. The time range of the table is stretched to the length of the problem's
+/// interval.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Profile {
-    /// The file that contains the table; `None` after the file has been read.
+    /// The file that contains the table of the profile; `None` after the file has been read.
     #[serde(default, skip_serializing)]
     file: Option<String>,
-    /// The names of the columns: time, and then the names of states.
+    /// The names of the columns of the table: first time, then the names of states.
     #[serde(default)]
     columns: Vec<String>,
     /// The rows of the table, in the order of increasing time.
@@ -25,7 +27,7 @@ pub struct Profile {
 }
 
 impl Profile {
-    /// Reads the table from its file, if a file is named.
+    /// Reads the table of the profile from its file, if a file is named.
     pub(super) fn load(&mut self, scene: SceneText) -> Result<(), SceneError> {
         let Some(file) = self.file.take() else { return Ok(()) };
         if !(self.columns.is_empty() && self.rows.is_empty()) {
@@ -72,7 +74,7 @@ impl Profile {
         }
     }
 
-    /// Checks that each column after the first column is named after a state.
+    /// Checks that the name of each column after the first column is the name of a state.
     pub(super) fn check_names(&self, names: &Names) -> Result<(), SceneError> {
         let states = names.elements().collect::<Vec<_>>();
         match self.columns[1..].iter().find(|name| !states.contains(name)) {
@@ -81,8 +83,8 @@ impl Profile {
         }
     }
 
-    /// Returns the states at a time in units of the interval's length, by linear interpolation in
-    /// the table.
+    /// Returns the states at a given time, in units of the interval's length, by linear
+    /// interpolation in the table of the profile.
     pub(super) fn at(&self, tau: f64) -> Vec<(String, f64)> {
         let time = |row: &[f64]| row[0];
         let [start, end] = [0, self.rows.len() - 1].map(|k| time(&self.rows[k]));

@@ -1,5 +1,5 @@
-//! Requests to a model that is given without a scene, or requests that change the statement of a
-//! scene.
+//! Requests to trace a model that is given without a scene, and requests that change the contents
+//! of a scene.
 
 use super::discretisation::{SOLUTION, Solution};
 use super::error::SceneError;
@@ -15,8 +15,8 @@ use crate::core::system::Kind;
 use crate::language::xpp::Options;
 use crate::output::Plot;
 
-/// A request to a model that is given without a scene, or a request that changes the statement of a
-/// scene; it corresponds to the options of `tangency trace`.
+/// A request to trace a model that is given without a scene, or a request that changes the contents
+/// of a scene; it corresponds to the options of `tangency trace`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
     /// The changed values, by the names of parameters and settings.
@@ -29,16 +29,17 @@ pub struct Request {
     pub marks: Vec<(String, f64)>,
     /// The initial states of the first run.
     pub state: Vec<(String, f64)>,
-    /// Whether the branch starts at a point of an earlier result, so that no start has to be
-    /// searched.
+    /// Whether the branch starts at a point of an earlier result, so that no start of the branch
+    /// has to be searched.
     pub restarts: bool,
-    /// The duration of the simulation that precedes the first run, in periods of the forcing; in
+    /// The duration of the simulation that precedes the first run: in periods of the forcing, or in
     /// units of time for a system without forcing.
     pub settle: Option<f64>,
-    /// The kind of special point whose curve is traced in all varied parameters; the curve starts
-    /// at the first special point of this kind on the first run.
+    /// The kind of special point whose curve is traced in all varied parameters of the request; the
+    /// curve starts at the first special point of this kind on the first run.
     pub hold: Option<Kind>,
-    /// The box in which solutions are searched, either as the result or as starts of branches.
+    /// The box in which solutions are searched; the solutions are either the result of the request
+    /// or the starts of branches.
     pub within: Option<SearchBox>,
     /// The token that cancels all computations for the request.
     pub cancel: CancelToken,
@@ -53,37 +54,39 @@ pub struct SearchBox {
     pub starts: usize,
 }
 
-/// The default duration of the simulation that precedes a branch if no equilibrium is found near
-/// its start.
+/// The default duration of the simulation with which a start of a branch is searched, if no
+/// equilibrium is found near the given states.
 const SETTLE: f64 = 500.0;
 
 /// The maximum duration of a simulation that precedes a branch.
 const LONGEST: f64 = 1e9;
 
-/// The largest rate of change, relative to the states, at which a state counts as an equilibrium.
+/// A state counts as an equilibrium if its rate of change, relative to the size of the states, is
+/// at most this value.
 const AT_REST: f64 = 1e-6;
 
 /// The sweeps that a request computes instead of the scene's own sweeps.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Swept {
-    /// The parameters or initial states to vary. If one parameter is varied, each run starts at the
-    /// end of the previous run and the parameter increases; otherwise all runs start from the
-    /// initial states.
+    /// The parameters or initial states that the sweep varies. If a single parameter is varied,
+    /// each run starts at the end of the previous run and the parameter increases from run to run;
+    /// otherwise all runs start from the initial states.
     pub over: Vec<Grid>,
     /// Whether to add a second sweep in which the parameter decreases.
     pub both: bool,
-    /// The initial states of the first run, by name.
+    /// The initial states of the first run of the sweep, by name.
     pub start: Vec<(String, f64)>,
     /// The event just after which a motion without forcing is sampled.
     pub at: Option<String>,
-    /// The monitors to record at every period, such as `max_x`. Pictures show the first monitor,
-    /// unless the scene's picture names another column.
+    /// The monitors that the sweep records in every period, such as `max_x`. Pictures show the
+    /// first of these monitors, unless the scene's picture names another column.
     pub measures: Vec<String>,
 }
 
 impl Scene {
-    /// Builds the scene for a model and a request: one branch from the initial state or from the
-    /// attractor to which a simulation converges, and the requested curves of special points.
+    /// Builds the scene for a model and a request. The scene contains one branch, which starts from
+    /// the initial state or from the attractor to which a simulation converges, and the requested
+    /// curves of special points.
     ///
     /// ```
     /// use std::path::Path;
@@ -173,8 +176,8 @@ impl Scene {
         Ok(self)
     }
 
-    /// Builds a scene that contains a problem but no runs and sweeps, and that the token of the
-    /// request can cancel.
+    /// Builds a scene that contains a problem but no runs and sweeps; the token of the request
+    /// cancels its computations.
     pub fn of_problem(problem: Problem, title: &str, request: &Request) -> Scene {
         Scene {
             title: title.into(),
@@ -190,7 +193,7 @@ impl Scene {
         }
     }
 
-    /// Returns the scene with one simulated history instead of its runs and sweeps.
+    /// Returns the scene with a single simulated history instead of its runs and sweeps.
     ///
     /// ```
     /// use tangency::scene::{BUILT_IN, Request, Scene, Simulated, execute};
@@ -233,9 +236,9 @@ impl Scene {
     /// ```
     ///
     /// # Errors
-    /// The errors of [`set`](Self::set); [`SceneError::BothWays`] if `both` is given and the number
-    /// of swept parameters is not one; [`SceneError::Twice`] for a duplicate name. All other names
-    /// are checked when the scene is resolved.
+    /// The errors of [`set`](Self::set); [`SceneError::BothWays`] if `both` is true and the number
+    /// of varied parameters is not one; [`SceneError::Twice`] for a duplicate name. All names other
+    /// than these are checked when the scene is resolved.
     pub fn sweeping(mut self, request: &Request, swept: Swept) -> Result<Scene, SceneError> {
         let Swept { mut over, both, start, at, measures } = swept;
         let names = || over.iter().map(|grid| &grid.name).chain(start.iter().map(|(name, _)| name));
@@ -328,7 +331,7 @@ impl Scene {
         Ok(self)
     }
 
-    /// Adds runs along the requested curves of special points.
+    /// Adds runs that trace the requested curves of special points.
     fn hold(&mut self, request: &Request) {
         let (Some(kind), Some(first)) = (request.hold, self.runs.first()) else { return };
         let mut run = Run::along(&format!("{}-{kind}-curve", first.name), request.along.clone());
@@ -347,8 +350,8 @@ impl Scene {
         self.runs.push(run);
     }
 
-    /// Sets the start of the first run: the attractor to which a simulation converges if the
-    /// request demands a simulation, otherwise the given states. If `free` is true, the kind of
+    /// Sets the start of the first run: if the request demands a simulation, the attractor to which
+    /// the simulation converges; otherwise the given states. If `free` is true, the kind of
     /// solution found at the start decides whether equilibria or orbits are traced.
     fn begin(&mut self, request: &Request, free: bool) -> Result<(), SceneError> {
         let start = self.start(request, free)?;
@@ -418,7 +421,7 @@ impl Scene {
     }
 
     /// Returns the equilibrium to which the motion converges; if the motion does not converge to an
-    /// equilibrium, returns a simulated start on an orbit.
+    /// equilibrium, returns a start on the orbit to which a simulation will converge.
     fn settled(
         &mut self,
         request: &Request,
@@ -459,11 +462,11 @@ impl Scene {
         }
     }
 
-    /// Returns the reason why no branch starts from a guess, or `None` if a branch starts from the
-    /// guess.
+    /// Returns the reason why no branch starts from a guess of the unknowns, or `None` if a branch
+    /// starts from the guess.
     ///
     /// # Errors
-    /// [`SceneError`] for an error that would occur with every other start, too.
+    /// [`SceneError`] for an error that would also occur with every other start.
     fn refused(&self, start: &Start) -> Result<Option<SceneError>, SceneError> {
         let Some(run) = self.runs.first() else { return Ok(None) };
         let run = Run { start: start.clone(), ..run.clone() };

@@ -1,5 +1,5 @@
-//! Resolution of a scene: determines the names, the numeric values and the defaults of each run and
-//! each sweep.
+//! Resolution of a scene: determines the names, the numeric values and the defaults of all runs and
+//! sweeps of the scene.
 
 use super::discretisation::{SOLUTION, Solution};
 use super::error::SceneError;
@@ -21,41 +21,42 @@ pub struct StartPoint {
     pub branch: Branch,
     /// The label of the special point.
     pub label: usize,
-    /// The names of the parameters whose values are taken from the scene; all other parameters have
-    /// the values of the special point.
+    /// The names of the parameters whose values at the start are taken from the scene; all other
+    /// parameters have the values of the special point.
     pub changed: Vec<String>,
-    /// The other branches of the earlier result. If the special point is where its branch emanates
-    /// from another branch, the branch is traced again from the special point of that other branch.
+    /// The other branches of the earlier result, besides the branch that contains the special
+    /// point. If the special point is the point where its branch emanates from another branch of
+    /// the earlier result, the branch is traced again from the special point of that other branch.
     pub beside: Vec<Branch>,
-    /// The kind of special point whose curve starts at the point; `None` if the scene determines
+    /// The kind of special point whose curve starts at this point; `None` if the scene determines
     /// the kind.
     pub hold: Option<Kind>,
-    /// Whether to trace a branch that emanates from the point: cycles at a Hopf point, doubled
-    /// orbits at a period doubling, or the other branch at a branch point.
+    /// Whether to trace a branch that emanates from the special point: cycles at a Hopf point,
+    /// doubled orbits at a period doubling, or the other branch at a branch point.
     pub switch: bool,
 }
 
 impl StartPoint {
-    /// Creates a start point whose parameters are not changed.
+    /// Creates a start point at which no parameters have values from the scene.
     pub fn new(branch: Branch, label: usize) -> Self {
         let (changed, beside) = (Vec::new(), Vec::new());
         StartPoint { branch, label, changed, beside, hold: None, switch: false }
     }
 
-    /// Creates a start point, together with the other branches of its document.
+    /// Creates a start point at a special point, together with the other branches of its document.
     pub fn of(document: &Document, branch: Branch, label: usize) -> Self {
         let others = document.branches.iter().filter(|other| other.name != branch.name);
         let beside = others.cloned().collect();
         StartPoint { beside, ..StartPoint::new(branch, label) }
     }
 
-    /// Returns the kind of the special point.
+    /// Returns the kind of the special point at which a run starts.
     pub(super) fn kind(&self) -> Option<Kind> {
         self.branch.labelled(self.label).map(|special| special.kind)
     }
 
-    /// Returns whether the branch of the run starts at this point, where it emanates from another
-    /// known branch.
+    /// Returns whether the start point is the origin of the run's branch: the point where the
+    /// branch emanates from another known branch.
     pub(super) fn is_origin(&self, run: &Run) -> bool {
         let Start::From { run: from, kind, switch, .. } = &run.start else { return false };
         let leaves = *switch || *kind == Kind::HB;
@@ -66,7 +67,7 @@ impl StartPoint {
     }
 }
 
-/// A run whose names and values are resolved.
+/// A run of a scene, with all its names and values resolved.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Resolved {
     /// The statement of the run, including its name, ranges, bounds, marks, and `hold` or
@@ -77,26 +78,26 @@ pub struct Resolved {
     /// The values of all parameters at the start of the run, in the order of the problem's
     /// parameters.
     pub(super) values: Vec<f64>,
-    /// The parameters, with their values, that are not taken from the special point at which the
-    /// run starts.
+    /// The parameters whose values at the start are not taken from the special point at which the
+    /// run starts, with these values.
     pub(super) changed: Vec<(String, f64)>,
     /// The settings of the continuation.
     pub(super) settings: Settings,
-    /// How far each parameter varies from its start in any run of the scene.
+    /// For each parameter, how far the parameter varies from its start in any run of the scene.
     pub(super) reach: Vec<f64>,
     /// The special point of an earlier result at which the run starts.
     pub(super) from: Option<StartPoint>,
 }
 
-/// A sweep whose names and values are resolved.
+/// A sweep of a scene, with all its names and values resolved.
 #[derive(Clone, Debug)]
 pub(super) struct ResolvedSweep {
     /// The statement of the sweep in the scene.
     pub sweep: Sweep,
     /// The problem, with the settings that apply to the sweep.
     pub problem: Problem,
-    /// The values of all parameters in the order of the problem's parameters; the axes of the sweep
-    /// replace the values of the varied parameters.
+    /// The values of all parameters in the order of the problem's parameters; for the parameters on
+    /// the axes of the sweep, the values on the axes are used instead.
     pub values: Vec<f64>,
     /// The token that cancels the sweep.
     pub cancel: CancelToken,
@@ -105,10 +106,10 @@ pub(super) struct ResolvedSweep {
 /// The runs and sweeps of a scene with resolved names and values, in the order of execution.
 #[derive(Clone, Debug)]
 pub struct Resolution {
-    /// The statement of the scene, which identifies the results and states how they are drawn.
+    /// The scene as stated in its text, which identifies the results and states how they are drawn.
     scene: Scene,
     start: Option<StartPoint>,
-    /// The runs to trace, with resolved names and values.
+    /// The runs whose branches are traced, with resolved names and values.
     pub(super) runs: Vec<Resolved>,
     pub(super) sweeps: Vec<ResolvedSweep>,
 }
@@ -141,15 +142,15 @@ impl Resolved {
 }
 
 impl Scene {
-    /// Resolves the scene, that is, determines every name, value and default of its runs and
-    /// sweeps.
+    /// Resolves the scene: determines every name, value and default of its runs and sweeps.
     ///
-    /// If a start point is given, only one shown run is traced; if the start point requests a curve
-    /// of special points of some kind, the run traces this curve. This run is the first one found
-    /// by the following rules: the run has the name of the point's branch; the run traces the same
-    /// kind of curve in the same unknowns; the run traces special points of the point's kind, or a
-    /// curve that emanates from the point; the run is the first shown run. If the run traces points
-    /// of a local map, the runs that find the grazing of the map are traced first.
+    /// If a start point is given, only one of the runs whose branches are shown is traced; if the
+    /// start point requests a curve of special points of some kind, the run traces this curve. The
+    /// run is chosen by the first of the following rules that applies: the run has the name of the
+    /// start point's branch; the run traces the same kind of curve in the same unknowns; the run
+    /// traces special points of the start point's kind, or a curve that emanates from the point;
+    /// the run is the first one whose branch is shown. If the run traces points of a local map, the
+    /// runs that find the grazing at which the map is built are traced first.
     ///
     /// ```
     /// use tangency::scene::Scene;
@@ -216,7 +217,7 @@ impl Scene {
 }
 
 impl Resolution {
-    /// Returns the runs to trace, in the order of execution.
+    /// Returns the runs whose branches are traced, in the order of execution.
     pub fn runs(&self) -> &[Resolved] {
         &self.runs
     }
@@ -226,12 +227,12 @@ impl Resolution {
         &self.scene
     }
 
-    /// Returns the start point, or `None` if no start point is given.
+    /// Returns the start point of the resolution, or `None` if no start point is given.
     pub(super) fn start(&self) -> Option<&StartPoint> {
         self.start.as_ref()
     }
 
-    /// Resolves a further run, as if the scene stated it. A run that this resolution already
+    /// Resolves an additional run as if the scene stated it. A run that this resolution already
     /// contains is returned unchanged, because it may start from a saved point.
     pub(super) fn further(&self, run: &Run) -> Result<Resolved, SceneError> {
         match self.runs.iter().find(|own| own.run == *run) {
@@ -240,14 +241,14 @@ impl Resolution {
         }
     }
 
-    /// Returns the run with a given name, preceded by all runs on which its start depends.
+    /// Returns the run with a given name, preceded by all runs that its start needs.
     pub(super) fn leading(&self, name: &str) -> Vec<&Resolved> {
         let names = leading(&self.runs, name);
         self.runs.iter().filter(|run| names.contains(&run.name())).collect()
     }
 
     /// Returns warnings about probable mistakes in the scene ([`Scene::warnings`]), and about
-    /// values of the scene that the start point overrides.
+    /// values in the scene that have no effect because the start point has other values.
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = self.scene.warnings();
         if let (Some(start), Some(going)) = (&self.start, self.runs.last()) {
@@ -285,7 +286,7 @@ impl Resolution {
         differs.collect()
     }
 
-    /// Creates a document of branches, with the title, plot and settings of the scene.
+    /// Creates a document for branches, with the title, plot and settings of the scene.
     pub(super) fn document<'a>(
         &self,
         runs: impl Iterator<Item = &'a Run>,
@@ -311,7 +312,7 @@ impl Resolution {
 }
 
 /// Returns the run that continues from a start point, preceded by the runs that find the grazing of
-/// its local map.
+/// the local map, if the run uses a local map.
 fn going_on(
     scene: &Scene,
     runs: Vec<Resolved>,
@@ -367,8 +368,9 @@ fn has_unknowns(run: &Resolved, branch: &Branch) -> bool {
     })
 }
 
-/// Returns the shown run that continues the branch of a start point; if no run does, returns a run
-/// that traces special points of the point's kind, or a curve that emanates from the point.
+/// Returns the run that continues the branch of a start point, among the runs whose branches are
+/// shown; if no run does, returns a run that traces special points of the start point's kind, or a
+/// curve that emanates from the start point.
 fn continuing<'a>(runs: &'a [Resolved], point: &StartPoint) -> Option<&'a Resolved> {
     let branch = &point.branch;
     let wanted = |run: &Run| point.hold.is_none() || run.hold == point.hold;
@@ -388,7 +390,7 @@ fn continuing<'a>(runs: &'a [Resolved], point: &StartPoint) -> Option<&'a Resolv
     named.or(shown().find(alike)).or(shown().find(follows)).or(shown().next())
 }
 
-/// Returns the name of a run, and the names of all runs on which its start depends.
+/// Returns the name of a run, and the names of all runs that its start needs.
 fn leading<'a>(runs: &'a [Resolved], name: &'a str) -> Vec<&'a str> {
     let mut names = vec![name];
     let mut last = name;
@@ -401,9 +403,10 @@ fn leading<'a>(runs: &'a [Resolved], name: &'a str) -> Vec<&'a str> {
     names
 }
 
-/// Returns how far each parameter varies from its start in any run of the scene, so that a
-/// discretisation can be chosen that is suitable for all these values. All runs of a scene share
-/// this result, so that a run can start where another run ended.
+/// Returns, for each parameter, how far the parameter varies from its start in any run of the
+/// scene; with this information, a discretisation can be chosen that is suitable for all these
+/// values. All runs of a scene use the same range of parameters to choose the discretisation, so
+/// that a run can start where another run ended.
 pub(super) fn reach(problem: &Problem, runs: &[Run], values: &[f64]) -> Vec<f64> {
     let names = problem.parameter_names();
     let mut reach = values.to_vec();

@@ -20,17 +20,18 @@ struct OfScene {
 }
 
 /// The names of the settings that control a sweep's search for attractors. The search for
-/// attractors also has a setting `tolerance`, which `--set tolerance` does not change: this option
-/// sets the tolerance of the continuation.
+/// attractors also has a setting named `tolerance`, but `--set tolerance` does not change it: this
+/// option sets the tolerance of the continuation.
 const OF_SEARCHES: [&str; 4] = ["transient", "recorded_periods", "max_period", "lyapunov_periods"];
 
-/// The names of the other settings of sweeps.
+/// The names of the settings of sweeps that do not belong to the search for attractors.
 const OF_SWEEPS: [&str; 3] = ["flow_tolerance", COUNT, STRANDS];
 
-/// The name of the setting for the number of values along the first axis of a sweep.
+/// The name of the setting that contains the number of values along the first axis of a sweep.
 const COUNT: &str = "count";
 
-/// The name of the setting for the number of strands, that is, sequences of consecutive runs.
+/// The name of the setting that contains the number of strands: sequences of runs of a sweep in
+/// which each run starts where the previous run ended.
 const STRANDS: &str = "strands";
 
 /// Returns whether a setting with this name belongs to sweeps.
@@ -76,7 +77,7 @@ impl Scene {
     }
 
     /// Returns the scene as the text of a file that [`Catalogue::parse`] can read; the text
-    /// contains all settings of the problem, and other values only if they differ from their
+    /// contains all settings of the problem, but other values only if they differ from their
     /// defaults.
     ///
     /// ```
@@ -106,7 +107,7 @@ impl Scene {
     }
 
     /// Changes the value of a parameter, of a setting of the problem, or of a setting of the
-    /// continuation, by name.
+    /// continuation; the value is selected by name.
     ///
     /// # Errors
     /// [`SceneError::UnknownName`] with a suggestion if the name is unknown; [`SceneError::Value`]
@@ -126,8 +127,9 @@ impl Scene {
         self.set_all(&[(name.into(), value.into())])
     }
 
-    /// Changes several values of the scene together. Ranges of values that depend on each other,
-    /// such as `min_step` and `max_step`, are checked after all changes have been made.
+    /// Changes several values of the scene together. If the ranges of several values depend on each
+    /// other, as for `min_step` and `max_step`, the ranges are checked after all values have been
+    /// changed.
     ///
     /// # Errors
     /// As [`set`](Self::set).
@@ -154,7 +156,7 @@ impl Scene {
         Ok(())
     }
 
-    /// Returns an error if a run of the scene sets the value.
+    /// Returns an error if a run of the scene sets the value that should be changed.
     fn refuse_varied(&self, name: &str) -> Result<(), SceneError> {
         for run in &self.runs {
             if let Some((_, own)) = run.set.iter().find(|(key, _)| key == name) {
@@ -207,8 +209,8 @@ impl Scene {
         }
     }
 
-    /// Returns a copy of the scene with some values changed and without runs and sweeps, from which
-    /// a single run or sweep is resolved.
+    /// Returns a copy of the scene with some values changed and without its runs and sweeps; a
+    /// single run or sweep is then resolved in this copy.
     pub(super) fn with(&self, set: &[(String, String)]) -> Result<Scene, SceneError> {
         let mut scene = Scene {
             title: self.title.clone(),
@@ -230,15 +232,15 @@ impl Scene {
         Ok(scene)
     }
 
-    /// Sorts changed values so that the selection of a method precedes the settings of the method.
+    /// Sorts changed values so that the selection of a method precedes the settings of this method.
     fn choices_first<'a>(&self, values: &'a [(String, String)]) -> Vec<&'a (String, String)> {
         let mut values: Vec<&(String, String)> = values.iter().collect();
         values.sort_by_key(|(name, _)| !self.problem.model().chooses(name));
         values
     }
 
-    /// Changes one value. A setting that applies only to the methods of some runs is changed in
-    /// these runs only.
+    /// Changes one value. If a setting applies only to the methods of some runs, the setting is
+    /// changed in these runs only.
     fn assign_or_leave_to_runs(&mut self, name: &str, value: &str) -> Result<(), SceneError> {
         let Err(refused) = self.assign(name, value) else { return Ok(()) };
         if !matches!(refused, SceneError::NoEffect { .. }) {
@@ -270,7 +272,7 @@ impl Scene {
         Ok(known)
     }
 
-    /// Changes a setting of the runs of all sweeps; returns false if the name is unknown.
+    /// Changes a setting of the runs in all sweeps; returns false if the name is unknown.
     fn assign_to_sweeps(&mut self, name: &str, value: &str) -> Result<bool, SceneError> {
         let mut known = false;
         for sweep in &mut self.sweeps {
@@ -328,8 +330,8 @@ impl Scene {
         [self.problem.settings(), settings(&self.settings)].concat()
     }
 
-    /// Returns the run that sets a parameter or setting, which [`set`](Self::set) therefore refuses
-    /// to change.
+    /// Returns the run that sets a parameter or setting; the method [`set`](Self::set) refuses to
+    /// change the value for this reason.
     pub fn run_that_sets(&self, name: &str) -> Option<&str> {
         let sets = |run: &&Run| run.set.iter().any(|(key, _)| key == name);
         self.runs.iter().find(sets).map(|run| run.name.as_str())

@@ -22,18 +22,20 @@ use serde::{Deserialize, Serialize};
 use std::error::Error;
 use std::sync::Arc;
 
-/// A simulation of a vector field, or of a hybrid system from a state of its first mode. A Filippov
-/// system starts on the side of the surface on which its initial state lies. All times are in
-/// periods of the forcing, or in units of time for systems without forcing.
+/// A simulation of a vector field, or a simulation of a hybrid system that starts in a state of the
+/// first mode. The simulation of a Filippov system starts in the mode that belongs to the side of
+/// the surface on which the initial state lies. All times of a simulation are in periods of the
+/// forcing, or in units of time for systems without forcing.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Simulated {
     /// The initial states by name; states that are not named are zero.
     #[serde(deserialize_with = "values")]
     pub state: Vec<(String, f64)>,
-    /// The name of the earlier simulated run whose final state is used as the initial state.
+    /// The name of an earlier simulated run; the final state of this run is used as the initial
+    /// state.
     pub after: Option<String>,
-    /// The duration of the transient, which precedes the history and is not saved.
+    /// The duration of the transient; it precedes the history and is not saved.
     pub transient: f64,
     /// The duration of the saved history.
     pub duration: f64,
@@ -46,8 +48,8 @@ impl Default for Simulated {
 }
 
 impl Simulated {
-    /// Returns a copy of the simulation that starts in the problem's initial states; states that
-    /// the simulation itself gives keep their values.
+    /// Returns a copy of the simulation that starts in the initial states of the problem, except
+    /// for states that the simulation itself specifies.
     pub(super) fn from(&self, initial: &[(String, f64)]) -> Self {
         let mut state = self.state.clone();
         let stated = |name: &String| self.state.iter().any(|(known, _)| known == name);
@@ -56,8 +58,8 @@ impl Simulated {
     }
 }
 
-/// The name of the column for the number of events per period of the forcing, or in the whole
-/// history for systems without forcing.
+/// The name of the column that counts events: per period of the forcing, or in the whole history
+/// for systems without forcing.
 const EVENTS: &str = "events";
 
 /// The number of samples per integration step in a history.
@@ -98,8 +100,8 @@ pub(super) fn simulate(
     .map_err(failed)
 }
 
-/// Runs a cancellable simulation with the default settings, and repeats it with the implicit method
-/// if the vector field is stiff.
+/// Runs a simulation that can be cancelled, with the default settings; if the vector field is
+/// stiff, repeats the simulation with the implicit method.
 pub(super) fn moved<T, E: Error + 'static>(
     cancel: &CancelToken,
     follow: impl Fn(HybridSettings) -> Result<T, E>,
@@ -132,7 +134,7 @@ pub(super) fn search(
     CycleSearch { transient: simulated.transient * system.period(p), ..CycleSearch::default() }
 }
 
-/// Estimates and reports how long a simulation may take until it converges.
+/// Estimates how long a simulation may take until it converges, and reports the estimate.
 pub(super) fn foresee_settling(
     system: &dyn HybridEquations,
     run: &str,
@@ -150,7 +152,8 @@ pub(super) fn foresee_settling(
     Ok(())
 }
 
-/// Returns the periodic motion to which a simulation converges, as an orbit with its itinerary.
+/// Returns the periodic motion to which a simulation converges, as an orbit with its itinerary (the
+/// sequence of its modes and events).
 pub(super) fn settled(
     system: Arc<dyn HybridEquations>,
     run: &str,
@@ -163,7 +166,8 @@ pub(super) fn settled(
     HybridOrbit::of_cycle(system, &cycle, p).map_err(no_start)
 }
 
-/// Returns the equilibrium to which a simulation converges, as its mode and its states.
+/// Returns the equilibrium to which a simulation converges, as the mode and the states of the
+/// equilibrium.
 pub(super) fn rested(
     system: &dyn HybridEquations,
     run: &str,
@@ -207,8 +211,8 @@ pub(super) fn searched(
     })
 }
 
-/// Returns a state of the first mode from values given by name, with zero for all other states; the
-/// system then determines the initial mode.
+/// Returns a state of the first mode from values that are given by name; all other states are zero,
+/// and the system then determines the mode in which the motion starts.
 pub(super) fn stated(mode: &Mode, given: &[(String, f64)]) -> Result<HybridState<f64>, SceneError> {
     let mut x = vec![0.0; mode.states.len()];
     for (name, value) in given {
@@ -217,8 +221,8 @@ pub(super) fn stated(mode: &Mode, given: &[(String, f64)]) -> Result<HybridState
     Ok(HybridState { mode: 0, time: 0.0, x })
 }
 
-/// Returns the history of every state of the system; cumulative states of a mode are represented by
-/// their sum.
+/// Returns the history of every state of the system; of the cumulative states of a mode, only the
+/// sum is returned.
 pub(super) fn curves(system: &dyn HybridEquations, pieces: &[Piece], begin: f64) -> Vec<Profile> {
     let (modes, counted) = (system.modes(), system.cumulative_states());
     let mut curves: Vec<Profile> = Vec::new();
@@ -248,14 +252,15 @@ fn extremes(state: &str) -> [String; 3] {
     [format!("max_{state}"), format!("min_{state}"), format!("{state}_range")]
 }
 
-/// Returns the names of the monitors that a history through the given modes may have.
+/// Returns the names of the monitors that a history may have if its motion passes through the given
+/// modes.
 pub(super) fn history_columns(modes: &[Mode]) -> Vec<String> {
     let states = distinct(modes.iter().flat_map(|mode| &mode.states));
     [EVENTS.into()].into_iter().chain(states.into_iter().flat_map(extremes)).collect()
 }
 
-/// Returns a history as a branch with one point: the extremes of all states are monitors, and the
-/// curves in time are profiles.
+/// Returns a history as a branch with one point: the monitors of this point are the extremes of all
+/// states, and its profiles are the states as functions of time.
 fn branch(
     system: &dyn HybridEquations,
     name: &str,
@@ -318,7 +323,8 @@ fn branch(
     }
 }
 
-/// Returns the curves of the states in time, and the phase portrait of the first two states.
+/// Returns the profiles of a history: the states as functions of time, and the phase portrait of
+/// the first two states.
 fn profiles(curves: &[Profile]) -> Vec<Profile> {
     let filled = curves.iter().filter(|curve| !curve.points.is_empty());
     let mut profiles: Vec<Profile> = filled.cloned().collect();

@@ -1,20 +1,21 @@
-//! The text of a scene, and the files to which it refers.
+//! The text of a scene, together with the files to which it refers.
 
 use super::error::SceneError;
 use crate::output::{FileError, SizeLimit, read};
 use std::path::{Path, PathBuf};
 
-/// The files to which a scene may refer.
+/// The files to which a scene may refer: a folder and a maximum size.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Files<'a> {
-    /// The folder to which the names of files are relative.
+    /// The folder that contains the files; the names of files in a scene are relative to this
+    /// folder.
     pub folder: &'a Path,
-    /// The maximum size of a file in bytes.
+    /// The maximum size of each file in bytes.
     pub limit: SizeLimit,
 }
 
 impl<'a> Files<'a> {
-    /// Allows a scene to refer to files in a folder, each of up to 256 MB.
+    /// Allows a scene to refer to files in a given folder, each of up to 256 MB.
     pub fn of(folder: &'a Path) -> Self {
         Files { folder, limit: SizeLimit::default() }
     }
@@ -27,7 +28,7 @@ pub(super) struct SceneText<'a> {
     pub files: Option<Files<'a>>,
 }
 
-/// Returns the path and the content of the file named by the field `what` of a scene.
+/// Returns the path and the content of the file that the field `what` of a scene names.
 pub(super) fn file_of(
     scene: SceneText,
     what: &str,

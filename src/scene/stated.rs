@@ -1,11 +1,11 @@
-//! The contents of a text that states a problem: a model or a scene.
+//! The contents of a text that is either a model or a scene.
 
 use super::error::SceneError;
 use super::problem::Problem;
 use super::request::Request;
 use super::statement::Scene;
 
-/// The contents of a text that states a problem: a model or a scene.
+/// The contents of a text that is either a model or a scene.
 #[derive(Clone, Debug)]
 #[expect(clippy::large_enum_variant, reason = "few exist at a time")]
 pub enum Stated {
@@ -16,7 +16,8 @@ pub enum Stated {
 }
 
 impl Stated {
-    /// Returns the scene with a request applied; for a model, `title` is the title of the scene.
+    /// Returns the scene with a request applied; if the text is a model, `title` becomes the title
+    /// of the scene.
     ///
     /// # Errors
     /// The errors of [`Scene::of_model`] and [`Scene::requested`].
@@ -27,8 +28,8 @@ impl Stated {
         }
     }
 
-    /// Returns the scene as written; for a model, `title` is the title of the scene, which has no
-    /// runs.
+    /// Returns the scene as written in the text; if the text is a model, `title` becomes the title
+    /// of the scene, which has no runs.
     pub fn as_written(self, title: &str, request: &Request) -> Scene {
         match self {
             Stated::Model(problem) => Scene::of_problem(problem, title, request),

@@ -1,4 +1,4 @@
-//! The statement of a scene, that is, the runs and sweeps of a problem.
+//! The contents of a scene file: the runs and sweeps of a problem.
 
 use super::local::Local;
 use super::notation::{value, values};
@@ -15,35 +15,36 @@ use serde::{Deserialize, Serialize};
 
 /// A scene, which consists of a problem, its runs and sweeps, and the plot of their results.
 ///
-/// [`Catalogue::parse`](super::Catalogue::parse) reads a scene from RON in two steps: first, the
-/// type `P` of the problem is the problem's text, and then the catalogue replaces the text by the
-/// [`Problem`] that it names.
+/// [`Catalogue::parse`](super::Catalogue::parse) reads a scene from RON in two steps: in the first
+/// step, the type `P` of the problem is a text, and in the second step the catalogue replaces this
+/// text by the [`Problem`] that the text names.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Scene<P = Problem> {
     /// The title of the scene's diagram.
     pub title: String,
-    /// The subject of the scene in one line, shown in lists of scenes.
+    /// The subject of the scene in one line, which lists of scenes show.
     #[serde(skip_serializing_if = "is_default")]
     pub summary: Option<String>,
     /// The problem of the scene, with its settings.
     #[serde(default)]
     pub problem: P,
-    /// The file that contains the problem's equations, given instead of `problem`; `None` after the
-    /// file has been read.
+    /// The file that contains the equations of the problem, if it is given instead of `problem`;
+    /// `None` after the file has been read.
     #[serde(default, skip_serializing)]
     pub model: Option<String>,
-    /// The initial values of the parameters that differ from the problem's default values; for a
-    /// problem without default values, the initial values of all parameters. The value of a
-    /// parameter may be a formula of numbers, such as `"8/3"`.
+    /// The initial values of those parameters whose initial values differ from the problem's
+    /// default values; for a problem without default values, the initial values of all parameters.
+    /// The value of a parameter may be a formula of numbers, such as `"8/3"`.
     #[serde(default, deserialize_with = "values", skip_serializing_if = "is_default")]
     pub parameters: Vec<(String, f64)>,
-    /// The requested relative error of special points; in scenes without other special points, of
-    /// ends at bounds. The requested error applies to the parameters that vary along the branch,
-    /// and to the columns that the setting `refine` names. To apply the requested error to an
-    /// important end of a branch, state the end in `marks`. The cheapest orders, modes, meshes or
-    /// tolerances that reach the accuracy are chosen automatically; they replace the stated
-    /// settings, and special points are not refined further.
+    /// The requested relative error of special points; if a scene has no special points other than
+    /// ends of branches, the requested relative error of ends at bounds. The requested error
+    /// applies to the parameters that vary along the branch, and to the columns that the setting
+    /// `refine` names. To apply the requested error to an important end of a branch, state the end
+    /// in `marks`. The cheapest numbers of functions, modes, mesh intervals or tolerances that
+    /// reach the accuracy are chosen automatically; they replace the stated settings, and special
+    /// points are not refined further.
     #[serde(skip_serializing_if = "is_default")]
     pub accuracy: Option<f64>,
     /// The settings of the continuation.
@@ -64,10 +65,10 @@ pub struct Scene<P = Problem> {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Run {
-    /// The name of the run and of its branch.
+    /// The name of the run, which is also the name of its branch.
     pub name: String,
-    /// The parameters and settings whose values in this run differ from the scene, by name, as for
-    /// `--set`.
+    /// The parameters and settings that have other values in this run than in the scene, by name,
+    /// as for the option `--set`.
     #[serde(default, skip_serializing_if = "is_default")]
     pub set: Vec<(String, String)>,
     /// The start of the branch, for example a guess or a special point of an earlier run.
@@ -77,25 +78,27 @@ pub struct Run {
     /// of the flow.
     #[serde(skip_serializing_if = "is_default")]
     pub local: Option<Local>,
-    /// Whether each iterate of a periodic point of the local map impacts; the default is one
-    /// iterate without impact. A run that starts from another run of a local map uses the iterates
-    /// of that run.
+    /// For each iterate of a periodic point of the local map, whether the iterate impacts; the
+    /// default is one iterate without impact. A run that starts from another run of a local map has
+    /// the same number of iterates and the same impacts as that run.
     #[serde(default, skip_serializing_if = "is_default")]
     pub impacts: Vec<bool>,
-    /// The kind of the curve, folds (`LP`) or period doublings (`PD`), that emanates from the
-    /// grazing of the local map and is traced as a Taylor series to the map's order, instead of
-    /// points of the map. Along the Taylor series of such a curve, one of the two parameters of the
-    /// local map is varied.
+    /// The kind of a curve, folds (`LP`) or period doublings (`PD`), that emanates from the grazing
+    /// of the local map. If a kind is given, the run traces the Taylor series of this curve, up to
+    /// the order of the map, instead of points of the map. Along the Taylor series of such a curve,
+    /// the run varies one of the two parameters of the local map.
     #[serde(skip_serializing_if = "is_default")]
     pub expanded: Option<Kind>,
-    /// The kind of special point that all points of a curve of special points have in common.
+    /// The kind of special point, if the run traces a curve of special points; all points of the
+    /// curve are of this kind.
     #[serde(skip_serializing_if = "is_default")]
     pub hold: Option<Kind>,
-    /// The parameter or monitor that keeps a given value along a curve of marked points.
+    /// The parameter or monitor that has a constant value along the curve, if the run traces a
+    /// curve of marked points.
     #[serde(skip_serializing_if = "is_default")]
     pub hold_level: Option<(String, f64)>,
-    /// The varied parameters with their ranges, the continuation parameter first. A simulation
-    /// without varied parameters is saved as a history.
+    /// The varied parameters with their ranges, the continuation parameter first. If a simulation
+    /// has no varied parameters, it is saved as a history.
     #[serde(default, skip_serializing_if = "is_default")]
     pub along: Vec<Range>,
     /// The bounds of parameters and monitors at which the branch ends.
@@ -108,15 +111,15 @@ pub struct Run {
     /// grazings (`G`). The branch continues beyond these grazings and ignores the contact.
     #[serde(default, deserialize_with = "values", skip_serializing_if = "is_default")]
     pub grazings: Vec<(String, f64)>,
-    /// Whether the branch continues beyond grazings with virtual solutions, which cross surfaces
-    /// without an event.
+    /// Whether the branch continues beyond grazings with virtual solutions, that is, with solutions
+    /// that cross the surface of an event without the event.
     #[serde(default, skip_serializing_if = "is_default")]
     pub beyond_grazings: bool,
     /// The direction in which the branch is traced.
     #[serde(default, skip_serializing_if = "is_default")]
     pub direction: Way,
-    /// Whether the branch is saved and drawn; false for a run that only provides the start of other
-    /// runs.
+    /// Whether the branch is saved and drawn; this is false for a run that only provides the start
+    /// of other runs.
     #[serde(default = "yes", skip_serializing_if = "is_yes")]
     pub shown: bool,
 }
@@ -134,7 +137,7 @@ fn is_default<T: Default + PartialEq>(value: &T) -> bool {
 }
 
 impl Run {
-    /// Creates a run that starts from rest and is traced in both directions.
+    /// Creates a run that starts from rest and traces its branch in both directions.
     pub fn along(name: &str, along: Vec<Range>) -> Self {
         Run {
             name: name.into(),
@@ -156,8 +159,8 @@ impl Run {
     }
 }
 
-/// A range of a parameter or monitor; an omitted end is open. An end of a range may be a formula of
-/// numbers, such as `"8/3"`.
+/// A range of a parameter or monitor; if an end is omitted, the range is unbounded on this side. An
+/// end of a range may be a formula of numbers, such as `"8/3"`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Range {
@@ -188,7 +191,7 @@ impl Range {
         Range { name: name.into(), low: Some(low), high: Some(high) }
     }
 
-    /// Returns the ends of the range as numbers; open ends are infinite.
+    /// Returns the ends of the range as numbers; an omitted end is infinite.
     pub fn interval(&self) -> std::ops::RangeInclusive<f64> {
         self.low.unwrap_or(f64::NEG_INFINITY)..=self.high.unwrap_or(f64::INFINITY)
     }
@@ -208,25 +211,25 @@ pub enum Start {
     /// The run starts at rest: all unknowns are zero.
     #[default]
     Rest,
-    /// The run starts near a guess, which gives values of unknowns by name. Unknowns that the guess
-    /// omits have their initial value, or are zero.
+    /// The run starts near a guess, which gives values of unknowns by name. Unknowns that do not
+    /// occur in the guess have their initial value, or are zero.
     Guess(#[serde(deserialize_with = "values")] Vec<(String, f64)>),
-    /// The run starts near a profile given as a table, for boundary-value problems.
+    /// The run starts near a profile that is given as a table, for boundary-value problems.
     Profile(Profile),
-    /// The run starts at the periodic motion to which a simulation converges; without varied
-    /// parameters, the result of the run is the simulated history.
+    /// The run starts at the periodic motion to which a simulation converges; if the run varies no
+    /// parameters, its result is the simulated history.
     Simulated(Simulated),
     /// The run starts at a special point of an earlier run.
     From {
-        /// The name of the earlier run.
+        /// The name of the earlier run that found the special point.
         run: String,
-        /// The kind of the special point.
+        /// The kind of the special point at which the run starts.
         kind: Kind,
         /// The index of the special point among the special points of its kind, in the order of the
         /// branch, counted from 0.
         #[serde(default)]
         nth: usize,
-        /// Whether to follow the other branch through the special point.
+        /// Whether to follow the other branch that passes through the special point.
         #[serde(default)]
         switch: bool,
         /// The index of the branch to follow, counted from 0, if several other branches cross at
@@ -258,15 +261,16 @@ pub enum Way {
 pub struct Sweep {
     /// The name of the sweep.
     pub name: String,
-    /// The parameters and settings whose values in this sweep differ from the scene, by name, as
-    /// for `--set`.
+    /// The parameters and settings that have other values in this sweep than in the scene, by name,
+    /// as for the option `--set`.
     #[serde(default)]
     pub set: Vec<(String, String)>,
-    /// The local map near a grazing that is iterated instead of simulating the motion. The states
-    /// of the local map are deviations from the grazing.
+    /// The local map near a grazing, if the sweep iterates a local map instead of simulating the
+    /// motion. The states of the local map are deviations from the state at the grazing.
     pub local: Option<Local>,
-    /// The event just after which a hybrid system without forcing is sampled. For such a sweep, a
-    /// period is the time between two returns to the event.
+    /// The event, for a hybrid system without forcing: the motion is sampled just after every
+    /// occurrence of this event. For a sweep with such an event, a period is the time between two
+    /// successive occurrences of the event.
     #[serde(default)]
     pub at: Option<String>,
     /// The parameters or initial states to vary; the last of them varies fastest.
@@ -274,24 +278,26 @@ pub struct Sweep {
     /// The order of the runs of the sweep, which determines their initial states.
     #[serde(default)]
     pub order: Order,
-    /// The number of independent sequences of runs into which the axis is divided if each run
-    /// starts at the end of the previous run. Each of these sequences begins at the initial state.
+    /// The number of independent sequences of runs into which the values on the axis are divided,
+    /// if each run starts at the end of the previous run. Each of these sequences begins at the
+    /// initial state.
     #[serde(default = "one")]
     pub strands: usize,
-    /// The initial states by name; states that are not named are zero. Each entry of the list makes
-    /// a separate sweep. The default is one sweep that starts from rest.
+    /// The initial states by name; states that are not named are zero. For each entry of the list
+    /// of starts, a separate sweep is computed. By default, one sweep is computed, and it starts
+    /// from rest.
     #[serde(default)]
     pub starts: Vec<Vec<(String, f64)>>,
-    /// The settings of the search for the attractor of each run.
+    /// The settings of the search for the attractor in each run.
     #[serde(default)]
     pub search: AttractorSearch,
-    /// The search for the crisis at which the attractor of each run disappears.
+    /// The settings of the search for the crisis at which the attractor of each run disappears.
     pub crisis: Option<SoughtCrisis>,
-    /// The measures that are recorded in every period, given by the names of the problem's
+    /// The measures that are recorded in every period; they are given by the names of the problem's
     /// monitors.
     #[serde(default)]
     pub measures: Vec<String>,
-    /// The absolute and relative tolerance of the integration.
+    /// The absolute and relative tolerance with which the motion is integrated.
     #[serde(default = "flow_tolerance")]
     pub flow_tolerance: f64,
 }
@@ -338,11 +344,12 @@ pub struct Grid {
     pub count: usize,
 }
 
-/// The parameter, and the range of the parameter, in which a crisis is searched ([`CrisisSearch`]).
+/// The parameter for which a crisis is searched, and the range in which it is searched
+/// ([`CrisisSearch`]).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SoughtCrisis {
-    /// The name of the parameter to vary.
+    /// The name of the parameter that is varied to find the crisis.
     pub name: String,
     /// The first value of the varied parameter.
     pub from: f64,
@@ -351,7 +358,7 @@ pub struct SoughtCrisis {
     /// The number of steps between the first and the last value of the parameter.
     #[serde(default = "one")]
     pub steps: usize,
-    /// The maximum length of the parameter interval in which the crisis is finally located.
+    /// The maximum length of the parameter interval that finally contains the crisis.
     pub tolerance: f64,
 }
 

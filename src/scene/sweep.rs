@@ -21,23 +21,23 @@ use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
 use std::sync::Arc;
 
-/// An observer of the runs of sweeps.
+/// An observer of the runs of a scene's sweeps.
 pub trait SweepWatch {
     /// Called when a sweep begins; the table contains the runs that are already finished.
     fn begin(&mut self, _sweep: &SweepTable) {}
 
-    /// Called with the estimated work of the sweep that begins.
+    /// Called when a sweep begins, with the estimated work of the sweep.
     fn work(&mut self, _work: &SweepForecast) {}
 
-    /// Called when a run is finished; `_known` contains all results, with the result of this run as
-    /// the last one.
+    /// Called when a run of a sweep is finished; `_known` contains the results of all finished
+    /// runs, with the result of this run as the last one.
     fn found(&mut self, _known: &Sweeps, _found: &Found) {}
 }
 
 impl SweepWatch for () {}
 
 impl Scene {
-    /// Returns an error if the known runs belong to another scene.
+    /// Returns an error if the runs that are already known belong to another scene.
     ///
     /// # Errors
     /// [`SceneError::OtherScene`].
@@ -74,7 +74,7 @@ impl ResolvedSweep {
         self.problem.model().motion()
     }
 
-    /// Creates an empty table for a given number of runs.
+    /// Creates an empty table of results for a given number of runs.
     pub fn table(&self, runs: usize, layout: &Layout) -> SweepTable {
         let Sweep { name, over, crisis, .. } = &self.sweep;
         let axes: Vec<String> = over.iter().map(|grid| grid.name.clone()).collect();
@@ -105,8 +105,8 @@ impl ResolvedSweep {
     }
 }
 
-/// Computes the sweeps of a scene, or a part of the sweeps, except runs whose results are already
-/// known.
+/// Computes the sweeps of a scene, or only a part of the runs of these sweeps, except for runs
+/// whose results are already known.
 ///
 /// ```
 /// use tangency::core::sweep::Part;
@@ -183,7 +183,7 @@ impl<'a> Prepared<'a> {
         Ok(Prepared { resolved, motion, map, layout, plan })
     }
 
-    /// Returns the table of the sweep, without results.
+    /// Returns the table of the sweep before any results are added.
     fn table(&self) -> SweepTable {
         self.resolved.table(self.plan.runs(), &self.layout)
     }

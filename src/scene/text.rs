@@ -1,4 +1,4 @@
-//! Problems whose equations are given as text, in a scene or in a file that the scene names.
+//! Problems whose equations are given as text: in a scene, or in a file that the scene names.
 
 use super::discretisation::{
     BoundarySettings, FieldSettings, HybridOrbitSettings, MapSettings, ProblemSettings,
@@ -68,8 +68,8 @@ pub(super) fn stated(
     problem(stated, &settings).map_err(|error| misread(&source, at, error).into())
 }
 
-/// Replaces some parts of a text by blanks but keeps the line ends, so that the positions of all
-/// other parts do not change.
+/// Replaces some parts of a text by blanks; line ends are kept, so that the positions of all other
+/// parts do not change.
 fn blanked(text: &str, parts: &[Range<usize>]) -> String {
     let mut bytes = text.as_bytes().to_vec();
     for part in parts {
@@ -84,7 +84,7 @@ fn file_name(value: &str) -> Result<String, SceneError> {
     read.map_err(|error| SceneError::value(FILE, value, reason(&error.code)))
 }
 
-/// Returns the model in a file that a scene names, and the statement of the model.
+/// Returns the model in a file that a scene names, together with the text of its equations.
 pub(super) fn of_file(
     scene: SceneText,
     file: &str,
@@ -127,7 +127,7 @@ fn of_text(path: &Path, text: &str, given: &[String]) -> Result<Stated, SceneErr
     Ok(stated)
 }
 
-/// Returns suggestions of settings that replace the XPPAUT options that have no effect.
+/// Returns suggestions of settings by which the XPPAUT options that have no effect can be replaced.
 fn substitutes(options: &[String]) -> Vec<&'static str> {
     let begins = |option: &String, names: &[&str]| {
         let name = option.split_once("option `").map(|(_, option)| option.to_lowercase());
@@ -231,7 +231,7 @@ impl Problem {
         with_defaults(of_text(path, text, given)?)
     }
 
-    /// Returns whether a file with this text contains equations and not a scene.
+    /// Returns whether a file with this text contains equations instead of a scene.
     pub fn is_file_of_equations(path: &Path, text: &str) -> bool {
         is_ode(path) || kind_of(language::statement_in(text).0).is_some()
     }

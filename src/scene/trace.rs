@@ -1,4 +1,4 @@
-//! Tracing of the runs of a scene, one after another.
+//! Tracing of the branches of a scene's runs, one run after another.
 
 use super::discretisation::Started;
 use super::error::SceneError;
@@ -28,7 +28,7 @@ pub struct Outcome {
     pub error: Option<SceneError>,
 }
 
-/// Traces the given runs, one after another.
+/// Traces the branches of the given runs, one run after another.
 pub(super) fn traced(resolution: &Resolution, observer: &mut dyn SceneObserver) -> Outcome {
     let mut tracing = Tracing::default();
     for resolved in &resolution.runs {
@@ -41,8 +41,9 @@ pub(super) fn traced(resolution: &Resolution, observer: &mut dyn SceneObserver) 
     tracing.outcome(resolution)
 }
 
-/// Traces the given runs, one after another, and omits runs that fail. Returns the outcome, which
-/// contains the first error, and all errors with the names of their runs.
+/// Traces the branches of the given runs, one run after another, and omits runs that fail. Returns
+/// the outcome, which contains the first error, and a list of all errors with the names of the
+/// failed runs.
 pub(super) fn traced_each(
     resolution: &Resolution,
     observer: &mut dyn SceneObserver,
@@ -68,15 +69,15 @@ pub(super) struct Tracing {
     pub runs: Vec<Run>,
     pub done: Vec<Branch>,
     last: LastStates,
-    /// The bounds and marks that have no effect on a branch: the index of the branch, and the name
-    /// of the column that the branch lacks.
+    /// The bounds and marks that have no effect on a branch because the branch lacks their column:
+    /// the index of the branch, and the name of the column.
     idle: Vec<(usize, String)>,
-    /// The error of the run that failed.
+    /// The error of the run that failed, if any.
     pub error: Option<SceneError>,
 }
 
 impl Tracing {
-    /// Traces one more run, and adds its branch to the results.
+    /// Traces the branch of one more run, and adds the branch to the results.
     pub fn run(
         &mut self,
         resolved: &Resolved,
@@ -107,8 +108,9 @@ impl Tracing {
         Ok(())
     }
 
-    /// Returns the results, with the branches that are shown. A bound or mark causes a warning only
-    /// if it has no effect on any branch, because no branch has its column.
+    /// Returns the results of all runs, with the branches that are shown. A warning about a bound
+    /// or mark is given only if the bound or mark has no effect on any branch, because no branch
+    /// has its column.
     pub fn outcome(self, resolution: &Resolution) -> Outcome {
         let Tracing { runs, mut done, idle, error, .. } = self;
         for (branch, name) in idle {
@@ -125,7 +127,7 @@ impl Tracing {
     }
 }
 
-/// The final states of simulated runs, by the name of the run.
+/// The final states of simulated runs, by the names of the runs.
 type LastStates = Vec<(String, HybridState<f64>)>;
 
 /// Returns a simulated history as a branch with one point.
@@ -206,8 +208,8 @@ fn started(
     Ok((system, guess))
 }
 
-/// Returns the branch of a run, and the names of columns with bounds or marks that the branch
-/// lacks.
+/// Returns the branch of a run, and the names of the columns that have bounds or marks but do not
+/// exist on the branch.
 fn trace(
     resolved: &Resolved,
     done: &[Branch],
@@ -222,8 +224,8 @@ fn trace(
     Ok((branch, idle))
 }
 
-/// Corrects the first point of a run, and calls a function with the started continuation and the
-/// elapsed time.
+/// Corrects the first point of a run's branch by Newton's method, and then calls a function with
+/// the started continuation and the elapsed time.
 fn begun<R>(
     resolved: &Resolved,
     done: &[Branch],
@@ -270,7 +272,8 @@ fn begun<R>(
 }
 
 impl Resolved {
-    /// Returns the error of a run, or the error of a cancelled run if the run was cancelled.
+    /// Returns the error of a run that failed; if the run was cancelled, returns the error of a
+    /// cancelled run.
     fn unless_cancelled(&self, cause: SceneError) -> SceneError {
         match self.settings.cancel.is_cancelled() {
             true => SceneError::GivenUp { run: self.run.name.clone() },
@@ -278,17 +281,18 @@ impl Resolved {
         }
     }
 
-    /// Checks that a branch begins at the start of the run.
+    /// Checks that a branch begins at the solution from which the run starts.
     ///
     /// # Errors
-    /// [`SceneError`] with the reason why no branch begins at the start of the run.
+    /// [`SceneError`] with the reason why no branch begins at the solution from which the run
+    /// starts.
     pub(super) fn begins(&self) -> Result<(), SceneError> {
         begun(&self.without_idle().0, &[], &mut (), |_, _, _| ())
             .map_err(|cause| self.unless_cancelled(cause))
     }
 
-    /// Returns an error if a run starts where the equations, given as text, do not have finite
-    /// values.
+    /// Returns an error if the equations are given as text and do not have finite values at the
+    /// start of a run.
     fn check_begin(&self) -> Result<(), SceneError> {
         let given = match (&self.from, &self.run.start) {
             (None, Start::Rest) => &[][..],
@@ -322,8 +326,8 @@ fn system_of(resolved: &Resolved, done: &[Branch]) -> Result<Box<dyn System>, Sc
     }
 }
 
-/// Returns the local map that a sweep iterates, after tracing the runs that find the grazing of the
-/// map.
+/// Returns the local map that a sweep iterates, after tracing the runs that find the grazing at
+/// which the map is built.
 pub(super) fn map_of(
     resolution: &Resolution,
     resolved: &ResolvedSweep,
@@ -338,13 +342,15 @@ pub(super) fn map_of(
     resolved.problem.model().local_map(name, local, at, &resolved.cancel)
 }
 
-/// Applies the values that a run changes to the special point at which the run starts.
+/// Changes the values at the special point at which a run starts, according to the values that the
+/// run sets.
 fn begin_from<'a>(curve: Continuation<'a>, resolved: &Resolved) -> Continuation<'a> {
     resolved.changed.iter().fold(curve, |curve, (name, value)| curve.at(name, *value))
 }
 
-/// Applies the varied parameters, bounds, marks and direction of a run to its continuation, and the
-/// condition that all points of a curve of special or marked points satisfy.
+/// Passes the varied parameters, bounds, marks and direction of a run to its continuation; for a
+/// curve of special or marked points, also passes the condition that all points of the curve
+/// satisfy.
 fn conditions<'a>(mut curve: Continuation<'a>, run: &Run) -> Continuation<'a> {
     for range in &run.along {
         curve = curve.along(&range.name, range.interval());
@@ -374,8 +380,8 @@ fn conditions<'a>(mut curve: Continuation<'a>, run: &Run) -> Continuation<'a> {
     }
 }
 
-/// Returns the initial unknowns of a branch; the values of a guess replace the initial values of
-/// some groups of unknowns.
+/// Returns the initial unknowns of a branch; if a guess is given, its values replace the initial
+/// values of the unknowns that it names.
 fn guess(
     groups: &[Group],
     values: &[(String, f64)],
@@ -389,8 +395,8 @@ fn guess(
     Ok(with_values(groups, values, initial))
 }
 
-/// Returns unknowns in which each named group or element has a constant value; if a name occurs
-/// several times, its last value is used.
+/// Returns unknowns in which each named group of unknowns, or each named element of a group, has a
+/// constant value; if a name occurs several times, its last value is used.
 fn with_values(groups: &[Group], values: &[(String, f64)], mut z: Vec<f64>) -> Vec<f64> {
     for (name, value) in values {
         let mut rest = &mut z[..];
@@ -406,7 +412,7 @@ fn with_values(groups: &[Group], values: &[(String, f64)], mut z: Vec<f64>) -> V
     z
 }
 
-/// Returns the special point of an earlier run at which a run starts.
+/// Returns the special point of an earlier run at which a given run starts.
 fn point_of<'a>(
     run: &str,
     done: &'a [Branch],

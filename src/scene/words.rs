@@ -1,4 +1,4 @@
-//! Checks of the names and texts in a scene.
+//! Checks of the names and texts that a scene contains.
 
 use super::error::SceneError;
 use super::statement::Scene;

@@ -51,14 +51,14 @@ pub struct Ode {
     pub statement: Statement,
     /// The numerical options of the file, such as the duration of a simulation.
     pub options: Options,
-    /// Descriptions of the lines that have no effect, with line numbers.
+    /// Descriptions of the lines of the file that have no effect, with their line numbers.
     pub ignored: Vec<String>,
-    /// The names that had to be changed, with their new names.
+    /// The names in the file that had to be changed during the conversion, with their new names.
     pub renamed: Vec<(String, String)>,
     /// Descriptions of the `global` conditions for which random trials decided whether the motion
     /// crosses the surface of the condition, because the formulas are not affine.
     pub tried: Vec<String>,
-    /// The additional last state of a map that uses `t`; this state counts the iterates.
+    /// For a map that uses `t`, the name of the additional last state, which counts the iterates.
     pub clock: Option<String>,
 }
 
@@ -102,7 +102,7 @@ impl Ode {
 /// ```
 ///
 /// # Errors
-/// [`ModelError`] with the place, for an error or an unsupported construct in the file.
+/// [`ModelError`] with its place in the file, for an error or an unsupported construct in the file.
 pub fn read(source: &Source) -> Result<Ode, ModelError> {
     let parts = parts::Parts::read(source)?;
     model::understood(source, parts)

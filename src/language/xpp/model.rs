@@ -1,4 +1,5 @@
-//! Conversion of the contents of an XPPAUT file to a statement.
+//! Conversion of the contents of an XPPAUT file to a statement, that is, to equations in the
+//! notation of this library.
 
 use super::super::Statement;
 use super::super::source::{Fault, ModelError, Phrase, Source};
@@ -49,7 +50,8 @@ pub(super) fn understood(source: &Source, parts: Parts) -> Result<Ode, ModelErro
     Ok(Ode { statement, options, ignored, renamed, tried, clock: names.clock })
 }
 
-/// The maximum number of functions, and the maximum number of `global` conditions.
+/// The maximum number of functions in an XPPAUT file; the same maximum applies to the number of
+/// `global` conditions.
 const MOST: usize = 200;
 
 /// Returns an error if a file contains more functions or conditions than can be substituted into
@@ -64,8 +66,8 @@ fn check_sizes(source: &Source, parts: &Parts) -> Result<(), ModelError> {
     }
 }
 
-/// Returns the statement of a file, as the kind of equations that fits the file, and descriptions
-/// of the conditions that were decided by random trials.
+/// Returns the statement (the equations in the notation of this library) of an XPPAUT file, and
+/// descriptions of the `global` conditions that were decided by random trials.
 fn statement(
     names: &Names,
     formulas: &Formulas,
@@ -94,8 +96,8 @@ fn statement(
     Ok((Statement::HybridEquations(statement), tried))
 }
 
-/// Returns the formulas of the constants, the fixed quantities and the functions of a file. A
-/// formula that depends on itself or on quantities defined later is an error.
+/// Returns the formulas of the constants, the fixed quantities and the functions of an XPPAUT file.
+/// A formula that depends on itself or on quantities defined later is an error.
 fn formulas_of(names: &Names, parts: &Parts) -> Result<Formulas, ModelError> {
     let mut formulas = Formulas::default();
     for function in &parts.functions {

@@ -1,4 +1,4 @@
-//! The names in an XPPAUT file: their meaning, and their spelling in the converted statement.
+//! The names in an XPPAUT file: their meaning, and their spelling in the converted equations.
 
 use super::super::operation::function;
 use super::super::source::{Fault, ModelError, Source};
@@ -26,7 +26,7 @@ fn is_reserved(upper: &str) -> bool {
 pub(super) struct Names<'s> {
     pub source: &'s Source,
     known: HashMap<String, Known>,
-    /// The spelling of each state in the converted statement.
+    /// The spelling of each state in the converted equations.
     states: Vec<String>,
     constants: Vec<String>,
     fixed: Vec<String>,
@@ -35,17 +35,18 @@ pub(super) struct Names<'s> {
     pub arguments: Vec<usize>,
     /// The value of each constant that is a number; `None` for other constants.
     pub values: Vec<Option<f64>>,
-    /// The name of the state that counts iterates, for a map that uses `t`.
+    /// The name of the state that counts iterates, for an XPPAUT file of a map that uses `t`.
     pub clock: Option<String>,
-    /// The names whose spelling in the converted statement is different, with the new spelling.
+    /// The names whose spelling differs between the XPPAUT file and the converted equations, with
+    /// the new spelling.
     pub renamed: Vec<(String, String)>,
     /// All spellings that are already in use.
     taken: HashSet<String>,
-    /// Whether a formula contains `mod` with a divisor that may be negative, so that the statement
-    /// needs a separate function for `mod`.
+    /// Whether a formula contains `mod` with a divisor that may be negative, so that the converted
+    /// equations need a separate function for `mod`.
     pub needs_modulo: Cell<bool>,
     modulo: String,
-    /// The number of formula parts into which sums may still be expanded.
+    /// The remaining number of formula parts that the expansion of sums may still create.
     pub budget: Cell<usize>,
 }
 
@@ -134,7 +135,7 @@ impl<'s> Names<'s> {
         self.taken.contains(name) || name == "t"
     }
 
-    /// Returns the meaning of a name; letter case is ignored.
+    /// Returns the meaning of a name in an XPPAUT file; letter case is ignored.
     pub fn find(&self, name: &str) -> Option<Known> {
         match name.to_ascii_uppercase().as_str() {
             "T" => Some(Known::Time),
@@ -170,7 +171,7 @@ impl<'s> Names<'s> {
         self.unknown("name", name, known.chain(&self.functions))
     }
 
-    /// Returns the spelling of a name in the converted statement.
+    /// Returns the spelling of a name in the converted equations.
     pub fn written(&self, known: Known) -> String {
         match known {
             Known::State(k) => self.states[k].clone(),

@@ -34,7 +34,7 @@ pub struct Options {
 #[derive(Default)]
 pub(super) struct Found {
     pub options: Options,
-    /// Whether the selected integration method is XPPAUT's method for maps.
+    /// Whether the integration method that the file selects is XPPAUT's method for maps.
     pub discrete: bool,
     pub ignored: Vec<String>,
 }

@@ -3,7 +3,8 @@
 use super::super::source::{Fault, ModelError, Phrase, Source};
 use std::ops::Range;
 
-/// A text in which each byte, and the end of the text, has a position in the source.
+/// A text in which each byte, and the end of the text, has a known position in the source from
+/// which the text is derived.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Text {
     text: String,
@@ -24,14 +25,14 @@ impl Text {
         self.end = (at + part.len()) as u32;
     }
 
-    /// Appends a part of another derived text.
+    /// Appends a part of another text that is derived from the same source.
     pub fn extend(&mut self, part: Slice) {
         self.text.push_str(part.text);
         self.at.extend_from_slice(part.at);
         self.end = part.end;
     }
 
-    /// Appends a text that replaces a part of another derived text.
+    /// Appends a text that replaces a part of another text derived from the same source.
     pub fn replace(&mut self, part: Slice, by: &str) {
         let span = part.span();
         self.text.push_str(by);
@@ -77,7 +78,7 @@ impl<'a> Slice<'a> {
         self.part(start..start + self.text.trim().len())
     }
 
-    /// Splits the slice at the first occurrence of one of the given letters.
+    /// Splits the slice of a text at the first occurrence of one of the given letters.
     pub fn split(self, letters: &[char]) -> Option<(Slice<'a>, char, Slice<'a>)> {
         let at = self.text.find(letters)?;
         let letter = self.text[at..].chars().next()?;
@@ -106,7 +107,7 @@ impl<'a> Slice<'a> {
         source.fault_of(&source.phrase(self.span()), fault)
     }
 
-    /// Returns the error for an unsupported construct.
+    /// Returns the error for an unsupported construct in the slice.
     pub fn unsupported(
         self,
         source: &Source,
@@ -117,13 +118,14 @@ impl<'a> Slice<'a> {
         self.fault(source, fault)
     }
 
-    /// Returns the error for unexpected syntax.
+    /// Returns the error for unexpected syntax in the slice.
     pub fn expected(self, source: &Source, expected: impl Into<String>) -> ModelError {
         self.fault(source, Fault::Syntax { expected: expected.into() })
     }
 
-    /// Returns a phrase with a given text at the position of the slice; the phrase is the source's
-    /// own if the text is unchanged.
+    /// Returns a phrase (a text with its position) that consists of a given text at the position of
+    /// the slice; if the text differs from the source only in blanks, the source's own text is
+    /// used.
     pub fn phrase(self, source: &Source, text: String) -> Phrase {
         let own = source.phrase(self.span());
         let plain = |text: &str| text.chars().filter(|c| !c.is_whitespace()).collect::<String>();

@@ -22,12 +22,13 @@ pub(super) enum Sort {
     Derived,
 }
 
-/// All contents of an XPPAUT file, in the order of the file.
+/// All contents of an XPPAUT file, in the order of the lines of the file.
 #[derive(Default)]
 pub(super) struct Parts {
     /// The states, each with the formula of its rate or, for a map, of its next value.
     pub states: Vec<Named>,
-    /// Whether the formulas of the states are next values, so that the file describes a map.
+    /// Whether the formulas of the states give the next values of the states instead of their
+    /// rates, so that the file describes a map.
     pub is_map: bool,
     pub constants: Vec<(Sort, Named)>,
     pub fixed: Vec<Named>,

@@ -11,11 +11,11 @@ pub(super) enum Known {
     Constant(usize),
     Fixed(usize),
     Function(usize),
-    /// A function that the language of models has, too.
+    /// A function that exists both in XPPAUT and in the language of models.
     BuiltIn(&'static str),
     /// The function `mod` with a divisor that may be negative.
     Modulo,
-    /// An argument of the function whose formula contains the name.
+    /// The argument with this index, of the function in whose formula the name occurs.
     Argument(usize),
     Time,
     Pi,
@@ -23,7 +23,7 @@ pub(super) enum Known {
     Index,
 }
 
-/// The binding strength of formulas that never need brackets.
+/// The binding strength of formulas that never need brackets around them, such as names.
 const WHOLE: u8 = 9;
 
 /// A formula in postfix order, with resolved names.
@@ -125,7 +125,7 @@ impl Tree {
         values.pop()
     }
 
-    /// Returns the formula as text, with given spellings of the names.
+    /// Returns the formula as text, in which names have the given spellings.
     pub fn written(&self, names: &dyn Fn(Known) -> String) -> String {
         written(&self.0, names)
     }

@@ -16,7 +16,7 @@ pub(super) struct Trial<'m> {
 /// The number of random trials for a condition, each at another state on the surface of the
 /// condition.
 pub(super) const TRIALS: usize = 24;
-/// The relative size below which a guard and its rate count as zero.
+/// The relative size below which the function of a guard and its rate of change count as zero.
 const ZERO: f64 = 1e-7;
 
 impl Trial<'_> {
@@ -37,7 +37,7 @@ impl Trial<'_> {
         (at(step) - at(-step)) / (2.0 * step)
     }
 
-    /// Returns whether the condition is already met at the initial state.
+    /// Returns whether the `global` condition is already met at the initial state.
     pub fn begins_beyond(&self) -> bool {
         let value = self.value(self.start, &self.x);
         value < 0.0 || (value == 0.0 && self.speed(self.start, &self.x) < 0.0)

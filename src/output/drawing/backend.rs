@@ -27,7 +27,7 @@ fn failed<E: std::error::Error + Send + Sync>(
     DrawingErrorKind::DrawingError(Failed(error.to_string()))
 }
 
-/// Delegates a method call to the backend of the format.
+/// Delegates a call of a drawing method to the backend of the format.
 macro_rules! each {
     ($self:expr, $backend:ident => $call:expr) => {
         match $self {

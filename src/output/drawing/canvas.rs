@@ -10,7 +10,7 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use std::collections::BTreeSet;
 
-/// The number of backend pixels per unit of an SVG.
+/// The number of backend pixels per unit of length in an SVG.
 const FINENESS: f64 = 10.0;
 
 /// The number of pixels of a PNG per millimetre, for 300 dots per inch.
@@ -50,17 +50,18 @@ pub(super) struct Canvas<'a> {
 /// The alignment of a text at its reference point, and its direction.
 #[derive(Clone, Copy)]
 pub(super) enum Anchor {
-    /// The reference point is the middle of the left side of the text.
+    /// The reference point is the middle of the left side of the text's rectangle.
     Left,
-    /// The reference point is the middle of the text.
+    /// The reference point is the centre of the text's rectangle.
     Middle,
-    /// The reference point is the middle of the right side of the text.
+    /// The reference point is the middle of the right side of the text's rectangle.
     Right,
-    /// The reference point is the middle of the text, and the text reads upwards.
+    /// The reference point is the centre of the text's rectangle, and the text reads upwards.
     Upwards,
 }
 
-/// Draws on a canvas with a size in units and a printed width in millimetres, and returns the SVG.
+/// Draws on a canvas with a given size in units and a given printed width in millimetres, and
+/// returns the picture as SVG.
 pub(super) fn svg(
     size: [f64; 2],
     millimetres: f64,
@@ -77,7 +78,8 @@ pub(super) fn svg(
     Ok(svg.replacen(&drawn, &sides(w, h), 1))
 }
 
-/// Draws on a canvas with a size in units and a printed width in millimetres, and returns the PDF.
+/// Draws on a canvas with a given size in units and a given printed width in millimetres, and
+/// returns the picture as PDF.
 pub(super) fn pdf(
     size: [f64; 2],
     millimetres: f64,
@@ -90,7 +92,8 @@ pub(super) fn pdf(
         .map_err(|error| FigureError::Drawing(error.to_string()))
 }
 
-/// Draws on a canvas with a size in units and a printed width in millimetres, and returns the PNG.
+/// Draws on a canvas with a given size in units and a given printed width in millimetres, and
+/// returns the picture as PNG.
 pub(super) fn png(
     size: [f64; 2],
     millimetres: f64,
@@ -251,9 +254,9 @@ impl<'a> Canvas<'a> {
             .map_err(failed)
     }
 
-    /// Draws a square spot of a given size at every point. Coincident spots are drawn once, and
-    /// spots in a vertical stack as one line, so that the file size does not grow with the number
-    /// of points.
+    /// Draws a square spot of a given size at every point. Spots at the same place are drawn once,
+    /// and vertically stacked spots are drawn as one line, so that the file size does not grow with
+    /// the number of points.
     pub fn specks(&self, points: &[[f64; 2]], colour: RGBColor, size: f64) -> Painted {
         let cell = |at: &[f64; 2]| at.map(|x| (x / size).floor() as i32);
         let cells: BTreeSet<[i32; 2]> = points.iter().map(cell).collect();

@@ -5,19 +5,19 @@ use super::labels::{SAMPLED, sampled};
 use crate::output::figure::Style;
 use std::collections::{BTreeSet, HashMap};
 
-/// The width of the band of a line that is covered by one other line, and the additional width for
-/// a second and for a third covering line, in units.
+/// The width of the pale band for a line that is covered by one other line, and the increase of
+/// this width for a second and for a third covering line, in units.
 const BAND: f64 = 5.0;
 const WIDER: f64 = 2.0;
-/// Half the distance between the points of a sampled line.
+/// Half the distance between the points at which lines are sampled.
 const SPACING: f64 = 0.5 * SAMPLED;
 /// The distance, in units, below which a line covers another line.
 const NEAR: f64 = 1.2;
-/// The length, in units, below which two nearby lines count as crossing or touching, not as
-/// coincident.
+/// The length, in units: if two lines are close to each other only over a shorter length, they
+/// count as crossing or touching, not as coincident.
 const LEAST: f64 = 45.0;
 
-/// A line, in units of the canvas, with the index of its name.
+/// A line, in units of the canvas, with the index of the curve name to which the line belongs.
 pub(super) struct Line {
     pub style: Style,
     pub points: Vec<[f64; 2]>,
@@ -33,7 +33,7 @@ impl Line {
 /// A part of a line that is covered by other lines.
 pub(super) struct Hidden {
     pub points: Vec<[f64; 2]>,
-    /// The index of the line's name.
+    /// The index of the curve name to which the covered line belongs.
     pub name: usize,
     /// The width of the band that is drawn for the covered part.
     pub width: f64,

@@ -5,25 +5,26 @@
 pub(super) type Rectangle = [f64; 4];
 
 const ADVANCE: f64 = 13.0;
-/// The distance below which marks of the same kind share one label.
+/// The distance between marks of the same kind below which the marks share one label.
 const CROWDED: f64 = 16.0;
-/// The distance below which marks of the same kind share one label, if the label is optional.
+/// The distance between marks of the same kind below which the marks share one label, if the label
+/// is optional.
 const LONELY: f64 = 60.0;
-/// The number of points along a curve at which a place for its name is tried.
+/// The number of points along a curve beside which the name of the curve may be placed.
 const TRIED: usize = 40;
-/// The distance between a name and its curve, and the distance within which other curves make the
-/// name ambiguous.
+/// The distance between a curve and its name, and the distance from the name within which other
+/// curves make the name ambiguous.
 const BESIDE: f64 = 4.0;
 const CONFUSING: f64 = 14.0;
 /// The largest distance between neighbouring points of a sampled curve.
 pub(super) const SAMPLED: f64 = 3.0;
-/// The weight of a nearby point of the name's own curve, relative to a nearby point of another
-/// curve.
+/// The weight of a nearby point of a name's own curve, relative to the weight of a nearby point of
+/// another curve.
 const LENGTH: f64 = 0.05;
 
-/// The distance between a curve and a text on one of its sides, the range of distances within which
-/// other curves make the text ambiguous, and the smallest number of points of a curve with such
-/// texts.
+/// The distance between a curve and a text beside the curve; half the width of the strip between
+/// curve and text that other curves must not enter; and the smallest number of points of a curve
+/// with such texts.
 const ASIDE: f64 = 2.5;
 const ACROSS: f64 = 4.0;
 const SHORTEST: usize = 9;
@@ -39,7 +40,7 @@ pub(super) struct Wanted<'a> {
     pub spare: bool,
 }
 
-/// The free space for labels in a panel.
+/// The free space in a panel, in which labels can be placed.
 pub(super) struct Room {
     /// The rectangle that must contain all labels.
     frame: Rectangle,
@@ -173,7 +174,7 @@ impl Room {
         free.then_some(centre)
     }
 
-    /// Frees the places that were chosen most recently.
+    /// Frees the given number of places that were chosen most recently for labels.
     pub fn release(&mut self, count: usize) {
         self.taken.truncate(self.taken.len() - count);
     }
@@ -187,8 +188,8 @@ fn count(points: &[[f64; 2]], place: Rectangle) -> usize {
     points.iter().filter(|point| contains(place, **point)).count()
 }
 
-/// Returns 16 directions from a mark to its label, eight for each of two distances, with the
-/// penalty of each direction.
+/// Returns 16 directions from a mark to its label, eight for each of two distances, and the penalty
+/// for each direction.
 fn directions() -> impl Iterator<Item = (f64, [f64; 2])> {
     const D: f64 = 0.75;
     let near =

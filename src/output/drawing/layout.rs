@@ -16,7 +16,7 @@ const LEAST_PANEL: f64 = 70.0;
 /// The height of a panel relative to its width, and the largest height of a panel in units.
 const ASPECT: f64 = 0.72;
 const HIGHEST: f64 = 430.0;
-/// The height of the row of the title above all panels.
+/// The height of the row that contains the title above all panels.
 const TITLE_ROW: f64 = 30.0;
 /// The maximum number of curves whose names are written next to the curves.
 const NAMED_AT_CURVES: usize = 4;
@@ -91,13 +91,14 @@ impl<'a> Layout<'a> {
     }
 }
 
-/// The margin beside the legend.
+/// The margin on the left and right of the legend.
 const MARGIN: f64 = 16.0;
 
 /// Writes the names of curves next to the curves if the curves are few; each name is written in the
 /// first panel that shows the curve and has space for the name. Panels share colours and entries in
 /// the legend if their lists of curve names are equal, or if one list is the beginning of the
-/// other. Returns the names that are not next to curves, for the legend.
+/// other. Returns the curve names that are not written next to curves, and therefore belong in the
+/// legend.
 fn named<'a>(panels: &mut [Panel<'a>]) -> Vec<Naming<'a>> {
     let mut namings: Vec<Naming> = Vec::new();
     for index in 0..panels.len() {

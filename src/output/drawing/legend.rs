@@ -10,7 +10,7 @@ use plotters::style::RGBColor;
 const ROW: f64 = 19.0;
 const SAMPLE: f64 = 30.0;
 const GAP: f64 = 22.0;
-/// The smallest size to which a text that is too wide is reduced, relative to the normal size.
+/// The smallest factor by which a text that is too wide is reduced in size.
 const LEAST: f64 = 0.4;
 /// The maximum number of curves listed in the legend; the legend gives only the number of the
 /// remaining curves.
@@ -30,13 +30,14 @@ struct Entry<'a> {
     text: String,
 }
 
-/// The curve names of a group of panels in which curves of the same name have the same colour.
+/// The curve names of a group of panels; within the group, curves of the same name have the same
+/// colour.
 pub(super) struct Naming<'a> {
-    /// All curve names of the panels, in the order of their colours.
+    /// All curve names of the panels in the group, in the order of their colours.
     pub all: Vec<&'a str>,
     /// The curve names in the legend, with the indices of their colours.
     pub named: Vec<(usize, &'a str)>,
-    /// The positions of the panels among all panels.
+    /// The indices of the panels in the group, among all panels of the picture.
     pub panels: Vec<usize>,
 }
 
@@ -48,7 +49,7 @@ enum Sample<'a> {
 }
 
 impl<'a> Legend<'a> {
-    /// Creates the legend of figures, with a given width in units.
+    /// Creates the legend for the panels of a picture, with a given width in units.
     pub fn new(figures: &'a [Figure], namings: Vec<Naming<'a>>, width: f64) -> Self {
         let mut legend = Legend { entries: Vec::new(), width, height: 0.0 };
         let several = namings.iter().filter(|naming| !naming.named.is_empty()).count() > 1;
@@ -60,8 +61,8 @@ impl<'a> Legend<'a> {
         legend
     }
 
-    /// Adds entries below the present entries, after a heading: side by side if they fit in one
-    /// row, otherwise in aligned columns.
+    /// Adds a heading and entries below the entries that the legend already contains: side by side
+    /// if the new entries fit in one row, otherwise in aligned columns.
     fn add(&mut self, heading: String, group: Vec<Entry<'a>>, width: f64) {
         if group.is_empty() {
             return;

@@ -14,24 +14,24 @@ const TITLE: f64 = 16.0;
 const NAME: f64 = 13.0;
 /// The size of the texts beside curves.
 const SMALL: f64 = 10.0;
-/// The margin above the data for the letter of a panel, and the margin for a title.
+/// The margin above the plotted data for the letter of a panel, and the margin for a title.
 const ABOVE: f64 = 26.0;
 const ABOVE_WITH_TITLE: f64 = 46.0;
-/// The margin on the right for the label of the last tick, and the margin below for the tick labels
-/// and the name of the horizontal axis.
+/// The margin to the right of the plotted data for the label of the last tick, and the margin below
+/// the data for the tick labels and the name of the horizontal axis.
 const RIGHT: f64 = 20.0;
 const BELOW: f64 = 48.0;
-/// The approximate distance between ticks, in units.
+/// The approximate distances between ticks on the horizontal and on the vertical axis, in units.
 const BETWEEN_TICKS: [f64; 2] = [85.0, 58.0];
 
-/// The number of points above which a curve that is not a branch is smoothed.
+/// The number of points above which a curve is smoothed, if the curve is not a branch.
 const ENOUGH: usize = 20;
 
 /// The distance between the strokes that hatch a wall, and the extent of a stroke along and across
 /// the wall.
 const HATCH: f64 = 7.0;
 
-/// A figure with its layout.
+/// A figure together with its layout in a picture.
 pub(super) struct Panel<'a> {
     pub figure: &'a Figure,
     x: Ticks,
@@ -123,7 +123,7 @@ impl<'a> Panel<'a> {
         self.place[3]
     }
 
-    /// Returns whether a curve with this name has a point in this panel.
+    /// Returns whether a curve with the given name has a point in this panel.
     pub fn shows(&self, name: &str) -> bool {
         self.figure.series.iter().any(|series| series.name == name && !series.points.is_empty())
     }
@@ -146,7 +146,7 @@ impl<'a> Panel<'a> {
         self.marks = marks.into_iter().zip(places).collect();
     }
 
-    /// Returns whether a data point lies within the ranges of both axes.
+    /// Returns whether a data point lies within the ranges of both axes of the panel.
     fn sees(&self, at: &[f64; 2]) -> bool {
         let inside = |range: [f64; 2], value: f64| range[0] <= value && value <= range[1];
         inside(self.x.range, at[0]) && inside(self.y.range, at[1])
@@ -176,7 +176,7 @@ impl<'a> Panel<'a> {
         }
     }
 
-    /// Removes the names of curves from the panel.
+    /// Removes the names that are written next to curves from the panel.
     pub fn forget_names(&mut self) {
         self.room.release(self.names.len());
         self.names.clear();

@@ -21,14 +21,14 @@ const QUARTER: f32 = 0.552_284_8;
 pub(super) struct Page {
     content: Content,
     size: (u32, u32),
-    /// The opacities used on the page, in percent.
+    /// The opacities of colours that are used on the page, in percent.
     veils: BTreeSet<u8>,
 }
 
 type Drawn = Result<(), DrawingErrorKind<Infallible>>;
 
 impl Page {
-    /// Creates a page with a size in pixels and a printed width in points.
+    /// Creates a page with a given size in pixels and a given printed width in points.
     pub fn new(size: (u32, u32), width: f64) -> Self {
         let mut content = Content::new();
         let scale = (width / f64::from(size.0)) as f32;
@@ -88,7 +88,7 @@ impl Page {
     }
 }
 
-/// Returns the name of an opacity in the resources of the page.
+/// Returns the name that denotes an opacity in the resources of the PDF page.
 fn veil(percent: u8) -> String {
     format!("A{percent}")
 }

@@ -5,8 +5,8 @@ use crate::output::figure::{Style, Symbol};
 use crate::output::tile::{Hue, Tile};
 use plotters::style::{RGBColor, WHITE};
 
-/// The colours of curves, distinct also for colour-blind readers (after Okabe, Ito and Tol). The
-/// sequence of colours repeats after the last colour.
+/// The colours of curves, distinct also for colour-blind readers (after Okabe, Ito and Tol). After
+/// the last colour, the sequence of colours is repeated.
 const COLOURS: [RGBColor; 10] = [
     RGBColor(0, 114, 178),
     RGBColor(230, 159, 0),
@@ -51,8 +51,8 @@ pub(super) fn pale(RGBColor(r, g, b): RGBColor) -> RGBColor {
 }
 
 /// Returns the colour of a tile: shades of one hue differ in lightness, and the hues can be
-/// distinguished also by colour-blind readers. The sequence of shades repeats, starting with the
-/// lightest shade.
+/// distinguished also by colour-blind readers. After the last shade, the sequence of shades is
+/// repeated, starting with the lightest shade.
 pub(super) fn tint(hue: Hue, shade: usize) -> RGBColor {
     let shades: &[(u8, u8, u8)] = match hue {
         Hue::Green => &[(178, 226, 204), (102, 194, 164), (35, 139, 105), (0, 88, 66)],
@@ -76,11 +76,11 @@ pub(super) fn tint(hue: Hue, shade: usize) -> RGBColor {
     RGBColor(r, g, b)
 }
 
-/// The lengths of dashes and of the gaps between them.
+/// The lengths of the dashes of dashed lines, and of the gaps between the dashes.
 const DASHES: [f64; 2] = [7.0, 4.5];
 const DOTS: [f64; 2] = [1.5, 2.5];
 
-/// Draws a curve through points in pixels.
+/// Draws a curve through points that are given in pixels.
 pub(super) fn curve(
     canvas: &Canvas,
     style: Style,
@@ -117,7 +117,7 @@ const OLIVE: RGBColor = RGBColor(110, 110, 0);
 const LIGHT_BLUE: RGBColor = RGBColor(40, 150, 210);
 const GRAY: RGBColor = RGBColor(140, 140, 140);
 
-/// Draws a symbol at a point in pixels.
+/// Draws a symbol at a point that is given in pixels.
 pub(super) fn mark(canvas: &Canvas, symbol: Symbol, at: [f64; 2]) -> Painted {
     // A polygon or a star, given by its radii, with a fill and an outline.
     let outlined = |corners: usize, radii: [f64; 2], first: f64, [fill, outline]: [RGBColor; 2]| {

@@ -1,15 +1,15 @@
 //! Smooth curves through points.
 
-/// The largest angle by which a drawn curve turns between two of its points, in radians.
+/// The largest angle, in radians, by which a drawn curve turns at one of its interpolated points.
 const TURN: f64 = 0.05;
 
-/// The angle above which a turn of a branch at a point is a corner, in radians.
+/// The angle, in radians: a branch that turns by a larger angle at a point has a corner there.
 pub(super) const CORNER: f64 = 1.2;
 
-/// The angle above which a turn of a trajectory at a point is a corner, in radians.
+/// The angle, in radians: a trajectory that turns by a larger angle at a point has a corner there.
 pub(super) const SLIGHT: f64 = 0.6;
 
-/// The maximum number of interpolated points between two points of a curve.
+/// The maximum number of interpolated points between two given points of a curve.
 const MOST: f64 = 24.0;
 
 /// Returns a smooth curve through points, with interpolated points where the curve turns. The curve
@@ -106,8 +106,8 @@ fn tangents(points: &[[f64; 2]], k: usize, corner: f64) -> [[f64; 2]; 2] {
     }
 }
 
-/// Mirrors a direction at a chord: the result is the direction of a circular arc at the other end
-/// of the chord.
+/// Mirrors a direction at a chord: if a circular arc over the chord has the given direction at one
+/// end of the chord, it has the mirrored direction at the other end.
 fn mirrored(direction: [f64; 2], chord: [f64; 2]) -> [f64; 2] {
     let square = chord[0] * chord[0] + chord[1] * chord[1];
     let along = 2.0 * (direction[0] * chord[0] + direction[1] * chord[1]) / square;

@@ -6,14 +6,15 @@ use plotters_backend::{
 };
 use std::sync::LazyLock;
 
-/// The font file with the letters, digits and signs of DejaVu Sans; its licence is in the same
-/// folder.
+/// The font file, which contains the letters, digits and signs of DejaVu Sans; the licence of the
+/// font is in the same folder.
 static FONT: LazyLock<Option<FontRef<'static>>> = LazyLock::new(|| {
     FontRef::try_from_slice(include_bytes!("../../../assets/DejaVuSans-subset.ttf")).ok()
 });
 
-/// The ratio of font sizes to letter sizes in plotters, and the distance of the baseline from the
-/// top of the text relative to the font size, as in the SVG backend of plotters.
+/// The ratio of the size of the font to the letter size in plotters; and the distance of the
+/// baseline from the top of the text, relative to the size of the font, as in the SVG backend of
+/// plotters.
 pub(super) const SIZES: f64 = 1.24;
 pub(super) const FOOT: f64 = 0.76;
 
@@ -42,7 +43,8 @@ fn glyphs(text: &str, font: &PxScaleFont<&FontRef<'static>>, size: f64) -> (Vec<
     (glyphs, pen)
 }
 
-/// Returns the offset of the left end of a text of a given length from its reference point.
+/// Returns the horizontal offset from the reference point of a text to the left end of the text,
+/// given the length of the text.
 fn left<S: BackendTextStyle>(style: &S, length: f32) -> f32 {
     match style.anchor().h_pos {
         HPos::Left => 0.0,
@@ -63,15 +65,15 @@ fn scaled<S: BackendTextStyle>(
 
 /// A segment of the outline of letters.
 pub(super) enum Stroke {
-    /// The start of a new closed outline.
+    /// The start of a new closed outline, at the given point.
     To([f32; 2]),
     /// A straight line.
     Line([f32; 2]),
-    /// A cubic curve, given by its control points and its end point.
+    /// A cubic curve, given by its two control points and its end point.
     Curve([f32; 2], [f32; 2], [f32; 2]),
 }
 
-/// Returns the outlines of a text at a point, with the same alignment as [`write`].
+/// Returns the outlines of the letters of a text at a point, with the same alignment as [`write`].
 pub(super) fn outlines<S: BackendTextStyle>(
     text: &str,
     style: &S,

@@ -11,7 +11,8 @@ pub(super) struct Ticks {
     pub(super) range: [f64; 2],
     /// The ticks within the range, with their labels.
     pub(super) ticks: Vec<(f64, String)>,
-    /// The exponent of the power of ten that multiplies all labels of the axis, a multiple of 3.
+    /// The exponent of the power of ten by which all labels of the axis are multiplied; a multiple
+    /// of 3.
     exponent: i32,
     logarithmic: bool,
 }
@@ -29,9 +30,9 @@ impl Ticks {
         if logarithmic { Ticks::decades(data, ends, count) } else { Ticks::new(data, ends, count) }
     }
 
-    /// Returns about `count` ticks for positive data between two values: at powers of ten; at 1, 2
-    /// and 5 times powers of ten if the range contains fewer than three powers; and as on a linear
-    /// axis if the range is shorter than a third of a decade.
+    /// Returns about `count` ticks for positive data between two values. The ticks are at powers of
+    /// ten; at 1, 2 and 5 times powers of ten if the range contains fewer than three powers; and as
+    /// on a linear axis if the range is shorter than a third of a decade.
     fn decades(data: [f64; 2], ends: [Option<f64>; 2], count: f64) -> Result<Self, FigureError> {
         let [low, high] = widened(data.map(f64::log10), ends.map(|end| end.map(f64::log10)));
         let range = [low, high].map(|end| 10f64.powf(end));
@@ -102,9 +103,10 @@ impl Ticks {
         Ok(Ticks { range, ticks: ticks.collect(), exponent, logarithmic: false })
     }
 
-    /// Returns the label of the axis, and the factor at the end of the axis: where possible, a
-    /// prefix of the unit in the label replaces the factor, as in `gap (µm)` instead of `gap (m)`
-    /// with `×10⁻⁶`. An axis that shows several columns keeps the common factor.
+    /// Returns the label of the axis, and the common factor of the numbers at the end of the axis:
+    /// where possible, a prefix of the unit in the label replaces the factor, as in `gap (µm)`
+    /// instead of `gap (m)` with `×10⁻⁶`. If an axis shows several columns, the common factor is
+    /// not replaced.
     pub(super) fn label(&self, label: &str) -> (String, String) {
         let own = units::parts(label)
             .and_then(|(words, unit)| Some((words, units::prefixed(unit, self.exponent)?)));
@@ -114,7 +116,8 @@ impl Ticks {
         }
     }
 
-    /// Returns an axis with names as labels at 0, 1, 2, …, for data between two values.
+    /// Returns an axis for data between two values; the axis has the given names as labels at 0, 1,
+    /// 2, ….
     pub(super) fn named(data: [f64; 2], ends: [Option<f64>; 2], names: &[String]) -> Self {
         let ticks = names.iter().enumerate().map(|(k, name)| (k as f64, name.clone()));
         let data = [ends[0].unwrap_or(data[0]), ends[1].unwrap_or(data[1])];
@@ -123,9 +126,9 @@ impl Ticks {
     }
 }
 
-/// Returns the range of the data, extended by 4 % of its width at both ends, except at chosen ends.
-/// A range that contains a single value is widened, and so is a range of values too small for a
-/// representable power of ten.
+/// Returns the range of the data for an axis, extended by 4 % of its width at both ends, except at
+/// ends that were chosen explicitly. A range that contains a single value is widened; a range of
+/// values too small for a representable power of ten is widened, too.
 fn widened([low, high]: [f64; 2], ends: [Option<f64>; 2]) -> [f64; 2] {
     let largest = low.abs().max(high.abs());
     let width = high - low;

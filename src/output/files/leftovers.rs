@@ -10,7 +10,7 @@ use std::fs::File;
 use std::path::Path;
 
 /// Returns the name of the temporary file of a process, without the extension; the name contains a
-/// number because a process can have several temporary files simultaneously.
+/// counter because a process can have several temporary files simultaneously.
 pub(super) fn temporary(name: &str, serial: usize) -> String {
     let process = std::process::id();
     match serial {
@@ -22,7 +22,7 @@ pub(super) fn temporary(name: &str, serial: usize) -> String {
 /// The extension of temporary files.
 pub(super) const ENDING: &str = ".tmp";
 
-/// Returns whether a name belongs to a temporary file for the given file.
+/// Returns whether a name is the name of a temporary file that will replace the given file.
 fn is_temporary(found: &OsStr, name: &str) -> bool {
     let process = found.to_str().and_then(|found| {
         found.strip_prefix('.')?.strip_prefix(name)?.strip_prefix('.')?.strip_suffix(ENDING)
@@ -45,7 +45,8 @@ pub(super) fn remove(folder: &Path, name: &str) {
     }
 }
 
-/// Returns whether an open file is still the file at a path; it may have been removed or replaced.
+/// Returns whether an open file is still the file at a path; since it was opened, the file may have
+/// been removed or replaced.
 pub(super) fn is_at(file: &File, path: &Path) -> bool {
     #[cfg(unix)]
     {

@@ -8,13 +8,13 @@ use std::path::{Path, PathBuf};
 
 /// The lock of the result `NAME` in a folder: the file `.NAME.lock`, which contains the id of the
 /// process. The lock is released when the `Lock` is dropped, and when the process ends for any
-/// reason; a lock file that a killed run left in the folder does not lock the result.
+/// reason; a lock file that remains from a killed run does not lock the result.
 pub(crate) struct Lock {
     path: PathBuf,
     _file: File,
 }
 
-/// The number of attempts to take a lock that another process is just releasing.
+/// The number of attempts to take a lock while another process is releasing it.
 const ATTEMPTS: usize = 100;
 
 impl Lock {
@@ -49,9 +49,9 @@ impl Drop for Lock {
 
 enum Attempt {
     Locked(File),
-    /// The lock is held by the process with this id, if known.
+    /// Another process, with this id if known, holds the lock.
     Held(Option<u32>),
-    /// The lock file was removed after it was opened.
+    /// The lock file was removed by another process after it was opened.
     Gone,
 }
 

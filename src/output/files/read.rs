@@ -18,7 +18,7 @@ use std::time::Duration;
 pub struct SizeLimit {
     /// The maximum size of a file, in bytes.
     pub file: u64,
-    /// The maximum size of an unpacked archive, in bytes.
+    /// The maximum total size of the files in an archive after unpacking, in bytes.
     pub unpacked: u64,
 }
 
@@ -37,7 +37,7 @@ impl Default for SizeLimit {
     }
 }
 
-/// The time to wait until another process writes to a FIFO.
+/// The time to wait until another process writes to the FIFO that should be read.
 const PATIENCE: Duration = Duration::from_secs(5);
 
 /// Reads a file.

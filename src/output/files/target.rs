@@ -1,16 +1,16 @@
-//! Finds the file that is replaced when a result is written to a path.
+//! Finds the file that will be replaced when a result is written to a path.
 
 use crate::output::error::FileError;
 use std::fs::FileType;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-/// Returns the file that writing to a path creates or replaces: the path itself, or the regular
-/// file to which a symbolic link leads.
+/// Returns the file that is created or replaced when a result is written to a path: the path
+/// itself, or the regular file to which a symbolic link leads.
 ///
 /// # Errors
-/// [`FileError::Special`] for any other existing file, since renaming would replace a device by a
-/// regular file.
+/// [`FileError::Special`] if the path leads to an existing file that is not a regular file, such as
+/// a device, because renaming would replace a device by a regular file.
 pub(crate) fn target(path: &Path) -> Result<PathBuf, FileError> {
     let failed = |source| FileError::Write { path: path.into(), source };
     let special = |kind| FileError::Special { path: path.into(), kind };

@@ -27,11 +27,12 @@ pub fn write_atomically(
     write_together(&[(path, content)])
 }
 
-/// Writes the files of one result, each completely or not at all. Each file is written as a
-/// temporary file in the folder of its target, then all files are renamed in direct succession:
-/// after a failure or a kill all targets are unchanged, unless the process ends between two
-/// renames. Missing folders of the targets are created. If a target is a symbolic link to a regular
-/// file, that file is replaced. Temporary files that killed writers left are removed.
+/// Writes the files of one result, each completely or not at all. Each file is first written as a
+/// temporary file in the folder of its target, and then all temporary files are renamed in direct
+/// succession. After a failure or a kill, all targets are therefore unchanged, unless the process
+/// ends between two renames. Missing folders of the targets are created. If a target is a symbolic
+/// link to a regular file, that file is replaced. Temporary files that remain from writers that
+/// were killed are removed.
 ///
 /// # Errors
 /// [`FileError::Write`] with the path, if a folder cannot be created or written to;
@@ -50,8 +51,8 @@ pub fn write_together<P: AsRef<Path>, C: AsRef<[u8]>>(files: &[(P, C)]) -> Resul
     written.into_iter().try_for_each(Written::rename)
 }
 
-/// A completely written temporary file that was not yet renamed to its final name. The temporary
-/// file is removed when the value is dropped.
+/// A temporary file that is completely written, but not yet renamed to its final name. The
+/// temporary file is removed when the value is dropped.
 struct Written<'a> {
     path: &'a Path,
     target: PathBuf,

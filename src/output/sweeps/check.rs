@@ -1,33 +1,35 @@
-//! Checks the tables of a sweep file: each must be rectangular, with valid run numbers, and
-//! consistent with the scene.
+//! Checks the tables of a file of sweeps: each table must be rectangular, contain valid run
+//! numbers, and be consistent with the scene.
 
 use super::table::{Row, SweepTable, Sweeps};
 use crate::core::spelling::listed;
 use std::collections::BTreeMap;
 
-/// The first columns of every table, for runs and for points.
+/// The first columns of every table, in the table of runs and in the table of points.
 const RUN_COLUMNS: [&str; 2] = ["run", "start"];
 const POINT_COLUMNS: [&str; 4] = ["run", "period", "event", "time"];
 
-/// The first difference between the tables of a file and the expected tables.
+/// The first difference between the tables in a file of sweeps and the tables expected for a scene.
 #[derive(Clone, Debug, PartialEq, Eq, miette::Diagnostic, thiserror::Error)]
 #[error("{what} of {place} differ: `{found}` in the file, `{expected}` in its scene")]
 pub struct TableDifference {
-    /// The place of the difference: a sweep, or the whole file.
+    /// The place of the difference: the name of a sweep, or the whole file.
     pub place: String,
-    /// The part of the tables that differs, such as the axes.
+    /// The part of the tables in which the difference occurs, such as the axes.
     pub what: &'static str,
-    /// The content of that part in the file.
+    /// The content of the differing part in the file.
     pub found: String,
-    /// The content of that part that the scene would write.
+    /// The content of the differing part that the scene would write.
     pub expected: String,
 }
 
 impl Sweeps {
-    /// Checks that the tables belong to the same sweeps, whether or not the sweeps are finished.
+    /// Checks that two sets of tables belong to the same sweeps, whether or not the sweeps are
+    /// finished.
     ///
     /// # Errors
-    /// [`TableDifference`] with the first name, columns or number of runs that differ.
+    /// [`TableDifference`] with the first name, columns or number of runs in which the two sets
+    /// differ.
     pub fn check_tables(&self, expected: &Sweeps) -> Result<(), TableDifference> {
         let names = |all: &Sweeps| all.sweeps.iter().map(|sweep| sweep.name.clone()).collect();
         let (found, wanted): (Vec<String>, Vec<String>) = (names(self), names(expected));
@@ -55,7 +57,7 @@ impl Sweeps {
 }
 
 impl SweepTable {
-    /// Rejects tables that do not begin with the required columns.
+    /// Returns an error if the tables do not begin with the required columns.
     pub(super) fn check_columns(&self) -> Result<(), String> {
         let begins = |columns: &[String], known: &[&str]| {
             columns.len() >= known.len() && columns.iter().zip(known).all(|(a, b)| a == b)
@@ -76,7 +78,7 @@ impl SweepTable {
         }
     }
 
-    /// Returns the number of a run as an integer, if it is valid.
+    /// Returns the number of a run as an integer, if the number in the file is a valid run number.
     pub(super) fn run_number(&self, value: f64) -> Result<usize, String> {
         let run = value as usize;
         match run < self.total && run as f64 == value {
@@ -90,7 +92,7 @@ impl SweepTable {
         }
     }
 
-    /// Adds a row to a table, and rejects rows of the same run.
+    /// Adds a row to a table; returns an error if the table already contains a row of the same run.
     pub(super) fn take_row(&mut self, run: usize, row: Row) -> Result<(), String> {
         match self.rows.insert(run, row) {
             None => Ok(()),
@@ -99,7 +101,7 @@ impl SweepTable {
     }
 }
 
-/// Returns an error if a failure is recorded for a run that has no row in the table.
+/// Returns an error if a failure is recorded for a run that is not in the table.
 pub(super) fn check_failures(name: &str, left: &BTreeMap<usize, Row>) -> Result<(), String> {
     match left.keys().next() {
         None => Ok(()),

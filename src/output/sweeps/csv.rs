@@ -5,7 +5,7 @@ use crate::core::problem::distinct;
 use crate::output::number::significant;
 use crate::output::table::{Csv, quoted};
 
-/// The first columns of points, which identify a point.
+/// The first columns of the table of points; they identify a point.
 const PLACE: [&str; 4] = ["run", "period", "event", "time"];
 
 /// Writes the attractors of sweeps as comma-separated values: for each recorded point, the `sweep`,

@@ -27,7 +27,7 @@ use std::io::{Cursor, Read};
 use std::path::Path;
 use zip::ZipArchive;
 
-/// An archive that is being read, and the remaining number of bytes that it may unpack to.
+/// An archive that is being read, and the number of bytes that may still be unpacked from it.
 struct Archive<'a> {
     zip: ZipArchive<Cursor<&'a [u8]>>,
     limit: u64,
@@ -35,7 +35,7 @@ struct Archive<'a> {
 }
 
 impl Sweeps {
-    /// Saves all finished runs to a file atomically.
+    /// Saves all finished runs of the sweeps to a file atomically.
     ///
     /// # Errors
     /// [`FileError::Write`] if the file cannot be written.
@@ -44,7 +44,7 @@ impl Sweeps {
         write_atomically(path, self.to_bytes().map_err(|source| FileError::format(path, source))?)
     }
 
-    /// Loads the finished runs from a file.
+    /// Loads the finished runs of the sweeps from a file.
     ///
     /// # Errors
     /// [`FileError::Read`] if the file cannot be read, [`FileError::Format`] if the file does not
@@ -53,7 +53,7 @@ impl Sweeps {
         Sweeps::load_within(SizeLimit::default(), path)
     }
 
-    /// Loads the finished runs from a file of limited size.
+    /// Loads the finished runs of the sweeps from a file of limited size.
     ///
     /// # Errors
     /// As [`load`](Self::load).
@@ -161,7 +161,7 @@ impl Archive<'_> {
     }
 }
 
-/// Reads the rows of a sweep from its columns.
+/// Combines the columns of a sweep into its rows.
 fn fill(sweep: &mut SweepTable, archive: &mut Archive) -> Result<(), FormatError> {
     sweep.check_columns().map_err(damaged)?;
     let name = &sweep.name;

@@ -3,39 +3,41 @@
 use super::check::TableDifference;
 use super::table::Sweeps;
 
-/// The error of parts that do not form a complete sweep.
+/// The error of files that should together form a complete sweep but do not.
 #[derive(Clone, Debug, PartialEq, Eq, miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum MergeError {
-    /// The list of parts is empty.
+    /// The list of the parts of a sweep is empty.
     #[error("no part of a sweep is given to merge")]
     #[diagnostic(help("name the files of all parts of the sweep"))]
     Nothing,
-    /// Two parts belong to different scenes.
+    /// Two parts of a sweep belong to different scenes.
     #[error(
         "part {number} belongs to another scene than the first part: all parts must be made by one \
          scene with the same settings"
     )]
     Different {
-        /// The number of the part that differs from the first part, counted from 1.
+        /// The number, counted from 1, of the part that belongs to another scene than the first
+        /// part.
         number: usize,
     },
-    /// Two parts have different tables.
+    /// Two parts of a sweep have tables with different columns or numbers of runs.
     #[error("part {number} belongs to other sweeps than the first: {cause}")]
     Tables {
-        /// The number of the part that differs from the first part, counted from 1.
+        /// The number, counted from 1, of the part whose tables differ from the tables of the first
+        /// part.
         number: usize,
         /// The difference.
         #[source]
         cause: TableDifference,
     },
-    /// Two parts have different results for the same run.
+    /// Two parts of a sweep contain different results for the same run.
     #[error(
         "part {number} and an earlier part have different results for run {run} of the sweep \
          `{sweep}`: one of the two parts is from another version of the program"
     )]
     Contradiction {
-        /// The number of the later part with the different result, counted from 1.
+        /// The number, counted from 1, of the later of the two parts with different results.
         number: usize,
         /// The name of the sweep.
         sweep: String,
@@ -48,7 +50,7 @@ pub enum MergeError {
     )]
     #[diagnostic(help("run all parts to the end"))]
     Missing {
-        /// The name of the incomplete sweep.
+        /// The name of the sweep whose runs are incomplete.
         sweep: String,
         /// The number of missing runs.
         missing: usize,
@@ -60,7 +62,8 @@ pub enum MergeError {
 }
 
 impl MergeError {
-    /// Returns the number of the invalid part, counted from 1, if the error concerns a single part.
+    /// Returns the number of the invalid part of the sweep, counted from 1, if the error concerns a
+    /// single part.
     pub fn part(&self) -> Option<usize> {
         match self {
             MergeError::Different { number }

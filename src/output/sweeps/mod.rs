@@ -1,4 +1,4 @@
-//! Sweeps as tables of numbers, in a file format that other languages can read.
+//! Sweeps as tables of numbers, in a file format that programs in other languages can read.
 
 mod check;
 mod csv;

@@ -1,22 +1,22 @@
-//! Figures of sweeps: points, and basins of attraction.
+//! Figures of sweeps: the points of the attractors, and basins of attraction.
 
 use super::table::{Row, SweepTable};
 use crate::output::figure::{Origin, Series, Style};
 use crate::output::tile::{Hue, Tile, spacing};
 
-/// The source of the numbers in a column of a sweep.
+/// The table from which the numbers in a column of a sweep are taken.
 enum Source {
     /// The column contains one number for each run.
     Run(usize),
     /// The column contains one number for each point at the beginning of a period.
     Period(usize),
-    /// The column contains one number for each occurrence of the event with this number.
+    /// The column contains one number for each occurrence of the event with this index.
     Event(usize, f64),
 }
 
 impl SweepTable {
-    /// Returns the source of a column, which is a column of runs or of points, or the state at
-    /// events of one kind in the form `EVENT.STATE`.
+    /// Returns the source of a column; the column is a column of runs, a column of points, or, in
+    /// the form `EVENT.STATE`, a state at all events of one kind.
     fn source(&self, name: &str) -> Option<Source> {
         if let Some((event, state)) = name.split_once('.') {
             let number = self.events.iter().position(|known| known == event)?;
@@ -51,7 +51,7 @@ impl SweepTable {
         }
     }
 
-    /// Returns the coordinates of a run's points on two axes.
+    /// Returns the coordinates on two axes of the points recorded in a run.
     fn pairs(&self, row: &Row, x: &Source, y: &Source) -> Vec<[f64; 2]> {
         if let (Source::Run(x), Source::Run(y)) = (x, y) {
             return vec![[row.values[*x], row.values[*y]]];
@@ -88,8 +88,9 @@ pub(in crate::output) fn scatter(sweep: &SweepTable, x: &str, y: &str) -> Vec<Se
 /// The colours of attractors, in the order in which the attractors occur.
 const HUES: [Hue; 4] = [Hue::Blue, Hue::Yellow, Hue::Green, Hue::Red];
 
-/// Returns the basins of attraction on a grid over the two columns: a tile for each run, coloured
-/// by the type of its attractor; empty if the axes of the sweep are other columns.
+/// Returns the basins of attraction on a grid over the values of two columns: each run gives one
+/// tile, coloured by the type of the run's attractor; the result is empty if the axes of the sweep
+/// are other columns.
 pub(in crate::output) fn basins(sweep: &SweepTable, x: &str, y: &str) -> Vec<Tile> {
     let grid = x != y && [x, y].iter().all(|name| sweep.axes.iter().any(|axis| axis == name));
     let (true, Some(Source::Run(x)), Some(Source::Run(y))) =

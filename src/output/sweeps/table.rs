@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 /// The format tag of files with sweeps, which contains the version of the format.
 pub const SWEEPS: &str = "tangency-sweeps/2";
 
-/// The sweeps of a scene with the results of their finished runs.
+/// The sweeps of a scene, with the results of all finished runs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Sweeps {
@@ -22,7 +22,7 @@ pub struct Sweeps {
     pub name: String,
     /// The title of the scene, in words.
     pub title: String,
-    /// The complete text of the scene, with all settings: sweeps of the same scene can be resumed
+    /// The complete text of the scene, with all settings; sweeps with the same text can be resumed
     /// and merged.
     pub scene: String,
     /// The default plot.
@@ -34,9 +34,10 @@ pub struct Sweeps {
 /// The results of a run, as a row of numbers.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Row {
-    /// The result of the run in each column of runs.
+    /// The values of the run in the columns of the table of runs.
     pub values: Vec<f64>,
-    /// The numbers of all recorded points of the run, one point after another.
+    /// The numbers in the columns of points, for all recorded points of the run, one point after
+    /// another.
     pub points: Vec<f64>,
     /// The reason for the failure of the run, if it failed.
     pub failure: Option<String>,
@@ -60,29 +61,29 @@ impl Row {
 /// is not a cycle), and the number of `accumulations` of infinitely many events; `exponent` and
 /// `exponent_error`; `failed` (1 or 0); and the final state, as `end_mode`, `end_0`, `end_1`, ….
 ///
-/// A point is either the beginning of a period (`event` is 0) or an event (`event` is its number
-/// from 1, in the order of the columns of runs). The columns of a point are the number of its
-/// `run`, the number of its `period`, its `event`, its `time` in the period, all states by name,
-/// and, at the beginning of a period, the measures of the period. Missing values in the tables are
-/// NaN.
+/// A row of the table of points describes either the beginning of a period (`event` is 0) or an
+/// event (`event` is the number of the event, counted from 1, in the order of the columns of runs).
+/// The columns of a point are the number of its `run`, the number of its `period`, its `event`, its
+/// `time` in the period, all states by name, and, at the beginning of a period, the measures of the
+/// period. Missing values in the tables are NaN.
 ///
-/// Only the names and failures are serialized with this type; the numbers are stored in the columns
-/// of the file.
+/// This type serializes only names and failures; the numbers are stored as separate columns in the
+/// file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SweepTable {
     /// The name of the sweep.
     pub name: String,
-    /// The names of the quantities on the axes.
+    /// The names of the quantities on the axes of the sweep.
     pub axes: Vec<String>,
-    /// The names of the events.
+    /// The names of the events that are recorded.
     pub events: Vec<String>,
     /// The total number of runs of the sweep.
     pub total: usize,
-    /// The names of the columns of runs.
+    /// The names of the columns in the table of runs.
     #[serde(rename = "runs")]
     pub run_columns: Vec<String>,
-    /// The names of the columns of points.
+    /// The names of the columns in the table of recorded points.
     #[serde(rename = "points")]
     pub point_columns: Vec<String>,
     /// The rows of the finished runs, by run number.
@@ -90,7 +91,7 @@ pub struct SweepTable {
     pub rows: BTreeMap<usize, Row>,
 }
 
-/// Serializes only the failures of rows.
+/// Serializes only the failures in the rows, without their numbers.
 mod failures {
     use super::{BTreeMap, Row};
     use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -108,25 +109,25 @@ mod failures {
     }
 }
 
-/// The name of the column that contains half the width of the interval around a crisis; it follows
-/// the column that contains the middle of the interval.
+/// The name of the column with half the width of the parameter interval that contains a crisis;
+/// this column follows the column with the middle of the interval.
 const CRISIS_ERROR: &str = "crisis_error";
 
 fn all_states(modes: &[Mode]) -> Vec<&str> {
     distinct(modes.iter().flat_map(|mode| &mode.states))
 }
 
-/// The columns of points that precede the states.
+/// The columns of the table of points that precede the columns of the states.
 const BEFORE_STATES: [&str; 4] = ["run", "period", "event", "time"];
 
 impl SweepTable {
-    /// Returns the name of the column of points that contains the first state.
+    /// Returns the name of the column of the table of points that contains the first state.
     pub(in crate::output) fn first_state(&self) -> Option<&str> {
         self.point_columns.get(BEFORE_STATES.len()).map(String::as_str)
     }
 
-    /// Creates an empty table of a sweep, given the axes, the parameter of the search for a crisis,
-    /// if any, and the modes and events of the motion.
+    /// Creates an empty table for a sweep, given the axes of the sweep, the parameter in which
+    /// crises are searched (if any), and the modes and events of the motion.
     pub fn new(
         name: &str,
         (axes, crisis): (&[String], Option<&str>),
@@ -158,7 +159,7 @@ impl SweepTable {
         }
     }
 
-    /// Returns the position of a column among the columns of runs.
+    /// Returns the position of a column among the columns of the table of runs.
     pub(super) fn run_column(&self, name: &str) -> Option<usize> {
         self.run_columns.iter().position(|known| known == name)
     }
@@ -174,7 +175,7 @@ impl SweepTable {
         self.rows.len() == self.total
     }
 
-    /// Adds the result of a run to the table.
+    /// Adds the results of a finished run to the table.
     pub fn push(&mut self, found: &Found, start: usize, modes: &[Mode]) {
         let states = all_states(modes).len();
         let attractor = found.attractor.as_ref();
@@ -206,8 +207,8 @@ impl SweepTable {
         values
     }
 
-    /// Returns the final state of a finished run, with the given time; `None` if the run is not
-    /// finished, and an inner `None` if it failed.
+    /// Returns the final state of a finished run, with the given time as its time. The outer option
+    /// is `None` if the run is not finished, the inner option is `None` if the run failed.
     pub fn end(&self, run: usize, time: f64, modes: &[Mode]) -> Option<Option<HybridState<f64>>> {
         let row = self.rows.get(&run)?;
         let first = self.run_column("end_mode")?;

@@ -26,9 +26,9 @@ zero_problem! {
 }
 
 zero_problem! {
-    /// `x² = μ² + ε²`: two branches at the distance `2ε` at `μ = 0`, where each branch turns by a
-    /// right angle with the curvature `1/ε`. The two branches cross only for `ε = 0`; for other `ε`
-    /// the point midway between them belongs to neither branch.
+    /// `x² = μ² + ε²`: two branches whose distance at `μ = 0` is `2ε`; near `μ = 0`, each branch
+    /// turns by a right angle, with the curvature `1/ε`. The two branches cross only for `ε = 0`;
+    /// for other `ε` the point midway between them belongs to neither branch.
     ///
     /// ```
     /// use tangency::core::problem::ZeroProblem;

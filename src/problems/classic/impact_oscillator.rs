@@ -43,9 +43,9 @@ pub struct ImpactOscillator;
 impl ImpactOscillator {
     /// The default values of the oscillator's parameters.
     pub const DEFAULTS: [f64; 5] = [0.05, 1.0, 0.8, 0.1, 1.0];
-    /// The mode of motion away from the stop.
+    /// The mode in which the mass moves away from the stop, without contact.
     pub const FLIGHT: usize = 0;
-    /// The mode of rest against the stop.
+    /// The mode in which the mass rests against the stop.
     pub const CONTACT: usize = 1;
     /// The guard of the mode *flight*: the impact on the stop.
     pub const IMPACT: usize = 0;

@@ -1,4 +1,4 @@
-//! Mita's impact microactuator with impacts and dry friction, as a hybrid system.
+//! Mita's impact microactuator with impacts and dry friction, modelled as a hybrid system.
 
 use super::block::{Block, force};
 use super::parameters::{NAMES, Parameters};
@@ -36,9 +36,9 @@ use crate::core::scalar::{LaneWidth, Scalar};
 ///
 /// Every mode has the state `displacement`, and all modes without contact also have the state
 /// `velocity`. Modes in which the frame slips also have the states `frame_velocity` and
-/// `frame_displacement`; the latter is measured from the start of the mode and does not appear in
-/// the equations. The forcing has the period `π/ω` because the force is proportional to the square
-/// of the voltage.
+/// `frame_displacement`; the displacement of the frame is measured from the start of the mode and
+/// does not appear in the equations. The forcing has the period `π/ω` because the force is
+/// proportional to the square of the voltage.
 ///
 /// ```
 /// use tangency::core::hybrid::HybridSystem;
@@ -57,11 +57,11 @@ pub struct Actuator;
 impl Actuator {
     /// The default values of the actuator's parameters.
     pub const DEFAULTS: [f64; 9] = [0.24, 0.5, 0.5, 0.8, 0.04, 0.4, 0.27, 5.0, 9.81];
-    /// The mode in which the frame is at rest and the block moves.
+    /// The mode in which the frame is at rest and the block moves without contact with a stopper.
     pub const STICK: usize = 0;
-    /// The mode in which the frame moves forward.
+    /// The mode in which the frame moves forward, without contact between block and stoppers.
     pub const FORWARD: usize = 1;
-    /// The mode in which the frame moves backward.
+    /// The mode in which the frame moves backward, without contact between block and stoppers.
     pub const BACKWARD: usize = 2;
     /// The mode in which the frame is at rest and the block is in contact with the front stopper.
     pub const CONTACT: usize = 3;
@@ -74,17 +74,17 @@ impl Actuator {
     /// The mode in which the frame moves backward and the block is in contact with the back
     /// stopper.
     pub const RIDING_BACK: usize = 6;
-    /// The guard of impacts on the front stopper.
+    /// The guard function that detects impacts on the front stopper.
     pub const FRONT: usize = 0;
-    /// The guard of impacts on the back stopper.
+    /// The guard function that detects impacts on the back stopper.
     pub const BACK: usize = 1;
-    /// The guard of the end of slip, where the frame comes to rest.
+    /// The guard function that detects the end of slip, where the frame comes to rest.
     pub const REST: usize = 2;
-    /// The guard at which the frame begins to slip forward without an impact.
+    /// The guard function that detects when the frame begins to slip forward without an impact.
     pub const SLIDE_FORWARD: usize = 3;
-    /// The guard at which the frame begins to slip backward without an impact.
+    /// The guard function that detects when the frame begins to slip backward without an impact.
     pub const SLIDE_BACKWARD: usize = 4;
-    /// The guard at which the contact between block and stopper ends.
+    /// The guard function that detects when the contact between block and stopper ends.
     pub const LEAVE: usize = 5;
 
     fn moves_forward(mode: usize) -> bool {
@@ -137,7 +137,8 @@ impl Actuator {
         [-restitution * u, v + (restitution + 1.0) * u / parameters.mass()]
     }
 
-    /// Returns the mode without contact that follows an event, given the velocity of the frame.
+    /// Returns the mode, without contact between block and stoppers, that follows an event, given
+    /// the velocity of the frame.
     fn of_velocity(velocity: f64, r: f64, parameters: &Parameters<f64>) -> usize {
         if velocity > 0.0 {
             Self::FORWARD
@@ -195,7 +196,7 @@ impl HybridSystem for Actuator {
     }
 
     /// Returns the scales of the dimensionless equations. The forcing may be much slower than the
-    /// motion of the block.
+    /// motion of the block, so the scale of time is not derived from the frequency of the forcing.
     fn scales(&self, _p: &[f64]) -> Scales {
         Scales::default().time(1.0)
     }
@@ -294,8 +295,8 @@ impl HybridSystem for Actuator {
         }
     }
 
-    /// Returns the mode after an accumulation of impacts: contact, or the same mode if the block is
-    /// not pressed against the stopper.
+    /// Returns the mode after an accumulation of impacts: a mode with contact, or the same mode as
+    /// before if the block is not pressed against the stopper.
     fn mode_after_accumulation(
         &self,
         guard: usize,

@@ -12,9 +12,9 @@ use std::f64::consts::PI;
 ///     q₂' = u₂,    u₂' = V² sin²ωt/(1 − q₂)² − q₂ − c u₂
 /// ```
 ///
-/// The forcing has the period `π/ω` because the force is proportional to the square of the voltage.
-/// The field is singular at `q₂ = 1`, where the block touches the electrode; the front stopper at
-/// 0.5 is not part of this field.
+/// The forcing of the block has the period `π/ω` because the force is proportional to the square of
+/// the voltage. The field is singular at `q₂ = 1`, where the block touches the electrode; the front
+/// stopper at 0.5 is not part of this field.
 ///
 /// The states are `displacement` and `velocity`; the parameters are `voltage`, `frequency` and
 /// `damping`.

@@ -2,7 +2,7 @@
 
 use crate::core::scalar::Scalar;
 
-/// The names of the actuator's parameters, in order.
+/// The names of the actuator's parameters, in the order in which lists contain their values.
 pub(super) const NAMES: [&str; 9] = [
     "voltage",
     "frequency",
@@ -15,7 +15,7 @@ pub(super) const NAMES: [&str; 9] = [
     "gravity",
 ];
 
-/// The actuator's parameters, accessible by name.
+/// The actuator's parameters, each accessible by its name.
 pub(super) struct Parameters<'a, T>(&'a [T]);
 
 /// Declares an accessor method for each parameter.
@@ -33,7 +33,7 @@ macro_rules! named {
 named! { clearance: 2 restitution: 3 static_friction: 5 dynamic_friction: 6 frame_mass: 7 gravity: 8 }
 
 impl<'a, T: Scalar> Parameters<'a, T> {
-    /// Wraps a list of all parameters, in order.
+    /// Wraps a list that contains the values of all parameters, in the order of their names.
     #[inline(always)]
     pub fn of(p: &'a [T]) -> Self {
         Parameters(&p[..NAMES.len()])

@@ -1,5 +1,5 @@
 //! Classifies the switch-on of the actuator: the transition from motion without impacts to motion
-//! with impacts as a parameter varies.
+//! with impacts as a parameter is varied.
 
 use super::actuator::Actuator;
 use crate::core::continuation::{Branch, SpecialPoint};
@@ -24,12 +24,12 @@ pub enum SwitchOnError {
     )]
     #[diagnostic(help("trace the motion without impacts, whose itinerary is `stick`"))]
     Impacts {
-        /// The name of the branch.
+        /// The name of the branch whose solutions have impacts.
         branch: String,
-        /// The itinerary of the branch.
+        /// The itinerary (the sequence of modes and events) of the branch's solutions.
         itinerary: String,
     },
-    /// The itinerary of the branch is invalid.
+    /// The itinerary (the sequence of modes and events) of the branch's solutions is invalid.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Itinerary(#[from] ItineraryError),
@@ -53,7 +53,8 @@ pub struct SwitchOn {
     /// The parameter value at which motion without impacts touches the stopper.
     pub grazing: f64,
     /// The parameter value at which stable motion without impacts ends: the grazing for types I and
-    /// II, the fold before the grazing for type III. `None` if the branch begins beyond that fold.
+    /// II, the fold that precedes the grazing for type III. `None` if the branch begins beyond that
+    /// fold.
     pub at: Option<f64>,
 }
 

@@ -1,14 +1,14 @@
-//! The Hessian of the plate's potential after elimination of the in-plane displacements, assembled
-//! from matrix products.
+//! The Hessian of the plate's potential after elimination of the in-plane displacements; it is
+//! assembled from matrix products.
 //!
 //! ```text
 //! F_q = K_b + (geometric and strain terms) − 2λ⟨φφᵀ/(1−w)³⟩ − 12α₁² BᵀK_uv⁻¹B,    B = ∂r/∂q
 //! ```
 //!
 //! Each term of the Hessian is a sum of `⟨a(ξ,ζ) · f_i f_k(ξ) · g_j g_l(ζ)⟩`. The products of two
-//! functions of one variable are tabulated, so a term takes two matrix products, `X A Y`, for any
-//! number of functions. The Hessian is tested against the derivative of the residual by dual
-//! numbers.
+//! functions of one variable are tabulated, so each term requires two matrix products, `X A Y`, for
+//! any number of functions. Tests compare the Hessian with the derivative of the residual that dual
+//! numbers give.
 
 use super::discretisation::{Discretisation, Membrane, PairTables};
 use super::parameters::Parameters;
@@ -29,7 +29,8 @@ pub(super) struct Assembly {
     coupling: Vec<f64>,
 }
 
-/// The workspace for integrals of a field times pairs of functions.
+/// The workspace for computing integrals of a field times products of two functions of ξ and two
+/// functions of ζ.
 struct Integral<'a> {
     points: [usize; 2],
     half: &'a mut Vec<f64>,
@@ -66,8 +67,8 @@ impl Assembly {
         }
     }
 
-    /// Assembles the Hessian at the state of the last evaluation of `work`, with the `factor` of
-    /// `K_uv` at that state.
+    /// Assembles the Hessian at the state that `work` evaluated last, with the Cholesky factor
+    /// `factor` of the in-plane stiffness matrix `K_uv`.
     pub fn assemble(
         &mut self,
         model: &Discretisation,
@@ -92,7 +93,8 @@ impl Assembly {
         }
     }
 
-    /// Assembles the Hessian at `w = 0` without any load, which contains only bending.
+    /// Assembles the Hessian at zero deflection without any load, where it contains only bending
+    /// terms.
     pub fn assemble_flat(&mut self, model: &Discretisation, parameters: &Parameters<f64>) {
         self.matrix.fill(0.0);
         self.bend(model, parameters);
@@ -118,7 +120,8 @@ impl Assembly {
         }
     }
 
-    /// Adds the stretching terms `12α₁²⟨δe:C:δe' + N:δ²e⟩` at fixed in-plane displacements.
+    /// Adds the stretching terms `12α₁²⟨δe:C:δe' + N:δ²e⟩` of the Hessian for fixed in-plane
+    /// displacements.
     fn stretch(
         &mut self,
         model: &Discretisation,
@@ -154,8 +157,8 @@ impl Assembly {
         self.scatter(model, |[i, k], [j, l]| (j * ny + l) * nx * nx + i * nx + k);
     }
 
-    /// Adds the integral of each pair of products to entry `(i j, k l)` of the matrix; `pair([i,
-    /// k], [j, l])` is the position of the integral.
+    /// Adds integrals of products of four functions to the Hessian: entry `(i j, k l)` receives the
+    /// integral at the position `pair([i, k], [j, l])`.
     fn scatter(&mut self, model: &Discretisation, pair: impl Fn([usize; 2], [usize; 2]) -> usize) {
         let [nx, ny] = [0, 1].map(|axis| model.transverse[axis].len());
         for (column, entries) in self.matrix.chunks_exact_mut(nx * ny).enumerate() {
@@ -205,7 +208,8 @@ impl Assembly {
         }
     }
 
-    /// Assembles `B = ∂r/∂q` from the weighted slopes of the deflection `w`.
+    /// Assembles the derivative `B = ∂r/∂q` of the in-plane residual from the weighted slopes of
+    /// the deflection `w`.
     fn couple(
         &mut self,
         model: &Discretisation,

@@ -1,8 +1,8 @@
 //! Functions of one variable `ξ ∈ [−1, 1]` whose products span the displacements of a plate.
 //!
-//! A [`Basis`] is hierarchical: first a few polynomials of degree at most 3, which satisfy the
-//! conditions at the ends, then *bubbles*. Bubbles are multiple integrals of Legendre polynomials
-//! that vanish at both ends (together with their slopes, for `m = 2`):
+//! A [`Basis`] is hierarchical: it begins with a few polynomials of degree at most 3, which satisfy
+//! the conditions at the ends, and continues with *bubbles*. Bubbles are multiple integrals of
+//! Legendre polynomials that vanish at both ends (together with their slopes, for `m = 2`):
 //!
 //! ```text
 //! m = 1:  b_k' = √(k − ½) P_{k−1},    b_k = √(k − ½) (P_k − P_{k−2})/(2k − 1),                k ≥ 2
@@ -11,8 +11,8 @@
 //!
 //! The scaling gives `∫ b_j^(m) b_k^(m) dξ = δ_jk`, so that stiffness matrices are close to
 //! diagonal at every order. Values are computed by the recurrence of Legendre polynomials, because
-//! powers of `ξ` lose all digits by order 50. Appendix B of Zhao's dissertation gives the same
-//! functions in powers of `ξ`.
+//! powers of `ξ` lose all digits by order 50. Appendix B of Zhao's dissertation writes the same
+//! functions as sums of powers of `ξ`.
 
 use super::edges::{InPlane, Support};
 use super::tensor::{Rule, moments};
@@ -21,19 +21,19 @@ use faer::linalg::triangular_solve::{
 };
 use faer::{Mat, Par, Side};
 
-/// The direction of a displacement relative to the edges; it determines at which ends the
-/// displacement is prescribed.
+/// The direction of an in-plane displacement relative to the edges at the two ends of the interval;
+/// it determines at which ends the displacement is prescribed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Direction {
-    /// The displacement is normal to the edges at the two ends.
+    /// The displacement is normal to the edges at the two ends of the interval.
     Normal,
-    /// The displacement is tangential to the edges at the two ends.
+    /// The displacement is tangential to the edges at the two ends of the interval.
     Tangential,
 }
 
 #[derive(Clone, Copy, Debug)]
 enum Function {
-    /// The cubic `c₀ + c₁ξ + c₂ξ² + c₃ξ³`.
+    /// The cubic `c₀ + c₁ξ + c₂ξ² + c₃ξ³`, given by its coefficients.
     Cubic([f64; 4]),
     /// The bubble function of degree `k`.
     Bubble(usize),
@@ -43,27 +43,28 @@ enum Function {
 #[derive(Clone, Debug)]
 pub struct Basis {
     functions: Vec<Function>,
-    /// The number `m` of integrations of a Legendre polynomial that define a bubble function.
+    /// The number `m` of times that a Legendre polynomial is integrated to give a bubble function.
     integrals: usize,
-    /// The number of functions at the beginning of the set that do not vanish at the ends.
+    /// The number of functions at the beginning of the basis that do not vanish at the ends of the
+    /// interval.
     pub(super) boundary: usize,
     degree: usize,
-    /// Linear combinations that replace the original functions, if any.
+    /// The linear combinations that replace the original functions of the basis, if any.
     mix: Option<Mix>,
 }
 
-/// A change of the basis to the functions `F_m = Σ_k T_mk f_k`.
+/// A change of the basis from the functions `f_k` to the functions `F_m = Σ_k T_mk f_k`.
 #[derive(Clone, Debug)]
 struct Mix {
     /// The matrix `T`, with `T_mk` at position `m·n + k`.
     to: Vec<f64>,
-    /// The matrix `T⁻ᵀ`, stored like `to`; it converts coefficients of `f` into coefficients of
-    /// `F`.
+    /// The matrix `T⁻ᵀ`, stored like the matrix `T`; it converts coefficients of the functions `f`
+    /// into coefficients of the functions `F`.
     back: Vec<f64>,
 }
 
-/// The four cubics for which one of the following is 1 and the others are 0: value at −1, slope at
-/// −1, value at 1, slope at 1.
+/// The four cubics given by their values and slopes at −1 and 1: for each cubic, one of these four
+/// numbers is 1 and the other three are 0.
 const HERMITE: [[f64; 4]; 4] = [
     [0.5, -0.75, 0.0, 0.25],
     [0.25, -0.25, -0.25, 0.25],
@@ -71,13 +72,14 @@ const HERMITE: [[f64; 4]; 4] = [
     [-0.25, -0.25, 0.25, 0.25],
 ];
 
-/// The largest number of functions in a basis. For larger numbers, the mass matrix loses all
-/// digits.
+/// The largest number of functions in a basis. For larger numbers of functions, the mass matrix
+/// loses all digits.
 pub(super) const LARGEST_COUNT: usize = 60;
 
 impl Basis {
-    /// Creates the first `count` functions for a deflection with supports `ends` at `ξ = −1` and
-    /// `1`; if `even`, only even functions are created (the two supports must then be alike).
+    /// Creates the first `count` functions for a deflection with the supports `ends` at `ξ = −1`
+    /// and `ξ = 1`; if `even` is true, only even functions are created, and the two supports must
+    /// be equal.
     pub fn transverse(ends: [Support; 2], even: bool, count: usize) -> Basis {
         let cubics = if even {
             match ends[0] {
@@ -100,9 +102,9 @@ impl Basis {
         Basis::new(cubics, 2, 4, if even { 2 } else { 1 }, count)
     }
 
-    /// Creates the first `count` functions for an in-plane displacement between two edges with the
-    /// in-plane supports `ends`. `parity` is `Some(true)` for even functions only, `Some(false)`
-    /// for odd functions only, and `None` for all functions.
+    /// Creates the first `count` functions for an in-plane displacement between two edges whose
+    /// in-plane supports are `ends`. `parity` is `Some(true)` for even functions only,
+    /// `Some(false)` for odd functions only, and `None` for all functions.
     pub(super) fn in_plane(
         ends: [InPlane; 2],
         direction: Direction,
@@ -152,7 +154,8 @@ impl Basis {
     /// the matrix is 1e6 with ten functions, and inverse iteration yields noise.)
     ///
     /// The first function is the lowest beam mode; all functions are positive next to `ξ = 1`. The
-    /// basis is unchanged if the eigenproblem has no solution because values are not finite.
+    /// basis remains unchanged if its functions contain values that are not finite, so that the
+    /// eigenproblem has no solution.
     #[must_use]
     pub(super) fn into_beam_modes(mut self, symmetric: bool) -> Basis {
         let n = self.len();
@@ -188,8 +191,8 @@ impl Basis {
         self
     }
 
-    /// Returns the matrices that convert coefficients of the functions to coefficients of the
-    /// polynomials, and back; `None` if the functions are the polynomials themselves.
+    /// Returns the matrices that convert coefficients of the basis functions to coefficients of the
+    /// polynomials, and back; `None` if the basis functions are the polynomials themselves.
     pub(super) fn conversions(&self) -> Option<[&[f64]; 2]> {
         self.mix.as_ref().map(|mix| [&mix.to[..], &mix.back[..]])
     }
@@ -204,7 +207,7 @@ impl Basis {
         self.functions.is_empty()
     }
 
-    /// Returns the highest degree of the functions.
+    /// Returns the highest degree of the polynomials in the basis.
     pub fn degree(&self) -> usize {
         self.degree
     }
@@ -228,7 +231,8 @@ impl Basis {
         point.values
     }
 
-    /// Evaluates all functions and their derivatives into a reusable workspace.
+    /// Evaluates all functions of the basis and their derivatives at `xi` into a reusable
+    /// workspace.
     pub(super) fn evaluate(&self, xi: f64, point: &mut AtPoint) {
         legendre(self.degree, xi, &mut point.legendre);
         let p = &point.legendre;
@@ -318,8 +322,8 @@ fn twice(p: &[f64], k: usize) -> f64 {
         / (2.0 * n + 1.0)
 }
 
-/// The functions of a [`Basis`] at the nodes of a rule, one function after another: entry
-/// `(function, point)` at `function · points + point`.
+/// The functions of a [`Basis`] at the nodes of a quadrature rule, one function after another: the
+/// entry of a function at a point has the position `function · points + point`.
 #[derive(Clone, Debug, Default)]
 pub struct Table {
     /// The number of nodes of the table.

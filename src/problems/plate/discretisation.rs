@@ -1,5 +1,5 @@
-//! The parts of a plate model that do not depend on the plate's state: functions, quadrature rules,
-//! tables, moments.
+//! The parts of a plate model that do not depend on the deflection of the plate: functions,
+//! quadrature rules, tables, moments.
 
 use super::basis::{Basis, Table};
 use super::edges::{InPlane, Supports};
@@ -18,17 +18,18 @@ pub struct RitzSettings {
     pub supports: Supports,
     /// The supports of the edges against in-plane displacements.
     pub in_plane: InPlane,
-    /// The theory: bending only, or bending and stretching.
+    /// The theory of the plate: bending only, or bending and stretching.
     pub theory: Theory,
-    /// The numbers of functions; by default suitable numbers for `aspect`.
+    /// The numbers of basis functions; by default numbers that suit the aspect ratio `aspect`.
     pub orders: Option<Orders>,
     /// The aspect ratio for which the default numbers of functions are chosen: the largest aspect
     /// ratio of interest if it is above 1, the smallest one if it is below 1.
     pub aspect: f64,
     /// The units and the meaning of the named parameters.
     pub units: Units,
-    /// Whether to use the symmetry of the plate in directions whose two edges are alike. A load
-    /// that breaks the symmetry (`edge_shear`) requires `false`.
+    /// Whether to use the symmetry of the plate in each direction in which the two opposite edges
+    /// have the same support. A load that breaks the symmetry (`edge_shear`) requires this setting
+    /// to be `false`.
     pub symmetric: bool,
 }
 
@@ -47,39 +48,42 @@ impl RitzSettings {
         }
     }
 
-    /// Returns the directions in which only symmetric displacements are considered, as a flag for
-    /// each direction.
+    /// Returns a flag for each direction: whether only displacements that are symmetric in this
+    /// direction are considered.
     pub(super) fn symmetries(&self) -> [bool; 2] {
         self.supports.alike().map(|alike| alike && self.symmetric)
     }
 }
 
-/// The means of products of the transverse functions of one direction, for the pair `(i, k)` at
-/// position `i·n + k`.
+/// The means, over one direction, of products of two transverse functions (basis functions of the
+/// deflection); the pair `(i, k)` has the position `i·n + k`.
 pub(super) struct LineMoments {
     pub values: Vec<f64>,
     pub slopes: Vec<f64>,
     pub curvatures: Vec<f64>,
-    /// The means `⟨f_i" f_k⟩`, and their transpose.
+    /// The means `⟨f_i" f_k⟩` of products of functions and their curvatures, and the transposed
+    /// matrix.
     pub mixed: [Vec<f64>; 2],
-    /// The means `⟨f_i' f_k⟩`, and their transpose; zero by symmetry in symmetric directions.
+    /// The means `⟨f_i' f_k⟩` of products of functions and their slopes, and the transposed matrix;
+    /// zero by symmetry in symmetric directions.
     pub skew: [Vec<f64>; 2],
     pub means: Vec<f64>,
 }
 
-/// The transverse functions at the nodes of one quadrature rule for the load term.
+/// The transverse functions (basis functions of the deflection) at the nodes of one of the
+/// quadrature rules for the electrostatic load.
 pub(super) struct LoadRule {
     pub rules: [Rule; 2],
     pub tables: [Table; 2],
-    /// The products `f_i f_k`, `i ≤ k`, at the nodes.
+    /// The products `f_i f_k`, `i ≤ k`, of two transverse functions at the nodes.
     pub squares: [Vec<f64>; 2],
-    /// The largest deflection at which the load rule is accurate to 1e-11.
+    /// The largest deflection at which this quadrature rule for the load is accurate to 1e-11.
     pub largest: f64,
 }
 
-/// Products of a transverse function and another function at the nodes of the membrane rule; the
-/// first index is the order of the derivative of the other function, the second index the order of
-/// the derivative of the transverse function.
+/// The products of a transverse function and another function at the nodes of the quadrature rule
+/// for stretching; the first index is the order of the derivative of the other function, the second
+/// index is the order of the derivative of the transverse function.
 pub(super) type PairTables = [[Vec<f64>; 2]; 2];
 
 /// The tables at the nodes of the quadrature rule that integrates all products of strains exactly.
@@ -88,26 +92,29 @@ pub(super) struct Membrane {
     pub w: [Table; 2],
     pub u: [Table; 2],
     pub v: [Table; 2],
-    /// The products of two transverse functions, for each direction.
+    /// The products of two transverse functions, as tables for each direction.
     pub ww: [PairTables; 2],
-    /// The products of functions of `u` and transverse functions, for each direction.
+    /// The products of basis functions of the displacement `u` and transverse functions, as tables
+    /// for each direction.
     pub uw: [PairTables; 2],
-    /// The products of functions of `v` and transverse functions, for each direction.
+    /// The products of basis functions of the displacement `v` and transverse functions, as tables
+    /// for each direction.
     pub vw: [PairTables; 2],
 }
 
-/// The parts of a plate model that do not depend on the plate's state.
+/// The parts of a plate model that do not depend on the deflection of the plate.
 pub(super) struct Discretisation {
     pub settings: RitzSettings,
     pub orders: Orders,
-    /// Flags for the two directions: whether only symmetric displacements are considered.
+    /// A flag for each direction: whether only displacements that are symmetric in this direction
+    /// are considered.
     pub symmetric: [bool; 2],
     pub transverse: [Basis; 2],
     pub lines: [LineMoments; 2],
     pub loads: Vec<LoadRule>,
     pub membrane: Option<Membrane>,
     pub plane: PlaneSpace,
-    /// The factors of the products `f_i g_j`; see [`scales`].
+    /// The factors by which the products `f_i g_j` of basis functions are scaled; see [`scales`].
     pub scale: Vec<f64>,
 }
 
@@ -162,18 +169,19 @@ impl Discretisation {
         (0..n * n).map(entry).collect()
     }
 
-    /// Returns the number of unknowns of the plate.
+    /// Returns the number of unknowns of the plate model.
     pub fn unknowns(&self) -> usize {
         self.transverse[0].len() * self.transverse[1].len()
     }
 
-    /// Returns quadrature rules that integrate products of two transverse functions (or of their
-    /// slopes) exactly.
+    /// Returns the quadrature rules for both directions that integrate products of two transverse
+    /// functions, or of their slopes, exactly.
     pub fn product_rules(&self) -> [Rule; 2] {
         [0, 1].map(|axis| Rule::exact(2 * self.transverse[axis].degree(), self.symmetric[axis]))
     }
 
-    /// Rejects an applied shear force if symmetry excludes the functions that the shear requires.
+    /// Returns an error if a shear force is applied but symmetry excludes the functions that
+    /// describe its effect.
     pub fn check_shear(&self, shear: f64) -> Result<(), OutOfDomain> {
         if shear == 0.0 || self.symmetric == [false; 2] || self.settings.supports.any_free() {
             return Ok(());
@@ -182,7 +190,8 @@ impl Discretisation {
         Err(OutOfDomain::new("edge_shear", shear, remedy))
     }
 
-    /// Returns the quadrature rule for the load term if the largest deflection is `largest`.
+    /// Returns the quadrature rule for the electrostatic load that is accurate up to the deflection
+    /// `largest`.
     pub fn load_rule(&self, largest: f64) -> &LoadRule {
         let good = self.loads.iter().find(|rule| largest <= rule.largest);
         good.unwrap_or(&self.loads[self.loads.len() - 1])
@@ -195,9 +204,9 @@ impl Discretisation {
 /// d_ij² (bending energy of f_i g_j + 100 mean square) = 100
 /// ```
 ///
-/// A unit of an unknown is therefore a deflection of about one gap in the lowest modes. Products of
-/// two functions of high order contain almost no bending energy; without scaling, rounding errors
-/// in their coefficients would dominate the norm of the unknowns.
+/// With these factors, a change of an unknown by 1 changes the deflection by about one gap in the
+/// lowest modes. Products of two functions of high order contain almost no bending energy; without
+/// scaling, rounding errors in their coefficients would dominate the norm of the unknowns.
 fn scales([x, y]: &[LineMoments; 2]) -> Vec<f64> {
     let count = [x, y].map(|line| line.means.len());
     let mut scales = Vec::with_capacity(count[0] * count[1]);
@@ -212,7 +221,8 @@ fn scales([x, y]: &[LineMoments; 2]) -> Vec<f64> {
     scales
 }
 
-/// Rejects supports that permit a rigid-body motion: a translation, a rotation, or a twist.
+/// Returns an error if the supports permit a rigid-body motion: a translation, a rotation, or a
+/// twist.
 fn check_held(supports: Supports) -> Result<(), PlateError> {
     use super::edges::Support::{Clamped, Free};
     let clamped = supports.0.contains(&Clamped);
@@ -291,8 +301,8 @@ impl Membrane {
         [self.rules[0].len(), self.rules[1].len()]
     }
 
-    /// Returns the derivatives with respect to ξ and to ζ of the fields that are expanded in the
-    /// functions of `tables`.
+    /// Returns the products of functions with which fields, expanded in the functions of `tables`,
+    /// are differentiated with respect to ξ and to ζ.
     pub fn slopes<'a>(&self, tables: &'a [Table; 2]) -> [Product<'a>; 2] {
         let points = self.points();
         [

@@ -1,12 +1,12 @@
-//! The domain of the equations of a plate: checks of parameters and deflections that all models
-//! share.
+//! The domain of the equations of a plate, which is the same for all models of plates: checks of
+//! parameters and deflections.
 
 use super::parameters::{Parameters, Units};
 use crate::core::failure::{Failure, OutOfDomain};
 
-/// Returns the parameters of the equations, after checking them. Rejects parameters that are not
-/// finite, quantities of a device that are not positive, `α ≤ 0`, `d/h < 0`, and `ν` outside of −1
-/// to ½.
+/// Returns the parameters of the equations, after checking them. Returns an error for parameters
+/// that are not finite, quantities of a device that are not positive, `α ≤ 0`, `d/h < 0`, and `ν`
+/// outside of the range from −1 to ½.
 pub(super) fn parameters(units: Units, p: &[f64]) -> Result<Parameters<f64>, OutOfDomain> {
     for (name, value) in units.names().iter().zip(p) {
         let positive = matches!(
@@ -32,7 +32,7 @@ pub(super) fn parameters(units: Units, p: &[f64]) -> Result<Parameters<f64>, Out
     Ok(plate)
 }
 
-/// Rejects a ratio of two quantities that is negative or not finite.
+/// Returns an error if a ratio of two quantities is negative or not finite.
 pub(super) fn not_negative(name: &str, ratio: f64) -> Result<(), OutOfDomain> {
     match ratio >= 0.0 && ratio.is_finite() {
         true => Ok(()),
@@ -45,7 +45,7 @@ pub(super) fn not_negative(name: &str, ratio: f64) -> Result<(), OutOfDomain> {
     }
 }
 
-/// Rejects a largest deflection, relative to the gap, that is NaN or at least `limit`.
+/// Returns an error if the largest deflection, relative to the gap, is NaN or at least `limit`.
 pub(super) fn clear(largest: f64, limit: f64) -> Result<(), OutOfDomain> {
     if largest < limit {
         return Ok(());
@@ -57,7 +57,8 @@ pub(super) fn clear(largest: f64, limit: f64) -> Result<(), OutOfDomain> {
     Err(OutOfDomain::new("max_deflection", largest, remedy))
 }
 
-/// Rejects entries that are not finite; `name` gives the name of the entry at a position.
+/// Returns an error if an entry of a list is not finite; `name` gives the name of the entry at a
+/// position.
 pub(super) fn finite(entries: &[f64], name: impl Fn(usize) -> String) -> Result<(), Failure> {
     match entries.iter().position(|entry| !entry.is_finite()) {
         Some(i) => {

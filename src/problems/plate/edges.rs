@@ -38,7 +38,8 @@ impl Supports {
         [self.0[1], self.0[3]]
     }
 
-    /// Returns whether the two edges of each direction (x, then y) have the same support.
+    /// Returns, for each direction (x, then y), whether the two opposite edges have the same
+    /// support.
     pub fn alike(&self) -> [bool; 2] {
         [self.x(), self.y()].map(|[first, second]| first == second)
     }
@@ -86,8 +87,8 @@ impl std::fmt::Display for Supports {
     }
 }
 
-/// The supports of the edges against in-plane displacements, as four different models: at `α₁ = 2`
-/// their pull-in loads differ by a factor of two.
+/// The supports of the edges against in-plane displacements: four different models, whose pull-in
+/// loads differ by a factor of two at `α₁ = 2`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
@@ -96,8 +97,8 @@ pub enum InPlane {
     Slide,
     /// No in-plane displacement at the edge: `u = v = 0`.
     Immovable,
-    /// The edge stays straight (its normal displacement is constant along the edge) under zero mean
-    /// normal force, without shear traction.
+    /// The edge stays straight: its normal displacement is constant along the edge. The mean normal
+    /// force and the shear traction on the edge are zero.
     Straight,
     /// No traction.
     Free,

@@ -1,10 +1,10 @@
 //! The errors in the description of a plate.
 
-/// The error of a plate that cannot be set up; its help states a remedy.
+/// The error of a plate whose model cannot be set up; the help text of the error states a remedy.
 #[derive(Clone, Debug, PartialEq, miette::Diagnostic, thiserror::Error)]
 #[non_exhaustive]
 pub enum PlateError {
-    /// The letters do not name the supports of four edges.
+    /// The given letters do not name the supports of four edges.
     #[error(
         "the supports \"{letters}\" must be four letters, each one S (simply supported), C \
          (clamped) or F (free)"
@@ -13,7 +13,7 @@ pub enum PlateError {
         "write one letter for each edge, in the order x = 0, y = 0, x = 1, y = 1, such as \"SCSF\""
     ))]
     Supports {
-        /// The letters that were given.
+        /// The letters that were given as supports.
         letters: String,
     },
     /// The supports leave the plate free to move as a rigid body.
@@ -30,8 +30,8 @@ pub enum PlateError {
         /// The supports.
         supports: String,
     },
-    /// The sine model does not support these in-plane supports: its stress function has no shear
-    /// traction on the edges, which stay straight.
+    /// The sine model does not support these in-plane supports: its stress function requires edges
+    /// that stay straight and have no shear traction.
     #[error("the sine model of the plate does not support the in-plane edges \"{in_plane}\"")]
     #[diagnostic(help(
         "choose the in-plane edges `slide` or `straight`, or a polynomial model (`model=ritz`)"
@@ -40,7 +40,7 @@ pub enum PlateError {
         /// The name of the in-plane supports.
         in_plane: &'static str,
     },
-    /// The number of functions or modes is out of range.
+    /// The number of basis functions or modes is outside its allowed range.
     #[error("the number of {what} is {count}, but must be between {least} and {most}")]
     #[diagnostic(help("choose a number between these limits, or another model of the plate"))]
     Count {
@@ -48,27 +48,29 @@ pub enum PlateError {
         what: &'static str,
         /// The given number.
         count: usize,
-        /// The smallest allowed number of functions or modes.
+        /// The smallest allowed number of basis functions or modes.
         least: usize,
-        /// The largest allowed number of functions or modes.
+        /// The largest allowed number of basis functions or modes.
         most: usize,
     },
-    /// The quadrature rule has too few points to distinguish the functions.
+    /// The quadrature rule has too few points to distinguish the basis functions.
     #[error("{points} quadrature points are too few to resolve the shape functions of the plate")]
     #[diagnostic(help("use {needed} quadrature points or more"))]
     TooFewPoints {
-        /// The number of quadrature points.
+        /// The number of points of the quadrature rule.
         points: usize,
         /// The smallest sufficient number of quadrature points.
         needed: usize,
     },
-    /// The requested accuracy of modes is out of the range that double precision allows.
+    /// The requested accuracy of the modes of vibration is out of the range that double precision
+    /// allows.
     #[error("the setting mode_accuracy is {accuracy:e}, but must be between 1e-12 and 0.1")]
     AccuracyRange {
         /// The given accuracy.
         accuracy: f64,
     },
-    /// The polynomials do not resolve the modes to the requested accuracy.
+    /// The polynomial basis functions do not resolve the modes of vibration to the requested
+    /// accuracy.
     #[error(
         "{modes} modes cannot reach a mode_accuracy of {accuracy:.1e}: with {} × {} functions, the \
          squared frequencies ω² of the modes have an error of {error:.1e}, and only {accurate} \
@@ -79,13 +81,13 @@ pub enum PlateError {
          (free edges that meet at a corner limit the accuracy)"
     ))]
     Accuracy {
-        /// The requested number of modes.
+        /// The number of modes of vibration that was requested.
         modes: usize,
-        /// The allowed relative error of `ω²`.
+        /// The allowed relative error of the squared frequencies `ω²` of the modes.
         accuracy: f64,
-        /// The estimated relative error of `ω²` for the requested modes.
+        /// The estimated relative error of the squared frequencies `ω²` of the requested modes.
         error: f64,
-        /// The numbers of transverse functions along x and y.
+        /// The numbers of basis functions of the deflection along x and y.
         functions: [usize; 2],
         /// The number of the lowest modes that are accurate enough.
         accurate: usize,

@@ -1,5 +1,6 @@
-//! Quantities of the full plate model that a reduction to a few shapes requires: fields at nodes,
-//! and the stretching energy as a quartic form of the amplitudes of the shapes.
+//! Quantities of the full plate model that are needed to reduce the model to a few shapes of the
+//! deflection: fields at nodes, and the stretching energy as a quartic form of the amplitudes of
+//! the shapes.
 
 use super::domain;
 use super::error::PlateError;
@@ -8,8 +9,8 @@ use super::ritz::Ritz;
 use super::tensor::{Product, Rule, weights};
 use crate::core::failure::Failure;
 
-/// A deflection, and its slopes with respect to `ξ = 2x − 1` and `ζ = 2y − 1`, at the nodes of a
-/// grid: node `(p, q)` at position `p·m_y + q`.
+/// A deflection and its slopes with respect to `ξ = 2x − 1` and `ζ = 2y − 1` at the nodes of a
+/// grid; node `(p, q)` has the position `p·m_y + q`.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Field {
     /// `w`.
@@ -18,20 +19,21 @@ pub(super) struct Field {
     pub slopes: [Vec<f64>; 2],
 }
 
-/// The stretching energy of a deflection `w = Σ a_i φ_i` after elimination of the in-plane
-/// displacements:
+/// The stretching energy of a deflection `w = Σ a_i φ_i` that is a sum of shapes, after elimination
+/// of the in-plane displacements:
 ///
 /// ```text
 /// U = 6α₁² Σ_ij Σ_kl a_i a_j A_(ij)(kl) a_k a_l,    A_(ij)(kl) = ⟨ε_ij : C : ε_kl⟩ − B_ijᵀ K_uv⁻¹ B_kl
 /// ```
 ///
-/// Here `ε_ij = ½ sym(∇φ_i ⊗ ∇φ_j)`, and `⟨·⟩` is the mean over the plate. The sums run over
-/// ordered pairs; only pairs with `i ≤ j` are stored, so a pair with `i < j` counts twice.
+/// Here `ε_ij = ½ sym(∇φ_i ⊗ ∇φ_j)`, and `⟨·⟩` is the mean over the plate. The sums run over all
+/// ordered pairs of shapes, but only pairs with `i ≤ j` are stored, so a stored pair with `i < j`
+/// counts twice.
 #[derive(Clone, Debug)]
 pub struct MembraneForm {
     /// The pairs of shapes `(i, j)`, `i ≤ j`.
     pub pairs: Vec<(usize, usize)>,
-    /// The symmetric matrix `A`, with the entries `(pair, pair)` row by row.
+    /// The symmetric matrix `A`, stored row by row; its rows and columns belong to pairs of shapes.
     pub quartic: Vec<f64>,
     /// The quadrature rules along ξ and ζ whose nodes are the points at which the stresses are
     /// given.

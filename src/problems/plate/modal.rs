@@ -8,11 +8,12 @@
 //! Π = ½ Σ ω_i² q_i² + 6α₁² Σ A_(ij)(kl) q_i q_j q_k q_l − ½⟨P : ∇w∇w⟩ − λ⟨1/(1−w)⟩ − P⟨w⟩
 //! ```
 //!
-//! The in-plane displacements are eliminated once, which yields the form `A`, for any supports and
-//! any in-plane supports, without a stress function. An evaluation of the residual takes some
-//! microseconds. `N` modes give the load at pull-in of a clamped plate within 0.3 % (`N = 1`) or
-//! 0.01 % (`N = 7`). The modes and `A` are computed for one aspect ratio and one Poisson's ratio:
-//! to vary these parameters, use the full model, [`Ritz`](super::Ritz).
+//! The in-plane displacements are eliminated once, which yields the matrix `A` of the stretching
+//! energy; this works for all supports and all in-plane supports, and needs no stress function.
+//! Evaluating the residual takes some microseconds. `N` modes give the load at pull-in of a clamped
+//! plate within 0.3 % (`N = 1`) or 0.01 % (`N = 7`). The modes and `A` are computed for one aspect
+//! ratio and one Poisson's ratio: to vary these parameters, use the full model,
+//! [`Ritz`](super::Ritz).
 
 mod assembly;
 mod membrane;

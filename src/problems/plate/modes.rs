@@ -18,21 +18,22 @@ use faer::{MatMut, MatRef, Par};
 /// The natural frequencies and modes of a plate, the lowest frequency first.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Modes {
-    /// The squares `ω²` of the dimensionless frequencies `ω a²√(ρh/D)`; negative if the equilibrium
-    /// is unstable.
+    /// The squares `ω²` of the dimensionless frequencies `ω a²√(ρh/D)`; a square is negative if the
+    /// equilibrium is unstable.
     pub squares: Vec<f64>,
-    /// The coefficients of the modes; each mode has the mean square 1 over the plate.
+    /// The coefficients of the modes of vibration; each mode has the mean square 1 over the plate.
     pub shapes: Vec<Vec<f64>>,
 }
 
 impl Modes {
-    /// Returns the frequencies `ω`, with `−√(−ω²)` for unstable modes.
+    /// Returns the frequencies `ω` of the modes, with the value `−√(−ω²)` for unstable modes.
     pub fn frequencies(&self) -> Vec<f64> {
         self.squares.iter().map(|square| signed_root(*square)).collect()
     }
 }
 
-/// Returns `ω` if `ω² ≥ 0`, otherwise `−√(−ω²)`, the negative growth rate of an unstable plate.
+/// Returns `ω` if `ω² ≥ 0`, otherwise `−√(−ω²)`, which is the negative of the growth rate of an
+/// unstable plate.
 pub(super) fn signed_root<T: Scalar>(square: T) -> T {
     if square.real() < 0.0 { -(-square).sqrt() } else { square.sqrt() }
 }
@@ -49,14 +50,16 @@ pub(super) struct Eigenproblem {
     reduced: Vec<f64>,
     /// `μ`, ascending.
     values: Vec<f64>,
-    /// The eigenvectors of all modes, stored column by column, in the order of `values`.
+    /// The eigenvectors of all modes, stored column by column, in the order of the eigenvalues in
+    /// `values`.
     vectors: Vec<f64>,
     shift: f64,
     scratch: MemBuffer,
 }
 
 impl Eigenproblem {
-    /// Creates the eigenproblem of a symmetric mass matrix, stored column by column.
+    /// Creates the workspace for the eigenproblem with a given symmetric mass matrix, which is
+    /// stored column by column.
     pub fn new(mass: Vec<f64>) -> Eigenproblem {
         let n = mass.len().isqrt();
         let need = StackReq::any_of(&[
@@ -79,14 +82,14 @@ impl Eigenproblem {
         }
     }
 
-    /// Solves the eigenproblem for all modes of a stiffness matrix; `None` if the matrix is not
-    /// finite.
+    /// Solves the eigenproblem for all modes with a given stiffness matrix; returns `None` if the
+    /// matrix is not finite.
     pub fn solved(mut self, stiffness: &[f64]) -> Option<Eigenproblem> {
         self.solve(stiffness).then_some(self)
     }
 
-    /// Solves the eigenproblem for all modes of a stiffness matrix (stored column by column);
-    /// `false` if the matrix is not finite.
+    /// Solves the eigenproblem for all modes with a given stiffness matrix, which is stored column
+    /// by column; returns `false` if the matrix is not finite.
     #[must_use]
     pub fn solve(&mut self, stiffness: &[f64]) -> bool {
         let n = self.values.len();
@@ -111,13 +114,13 @@ impl Eigenproblem {
         done.is_ok()
     }
 
-    /// Returns `ω²` of a mode; mode 0 has the lowest frequency.
+    /// Returns the squared frequency `ω²` of a mode; mode 0 has the lowest frequency.
     pub fn square(&self, mode: usize) -> f64 {
         1.0 / self.values[self.values.len() - 1 - mode] - self.shift
     }
 
     /// Writes the coefficients of a mode, with mean square 1 over the plate, into `out`. The sign
-    /// of the mode makes its largest coefficient positive.
+    /// of the mode is chosen such that its coefficient of largest modulus is positive.
     pub fn shape(&self, mode: usize, out: &mut [f64]) {
         let n = self.values.len();
         let column = n - 1 - mode;
@@ -126,7 +129,7 @@ impl Eigenproblem {
         out.iter_mut().for_each(|entry| *entry *= scale);
     }
 
-    /// Returns the `count` modes of lowest frequency.
+    /// Returns the `count` modes of vibration with the lowest frequencies.
     pub fn lowest(&self, count: usize) -> Modes {
         let n = self.values.len();
         let modes = 0..count.min(n);
@@ -141,8 +144,8 @@ impl Eigenproblem {
         }
     }
 
-    /// Factors `K + σM` with the smallest shift `σ` in a list of increasing shifts for which the
-    /// matrix is positive definite.
+    /// Factors `K + σM` with the smallest shift `σ`, among a list of increasing shifts, for which
+    /// the matrix is positive definite.
     fn factor_shifted(&mut self, stiffness: &[f64]) -> bool {
         let n = self.values.len();
         self.shift = 100.0;

@@ -17,8 +17,9 @@ pub(super) fn names(units: Units, unknowns: usize) -> Names {
         .with_monitors(MONITORS.into_iter().chain(displacement))
 }
 
-/// Computes the monitors from the two deflections relative to the gap, and from the lowest
-/// dimensionless frequencies of the plate and of the flat plate.
+/// Computes the monitors of a plate from two deflections relative to the gap (at the centre, and
+/// the largest), and from the lowest dimensionless frequencies of the deflected plate and of the
+/// flat plate.
 pub(super) fn fill<T: Scalar>(
     units: Units,
     p: &[T],

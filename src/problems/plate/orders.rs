@@ -5,11 +5,11 @@ use super::basis::LARGEST_COUNT;
 use super::error::PlateError;
 use crate::core::numerics::ladder;
 
-/// The length of the sequence of successively larger numbers of functions.
+/// The length of the sequence of successively larger numbers of basis functions.
 const RUNGS: usize = 15;
 
-/// The numbers of functions in each direction (x, then y): only even functions if the plate is
-/// symmetric in that direction, functions of all degrees otherwise.
+/// The numbers of basis functions in each direction (x, then y): if the plate is symmetric in this
+/// direction, only even functions are counted, otherwise functions of all degrees.
 ///
 /// ```
 /// use tangency::problems::plate::Orders;
@@ -22,9 +22,9 @@ const RUNGS: usize = 15;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Orders {
-    /// The numbers of functions for the deflection along x and y.
+    /// The numbers of basis functions of the deflection along x and y.
     pub transverse: [usize; 2],
-    /// The numbers of functions for each in-plane displacement along x and y.
+    /// The numbers of basis functions of each in-plane displacement along x and y.
     pub in_plane: [usize; 2],
 }
 
@@ -33,8 +33,9 @@ impl Orders {
     /// without free edges the relative error of a pull-in load is 1e-6 or less up to `α₁ = 2`, and
     /// 6e-6 at `α₁ = 3`.
     ///
-    /// A long plate needs more functions along its length, since its deflection is constant except
-    /// in layers at the short edges, whose thickness is about the width of the plate.
+    /// A long plate needs more basis functions along its length, because its deflection is constant
+    /// along its length except in layers at the short edges; the thickness of these layers is about
+    /// the width of the plate.
     pub fn usual(symmetric: [bool; 2], aspect: f64) -> Orders {
         Orders::of(6, 8, symmetric, aspect)
     }
@@ -53,11 +54,12 @@ impl Orders {
         }
     }
 
-    /// Returns a sequence of successively larger numbers of functions. Up to the default numbers,
-    /// the ratio of transverse to in-plane functions balances the work on the two kinds of
-    /// displacements, and each entry is about one digit more accurate in a pull-in load than the
-    /// previous entry; beyond the default numbers, each entry is followed, two places later, by its
-    /// [`finer`](Orders::finer) numbers.
+    /// Returns a sequence of successively larger numbers of basis functions, each for a more
+    /// accurate discretisation. Up to the default numbers, the ratio of transverse to in-plane
+    /// functions is chosen such that both kinds of displacements take a similar amount of work, and
+    /// each entry of the sequence gives pull-in loads that are about one digit more accurate than
+    /// the previous entry. Beyond the default numbers, each entry is followed, two places later, by
+    /// the numbers that [`finer`](Orders::finer) gives for the entry.
     pub(super) fn ladder(symmetric: [bool; 2], aspect: f64) -> Vec<Orders> {
         let rung = |n: usize| Orders::of(n, n + n.div_ceil(3), symmetric, aspect);
         let rungs =
@@ -65,10 +67,10 @@ impl Orders {
         rungs.into_iter().filter(|orders| orders.check().is_ok()).collect()
     }
 
-    /// Returns the larger numbers of functions for the final correction of special points. With two
-    /// refinements of the default numbers, pull-in loads of plates without free edges are accurate
-    /// to 1e-8 and deflections to 1e-6 (`0 ≤ α₁ ≤ 3`, `1 ≤ α ≤ 6`, every model of the in-plane
-    /// supports).
+    /// Returns the larger numbers of basis functions with which special points are finally
+    /// corrected. With two refinements of the default numbers, pull-in loads of plates without free
+    /// edges are accurate to 1e-8 and deflections to 1e-6 (`0 ≤ α₁ ≤ 3`, `1 ≤ α ≤ 6`, every model
+    /// of the in-plane supports).
     #[must_use]
     pub fn finer(self) -> Orders {
         Orders {

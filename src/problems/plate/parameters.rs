@@ -30,8 +30,8 @@ pub struct Parameters<T> {
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum Units {
-    /// The dimensionless parameters `load`, `gap_ratio`, `aspect`, `nu`, `edge_force` (on both
-    /// pairs of edges), `edge_force_x`, `edge_force_y`, `edge_shear`, `pressure`, as in
+    /// The dimensionless parameters `load`, `gap_ratio`, `aspect`, `nu`, `edge_force` (which acts
+    /// on both pairs of edges), `edge_force_x`, `edge_force_y`, `edge_shear`, `pressure`, as in
     /// [`Parameters`].
     #[default]
     Dimensionless,
@@ -78,8 +78,9 @@ impl Units {
         }
     }
 
-    /// Returns the default values of the parameters: of a square plate with `α₁ = 1`, `ν = 0.3`; or
-    /// of a silicon plate, 300 µm square and 2 µm thick, over a gap of 2 µm.
+    /// Returns the default values of the parameters: dimensionless parameters describe a square
+    /// plate with `α₁ = 1`, `ν = 0.3`; parameters of a device describe a silicon plate, 300 µm
+    /// square and 2 µm thick, over a gap of 2 µm.
     pub fn defaults(self) -> &'static [f64] {
         match self {
             Units::Dimensionless => &[0.0, 1.0, 1.0, 0.3, 0.0, 0.0, 0.0, 0.0, 0.0],
@@ -101,8 +102,8 @@ impl Units {
         }
     }
 
-    /// Returns the default values of the parameters for a plate with the given aspect ratio and
-    /// Poisson's ratio (for a device, the width is adapted).
+    /// Returns the default values of the parameters, but for a plate with the given aspect ratio
+    /// and Poisson's ratio; for a device, the width follows from the aspect ratio.
     ///
     /// ```
     /// use tangency::problems::plate::Units;
@@ -124,7 +125,8 @@ impl Units {
         (self == Units::Device).then_some(4)
     }
 
-    /// Returns the positions of the parameters on which `α` and `ν` depend.
+    /// Returns the positions of the parameters that determine the aspect ratio `α` and Poisson's
+    /// ratio `ν`.
     pub(super) fn of_the_plane(self) -> &'static [usize] {
         match self {
             Units::Dimensionless => &[2, 3],
@@ -176,8 +178,8 @@ impl Units {
         }
     }
 
-    /// Returns the factor that converts the dimensionless angular frequency `ωa²√(ρh/D)` to hertz
-    /// (SI units), or 1.
+    /// Returns the factor that converts the dimensionless angular frequency `ωa²√(ρh/D)` to the
+    /// unit of the problem: to hertz for parameters in SI units; 1 for dimensionless parameters.
     pub fn frequency_unit<T: Scalar>(self, p: &[T]) -> T {
         match self {
             Units::Dimensionless => T::one(),

@@ -1,17 +1,18 @@
 //! The in-plane problem for a given deflection `w`: `K_uv s = −r(w)`.
 //!
-//! The displacements are `u = Σ U_k(ξ) U_l(ζ)`, and `v` has the same form. The stiffness matrix of
-//! plane stress on the plate (the mean over the plate, `x = (1 + ξ)/2`, `y = α(1 + ζ)/2`) is a sum
-//! of constant matrices whose coefficients depend on `α` and `ν`:
+//! The in-plane displacement along x is `u = Σ U_k(ξ) U_l(ζ)`, and the displacement `v` along y has
+//! the same form. The stiffness matrix of plane stress on the plate (the mean over the plate, `x =
+//! (1 + ξ)/2`, `y = α(1 + ζ)/2`) is a sum of constant matrices whose coefficients depend on `α` and
+//! `ν`:
 //!
 //! ```text
 //! K_uu = 4⟨u_ξ u_ξ⟩ + 2(1−ν)/α² ⟨u_ζ u_ζ⟩      K_vv = 4/α² ⟨v_ζ v_ζ⟩ + 2(1−ν)⟨v_ξ v_ξ⟩
 //! K_uv = 4ν/α ⟨u_ξ v_ζ⟩ + 2(1−ν)/α ⟨u_ζ v_ξ⟩
 //! ```
 //!
-//! A penalty on the means of rigid motions makes the solution unique if the edges permit such
-//! motions. The right-hand side is orthogonal to rigid motions, so the penalty does not change the
-//! stresses.
+//! If the edges permit rigid motions in the plane, a penalty on the means of these motions makes
+//! the solution unique. The right-hand side is orthogonal to rigid motions, so the penalty does not
+//! change the stresses.
 
 use super::basis::{Basis, Direction};
 use super::edges::{InPlane, Supports};
@@ -23,25 +24,25 @@ use faer::{MatMut, Par};
 
 /// The space of in-plane displacements, spanned by products of functions.
 pub(super) struct PlaneSpace {
-    /// The functions of ξ and of ζ whose products span `u`.
+    /// The basis functions of ξ and of ζ whose products span the displacement `u`.
     pub u: [Basis; 2],
-    /// The functions of ξ and of ζ whose products span `v`.
+    /// The basis functions of ξ and of ζ whose products span the displacement `v`.
     pub v: [Basis; 2],
-    /// The positions of the unknowns of `u` in the full grid of products.
+    /// The positions of the unknowns of `u` in the full grid of products of basis functions.
     pub u_active: Vec<usize>,
-    /// The positions of the unknowns of `v` in the full grid of products.
+    /// The positions of the unknowns of `v` in the full grid of products of basis functions.
     pub v_active: Vec<usize>,
-    /// The linear functionals of the penalty, one for each rigid motion that the edges permit.
+    /// The linear functionals that are penalised, one for each rigid motion that the edges permit.
     pub rigid: Vec<Vec<f64>>,
     moments: Moments,
 }
 
-/// The means of products of functions from two bases of one direction, indexed by the orders of the
-/// derivatives of the two functions.
+/// The means of products of a function from one basis and a function from another basis in the same
+/// direction; the indices are the orders of the derivatives of the two functions.
 type Products = [[Vec<f64>; 2]; 2];
 
-/// The one-dimensional means of products along ξ and ζ: of two functions of `u`, of two functions
-/// of `v`, and of functions of `u` with functions of `v`.
+/// The means, along ξ and along ζ, of three kinds of products of basis functions: of two functions
+/// of `u`, of two functions of `v`, and of a function of `u` and a function of `v`.
 struct Moments {
     uu: [Products; 2],
     vv: [Products; 2],
@@ -49,8 +50,9 @@ struct Moments {
 }
 
 impl PlaneSpace {
-    /// Creates the space for the given in-plane supports; in `symmetric` directions, normal
-    /// displacements are odd and tangential displacements are even.
+    /// Creates the space for the given in-plane supports; in directions that are `symmetric`,
+    /// displacements along the direction are odd functions and displacements across it are even
+    /// functions of the coordinate.
     pub fn new(
         supports: Supports,
         model: InPlane,
@@ -78,7 +80,7 @@ impl PlaneSpace {
         self.u_active.len() + self.v_active.len()
     }
 
-    /// Distributes the unknowns to the grids of `u` and `v`.
+    /// Distributes the values of the unknowns to the grids of `u` and `v`.
     pub fn unpack<T: Scalar>(&self, s: &[T], u: &mut [T], v: &mut [T]) {
         u.fill(T::zero());
         v.fill(T::zero());
@@ -90,7 +92,7 @@ impl PlaneSpace {
         }
     }
 
-    /// Collects the unknowns from the grids of `u` and `v`.
+    /// Collects the values of the unknowns from the grids of `u` and `v`.
     pub fn pack<T: Scalar>(&self, u: &[T], v: &[T], s: &mut [T]) {
         let (of_u, of_v) = s.split_at_mut(self.u_active.len());
         for (position, s) in self.u_active.iter().zip(of_u) {
@@ -130,8 +132,8 @@ impl PlaneSpace {
         motions
     }
 
-    /// Returns the means `⟨ξ^i ζ^j u⟩` and `⟨ξ^i ζ^j v⟩` (each if requested) of the functions of
-    /// all unknowns.
+    /// Returns the means `⟨ξ^i ζ^j u⟩` and `⟨ξ^i ζ^j v⟩` for the basis functions of all unknowns; a
+    /// mean that is not requested is omitted.
     fn functional(&self, symmetric: [bool; 2], powers: [Option<[i32; 2]>; 2]) -> Vec<f64> {
         let mut grids = [&self.u, &self.v].map(|bases| vec![0.0; bases[0].len() * bases[1].len()]);
         for ((grid, bases), power) in grids.iter_mut().zip([&self.u, &self.v]).zip(powers) {
@@ -151,7 +153,8 @@ impl PlaneSpace {
         packed
     }
 
-    /// Computes `K_uv` including the penalty on rigid motions, stored column by column.
+    /// Computes the stiffness matrix `K_uv`, including the penalty on rigid motions, stored column
+    /// by column.
     fn stiffness(&self, alpha: f64, nu: f64, k: &mut [f64]) {
         let (n, nu_count) = (self.len(), self.u_active.len());
         let m = &self.moments;
@@ -192,8 +195,9 @@ impl PlaneSpace {
     }
 }
 
-/// Returns a flag for each function of the direction normal to the edges: whether it belongs to a
-/// straight edge, so that its coefficient must be constant along the edge.
+/// Returns a flag for each basis function in the direction normal to the edges: whether the
+/// function describes the displacement of a straight edge, so that its coefficient must be constant
+/// along the edge.
 fn straight_functions(normal: &Basis, ends: [InPlane; 2], symmetric: bool) -> Vec<bool> {
     let straight = ends.map(|end| end == InPlane::Straight);
     match (normal.boundary, symmetric) {
@@ -206,8 +210,9 @@ fn straight_functions(normal: &Basis, ends: [InPlane; 2], symmetric: bool) -> Ve
 }
 
 /// Returns the positions of the unknowns in the grid of products of functions of `x` and `y`: all
-/// products, except that the function of a straight edge is multiplied only by the constant.
-/// `normal_is_y` is true if the direction normal to the edge is y.
+/// products are unknowns, except that a function that describes the displacement of a straight edge
+/// is multiplied only by the constant function. The argument `normal_is_y` is true if the
+/// displacement is along y, normal to the edges y = 0 and y = 1.
 fn active(x: &Basis, y: &Basis, straight: Vec<bool>, normal_is_y: bool) -> Vec<usize> {
     let mut positions = Vec::with_capacity(x.len() * y.len());
     for i in 0..x.len() {
@@ -235,7 +240,7 @@ impl Moments {
     }
 }
 
-/// The Cholesky factor of `K_uv` for one pair of parameters `(α, ν)`.
+/// The Cholesky factor of the in-plane stiffness matrix `K_uv` for one pair of parameters `(α, ν)`.
 pub(super) struct PlaneFactor {
     /// The pair `(α, ν)` for which the factor was computed.
     pub at: Option<(f64, f64)>,
@@ -257,8 +262,8 @@ impl PlaneFactor {
         }
     }
 
-    /// Factors `K_uv(α, ν)` unless the factor of this pair is known; returns `false` if the matrix
-    /// is not positive definite.
+    /// Factors the in-plane stiffness matrix `K_uv(α, ν)` unless the factor for this pair of
+    /// parameters is known; returns `false` if the matrix is not positive definite.
     #[must_use]
     pub fn update(&mut self, space: &PlaneSpace, alpha: f64, nu: f64) -> bool {
         if self.at == Some((alpha, nu)) {
@@ -273,7 +278,8 @@ impl PlaneFactor {
         done.is_ok()
     }
 
-    /// Computes `K_uv⁻¹ r` in place, by the same substitution for all components of a dual number.
+    /// Computes `K_uv⁻¹ r` in place; all components of a dual number are solved for by the same
+    /// substitution.
     pub fn solve<T: Scalar>(&self, r: &mut [T]) {
         with_avx2(
             #[inline(always)]

@@ -7,19 +7,21 @@ use crate::core::problem::Profile;
 /// The number of points of a profile; the middle point is the centre of the plate.
 pub(super) const POINTS: usize = 51;
 
-/// The smallest ratio of the deflection of a mode at the centre to its largest deflection; for a
-/// smaller ratio, the centre counts as a node of the mode.
+/// The smallest ratio of the deflection at the centre to the largest deflection for a mode; if the
+/// ratio of a mode is smaller, the centre counts as a node of the mode.
 const NODE: f64 = 0.01;
 
-/// Evaluates `f` at two or more equidistant points from 0 to 1, and returns pairs `(x, f(x))`.
+/// Evaluates the function `f` at two or more equidistant points from 0 to 1, and returns pairs `(x,
+/// f(x))`.
 pub(super) fn line(points: usize, f: impl Fn(f64) -> f64) -> Vec<(f64, f64)> {
     let step = 1.0 / points.saturating_sub(1).max(1) as f64;
     (0..points).map(|i| i as f64 * step).map(|x| (x, f(x))).collect()
 }
 
-/// Returns the profile of the deflection with coefficients `z`, and of the first mode `shape`,
-/// scaled to 1 at the centre (or at its largest value if the centre is a node). `deflection`
-/// evaluates the displacement with given coefficients at `x` on the centre line.
+/// Returns two profiles: the deflection with coefficients `z`, and the first mode `shape`, which is
+/// scaled to the value 1 at the centre, or at the place of its largest value if the centre is a
+/// node of the mode. The function `deflection` evaluates the displacement with given coefficients
+/// at the point `x` of the centre line.
 pub(super) fn profiles(
     z: &[f64],
     shape: Option<&[f64]>,
@@ -43,7 +45,8 @@ pub(super) fn profiles(
     profiles
 }
 
-/// Returns the [`profiles`] of the deflection with coefficients `z` and of its lowest mode.
+/// Returns the [`profiles`] of the deflection with coefficients `z` and of the lowest mode of
+/// vibration.
 pub(super) fn with_lowest_mode<P: Vibrates>(
     problem: &P,
     z: &[f64],

@@ -1,4 +1,4 @@
-//! The residual `F = ∂Π/∂q` of the plate, written once for all scalar types.
+//! The residual `F = ∂Π/∂q` of the plate, which is written once for all scalar types.
 //!
 //! The potential per unit of the plate's area is given below, where `⟨·⟩` is the mean over the
 //! plate, `w = Σ q_ij f_i(ξ) g_j(ζ)`, `x = (1 + ξ)/2`, `y = α(1 + ζ)/2`:
@@ -22,7 +22,8 @@ use super::plane::PlaneFactor;
 use super::tensor::{Product, weights};
 use crate::core::scalar::Scalar;
 
-/// Buffers for one scalar type, which also contain the fields of the last residual.
+/// The buffers for one scalar type; after an evaluation of the residual, they contain the fields of
+/// this evaluation.
 pub(super) struct Workspace<T> {
     pub q: Vec<T>,
     pub p: Vec<T>,
@@ -33,10 +34,10 @@ pub(super) struct Workspace<T> {
     grids: [Vec<T>; 2],
     half: Vec<T>,
     product: Vec<T>,
-    /// The slopes `w_ξ`, `w_ζ` at the nodes of the membrane rule.
+    /// The slopes `w_ξ`, `w_ζ` at the nodes of the quadrature rule for stretching.
     pub slopes: [Vec<T>; 2],
-    /// The stresses `N₁`, `N₂`, `N₆` (in units of `Eh/(1−ν²)·d²/a²`) at the nodes of the membrane
-    /// rule, without quadrature weights.
+    /// The stresses `N₁`, `N₂`, `N₆` (in units of `Eh/(1−ν²)·d²/a²`) at the nodes of the quadrature
+    /// rule for stretching, without quadrature weights.
     pub stress: [Vec<T>; 3],
     fields: [Vec<T>; 2],
 }
@@ -62,11 +63,12 @@ impl<T: Scalar> Workspace<T> {
         }
     }
 
-    /// Computes `F` into `self.r`, for the unknowns in `self.q` and the parameters in `self.p`.
-    /// After the evaluation, `self.q` contains the coefficients of the products of functions.
-    /// `largest` is the largest deflection; `plane_fixed` states that `α` and `ν` have no
-    /// derivatives, so that one solve for the in-plane displacements is exact for derivatives of
-    /// every order. Returns the largest deflection at the quadrature nodes of the load.
+    /// Computes the residual `F` into `self.r`, for the unknowns in `self.q` and the parameters in
+    /// `self.p`. After the evaluation, `self.q` contains the coefficients of the products of
+    /// functions. The argument `largest` is the largest deflection. The flag `plane_fixed` states
+    /// that `α` and `ν` have no derivatives, so that one solution of the in-plane problem is exact
+    /// for derivatives of every order. Returns the largest deflection at the quadrature nodes of
+    /// the electrostatic load.
     pub fn evaluate(
         &mut self,
         model: &Discretisation,
@@ -88,13 +90,14 @@ impl<T: Scalar> Workspace<T> {
         nearest
     }
 
-    /// Expands the field with the coefficients `self.q` at the nodes, into `field`.
+    /// Evaluates the field with the coefficients `self.q` at the nodes, and writes the values into
+    /// `field`.
     pub fn expand(&mut self, product: &Product, field: &mut [T]) {
         product.expand(&self.q, &mut self.half, field);
     }
 
-    /// Adds the terms of bending, applied edge forces and pressure, which have the form `Σ c L q R`
-    /// with constant matrices.
+    /// Adds the terms of bending, applied edge forces and pressure to the residual; these terms
+    /// have the form `Σ c L q R` with constant matrices.
     fn bend(&mut self, model: &Discretisation, parameters: &Parameters<T>) {
         let [nx, ny] = [model.transverse[0].len(), model.transverse[1].len()];
         for (coefficient, left, right) in quadratic_terms(model, parameters) {
@@ -126,8 +129,8 @@ impl<T: Scalar> Workspace<T> {
         }
     }
 
-    /// Computes `s = −K_uv⁻¹ r(w)` by iterative refinement with the `f64` factor; each iteration
-    /// makes derivatives of one more order exact.
+    /// Computes `s = −K_uv⁻¹ r(w)` by iterative refinement with the Cholesky factor in `f64`; each
+    /// iteration makes the derivatives of one more order exact.
     pub fn solve_plane(
         &mut self,
         model: &Discretisation,
@@ -149,8 +152,8 @@ impl<T: Scalar> Workspace<T> {
         self.find_stress(model, membrane, parameters, false);
     }
 
-    /// Computes the stresses for the current `w` and `s`; `at_rest` skips the contributions that
-    /// vanish for `s = 0`.
+    /// Computes the stresses for the current deflection `w` and in-plane displacements `s`; if
+    /// `at_rest` is true, the contributions that vanish for `s = 0` are skipped.
     fn find_stress(
         &mut self,
         model: &Discretisation,
@@ -179,7 +182,7 @@ impl<T: Scalar> Workspace<T> {
         }
     }
 
-    /// Adds the in-plane strains `u_x`, `v_y`, `u_y + v_x`.
+    /// Adds the strains of the in-plane displacements, `u_x`, `v_y` and `u_y + v_x`.
     fn add_plane_strain(&mut self, model: &Discretisation, membrane: &Membrane, along: T) {
         let [u, v] = &mut self.grids;
         model.plane.unpack(&self.s, u, v);
@@ -255,8 +258,9 @@ impl<T: Scalar> Workspace<T> {
     }
 }
 
-/// Returns the contributions of `u_ξ`, `u_ζ`, `v_ξ`, `v_ζ` to the strains, each as the tables
-/// of the derivative, the index of the grid, the index of the strain, and the factor.
+/// Returns the contributions of the derivatives `u_ξ`, `u_ζ`, `v_ξ`, `v_ζ` to the strains; each
+/// contribution consists of the tables of the derivative, the index of the grid of unknowns, the
+/// index of the strain, and a factor.
 fn plane_strains<T: Scalar>(membrane: &Membrane, along: T) -> [(Product<'_>, usize, usize, T); 4] {
     let [u_x, u_y] = membrane.slopes(&membrane.u);
     let [v_x, v_y] = membrane.slopes(&membrane.v);
@@ -264,10 +268,10 @@ fn plane_strains<T: Scalar>(membrane: &Membrane, along: T) -> [(Product<'_>, usi
     [(u_x, 0, 0, two), (u_y, 0, 2, along), (v_x, 1, 2, two), (v_y, 1, 1, along)]
 }
 
-/// Returns the terms of `Π` that are quadratic in `q`, in the form `½ qᵀ(c L ⊗ R)q`: the
-/// coefficient, the matrix of the functions of ξ, and the matrix of the functions of ζ
-/// (transposed). A pair of edges carries no normal force if one of them is free; a plate with any
-/// free edge carries no shear force.
+/// Returns the terms of the potential `Π` that are quadratic in `q`, in the form `½ qᵀ(c L ⊗ R)q`:
+/// the coefficient `c`, the matrix `L` of the functions of ξ, and the matrix `R` of the functions
+/// of ζ (transposed). A pair of opposite edges carries no normal force if one of the two edges is
+/// free; a plate with any free edge carries no shear force.
 pub(super) fn quadratic_terms<'a, T: Scalar>(
     model: &'a Discretisation,
     parameters: &Parameters<T>,

@@ -20,16 +20,17 @@ use std::mem::swap;
 /// deflection, where the in-plane displacements are eliminated (see
 /// [`System`](crate::core::system::System) for the use of the model).
 ///
-/// The deflection relative to the gap is `w = Σ q_ij d_ij f_i(ξ) g_j(ζ)`, where `f`, `g` are beam
-/// modes (expanded in polynomials), and the factors `d` give a unit of each unknown equal energy;
-/// `ξ = 2x − 1`, `ζ = 2y − 1`, where x and y run from 0 to 1 along the sides. The unknowns are the
-/// coefficients `q_ij`, in the group `w`; the parameters are listed at [`Units`].
+/// The deflection relative to the gap is `w = Σ q_ij d_ij f_i(ξ) g_j(ζ)` with `ξ = 2x − 1`, `ζ = 2y
+/// − 1`, where x and y run from 0 to 1 along the sides. The functions `f`, `g` are beam modes,
+/// expanded in polynomials; the factors `d` scale the unknowns such that equal values of unknowns
+/// have equal energy. The unknowns are the coefficients `q_ij`, in the group `w`; the parameters
+/// are listed at [`Units`].
 ///
 /// Edge forces act on pairs of opposite edges: the normal force of a pair is zero if one of its
 /// edges is free, and the shear force is zero if any edge is free. The symmetry of the plate is
-/// used unless [`RitzSettings::symmetric`] is false; shear breaks the symmetry.
+/// used unless [`RitzSettings::symmetric`] is false; a shear force would break the symmetry.
 ///
-/// The monitors are listed at [all plates](super#monitors).
+/// The monitors are the same as for [all plates](super#monitors).
 ///
 /// ```
 /// use tangency::core::system::System;
@@ -50,22 +51,24 @@ pub struct Ritz {
     pub(super) first: Workspace<Dual64>,
     pub(super) second: Workspace<HyperDual64>,
     pub(super) third: Workspace<HyperHyperDual64>,
-    /// The point at which the matrix was assembled; empty if no matrix was assembled.
+    /// The point `x = (z, p)` at which the matrix was assembled; empty if no matrix has been
+    /// assembled.
     pub(super) assembled_at: Vec<f64>,
-    /// The space for a second matrix that monitors use, because they must not change the assembled
-    /// matrix.
+    /// The memory for a second matrix, which monitors use because they must not change the
+    /// assembled matrix.
     pub(super) spare: Vec<f64>,
-    /// The point at which the modes were computed; empty if no modes were computed.
+    /// The point `x = (z, p)` at which the modes of vibration were computed; empty if no modes have
+    /// been computed.
     pub(super) modes_at: Vec<f64>,
     pub(super) flat: Option<FlatPlate>,
-    /// The values of the functions at the centre of the plate.
+    /// The values of the basis functions at the centre of the plate.
     pub(super) centre: Vec<f64>,
-    /// The lowest mode, as a direction of the length of `x`.
+    /// The lowest mode of vibration, as a direction in the space of points `x = (z, p)`.
     pub(super) mode: Vec<f64>,
     pub(super) potential: PotentialGradient,
 }
 
-/// The unloaded plate, which is the reference for frequencies.
+/// The unloaded plate, whose frequency is the reference for the frequencies of other states.
 pub(super) struct FlatPlate {
     pub at: (f64, f64),
     pub square: f64,
@@ -73,11 +76,11 @@ pub(super) struct FlatPlate {
 }
 
 impl Ritz {
-    /// Sets up a plate: tabulates its functions and quadrature rules.
+    /// Sets up the model of a plate: tabulates its basis functions and quadrature rules.
     ///
     /// # Errors
-    /// [`PlateError`] if numbers of functions are out of range or the supports permit rigid
-    /// motions.
+    /// [`PlateError`] if the numbers of basis functions are out of range, or the supports permit
+    /// rigid motions.
     pub fn new(settings: RitzSettings) -> Result<Ritz, PlateError> {
         let model = Discretisation::new(settings)?;
         let n = model.unknowns();
@@ -108,13 +111,13 @@ impl Ritz {
         })
     }
 
-    /// Returns the numbers of functions of the plate.
+    /// Returns the numbers of basis functions of the plate.
     pub fn orders(&self) -> Orders {
         self.model.orders
     }
 
-    /// Returns the point `x = (z, p)` of the flat plate, with all parameters at their default
-    /// values.
+    /// Returns the point `x = (z, p)` that describes the flat plate with all parameters at their
+    /// default values.
     pub fn at_rest(&self) -> Vec<f64> {
         let mut x = vec![0.0; self.model.unknowns()];
         x.extend_from_slice(self.model.settings.units.defaults());
@@ -163,7 +166,8 @@ impl Ritz {
         Ok(self.eigenproblem.lowest(count))
     }
 
-    /// Checks `x`, updates the factor of `K_uv` if necessary, and returns the largest deflection.
+    /// Checks the point `x`, updates the Cholesky factor of `K_uv` if necessary, and returns the
+    /// largest deflection.
     pub(super) fn prepare(&mut self, x: &[f64]) -> Result<f64, Failure> {
         let (q, p) = x.split_at(self.model.unknowns());
         domain::finite(q, |i| format!("component {i} of w"))?;
@@ -181,14 +185,15 @@ impl Ritz {
         Ok(largest)
     }
 
-    /// Assembles the matrix `F_z` at `x`.
+    /// Assembles the matrix `F_z` at the point `x`.
     pub(super) fn assemble_at(&mut self, x: &[f64]) -> Result<(), Failure> {
         let largest = self.evaluate(x)?;
         self.assembly.assemble(&self.model, &self.factor, &mut self.plain, largest);
         domain::finite(&self.assembly.matrix, |_| "an entry of the stiffness".into())
     }
 
-    /// Evaluates the residual at `x` into `self.plain`, and returns the largest deflection.
+    /// Evaluates the residual at the point `x` into `self.plain`, and returns the largest
+    /// deflection.
     pub(super) fn evaluate(&mut self, x: &[f64]) -> Result<f64, Failure> {
         let largest = self.prepare(x)?;
         let (q, p) = x.split_at(self.model.unknowns());
@@ -200,7 +205,8 @@ impl Ritz {
         Ok(largest)
     }
 
-    /// Updates the modes about `x`, without changing the assembled matrix `F_z`.
+    /// Updates the modes of vibration about the point `x`, without changing the assembled matrix
+    /// `F_z`.
     pub(super) fn ensure_modes(&mut self, x: &[f64]) -> Result<(), Failure> {
         if self.modes_at == x {
             return Ok(());
@@ -225,8 +231,9 @@ impl Ritz {
     }
 }
 
-/// A scalar type `T` for derivatives along up to three directions: constructs a dual number from
-/// its first-order parts, and extracts the mixed derivative from a dual number.
+/// A scalar type `T` that computes derivatives along up to three directions: the functions
+/// construct a dual number from its first-order parts, and extract the mixed derivative from a dual
+/// number.
 pub(super) trait Directional: Scalar {
     fn seed(value: f64, parts: [f64; 3]) -> Self;
     fn mixed(&self) -> f64;

@@ -17,7 +17,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum Model {
-    /// The full Ritz model, in integrated Legendre functions.
+    /// The full Ritz model, in beam modes expanded in integrated Legendre functions.
     #[default]
     Ritz,
     /// A reduced-order model in the lowest modes of the flat plate.
@@ -37,22 +37,22 @@ pub struct PlateSettings {
     /// The in-plane supports; by default `slide` for four simply supported edges, otherwise
     /// `immovable`.
     pub in_plane: Option<InPlane>,
-    /// The theory: linear, or von Kármán's.
+    /// The theory of the plate: linear theory, or von Kármán's theory.
     pub theory: Theory,
     /// The discretisation.
     pub model: Model,
-    /// The number of modes of the models `modal` and `sine`.
+    /// The number of modes that the models `modal` and `sine` use.
     pub modes: usize,
-    /// The projection of the equation of motion in the models `modal` and `sine`.
+    /// The projection of the equation of motion that the models `modal` and `sine` use.
     pub projection: Projection,
-    /// The numbers of functions of the model `ritz`; by default the numbers that the accuracy
+    /// The numbers of basis functions of the model `ritz`; by default the numbers that the accuracy
     /// requires.
     pub orders: Option<Orders>,
     /// The units and the meaning of the parameters.
     pub units: Units,
-    /// Whether to use the symmetry of plates whose opposite edges are alike. By default, the
-    /// symmetry is used unless edge forces act: a compressed plate may first buckle into two half
-    /// waves, which are not symmetric.
+    /// Whether to use the symmetry of a plate in directions in which the two opposite edges have
+    /// the same support. By default, the symmetry is used unless edge forces act: a compressed
+    /// plate may first buckle into two half waves, which are not symmetric.
     pub symmetric: Option<bool>,
 }
 
@@ -77,12 +77,13 @@ impl Default for PlateSettings {
     }
 }
 
-/// A sequence of numbers of modes, each about a third larger than the previous one.
+/// A sequence of increasing numbers of modes; each number is about a third larger than the previous
+/// number.
 const MODES: [usize; 11] = [1, 2, 3, 4, 6, 8, 11, 15, 20, 27, 36];
 
 impl PlateSettings {
-    /// Returns the system of a plate whose parameters start at `p` (in the order of
-    /// [`Units::names`]) and vary up to `reach`.
+    /// Returns the system of equations of a plate; its parameters start at the values `p`, in the
+    /// order of [`Units::names`], and vary up to the values `reach`.
     ///
     /// # Errors
     /// A [`PlateError`] that names the invalid setting and the remedy.
@@ -126,11 +127,11 @@ impl PlateSettings {
     }
 
     /// Returns systems of the plate with growing accuracy and cost, for parameters as in
-    /// [`system`](Self::system): they differ in the numbers of functions of the full model, or in
-    /// the numbers of modes of the other models.
+    /// [`system`](Self::system); the systems differ in the numbers of basis functions of the full
+    /// model, or in the numbers of modes of the other models.
     ///
     /// # Errors
-    /// [`PlateError`] if the supports cannot be parsed.
+    /// [`PlateError`] if the letters of the supports cannot be parsed.
     ///
     /// ```
     /// use tangency::problems::plate::{Orders, PlateSettings, Units};

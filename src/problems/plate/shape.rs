@@ -4,7 +4,7 @@ use super::basis::{AtPoint, Table};
 use super::discretisation::Discretisation;
 use super::tensor::Product;
 
-/// The number of nodes on half a side in the search for the largest deflection.
+/// The number of nodes along half a side of the plate in the search for the largest deflection.
 const NODES: usize = 17;
 
 /// Returns the deflection and its first and second derivatives with respect to `ξ`, `ζ` at a point:
@@ -27,7 +27,8 @@ pub(super) fn local(
     sums
 }
 
-/// Returns the values of all products of transverse functions at a point of the plate.
+/// Returns the values of all products of two basis functions of the deflection at a point of the
+/// plate.
 pub(super) fn products(
     model: &Discretisation,
     at: [f64; 2],
@@ -41,7 +42,7 @@ pub(super) fn products(
     }
 }
 
-/// Evaluates the transverse functions of each direction at a point of the plate.
+/// Evaluates the basis functions of the deflection in each direction at a point of the plate.
 fn evaluate<'a>(
     model: &Discretisation,
     at: [f64; 2],
@@ -53,8 +54,8 @@ fn evaluate<'a>(
     [&memory[0].values, &memory[1].values]
 }
 
-/// Returns equidistant nodes in `ξ`, from the middle (if symmetric) or from one end to the other
-/// end.
+/// Returns equidistant nodes in `ξ` for the search for the largest deflection: from the middle to
+/// one end if the plate is symmetric, otherwise from one end to the other end.
 pub(super) fn search_nodes(symmetric: bool) -> Vec<f64> {
     let last = NODES as i32 - 1;
     let first = if symmetric { 0 } else { -last };
@@ -76,11 +77,12 @@ pub(super) fn highest(values: impl Iterator<Item = f64>) -> (usize, f64) {
     best
 }
 
-/// A grid of nodes, with tables of the functions, for the search for the largest deflection.
+/// A grid of nodes, with tables of the basis functions at the nodes, for the search for the largest
+/// deflection.
 pub(super) struct Search {
     nodes: [Vec<f64>; 2],
     tables: [Table; 2],
-    /// The values of the functions at one point.
+    /// The values of the basis functions at one point.
     pub point: [AtPoint; 2],
     coefficients: Vec<f64>,
     half: Vec<f64>,
@@ -115,9 +117,10 @@ impl Search {
         (largest, self.nodes[0][k / points[1]], self.nodes[1][k % points[1]])
     }
 
-    /// Returns the largest deflection and its position, as `(w, ξ, ζ)`: Newton's iteration starts
-    /// at the node of the grid with the largest deflection, and varies a coordinate unless the node
-    /// is at an end of its range towards which the deflection still increases.
+    /// Returns the largest deflection and its position, as `(w, ξ, ζ)`, by Newton's iteration from
+    /// the node of the grid with the largest deflection. A coordinate is varied unless the node is
+    /// at an end of the range of this coordinate and the deflection still increases towards this
+    /// end.
     pub fn largest(&mut self, model: &Discretisation, q: &[f64]) -> (f64, f64, f64) {
         let (best, xi, zeta) = self.on_grid(model, q);
         let held = |axis: usize| model.symmetric[axis];

@@ -11,14 +11,14 @@
 //! ```
 //!
 //! The sum `w = Σ w_mn sin mπξ sin nπη` over odd `m`, `n` (the first instability of the plate is
-//! symmetric) satisfies the support conditions 3.14 term by term. The stress function
-//! `F = ½(p_y ξ² + p_x η²) + Σ f_mn cos mπξ cos nπη` solves the second equation exactly for any
-//! such `w`: shear traction vanishes at the edges, which stay straight. The residual consists of
-//! projections of the first equation, one for each coefficient `w_mn`.
+//! symmetric) satisfies the support conditions 3.14 term by term. The stress function `F = ½(p_y ξ²
+//! + p_x η²) + Σ f_mn cos mπξ cos nπη` solves the second equation exactly for any such `w`: shear
+//! traction vanishes at the edges, which stay straight. The residual consists of projections of the
+//! first equation onto the products of sines, one projection for each coefficient `w_mn`.
 //!
-//! The series converges algebraically, because `L(w) = λ ≠ 0` on the edges, where every sine
-//! vanishes. The load at pull-in of a square plate with `α₁ = 2` is within 2e-6 of its limit for 15
-//! modes, and within 1e-10 for 160 modes.
+//! The series of sines converges algebraically, because `L(w) = λ ≠ 0` on the edges, where every
+//! sine vanishes. The load at pull-in of a square plate with `α₁ = 2` is within 2e-6 of its limit
+//! for 15 modes, and within 1e-10 for 160 modes.
 
 mod airy;
 mod basis;
@@ -40,31 +40,32 @@ use basis::{Grid, LARGEST, ordered_modes};
 use nalgebra::DMatrix;
 use projection::Sines;
 
-/// The mean square of a product of sines over the plate.
+/// The mean square of a product of sines over the plate, which is ¼.
 const MEAN_SQUARE: f64 = 0.25;
 
 /// The settings of a [`SinePlate`]. The default settings are 15 modes, in-plane supports `slide`,
 /// von Kármán's theory, the direct projection and dimensionless parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SineSettings {
-    /// The number of modes, `N ≥ 1`: pairs of odd wave numbers `(m, n)`, sorted by `m² + n²`, then
-    /// by `m`.
+    /// The number of modes, `N ≥ 1`; each mode is a pair of odd wave numbers `(m, n)`, and the
+    /// pairs are sorted by `m² + n²`, then by `m`.
     pub modes: usize,
     /// The in-plane supports of the edges; all edges stay straight and are free of shear traction.
-    /// [`InPlane::Slide`]: no normal displacement ("immovable" in section 3.2), with `p_x` and
-    /// `p_y` of eqs. 3.22–3.23.
-    /// [`InPlane::Straight`]: no mean normal force ("movable" in section 3.2), so that `p_x = p_y = 0`.
-    /// Other in-plane supports are rejected.
+    /// [`InPlane::Slide`]: the normal displacement of the edges is zero ("immovable" in section
+    /// 3.2), and `p_x` and `p_y` are given by eqs. 3.22–3.23.
+    /// [`InPlane::Straight`]: the mean normal force on the edges is zero ("movable" in section
+    /// 3.2), so that `p_x = p_y = 0`.
+    /// All other in-plane supports are rejected.
     pub in_plane: InPlane,
-    /// The theory: linear, or von Kármán's.
+    /// The theory of the plate: linear theory, or von Kármán's theory.
     pub theory: Theory,
     /// The projection.
     pub projection: Projection,
     /// The units and the meaning of the parameters.
     pub units: Units,
-    /// The number of Gauss points in each half direction; the default number integrates loads at
-    /// deflections up to 0.9 of the gap to 1e-9, and the products of sines of the multiplied
-    /// projection exactly up to rounding.
+    /// The number of Gauss points in each half direction; with the default number, loads at
+    /// deflections up to 0.9 of the gap are integrated with an error of 1e-9, and the products of
+    /// sines in the multiplied projection are integrated exactly up to rounding.
     pub quadrature_points: Option<usize>,
 }
 
@@ -84,9 +85,9 @@ impl Default for SineSettings {
 /// A term of the stress function: `coefficient · cos mπξ cos nπη`, in units of `Ed²`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StressTerm<T> {
-    /// The even wave number along x.
+    /// The even wave number along x of the term.
     pub m: usize,
-    /// The even wave number along y.
+    /// The even wave number along y of the term.
     pub n: usize,
     /// `f_mn`, eq. 3.24.
     pub coefficient: T,
@@ -96,8 +97,8 @@ pub struct StressTerm<T> {
 /// centre lines.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Vibration {
-    /// The frequency `ω a²√(ρh/D)`, or the frequency in Hz for a device; `−√(−ω²)` for an unstable
-    /// equilibrium.
+    /// The frequency `ω a²√(ρh/D)`, or the frequency in Hz for a device; for an unstable
+    /// equilibrium, `ω` is replaced by `−√(−ω²)`.
     pub frequency: f64,
     /// The coefficients of the products of sines in the mode, in the order of [`SinePlate::modes`],
     /// scaled to a deflection of 1 at the centre.
@@ -130,7 +131,7 @@ pub struct SinePlate {
 }
 
 impl SinePlate {
-    /// Sets up a plate: sorts the modes and tabulates their couplings and values.
+    /// Sets up the model of a plate: sorts the modes and tabulates their couplings and values.
     ///
     /// # Errors
     /// [`PlateError`] if the number of modes is zero, a mode has a wave number above 127, the
@@ -198,10 +199,10 @@ impl SinePlate {
         terms.map(|(m, n, coefficient)| StressTerm { m, n, coefficient }).collect()
     }
 
-    /// Returns the mean tensions `[N_x, N_y]` between the edges that the deflection `z` causes, in
-    /// units of `D/a²`, tension positive: `κp_x` and `α²κp_y`, eqs. 3.22–3.23; zero for
-    /// [`InPlane::Straight`] and in linear theory. Applied edge forces are not included in these
-    /// tensions.
+    /// Returns the mean in-plane tensions `[N_x, N_y]` between the edges that the deflection `z`
+    /// causes, `κp_x` and `α²κp_y` of eqs. 3.22–3.23, in units of `D/a²`, with tension positive;
+    /// they are zero for [`InPlane::Straight`] and in linear theory. The applied edge forces are
+    /// not included in these mean tensions.
     pub fn edge_tension<T: Scalar>(&self, z: &[T], p: &[T]) -> [T; 2] {
         let plate = self.settings.units.parameters(p);
         let [x, y] = self.sines.held_tension(z, &plate);

@@ -1,4 +1,4 @@
-//! The strip: a plate that is infinitely long in one direction, with immovable edges.
+//! The strip: a plate that is infinitely long in one direction, and whose edges are immovable.
 //!
 //! ```text
 //!     w'''' = λ/(1−w)² + 6α₁² (∫₀¹ w'² dx) w''
@@ -24,32 +24,34 @@ use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// The maximum number of functions of a strip.
+/// The maximum number of shape functions of a strip.
 const MOST: usize = 512;
 
 /// The supports of both ends of a strip.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Ends {
-    /// Simply supported ends: `w = w'' = 0`. The functions are `sin kπx` with odd `k`; convergence
-    /// is algebraic because `w''''` does not vanish at the ends (the error of the load at pull-in
-    /// falls with the seventh power of the number of functions: 6e-9 for 5 functions, 4e-11 for
-    /// 10).
+    /// Simply supported ends: `w = w'' = 0`. The shape functions are `sin kπx` with odd `k`.
+    /// Convergence is algebraic because `w''''` does not vanish at the ends: the error of the load
+    /// at pull-in falls with the seventh power of the number of functions, and is 6e-9 for 5
+    /// functions and 4e-11 for 10 functions.
     #[default]
     Supported,
-    /// Clamped ends: `w = w' = 0`. The functions are twice integrated Legendre polynomials,
+    /// Clamped ends: `w = w' = 0`. The shape functions are twice integrated Legendre polynomials,
     /// orthogonal in bending; convergence is exponential.
     Clamped,
 }
 
-/// The settings of a [`Strip`]. The default settings are 40 functions and simply supported ends.
+/// The settings of a [`Strip`]. The default settings are 40 shape functions and simply supported
+/// ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StripSettings {
-    /// The number of functions, from 1 to 512.
+    /// The number of shape functions, from 1 to 512.
     pub functions: usize,
     /// The support of both ends of the strip.
     pub ends: Ends,
-    /// The number of Gauss points on the half interval; by default the number of functions plus 32.
+    /// The number of Gauss points on the half interval; by default the number of shape functions
+    /// plus 32.
     pub quadrature_points: Option<usize>,
 }
 
@@ -59,12 +61,12 @@ impl Default for StripSettings {
     }
 }
 
-/// An electrically actuated strip whose deflection is expanded in `N` functions.
+/// An electrically actuated strip whose deflection is expanded in `N` shape functions.
 ///
 /// This [`ZeroProblem`] has the unknowns `w` (`N` coefficients of the deflection over the gap), the
 /// parameters `load` (`λ`, eq. 3.17) and `gap_ratio` (`α₁ = d/h`), and the dimensionless monitors
-/// of [all plates](super#monitors). The monitor `frequency` is the lowest frequency of the modes
-/// that are even about the middle.
+/// of [all plates](super#monitors). The monitor `frequency` is the lowest frequency among the modes
+/// of vibration that are even about the middle of the strip.
 ///
 /// ```
 /// use tangency::core::problem::ZeroProblem;
@@ -78,14 +80,14 @@ impl Default for StripSettings {
 #[derive(Clone, Debug)]
 pub struct Strip {
     functions: Functions,
-    /// The weights of the Gauss points on (0, ½), with the sum 1; the table of functions contains
-    /// the middle as an additional point.
+    /// The weights of the Gauss points on (0, ½), whose sum is 1; in addition to the Gauss points,
+    /// the table of shape functions contains the middle of the strip.
     weights: Vec<f64>,
-    /// The values of the functions at the points, one point after another.
+    /// The values of the shape functions at the points of the table, one point after another.
     table: Vec<f64>,
-    /// The bending stiffnesses: `∫φ_i''φ_j'' = stiffness_i δ_ij`.
+    /// The bending stiffnesses of the shape functions: `∫φ_i''φ_j'' = stiffness_i δ_ij`.
     stiffness: Vec<f64>,
-    /// The integrals `∫φ_i'φ_j'`, row by row.
+    /// The integrals `∫φ_i'φ_j'` of the slopes of the shape functions, row by row.
     slopes: Vec<f64>,
     mass: DMatrix<f64>,
     flat_frequency: f64,
@@ -96,7 +98,7 @@ impl Strip {
     /// quadrature points.
     ///
     /// # Errors
-    /// [`PlateError`] if the number of functions is out of range, or the number of quadrature
+    /// [`PlateError`] if the number of shape functions is out of range, or the number of quadrature
     /// points is smaller than the number of functions.
     pub fn new(settings: StripSettings) -> Result<Self, PlateError> {
         let n = settings.functions;
@@ -146,12 +148,13 @@ impl Strip {
         z.iter().zip(functions).fold(T::zero(), |sum, (&z, [value, _])| sum + z * value)
     }
 
-    /// Returns the deflection at a point of the table; the last point is the middle.
+    /// Returns the deflection at a point of the table of shape functions; the last point is the
+    /// middle of the strip.
     fn tabulated<T: Scalar>(&self, z: &[T], point: usize) -> T {
         dot(z, self.row(point))
     }
 
-    /// Returns the values of all functions at a point of the table.
+    /// Returns the values of all shape functions at a point of the table.
     fn row(&self, point: usize) -> &[f64] {
         &self.table[point * self.stiffness.len()..][..self.stiffness.len()]
     }
@@ -225,17 +228,17 @@ impl ZeroProblem for Strip {
     }
 }
 
-/// The functions of a strip, even about the middle.
+/// The shape functions of a strip, which are even about the middle.
 #[derive(Clone, Debug)]
 enum Functions {
-    /// The functions `sin (2i+1)πx`; the value is the number of functions.
+    /// The functions `sin (2i+1)πx`; the value of the variant is the number of functions.
     Sines(usize),
     /// Twice integrated Legendre polynomials, scaled such that `∫₀¹ φ_i''² dx = 1`.
     Bubbles(Basis),
 }
 
 impl Functions {
-    /// Returns the values and slopes of all functions at `0 ≤ x ≤ 1`.
+    /// Returns the values and slopes of all shape functions at `0 ≤ x ≤ 1`.
     fn at(&self, x: f64) -> Vec<[f64; 2]> {
         match self {
             Functions::Sines(count) => {

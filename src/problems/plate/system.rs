@@ -14,10 +14,11 @@ use faer::Mat;
 use num_dual::Dual64;
 use std::mem::take;
 
-/// The maximum number of unknowns of a refined discretisation.
+/// The maximum number of unknowns of a refined discretisation of a plate.
 const LARGEST_RUNG: usize = 500;
 
-/// Computes the mixed derivative of `F` along `directions` (each of the length of `x`), into `out`.
+/// Computes the mixed derivative of the residual `F` along the given `directions`, each of the
+/// length of `x`, into `out`.
 fn differentiate<T: Directional>(
     work: &mut Workspace<T>,
     model: &Discretisation,
@@ -63,8 +64,8 @@ fn prolonged(from: &Discretisation, to: &Discretisation, z: &[f64]) -> Vec<f64> 
 }
 
 impl Ritz {
-    /// Returns the point `x = (z, p)` of the same plate and deflection for larger numbers of
-    /// functions (no number may be smaller than the present one).
+    /// Returns the point `x = (z, p)` that describes the same plate and deflection with larger
+    /// numbers of basis functions; no number may be smaller than the present number.
     pub fn carry(&self, x: &[f64], finer: &Ritz) -> Vec<f64> {
         let (z, p) = x.split_at(self.model.unknowns());
         let mut carried = prolonged(&self.model, &finer.model, z);
@@ -77,7 +78,8 @@ impl Ritz {
         out.copy_from_slice(&self.assembly.matrix);
     }
 
-    /// Returns the lowest `ω²` about `x`, and stores its mode in `self.mode`.
+    /// Returns the lowest squared frequency `ω²` of vibrations about `x`, and stores its mode in
+    /// `self.mode`.
     fn lowest(&mut self, x: &[f64]) -> Result<f64, Failure> {
         self.ensure_modes(x)?;
         self.eigenproblem.shape(0, &mut self.mode[..self.model.unknowns()]);
@@ -96,8 +98,8 @@ impl Ritz {
         Ok(self.flat.as_ref().map_or(f64::NAN, |flat| signed_root(flat.square)))
     }
 
-    /// Computes the gradient of `ω²` of the unloaded plate with respect to the varied parameters,
-    /// into the last components of `out`.
+    /// Computes the gradient of the squared frequency `ω²` of the unloaded plate with respect to
+    /// the varied parameters, and stores it in the last components of `out`.
     fn flat_gradient(
         &mut self,
         x: &[f64],
@@ -124,7 +126,7 @@ impl Ritz {
         Ok(())
     }
 
-    /// Computes the gradient of the dimensionless `ω` into `out`, and returns `ω`.
+    /// Computes the gradient of the dimensionless frequency `ω` into `out`, and returns `ω`.
     fn frequency_gradient(
         &mut self,
         x: &[f64],
@@ -142,7 +144,8 @@ impl Ritz {
         Ok(omega)
     }
 
-    /// Converts a frequency gradient to the unit of the problem: `out ← unit · out + ω ∇unit`.
+    /// Converts the gradient of a frequency to the unit of frequency of the problem: `out ← unit ·
+    /// out + ω ∇unit`.
     fn apply_unit(&self, x: &[f64], omega: f64, out: &mut [f64]) {
         let n = self.model.unknowns();
         let units = self.model.settings.units;
@@ -256,8 +259,8 @@ impl System for Ritz {
         domain::finite(out, |i| format!("a derivative of component {i} of the residual"))
     }
 
-    /// Computes the gradient of a directional derivative of `F`, which equals a derivative of one
-    /// higher order because `F` is itself a gradient.
+    /// Computes the gradient of a directional derivative of the residual `F`; this gradient equals
+    /// a derivative of `F` of one higher order, because `F` is itself the gradient of a potential.
     fn gradient(
         &mut self,
         x: &[f64],

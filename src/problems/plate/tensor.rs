@@ -1,7 +1,7 @@
-//! Sum factorisation: evaluates fields that are sums of tensor products, `Σ_ij c_ij f_i(ξ) g_j(ζ)`,
-//! at the nodes of a tensor-product rule, and integrals of fields times such products, one variable
-//! after another. For `n` functions and `m` nodes per direction, this takes `n²m + nm²`
-//! multiplications instead of `n²m²`.
+//! Sum factorisation of tensor products: evaluates fields `Σ_ij c_ij f_i(ξ) g_j(ζ)` at the nodes of
+//! a tensor-product rule, and integrals of fields times products `f_i g_j`, by summing over one
+//! variable after another. For `n` functions and `m` nodes per direction, such an evaluation takes
+//! `n²m + nm²` multiplications instead of `n²m²`.
 //!
 //! The coefficient `(i, j)` is at position `i·n_y + j`, the value of a field at node `(p, q)` at
 //! position `p·m_y + q`; tables have the order of [`Table`](super::basis::Table).
@@ -20,8 +20,8 @@ pub struct Rule {
 }
 
 impl Rule {
-    /// Creates a rule that is exact for polynomials up to degree `degree`, or only for even
-    /// polynomials if `symmetric`.
+    /// Creates a quadrature rule that is exact for all polynomials up to degree `degree`, or, if
+    /// `symmetric`, only for the even ones.
     pub fn exact(degree: usize, symmetric: bool) -> Rule {
         let count = degree / 2 + 1;
         let (nodes, weights) =
@@ -34,8 +34,9 @@ impl Rule {
         }
     }
 
-    /// Creates a rule with `count` nodes on half the interval, for functions that vary most in the
-    /// middle of the interval: on `[0, 1]` if `symmetric`, otherwise on both halves.
+    /// Creates a quadrature rule for functions that vary most in the middle of the interval, with
+    /// `count` nodes on each half of the interval; if `symmetric`, the rule covers only the half
+    /// `[0, 1]`.
     pub fn halves(count: usize, symmetric: bool) -> Rule {
         let (nodes, weights) = gauss_legendre(count);
         let right: Vec<f64> = nodes.iter().map(|t| 0.5 + 0.5 * t).collect();
@@ -60,13 +61,14 @@ impl Rule {
     }
 }
 
-/// Returns the weights of the mean over the plate for two rules, node by node.
+/// Returns the quadrature weights of the mean over the plate at the nodes of the tensor product of
+/// two rules, node by node.
 pub fn weights([x, y]: &[Rule; 2]) -> impl Iterator<Item = f64> {
     x.weights.iter().flat_map(|wx| y.weights.iter().map(move |wy| wx * wy))
 }
 
-/// Functions of the two variables at the nodes of a tensor-product rule: a table for `ξ` and a
-/// table for `ζ`.
+/// Functions of two variables at the nodes of a tensor-product quadrature rule: a table for `ξ` and
+/// a table for `ζ`.
 #[derive(Clone, Copy, Debug)]
 pub struct Product<'a> {
     /// The functions of `ξ` (values or slopes) at the nodes.
@@ -82,8 +84,8 @@ impl Product<'_> {
         [self.x.len() / self.points[0].max(1), self.y.len() / self.points[1].max(1)]
     }
 
-    /// Expands the field with coefficients `c` at the nodes into `field`, using the workspace
-    /// `half`.
+    /// Evaluates the field with the coefficients `c` at the nodes, and writes the values into
+    /// `field`; `half` is a workspace.
     pub fn expand<T: Scalar>(&self, c: &[T], half: &mut Vec<T>, field: &mut [T]) {
         with_avx2(
             #[inline(always)]
@@ -109,8 +111,8 @@ impl Product<'_> {
         }
     }
 
-    /// Adds to `c` the sum over the nodes of `field` times each product of functions (the field
-    /// includes the quadrature weights).
+    /// Adds to each coefficient in `c` the sum over the nodes of `field` times the corresponding
+    /// product of functions; the values in `field` include the quadrature weights.
     pub fn project<T: Scalar>(&self, field: &[T], half: &mut Vec<T>, c: &mut [T]) {
         with_avx2(
             #[inline(always)]
@@ -150,8 +152,8 @@ fn add_scaled<T: Scalar>(out: &mut [T], values: &[T], factor: f64) {
     }
 }
 
-/// Computes `Σ aᵢ bᵢ` in four independent partial sums, so that an addition does not wait for the
-/// previous one.
+/// Computes the scalar product `Σ aᵢ bᵢ` in four independent partial sums, so that an addition need
+/// not wait for the result of the previous addition.
 #[inline(always)]
 pub fn dot<T: Scalar>(a: &[T], b: &[f64]) -> T {
     let mut sums = [T::zero(); 4];
@@ -182,7 +184,7 @@ pub fn moments(rule: &Rule, a: &[f64], b: &[f64]) -> Vec<f64> {
     matrix
 }
 
-/// Returns the means `⟨a_i⟩` of all functions of a table.
+/// Returns the means `⟨a_i⟩` of all functions of a table at the nodes of a quadrature rule.
 pub fn means(rule: &Rule, a: &[f64]) -> Vec<f64> {
     a.chunks_exact(rule.len())
         .map(|a| a.iter().zip(&rule.weights).map(|(a, w)| a * w).sum())

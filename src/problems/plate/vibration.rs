@@ -21,10 +21,10 @@ pub(super) trait Vibrates: ZeroProblem + Sized {
     /// column.
     fn mass(&self, z: &[f64]) -> Vec<f64>;
 
-    /// Returns the bilinear form `ℓᵀ M(z) r` of two vectors.
+    /// Returns the value `ℓᵀ M(z) r` of the bilinear form of the inertia for two vectors.
     fn inertia<T: Scalar>(&self, z: &[T], vectors: &Lowest) -> T;
 
-    /// Returns the Jacobian `J`, stored column by column.
+    /// Returns the Jacobian `J = ∂r/∂z`, stored column by column.
     fn stiffness(&self, z: &[f64], p: &[f64]) -> Vec<f64> {
         let n = z.len();
         let p: Vec<_> = p.iter().map(|p| Chunk::from(*p)).collect();
@@ -42,8 +42,8 @@ pub(super) trait Vibrates: ZeroProblem + Sized {
         matrix
     }
 
-    /// Returns the eigenvectors of the lowest `ω²` about an equilibrium; `None` if values are not
-    /// finite or the lowest eigenvalue is not real.
+    /// Returns the eigenvectors for the lowest squared frequency `ω²` of vibrations about an
+    /// equilibrium; `None` if values are not finite or the lowest eigenvalue is not real.
     fn lowest(&self, z: &[f64], p: &[f64]) -> Option<Lowest> {
         let (stiffness, mass) = (self.stiffness(z, p), self.mass(z));
         if self.dynamics() != Dynamics::Potential {
@@ -53,15 +53,16 @@ pub(super) trait Vibrates: ZeroProblem + Sized {
         Some(Lowest { left: right.clone(), right })
     }
 
-    /// Returns the Rayleigh quotient for `ω²` from the left and right eigenvectors; it is
-    /// stationary, so its first derivatives equal the first derivatives of the eigenvalue.
+    /// Returns the Rayleigh quotient for the squared frequency `ω²` from the left and right
+    /// eigenvectors; the quotient is stationary, so its first derivatives equal the first
+    /// derivatives of the eigenvalue.
     fn frequency_squared<T: Scalar>(&self, z: &[T], p: &[T], vectors: &Lowest) -> T {
         product(self, z, p, vectors) / self.inertia(z, vectors)
     }
 
-    /// Returns the lowest dimensionless `ω`; `−√(−ω²)` if the equilibrium is unstable, NaN if the
-    /// lowest eigenvalue is not real. The returned value and its first derivatives are exact;
-    /// second derivatives neglect the change of the mode.
+    /// Returns the lowest dimensionless frequency `ω`; `−√(−ω²)` if the equilibrium is unstable,
+    /// NaN if the lowest eigenvalue is not real. The returned frequency and its first derivatives
+    /// are exact; second derivatives neglect the change of the mode.
     fn frequency<T: Scalar>(&self, z: &[T], p: &[T]) -> T {
         match self.lowest(&reals(z), &reals(p)) {
             Some(vectors) => signed_root(self.frequency_squared(z, p, &vectors)),
@@ -101,8 +102,8 @@ fn lowest_general(jacobian: &[f64], mass: &[f64]) -> Option<Lowest> {
     Some(Lowest { left: iterate(shifted.transpose())?, right: iterate(shifted)? })
 }
 
-/// Computes `ℓᵀ (∂r/∂z) r` in the scalar type of `z`, by one evaluation of the residual at `z +
-/// εr`.
+/// Computes `ℓᵀ (∂r/∂z) v` for two vectors `ℓ` and `v`, in the scalar type of `z`, by one
+/// evaluation of the residual `r` at `z + εv`.
 fn product<P: ZeroProblem, T: Scalar>(problem: &P, z: &[T], p: &[T], vectors: &Lowest) -> T {
     let point: Vec<_> =
         z.iter().zip(&vectors.right).map(|(&z, &r)| Dual::new(z, T::constant(r))).collect();

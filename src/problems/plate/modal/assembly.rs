@@ -1,10 +1,10 @@
-//! The derivative `∂r/∂q` of the residual for each of the two projections, assembled from the
-//! tables.
+//! The derivative `∂r/∂q` of the residual with respect to the coefficients of the modes, for each
+//! of the two projections; it is assembled from tables.
 //!
-//! Differentiating the residual by dual numbers would carry eight derivatives through every sum.
-//! Most sums in the residual are linear in `q` or in products of its components, so their
-//! derivatives are known tables. The assembled derivative is tested against the derivative of the
-//! residual by dual numbers.
+//! If the residual were differentiated by dual numbers, every sum would carry eight derivatives.
+//! Most sums in the residual are linear in the coefficients `q` or in products of these
+//! coefficients, so their derivatives are known tables. Tests compare the assembled derivative with
+//! the derivative of the residual that dual numbers give.
 
 use super::membrane;
 use super::projection::{Direct, Linear, Multiplied, integrand};
@@ -51,9 +51,9 @@ impl Direct {
 }
 
 impl Multiplied {
-    /// Computes `∂r_i/∂q_k` into `out` at position `k·N + i`; dual numbers give the derivatives of
-    /// the integrand at each node, and the tables give the derivatives of the integrand's arguments
-    /// with respect to `q`.
+    /// Computes `∂r_i/∂q_k` into `out` at position `k·N + i`. At each node, dual numbers give the
+    /// derivatives of the integrand with respect to its arguments, and the tables give the
+    /// derivatives of these arguments with respect to `q`.
     pub fn stiffness(&self, linear: &Linear, q: &[f64], plate: &Parameters<f64>, out: &mut [f64]) {
         let n = q.len();
         out.fill(0.0);

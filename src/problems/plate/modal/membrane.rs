@@ -15,7 +15,8 @@
 use crate::core::scalar::Scalar;
 use crate::problems::plate::tensor::dot;
 
-/// Returns the products `s_P = q_i²` or `2q_i q_j` for all pairs `i ≤ j`.
+/// Returns the products `s_P` of two coefficients for all pairs `P = (i, j)` with `i ≤ j`: `q_i²`
+/// for `i = j`, otherwise `2q_i q_j`.
 pub(super) fn products<T: Scalar>(q: &[T]) -> Vec<T> {
     let mut products = Vec::with_capacity(q.len() * (q.len() + 1) / 2);
     for (i, first) in q.iter().enumerate() {

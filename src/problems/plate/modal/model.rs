@@ -19,7 +19,7 @@ use crate::problems::plate::vibration::{Vibrates, reals};
 use crate::problems::plate::{domain, monitors, profile};
 
 /// The largest relative deviation of `α` and `ν` from the values for which the modes were computed;
-/// it allows for rounding of `b/a`.
+/// deviations up to this limit can be caused by rounding of `b/a`.
 const SAME: f64 = 1e-12;
 
 /// The model of a plate whose deflection is expanded in `N` modes of the flat plate.
@@ -52,11 +52,11 @@ const SAME: f64 = 1e-12;
 pub struct Modal {
     settings: ModalSettings,
     plate: Ritz,
-    /// The coefficients of the modes in the unknowns of the full model `plate`.
+    /// The modes, given by their coefficients in the unknowns of the full model `plate`.
     shapes: Vec<Vec<f64>>,
     pub(super) linear: Linear,
     pub(super) projected: Projected,
-    /// The values of the modes at the nodes of the search for the largest deflection.
+    /// The values of the modes at the nodes at which the largest deflection is searched.
     search: Nodes,
     places: [Rule; 2],
 }
@@ -67,11 +67,12 @@ pub(super) enum Projected {
 }
 
 impl Modal {
-    /// Computes the modes of the flat plate, and eliminates the in-plane displacements.
+    /// Computes the modes of the flat plate, and eliminates the in-plane displacements from the
+    /// equations.
     ///
     /// # Errors
-    /// [`PlateError`] if the number of modes or the accuracy is out of range, the modes do not meet
-    /// the accuracy, or the plate cannot be set up.
+    /// [`PlateError`] if the number of modes or the accuracy is out of range, the modes do not
+    /// reach the accuracy, or the plate cannot be set up.
     pub fn new(settings: ModalSettings) -> Result<Modal, PlateError> {
         let (modes, accuracy) = (settings.modes, settings.mode_accuracy);
         PlateError::check("modes", modes, [1, MOST_MODES])?;
@@ -137,8 +138,8 @@ impl Modal {
         self.settings.plate.units.parameters(p)
     }
 
-    /// Returns the largest deflection at the search nodes and the position `ξ`, `ζ` of its node;
-    /// NaN if any deflection is NaN.
+    /// Returns the largest deflection at the nodes of the search grid, and the position `ξ`, `ζ` of
+    /// the node with this deflection; NaN if any deflection is NaN.
     pub(super) fn on_grid(&self, z: &[f64]) -> (f64, [f64; 2]) {
         let deflections = self.search.values.chunks_exact(z.len()).map(|values| dot(z, values));
         let (k, largest) = shape::highest(deflections);
@@ -146,7 +147,8 @@ impl Modal {
         (largest, [x.nodes[k / y.len()], y.nodes[k % y.len()]])
     }
 
-    /// Returns the largest deflection and its position, as fractions of the sides from 0 to 1.
+    /// Returns the largest deflection and the position at which it occurs, as fractions of the
+    /// sides from 0 to 1.
     fn largest(&self, z: &[f64]) -> [f64; 3] {
         let (best, [xi, zeta]) = self.on_grid(z);
         let model = &self.plate.model;
@@ -159,8 +161,8 @@ impl Modal {
         [w, 0.5 + 0.5 * xi, 0.5 + 0.5 * zeta]
     }
 
-    /// Rejects parameters outside the domain, and values of `α` and `ν` for which the modes were
-    /// not computed.
+    /// Returns an error for parameters outside the domain of the equations, and for values of `α`
+    /// and `ν` that differ from the values for which the modes were computed.
     fn check_parameters(&self, p: &[f64]) -> Result<(), OutOfDomain> {
         let settings = &self.settings;
         let plate = domain::parameters(settings.plate.units, p)?;

@@ -13,29 +13,31 @@ use crate::problems::plate::parameters::Parameters;
 use crate::problems::plate::tensor::{Rule, dot};
 use crate::problems::plate::terms::Theory;
 
-/// Pairs of a largest deflection and the number of quadrature nodes for the load in each half
-/// direction. Further nodes are added for each half wave of the highest mode, which is a factor of
-/// the integrand (the deflection itself consists mostly of the lowest mode). The numbers of nodes
-/// are sufficient: twenty more nodes change loads at pull-in only beyond the ninth digit.
+/// Pairs of numbers: a largest deflection, and the number of quadrature nodes in each half
+/// direction with which the load is accurate up to this deflection. For each half wave of the
+/// highest mode, further nodes are added, because the highest mode is a factor of the integrand;
+/// the deflection itself consists mostly of the lowest mode. The numbers of nodes are sufficient:
+/// twenty more nodes change loads at pull-in only beyond the ninth digit.
 const LOAD_NODES: [(f64, usize); 4] = [(0.5, 16), (0.75, 24), (0.88, 32), (LARGEST_DEFLECTION, 48)];
 const LOAD_NODES_PER_WAVE: f64 = 0.8;
 
-/// The tables that both projections use.
+/// The tables that both projections of the equations use.
 pub(super) struct Linear {
     /// `ω_i²`.
     pub squares: Vec<f64>,
     /// `⟨φ_i⟩`.
     pub means: Vec<f64>,
-    /// The means `⟨φ_ix φ_kx⟩`, `⟨φ_iy φ_ky⟩` and `⟨φ_ix φ_ky + φ_iy φ_kx⟩`.
+    /// The means `⟨φ_ix φ_kx⟩`, `⟨φ_iy φ_ky⟩` and `⟨φ_ix φ_ky + φ_iy φ_kx⟩` of products of slopes
+    /// of the modes.
     pub slopes: [Vec<f64>; 3],
-    /// For each of the three edge forces, 1 if the plate carries the force and 0 if a free edge
-    /// excludes it.
+    /// For each of the three edge forces (along x, along y, in shear): 1 if the plate carries the
+    /// force, 0 if a free edge excludes it.
     carried: [f64; 3],
 }
 
 /// `r_i = ∂Π/∂q_i`.
 pub(super) struct Direct {
-    /// The matrix `A_PQ` of the stretching energy; `None` in linear theory.
+    /// The matrix `A_PQ` of the stretching energy; `None` in the linear theory of plates.
     pub(super) form: Option<Vec<f64>>,
     /// The quadrature rules for the load, each with the largest deflection at which it is accurate.
     pub(super) loads: [(f64, Nodes); LOAD_NODES.len()],
@@ -44,11 +46,12 @@ pub(super) struct Direct {
 /// The multiplied projection `r_i = ⟨φ_i (1−w)² · equation⟩`.
 pub(super) struct Multiplied {
     pub(super) nodes: Nodes,
-    /// The stresses `N₁`, `N₂`, `N₆` of all pairs of modes, node by node; `None` in linear theory.
+    /// The stresses `N₁`, `N₂`, `N₆` of all pairs of modes, node by node; `None` in the linear
+    /// theory of plates.
     pub(super) stress: Option<[Vec<f64>; 3]>,
 }
 
-/// Returns the stretching energy of the modes; `None` in linear theory.
+/// Returns the stretching energy of the modes; `None` in the linear theory of plates.
 fn membrane_form(
     settings: &ModalSettings,
     flat: &mut FlatModes,
@@ -137,7 +140,8 @@ impl Direct {
         }
     }
 
-    /// Returns the quadrature nodes for the load if the largest deflection is at most `largest`.
+    /// Returns the quadrature nodes with which the load is accurate if the largest deflection is at
+    /// most `largest`.
     pub(super) fn load_nodes(&self, largest: f64) -> &Nodes {
         let good = self.loads.iter().find(|(good, _)| largest <= *good);
         &good.unwrap_or(&self.loads[self.loads.len() - 1]).1
@@ -171,9 +175,9 @@ impl Multiplied {
     /// r_i = ⟨φ_i {(1−w)² [L(w) − pressure] − λ} + S·∇[φ_i (1−w)²]⟩
     /// ```
     ///
-    /// The last term is integrated by parts; boundary terms vanish because `φ_i` vanishes at edges
-    /// that carry a force. This form contains no second derivatives, and requires equilibrium in
-    /// the plane only in the mean.
+    /// The last term of the residual is integrated by parts; boundary terms vanish because `φ_i`
+    /// vanishes at edges that carry a force. This form of the residual contains no second
+    /// derivatives, and requires the stresses to be in equilibrium in the plane only in the mean.
     pub fn residual<T: Scalar>(
         &self,
         linear: &Linear,
@@ -208,14 +212,14 @@ impl Multiplied {
         }
     }
 
-    /// Returns `φ_i`, `φ_ix`, `φ_iy` of all modes at a node.
+    /// Returns the values `φ_i` and the slopes `φ_ix`, `φ_iy` of all modes at a node.
     pub(super) fn modes_at(&self, node: usize, modes: usize) -> [&[f64]; 3] {
         [&self.nodes.values, &self.nodes.slopes[0], &self.nodes.slopes[1]]
             .map(|rows| at(rows, node, modes))
     }
 
-    /// Returns `⟨(1−w)² φ_l φ_r⟩` for two combinations of modes: the inertia of the multiplied
-    /// equations.
+    /// Returns `⟨(1−w)² φ_l φ_r⟩`, the inertia of the multiplied equations, for two linear
+    /// combinations `φ_l`, `φ_r` of modes.
     pub fn inertia<T: Scalar>(&self, q: &[T], left: &[f64], right: &[f64]) -> T {
         let mut total = T::zero();
         for (values, weight) in self.nodes.values.chunks_exact(q.len()).zip(&self.nodes.weights) {
@@ -226,7 +230,7 @@ impl Multiplied {
         total
     }
 
-    /// Returns the matrix of the bilinear form [`inertia`](Self::inertia).
+    /// Returns the matrix of the bilinear form that [`inertia`](Self::inertia) evaluates.
     pub fn mass(&self, q: &[f64]) -> nalgebra::DMatrix<f64> {
         let n = q.len();
         let mut matrix = nalgebra::DMatrix::zeros(n, n);
@@ -256,9 +260,9 @@ pub(super) fn integrand<T: Scalar>(local: [T; 7], forces: [T; 3], pressure: T) -
     [gap_squared * (bending - pressure) - along, gap_squared * force_x, gap_squared * force_y]
 }
 
-/// Returns quadrature rules with `base` nodes in each half direction, and `per_wave` additional
-/// nodes for each half wave that the highest mode may have along the whole side: `ω = k²` for a
-/// mode of wave number `k`.
+/// Returns quadrature rules with `base` nodes in each half direction and `per_wave` additional
+/// nodes for each half wave of the highest mode along a whole side; the number of half waves is
+/// estimated from `ω = k²` for a mode of wave number `k`.
 fn halves(settings: &ModalSettings, flat: &FlatModes, base: usize, per_wave: f64) -> [Rule; 2] {
     let symmetric = flat.plate.model.symmetric;
     let highest = flat.squares.last().map_or(0.0, |square| square.max(0.0).sqrt().sqrt());

@@ -11,16 +11,17 @@ use crate::problems::plate::tensor::Rule;
 use crate::problems::plate::terms::Theory;
 use faer::{Mat, Side};
 
-/// The maximum number of transverse functions; with more functions, the eigenproblem would take
-/// seconds.
+/// The maximum number of basis functions of the deflection; with more functions, the solution of
+/// the eigenproblem would take seconds.
 const LARGEST_RUNG: usize = 600;
 
-/// The number of modes that are computed in addition to the requested ones, so that all modes with
-/// the frequency of the last one are available for ordering.
+/// The number of modes that are computed in addition to the requested modes, so that all modes with
+/// the same frequency as the last requested mode are known when modes of equal frequency are
+/// chosen.
 const BEYOND: usize = 6;
 
-/// The number of in-plane functions in excess of the transverse functions in each direction; more
-/// are needed because stresses contain products of slopes.
+/// The number by which the in-plane functions exceed the transverse functions in each direction;
+/// more in-plane functions are needed because stresses contain products of slopes.
 const IN_PLANE_BEYOND: usize = 6;
 
 /// The lowest modes of the flat plate, in the unknowns of a full plate model.
@@ -37,8 +38,8 @@ pub(super) struct FlatModes {
 impl FlatModes {
     /// Computes the modes of the flat plate that the settings request. If the settings do not
     /// contain numbers of functions, successively finer discretisations are tried until the modes
-    /// of two of them agree; otherwise the modes for the given numbers of functions must agree with
-    /// the modes of the next finer discretisation.
+    /// of two successive discretisations agree; otherwise the modes for the given numbers of
+    /// functions must agree with the modes of the next finer discretisation.
     pub fn new(settings: &ModalSettings) -> Result<FlatModes, PlateError> {
         let asked = settings.modes;
         let mut orders = settings.plate.orders.unwrap_or_else(|| first_rung(settings));
@@ -71,13 +72,13 @@ impl FlatModes {
     }
 }
 
-/// Adds the numbers of in-plane functions that match the numbers of transverse functions.
+/// Adds the numbers of in-plane functions that suit the given numbers of transverse functions.
 fn with_in_plane(orders: Orders) -> Orders {
     Orders { in_plane: orders.transverse.map(|n| n + IN_PLANE_BEYOND), ..orders }
 }
 
-/// Returns the default numbers of functions, or the first larger numbers that yield more functions
-/// than requested modes.
+/// Returns the default numbers of functions if they yield more functions than the number of
+/// requested modes; otherwise returns the first larger numbers that do.
 fn first_rung(settings: &ModalSettings) -> Orders {
     let RitzSettings { supports, symmetric, aspect, .. } = settings.plate;
     let symmetric = supports.alike().map(|alike| alike && symmetric);
@@ -88,8 +89,8 @@ fn first_rung(settings: &ModalSettings) -> Orders {
     with_in_plane(orders)
 }
 
-/// The modes for one of the successively finer discretisations, whose functions span a space of
-/// polynomials.
+/// The modes computed with one of the successively finer discretisations, whose basis functions
+/// span a space of polynomials.
 struct Rung {
     plate: Ritz,
     modes: Modes,
@@ -109,8 +110,9 @@ impl Rung {
         Ok(Rung { plate, modes })
     }
 
-    /// Returns the largest relative difference of `ω²` between the lowest `count` modes of two
-    /// discretisations; infinite if one of the discretisations has fewer modes.
+    /// Returns the largest relative difference between the squared frequencies `ω²` of the lowest
+    /// `count` modes in two discretisations; infinite if one of the discretisations has fewer
+    /// modes.
     fn error(&self, finer: &Rung, count: usize) -> f64 {
         let (coarse, fine) = (&self.modes.squares, &finer.modes.squares);
         if coarse.len().min(fine.len()) < count {
@@ -120,10 +122,11 @@ impl Rung {
         pairs.map(|(a, b)| (a - b).abs() / b.abs()).fold(0.0, f64::max)
     }
 
-    /// Chooses the modes of equal frequency uniquely: in these modes `⟨φ_x²⟩` is diagonal, in
-    /// ascending order. Without this choice, the combination of modes of equal frequency would
-    /// depend on rounding; the choice yields the modes (1,3), (3,1) of a supported square plate.
-    /// The sign of each mode is chosen so that its first nonzero moment is positive.
+    /// Makes the choice of modes with equal frequency unique: for the chosen modes, the matrix of
+    /// the means `⟨φ_ix φ_kx⟩` is diagonal, in ascending order. Without this rule, the combination
+    /// of modes of equal frequency would depend on rounding errors; for a supported square plate,
+    /// the rule yields the modes (1,3), (3,1). The sign of each mode is chosen so that its first
+    /// nonzero moment is positive.
     fn ordered(self, settings: &ModalSettings, orders: Orders) -> Result<FlatModes, PlateError> {
         let Rung { plate: bending, modes: Modes { squares, mut shapes } } = self;
         let rules = bending.model.product_rules();
@@ -150,7 +153,8 @@ impl Rung {
     }
 }
 
-/// Rotates orthonormal shapes within their span such that `⟨φ_x²⟩` becomes diagonal and ascending.
+/// Rotates orthonormal shapes within their span such that the matrix of the means `⟨φ_ix φ_kx⟩`
+/// becomes diagonal, in ascending order.
 fn separate(nodes: &Nodes, shapes: &mut [Vec<f64>]) {
     let count = shapes.len();
     let gram = nodes.gram(&nodes.slopes[0], &nodes.slopes[0]);
@@ -170,7 +174,8 @@ fn separate(nodes: &Nodes, shapes: &mut [Vec<f64>]) {
     shapes.clone_from_slice(&turned);
 }
 
-/// Returns the sign of the first moment of a mode that is not zero within rounding errors.
+/// Returns the sign of the first moment of a mode that differs from zero by more than rounding
+/// errors.
 fn sign(nodes: &Nodes, mode: usize, rules: &[Rule; 2]) -> f64 {
     let modes = nodes.values.len() / nodes.weights.len();
     let moment = |[i, j]: [i32; 2]| -> f64 {

@@ -3,13 +3,15 @@
 use crate::problems::plate::ritz::Ritz;
 use crate::problems::plate::tensor::{Rule, weights};
 
-/// The values of modes at nodes; the values of all modes at one node are stored together.
+/// The values of the modes at quadrature nodes; the values of all modes at one node are stored
+/// together.
 pub(super) struct Nodes {
-    /// The quadrature weights of the mean over the plate.
+    /// The quadrature weights, which give the mean over the plate.
     pub weights: Vec<f64>,
-    /// The values `φ_i` at node `k`, in entry `k·N + i`.
+    /// The values `φ_i` of the modes: the value of mode `i` at node `k` has the position `k·N + i`.
     pub values: Vec<f64>,
-    /// The slopes `φ_ix`, `φ_iy`, stored like the values, with lengths in units of the side `a`.
+    /// The slopes `φ_ix`, `φ_iy` of the modes, stored in the same order as the values, with lengths
+    /// in units of the side `a`.
     pub slopes: [Vec<f64>; 2],
 }
 
@@ -33,8 +35,8 @@ impl Nodes {
         }
     }
 
-    /// Returns the means of all products of functions from two tables, for the pair `(i, k)` at
-    /// `i·N + k`.
+    /// Returns the means of all products of a function from one table and a function from another
+    /// table; the pair `(i, k)` has the position `i·n + k`.
     pub fn gram(&self, first: &[f64], second: &[f64]) -> Vec<f64> {
         let modes = first.len() / self.weights.len();
         let mut matrix = vec![0.0; modes * modes];
@@ -48,7 +50,7 @@ impl Nodes {
     }
 }
 
-/// Returns the row of a table for a `node`.
+/// Returns the row of a table that contains the values at a `node`.
 pub(super) fn at(rows: &[f64], node: usize, width: usize) -> &[f64] {
     &rows[node * width..(node + 1) * width]
 }

@@ -12,12 +12,14 @@ use nalgebra::DMatrix;
 
 impl Modal {
     /// Returns the `count` lowest modes of vibration about an equilibrium, as coefficients of the
-    /// flat modes with mean square 1 over the plate ([`Modal::deflection`] evaluates them). For the
-    /// multiplied equations, only the lowest mode is available.
+    /// flat plate's modes; each mode has the mean square 1 over the plate, and
+    /// [`Modal::deflection`] evaluates it. For the equations of the multiplied projection, only the
+    /// lowest mode of vibration is available.
     ///
     /// # Errors
     /// [`Failure::OutOfDomain`] if the equilibrium is outside the domain of the equations,
-    /// [`Failure::Undetermined`] if the lowest eigenvalue of the multiplied equations is not real.
+    /// [`Failure::Undetermined`] if the lowest eigenvalue of the equations of the multiplied
+    /// projection is not real.
     pub fn modes(&self, z: &[f64], p: &[f64], count: usize) -> Result<Modes, Failure> {
         self.domain(z, p)?;
         let none = || {

@@ -17,7 +17,8 @@ struct Term {
 struct Function {
     m: u32,
     n: u32,
-    /// The position of the first term of its coefficient's quadratic form.
+    /// The position of the first term of the quadratic form that gives the coefficient of this term
+    /// of the stress function.
     first: u32,
     end: u32,
 }
@@ -25,8 +26,8 @@ struct Function {
 /// The quadratic forms `B_mn(w) = Σ b_rspq w_rs w_pq` of eq. 3.24, where the sum runs over ordered
 /// pairs of modes.
 ///
-/// The bracket of the deflection with itself is `Φ(w,w) = −(π⁴/4) Σ B_mn cos mπx cos nπy`, which
-/// gives `f_mn = B_mn / [8 (αm² + n²/α)²]`.
+/// The bracket `Φ` of the deflection with itself is `Φ(w,w) = −(π⁴/4) Σ B_mn cos mπx cos nπy`, and
+/// gives the coefficients `f_mn = B_mn / [8 (αm² + n²/α)²]` of the stress function.
 #[derive(Clone, Debug)]
 pub(super) struct Airy {
     functions: Vec<Function>,
@@ -86,11 +87,12 @@ impl Airy {
         all.map(|f| (f.m as usize, f.n as usize, self.coefficient(f, w, aspect))).collect()
     }
 
-    /// Adds the stretching term `−κ ∫∫ φ_i Φ(w, Σ f_mn ψ_mn)` to `r_i`, with `κ = 12(1−ν²)α₁²/α²`.
+    /// Adds the stretching term `−κ ∫∫ φ_i Φ(w, Σ f_mn ψ_mn)` to component `i` of the residual,
+    /// with `κ = 12(1−ν²)α₁²/α²`.
     ///
-    /// The trilinear form of the bracket is symmetric for these functions, so the integral is half
-    /// the derivative of `∫∫ Φ(w,w) ψ_mn` with respect to `w_i`, and can be computed from the same
-    /// quadratic form.
+    /// For these functions, the trilinear form of the bracket `Φ` is symmetric. The integral is
+    /// therefore half the derivative of `∫∫ Φ(w,w) ψ_mn` with respect to `w_i`, and can be computed
+    /// from the same quadratic form.
     pub fn add_force<T: Scalar>(&self, w: &[T], aspect: T, kappa: T, r: &mut [T]) {
         for function in &self.functions {
             let square = |m: u32| if m == 0 { 1.0 } else { 0.5 };

@@ -1,10 +1,11 @@
-//! Odd sines, even cosines, and the quadrature on half intervals of the symmetric plate.
+//! The sines of odd multiples and cosines of even multiples of π, and quadrature on half intervals
+//! for plates that are symmetric.
 
 use crate::core::scalar::Scalar;
 use crate::problems::plate::tensor::Rule;
 use std::f64::consts::PI;
 
-/// The largest number of odd wave numbers `1, 3, …, 2K − 1`, which is the width of a row of
+/// The largest number of odd wave numbers `1, 3, …, 2K − 1`; it is also the length of a row of
 /// coefficients.
 pub(super) const LARGEST: usize = 64;
 
@@ -23,13 +24,14 @@ pub(super) fn ordered_modes(count: usize) -> Vec<(usize, usize)> {
 /// 1].
 #[derive(Clone, Debug)]
 pub(super) struct Grid {
-    /// The number of odd wave numbers that are used.
+    /// The number of odd wave numbers that the model uses.
     pub width: usize,
     /// The Gauss points in (0, ½).
     pub points: Vec<f64>,
-    /// The quadrature weights, whose sum is 1 because all functions are even about ½.
+    /// The quadrature weights of the Gauss points; their sum is 1 because all integrated functions
+    /// are even about ½, and the integrals are over [0, 1].
     pub weights: Vec<f64>,
-    /// The values `sin (2k+1)πx`, where the point varies slowest.
+    /// The values `sin (2k+1)πx` at the Gauss points; the values at one point are stored together.
     sines: Vec<f64>,
     /// `cos (2k+1)πx`.
     cosines: Vec<f64>,
@@ -75,8 +77,8 @@ impl Grid {
     }
 }
 
-/// Returns the coefficients of the functions of x in `Σ_i z_i φ_{m_i}(x) f(n_i, y)`, for one value
-/// of y.
+/// Returns the coefficients of the functions of x in the sum `Σ_i z_i φ_{m_i}(x) f(n_i, y)`, for
+/// one value of y; `functions` gives the values `f(n, y)`.
 pub(super) fn row<T: Scalar>(
     modes: &[(usize, usize)],
     z: &[T],

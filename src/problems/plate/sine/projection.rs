@@ -8,16 +8,16 @@ use crate::problems::plate::tensor::dot;
 use nalgebra::DMatrix;
 use std::f64::consts::PI;
 
-/// The products of sines that expand a plate: their couplings, and their values at the quadrature
-/// nodes.
+/// The products of sines in which the deflection of a plate is expanded: the coefficients that
+/// couple them, and their values at the quadrature nodes.
 #[derive(Clone, Debug)]
 pub(super) struct Sines {
     /// `((m−1)/2, (n−1)/2)`.
     pub modes: Vec<(usize, usize)>,
-    /// The stress function of the plate; `None` in linear theory.
+    /// The stress function of the plate; `None` in the linear theory of plates.
     pub airy: Option<Airy>,
     pub grid: Grid,
-    /// Whether the edges are immovable, so that deflection stretches the plate.
+    /// Whether the edges are immovable in the plane, so that a deflection stretches the plate.
     pub held: bool,
 }
 
@@ -29,7 +29,8 @@ impl Sines {
         })
     }
 
-    /// Returns the forces `(κp_x, κp_y)` between immovable edges, eqs. 3.22–3.23.
+    /// Returns the mean in-plane forces `(κp_x, κp_y)` that the deflection causes between immovable
+    /// edges, eqs. 3.22–3.23; zero for movable edges.
     pub fn held_tension<T: Scalar>(&self, z: &[T], plate: &Parameters<T>) -> [T; 2] {
         if !self.held {
             return [T::zero(); 2];
@@ -37,8 +38,8 @@ impl Sines {
         airy::edge_tension(&self.modes, z, [plate.gap_ratio, plate.aspect, plate.nu])
     }
 
-    /// Returns `(κp_x − P_x, κp_y − P_y/α²)`, the uniform part of the in-plane forces, which are
-    /// the factors of `w_ξξ` and `w_ηη`.
+    /// Returns `(κp_x − P_x, κp_y − P_y/α²)`, the uniform part of the in-plane forces; in the
+    /// equation of motion, these numbers are the factors of `w_ξξ` and `w_ηη`.
     fn tension<T: Scalar>(&self, z: &[T], plate: &Parameters<T>) -> [T; 2] {
         let [x, y] = self.held_tension(z, plate);
         [x - plate.compression_x, y - plate.compression_y / (plate.aspect * plate.aspect)]
@@ -188,15 +189,16 @@ impl Sines {
     }
 }
 
-/// The terms of eq. 3.26 along one line `η = const`, as coefficients of the functions of `ξ`.
+/// The terms of eq. 3.26 along one line `η = const`, each given by its coefficients in an expansion
+/// in functions of `ξ`.
 struct Line<T> {
-    /// The coefficients of `w`, `w_η`, `w_ηη` and `L(w)`, which are sums of odd sines.
+    /// The coefficients of `w`, `w_η`, `w_ηη` and `L(w)` in their expansions in odd sines of `ξ`.
     w: [T; LARGEST],
     w_y: [T; LARGEST],
     w_yy: [T; LARGEST],
     bending: [T; LARGEST],
-    /// The coefficients of `κF`, `κF_η`, `κF_ηη` without the uniform forces, which are sums of even
-    /// cosines.
+    /// The coefficients of `κF`, `κF_η`, `κF_ηη`, without the uniform forces, in their expansions
+    /// in even cosines of `ξ`.
     stress: [Vec<T>; 3],
 }
 
@@ -207,7 +209,7 @@ impl<T: Scalar> Line<T> {
         Line { w: odd, w_y: odd, w_yy: odd, bending: odd, stress }
     }
 
-    /// Evaluates the terms of eq. 3.26 on the line through point `y` of the grid.
+    /// Evaluates the terms of eq. 3.26 on the line `η = const` that contains point `y` of the grid.
     fn cut(&mut self, sines: &Sines, y: usize, z: &[T], bending: &[T], stress: &[T]) {
         let (modes, grid) = (&sines.modes, &sines.grid);
         let (in_y, slope_in_y) = (grid.sines(y), grid.cosines(y));
@@ -227,8 +229,8 @@ impl<T: Scalar> Line<T> {
         }
     }
 
-    /// Returns `L(w) − κΦ(w,F)` at point `x` of the line `η = const`, for the uniform forces
-    /// `[tension_x, tension_y]`.
+    /// Returns `L(w) − κΦ(w,F)` at point `x` of the line `η = const`, given the uniform in-plane
+    /// forces `[tension_x, tension_y]`.
     fn force(&self, grid: &Grid, x: usize, [tension_x, tension_y]: [T; 2]) -> T {
         let (in_x, slope_in_x) = (grid.sines(x), grid.cosines(x));
         let w_yy = dot(&self.w_yy[..grid.width], in_x);
