@@ -32,8 +32,8 @@ impl Scene {
     /// are traced. For a scene without runs, a run along the first parameter is assumed.
     ///
     /// ```
-    /// use tangency::scene::{BUILT_IN, Scene};
-    /// let text = BUILT_IN.iter().find(|scene| scene.name == "lorenz").unwrap().text;
+    /// use tangency::scene::{LIBRARY, Scene};
+    /// let text = LIBRARY.iter().find(|scene| scene.name == "lorenz").unwrap().text;
     /// let columns = Scene::parse(text)?.columns().unwrap();
     /// assert!(["x", "max_x", "period"].iter().all(|name| columns.iter().any(|it| it == name)));
     /// assert!(!columns.contains(&"w".to_string()));
