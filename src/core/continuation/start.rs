@@ -38,9 +38,10 @@ const EQUAL: f64 = 1e-4;
 /// on arclength.
 const AT_LIMIT: f64 = 1e-2;
 
-/// Heuristic: the step along the parameter's range, as a fraction of the range ahead, after which
-/// unknowns that are zero at the start are measured to find their sizes.
-const FURTHER: f64 = 1e-3;
+/// Heuristic: the steps along the parameter's range, as fractions of the range ahead, after which
+/// unknowns that are zero at the start are measured to find their sizes. The second step is tried if
+/// no solution exists after the first step.
+const FURTHER: [f64; 2] = [1e-2, 1e-3];
 
 /// Heuristic: the maximal number of times that mesh intervals are added at the start of a curve.
 /// Each addition of mesh intervals may double their number.
@@ -288,14 +289,19 @@ fn further_along(
     start: &[f64],
     [low, high]: [f64; 2],
 ) -> Option<[Vec<f64>; 2]> {
-    let (parameter, mut point) = (corrector.equations.parameters_at(), start.to_vec());
+    if (high - low).is_infinite() {
+        return None;
+    }
+    let parameter = corrector.equations.parameters_at();
     let p = start[parameter];
     let end = if high - p >= p - low { high } else { low };
-    let is_finite = (high - low).is_finite();
-    point[parameter] += is_finite.then_some(FURTHER * (end - p))?;
-    let tangent = first_tangent(corrector, &mut point, None).ok()?;
-    let cleared = corrector.without_rounding(&point, &tangent);
-    Some(corrector.norm.without_residue(cleared, start))
+    FURTHER.into_iter().find_map(|fraction| {
+        let mut point = start.to_vec();
+        point[parameter] += fraction * (end - p);
+        let tangent = first_tangent(corrector, &mut point, None).ok()?;
+        let cleared = corrector.without_rounding(&point, &tangent);
+        Some(corrector.norm.without_residue(cleared, start))
+    })
 }
 
 /// Corrects a start with the current scales, and computes the tangent.
