@@ -25,18 +25,18 @@ pub enum Patience {
     Usual,
 }
 
-/// (H) The returns, and the time in units of the time scale, after which a short search ends.
+/// Heuristic: the returns, and the time in units of the time scale, after which a short search ends.
 const SHORT: (usize, f64) = (40, 150.0);
-/// (H) The returns after which a usual search ends: a page waits for searches from several states.
+/// Heuristic: the returns after which a usual search ends: a page waits for searches from several states.
 const RETURNS: usize = 200;
-/// (H) The duration of the curve of a motion that is not periodic, in forcing periods or in units
+/// Heuristic: the duration of the curve of a motion that is not periodic, in forcing periods or in units
 /// of the time scale: after a short search and after a usual search.
 const SHOWN: [f64; 2] = [50.0, 200.0];
 
-/// (H) The distance of a nearby state from a state of the motion, in units of the scales.
+/// Heuristic: the distance of a nearby state from a state of the motion, in units of the scales.
 const NUDGE: f64 = 1e-3;
 
-/// (H) The size of a motion, in units of the scales, up to which the motion is at rest.
+/// Heuristic: the size of a motion, in units of the scales, up to which the motion is at rest.
 const REST: f64 = 1e-7;
 
 /// The kind of an attractor.
