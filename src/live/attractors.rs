@@ -11,12 +11,12 @@ use std::sync::mpsc::Sender;
 
 /// The maximum number of points of a curve that is sent to the page.
 const MOST: usize = 4_000;
-/// (H) Two cycles or equilibria whose extents differ by less than this fraction of their size are
+/// Heuristic: two cycles or equilibria whose extents differ by less than this fraction of their size are
 /// equal.
 const EQUAL: f64 = 1e-3;
-/// (H) The same fraction for motions that are not periodic, whose extents depend on the duration.
+/// Heuristic: the same fraction for motions that are not periodic, whose extents depend on the duration.
 const SIMILAR: f64 = 0.2;
-/// (H) The size of an equilibrium, in units of the scales of the states.
+/// Heuristic: the size of an equilibrium, in units of the scales of the states.
 const AT_REST: f64 = 1e-2;
 /// The name of the horizontal axis of motions with one state.
 const TIME: &str = "time";

@@ -21,7 +21,7 @@ const USUAL: f64 = 50.0;
 const TIME_CONSTANTS: f64 = 8.0;
 const PERIODS: f64 = 5.0;
 const FORCED_PERIODS: f64 = 20.0;
-/// (H) The size of an eigenvalue, relative to the largest one, below which it gives no time scale:
+/// Heuristic: the size of an eigenvalue, relative to the largest one, below which it gives no time scale:
 /// at a fold, one eigenvalue is zero to rounding error.
 const ZERO: f64 = 1e-6;
 /// The number of grid lines along an axis on which nullclines are located.

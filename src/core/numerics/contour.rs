@@ -7,7 +7,7 @@ const ROUNDS: usize = 60;
 /// The value of the function at a zero, relative to its values at the ends of the grid edge, at
 /// which the zero is accurate.
 const ACCURATE: f64 = 1e-12;
-/// (H) The relative value above which a change of sign is a pole or a jump, and not a zero.
+/// Heuristic: the relative value above which a change of sign is a pole or a jump, and not a zero.
 const SINGULAR: f64 = 1e-3;
 
 /// An edge of the grid, from the node with two indices to the next node along an axis.
