@@ -119,7 +119,7 @@ fn zeno_without_contact() {
 fn events_without_progress_are_capped() {
     let error = refused(&Sinking { after: 0, to: 0.0 }, at(0, 0.0, &[0.5]), &[]);
     assert!(matches!(error, HybridError::Standstill { time: 0.4..0.6, .. }), "{error}");
-    assert!(one_line(&error).contains("of guard ground in mode water"), "{error}");
+    assert!(one_line(&error).contains("at the guard ground in mode water"), "{error}");
 }
 
 /// A guard that is zero at the start counts at once if it falls, and does not if it rises.
