@@ -194,7 +194,7 @@ pub enum SceneError {
     )]
     #[diagnostic(help(
         "change the range, the start or the varied parameter of `{from}` such that the branch passes a \
-         {kind}; the first `--along` names the parameter that varies along the branch"
+         point of the kind {kind}; the first `--along` names the parameter that varies along the branch"
     ))]
     NoSuchPoint {
         /// The name of the run that cannot start because the special point is missing.
