@@ -417,9 +417,9 @@ fn measures(states: &[String], monitors: Vec<String>) -> Vec<(String, Measure)> 
     norms.chain(Measure::by_default(single, monitors)).collect()
 }
 
-/// Returns the axis labels of columns: the label that the statement gives, or else the name of the
-/// column, followed by the unit. The column `period` has the unit of time, and the columns of the
-/// extremes of a state have the label and the unit of the state.
+/// Returns the axis labels of columns. The label is stated in the model or, if no label is stated,
+/// the name of the column; the unit follows in both cases. The column `period` has the unit of
+/// time, and the columns of the extremes of a state have the label and the unit of the state.
 fn labels_of(
     basis: &Basis,
     common: Common,

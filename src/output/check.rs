@@ -73,8 +73,8 @@ fn branch(branch: &Branch) -> Checked {
         let place = format!("{place}, label {}: after", second.label);
         require(false, &place, second.after, || {
             format!(
-                "the position of a special point must be at least {}, the position of the \
-                 special point with the previous label, {}",
+                "the position of a special point must be at least {}, which is the position of the \
+                 preceding special point (label {})",
                 first.after, first.label
             )
         })?;

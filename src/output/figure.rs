@@ -295,7 +295,8 @@ impl Series {
         Series { name, style, points, origins: Vec::new() }
     }
 
-    /// Creates a named curve through points, each with its origin.
+    /// Creates a named curve through points; each point comes with the place in a document from
+    /// which it is taken.
     pub(super) fn with_origins(
         name: impl Into<String>,
         style: Style,

@@ -25,8 +25,9 @@ pub struct StartPoint {
     /// parameters have the values of the special point.
     pub changed: Vec<String>,
     /// The other branches of the earlier result, besides the branch that contains the special
-    /// point. If the special point is the point where its branch emanates from another branch of
-    /// the earlier result, the branch is traced again from the special point of that other branch.
+    /// point. If the special point is the first point of a branch that emanates from a parent
+    /// branch of the earlier result, this branch is traced again from the corresponding special
+    /// point of the parent branch.
     pub beside: Vec<Branch>,
     /// The kind of special point whose curve starts at this point; `None` if the scene determines
     /// the kind.

@@ -90,7 +90,7 @@ fn impacting() -> Plan {
         .recommending("order 8", "1e-10")
 }
 
-/// Plans the diagram of integrators on a stiff vector field.
+/// Defines the work-precision diagram that compares integrators on a stiff vector field.
 fn stiff() -> Plan {
     let time = 2.0_f64;
     let exact = move || Ok(Answer { numbers: vec![time.cos()], work: 0.0 });

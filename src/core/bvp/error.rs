@@ -45,9 +45,9 @@ pub enum BoundaryError {
     /// whether solutions are periodic and how one period leads to the next.
     #[error(
         "the problem has {segments} segments with {boundary} boundary conditions and {closing} \
-         integral and phase conditions, which do not fit the shape {shape:?}: a periodic orbit is \
-         one closed segment with as many boundary conditions as states, and a cycle has no integral \
-         conditions"
+         integral and phase conditions, which do not fit the shape {shape:?}: the shape Periodic is one \
+         closed segment with as many boundary conditions as states, and the shape Cycle has no \
+         integral conditions"
     )]
     Shape {
         /// The shape.

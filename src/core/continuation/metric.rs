@@ -169,8 +169,9 @@ impl Metric {
         self.groups.iter().zip(&other.groups).any(|(own, other)| own < &(FINER * other))
     }
 
-    /// Increases the scales of groups to the sizes of the unknowns, and the scales of parameters
-    /// without a finite range to the distance that they have covered.
+    /// Increases the scale of each group of unknowns to the present size of the group, and the
+    /// scale of each parameter without a finite range to the distance that the parameter has
+    /// covered.
     pub fn grow(&mut self, names: &Names, z: &[f64], p: &[f64]) {
         let sizes = group_norms(names, z);
         for ((scale, fixed), size) in self.groups.iter_mut().zip(&self.fixed).zip(sizes) {
@@ -369,8 +370,8 @@ fn group_scales(
     sizes.iter().zip(slopes).map(scale).collect()
 }
 
-/// Replaces unknown scales of groups by 1 if their typical sizes are given, and otherwise by the
-/// largest scale of the other groups.
+/// Sets each scale that is not yet known: to 1 if the sizes of the groups of unknowns are measured
+/// in given typical sizes, and otherwise to the largest known scale of the other groups.
 fn with_fallback(scales: &[Option<f64>], given: bool) -> Vec<f64> {
     let others = scales.iter().flatten().fold(0.0, |most: f64, scale| most.max(*scale));
     let unknown = if given || others == 0.0 { 1.0 } else { others };

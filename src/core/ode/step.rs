@@ -126,7 +126,7 @@ impl<'a, F: FieldIn<T>, T: Scalar> Step<'a, F, T> {
         (self.sigma, self.sigma + self.h)
     }
 
-    /// Returns the length of the step, as a fraction of the flow.
+    /// Returns the length of the step, as a fraction of the duration of the flow.
     pub fn length(&self) -> f64 {
         self.h
     }
