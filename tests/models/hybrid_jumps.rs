@@ -89,7 +89,7 @@ fn a_branch_ends_where_a_reset_jumps() {
             "{run}, (name: \"on\", start: From(run: \"cells\", kind: G, switch: true), {along})"
         );
         let error = refused(CELLS, &switched);
-        assert!(error.contains("the reset of the event `A` jumps"), "{error}");
+        assert!(error.contains("the reset of the event `A` is discontinuous"), "{error}");
     }
 }
 
