@@ -96,7 +96,8 @@ fn a_state_that_begins_at_zero_with_a_slope_of_zero_has_a_scale() {
             let branch = &traced(&text)[0];
             let folds: Vec<_> = branch.of_kind(Kind::LP).collect();
             assert!(folds.len() == 1 && branch.special.iter().all(|it| it.converged), "{gap:e}");
-            close(folds[0].parameters[0] / exact, 1.0, 1e-10);
+            let voltage = branch.parameters.iter().position(|name| name == "V").unwrap();
+            close(folds[0].parameters[voltage] / exact, 1.0, 1e-10);
             close(folds[0].monitors[0] / (gap / 3.0), 1.0, 1e-7);
         }
     }
