@@ -73,7 +73,7 @@ struct Gallery {
     /// The names of the scenes to trace; without a name, the command traces all scenes
     #[arg(value_name = "NAME")]
     names: Vec<String>,
-    /// The folder of the gallery; the book contains the folder `docs/gallery`
+    /// The folder in which the gallery is written; the book includes the gallery in `docs/gallery`
     #[arg(long, value_name = "DIR", default_value = "docs/gallery")]
     out: PathBuf,
 }
@@ -120,7 +120,7 @@ struct Sentences {
     /// The seed of the random draw of sentences; the same seed draws the same sentences
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// The number of sentences to draw
+    /// The number of sentences to select at random
     #[arg(long, default_value_t = 200)]
     count: usize,
     /// The root folder of the project from which the sentences are sampled at random

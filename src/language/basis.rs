@@ -289,7 +289,7 @@ pub(super) struct Stated {
     pub formula: Formula,
 }
 
-/// Returns the names of all states in a statement.
+/// Returns the names of all states that the statement of a problem declares.
 pub(super) fn names_of(states: &[Stated]) -> Vec<String> {
     states.iter().flat_map(|stated| stated.elements.names()).collect()
 }

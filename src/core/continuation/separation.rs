@@ -28,8 +28,8 @@ use std::sync::Arc;
 /// threshold below which a part of a step counts as a point is the tolerance of Newton's method.
 const SHORTEST: f64 = 1e-10;
 
-/// Heuristic: the maximal number of cuts by which a step is divided. Separating two events requires
-/// five cuts, whatever their distance.
+/// Heuristic: the maximal number of cuts by which a step is divided. The search separates two
+/// neighbouring events by five subdivisions of the step, however close together the events are.
 const CUTS: usize = 60;
 
 /// The division of a step into parts, which are searched for events.

@@ -8,8 +8,8 @@ use crate::core::system::{Kind, Site, Solution, Start};
 use faer::c64;
 use std::f64::consts::TAU;
 
-/// Rounding: a product of normal form coefficients counts as a rounding error if it is smaller than
-/// this fraction of its terms.
+/// Rounding: an inner product that enters a coefficient of a normal form counts as zero if it is
+/// smaller than this fraction of the sum of the absolute values of its terms.
 const DEGENERATE: f64 = 1e-9;
 
 /// Heuristic: the largest relative difference between the vector field and its linearisation on the
