@@ -3,6 +3,7 @@
 mod amplitudes;
 mod attractors;
 mod codimension_two;
+mod crowding;
 mod cut_cycles;
 mod decisions;
 mod failures;

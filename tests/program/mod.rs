@@ -27,4 +27,5 @@ mod scenes;
 mod scenes_near_grazing;
 mod scenes_of_impacts;
 mod scenes_of_orbits;
+mod smooth_curves;
 mod sweeps;
