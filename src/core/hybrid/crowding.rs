@@ -1,5 +1,7 @@
 //! Detection of ever more frequent events, for example in a system in which a relay drives the motion
 //! to a state that is reached only after infinitely many switchings.
+//!
+//! Frequent events whose frequency rises over five windows, and then falls again, are mistaken for such a motion.
 
 /// Heuristic: the number of successive events in each window in which the frequency of events is
 /// measured.
