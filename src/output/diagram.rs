@@ -386,7 +386,7 @@ impl Curve<'_> {
                 let Some(at) = self.at(|column| special.value(column)) else { continue };
                 let style = match special.kind {
                     // Stability does not change here.
-                    Kind::EP | Kind::UZ | Kind::MX => pieces.style(),
+                    Kind::EP | Kind::UZ | Kind::RG | Kind::MX => pieces.style(),
                     _ => style_of(next),
                 };
                 let origin = Origin::Special { document, branch, label: special.label };

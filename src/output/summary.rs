@@ -102,9 +102,9 @@ impl Summary<'_> {
     /// Returns the value of the continuation parameter at which stability changes between a given
     /// point of the branch and the next point.
     fn boundary(&self, index: usize) -> f64 {
-        let changes = |kind| !matches!(kind, Kind::EP | Kind::UZ | Kind::MX | Kind::ND);
+        let keeps = |kind| matches!(kind, Kind::EP | Kind::UZ | Kind::RG | Kind::MX | Kind::ND);
         let mut special = self.0.special.iter().filter(|point| point.after == index);
-        let special = special.find(|point| point.converged && changes(point.kind));
+        let special = special.find(|point| point.converged && !keeps(point.kind));
         let column = self.0.released.first().and_then(|name| self.0.column(name));
         let value = special.zip(column).and_then(|(point, column)| point.value(column));
         value.unwrap_or_else(|| self.value(index))

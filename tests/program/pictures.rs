@@ -23,6 +23,24 @@ fn dark(png: &[u8]) -> Vec<[usize; 2]> {
     of.map(|(k, _)| [k % width, k / width]).collect()
 }
 
+/// Regular points that are saved on request do not move the bounds of stability: at `a = 0` the
+/// equilibrium `x = y = 0` loses its stability.
+#[test]
+fn saved_regular_points_do_not_change_stability() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let model = r#"Equations(states: [("x", "a*x - y - x*(x^2 + y^2)"), ("y", "x + a*y - y*(x^2 + y^2)")],
+        parameters: [("a", -1)])"#;
+    std::fs::write(at.join("m.ron"), model).unwrap();
+    for every in ["0", "1", "2", "3"] {
+        let set = format!("save_every={every}");
+        let said = succeeds(at, &["trace", "m.ron", "--along", "a=-1..1.1", "--set", &set]);
+        let stable = said.split("stable from -1 to ").nth(1).unwrap_or_else(|| panic!("{said}"));
+        let end: f64 = stable.split_whitespace().next().unwrap().parse().unwrap();
+        assert!(end.abs() < 1e-9, "{every}: {said}");
+    }
+}
+
 /// A triangle has three edges: as much of its outline is on the left as on the right.
 #[test]
 fn triangles_have_all_edges() {
