@@ -154,8 +154,8 @@ impl Plot {
             for table in sweeps.iter().flat_map(|it| &it.sweeps) {
                 if !table.has_column(column) {
                     warn(&format!(
-                        "the sweep `{}` has no column `{column}` and is not drawn: if `{column}` is a monitor, \
-                         repeat the sweep with `--measure {column}`",
+                        "the sweep `{}` has no column `{column}` and is not drawn: repeat the sweep with \
+                         `--measure {column}`",
                         table.name
                     ));
                 }

@@ -25,6 +25,14 @@ const LONGEST: f64 = 16_384.0;
 pub(super) const SPECK: f64 = 1.2;
 pub(super) const BLOT: f64 = 2.6;
 
+/// The largest number of spots that are drawn in full size, each at its exact position.
+const FEW: usize = 400;
+
+/// Returns whether so few spots are drawn that each of them is visible next to curves.
+pub(super) fn is_sparse(points: &[[f64; 2]]) -> bool {
+    points.len() <= FEW
+}
+
 /// The size of normal text, in units of the canvas.
 pub(super) const TEXT: f64 = 12.0;
 
@@ -252,6 +260,15 @@ impl<'a> Canvas<'a> {
         self.area
             .draw(&Circle::new(self.fine(centre), radius, self.stroke(outline, 1.0)))
             .map_err(failed)
+    }
+
+    /// Draws a square spot of a given size, exactly at every point.
+    pub fn spots(&self, points: &[[f64; 2]], colour: RGBColor, size: f64) -> Painted {
+        points.iter().try_for_each(|[x, y]| {
+            let ends = [-0.5, 0.5].map(|side| self.fine([*x, y + side * size]));
+            let path = PathElement::new(ends.to_vec(), self.stroke(colour, size));
+            self.area.draw(&path).map_err(failed)
+        })
     }
 
     /// Draws a square spot of a given size at every point. Spots at the same place are drawn once,
