@@ -120,8 +120,8 @@ fn sweeps_of_models_record_monitors() {
         stderr(&tangency(at, &both))
     };
     assert_eq!(plot("max_x"), "");
-    let said = plot("period");
-    assert!(said.contains("the sweep `up` has no column `period` and is not drawn"), "{said}");
+    let said = plot("mesh_error");
+    assert!(said.contains("the sweep `up` has no column `mesh_error` and is not drawn"), "{said}");
     let unknown = [&sweep[..], &["--measure", "max_y", "--afresh"]].concat();
     refused(at, &unknown, &["unknown measure `max_y`", "max_x"]);
 }

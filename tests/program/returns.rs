@@ -115,7 +115,7 @@ fn samples_that_cannot_be_are_refused() {
         )
     };
     let refused = |sweep: &str| one_line(&Scene::parse(&text("top - x", sweep)).unwrap_err());
-    assert!(refused("").contains("`--at EVENT`, `at` in a scene's sweep"));
+    assert!(refused("").contains("`--at EVENT`; `at` in a scene"));
     assert!(refused(r#"at: "flask","#).contains("did you mean `flash`"));
     let scene = Scene::parse(&text("top - x", r#"at: "flash","#)).unwrap();
     let found = swept(&scene, "s", Part::WHOLE, None, &mut ()).unwrap();
