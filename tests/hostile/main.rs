@@ -17,7 +17,7 @@
 //!   no signal.
 //! - After two seconds it is interrupted as by Ctrl-C, and then it ends within three.
 //! - A message begins with `error: ` (after warnings), names the file or the option, has no more
-//!   than 20 lines, none of them of more than 400 characters, and no control characters.
+//!   than 20 lines, none of them of more than 720 characters, and no control characters.
 //! - Inputs are as they were, special files are still what they were, pictures are whole; there are
 //!   no temporary files, and nothing is written elsewhere.
 

@@ -54,8 +54,8 @@ fn of_message(case: &Case, ended: &Ended) -> Option<String> {
     if message.lines().count() > 20 {
         return Some("has more than 20 lines".into());
     }
-    if message.lines().any(|line| line.chars().count() > 400) {
-        return Some("has a line of more than 400 characters".into());
+    if message.lines().any(|line| line.chars().count() > 720) {
+        return Some("has a line of more than 720 characters".into());
     }
     let mut lines = message.lines().skip_while(|line| line.starts_with("warning: "));
     match ended.code {
