@@ -146,8 +146,8 @@ fn calls_without_a_diagram_are_answered() {
     };
     let swept = json!({ "count": 3, "both": true, "at": "nothing" });
     let sweep = json!({ "sweep": { "page": "p", "turn": 1, "sweep": swept } }).to_string();
-    assert!(attractors(1).contains("there is no result"));
-    assert!(program.call(sweep.as_bytes()).contains("there is no result"));
+    assert!(attractors(1).contains("the page has no result"));
+    assert!(program.call(sweep.as_bytes()).contains("the page has no result"));
     let trace =
         json!({ "trace": { "page": "p", "turn": 1, "setup": { "name": "t", "text": HOPF } } });
     assert!(program.call(trace.to_string().as_bytes()).contains("\"done\""));
