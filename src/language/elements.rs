@@ -10,8 +10,7 @@ pub(super) const ELEMENTS: usize = 200_000;
 /// The names of the indices of an array element, each with its value.
 pub(super) type Indices = Vec<(Arc<str>, f64)>;
 
-/// A scalar, or an element of an array; an element has the values of those of its indices that have
-/// names.
+/// A scalar, or an element of an array; an element contains the values of its named indices.
 #[derive(Clone, Debug)]
 pub(super) struct Element {
     pub name: String,

@@ -6,7 +6,7 @@ use super::details::details;
 use super::http::{self, Refusal};
 use super::library::Library;
 use super::opened::{Opened, beginning, example};
-use super::pages::{Kept, Message, Pages, Slots, Tasks};
+use super::pages::{Kept, Message, Tasks};
 use super::plane::{self, Point, field, simulate};
 use super::setup::Setup;
 use super::sweeping::{self, Sweeping};
@@ -79,8 +79,8 @@ enum Call {
 pub(super) struct Service {
     pub library: Library,
     pub opened: Option<Opened>,
-    pub pages: Pages,
-    pub slots: Slots,
+    /// The traces of pages, with the last result of each page.
+    pub traces: Tasks,
     pub sweeps: Tasks,
     pub attractors: Tasks,
 }
@@ -104,39 +104,37 @@ impl Service {
             }
             Call::Trace { page, turn, setup } => self.trace(stream, &page, turn, *setup),
             Call::Stop { page } => {
-                self.pages.cancel(&page);
+                self.traces.pages.cancel(&page);
                 json_of(stream, &json!({}))
             }
-            Call::Sweep { page, turn, sweep } => self.on_kept(
-                stream,
-                (&page, turn),
-                |it| &it.sweeps,
-                move |kept, token, out| {
+            Call::Sweep { page, turn, sweep } => {
+                let work = move |kept: &Kept, token: &CancelToken, out: &Sender<Message>| {
                     sweeping::sweep(kept, &sweep, (token, out));
-                },
-            ),
+                };
+                self.task(stream, (page, turn), |it| &it.sweeps, work)
+            }
             Call::StopSweep { page } => {
                 self.sweeps.pages.cancel(&page);
                 json_of(stream, &json!({}))
             }
-            Call::Attractors { page, turn, place } => self.on_kept(
-                stream,
-                (&page, turn),
-                |it| &it.attractors,
-                move |kept, token, out| {
+            Call::Attractors { page, turn, place } => {
+                let work = move |kept: &Kept, token: &CancelToken, out: &Sender<Message>| {
                     attractors::attractors(kept, &place, (token, out));
-                },
-            ),
+                };
+                self.task(stream, (page, turn), |it| &it.attractors, work)
+            }
             Call::Settings { setup } => self.settings(stream, &setup),
             Call::Axes { page, x, y } => {
-                let kept = self.pages.turn_axes(&page, [x, y]);
+                let kept = self.traces.pages.turn_axes(&page, [x, y]);
                 json_of_kept(stream, kept, |kept| json!({ "drawing": Drawing::of(kept) }))
             }
             Call::Point { page, at } => {
-                json_of_kept(stream, self.pages.kept(&page), |kept| match details(kept, at) {
-                    Some(details) => json!({ "details": details }),
-                    None => {
-                        trouble("the selected point is not on the branches of the present result")
+                json_of_kept(stream, self.traces.pages.kept(&page), |kept| {
+                    match details(kept, at) {
+                        Some(details) => json!({ "details": details }),
+                        None => trouble(
+                            "the selected point is not on the branches of the present result",
+                        ),
                     }
                 })
             }
@@ -144,7 +142,7 @@ impl Service {
                 self.simulate(stream, page, number, (at, state, duration))
             }
             Call::Field { page, at, states, ranges } => {
-                self.of_result(stream, page, move |_, kept, _| {
+                self.message(stream, page, move |_, kept, _| {
                     Ok(json!({ "field": field(kept, at, (states, ranges))? }))
                 })
             }
@@ -173,7 +171,7 @@ impl Service {
 
     /// Sends the last result as a file.
     fn file(&self, stream: &mut TcpStream, page: &str, format: &str) -> std::io::Result<()> {
-        let Some(kept) = self.pages.kept(page) else {
+        let Some(kept) = self.traces.pages.kept(page) else {
             return json_of(stream, &trouble(NO_RESULT));
         };
         match rendered(&kept, format) {
@@ -191,40 +189,15 @@ impl Service {
         turn: u64,
         setup: Setup,
     ) -> std::io::Result<()> {
-        let Some(cancel) = self.pages.begin(page, turn) else {
+        let Some(cancel) = self.traces.pages.begin(page, turn) else {
             return json_of(stream, &json!({ "superseded": true }));
         };
         let (service, id) = (Arc::clone(self), page.to_string());
         stream_of(stream, (cancel, LONGEST), move |token, out| {
-            let Some(_slot) = service.slots.take(token) else { return };
+            let Some(_slot) = service.traces.slots.take(token) else { return };
             let at = (&service.library, service.opened.as_ref());
             if let Some(kept) = trace(&setup, at, token, out) {
-                service.pages.keep(&id, turn, kept);
-            }
-        })
-    }
-
-    /// Runs a computation that uses the last result of a page on a separate thread, and passes its
-    /// messages to the page.
-    fn on_kept(
-        self: &Arc<Self>,
-        stream: &mut TcpStream,
-        (page, turn): (&str, u64),
-        tasks: fn(&Service) -> &Tasks,
-        work: impl FnOnce(&Kept, &CancelToken, &Sender<Message>) + Send + 'static,
-    ) -> std::io::Result<()> {
-        let Some(kept) = self.pages.kept(page) else {
-            http::begin(stream, LINES)?;
-            let none = json!({ "failed": Trouble::plain(NO_RESULT), "end": true });
-            return stream.write_all(Message::of(&none).line());
-        };
-        let Some(cancel) = tasks(self).pages.begin(page, turn) else {
-            return json_of(stream, &json!({ "superseded": true }));
-        };
-        let service = Arc::clone(self);
-        stream_of(stream, (cancel, LONGEST), move |token, out| {
-            if let Some(_slot) = tasks(&service).slots.take(token) {
-                work(&kept, token, out);
+                service.traces.pages.keep(&id, turn, kept);
             }
         })
     }
@@ -238,33 +211,66 @@ impl Service {
         (at, state, duration): (Point, Vec<(String, f64)>, f64),
     ) -> std::io::Result<()> {
         let id = page.clone();
-        self.of_result(stream, page, move |service, kept, cancel| {
+        self.message(stream, page, move |service, kept, cancel| {
             let (simulated, history) = simulate(kept, at, (state, duration), cancel)?;
-            let kept = service.pages.add_history(&id, kept, (number, history));
+            let kept = service.traces.pages.add_history(&id, kept, (number, history));
             let bars = kept.map_or(Vec::new(), |kept| plane::bars(&kept));
             Ok(json!({ "simulated": simulated, "bars": bars }))
         })
     }
 
-    /// Computes a message from the last result of a page on a separate thread, and sends the
-    /// message.
-    fn of_result(
+    /// Starts a computation of a kind of which a page has at most one, and cancels the page's earlier
+    /// computation of this kind.
+    fn task(
+        self: &Arc<Self>,
+        stream: &mut TcpStream,
+        (page, turn): (String, u64),
+        tasks: fn(&Service) -> &Tasks,
+        work: impl FnOnce(&Kept, &CancelToken, &Sender<Message>) + Send + 'static,
+    ) -> std::io::Result<()> {
+        let Some(cancel) = tasks(self).pages.begin(&page, turn) else {
+            return json_of(stream, &json!({ "superseded": true }));
+        };
+        self.on_kept(stream, (page, tasks), (cancel, LONGEST), move |_, kept, token, out| {
+            work(kept, token, out);
+        })
+    }
+
+    /// Computes one message from the last result of a page.
+    fn message(
         self: &Arc<Self>,
         stream: &mut TcpStream,
         page: String,
         work: impl FnOnce(&Service, &Kept, &CancelToken) -> Result<Value, Trouble> + Send + 'static,
     ) -> std::io::Result<()> {
-        let service = Arc::clone(self);
         let limits = (CancelToken::default(), plane::LONGEST);
-        stream_of(stream, limits, move |token, out| {
-            let Some(_slot) = service.slots.take(token) else { return };
-            let message = match service.pages.kept(&page) {
-                None => json!({ "failed": Trouble::plain(NO_RESULT) }),
-                Some(kept) => work(&service, &kept, token)
-                    .unwrap_or_else(|trouble| json!({ "failed": trouble })),
-            };
+        self.on_kept(stream, (page, |it| &it.traces), limits, move |service, kept, token, out| {
+            let message = work(service, kept, token);
+            let message = message.unwrap_or_else(|trouble| json!({ "failed": trouble }));
             // The page may have been closed.
             let _ = out.send(Message::of(&message));
+        })
+    }
+
+    /// Runs a computation that uses the last result of a page on a separate thread, in a slot
+    /// of the given tasks, and passes its messages to the page.
+    fn on_kept(
+        self: &Arc<Self>,
+        stream: &mut TcpStream,
+        (page, tasks): (String, fn(&Service) -> &Tasks),
+        limits: (CancelToken, Duration),
+        work: impl FnOnce(&Service, &Kept, &CancelToken, &Sender<Message>) + Send + 'static,
+    ) -> std::io::Result<()> {
+        let service = Arc::clone(self);
+        stream_of(stream, limits, move |token, out| {
+            let Some(_slot) = tasks(&service).slots.take(token) else { return };
+            match service.traces.pages.kept(&page) {
+                Some(kept) => work(&service, &kept, token, out),
+                None => {
+                    let none = json!({ "failed": Trouble::plain(NO_RESULT) });
+                    let _ = out.send(Message::of(&none));
+                }
+            }
         })
     }
 }

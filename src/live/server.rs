@@ -5,7 +5,7 @@ use super::connections::Connections;
 use super::http::{self, Incoming, Refusal};
 use super::library::Library;
 use super::opened::Opened;
-use super::pages::{Pages, Slots, Tasks};
+use super::pages::Tasks;
 use std::io;
 use std::net::{Ipv4Addr, SocketAddr, TcpListener, TcpStream};
 use std::sync::Arc;
@@ -68,8 +68,7 @@ impl Server {
         let service = Arc::new(Service {
             library,
             opened,
-            pages: Pages::default(),
-            slots: Slots::new(),
+            traces: Tasks::new(),
             sweeps: Tasks::new(),
             attractors: Tasks::new(),
         });

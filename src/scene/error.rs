@@ -193,7 +193,7 @@ pub enum SceneError {
         nth + 1, counted(*found, kind)
     )]
     #[diagnostic(help(
-        "change the range, the start or the varied parameter of `{from}` such that the branch passes a \
+        "change the range, the start or the varied parameter of `{from}` so that the branch passes through a \
          point of the kind {kind}; the first `--along` names the parameter that varies along the branch"
     ))]
     NoSuchPoint {

@@ -612,3 +612,18 @@ fn marks_near_a_grazing_are_located() {
         }
     }
 }
+
+/// A setting of the request takes precedence over the option of an `.ode` file.
+#[test]
+fn requests_take_precedence_over_options_of_files() {
+    let folder = folder();
+    let at = folder.path();
+    let model = "x'=a*x-y-x*(x^2+y^2)\ny'=x+a*y-y*(x^2+y^2)\npar a=-1\n@ ntst=50,npr=40\ndone\n";
+    std::fs::write(at.join("h.ode"), model).unwrap();
+    let show = ["show", "h.ode", "--along", "a=-1..1", "--switch", "HB"];
+    let stated = |more: &[&str]| succeeds(at, &[&show[..], more].concat());
+    let own = stated(&[]);
+    assert!(own.contains("intervals:50") && own.contains("save_every: 40"), "{own}");
+    let set = stated(&["--set", "intervals=30", "--set", "save_every=7"]);
+    assert!(set.contains("intervals:30") && set.contains("save_every: 7"), "{set}");
+}

@@ -220,3 +220,32 @@ fn switching_at_a_saved_point_has_generations() {
         }
     }
 }
+
+/// A curve of homoclinic orbits ends where their equilibrium is no longer a saddle. In the equations of
+/// Morris and Lecar with the parameters of class 1 (J. Rinzel and B. Ermentrout, 1998), the curve ends at
+/// the two folds of equilibria: at the Bogdanov–Takens point with i = −9.949, and at i = 39.963.
+#[test]
+fn homoclinic_orbits_end_where_the_saddle_is_lost() {
+    let folder = folder();
+    let at = folder.path();
+    let model = "minf(v)=.5*(1+tanh((v+1.2)/18))\nwinf(v)=.5*(1+tanh((v-12)/17.4))\n\
+        v'=(i-4*minf(v)*(v-120)-8*w*(v+84)-2*(v+60))/20\nw'=phi*cosh((v-12)/34.8)*(winf(v)-w)\n\
+        par i=0,phi=.23\ninit v=-60,w=.01\ndone\n";
+    std::fs::write(at.join("c1.ode"), model).unwrap();
+    let trace = ["trace", "c1.ode", "--along", "i=-20..150"];
+    succeeds(at, &[&trace[..], &["--switch", "HB", "--out", "a"]].concat());
+    let document = read(&at.join("a/c1.ron"));
+    let cycles = &document.branches[1];
+    let label = cycles.of_kind(Kind::HOM).next().expect("a homoclinic orbit").label;
+    let start = format!("a/c1.ron:{}/{label}", cycles.name);
+    let curve = ["--along", "phi=0.05..1", "--start", &start, "--hold", "HOM", "--set"];
+    succeeds(at, &[&trace[..], &curve, &["solution=orbit", "--out", "b"]].concat());
+    let document = read(&at.join("b/c1.ron"));
+    let curve = &document.branches[0];
+    let [i, unstable] = ["i", "leading_unstable"].map(|name| curve.column(name).unwrap());
+    assert!(curve.points.iter().all(|point| point.value(unstable).unwrap() > -1e-9));
+    let mut ends =
+        [curve.points.first(), curve.points.last()].map(|it| it.unwrap().value(i).unwrap());
+    ends.sort_by(f64::total_cmp);
+    assert!((ends[0] + 9.949).abs() < 1e-3 && (ends[1] - 39.963).abs() < 1e-3, "{ends:?}");
+}

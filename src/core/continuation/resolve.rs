@@ -371,7 +371,7 @@ fn gather(
     }
     let of_homoclinic_orbits = curve.held.iter().any(|(kind, _)| *kind == Kind::HOM);
     if of_homoclinic_orbits {
-        // Beyond these bounds the equilibrium is no saddle, and the solutions are spurious.
+        // Beyond these bounds the equilibrium is not a saddle, and the solutions are spurious.
         let ranges = [[0.0, f64::INFINITY], [f64::NEG_INFINITY, 0.0]];
         for ((name, range), side) in HOMOCLINIC_RATES.into_iter().zip(ranges).zip([-1.0, 1.0]) {
             let quantity = quantities.find(name)?;

@@ -95,7 +95,7 @@ fn specks_lie_on_the_branch_until_an_input_changes() {
     session.value("(document.getElementById('sweep').scrollIntoView({ block: 'end' }), 0)");
     session.picture("sweep-narrow");
     session.browser.resize(1200, 900);
-    // The points of a sweep are those of the diagram's axes.
+    // A sweep records the columns on the axes of the diagram.
     vertical(&mut session, "x");
     assert_eq!(specks(&mut session), 0.0);
     sweep(&mut session);
