@@ -145,14 +145,18 @@ fn calls_without_a_diagram_are_answered() {
         program.call(call.to_string().as_bytes())
     };
     let swept = json!({ "count": 3, "both": true, "at": "nothing" });
-    let sweep = json!({ "sweep": { "page": "p", "turn": 1, "sweep": swept } }).to_string();
+    // The number of a page's turn increases with every call.
+    let sweep = |turn: u64| {
+        let call = json!({ "sweep": { "page": "p", "turn": turn, "sweep": swept } });
+        program.call(call.to_string().as_bytes())
+    };
     assert!(attractors(1).contains("the page has no result"));
-    assert!(program.call(sweep.as_bytes()).contains("the page has no result"));
+    assert!(sweep(1).contains("the page has no result"));
     let trace =
         json!({ "trace": { "page": "p", "turn": 1, "setup": { "name": "t", "text": HOPF } } });
     assert!(program.call(trace.to_string().as_bytes()).contains("\"done\""));
     let answer = attractors(2);
     assert!(answer.contains("\"end\":true") && answer.contains("no curve"), "{answer}");
-    let answer = program.call(sweep.as_bytes());
+    let answer = sweep(2);
     assert!(answer.contains("\"failed\"") && answer.contains("\"end\":true"), "{answer}");
 }
