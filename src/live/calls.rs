@@ -219,8 +219,7 @@ impl Service {
         })
     }
 
-    /// Starts a computation of a kind of which a page has at most one, and cancels the page's earlier
-    /// computation of this kind.
+    /// Starts a computation, and cancels the earlier computation of the same kind: a page has at most one of each kind.
     fn task(
         self: &Arc<Self>,
         stream: &mut TcpStream,
