@@ -77,6 +77,7 @@ fn nothing_settles_on_virtual_orbits() {
         let mut scene = scene(name);
         scene.runs.truncate(1);
         scene.runs[0].beyond_grazings = true;
+        scene.set("max_points", "600").unwrap();
         let [.., beyond] = agree(scene);
         assert!(beyond > 0, "{name}");
     }

@@ -42,9 +42,15 @@ const NEAR: f64 = 2e-4;
 /// take infinite time in the truncated problem, and steps towards them become ever smaller.
 const WEAK: f64 = 1e-3;
 
-/// Heuristic: if no step succeeds, a leading eigenvalue smaller than this fraction of its largest
-/// value is reported as the reason.
+/// Heuristic: if no step succeeds, or if the steps crawl, a leading eigenvalue smaller than this
+/// fraction of its largest value is reported as the reason.
 const WEAK_AT_FAILURE: f64 = 0.05;
+
+/// Heuristic: a curve of homoclinic orbits crawls if a leading eigenvalue changes by less than
+/// `CRAWL` of its value in `MOST_CRAWLING` steps. Only the excursion time grows then, and the
+/// changes of the parameters are smaller than the errors of Newton's method.
+const MOST_CRAWLING: usize = 20;
+const CRAWL: f64 = 0.05;
 
 /// The data of the checks that can end one half of a branch at a point where Newton's method still
 /// converges.
@@ -63,11 +69,41 @@ pub(super) struct EarlyEnd {
     /// The distance of the cycle from an equilibrium and its period, at the point where the
     /// parameters became constant.
     halt: Option<(Approach, f64)>,
-    /// The largest and the last value, along this half of the branch, of each leading eigenvalue of
-    /// the saddle of homoclinic orbits.
-    rates: [[f64; 2]; 2],
+    /// The leading eigenvalues of the saddle of homoclinic orbits.
+    rates: [Rate; 2],
     /// Whether the states of some segment have become small compared with their scales.
     pub small: bool,
+}
+
+/// A leading eigenvalue of the saddle of homoclinic orbits, along one half of a branch.
+#[derive(Clone, Copy, Default)]
+struct Rate {
+    largest: f64,
+    last: f64,
+    /// The value from which the last values differ by less than the fraction `CRAWL`.
+    settled: f64,
+    /// The number of these last values.
+    crawling: usize,
+}
+
+impl Rate {
+    fn note(&mut self, rate: f64) {
+        self.last = rate;
+        self.largest = self.largest.max(rate.abs());
+        if (rate - self.settled).abs() < CRAWL * self.settled.abs() {
+            self.crawling += 1;
+        } else {
+            (self.settled, self.crawling) = (rate, 0);
+        }
+    }
+
+    fn below(&self, part: f64) -> bool {
+        self.last.abs() < part * self.largest
+    }
+
+    fn is_weak(&self) -> bool {
+        self.below(WEAK) || self.crawling >= MOST_CRAWLING && self.below(WEAK_AT_FAILURE)
+    }
 }
 
 /// Discretisation: States smaller than this threshold, in units of their scales, have at most three
@@ -99,7 +135,7 @@ impl EarlyEnd {
             return Some(End::MeshTooCoarse { error, limit });
         }
         self.note_rates(&system.names().monitors, &place.point.monitors);
-        if let Some(end) = self.weak_saddle(WEAK) {
+        if let Some(end) = self.weak_saddle(Rate::is_weak) {
             return Some(end);
         }
         // The period of a forcing depends on parameters only.
@@ -126,19 +162,17 @@ impl EarlyEnd {
 
     /// Records the leading eigenvalues of the equilibrium of a homoclinic orbit.
     fn note_rates(&mut self, names: &[String], monitors: &[f64]) {
-        for (name, [largest, last]) in HOMOCLINIC_RATES.into_iter().zip(&mut self.rates) {
+        for (name, rate) in HOMOCLINIC_RATES.into_iter().zip(&mut self.rates) {
             let Some(at) = names.iter().position(|own| own == name) else { return };
-            *last = monitors[at];
-            *largest = largest.max(last.abs());
+            rate.note(monitors[at]);
         }
     }
 
     /// Returns the end of a curve of homoclinic orbits whose equilibrium has become nearly
-    /// non-hyperbolic: a leading eigenvalue has fallen below a fraction of its largest value.
-    fn weak_saddle(&self, part: f64) -> Option<End> {
-        let all = HOMOCLINIC_RATES.into_iter().zip(self.rates);
-        let mut weak = all.filter(|(_, [largest, rate])| rate.abs() < part * largest);
-        let (name, [largest, rate]) = weak.next()?;
+    /// non-hyperbolic: a leading eigenvalue is nearly zero.
+    fn weak_saddle(&self, is_weak: impl Fn(&Rate) -> bool) -> Option<End> {
+        let mut all = HOMOCLINIC_RATES.into_iter().zip(&self.rates);
+        let (name, &Rate { largest, last: rate, .. }) = all.find(|(_, rate)| is_weak(rate))?;
         Some(End::WeakSaddle { name: name.into(), largest, rate })
     }
 
@@ -147,7 +181,7 @@ impl EarlyEnd {
     pub fn explained(&self, end: End) -> End {
         match end {
             End::StepTooSmall { .. } | End::NoProgress { .. } | End::MeshTooCoarse { .. } => {
-                self.weak_saddle(WEAK_AT_FAILURE).unwrap_or(end)
+                self.weak_saddle(|rate| rate.below(WEAK_AT_FAILURE)).unwrap_or(end)
             }
             end => end,
         }

@@ -55,7 +55,7 @@ pub struct Settings {
     pub refine: Vec<String>,
     /// The target for the estimated relative discretisation error (more than 0). Mesh intervals are
     /// added if the error exceeds the target, and added intervals are removed if the error is far
-    /// below the target.
+    /// below the target. On a curve of special points, the target is a hundredth of this value.
     pub target_mesh_error: f64,
     /// The largest estimated relative discretisation error (more than 0). The branch ends if the
     /// estimated discretisation error of its solutions remains larger than this value.
@@ -127,7 +127,18 @@ impl Default for Settings {
     }
 }
 
+/// Heuristic: on curves of special points, the target for the discretisation error is this
+/// fraction of the target on other branches. Where folds of cycles are nearly degenerate, as at
+/// canards, their parameters change far more than the cycles.
+const AT_SPECIAL_POINTS: f64 = 0.01;
+
 impl Settings {
+    /// Returns the target for the discretisation error on a curve of special points, or on another
+    /// branch.
+    pub(super) fn mesh_target(&self, of_special_points: bool) -> f64 {
+        self.target_mesh_error * if of_special_points { AT_SPECIAL_POINTS } else { 1.0 }
+    }
+
     /// Returns the stopping criteria of Newton's method for the given tolerance.
     pub(super) fn until(&self, tolerance: f64) -> Tolerances {
         Tolerances { tolerance, max_iterations: self.max_iterations }

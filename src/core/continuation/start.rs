@@ -111,7 +111,7 @@ pub(super) fn begin<'a>(
         crossing: (origin.as_ref().map_or(1, equations_at_crossing), stated.switch),
         range: ranges[0],
         held: &held,
-        target: settings.target_mesh_error,
+        target: settings.mesh_target(!held.is_empty()),
     };
     let Leaving { unknowns, tangent, parent, from_branch_point, said } =
         leave(&mut corrector, &unknowns, &beginning, scaling)?;

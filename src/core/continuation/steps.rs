@@ -443,14 +443,18 @@ impl Steps<'_> {
         step.length > LEAST_UNEXPLAINED && error(from) <= limit && error(&step.place) > limit
     }
 
+    fn mesh_target(&self) -> f64 {
+        self.settings.mesh_target(!self.curve.refiner.held.is_empty())
+    }
+
     /// Returns the end of a branch at which no step succeeds; its message states if the mesh is too
     /// coarse.
     fn end_of_steps(&mut self, half: &Half, (step, cause): (f64, NewtonError)) -> End {
         let error = self.curve.corrector.mesh_error(&half.last.unknowns);
-        let target = self.settings.target_mesh_error;
+        let target = self.mesh_target();
         let words = match error > target {
             true => format!(
-                "{}. The mesh causes an error of {error:.1e}, more than `target_mesh_error`, {target:.1e}: take more \
+                "{}. The mesh causes an error of {error:.1e}, more than the target of {target:.1e}: take more \
                  `intervals`",
                 one_line(&cause)
             ),
@@ -525,7 +529,8 @@ impl Steps<'_> {
         let earlier = std::iter::once(&mut half.start).chain(half.predictor.places());
         let others = earlier.flat_map(|it| [&mut it.unknowns[..], &mut it.tangent[..]]).collect();
         half.growth /= corrector.accept(&mut half.last, others);
-        fit_mesh(&mut self.curve, half, self.settings.target_mesh_error);
+        let target = self.mesh_target();
+        fit_mesh(&mut self.curve, half, target);
         half.last.point.solution = self.solution_at(&half.last);
         half.points.push(half.last.point.clone());
         half.stretches.reach(&mut self.curve, &half.last, points + 1, special);

@@ -157,30 +157,36 @@ fn planar_fields_have_no_fold_hopf_points() {
 }
 
 /// One request draws the bifurcation set: the curve of Hopf points leaves that of folds at both
-/// Bogdanov–Takens points, and is traced once; a curve of folds of cycles leaves each generalised Hopf
-/// point, one of homoclinic orbits each Bogdanov–Takens point.
+/// Bogdanov–Takens points, and is traced once; a curve of folds of cycles connects both generalised
+/// Hopf points, and a curve of homoclinic orbits leaves each Bogdanov–Takens point. Meshes on which
+/// cycles have an error of 1e-4 are too coarse for these folds: near the canards, at q2 = 1.06,
+/// curves from both ends once stopped.
 #[test]
 fn curves_through_points_of_codimension_two_are_followed() {
     let along = vec![range("q2", 0.5, 2.0), range("k", 0.1, 2.0)];
-    for (first, other) in [(Kind::LP, Kind::HB), (Kind::HB, Kind::LP)] {
+    for (first, other, depth) in [(Kind::LP, Kind::HB, 3), (Kind::HB, Kind::LP, 1)] {
         let request = Request { along: along.clone(), hold: Some(first), ..Request::default() };
         let scene = Scene::of_model(model("co-oxidation"), "oxidation", &request).unwrap();
         let resolution = scene.resolve(None).unwrap();
-        let following = Following { kinds: Following::of_curves(), depth: 3, distinct: false };
+        let following = Following { kinds: Following::of_curves(), depth, distinct: false };
         let (_, outcome) = resolution.explore(&following, &mut ());
         assert!(outcome.error.is_none(), "{:?}", outcome.error);
         let branches = &outcome.document.branches;
         let conditions: Vec<_> = branches.iter().map(|branch| branch.condition).collect();
         assert_eq!(conditions[..3], [None, Some(first), Some(other)]);
-        let count = |kind: Kind| {
-            let curves = branches[3..].iter().filter(|branch| branch.condition == Some(kind));
-            curves.filter(|branch| kind == Kind::HOM || branch.column("period").is_some()).count()
-        };
-        assert_eq!((conditions.len(), count(Kind::LP), count(Kind::HOM)), (7, 2, 2));
         for q2 in [1.41762763760, 1.16119870882] {
             at(&branches[1], Kind::BT, "q2", q2, 1e-10);
         }
         // A curve of folds starts at the first of them.
         at(&branches[2], Kind::BT, "q2", 1.41762763760, 1e-10);
+        if depth > 1 {
+            assert_eq!(conditions[3..], [Some(Kind::HOM), Some(Kind::HOM), Some(Kind::LP)]);
+            at(&branches[5], Kind::GH, "q2", 0.891318980774, 1e-8);
+            // Homoclinic orbits to a saddle–node: the curves end before their steps crawl.
+            for homoclinic in &branches[3..5] {
+                assert!(matches!(homoclinic.ends[1], End::WeakSaddle { .. }));
+                assert!(homoclinic.points.len() < 200, "{}", homoclinic.points.len());
+            }
+        }
     }
 }
