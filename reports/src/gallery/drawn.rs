@@ -115,7 +115,7 @@ impl Entry {
     }
 }
 
-/// The whole sweep on one thread: the gallery traces an entry on each core.
+/// The whole sweep, computed on one thread because the gallery traces one entry on each core.
 const ONE_THREAD: Part = Part { threads: Some(NonZeroUsize::MIN), ..Part::WHOLE };
 
 /// Omits sweeps that search crises, and makes the grids of long sweeps coarser; returns a note on

@@ -15,11 +15,11 @@ pub struct Entry {
     pub arguments: &'static str,
     /// The text of the scene or model.
     pub text: &'static str,
-    /// The request to a model; `None` for a scene.
+    /// The branches to trace, if the entry is a model; `None` if the entry is a scene.
     pub request: Option<Wanted>,
 }
 
-/// The request to a model: one branch, and the branches that emanate from the branch.
+/// The branches of a model to trace: one branch, and the branches that emanate from this branch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wanted {
     /// The continuation parameter, and the ends of its range.
