@@ -109,7 +109,7 @@ pub enum FlowError {
     StepTooSmall {
         /// The time.
         time: f64,
-        /// The step size that is too large for the tolerance, in units of time.
+        /// The step size, in units of time, that is too large for the tolerance.
         step: f64,
     },
     /// The flow took more steps than allowed.
@@ -190,8 +190,8 @@ pub enum Failure {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Cancelled(#[from] Cancelled),
-    /// Deviations grow so much over a segment of shooting, and rounding errors grow with them, that
-    /// too few digits are left.
+    /// Deviations, and rounding errors with them, grow so much over a shooting segment that too few
+    /// digits are left.
     #[error(
         "deviations and rounding errors grow by {0:.1e} over a segment, which leaves too few digits"
     )]
@@ -257,8 +257,8 @@ impl Failure {
         Failure::NoBranch { which, count }
     }
 
-    /// Appends the place at which the quantity has its value to the name of the quantity in the
-    /// error.
+    /// Extends the name of the quantity in the error by the place at which the quantity has its
+    /// value.
     pub(in crate::core) fn at(mut self, place: std::fmt::Arguments) -> Self {
         if let Failure::OutOfDomain(OutOfDomain { quantity, .. })
         | Failure::NotFinite { quantity, .. } = &mut self
@@ -300,7 +300,7 @@ pub(crate) fn finite(
     }
 }
 
-/// The position of the first number in a list that is not finite.
+/// The position of the first infinite or NaN number in a list.
 pub(in crate::core) fn not_finite(numbers: &[f64]) -> Option<usize> {
     let any = numbers.iter().fold(false, |any, number| any | !number.is_finite());
     if any { numbers.iter().position(|number| !number.is_finite()) } else { None }

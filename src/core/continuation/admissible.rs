@@ -16,9 +16,9 @@ pub(super) const AT_LIMIT: Kind = Kind::G;
 /// to another mesh, the point is only accurate to the discretisation error of the coarser mesh.
 const VANISHES: f64 = 1e-6;
 
-/// Rounding: a solution is not admissible if a monitor that vanishes at a limit of admissible
-/// solutions is negative there and its absolute value exceeds this threshold, in units of its
-/// scale; computed points have an error of 1e-10.
+/// Rounding: a solution is not admissible if it gives a negative value to a monitor that vanishes
+/// at a limit of admissible solutions, and if the absolute value exceeds this threshold, in units
+/// of the monitor's scale; computed points have an error of 1e-10.
 const BEYOND: f64 = 1e-9;
 
 /// Returns the limits of the admissible solutions at the parameters `p`; empty if the solutions of
@@ -85,8 +85,8 @@ pub(super) fn stays_at_limit(
 /// order of events is undetermined and is not checked.
 ///
 /// # Errors
-/// [`Failure::Mismatch`], naming the event of the solution that leads to another mode than the
-/// itinerary prescribes.
+/// [`Failure::Mismatch`] with the name of an event, if this event of the solution leads to another
+/// mode than the itinerary prescribes.
 pub(super) fn check(system: &mut dyn System, x: &[f64], monitors: &[f64]) -> Result<(), Failure> {
     let p = &x[system.names().dimension()..];
     match system.events() {

@@ -29,7 +29,7 @@ use nalgebra::{Complex, DMatrix, Schur};
 /// vectors are missed.
 const SHARE: f64 = 0.02;
 
-/// Heuristic: the maximal distance beyond a step, in units of the step length, for which branch
+/// Heuristic: the maximal distance beyond a step, in units of the step length, up to which branch
 /// points are excluded: farther along the curve, the matrix may change differently.
 const AHEAD: f64 = 12.0;
 

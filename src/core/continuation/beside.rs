@@ -92,10 +92,10 @@ fn doubled(
     Ok(Start { site, one_sided, angle, ..Start::point(z, direction) })
 }
 
-/// Computes the first point of a curve of bifurcations with a critical pair, which emanates from a
-/// point with a double eigenvalue; at that point, the frequency of the pair is 0, or the angle of
-/// its multipliers is 0 or π. States change by a fraction of their sizes, parameters by a fraction
-/// of their ranges, and parameters stay within their ranges.
+/// Computes the first point of a curve of bifurcations with a critical pair. The curve emanates
+/// from a point with a double eigenvalue; at that point, the frequency of the pair is 0, or the
+/// angle of its multipliers is 0 or π. States change by a fraction of their sizes, parameters by a
+/// fraction of their ranges, and parameters stay within their ranges.
 fn critical_pairs(curve: &mut Continuation, kind: Kind) -> Result<Start, Failure> {
     let released = released_in(curve.system.names(), &curve.released);
     let n = curve.system.names().dimension();

@@ -6,8 +6,8 @@ use super::event::Event;
 use super::located::Located;
 use super::locator::Locator;
 
-/// Heuristic: the maximal number of evaluations in excess of plain bisection: the slack `n₀` of the
-/// ITP method, which its authors set to 1.
+/// Heuristic: the maximal number of evaluations beyond the number that plain bisection needs; it is
+/// the slack `n₀` of the ITP method, which the authors of the method set to 1.
 const BEYOND_BISECTION: i32 = 1;
 
 impl Locator<'_, '_> {

@@ -226,9 +226,9 @@ pub struct Branch {
     pub points: Vec<Point>,
     /// The special points, in their order along the branch.
     pub special: Vec<SpecialPoint>,
-    /// For each part of a bifurcation curve in two parameters between its special points, the
-    /// solutions on both sides of the curve. The list is empty for branches of solutions, and if
-    /// the solutions on the two sides are unknown.
+    /// For a bifurcation curve in two parameters, the solutions on both sides of each part between
+    /// successive special points. The list is empty for branches of solutions, and if the solutions
+    /// on the two sides are unknown.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub stretches: Vec<Stretch>,
     /// The reasons why the branch ended: at its first point and at its last point.

@@ -62,8 +62,8 @@ pub(super) fn branch_point_near(
     Ok(Some(Near { along, gap, crosses }))
 }
 
-/// Rejects a step that has passed a branch point which does not lie on the curve, so that the step
-/// has crossed to another branch.
+/// Rejects a step that has crossed to another branch, which is the case if the step has passed a
+/// branch point that does not lie on the curve.
 pub(super) fn check_branch_jump(curve: &mut Curve, step: Interval) -> Result<(), NewtonError> {
     if !curve.recorder.solutions || !curve.detector.passes_branch_point(step) {
         return Ok(());
@@ -78,9 +78,10 @@ pub(super) fn check_branch_jump(curve: &mut Curve, step: Interval) -> Result<(),
 /// prediction error is smaller than this fraction of the step.
 const WELL_PREDICTED: f64 = 0.01;
 
-/// Heuristic: the largest distance, in units of the step and in the middle of the step, between the
-/// curve and the cubic Hermite interpolant of both ends and their tangents. A prediction error of
-/// `WELL_PREDICTED` corresponds to a distance one sixteenth as large from the interpolant.
+/// Heuristic: the largest distance between the curve and the cubic Hermite interpolant of both ends
+/// and their tangents, measured in the middle of the step and in units of the step. A prediction
+/// error of `WELL_PREDICTED` corresponds to a distance from the interpolant that is one sixteenth
+/// as large.
 const MOST_BENT: f64 = 0.02;
 
 /// Discretisation: a step shorter than this threshold may be no longer than the error of

@@ -18,9 +18,9 @@ pub(super) struct Reference {
 }
 
 /// Rounding: a corrected point is identified with the reference point if their distance is smaller
-/// than this threshold, in units of the tolerance of Newton's method. The corrected point and the
-/// reference point each have an error of the tolerance divided by the smallest singular value of
-/// the Jacobian.
+/// than this threshold, in units of the tolerance of Newton's method. The error of the corrected
+/// point, like the error of the reference point, is the tolerance divided by the smallest singular
+/// value of the Jacobian.
 const SAME: f64 = 1e3;
 
 /// Discretisation: two solutions on different meshes count as the same solution if their difference
@@ -96,8 +96,8 @@ fn passes(corrector: &mut Corrector, target: &[f64], step: Interval, error: f64)
 }
 
 /// Returns the index in `found` of the branch point at which a branch of period-doubled orbits
-/// returns to its parent branch. Beyond the branch point at which a branch of period-doubled orbits
-/// returns to its parent branch, it consists of the same orbits again, shifted by half a period.
+/// returns to its parent branch. Beyond this branch point, the period-doubled branch consists of
+/// the same orbits again, shifted by half a period.
 pub(super) fn returns_to_parent(
     equations: &mut Extended,
     found: &[Located],

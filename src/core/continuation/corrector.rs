@@ -229,8 +229,8 @@ impl<'a> Corrector<'a> {
         .collect()
     }
 
-    /// Returns the error of the continued parameter at a regular point that is due to the tolerance
-    /// of Newton's method.
+    /// Returns the error that the tolerance of Newton's method causes in the continued parameter at
+    /// a regular point.
     pub fn parameter_error(&self) -> f64 {
         self.tolerances.tolerance / self.norm.scaled(self.equations.parameters_at(), 1.0)
     }

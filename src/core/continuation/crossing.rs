@@ -29,8 +29,8 @@ impl Departure {
         Departure { unknowns: start.unknowns.clone(), tangent: start.tangent.clone(), parent }
     }
 
-    /// Rejects a first step that stays on the parent branch, which is detected from the components
-    /// of the step along the two tangents.
+    /// Rejects a first step if its components along the two tangents show that it stays on the
+    /// parent branch.
     pub fn check(
         &self,
         norm: &ScaledNorm,
@@ -75,9 +75,9 @@ pub(super) fn tangents_at_crossing(
 /// is zero up to rounding if the unknowns change by their scales.
 const VERTICAL: f64 = 1e-9;
 
-/// Returns the distance along a branch with a vertical tangent at a branch point, after which the
-/// parameter has changed by its scale; `None` if the distance is unknown, or if the tangent is not
-/// vertical.
+/// Returns the distance from a branch point, along a branch with a vertical tangent there, at which
+/// the parameter has changed by its scale; `None` if the distance is unknown, or if the tangent is
+/// not vertical.
 pub(super) fn reach_at_crossing(
     corrector: &mut Corrector,
     unknowns: &[f64],

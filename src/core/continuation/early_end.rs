@@ -42,13 +42,13 @@ const NEAR: f64 = 2e-4;
 /// take infinite time in the truncated problem, and steps towards them become ever smaller.
 const WEAK: f64 = 1e-3;
 
-/// Heuristic: if no step succeeds, or if the steps crawl, a leading eigenvalue smaller than this
-/// fraction of its largest value is reported as the reason.
+/// Heuristic: if no step succeeds, or if the curve crawls (see [`MOST_CRAWLING`]), a leading
+/// eigenvalue smaller than this fraction of its largest value is reported as the reason.
 const WEAK_AT_FAILURE: f64 = 0.05;
 
-/// Heuristic: a curve of homoclinic orbits crawls if a leading eigenvalue changes by less than
-/// `CRAWL` of its value in `MOST_CRAWLING` steps. Only the excursion time grows then, and the
-/// changes of the parameters are smaller than the errors of Newton's method.
+/// Heuristic: a curve of homoclinic orbits crawls if a leading eigenvalue changes by less than the
+/// fraction `CRAWL` of its value in `MOST_CRAWLING` steps. Only the excursion time grows then, and
+/// the changes of the parameters are smaller than the errors of Newton's method.
 const MOST_CRAWLING: usize = 20;
 const CRAWL: f64 = 0.05;
 

@@ -154,8 +154,8 @@ pub enum End {
         /// The norm of the group of unknowns at the end of the branch.
         to: f64,
     },
-    /// The curve converges to a point, for example an invariant manifold of a saddle to a stable
-    /// node.
+    /// The curve converges to a point: for example, an invariant manifold of a saddle converges to
+    /// a stable node.
     #[error(
         "the manifold converges to the point ({}), which iterates approach but never reach",
         numbers(point)
@@ -196,15 +196,16 @@ pub enum End {
     Start,
 }
 
-/// Formats numbers with six decimals, separated by commas.
+/// Formats each number with six decimals, and separates the numbers by commas.
 fn numbers(values: &[f64]) -> String {
     values.iter().map(|value| format!("{value:.6}")).collect::<Vec<_>>().join(", ")
 }
 
 impl End {
-    /// Whether the branch ended as expected: at a bound, a grazing, an event or its start, on a
-    /// closed curve, or on request. Summaries explain all other ends, and the option `--strict`
-    /// turns other ends into errors.
+    /// Whether the end is expected: the branch reached a bound, a grazing, an event or a point to
+    /// which it converges, the curve is closed, or the user limited the branch to one direction or
+    /// interrupted it. Summaries explain all other ends, and the option `--strict` turns other ends
+    /// into errors.
     ///
     /// ```
     /// use tangency::core::continuation::End;

@@ -212,8 +212,9 @@ fn on_mesh(
 }
 
 /// Whether Newton's method finds a homoclinic orbit near a guess, with one released parameter. The
-/// parameter is given by its index, the difference of its value from its value at the start of the
-/// curve, and its range. The scales of the unknowns are the same as at the start of a curve.
+/// argument `(released, way, range)` contains the index of the parameter, the difference between
+/// its value and its value at the start of the curve, and its range. The scales of the unknowns are
+/// the same as at the start of a curve.
 pub(super) fn is_near(
     guess: &mut Emanating,
     parameters: &[f64],

@@ -81,8 +81,8 @@ fn at_zero(samples: &[Sample], i: usize) -> (f64, f64) {
     if smooth.1 < even.1 { smooth } else { even }
 }
 
-/// Returns the value, at a point, of the test function that changes sign where the curve passes
-/// through its plane of symmetry, beyond which the curve is its own mirror image.
+/// Returns the value, at a point, of the test function that changes sign at the curve's plane of
+/// symmetry; on the two sides of this plane, the curve is its own mirror image.
 fn value(locator: &mut Locator, test: &dyn TestFunction, unknowns: &[f64]) -> Option<f64> {
     let equations = &mut locator.curve.corrector.equations;
     equations.load(unknowns);

@@ -11,11 +11,11 @@ use std::ops::Range;
 const LINEAR: f64 = 0.05;
 const NONLINEAR: f64 = 0.3;
 
-/// Rounding: the smallest length in the search for the length at which nonlinear terms become
-/// significant; this bound is very small, so that unknowns can have any unit.
+/// Rounding: from a zero start, the search for the length at which nonlinear terms become
+/// significant begins at this length, which is so small that unknowns can have any unit.
 const SMALLEST: f64 = 1e-30;
-/// Rounding: the largest length in the search for the length at which nonlinear terms become
-/// significant.
+/// Rounding: the search for the length at which nonlinear terms become significant stops at this
+/// length.
 const LARGEST: f64 = 1e30;
 
 /// Heuristic: the factor by which the computed length at which nonlinear terms become significant

@@ -8,9 +8,9 @@ use crate::core::linalg::norm;
 
 /// Discretisation: a branch has gone to infinity if a group of unknowns has grown by this factor
 /// since the parameters last changed: no diagram shows both ends of such a part of a branch. The
-/// parameters must also converge, which they do not after a fold: if the growth of the group by
-/// this factor is divided into two growths by its square root, the parameters must change by no
-/// more during the second growth than during the first, up to rounding.
+/// parameters must also converge, which they do not after a fold: while the group grows twice in
+/// succession by the square root of this factor, the parameters must change no more during the
+/// second growth than during the first, up to rounding.
 const INFINITE: f64 = 1e6;
 const AT_REST: f64 = 1e-13;
 

@@ -103,8 +103,8 @@ impl<'c> Quantities<'c> {
         self.event(AT_LIMIT, name, (Quantity::Monitor(monitor), 0.0))
     }
 
-    /// Creates the event at which the gap between the invariant manifolds that an orbit connects
-    /// vanishes; `None` if the solutions of the problem have no gap.
+    /// Creates the event of a vanishing gap between the two invariant manifolds that an orbit
+    /// connects; `None` if the solutions of the problem have no gap.
     pub fn homoclinic(&self) -> Option<Event> {
         let monitor = self.names.monitors.iter().position(|name| name == HOMOCLINIC_GAP)?;
         let words = Kind::HOM.meaning();

@@ -77,8 +77,8 @@ pub(super) fn resolve(curve: &mut Continuation) -> Result<(Resolved, Start), Tra
     Ok((Resolved { released, held, events, bounds, scales, settled }, start))
 }
 
-/// Passes the saved solution at the start of a curve to the system, which may change its mesh to
-/// the mesh of the solution.
+/// Passes the saved solution at the start of a curve to the system; the system may adopt the mesh
+/// of the solution.
 fn take_over(curve: &mut Continuation) -> Result<Start, Failure> {
     let switched = curve.switch.is_some();
     let n = curve.system.names().dimension();
@@ -146,9 +146,9 @@ fn stays_on_mesh(start: &Start, kind: Kind) -> bool {
     is_crossing && matches!(kind, Kind::BP | Kind::PD)
 }
 
-/// Returns the start of a curve of homoclinic orbits. The start is a saved homoclinic orbit, a
-/// homoclinic orbit near a cycle, or a homoclinic orbit near a Bogdanov–Takens point, from which
-/// the curve is continued in the direction away from that point.
+/// Returns the start of a curve of homoclinic orbits. The start is a saved homoclinic orbit, or a
+/// homoclinic orbit near a cycle or near a Bogdanov–Takens point. If the start is near a
+/// Bogdanov–Takens point, the curve is continued in the direction away from that point.
 fn homoclinic(curve: &mut Continuation, mut solution: Solution) -> Result<Start, Failure> {
     let released = released_in(curve.system.names(), &curve.released);
     let system = curve.system.discretised();

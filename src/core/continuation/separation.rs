@@ -47,8 +47,8 @@ pub(super) struct Parts<'s, 'a> {
 }
 
 impl Parts<'_, '_> {
-    /// Returns the events in a part of the step, and, if these events do not explain it, the change
-    /// of the number of unstable eigenvalues over the part.
+    /// Returns the events in a part of the step. Also returns the change of the number of unstable
+    /// eigenvalues over this part, if the events do not explain the change.
     pub fn events(
         &mut self,
         from: &CurvePoint,

@@ -61,7 +61,8 @@ pub struct Settings {
     /// estimated discretisation error of its solutions remains larger than this value.
     pub max_mesh_error: f64,
     /// The largest ratio of the period of a cycle to the shortest period on the branch (more than
-    /// 1). A branch of cycles ends if the ratio is exceeded, as it is near a homoclinic orbit.
+    /// 1). A branch of cycles ends if the ratio becomes larger than this value, as it does near a
+    /// homoclinic orbit.
     pub max_period_growth: f64,
     /// The kinds of bifurcations to detect; if the list is empty, all kinds known for the type of
     /// curve are detected. Bounds, marks and user-defined events are always detected.

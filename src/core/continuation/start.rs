@@ -463,8 +463,8 @@ fn first_tangent(
     }
 }
 
-/// Corrects the start in the hyperplane through it that the covector `row` defines, and computes
-/// the tangent, which is not normalised.
+/// Corrects the start in a hyperplane that passes through the start and is defined by the covector
+/// `row`; computes the tangent without normalising it.
 fn correct_start(
     corrector: &mut Corrector,
     unknowns: &mut [f64],

@@ -149,8 +149,8 @@ pub(super) fn without_doubtful_counts(
     }
 }
 
-/// Whether a step ends at a special point up to rounding, so that the signs of test functions at
-/// its end are random, and can still be shortened.
+/// Whether a step can still be shortened and ends, up to rounding, at a special point, where the
+/// signs of test functions are random.
 pub(super) fn ends_on_special_point(dynamics: Dynamics, from: &CurvePoint, step: &Step) -> bool {
     let count = |place: &CurvePoint| place.spectrum.as_ref().map(|all| neutral(dynamics, all));
     let more = matches!((count(from), count(&step.place)), (Some(a), Some(b)) if b > a);

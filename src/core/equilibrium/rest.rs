@@ -146,8 +146,8 @@ impl<T: EventNumber> ZeroFunctions<T> for RestInMode {
 }
 
 impl<T: GuardNumber + MeasureNumber> ZeroMonitors<T> for RestInMode {
-    /// Computes the monitor `distance`, the smallest guard in units in which all guards have the
-    /// same scale, and the measures of the system.
+    /// Computes the measures of the system and the monitor `distance`, which is the smallest guard,
+    /// in units in which all guards have the same scale.
     fn monitors_in(&self, z: &[T], p: &[T], values: &mut [T]) {
         let scales = self.scales_of_guards(&real(p));
         let least = scales.iter().copied().fold(f64::INFINITY, f64::min);

@@ -11,8 +11,8 @@ const WINDOW: usize = 4000;
 const SHORTER: f64 = 0.97;
 /// Heuristic: the number of successively shorter windows after which the simulation ends.
 const MOST: usize = 5;
-/// Heuristic: the mean interval between events, in units of the time scale, above which events are
-/// not too frequent to be simulated.
+/// Heuristic: events can be simulated if the mean interval between them, in units of the time
+/// scale, is larger than this threshold.
 const SHORT: f64 = 1e-4;
 
 /// A detector of too frequent events, which counts events in successive windows.

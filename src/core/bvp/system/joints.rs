@@ -4,8 +4,8 @@
 //! The derivatives of a segment's conditions are taken with respect to the states at its end and to
 //! its vector `q`: one row for each initial state of the next segment (the negative derivative of
 //! the event map), then the row of the event condition. The rows of all segments follow one
-//! another; the last row contains the derivatives of the condition on the cycle's duration with
-//! respect to `q`.
+//! another; the last row contains the derivatives, with respect to `q`, of the condition on the
+//! cycle's duration.
 
 use super::assembly::AssembledJacobian;
 use super::discretisation::DiscretisedProblem;

@@ -300,7 +300,7 @@ impl UnknownLayout {
         start..start + count
     }
 
-    /// Returns all intervals, by segment and number in the segment.
+    /// Returns all intervals; each is given by its segment and by its number in this segment.
     pub fn intervals(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
         let segments = self.segments.iter().enumerate();
         segments.flat_map(|(s, segment)| (0..segment.intervals).map(move |j| (s, j)))

@@ -18,18 +18,18 @@ use crate::core::scalar::{CHUNK, Chunk, seeded};
 /// product in which a rounding error replaces a multiplier is wrong by orders of magnitude.
 const SAME: f64 = std::f64::consts::LN_2;
 
-/// Heuristic: the largest error of the logarithm for which the formula determines a multiplier near
-/// 1.
+/// Heuristic: the formula determines a multiplier near 1 only if the error of the logarithm is
+/// smaller than this bound.
 const SMALL: f64 = 1e-3;
 
 /// Rounding: the range of logarithms of numbers that neither underflow nor overflow.
 const LOGARITHMS: [f64; 2] = [-708.0, 709.0];
 
-/// Discretisation: the error of a multiplier due to rounding and integration, relative to the
-/// largest multiplier.
+/// Discretisation: multipliers smaller than this fraction of the largest multiplier may consist of
+/// errors of rounding and integration.
 const UNDETERMINED: f64 = 1e-7;
 
-/// Heuristic: the largest relative error for which multipliers are computed.
+/// Heuristic: the largest relative error that is assumed for computed multipliers.
 const LEAST_ACCURACY: f64 = 1e-2;
 
 /// Heuristic: a multiplier whose error is at most this size is far from the unit circle.
@@ -154,7 +154,7 @@ fn size(mu: &(f64, f64)) -> f64 {
 /// If several multipliers are below the error of the largest multiplier, the formula does not
 /// determine them; the computed multipliers are kept if all of them are far inside the unit circle.
 /// If not all multipliers are far inside the unit circle, even the sign of the largest multiplier
-/// is uncertain, because its inverse has no more correct digits.
+/// is uncertain, because no digit of its inverse is correct.
 fn resolved(mut found: Spectrum, product: LogProduct) -> Result<Spectrum, Failure> {
     let LogProduct { value: product, error } = product;
     found.sort_by(|a, b| size(b).total_cmp(&size(a)));

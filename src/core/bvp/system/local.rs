@@ -159,7 +159,7 @@ impl<T: Directional + Number> Passes<T> {
     }
 
     /// Creates dual numbers for the vector `q` of a segment or of the problem; the entries selected
-    /// for differentiation are the directions from `first` on.
+    /// for differentiation become successive directions, numbered from `first`.
     pub fn seed(&mut self, numbers: &[usize], first: usize, start: usize) {
         let [x, v] = &self.real;
         refill(&mut self.q, x.iter().zip(v).map(|(x, v)| T::along(Chunk::from(*x), *v)));

@@ -1,5 +1,5 @@
-//! The mesh error, estimated from the differences of the constant `m`-th derivatives of the polynomials
-//! between neighbouring intervals (C. de Boor, *Good approximation by splines with variable knots II*,
+//! The mesh error, estimated by comparing the polynomials of neighbouring intervals, whose `m`-th
+//! derivatives are constant (C. de Boor, *Good approximation by splines with variable knots II*,
 //! 1974; U. Ascher, R. Mattheij and R. Russell, *Numerical Solution of Boundary Value Problems for
 //! Ordinary Differential Equations*, 1988, section 9.1):
 //!
@@ -7,10 +7,11 @@
 //!     |x^{(m+1)}| ≈ max |x^{(m)}_{j±1} − x^{(m)}_j| / ½(h_{j±1} + h_j)    in interval j
 //! ```
 //!
-//! The reported error is `2 C h^{m+1}` times the estimate of `|x^{(m+1)}|`, because the derivative varies
-//! within an interval, plus the square of the last term of the polynomial's Legendre series,
-//! `m!/(2m)!·h^m·|x^{(m)}|`: in an unresolved layer the neighbouring polynomials can be alike and
-//! equally wrong. If the mesh resolves the solution, the square of the last term is negligible.
+//! The reported error is a sum of two terms. The first term is `2 C h^{m+1}` times the estimate of
+//! `|x^{(m+1)}|`; the factor 2 allows for the variation of the derivative within an interval. The second
+//! term is the square of the last term of the polynomial's Legendre series, `m!/(2m)!·h^m·|x^{(m)}|`; it
+//! is added because neighbouring polynomials in an unresolved layer can be alike and equally wrong. If
+//! the mesh resolves the solution, the square of the last term is negligible.
 
 use super::discretisation::DiscretisedProblem;
 use super::local::{Arguments, Dependence, Gradient};
@@ -30,17 +31,17 @@ const SMALL: f64 = 1e-9;
 /// largest value exceeds 1).
 const NOTHING: f64 = 1e-25;
 
-/// Rounding: the smallest size of a state as a fraction of its scale: a state whose range equals
-/// its scale has values of at least half the scale.
+/// Rounding: the smallest size of a state, as a fraction of its scale; it is less than one half,
+/// because a state whose range equals its scale has values of at least half the scale.
 const LEAST: f64 = 0.4;
 
 /// Heuristic: a polynomial is treated as noise if the ratio of its highest term to its values is
 /// larger than this bound.
 const ROUGH: f64 = 0.5;
 
-/// Rounding: On a segment shorter than this fraction of all segments together, solutions are
-/// constant on any mesh; states that are zero at the start of the segment are rounding errors on
-/// the whole segment.
+/// Rounding: On a segment shorter than this fraction of the total length of all segments, solutions
+/// are constant on any mesh; states that are zero at the start of the segment are rounding errors
+/// on the whole segment.
 const SHORT: f64 = 1e-9;
 
 /// The largest estimated error of a state, in units of the state's largest value, and the position
@@ -97,7 +98,7 @@ impl MeshError {
         (size > SMALL * most || size > NOTHING * most.min(1.0) && !noise()).then_some(size)
     }
 
-    /// Computes the largest estimated error of a solution, given by its values at nodes and the
+    /// Computes the largest estimated error of a solution from its values at nodes and from the
     /// vectors `q` of all segments; `None` if the method has no mesh error, or if all states
     /// vanish.
     pub fn largest(
@@ -253,8 +254,8 @@ impl MeshError {
     /// Returns, for each interval of a segment, the largest `(|x_i^{(m+1)}| / size_i)^{1/(m+1)}`: on a
     /// mesh with equidistributed error, the product of this density and the interval's length is
     /// constant. The size of a state is the state's largest value, or a smaller size defined by the
-    /// problem. If the derivative happens to vanish in an interval, a tenth of the mean density limits
-    /// the length of the interval.
+    /// problem. The density is at least a tenth of its mean, which limits the length of an interval in
+    /// which the derivative happens to vanish.
     pub fn density(
         &self,
         equations: &DiscretisedProblem,
@@ -288,9 +289,9 @@ impl MeshError {
     }
 }
 
-/// Returns lower bounds of the sizes of a segment's states; empty unless the problem defines the
-/// size of the motion near a state. The values of a constant state do not determine its size, so
-/// the size of the motion is its lower bound.
+/// Lower bounds for the sizes of a segment's states; empty unless the problem defines the size of
+/// the motion near a state. The values of a constant state do not determine the size of this state,
+/// so the size of the motion gives a lower bound.
 struct Floors(Vec<f64>);
 
 impl Floors {
@@ -358,8 +359,9 @@ fn next_derivative<T: Scalar>(
     largest
 }
 
-/// Returns the number of intervals with equidistributed error that keeps the error a tenth below a
-/// tolerance; the number is not rounded, and is not finite if no number of intervals suffices.
+/// Returns a number of intervals that is larger by a tenth than the number with which an
+/// equidistributed error equals a tolerance; the number is not rounded, and is not finite if no
+/// number of intervals suffices.
 pub(super) fn intervals_for(
     equations: &DiscretisedProblem,
     segment: usize,

@@ -188,8 +188,8 @@ impl Monitors {
         Ok(())
     }
 
-    /// Returns, over all segments, the upward zero crossing of a first scalar at which a second
-    /// scalar is largest, with the value of the second scalar.
+    /// Considers all upward zero crossings of a first scalar on all segments; returns the crossing
+    /// at which a second scalar is largest, and the value of the second scalar there.
     fn rising(&self, through: &[Watched], value: &[Watched]) -> Option<(Term, Observable)> {
         let risen = pairs(through, value).filter_map(|(w, value)| {
             let Sighting { place, value: height } = self.extremes.risen(w, value)?;

@@ -50,7 +50,7 @@ pub(super) fn along_segments(
     Ok(())
 }
 
-/// Adds a curve to the profile with a given name, which can already contain curves of other
+/// Adds a curve to the profile with a given name; the profile can already contain curves of other
 /// segments.
 pub(super) fn draw(profiles: &mut Vec<Profile>, name: &str, along: &str, curve: Vec<[f64; 2]>) {
     let same = |p: &&mut Profile| p.name == name && p.along == along;

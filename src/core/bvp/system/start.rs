@@ -182,7 +182,8 @@ pub(super) fn discretisation_of(
     )))
 }
 
-/// Transfers a saved solution from its meshes, and possibly another method, to other meshes.
+/// Transfers a saved solution to other meshes; the solution may have been computed by another
+/// method.
 fn resampled(
     onto: &DiscretisedProblem,
     solution: &Solution,

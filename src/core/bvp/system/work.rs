@@ -45,7 +45,8 @@ impl<T: Scalar> Work<T> {
         }
     }
 
-    /// Loads the arguments, given by a function of the index in `x = (z, p)`.
+    /// Loads the arguments; the function `argument` returns the component of `x = (z, p)` with a
+    /// given index.
     pub fn load(&mut self, layout: &UnknownLayout, argument: impl Fn(usize) -> T) {
         self.nodes.iter_mut().zip(&layout.order).for_each(|(node, &z)| *node = argument(z));
         for (k, q) in self.q.iter_mut().enumerate() {
