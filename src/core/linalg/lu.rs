@@ -8,7 +8,7 @@ use faer::{MatMut, Par, c64};
 use nalgebra::ComplexField;
 use std::iter::Sum;
 
-/// The size of a matrix from which on faer's blocked factorisation is faster than plain loops.
+/// The smallest size of a matrix for which faer's blocked factorisation is faster than plain loops.
 const BLOCKED_FROM: usize = 40;
 
 /// The LU factorisation `P R M C = L U` of a bordered matrix `M`:

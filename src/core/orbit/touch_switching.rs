@@ -160,8 +160,8 @@ fn passed_sooner(orbit: &KnownOrbit, touch: &Touch, passed: &Passed) -> Option<P
     (same && second_order).then_some(near)
 }
 
-/// Returns the event that occurs the time `sooner` before a grazing point, and the distance, in
-/// units of the scales, between the end of the event's cascade and the grazing motion.
+/// Returns the event that precedes a grazing point by the time `sooner`, and the distance, in units
+/// of the scales, between the end of the event's cascade and the grazing motion.
 fn sooner(orbit: &KnownOrbit, touch: &Touch, sooner: f64) -> Option<(Passed, f64)> {
     let Touch { leg, guard, .. } = *touch;
     let since = Some(touch.since - sooner).filter(|since| *since > 0.0)?;
