@@ -332,8 +332,8 @@ const NOTHING: f64 = 1e-12;
 /// matrix.
 const DIFFER: f64 = 1e3;
 
-/// Whether units differ so much that the sizes of the entries do not reveal the sizes of the terms
-/// to which they belong.
+/// Whether units differ so much that the size of an entry does not reveal the size of the term to
+/// which the entry belongs.
 pub(in crate::core) fn differ(units: &[f64]) -> bool {
     let known = || units.iter().filter(|unit| **unit > 0.0);
     let [least, most] =

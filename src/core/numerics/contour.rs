@@ -7,7 +7,9 @@ const ROUNDS: usize = 60;
 /// A zero on a grid edge is accurate enough if the value of the function there, relative to its
 /// values at the ends of the edge, is at most this number.
 const ACCURATE: f64 = 1e-12;
-/// Heuristic: the relative value above which a change of sign is a pole or a jump, and not a zero.
+/// Heuristic: a change of sign on a grid edge counts as a pole or a jump, and not as a zero, if the
+/// smallest value found there, relative to the values at the ends of the edge, is above this
+/// number.
 const SINGULAR: f64 = 1e-3;
 
 /// An edge of the grid: the two indices of a node, and the axis along which the edge leads to the

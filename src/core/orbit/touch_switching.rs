@@ -39,8 +39,9 @@ impl Passed {
 /// Heuristic: the time between the new event and the grazing point, in units of the time scale, if
 /// the event is moved away from the grazing point to determine the direction of a branch.
 const SOONER: f64 = 1e-3;
-/// Heuristic: the ratio of the two times before the grazing point at which the error is computed;
-/// the error must decrease as the square of the time.
+/// Heuristic: the error is computed for two events before the grazing point, and this is the ratio
+/// of their distances in time from the grazing point; the error must decrease as the square of the
+/// distance.
 const NEARER: f64 = 4.0;
 /// Heuristic: the largest number of simultaneous grazing points whose 2⁸ subsets define branches;
 /// at further grazing points, only the orbits of branch 0 cross the surface.
