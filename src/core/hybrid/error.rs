@@ -170,7 +170,7 @@ pub enum HybridError {
         mode: String,
         /// The guard of the last event.
         guard: String,
-        /// The number of the last events, between which the intervals shrink.
+        /// The number of successive events, up to the last one, between which the intervals shrink.
         events: usize,
         /// The mean interval between the last events.
         interval: f64,

@@ -14,8 +14,8 @@ use std::ops::ControlFlow;
 /// an error.
 pub(super) const INSTANT: f64 = 1e-9;
 
-/// Rounding: the fraction of a step within which several guards vanish simultaneously: the accuracy
-/// of a root.
+/// Rounding: guards count as vanishing simultaneously if their zeros differ by less than this
+/// fraction of a step, which is the accuracy of a root.
 const TOGETHER: f64 = 1e-12;
 
 /// The end of a leg (the part of the motion between two events) within an integration step.
@@ -26,7 +26,8 @@ pub(super) struct LocatedEvent<T> {
 }
 
 impl<T: Scalar> LocatedEvent<T> {
-    /// Creates an event at a given time, which ends the flow; its guard is the remaining time.
+    /// Creates an event at a given time: the flow ends at the event, and the guard is the time that
+    /// remains until the event.
     pub fn at_time(guard: usize) -> Self {
         LocatedEvent { guard, root: Root { fraction: T::one(), rate: -T::one() } }
     }
@@ -37,8 +38,8 @@ impl<T: Scalar> LocatedEvent<T> {
 /// shorter, and a longer step could miss them.
 const LEGS: f64 = 4.0;
 
-/// Rounding: a guard counts as lifting off from zero at the start of a leg only if it falls no
-/// faster than this rate, in units of the scales.
+/// Rounding: a guard that falls from zero at the start of a leg faster than this rate, in units of
+/// the scales, does not count as lifting off.
 const RESTING: f64 = 1e-12;
 
 /// Heuristic: the fractions of a step at which a guard must be positive to count as lifting off.

@@ -191,8 +191,8 @@ where
         self.system
     }
 
-    /// Returns the initial state of a motion, given as a state of some mode, in the mode that the system
-    /// selects ([`HybridSystem::initial_mode`](super::system::HybridSystem::initial_mode)).
+    /// Returns the initial state of a motion, with its mode replaced by the mode that the system selects
+    /// ([`HybridSystem::initial_mode`](super::system::HybridSystem::initial_mode)).
     pub fn initial(&self, mut state: HybridState<T>, p: &[T]) -> HybridState<T> {
         let (mode, time) = (state.mode, state.time.real());
         // A wrong number of states is reported at the start of the motion.

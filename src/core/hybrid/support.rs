@@ -9,8 +9,8 @@ use num_dual::Dual;
 /// Heuristic: the number of Newton iterations with real gradients: the first iterations converge in
 /// value, and each further iteration makes one more order of derivatives exact.
 const ROUNDS: usize = 2;
-/// Heuristic: the squared sine of the angle between the gradients of a guard and of its rate, below
-/// which the two gradients count as parallel.
+/// Heuristic: the gradients of a guard and of its rate count as parallel if the squared sine of the
+/// angle between the two gradients is below this value.
 const APART: f64 = 1e-6;
 
 /// The surface on which a guard vanishes in a mode, at a given time.

@@ -284,9 +284,9 @@ pub trait HybridSystem: Send + Sync {
     }
 
     /// Projects a state of a mode onto the invariant surface of the mode by one step of Newton's
-    /// method, which leaves states on the surface, and derivatives along the surface, unchanged.
-    /// The default implementation leaves the state unchanged. The method is called only in modes
-    /// with [`Mode::on_surface`].
+    /// method; states that already lie on the surface, and derivatives along the surface, must not
+    /// change. The default implementation leaves the state unchanged. The method is called only in
+    /// modes with [`Mode::on_surface`].
     fn constrain<T: Scalar>(&self, _mode: usize, _t: T, _x: &mut [T], _p: &[T]) {}
 
     /// Returns the possible next modes after an event in a mode, in the order in which

@@ -1,7 +1,7 @@
 //! Classification of grazings.
 
-/// The kind of grazing of an orbit of a hybrid system, from which the system derives the standard
-/// name of the bifurcation.
+/// The kind of grazing of an orbit of a hybrid system; the system derives the standard name of the
+/// bifurcation from this kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Tangency {
     /// A leg in a mode touches the surface of a guard without crossing it.

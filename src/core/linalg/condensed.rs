@@ -33,8 +33,8 @@ pub(in crate::core) trait Condensed: Send + 'static {
     /// Adds the entries of `D` for `μ = 1` to a matrix of zeros, stored column by column.
     fn place(&self, of: Self::Matrix<'_>, dense: &mut [f64]);
 
-    /// Calls `visit` for every entry with the coefficient `μ`, with its row and column in `D`, and
-    /// with its equation and unknown in the whole matrix.
+    /// For every entry that is multiplied by `μ`, calls `visit` with two arguments: the row and
+    /// column of the entry in `D`, and its equation and unknown in the whole matrix.
     fn visit_returns(&self, visit: &mut dyn FnMut([usize; 2], [usize; 2]));
 
     /// Eliminates unknowns from a right-hand side, in place; `left` becomes the reduced right-hand

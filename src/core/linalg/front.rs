@@ -11,8 +11,8 @@ use wide::f64x4;
 /// whole SIMD lanes.
 const LANES: usize = 4;
 
-/// Heuristic: the number of eliminated columns from which on elimination proceeds by panels, and
-/// all other columns are updated by matrix products.
+/// Heuristic: the smallest number of eliminated columns for which elimination proceeds by panels,
+/// and all other columns are updated by matrix products.
 const BLOCKED: usize = 96;
 
 /// Heuristic: the number of columns of a panel, which is a multiple of the number of lanes.

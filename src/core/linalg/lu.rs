@@ -8,7 +8,7 @@ use faer::{MatMut, Par, c64};
 use nalgebra::ComplexField;
 use std::iter::Sum;
 
-/// The size of a matrix from which on faer's blocked factorisation is faster than plain loops.
+/// The smallest size of a matrix for which faer's blocked factorisation is faster than plain loops.
 const BLOCKED_FROM: usize = 40;
 
 /// The LU factorisation `P R M C = L U` of a bordered matrix `M`:
@@ -332,8 +332,8 @@ const NOTHING: f64 = 1e-12;
 /// matrix.
 const DIFFER: f64 = 1e3;
 
-/// Whether units differ so much that the sizes of the entries do not reveal the sizes of the terms
-/// to which they belong.
+/// Whether units differ so much that the size of an entry does not reveal the size of the term to
+/// which the entry belongs.
 pub(in crate::core) fn differ(units: &[f64]) -> bool {
     let known = || units.iter().filter(|unit| **unit > 0.0);
     let [least, most] =

@@ -17,10 +17,11 @@ use crate::core::failure::{Failure, finite, not_finite};
 use faer::MatRef;
 use faer::linalg::solvers::{DenseSolveCore, Solve};
 
-/// Heuristic: the number of multipliers from which on the QZ iteration is slow.
+/// Heuristic: the smallest number of multipliers for which the QZ iteration is slow.
 const MANY: usize = 16;
 
-/// Heuristic: the largest absolute error of multipliers for which the QR iteration is accepted.
+/// Heuristic: the QR iteration is accepted if the absolute errors of the multipliers are at most
+/// this.
 const UNHARMED: f64 = 1e-11;
 
 /// Computes the Floquet multipliers `μ` of `P x_0 + Q x_N = 0`, each as (real part, imaginary

@@ -58,16 +58,17 @@ pub(super) struct Place<T> {
     pub x: Vec<T>,
 }
 
-/// The maximal number of Newton iterations (heuristic): each iteration doubles the number of
-/// correct digits of the real part, and the degree up to which the Taylor series is correct. Four
+/// Heuristic: the maximal number of Newton iterations. Each iteration doubles both the number of
+/// correct digits of the real part and the degree up to which the Taylor series is correct. Four
 /// iterations give 16 correct digits, and three more iterations give correct coefficients up to the
 /// highest degree; the remaining iterations allow for a poor initial guess.
 const ROUNDS: usize = 12;
-/// The size of a Newton step, relative to the largest step, below which the step is a rounding
-/// error (rounding): about 50 ε.
+/// Rounding: a Newton step counts as a rounding error if its size, relative to the largest step, is
+/// below this value, which is about 50 ε.
 const ROUNDING: f64 = 1e-14;
-/// The size of the last Newton step, relative to the largest step, below which a surface is reached
-/// (heuristic): Newton's method converges quadratically, so that the next step would be a rounding error.
+/// Heuristic: a surface counts as reached if the size of the last Newton step, relative to the largest
+/// step, is below this value: Newton's method converges quadratically, so that the next step would be a
+/// rounding error.
 pub(super) const REACHED: f64 = 1e-6;
 
 /// Coordinates on the section of a grazing point, and the parameters as jets; the chart computes

@@ -10,8 +10,8 @@ use crate::core::scalar::Scalar;
 use num_dual::Dual64;
 use std::sync::Arc;
 
-/// The deviation of an iterate, in units of the coordinates' scales, above which the iterate has
-/// escaped (heuristic): the polynomials are valid only for small deviations.
+/// Heuristic: an iterate counts as escaped if its deviation, in units of the coordinates' scales,
+/// is above this value: the polynomials are valid only for small deviations.
 const MOST: f64 = 1.0;
 
 /// The index of the map's only event, which occurs if the virtual point lies beyond the surface.

@@ -159,9 +159,9 @@ impl LocalMap {
 }
 
 /// Heuristic: the largest distance, in units of the scales, by which an orbit may miss its grazing
-/// point after one turn. Only wrong input is rejected: an orbit with durations of the wrong legs
-/// (the parts of an orbit between two events) misses the point by a distance of order 1, but a
-/// located orbit misses it by 1e-11.
+/// point after one turn. Only wrong input is rejected: if the durations of legs (the parts of an
+/// orbit between two events) are given for the wrong legs, the orbit misses the point by a distance
+/// of order 1, but a located orbit misses it by 1e-11.
 const RETURNS: f64 = 1e-3;
 
 /// Returns an error if the orbit does not return to its grazing point.

@@ -25,9 +25,9 @@ pub(super) struct Discontinuity {
     pub power: Option<usize>,
 }
 
-/// Discretisation: the magnitude of a coefficient, relative to the scale and the largest
-/// coefficient, below which the coefficient is an error of the flow: the default tolerance of
-/// 1e-13, divided twice by `y`, results in 1e-10 or less.
+/// Discretisation: a coefficient counts as an error of the flow if its magnitude, relative to the
+/// scale and the largest coefficient, is below this value: the default tolerance of 1e-13, divided
+/// twice by `y`, results in 1e-10 or less.
 const NEGLIGIBLE: f64 = 1e-9;
 
 /// Computes one of the polynomial maps with jets that are large enough for the given order.

@@ -134,8 +134,9 @@ impl LocalOrbit {
         points.zip(extras).map(|((x, impact), extra)| (x, *impact, *extra))
     }
 
-    /// Returns the orbit that differs at the point closest to the surface, where an impact is
-    /// replaced by a pass without impact, or the reverse; `None` if no such point exists.
+    /// Returns the orbit that differs from this orbit at one point: if `impact` is true, the impact
+    /// closest to the surface becomes a pass without impact; otherwise, the pass closest to the
+    /// surface becomes an impact. Returns `None` if no such point exists.
     fn otherwise(
         &self,
         impact: bool,

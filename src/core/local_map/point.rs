@@ -43,8 +43,8 @@ pub struct GrazingPoint {
     pub x: Vec<f64>,
     /// All parameters.
     pub p: Vec<f64>,
-    /// The zero-length legs (parts of an orbit between two events) that follow an event of the
-    /// guard, until motion resumes in the mode.
+    /// The zero-length legs (parts of an orbit between two events) between an event of the guard
+    /// and the return of motion to the mode of the grazing point.
     pub following: Vec<Leg>,
     /// The legs (parts of the orbit between two events) by which the orbit returns to the grazing
     /// point, with their durations; the last leg ends at the grazing point.
@@ -77,8 +77,8 @@ impl GrazingPoint {
         Err(GrazingError::NoTouch { guard, time, value, rate })
     }
 
-    /// Returns an error if the numbers of guards, modes, states or parameters in the grazing point
-    /// do not belong to the system.
+    /// Returns an error if the grazing point does not belong to the system, for example because one
+    /// of its modes does not exist or its number of states is wrong.
     pub(super) fn check(&self, system: &dyn HybridEquations) -> Result<(), GrazingError> {
         if let Forcing::Periodic { phase } = system.forcing()
             && !(phase > 0.0 && phase.is_finite())

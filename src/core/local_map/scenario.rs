@@ -77,9 +77,9 @@ pub struct Classification {
     /// discontinuity map does not contain a square root ([`LocalMap::exponent`]), the derivative of
     /// `y²` is stored instead of the derivative of `y`.
     pub depth: f64,
-    /// The coefficient in the multiplier `growth/y`, to leading order, of the orbit with an impact:
-    /// the multiplier tends to `+∞` in scenario I, and to `−∞` in scenario II and beyond a fold
-    /// (III). The coefficient is 0 if the discontinuity map has no square root.
+    /// To leading order, the orbit with an impact has the multiplier `growth/y`, which tends to
+    /// `+∞` in scenario I, and to `−∞` in scenario II and beyond a fold (III). The value of
+    /// `growth` is 0 if the discontinuity map has no square root.
     pub growth: f64,
 }
 

@@ -15,8 +15,8 @@ pub(super) enum Coordinate {
     Phase,
 }
 
-/// The section `Π` of a grazing point, whose coordinates are all states of the mode except one, and
-/// the phase of the forcing.
+/// The section `Π` of a grazing point; the coordinates on the section are the phase of the forcing
+/// and all states of the mode except one.
 ///
 /// One state, `eliminated`, contributes most to the rate of the guard and is computed from the
 /// section's equation; another state, `normal`, contributes most to the guard itself and is
@@ -34,8 +34,9 @@ pub(super) struct Section {
     pub scales: Vec<f64>,
 }
 
-/// Rounding: the smallest relative length of the part of one gradient orthogonal to another, below
-/// which the two gradients count as dependent: the section's coordinates then lose nine digits.
+/// Rounding: two gradients count as linearly dependent if the part of one gradient that is
+/// orthogonal to the other has a smaller relative length than this: the section's coordinates then
+/// lose nine digits.
 const DEPENDENT: f64 = 1e-9;
 
 /// Returns the index of the number with the largest modulus, excluding one index.

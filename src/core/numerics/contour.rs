@@ -4,13 +4,16 @@ use std::collections::BTreeMap;
 
 /// The largest number of evaluations with which the zero on a grid edge is located.
 const ROUNDS: usize = 60;
-/// The value of the function at a zero, relative to its values at the ends of the grid edge, at
-/// which the zero is accurate.
+/// A zero on a grid edge is accurate enough if the value of the function there, relative to its
+/// values at the ends of the edge, is at most this number.
 const ACCURATE: f64 = 1e-12;
-/// Heuristic: the relative value above which a change of sign is a pole or a jump, and not a zero.
+/// Heuristic: a change of sign on a grid edge counts as a pole or a jump, and not as a zero, if the
+/// smallest value found there, relative to the values at the ends of the edge, is above this
+/// number.
 const SINGULAR: f64 = 1e-3;
 
-/// An edge of the grid, from the node with two indices to the next node along an axis.
+/// An edge of the grid: the two indices of a node, and the axis along which the edge leads to the
+/// next node.
 type Edge = ([usize; 2], usize);
 
 /// Returns the zero set of a function in a rectangle as lines. The values along the two axes must

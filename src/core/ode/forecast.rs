@@ -21,8 +21,8 @@ pub struct EventForecast {
     ends: [[[f64; MOST_LANES]; 2]; 2],
     /// Whether the function is positive at the start of the step.
     positive: u32,
-    /// Whether the function is positive at both ends of the step and does not become smaller than
-    /// the smaller one of both values.
+    /// Whether the function is positive at both ends of the step and does not fall below the
+    /// smaller of these two values within the step.
     clear: u32,
     /// Whether the function increases throughout the step and is positive at its end.
     rises: u32,

@@ -67,8 +67,8 @@ const STIFF_STEPS: usize = 15;
 /// steps: if it needs fewer steps, changing to another method costs more than it saves.
 const STIFF_REST: f64 = 500.0;
 
-/// Rounding: the smallest step, as a fraction of the flow; times near zero are resolved more finely
-/// than to `ε` times the duration.
+/// Rounding: the smallest step, as a fraction of the flow; it can be far below `ε`, because
+/// positions near the start of the flow are numbers near zero, which have a fine resolution.
 const SMALLEST_STEP: f64 = 1e-30;
 
 impl<T: Scalar> Flow<T> {

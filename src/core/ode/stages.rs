@@ -58,8 +58,8 @@ impl<T: Scalar> Stages<T> {
         &mut self.slopes[stage * n..(stage + 1) * n]
     }
 
-    /// Computes the stages of an explicit step of length `h` from `x` at `σ`, given the first
-    /// stage, and the state at the end of the step.
+    /// Computes the state at the end of an explicit step of length `h` from `x` at `σ`, and all
+    /// stages of the step except the first stage, which must be known.
     pub fn advance<F: FieldIn<T>>(
         &mut self,
         tableau: &Tableau,

@@ -155,8 +155,8 @@ impl<T: Scalar> WatchSampler<T> {
         }
     }
 
-    /// Evaluates the watched function on dense output, whose coefficients must already be computed,
-    /// in any scalar type.
+    /// Evaluates the watched function, in any scalar type, on dense output with coefficients that
+    /// must already be computed.
     fn interpolated<F: FieldIn<T>, W: Watchable<T> + WatchIn<S>, S: Scalar>(
         arguments: &mut Arguments<S>,
         step: &Step<F, T>,

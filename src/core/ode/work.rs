@@ -31,7 +31,7 @@ pub fn work() -> Work {
     WORK.get()
 }
 
-/// Adds a flow of a given duration to the work of this thread.
+/// Adds the evaluations and the duration of one flow to the counted work of this thread.
 pub(super) fn add(evaluations: usize, length: f64) {
     let Work { evaluations: before, time } = WORK.get();
     WORK.set(Work { evaluations: before + evaluations as u64, time: time + length.abs() });

@@ -43,9 +43,9 @@ pub(super) fn decisions(legs: &OrbitLegs) -> impl Iterator<Item = Decision> + '_
 }
 
 impl Decision {
-    /// Returns the margin of the decision, which vanishes where another mode is selected: it is
-    /// positive if the event leads to the mode of the itinerary, and `None` if the event can never
-    /// lead to this mode.
+    /// Returns the margin of the decision: a number that is positive if the event leads to the mode
+    /// of the itinerary, and zero where the event starts to lead to another mode. Returns `None` if
+    /// the event can never lead to the mode of the itinerary.
     pub(super) fn margin<T: MeasureNumber>(&self, at: Moment<T>) -> Option<T> {
         let Decision { modes, next, .. } = self;
         let least = |a: T, b: T| if b.real() < a.real() { b } else { a };

@@ -16,7 +16,8 @@ pub(super) const NUDGE: f64 = 1e-6;
 /// Heuristic: in an event cascade, the next event counts as immediate if it occurs within this
 /// time, in units of the time scale.
 const AT_ONCE: f64 = 1e-2;
-/// Heuristic: the magnitude, in units of its scale, below which a guard or its rate counts as zero.
+/// Heuristic: a guard or its rate counts as zero if its magnitude, in units of its scale, is below
+/// this value.
 const ZERO: f64 = 1e-9;
 /// Heuristic: a function varies along a guard's surface if more than this fraction of the
 /// function's gradient is tangent to the surface.
@@ -56,8 +57,9 @@ impl Following {
 }
 
 impl Onset {
-    /// Computes the event cascade until motion resumes in the mode `until`, at the event and at the
-    /// nearby event. The order of the events is determined at the nearby event.
+    /// Computes two event cascades, one after the event and one after the nearby event; each
+    /// cascade lasts until motion resumes in the mode `until`. The order of the events is
+    /// determined at the nearby event.
     pub(super) fn following(
         self,
         orbits: &OrbitLegs,
@@ -74,8 +76,9 @@ impl Onset {
         })
     }
 
-    /// Computes the event cascade, at the event and at the nearby event, until motion reaches a
-    /// required mode and state; `None` if the cascade does not reach such a state.
+    /// Computes two event cascades, one after the event and one after the nearby event; each
+    /// cascade lasts until motion reaches a required mode and state. Returns `None` if motion does
+    /// not reach this mode and state.
     pub(super) fn following_until(
         self,
         orbits: &OrbitLegs,
@@ -169,10 +172,11 @@ pub(super) fn onto(guard: usize, at: Moment<f64>) -> Vec<f64> {
 }
 
 /// Returns a time and state near an event, still on the guard's surface, at which a function is
-/// larger by `change`. The displacement is along the part, tangent to the guard's surface, of the
-/// function's gradient with respect to the states. If the function does not vary with the states
-/// along the surface, the gradient with respect to states and time is used. Returns the event
-/// itself if the function varies neither with the states nor with time along the surface.
+/// larger by `change`. The displacement follows the gradient of the function with respect to the
+/// states, without the component of the gradient that is normal to the guard's surface. If the
+/// function does not vary with the states along the surface, the gradient with respect to states
+/// and time is used. Returns the event itself if the function varies neither with the states nor
+/// with time along the surface.
 pub(super) fn nudged(
     guard: usize,
     at: Moment<f64>,

@@ -162,8 +162,8 @@ where
 }
 
 impl<T: GuardNumber + MeasureNumber> Watches<T> for HybridOrbit {
-    /// Evaluates a watched function, given by its index in the list of guards followed by the
-    /// system's monitors.
+    /// Evaluates a watched function, given by its index in the list that contains all guards, and
+    /// then all monitors of the system.
     fn watch_in(&self, Watched { segment, observable, .. }: Watched, t: T, x: &[T], q: &[T]) -> T {
         let OrbitLegs { system, layout, guards, .. } = self.legs();
         let (mode, t, p) = (self.legs().mode(segment), layout.begin(q) + t, layout.p(q));

@@ -11,8 +11,9 @@ use std::ops::Range;
 use std::sync::Arc;
 
 /// Discretisation: for an orbit that never leaves the surface of its mode, the multiplier in the
-/// direction normal to the surface is set to `e^(−LOST)`, which is zero up to rounding. The vector
-/// field alone would preserve deviations from the surface, so that this multiplier would be 1.
+/// direction normal to the surface is set to `e^(−LOST)`, which is zero up to rounding. Without
+/// this setting, the multiplier would be 1, since the vector field preserves deviations from the
+/// surface.
 const LOST: f64 = 36.0;
 
 /// The position of each leg's states and scalar unknowns in the vectors of the whole orbit. The
@@ -26,8 +27,8 @@ pub(in crate::core) struct LegLayout {
     pub forced: bool,
     /// Whether the itinerary has no events.
     pub smooth: bool,
-    /// The offset of each leg's states in the vector of the states of all legs, followed by the
-    /// total number of states.
+    /// The offsets of the legs' states in the vector of the states of all legs; the last entry is
+    /// the total number of states.
     places: Vec<usize>,
 }
 

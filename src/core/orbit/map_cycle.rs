@@ -18,9 +18,9 @@ use std::sync::Arc;
 /// The cycles of a map: `x_{k+1} = f(x_k, p)`, `k = 0 … K − 1`, `x_K = x_0`; with `K = 1` its fixed
 /// points.
 ///
-/// The unknowns are the states of all iterates: `K` values for each state, and one group for each
-/// array of states. The Jacobian is block-cyclic: a point on a branch costs O(K n³) in time and O(K
-/// n²) in memory.
+/// The unknowns are the states of all iterates, `K` values for each state; the elements of an array
+/// of states form one group of unknowns. The Jacobian is block-cyclic: a point on a branch costs
+/// O(K n³) in time and O(K n²) in memory.
 ///
 /// Cycles of maps support the same computations as periodic orbits: multipliers, folds, period
 /// doublings, torus (Neimark–Sacker) bifurcations, and the curves of these bifurcations. A branch

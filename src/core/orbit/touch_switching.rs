@@ -39,8 +39,9 @@ impl Passed {
 /// Heuristic: the time between the new event and the grazing point, in units of the time scale, if
 /// the event is moved away from the grazing point to determine the direction of a branch.
 const SOONER: f64 = 1e-3;
-/// Heuristic: the ratio of the two times before the grazing point at which the error is computed;
-/// the error must decrease as the square of the time.
+/// Heuristic: the error is computed for two events before the grazing point, and this is the ratio
+/// of their distances in time from the grazing point; the error must decrease as the square of the
+/// distance.
 const NEARER: f64 = 4.0;
 /// Heuristic: the largest number of simultaneous grazing points whose 2⁸ subsets define branches;
 /// at further grazing points, only the orbits of branch 0 cross the surface.
@@ -160,8 +161,8 @@ fn passed_sooner(orbit: &KnownOrbit, touch: &Touch, passed: &Passed) -> Option<P
     (same && second_order).then_some(near)
 }
 
-/// Returns the event that occurs the time `sooner` before a grazing point, and the distance, in
-/// units of the scales, between the end of the event's cascade and the grazing motion.
+/// Returns the event that precedes a grazing point by the time `sooner`, and the distance, in units
+/// of the scales, between the end of the event's cascade and the grazing motion.
 fn sooner(orbit: &KnownOrbit, touch: &Touch, sooner: f64) -> Option<(Passed, f64)> {
     let Touch { leg, guard, .. } = *touch;
     let since = Some(touch.since - sooner).filter(|since| *since > 0.0)?;

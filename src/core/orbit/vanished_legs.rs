@@ -79,8 +79,9 @@ fn without_events(
     Ok(Guess { problem, trajectories: vec![trajectory], extras, beside: None })
 }
 
-/// Returns the leg after the grazing point at the end of the given leg, without the zero-length
-/// legs between the two legs; `None` if the end is not a grazing point, or leads to another mode.
+/// Returns the first leg of positive length after the grazing point at which the given leg ends;
+/// `None` if the given leg does not end at a grazing point, or if the returned leg would be in
+/// another mode.
 ///
 /// # Errors
 /// [`Failure::Undetermined`] if the reset at the grazing point is discontinuous.

@@ -44,9 +44,9 @@ pub(in crate::core) struct Extremes<P> {
 /// about four thousand times the rounding error.
 const DEPTH: f64 = 1e-12;
 
-/// Rounding: the largest magnitude of a guard, in units of its scale, at which a leg begins on the
-/// guard's surface: well above the square root of the rounding error, which is the accuracy of a
-/// tangential contact.
+/// Rounding: a leg counts as beginning on the surface of a guard if the magnitude of the guard, in
+/// units of its scale, is at most this: well above the square root of the rounding error, which is
+/// the accuracy of a tangential contact.
 const ON: f64 = 1e-6;
 
 impl<P: Copy + Default> Extremes<P> {

@@ -25,7 +25,7 @@ impl PotentialGradient {
     /// derivative of `D` along `w` equals the gradient of `wᵀD` with respect to the unknowns.
     ///
     /// # Errors
-    /// Returns the errors of the closure `along`.
+    /// Any error of the closure `along` is returned unchanged.
     pub fn gradient(
         &mut self,
         w: &[f64],

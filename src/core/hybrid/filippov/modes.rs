@@ -22,9 +22,9 @@ pub struct Filippov<S>(pub S);
 
 /// The event at which motion reaches the surface from either side.
 const SURFACE: usize = 0;
-/// Rounding: the normal velocity above which a sliding field is not tangent to the surface, in
-/// units of the terms of that velocity; a smaller normal velocity is a rounding error of given
-/// constants.
+/// Rounding: a sliding field does not count as tangent to the surface if its normal velocity, in
+/// units of the terms of this velocity, is above this value; a smaller normal velocity is a
+/// rounding error of given constants.
 const OFF: f64 = 1e-6;
 
 impl<S> Filippov<S> {
@@ -43,7 +43,8 @@ impl<S> Filippov<S> {
         }
     }
 
-    /// Returns the side with the number of a mode, or of an event that ends sliding.
+    /// Returns the side of the surface that has the given number, which is also the number of the
+    /// mode on this side.
     fn side(number: usize) -> Side {
         if number == Self::ABOVE { Side::Above } else { Side::Below }
     }

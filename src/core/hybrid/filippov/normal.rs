@@ -68,8 +68,9 @@ pub(super) fn sliding_velocity<S: FilippovSystem + ?Sized>(
     terms.fold([0.0, 0.0], |[sum, size], term| [sum + term, size + term.abs()])
 }
 
-/// Projects a state near the surface onto the surface by one Newton step, in units of the states'
-/// sizes. For a state on the surface, the projection leaves derivatives along the surface unchanged.
+/// Projects a state near the surface onto the surface by one Newton step, the shortest one in units
+/// of the states' sizes. For a state on the surface, the projection leaves derivatives along the
+/// surface unchanged.
 pub(super) fn project<S: FilippovSystem + ?Sized, T: Scalar>(
     system: &S,
     (t, x, p): (T, &mut [T], &[T]),

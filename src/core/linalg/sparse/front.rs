@@ -10,8 +10,8 @@ use faer::{Accum, MatMut, MatRef, Par};
 /// one elimination step, entries grow by at most the factor one plus the inverse of this number.
 const THRESHOLD: f64 = 0.1;
 
-/// Rounding: the smallest size of a pivot, as a fraction of the border's entries in its column,
-/// which is required even if many columns lack such a pivot: rounding errors grow by at most the
+/// Rounding: a pivot must have at least this size, as a fraction of the border's entries in the
+/// column of the pivot, even if many columns lack such a pivot: rounding errors grow by at most the
 /// inverse of this number.
 const LEAST: f64 = 1e-8;
 

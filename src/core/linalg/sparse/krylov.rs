@@ -1,4 +1,5 @@
-//! Krylov spaces of the inverse of a sparse matrix, and their eigenvalues.
+//! Krylov spaces of the inverse of a sparse matrix, and the eigenvalues of the inverse that are
+//! computed from these spaces.
 
 use super::SparseLu;
 use crate::core::failure::Failure;
@@ -213,10 +214,10 @@ impl RitzPairs {
         Ok(RitzPairs { values, vectors, order, rests: Vec::new(), errors: Vec::new() })
     }
 
-    /// Returns the errors of the eigenvalues of a symmetric matrix: the squares of the residuals,
-    /// divided by the distance to the other eigenvalues (C.-K. Li and R.-C. Li, Linear Algebra Appl. 395
-    /// (2005) 183), if the quotient is less than the residual. The eigenvalues of a cluster share one
-    /// error estimate.
+    /// Returns the errors of the eigenvalues of a symmetric matrix: each error is the residual or, if
+    /// smaller, the square of the residual divided by the distance to the other eigenvalues (C.-K. Li
+    /// and R.-C. Li, Linear Algebra Appl. 395 (2005) 183). The eigenvalues of a cluster share one error
+    /// estimate.
     fn symmetric_errors(&self) -> Vec<f64> {
         let all = || self.values.iter().map(|value| value.re).zip(&self.rests);
         let error = |(value, rest): (f64, &f64)| {

@@ -91,8 +91,8 @@ pub(in crate::core) struct Rightmost {
 }
 
 impl Leading {
-    /// Computes the eigenvalues of the matrix with the given entries: all unstable eigenvalues, up
-    /// to [`MOST`], and the `least` other eigenvalues nearest to zero.
+    /// Computes the eigenvalues of the matrix with the given entries: all unstable eigenvalues (at
+    /// most [`MOST`]), and the `least` other eigenvalues nearest to zero.
     pub fn rightmost(
         &mut self,
         elimination: &Arc<Elimination>,
@@ -151,8 +151,9 @@ impl Leading {
         self.factor(matrix, shift).map(|()| shift)
     }
 
-    /// Whether all positive eigenvalues of the matrix are known, where `positive` is their number.
-    /// Positive eigenvalues far beyond the circle of known eigenvalues are computed and added.
+    /// Whether all positive eigenvalues of the matrix are known; `positive` is the number of
+    /// positive eigenvalues that the matrix has. Positive eigenvalues far beyond the circle of
+    /// known eigenvalues are computed and added.
     fn is_counted(
         &mut self,
         matrix: &Matrix,

@@ -95,7 +95,8 @@ struct Matrix<'a, E> {
     diagonal: bool,
 }
 
-/// The entries of a border: columns given by equation, rows given by unknown, and the corner.
+/// The entries of a border: columns with one entry for each equation, rows with one entry for each
+/// unknown, and the corner.
 struct Bordering<'a, E> {
     width: usize,
     column: &'a dyn Fn(usize, usize) -> E,
@@ -125,12 +126,12 @@ impl SparseLu {
         self.factor_matrix(elimination, &Matrix { entries, shift, border, diagonal: false })
     }
 
-    /// Factors a matrix without a border that a diagonal scaling makes symmetric. Pivots are taken
+    /// Factors an unbordered matrix that becomes symmetric by a diagonal scaling. Pivots are taken
     /// from the diagonal, and the number of negative pivots equals the number of negative
     /// eigenvalues.
     ///
     /// # Errors
-    /// Returns the same errors as [`factor`](Self::factor).
+    /// The same errors as [`factor`](Self::factor).
     pub fn factor_symmetric(
         &mut self,
         elimination: &Arc<Elimination>,

@@ -70,8 +70,7 @@ fn banded(n: usize, band: usize) -> Vec<Node> {
     (0..count).map(node).collect()
 }
 
-/// Returns the nodes of the elimination tree whose columns are in the approximate minimum degree
-/// order.
+/// Returns the nodes of the elimination tree for columns in the approximate minimum degree order.
 fn minimum_degree(pattern: &Pattern) -> Vec<Node> {
     let n = pattern.size();
     let (starts, rows) = upper(pattern);
