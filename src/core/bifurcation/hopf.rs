@@ -203,9 +203,10 @@ fn crossing_frequency(at: &mut At, near: Option<f64>, held: Option<f64>) -> Resu
 /// determines `ω = 0` only to the square root of its tolerance.
 const REAL: f64 = 1e-6;
 
-/// The test function of Hopf and torus points: the number of unstable eigenvalues, and the parity
-/// of the number of pairs of eigenvalues with a positive sum (of multipliers with a product larger
-/// than 1).
+/// The test function of Hopf and torus points. For equilibria, it consists of two counts: the
+/// number of unstable eigenvalues, and the parity of the number of pairs of eigenvalues with a
+/// positive sum. For periodic orbits, the two counts are the number of unstable multipliers, and
+/// the parity of the number of pairs of multipliers with a product larger than 1.
 ///
 /// At a neutral saddle, where two real eigenvalues are `λ` and `−λ`, the number of unstable
 /// eigenvalues does not change. At a fold, the parity of the number of pairs with a positive sum

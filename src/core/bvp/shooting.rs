@@ -94,8 +94,8 @@ impl Clone for Shooting {
     }
 }
 
-/// Rounding: the largest accepted factor by which deviations grow over an interval: rounding errors
-/// grow by the same factor, which leaves only one or two correct digits.
+/// Rounding: the largest accepted factor by which deviations grow over an interval. Rounding errors
+/// grow by the same factor, so only one or two correct digits remain at this bound.
 const LARGEST_GROWTH: f64 = 1e14;
 
 /// Returns the factor by which deviations grow over an interval: the largest absolute derivative of

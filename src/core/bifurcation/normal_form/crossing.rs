@@ -7,12 +7,12 @@ use crate::core::failure::Failure;
 use crate::core::linalg::{Form, dot};
 use crate::core::system::Deviation;
 
-/// Rounding: a quadratic coefficient smaller than this threshold, relative to the terms of its sum,
-/// is zero up to rounding, as at a pitchfork.
+/// Rounding: a quadratic coefficient counts as zero, as at a pitchfork, if it is smaller than this
+/// threshold relative to the terms whose sum it is.
 const VANISHES: f64 = 1e-6;
 
-/// Rounding: a quadratic coefficient smaller than this threshold, relative to the cubic coefficient
-/// for `⟨q, q⟩ = 1`, is zero up to rounding, without regard to the terms of its sum.
+/// Rounding: a quadratic coefficient also counts as zero if it is smaller than this threshold
+/// relative to the cubic coefficient for `⟨q, q⟩ = 1`, regardless of the terms whose sum it is.
 const ROUNDING: f64 = 1e-9;
 
 /// Computes the two terms `p C(q, q, q)/6` and `p B(q, h)/2` of the cubic coefficient, where `F_z h

@@ -298,9 +298,9 @@ impl Equations for HomoclinicOrbit {
         self.cycles.function_scale(segment, function, &q[..=self.parameters])
     }
 
-    /// Returns the distance of a state from the equilibrium. The ends of homoclinic orbits are closer
-    /// to the equilibrium than the mesh error relative to the largest states, but the end conditions
-    /// near a focus need full relative accuracy.
+    /// Returns the distance of a state from the equilibrium. Near a focus, the end conditions of
+    /// homoclinic orbits need full relative accuracy, although the ends are closer to the equilibrium
+    /// than the mesh error, which is relative to the largest states.
     fn size_near(&self, _segment: usize, x: &[f64], q: &[f64]) -> Option<f64> {
         let deviation = self.deviation(x, self.parts(q).place);
         Some(deviation.iter().map(|y| y * y).sum::<f64>().sqrt())

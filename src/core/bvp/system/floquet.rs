@@ -255,12 +255,12 @@ fn motion_at(of: &Orbit, node: usize) -> Vec<f64> {
 /// orbit, the vector field is too inaccurate to represent the trivial multiplier.
 const SLOW: f64 = 0.1;
 
-/// Heuristic: Trial multipliers; the algorithm uses the first trial multiplier that is far enough
-/// from all Floquet multipliers.
+/// Heuristic: the trial multipliers; the algorithm uses the first trial multiplier that is far
+/// enough from all Floquet multipliers.
 const TRIAL_MULTIPLIERS: [f64; 4] = [-0.4, 0.6, -2.3, 3.1];
 
-/// Heuristic: a trial multiplier is far enough from all Floquet multipliers if no entry of `Q`
-/// exceeds this bound.
+/// Heuristic: a trial multiplier counts as far enough from all Floquet multipliers if no entry of
+/// `Q` exceeds this bound.
 const MODERATE: f64 = 1e3;
 
 /// Rounding: if an entry of `Q` exceeds this bound for all trial multipliers, the equations are
