@@ -15,7 +15,7 @@ pub struct Crisis {
     /// The attractor at the first value of [`between`](Self::between).
     pub attractor: Attractor,
     /// The number of periods of the cycle on which motion settled beyond the crisis; `None` if
-    /// motion ended there.
+    /// motion ended instead.
     pub beyond: Option<usize>,
 }
 

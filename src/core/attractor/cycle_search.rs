@@ -403,7 +403,7 @@ struct Returns<'a> {
 }
 
 impl Returns<'_> {
-    /// Processes a sample of the motion and stores the cycle if the motion repeats there.
+    /// Processes a sample of the motion; if the motion has repeated, stores the cycle.
     fn sample(&mut self, state: HybridState<f64>) {
         let next = Stretch::from(state.clone(), self.stretch.scales);
         let stretch = std::mem::replace(&mut self.stretch, next);

@@ -66,7 +66,7 @@ pub struct Attractor {
     /// repeat.
     pub records: Vec<Period>,
     /// The name of each event, with the number of its occurrences in a cycle, or per period if the
-    /// motion did not repeat; infinite if the events accumulate.
+    /// motion did not repeat; this number is infinite if the events accumulate.
     pub events: Vec<(String, f64)>,
     /// The number of points in a cycle at which infinitely many events accumulate, or their number
     /// per period if the motion did not repeat.

@@ -19,7 +19,7 @@ const NEAR: f64 = 0.03;
 /// that only rounding errors remain there.
 pub(super) const REST: f64 = 1e-6;
 /// Discretisation: the largest drift of a neutral state in a cycle, as a fraction of the motion's
-/// size: equal to the tolerance of repeating motion.
+/// size; this bound equals the tolerance for repeating motion.
 const DRIFT: f64 = 1e-5;
 
 /// Discretisation: two periodic points count as equal if their distance, in units of their size, is

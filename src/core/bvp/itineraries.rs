@@ -22,8 +22,9 @@ pub trait Itineraries<P> {
     fn with_words(&self, words: &str) -> Result<P, Failure>;
 
     /// Creates the problem of the doubled itinerary: all segments occur twice, each with its extra
-    /// unknowns; extra unknowns that belong to no segment precede these and occur once. Returns
-    /// `None` if a doubled solution has the same segments on a mesh of twice the length.
+    /// unknowns; extra unknowns that belong to no segment occur once, before the extra unknowns of
+    /// the segments. Returns `None` if a doubled solution has the same segments on a mesh of twice
+    /// the length.
     fn doubled(&self) -> Option<P>;
 
     /// Creates the problem of half the itinerary if the itinerary consists of two equal halves;

@@ -26,8 +26,8 @@ pub(super) fn third(
     Ok([dot(p, &forms.of(&[q, q, q])?) / 6.0, dot(p, &forms.of(&[q, &h])?) / 2.0])
 }
 
-/// Whether `p B(q, q)` is zero up to rounding, as it is at a pitchfork: it is compared with the
-/// terms of its sum and with the third-order terms; `square` is `⟨q, q⟩`.
+/// Whether the sum `p B(q, q)` is zero up to rounding, as at a pitchfork; the sum is compared with
+/// its own terms and with the third-order terms. `square` is `⟨q, q⟩`.
 pub(super) fn is_rounding((p, second): (&[f64], &[f64]), third: [f64; 2], square: f64) -> bool {
     let terms: f64 = p.iter().zip(second).map(|(p, b)| (p * b).abs()).sum();
     let size = (third[0].abs() + third[1].abs()) / square;

@@ -126,7 +126,7 @@ impl NormalForm {
 pub(crate) type ComputeNormalForm = fn(&mut At) -> Result<NormalForm, Failure>;
 
 /// Whether the equations define rates of change. The equilibrium equations of potentials and of
-/// second-order motion do not: they do not contain the mass.
+/// second-order motion do not define rates of change, because they do not contain the mass.
 fn has_rates(at: &At) -> bool {
     matches!(at.system.dynamics(), Dynamics::Flow | Dynamics::Periodic)
 }

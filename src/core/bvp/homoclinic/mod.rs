@@ -59,9 +59,10 @@ const BEFORE_PLACE: usize = 3;
 /// ```
 ///
 /// Deviations are in units of the extents of the orbit (the ranges of its states), and `R_u` and
-/// `R_s` give the components of a deviation along the eigenvectors. The parameter at which `g = 0`
-/// has truncation errors of order `ε₀^(2+r)` and `ε₁^(2+1/r)`, where `r` is the absolute value of
-/// the ratio of the leading stable and unstable eigenvalues `λ_s` and `λ_u`.
+/// `R_s` give the components of a deviation along the eigenvectors. The parameter value that the
+/// condition `g = 0` determines has truncation errors of order `ε₀^(2+r)` and `ε₁^(2+1/r)`, where
+/// `r` is the absolute value of the ratio of the leading stable and unstable eigenvalues `λ_s` and
+/// `λ_u`.
 ///
 /// The excursion is often short compared with `T`, and the times that the orbit spends near the
 /// equilibrium before and after the excursion change along a branch. On a mesh with breakpoints at

@@ -153,8 +153,9 @@ impl Saved {
         Ok(Saved { equations, work, extras, parameters: p.clone() })
     }
 
-    /// Returns the extra unknowns of the saved solution after it is rewritten to begin with a later
-    /// segment; its start time is chosen so that the extra unknowns are nearest to `near`.
+    /// Returns the extra unknowns of the saved solution after the solution is rewritten to begin
+    /// with a later segment; the start time is chosen so that the extra unknowns are nearest to
+    /// `near`.
     fn rotated(&self, segments: usize, near: &[f64]) -> Option<Vec<f64>> {
         let q = [&self.parameters[..], &self.extras].concat();
         self.equations.problem.itineraries()?.rotated(segments, &q, near)

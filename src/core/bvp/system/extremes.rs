@@ -78,8 +78,8 @@ impl MonitoredExtremes {
         MonitoredExtremes { segments, ..MonitoredExtremes::default() }
     }
 
-    /// Returns the upward zero crossing of a scalar on its segment at which another scalar has its
-    /// largest value.
+    /// Among the upward zero crossings of a scalar on its segment, returns the crossing at which
+    /// another scalar is largest.
     pub fn risen(&self, through: Watched, value: Observable) -> Option<Sighting<Place>> {
         let OnSegment { rises, risen, .. } = &self.segments[through.segment];
         let position = rises.iter().position(|rise| *rise == [through.observable, value])?;
