@@ -211,7 +211,7 @@ pub enum CommandError {
     Output(#[from] std::io::Error),
 }
 
-/// Returns the remedy for the name of an unknown scene.
+/// Returns the help text of the error that reports an unknown scene name.
 fn of_scene(unknown: &UnknownName) -> String {
     let help = unknown.help().map_or(String::new(), |help| format!("{help}; "));
     format!("{help}or give the path of a RON file (`tangency scenes` lists all scenes)")

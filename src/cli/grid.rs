@@ -200,8 +200,9 @@ fn told(document: &Document, said: &[String]) -> (String, Vec<String>) {
     (branches.chain(chosen).collect::<Vec<_>>().join("; "), warnings.collect())
 }
 
-/// Writes into the folder of the designs the program version and the settings from which they are
-/// computed; rejects a folder whose designs have another origin.
+/// Records, in the folder of the designs, the program version, the settings and the scene from
+/// which the designs are computed; rejects a folder whose designs come from another scene, other
+/// settings or another version.
 fn check_made_of(
     folder: &Path,
     text: &str,

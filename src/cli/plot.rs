@@ -33,9 +33,9 @@ pub struct Plot {
     /// The parameter or monitor on the horizontal axis [default: as stated in the first document]
     #[arg(long, value_name = "NAME")]
     x: Option<String>,
-    /// The columns on the vertical axis: v draws the largest and smallest values of the state v,
-    /// max_v only the largest values, and period the period [default: as stated in the first
-    /// document]
+    /// The columns on the vertical axis: for example, v draws both the largest and the smallest
+    /// values of the state v, and max_v draws only the largest values [default: as stated in the
+    /// first document]
     #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
     y: Vec<String>,
     /// The range of the horizontal axis to show, in the units of the column on this axis; either
@@ -52,8 +52,9 @@ pub struct Plot {
     /// Label the two sides of each curve in two parameters with the numbers of unstable directions
     #[arg(long)]
     regions: bool,
-    /// The special points whose profiles are drawn, or written as .csv or .npz: labels such as 2,5,
-    /// labels of a branch such as orbits/2, or all [default: a few points with different profiles]
+    /// The special points whose profiles are drawn, or written as .csv or .npz; give their labels
+    /// (2,5), their labels with the names of their branches (orbits/2,orbits/5), or the word all
+    /// [default: a few points with different profiles]
     #[arg(long, value_name = "LABEL or BRANCH/LABEL or all", value_delimiter = ',')]
     points: Vec<String>,
     /// The width of the picture in millimetres, such as 84 for a journal's column [default: 170]
@@ -173,8 +174,9 @@ impl Plot {
         Ok(())
     }
 
-    /// Returns the default path of the picture, in the folder of a document: `lure.svg`, the same
-    /// name that `trace` uses, or `lure-x=alpha-min_x.svg` with other columns or points.
+    /// Returns the default path of the picture, in the folder of a document. An example of a file
+    /// name is `lure.svg`, which `trace` also uses; if the command line chooses columns or points,
+    /// they are added to the name, as in `lure-x=alpha-min_x.svg`.
     fn beside(&self, file: &Path) -> PathBuf {
         let x = self.x.iter().map(|column| format!("-x={column}"));
         let others = self.y.iter().chain(&self.points).map(|column| format!("-{column}"));

@@ -160,7 +160,8 @@ fn switch(text: &str) -> Result<Switch, String> {
     text.split(',').map(followed).collect::<Result<_, _>>().map(Switch::Kinds)
 }
 
-/// The labels of MatCont and of other programs, with the kinds of the same points.
+/// Labels of special points in MatCont and other programs, each with this program's label of the
+/// same kind.
 const OTHER_LABELS: [(&str, &str); 6] =
     [("SN", "LP"), ("H", "HB"), ("NS", "TR"), ("LPC", "LP"), ("BPC", "BP"), ("PD1", "PD")];
 

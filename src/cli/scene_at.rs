@@ -109,8 +109,7 @@ impl SceneAt {
         }
     }
 
-    /// Converts an error of the scene to an error of the command, which also contains the scene's
-    /// name.
+    /// Converts an error of the scene to an error of the command, and adds the scene's name.
     pub fn at_fault(&self, cause: SceneError) -> CommandError {
         CommandError::Scene { place: self.scene.clone(), cause: Box::new(cause) }
     }

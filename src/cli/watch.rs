@@ -61,7 +61,7 @@ pub struct Telling {
 }
 
 impl Telling {
-    /// The default printed output of other commands than `trace`: special points with all columns.
+    /// The default printed output of commands other than `trace`: special points with all columns.
     pub const USUAL: Telling = Telling { quiet: false, verbose: false, wide: true };
 
     /// Returns the width of the terminal in letters, or `None` if all columns are printed.

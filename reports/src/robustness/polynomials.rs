@@ -67,8 +67,8 @@ fn by_recurrence<T: Float>(order: usize, xi: T) -> T {
 }
 
 /// Evaluates a Legendre polynomial by Laplace's integral, `P_n(ξ) = 1/π ∫₀^π (ξ + i √(1 − ξ²) cos
-/// φ)ⁿ dφ`, which equals the mean over at least `n` equidistant angles. No power in Laplace's sum
-/// exceeds 1 in modulus, so the sum loses no digits.
+/// φ)ⁿ dφ`, which equals the mean of the integrand over `n` or more equidistant angles. No power in
+/// Laplace's sum exceeds 1 in modulus, so the sum loses no digits.
 fn exact(order: usize, xi: f64) -> f64 {
     let legendre = |n: usize| {
         let parts = n + 2;

@@ -22,7 +22,8 @@ vector_field! {
     }
 }
 
-/// The amplitude at which a point of the branch is marked: `x` reaches 1.5 there.
+/// A point of the branch is marked where the largest `x` of the orbit has this value, which is also
+/// the exact amplitude of the orbit.
 const MARKED: f64 = 1.5;
 /// The largest relative error with which a result counts as right.
 const DIGITS: f64 = 1e-9;

@@ -57,8 +57,9 @@ fn uncontrolled(epsilon: f64, step: f64) -> Found {
     arrived(at[0])
 }
 
-/// Returns the outcome of a continuation from its position after the bend, which tells whether it
-/// jumped to the other branch.
+/// Returns the outcome of a continuation, given the position of its last point after the bend: the
+/// continuation has followed its branch if `x` is positive, and has jumped to the other branch
+/// otherwise.
 fn arrived(x: f64) -> Found {
     if x > 0.0 { Found::right("followed") } else { Found::silent("jumped to the other branch") }
 }

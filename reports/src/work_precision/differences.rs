@@ -60,8 +60,8 @@ impl By {
         iter::once(By::Duals).chain(differences.map(By::Differences)).collect()
     }
 
-    /// Returns a method that computes its answer from derivatives of this kind, and that counts the
-    /// evaluations of the vector field.
+    /// Returns a method that passes this way of differentiation to `find`, which computes the
+    /// answer, and that counts the evaluations of the vector field.
     pub fn method(self, find: impl Fn(By) -> Result<Vec<f64>, String> + 'static) -> Method {
         let (line, setting) = match self {
             By::Duals => ("dual numbers", String::new()),

@@ -1,6 +1,6 @@
-//! Work-precision diagram of a grazing point, which one method locates by its defining system; the
-//! other methods simulate the motion repeatedly, and find its largest displacement at mesh points
-//! or inside integration steps.
+//! Work-precision diagram of a grazing point: one method solves the defining system of the grazing
+//! point; the other methods simulate the motion repeatedly, and find the largest displacement of
+//! the motion at mesh points or inside integration steps.
 
 use super::period::{Period, parameters};
 use super::plan::{Answer, Method, Plan};

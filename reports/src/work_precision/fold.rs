@@ -1,6 +1,7 @@
-//! Work-precision diagrams of the fold of orbits with one impact per period. The fold solves `f(x,
-//! V) − x = 0`, `det(∂f/∂x − I) = 0` for state and voltage by Newton's method, with derivatives of
-//! first and second order by dual numbers or by finite differences.
+//! Work-precision diagrams of the fold of orbits with one impact per period. The state and the
+//! voltage at the fold satisfy `f(x, V) − x = 0` and `det(∂f/∂x − I) = 0`; Newton's method solves
+//! these equations, with derivatives of first and second order from dual numbers or from finite
+//! differences.
 //!
 //! At the fold, the voltage is stationary along the curve of orbits. Therefore the error of the
 //! voltage at the fold is of the order of the square of the error of the state, and the digits of

@@ -121,8 +121,9 @@ impl Period {
         Err(format!("Newton's method finds no orbit at the voltage {}", self.p[0]))
     }
 
-    /// Returns the largest displacement within one period from a given state, without the stopper:
-    /// the exact maximum, or the maximum over a mesh of a given number of intervals.
+    /// Returns the largest displacement, without the stopper, of the motion that begins in a given
+    /// state and lasts one period: the exact maximum, or the maximum over a mesh with a given
+    /// number of intervals.
     pub fn largest(self, x: [f64; 2], mesh: Option<usize>) -> Result<f64, String> {
         let settings = Settings::new(Scheme::DormandPrince8, self.tolerance);
         let mut flow = Flow::<f64>::new(settings).map_err(|cause| one_line(&cause))?;

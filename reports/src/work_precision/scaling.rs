@@ -76,8 +76,8 @@ fn pieces() -> Plan {
     plan.drawing(Drawn::TimeAgainstWork).with(methods)
 }
 
-/// Computes the derivative of the period map with an impact with respect to its first `count`
-/// parameters, by dual numbers with `W` parameters in each pass.
+/// Differentiates the period map with an impact with respect to its first `count` parameters, by
+/// dual numbers with `W` parameters in each pass.
 fn duals<const W: usize>(count: usize, x: [f64; 2], tolerance: f64) -> Result<Vec<f64>, String>
 where
     DualChunk<f64, W>: EventNumber,

@@ -15,7 +15,7 @@ pub struct Crisis {
     /// The attractor at the first value of [`between`](Self::between).
     pub attractor: Attractor,
     /// The number of periods of the cycle on which motion settled beyond the crisis; `None` if
-    /// motion ended there.
+    /// motion ended instead.
     pub beyond: Option<usize>,
 }
 
@@ -47,7 +47,7 @@ impl CrisisSearch {
         from + (to - from) * part
     }
 
-    /// Checks the settings of the search for a system with this number of parameters.
+    /// Checks the settings of the search for a system that has `parameters` parameters.
     ///
     /// ```
     /// use tangency::core::attractor::CrisisSearch;
@@ -95,10 +95,10 @@ impl AttractorSearch {
     /// preceding one; the attractor is thus continued across windows of cycles. The search bisects
     /// the step that follows the last parameter value without a cycle, until the length of this
     /// step is at most the tolerance, or until its ends are neighbouring floating-point numbers. At
-    /// each parameter value, the attractor counts as lost only if motion leaves it from each of
-    /// several of its states. An attractor counts as present if motion stays on it throughout the
-    /// transient: beyond a crisis motion stays near the former attractor for a time that grows
-    /// without bound towards the crisis.
+    /// each parameter value, the attractor counts as lost only if motions that start in several
+    /// states of the attractor all leave it. An attractor counts as present if motion stays on it
+    /// throughout the transient. Beyond a crisis, motion stays near the former attractor for some
+    /// time, and this time grows without bound as the parameter approaches the crisis.
     ///
     /// ```
     /// use tangency::core::attractor::{CrisisSearch, AttractorSearch, StroboscopicError, StroboscopicMap, PeriodMap};

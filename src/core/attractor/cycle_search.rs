@@ -10,11 +10,11 @@
 //! ```
 //!
 //! From time to time the plane at which motion is sampled is replaced by a plane through a later
-//! point of the motion, since transients continue to decay. A motion is periodic if its mode and
-//! state equal the mode and state `q` samples earlier, and if its last `q` samples have the same
-//! events as the `q` samples before them. Without forcing, the time between two samples at which
-//! the motion repeats is the period. If a motion approaches a cycle so slowly that its samples do
-//! not repeat, the cycle is computed by Newton's method.
+//! point of the motion, since transients continue to decay. A motion counts as periodic if its mode
+//! and state equal the mode and state `q` samples earlier, and if its last `q` samples have the
+//! same events as the `q` samples before them. Without forcing, the time between two samples at
+//! which the motion repeats is the period. If a motion approaches a cycle so slowly that its
+//! samples do not repeat, the cycle is computed by Newton's method.
 
 use super::repetition::{Repetition, StateScales};
 use super::section::Section;
@@ -27,8 +27,8 @@ use crate::core::ode::Step;
 use crate::core::problem::{FieldIn, Forcing};
 use std::ops::ControlFlow;
 
-/// Heuristic: an event closer to a sampling time than this fraction of the period coincides with
-/// the sample, and the motion is then sampled at a later phase.
+/// Heuristic: an event counts as coincident with a sample if the time between them is less than
+/// this fraction of the period; the motion is then sampled at a later phase.
 const AT_EVENT: f64 = 1e-3;
 
 /// Reasons why a simulation found no periodic motion.
@@ -74,8 +74,8 @@ pub enum CycleSearchError {
     Rest {
         /// The time at which the motion last returned to its section or sampling event.
         time: f64,
-        /// The largest distance of the motion from its previous sample during the last return, in
-        /// units of the states' scales.
+        /// The largest distance that the motion reached, during its last return, from the state at
+        /// the start of this return, in units of the states' scales.
         last: f64,
         /// The larger of two lengths, in units of the states' scales: the largest diameter of the
         /// motion during an earlier return, and the distance of the motion from its start.
@@ -110,8 +110,9 @@ pub enum CycleSearchError {
     NoReturn(f64),
 }
 
-/// Heuristic: a motion comes to rest if its diameter during a return shrinks to this fraction of
-/// its diameter during an earlier return, or of its distance from the start.
+/// Heuristic: a motion counts as coming to rest if its diameter during a return shrinks to this
+/// fraction of a reference length: its diameter during an earlier return, or its distance from the
+/// start.
 const SHRUNK: f64 = 1e-6;
 
 /// The settings of the search for periodic motion by simulation.
@@ -402,7 +403,7 @@ struct Returns<'a> {
 }
 
 impl Returns<'_> {
-    /// Processes a sample of the motion and stores the cycle if the motion repeats there.
+    /// Processes a sample of the motion; if the motion has repeated, stores the cycle.
     fn sample(&mut self, state: HybridState<f64>) {
         let next = Stretch::from(state.clone(), self.stretch.scales);
         let stretch = std::mem::replace(&mut self.stretch, next);

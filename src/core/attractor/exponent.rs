@@ -19,10 +19,11 @@ pub struct Exponent {
 /// the exponent.
 const BATCHES: usize = 20;
 
-/// The growth of a tangent vector from period to period, whose mean is the Lyapunov exponent.
+/// The logarithmic growth of a tangent vector in successive periods; the mean of the growth is the
+/// Lyapunov exponent.
 pub(super) struct Growth {
-    /// The number of periods in a batch of the batch-means method. A first batch, not included in
-    /// the mean, turns the tangent vector into the direction of fastest growth.
+    /// The number of periods in a batch of the batch-means method. During a first batch, which is
+    /// not included in the mean, the tangent vector aligns with the direction of fastest growth.
     batch: usize,
     periods: usize,
     means: [f64; BATCHES],

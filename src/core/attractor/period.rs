@@ -101,7 +101,7 @@ impl Accumulator {
     }
 }
 
-/// The event of a period that the motion approaches most slowly.
+/// The event that the motion approaches most slowly among all events of a period.
 struct Slow {
     approach: f64,
     guard: usize,
@@ -242,8 +242,8 @@ impl<'a> Recorder<'a> {
         Period { start: self.start, events: self.events, measures }
     }
 
-    /// Returns the depth that the motion would reach beyond the surface at the event with the
-    /// smallest approach speed.
+    /// Returns, for the event with the smallest approach speed, the depth that the motion would
+    /// reach beyond the surface of the event if this surface were absent.
     fn penetration(&self, accumulator: &Accumulator, within: f64, p: &[f64]) -> f64 {
         match accumulator {
             Accumulator::Depth { slowest: Some(event), .. } => self.beyond(event, within, p),

@@ -3,8 +3,8 @@
 use crate::core::hybrid::{HybridEquations, HybridState};
 use std::collections::VecDeque;
 
-/// Heuristic: the period of a cycle is minimal if the distance between states after fewer returns
-/// exceeds the distance after the whole period by this factor.
+/// Heuristic: the period of a cycle counts as minimal if the distance between states after fewer
+/// returns exceeds the distance after the whole period by this factor.
 const DISTINCT: f64 = 1e3;
 
 /// The scales of the states in each mode, by which sizes and distances are measured; 1 by default.
@@ -108,9 +108,9 @@ impl Repetition {
         if alike { self.scales.distance(new.mode, &old.x, &new.x) } else { f64::INFINITY }
     }
 
-    /// Returns the number of samples after which the motion has come closest to its last state, the
-    /// distance between the two states, and the size of the motion; `None` if no sequence of events
-    /// repeats.
+    /// Finds the earlier sample whose state is closest to the last state; returns the number of
+    /// samples between them, the distance between the two states, and the size of the motion, or
+    /// `None` if no sequence of events repeats.
     pub fn nearest_return(&self) -> Option<(usize, f64, f64)> {
         let returns = (1..=self.most.min(self.past.len() / 2)).map(|q| (q, self.distance(q)));
         let (q, distance) = returns.min_by(|a, b| a.1.total_cmp(&b.1))?;

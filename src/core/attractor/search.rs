@@ -34,8 +34,8 @@ pub struct AttractorSearch {
     /// periodic. If a motion may be periodic, the periodic point is refined by Newton's method, and
     /// accepted if it is stable.
     pub tolerance: f64,
-    /// The number of periods over which the exponent of a non-periodic motion is averaged; 0 if no
-    /// exponent is required.
+    /// The number of periods over which the Lyapunov exponent of a non-periodic motion is averaged;
+    /// 0 if no exponent is required.
     pub lyapunov_periods: usize,
     /// A token that cancels the search between any two periods, without a result.
     #[serde(skip)]
@@ -44,7 +44,7 @@ pub struct AttractorSearch {
 
 impl Default for AttractorSearch {
     /// The default settings: a transient of 300 periods, 200 recorded periods, at most 16 periods
-    /// in a cycle, a tolerance of 1e-5, and exponents over 2000 periods.
+    /// in a cycle, a tolerance of 1e-5, and Lyapunov exponents averaged over 2000 periods.
     fn default() -> Self {
         AttractorSearch {
             transient: 300,
@@ -66,7 +66,7 @@ pub struct Attractor {
     /// repeat.
     pub records: Vec<Period>,
     /// The name of each event, with the number of its occurrences in a cycle, or per period if the
-    /// motion did not repeat; infinite if the events accumulate.
+    /// motion did not repeat; this number is infinite if the events accumulate.
     pub events: Vec<(String, f64)>,
     /// The number of points in a cycle at which infinitely many events accumulate, or their number
     /// per period if the motion did not repeat.

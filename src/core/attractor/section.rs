@@ -35,8 +35,8 @@ pub(super) struct Section<T> {
     begins: bool,
 }
 
-/// Rounding: a crossing of the section within this fraction of the first step is the start of the
-/// motion, which may lie off the section because of rounding.
+/// Rounding: a crossing of the section within this fraction of the first step counts as the start
+/// of the motion, because rounding may place the start slightly off the section.
 const AT_START: f64 = 1e-6;
 
 impl<T: EventNumber> Section<T> {

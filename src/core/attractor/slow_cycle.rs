@@ -12,8 +12,9 @@ use crate::core::problem::{FieldIn, Watchable};
 use num_dual::Dual64;
 use std::ops::ControlFlow;
 
-/// Heuristic: a motion whose smallest return distance is larger than this fraction of its size does
-/// not approach a cycle: the motion is chaotic, or still far from the cycle.
+/// Heuristic: if the smallest return distance of a motion is larger than this fraction of the
+/// motion's size, the motion does not count as approaching a cycle: it may be chaotic, or still far
+/// from the cycle.
 const NEARLY: f64 = 1e-3;
 
 /// The way in which a motion is sampled.

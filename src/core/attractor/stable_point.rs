@@ -5,8 +5,8 @@ use super::repetition::StateScales;
 use crate::core::hybrid::Member;
 use crate::core::linalg::difference;
 
-/// Discretisation: the longest Newton step at which a periodic point has converged, in units of the
-/// largest state: ten times the tolerance of flows.
+/// Discretisation: a periodic point counts as converged if the Newton step is shorter than this
+/// length, in units of the largest state; the length is ten times the tolerance of flows.
 const CONVERGED: f64 = 1e-11;
 /// Heuristic: the maximal number of Newton iterations; quadratic convergence needs four.
 const ROUNDS: usize = 8;
@@ -14,22 +14,22 @@ const ROUNDS: usize = 8;
 /// largest state.
 const NEAR: f64 = 0.03;
 
-/// Heuristic: the size, in units of the states' scales, below which a motion counts as rest: the
-/// state of a body that is carried by a support is zero at some phase and then consists of rounding
-/// errors.
+/// Heuristic: a motion counts as rest if its size is below this bound, in units of the states'
+/// scales. For example, the state of a body that a support carries may vanish at some phase, so
+/// that only rounding errors remain there.
 pub(super) const REST: f64 = 1e-6;
 /// Discretisation: the largest drift of a neutral state in a cycle, as a fraction of the motion's
-/// size: equal to the tolerance of repeating motion.
+/// size; this bound equals the tolerance for repeating motion.
 const DRIFT: f64 = 1e-5;
 
-/// Discretisation: the distance, in units of their size, below which two periodic points are equal;
-/// Newton's method is more accurate.
+/// Discretisation: two periodic points count as equal if their distance, in units of their size, is
+/// below this bound; Newton's method is more accurate.
 pub(super) const SAME: f64 = 1e-8;
 
-/// Computes the stable periodic point of period `q` near a state of a motion, and its exponent, by
-/// Newton's method; `size` is the size of the motion in units of the scales. Returns `None` if no
-/// stable point is found nearby, or if the motion ends within `q` periods. Newton's method does not
-/// change neutral states, whose values return after every period.
+/// Computes, by Newton's method, the stable periodic point of period `q` near a state of a motion,
+/// and the Lyapunov exponent of this point; `size` is the size of the motion in units of the
+/// scales. Returns `None` if no stable point is found nearby, or if the motion ends within `q`
+/// periods. Newton's method does not change neutral states, whose values return after every period.
 pub(super) fn stable_point(
     push: &mut PushForward,
     near: &Member<f64>,

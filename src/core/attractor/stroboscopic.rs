@@ -6,15 +6,15 @@ use crate::core::hybrid::{HybridState, Member};
 use num_dual::Dual64;
 use std::ops::ControlFlow;
 
-/// A callback after each period of one of many trajectories, which receives the number of the
-/// trajectory, the record of the period if requested, and the state at its end. The returned
-/// control flow determines whether the trajectory continues.
+/// A callback that is called after each period of each trajectory; it receives the number of the
+/// trajectory, the record of the period if requested, and the state at the end of the period. The
+/// returned control flow determines whether the trajectory continues.
 pub type EachPeriod<'a> =
     dyn FnMut(usize, Option<Period>, &HybridState<f64>) -> ControlFlow<()> + 'a;
 
-/// A callback after each period of one of many trajectories, which receives the number of the
-/// trajectory and its state with the tangent vector; the callback may scale the tangent vector. The
-/// returned control flow determines whether the trajectory continues.
+/// A callback that is called after each period of each trajectory; it receives the number of the
+/// trajectory, and the trajectory's state with the tangent vector, which the callback may scale.
+/// The returned control flow determines whether the trajectory continues.
 pub type EachTangent<'a> = dyn FnMut(usize, &mut HybridState<Dual64>) -> ControlFlow<()> + 'a;
 
 /// The outcome of each of many trajectories: `Ok`, or the error with which the trajectory ended.
@@ -61,9 +61,9 @@ pub trait StroboscopicMap {
         false
     }
 
-    /// Advances many trajectories period by period, each until `each` ends it. The result of each
-    /// trajectory is bitwise independent of the others. The default implementation simulates the
-    /// trajectories one by one.
+    /// Advances many trajectories period by period; a trajectory ends when the callback `each`
+    /// returns `Break`. The result of each trajectory is bitwise independent of the others. The
+    /// default implementation simulates the trajectories one by one.
     fn advance_all(
         &mut self,
         members: &mut [Member<f64>],

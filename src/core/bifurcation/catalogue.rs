@@ -497,8 +497,8 @@ pub(crate) fn leaving(held: Kind, kind: Kind) -> &'static [Kind] {
     row_of(kind).and_then(|row| row.seen.iter().find(on)).map_or(&[], |it| it.leaving)
 }
 
-/// Whether the solutions at all special points of this kind are periodic orbits, or are close to
-/// one.
+/// Whether the solutions at all special points of this kind are periodic orbits, or homoclinic
+/// orbits.
 #[cfg(feature = "scene")]
 pub(crate) fn is_of_orbits(kind: Kind) -> bool {
     let seen = row_of(kind).map_or(&[][..], |row| row.seen);

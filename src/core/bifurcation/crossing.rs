@@ -40,8 +40,8 @@ impl NullVectors {
     }
 }
 
-/// A quadratic form is zero up to rounding if it is smaller than this factor times the largest term
-/// of its sum of second derivatives.
+/// Rounding: a quadratic form, which is a sum of second derivatives, counts as zero if it is
+/// smaller than this factor times the largest term of the sum.
 const VANISHES: f64 = 1e-9;
 
 /// Returns the tangents, as directions of `x`, of the branches that cross at a branch point where
@@ -104,9 +104,9 @@ pub(crate) fn parameter_in_range(
     Ok(null.left.iter().all(|left| dot(left, &slope).abs() <= IN_RANGE * terms(left)))
 }
 
-/// Computes the arclength `s` along a branch that emanates vertically from a branch point, in a
-/// given direction, at which the parameter has changed by `distance`. The parameter changes by `p =
-/// b₃ s²/b₁ + …`, where
+/// Computes the arclength `s` after which the parameter has changed by `distance` along a branch
+/// that emanates vertically, in a given direction, from a branch point. The parameter changes by `p
+/// = b₃ s²/b₁ + …`, where
 ///
 /// ```text
 ///     b₁ = wᵀ F_xx[t, e_p],   b₃ = −wᵀ (F_xxx[t, t, t] + 3 F_xx[t, y])/6,   J y = −F_xx[t, t].

@@ -127,8 +127,8 @@ fn limit_reached(system: &mut dyn System, x: &[f64]) -> Result<Option<Limit>, Fa
     Ok(reached)
 }
 
-/// Heuristic: a solution is at a limit of admissible solutions if the monitor of the limit is
-/// smaller than this threshold, in units of its scale.
+/// Heuristic: a solution counts as lying at a limit of admissible solutions if the limit's monitor,
+/// in units of the monitor's scale, is smaller than this threshold.
 const REACHED: f64 = 1e-6;
 
 /// Returns the same orbit without an event that has zero speed and leaves the motion unchanged;

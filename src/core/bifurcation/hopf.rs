@@ -166,9 +166,9 @@ impl DefiningSystem for Hopf {
 
 /// Returns the imaginary part of the complex pair nearest to the imaginary axis, or the angle of
 /// the pair of multipliers nearest to the unit circle. If a frequency `near` is given, returns the
-/// frequency or angle of the pair nearest to `near`, or `near` itself if every pair is farther from
-/// it than the eigenvalue 0 or the multipliers 1 and −1. The critical pair with the frequency or
-/// angle `held` is excluded.
+/// frequency or angle of the pair nearest to `near`, or `near` itself if no pair is closer to
+/// `near` than the eigenvalue 0 (for orbits, than the multipliers 1 and −1). The critical pair with
+/// the frequency or angle `held` is excluded.
 fn crossing_frequency(at: &mut At, near: Option<f64>, held: Option<f64>) -> Result<f64, Failure> {
     let mut spectrum =
         at.system.spectrum(at.x, SpectrumRequest { count: usize::MAX })?.unwrap_or_default();
@@ -203,9 +203,10 @@ fn crossing_frequency(at: &mut At, near: Option<f64>, held: Option<f64>) -> Resu
 /// determines `ω = 0` only to the square root of its tolerance.
 const REAL: f64 = 1e-6;
 
-/// The test function of Hopf and torus points: the number of unstable eigenvalues, and the parity
-/// of the number of pairs of eigenvalues with a positive sum (of multipliers with a product larger
-/// than 1).
+/// The test function of Hopf and torus points. For equilibria, it consists of two counts: the
+/// number of unstable eigenvalues, and the parity of the number of pairs of eigenvalues with a
+/// positive sum. For periodic orbits, the two counts are the number of unstable multipliers, and
+/// the parity of the number of pairs of multipliers with a product larger than 1.
 ///
 /// At a neutral saddle, where two real eigenvalues are `λ` and `−λ`, the number of unstable
 /// eigenvalues does not change. At a fold, the parity of the number of pairs with a positive sum

@@ -192,20 +192,21 @@ pub(in crate::core) fn unstable_besides(
     Stability::of(dynamics, &others).unstable
 }
 
-/// Heuristic: the stability of a noncritical eigenvalue is certain if its distance from the
-/// imaginary axis exceeds the numerical error by this factor. The numerical error is estimated by
-/// the computed distance of the critical eigenvalues from the axis, which is zero in theory.
+/// Heuristic: a noncritical eigenvalue counts as certainly stable or unstable if its distance from
+/// the imaginary axis exceeds the numerical error by this factor. The numerical error is estimated
+/// by the computed distance of the critical eigenvalues from the axis, which is zero in theory.
 const CERTAIN: f64 = 100.0;
 
-/// Rounding: the stability of a noncritical eigenvalue is certain only if its distance from the
-/// imaginary axis exceeds this threshold (first number), relative to the largest eigenvalue; the
-/// stability of a multiplier, only if its distance from the unit circle exceeds this threshold
-/// (second number).
+/// Rounding: a noncritical eigenvalue counts as certainly stable or unstable only if its distance
+/// from the imaginary axis, relative to the largest eigenvalue, exceeds the first number; a
+/// noncritical multiplier counts as certainly stable or unstable only if its distance from the unit
+/// circle exceeds the second number.
 const FAR: [f64; 2] = [1e-9, 1e-7];
 
-/// Heuristic: the stability of all eigenvalues is uncertain if the critical eigenvalues are farther
-/// than this threshold from the imaginary axis, relative to the largest eigenvalue (first number),
-/// or the critical multipliers farther than this threshold from the unit circle (second number).
+/// Heuristic: the stability of all eigenvalues counts as uncertain if the distance of the critical
+/// eigenvalues from the imaginary axis, relative to the largest eigenvalue, exceeds the first
+/// number; the stability of all multipliers counts as uncertain if the distance of the critical
+/// multipliers from the unit circle exceeds the second number.
 const NEAR: [f64; 2] = [1e-5, 1e-2];
 
 /// Counts the unstable noncritical eigenvalues or multipliers at a special point; `None` if the
@@ -234,7 +235,7 @@ pub(in crate::core) fn certain_count(
     certain.then(|| Stability::of(dynamics, &others).unstable)
 }
 
-/// The modulus above which an eigenvalue or multiplier is infinite up to rounding.
+/// The modulus above which an eigenvalue or multiplier counts as infinite.
 const INFINITE: f64 = 1e8;
 
 /// Returns the first `count` eigenvalues of a spectrum, sorted by decreasing real part so that each

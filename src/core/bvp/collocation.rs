@@ -300,7 +300,7 @@ impl Collocation {
     /// Returns the integrals over time, on one interval, of the trace of the vector field's
     /// Jacobian and of the trace's absolute value, computed from the assembled equations. At each
     /// Gauss point, the trace is computed from the derivatives with respect to the states at one
-    /// node, the node with the largest coefficient, which is the most accurate choice.
+    /// node; the most accurate choice is the node with the largest coefficient.
     pub(super) fn trace_integrals(&self, block: &[f64], n: usize) -> [f64; 2] {
         let places = self.basis.nodes.len();
         let mut integrals = [0.0; 2];

@@ -3,7 +3,8 @@
 use crate::core::scalar::{DualChunk, Jet, Scalar};
 use num_dual::{Dual, Dual2};
 
-/// A number type with a size, and with a size of its derivatives if it carries any.
+/// A number type that reports the size of a number and, if the number carries derivatives, the size
+/// of the derivatives.
 pub trait Derivatives {
     /// Returns the absolute value of the largest derivative that the number carries; 0 for a real
     /// number.

@@ -86,8 +86,8 @@ pub struct Block<'a> {
 }
 
 /// The functions that are monitored along an interval: first the functions whose extrema are
-/// monitored, then pairs of functions: the second function is evaluated where the first
-/// crosses zero upwards.
+/// monitored, then pairs of functions. In each pair, the second function is evaluated where the
+/// first function crosses zero upwards.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct MonitoredFunctions<'a> {
     /// The scalars whose extrema are monitored.
@@ -112,7 +112,8 @@ pub(super) fn weighted<T: Scalar>(x: &[T], weights: &[f64]) -> T {
     sum
 }
 
-/// Adds to the cause of a failure the segment and the time at which the failure occurred.
+/// Converts the cause of a failure to an error that also states the segment and the time of the
+/// failure.
 pub(super) fn placed(cause: impl Into<Failure>, segment: usize, t: f64) -> Failure {
     cause.into().at(format_args!("at t = {t:.6e} on segment {segment}"))
 }

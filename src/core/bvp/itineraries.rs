@@ -22,8 +22,9 @@ pub trait Itineraries<P> {
     fn with_words(&self, words: &str) -> Result<P, Failure>;
 
     /// Creates the problem of the doubled itinerary: all segments occur twice, each with its extra
-    /// unknowns; extra unknowns that belong to no segment precede these and occur once. Returns
-    /// `None` if a doubled solution has the same segments on a mesh of twice the length.
+    /// unknowns; extra unknowns that belong to no segment occur once, before the extra unknowns of
+    /// the segments. Returns `None` if a doubled solution has the same segments on a mesh of twice
+    /// the length.
     fn doubled(&self) -> Option<P>;
 
     /// Creates the problem of half the itinerary if the itinerary consists of two equal halves;
@@ -46,7 +47,8 @@ pub trait Itineraries<P> {
         None
     }
 
-    /// Checks that the segments of a solution follow each other as its itinerary says.
+    /// Checks that each segment of a solution leads to the next segment that the solution's
+    /// itinerary prescribes.
     ///
     /// # Errors
     /// [`Failure`] that states where the offending segment ends, the time of this end, and the mode
@@ -88,10 +90,10 @@ pub trait Itineraries<P> {
     fn emanating(&self, known: &[Trajectory], q: &[f64], which: usize)
     -> Result<Guess<P>, Failure>;
 
-    /// Returns a guess of the solution on the other side of a limit of admissible solutions:
-    /// without the vanishing event if the solution `passes` that event, otherwise with the event.
-    /// Returns `None` if no guess is known, or if the event changes nothing at the limit and is not
-    /// `wanted`.
+    /// Returns a guess of the solution on the other side of a limit of admissible solutions. If the
+    /// known solution `passes` the event that vanishes at the limit, the guess does not include
+    /// this event; otherwise the guess includes it. Returns `None` if no guess is known, or if the
+    /// event changes nothing at the limit and is not `wanted`.
     ///
     /// # Errors
     /// [`Failure`] if the computation of the guess fails.

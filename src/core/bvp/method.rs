@@ -138,9 +138,9 @@ impl Method {
     }
 
     /// Computes a weighted sum of the nonlinear part of the equations at one of the
-    /// [`arguments`](Self::arguments), and of the contributions to the integral conditions. The first
-    /// node of the interval contains the argument; `r` has space for all states, and for all
-    /// integrands.
+    /// [`arguments`](Self::arguments), and of the contributions to the integral conditions. The
+    /// caller must store the argument in place of the states at the interval's first node, and
+    /// provide scratch space `r` that is large enough for all states and for all integrands.
     pub(super) fn nonlinear<T: Number>(
         &self,
         interval: Interval<T>,

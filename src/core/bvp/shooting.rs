@@ -94,8 +94,8 @@ impl Clone for Shooting {
     }
 }
 
-/// Rounding: the largest accepted factor by which deviations grow over an interval: rounding errors
-/// grow by the same factor, which leaves only one or two correct digits.
+/// Rounding: the largest accepted factor by which deviations grow over an interval. Rounding errors
+/// grow by the same factor, so only one or two correct digits remain at this bound.
 const LARGEST_GROWTH: f64 = 1e14;
 
 /// Returns the factor by which deviations grow over an interval: the largest absolute derivative of
@@ -284,8 +284,9 @@ impl Shooting {
         Ok(())
     }
 
-    /// Returns a variant with the same tolerance and steps of at most a hundredth of an interval,
-    /// which obtains different errors where rounding errors rule out a more accurate method.
+    /// Returns a variant of the method with the same tolerance, but with steps of at most a
+    /// hundredth of an interval; its errors differ from the errors of this method, which helps if
+    /// rounding errors rule out a more accurate method.
     pub(super) fn by_other_steps(&self) -> Self {
         let settings = Settings { largest_step: 0.01, ..self.settings.clone() };
         Shooting { settings, ..Shooting::default() }

@@ -219,16 +219,17 @@ const RESOLVED: f64 = 1e-2;
 /// default target.
 const DISTRIBUTED: f64 = 1e-4;
 
-/// Heuristic: the refinement of the first estimate: a mesh is first adapted to a solution on
-/// `FINER` times as many equal intervals, then once more on the resulting mesh.
+/// Heuristic: the first mesh is adapted to a solution on this number times as many equal intervals
+/// as requested; each later mesh is adapted to the solution on the mesh before it, so that the mesh
+/// is adapted `DISTRIBUTIONS` times in all.
 const FINER: usize = 64;
 const DISTRIBUTIONS: usize = 3;
 
 impl<P: IntoEquations> Guess<P> {
-    /// Creates the system of the problem, with a given number of intervals for each segment, and its
-    /// unknowns `z` at parameters `p`, integrated from each node of the known trajectories to the next
-    /// node. If equal intervals do not resolve a trajectory, the mesh is adapted to the trajectory,
-    /// with more intervals if necessary.
+    /// Creates the system of the problem, with a given number of intervals for each segment, and
+    /// computes its unknowns `z` at the parameters `p`; between the nodes of the known trajectories,
+    /// the states are computed by integration from each node to the next. If equal intervals do not
+    /// resolve a trajectory, the mesh is adapted to the trajectory, with more intervals if necessary.
     ///
     /// # Errors
     /// [`Failure`] if the number of intervals is zero, or if a trajectory leaves the domain of its

@@ -7,12 +7,12 @@ use crate::core::failure::Failure;
 use crate::core::linalg::{Form, dot};
 use crate::core::system::Deviation;
 
-/// Rounding: a quadratic coefficient smaller than this threshold, relative to the terms of its sum,
-/// is zero up to rounding, as at a pitchfork.
+/// Rounding: a quadratic coefficient counts as zero, as at a pitchfork, if it is smaller than this
+/// threshold relative to the terms whose sum it is.
 const VANISHES: f64 = 1e-6;
 
-/// Rounding: a quadratic coefficient smaller than this threshold, relative to the cubic coefficient
-/// for `⟨q, q⟩ = 1`, is zero up to rounding, without regard to the terms of its sum.
+/// Rounding: a quadratic coefficient also counts as zero if it is smaller than this threshold
+/// relative to the cubic coefficient for `⟨q, q⟩ = 1`, regardless of the terms whose sum it is.
 const ROUNDING: f64 = 1e-9;
 
 /// Computes the two terms `p C(q, q, q)/6` and `p B(q, h)/2` of the cubic coefficient, where `F_z h
@@ -26,8 +26,8 @@ pub(super) fn third(
     Ok([dot(p, &forms.of(&[q, q, q])?) / 6.0, dot(p, &forms.of(&[q, &h])?) / 2.0])
 }
 
-/// Whether `p B(q, q)` is zero up to rounding, as it is at a pitchfork: it is compared with the
-/// terms of its sum and with the third-order terms; `square` is `⟨q, q⟩`.
+/// Whether the sum `p B(q, q)` is zero up to rounding, as at a pitchfork; the sum is compared with
+/// its own terms and with the third-order terms. `square` is `⟨q, q⟩`.
 pub(super) fn is_rounding((p, second): (&[f64], &[f64]), third: [f64; 2], square: f64) -> bool {
     let terms: f64 = p.iter().zip(second).map(|(p, b)| (p * b).abs()).sum();
     let size = (third[0].abs() + third[1].abs()) / square;

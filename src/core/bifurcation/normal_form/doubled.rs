@@ -14,8 +14,8 @@ const NONLINEAR: f64 = 0.1;
 /// Heuristic: the largest angle of the critical multipliers of the first doubled orbit.
 const WIDEST: f64 = 0.3;
 
-/// Rounding: a cubic coefficient smaller than this threshold, relative to the terms of its sum, is
-/// zero up to rounding.
+/// Rounding: a cubic coefficient counts as zero if it is smaller than this threshold relative to
+/// the terms whose sum it is.
 const VANISHES: f64 = 1e-7;
 
 /// The first doubled orbit of a curve, near the periodic orbit traversed twice.

@@ -19,7 +19,8 @@ pub(super) struct Eigenvalue {
     /// The left eigenvector `p`: `p* L = 0`, and `p* L' q = −1` for the last vector `q` of the
     /// Jordan chain.
     pub left: Vec<c64>,
-    /// Whether `q` is scaled by the change of the period that it causes, instead of by `⟨q, q⟩`.
+    /// Whether the scale of `q` is determined by the change of the period that `q` causes, instead
+    /// of by `⟨q, q⟩`.
     pub by_period: bool,
     null: NullSpace,
 }

@@ -39,9 +39,8 @@ use crate::core::scalar::Space;
 use faer::c64;
 use std::f64::consts::{PI, TAU};
 
-/// Rounding: Critical exponents of equilibria count as equal if they differ by less than this
-/// fraction of the largest exponent; critical exponents of orbits, if they differ by less than this
-/// angle.
+/// Rounding: critical exponents count as equal if their difference is less than this number, which
+/// is a fraction of the largest exponent for equilibria, and an angle for orbits.
 const SAME: f64 = 1e-9;
 
 /// The motion on a center manifold.

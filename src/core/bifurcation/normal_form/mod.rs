@@ -3,10 +3,10 @@
 //! Near a special point the critical deviations `ξ` are reduced to a center manifold. For
 //! equilibria, the reduction to a center manifold gives Kuznetsov's coefficients (Yu. A. Kuznetsov,
 //! *Elements of Applied Bifurcation Theory*, 3rd ed. 2004, chapters 5 and 8). For periodic orbits,
-//! the reduction gives the periodic normal forms of Kuznetsov, Govaerts, Doedel and Dhooge (*SIAM
-//! J. Numer. Anal.* 43:1407, 2005), by Lyapunov–Schmidt reduction of the discretised equations: the
-//! same multilinear forms serve both discretisations, forced, autonomous and hybrid orbits, and
-//! cycles of maps.
+//! Lyapunov–Schmidt reduction of the discretised equations gives the periodic normal forms of
+//! Kuznetsov, Govaerts, Doedel and Dhooge (*SIAM J. Numer. Anal.* 43:1407, 2005). The same
+//! multilinear forms apply to both discretisations, to all types of orbits (forced, autonomous and
+//! hybrid), and to cycles of maps.
 //!
 //! Notation: `L(σ)` is the linearisation for deviations that change like `e^{σt}` (deviations of
 //! orbits change by the factor `e^σ` in a period). At the critical exponent `σ₀`, `L(σ₀) q = 0` and
@@ -126,7 +126,7 @@ impl NormalForm {
 pub(crate) type ComputeNormalForm = fn(&mut At) -> Result<NormalForm, Failure>;
 
 /// Whether the equations define rates of change. The equilibrium equations of potentials and of
-/// second-order motion do not: they do not contain the mass.
+/// second-order motion do not define rates of change, because they do not contain the mass.
 fn has_rates(at: &At) -> bool {
     matches!(at.system.dynamics(), Dynamics::Flow | Dynamics::Periodic)
 }
@@ -138,8 +138,8 @@ fn has_rates(at: &At) -> bool {
 /// The same errors as for [`ComputeNormalForm`].
 pub(crate) type ComputeRate = fn(&mut At) -> Result<f64, Failure>;
 
-/// Rounding: a cubic coefficient smaller than this threshold, relative to the terms of its sum, is
-/// zero up to rounding.
+/// Rounding: a cubic coefficient counts as zero if it is smaller than this threshold relative to
+/// the terms whose sum it is.
 const DEGENERATE: f64 = 1e-9;
 
 /// Returns the type of a bifurcation from the sign of the coefficient `c` in `ξ' = … + c ξ |ξ|²`:

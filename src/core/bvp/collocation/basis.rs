@@ -83,8 +83,8 @@ pub(super) fn combine<T: Scalar>(coefficients: &[f64], nodes: &[T], x: &mut [T])
     }
 }
 
-/// Returns the Lobatto nodes: both ends of the interval, and the stationary points between Gauss
-/// points of `p(s) = Π (s − ρ_c)`, at which `p'/p = Σ 1/(s − ρ_c)` vanishes.
+/// Returns the Lobatto nodes: both ends of the interval, and the stationary points of `p(s) = Π (s
+/// − ρ_c)`, which lie between the Gauss points and satisfy `p'/p = Σ 1/(s − ρ_c) = 0`.
 fn lobatto(gauss: &[f64]) -> Vec<f64> {
     let mut nodes = vec![0.0];
     for pair in gauss.windows(2) {
@@ -132,8 +132,9 @@ fn horner(coefficients: &[f64], y: f64) -> f64 {
 }
 
 /// Returns all points of (−1, 1) at which a polynomial changes sign, in ascending order; the
-/// polynomial is given by its coefficients in ascending powers. The search uses that the polynomial
-/// is monotone between its stationary points, which are found recursively.
+/// polynomial is given by its coefficients in ascending powers. The polynomial is monotone between
+/// its stationary points, so the search brackets each sign change between two of these points,
+/// which are found recursively.
 fn roots_inside(coefficients: &[f64]) -> ([f64; MOST], usize) {
     let (mut roots, mut count) = ([0.0; MOST], 0);
     let rest: f64 = coefficients.iter().skip(1).map(|c| c.abs()).sum();

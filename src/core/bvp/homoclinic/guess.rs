@@ -208,8 +208,8 @@ fn guess(
     Guess { problem, trajectories: vec![orbit], extras, beside: None }
 }
 
-/// Creates the problem of a saved homoclinic orbit, given by its nodes, one after another, and its
-/// extra unknowns, which are converted to the problem's new frames.
+/// Creates the problem of a saved homoclinic orbit, which is given by its nodes, one after another,
+/// and by its extra unknowns; the extra unknowns are converted to the problem's new frames.
 ///
 /// # Errors
 /// [`Failure`] if the extra unknowns do not belong to a homoclinic orbit of this field.
@@ -289,8 +289,9 @@ fn squared_speed(field: &impl FieldIn<f64>, x: &[f64], q: &[f64], sizes: &[f64])
 }
 
 /// Returns the points at which a cycle leaves and re-enters the ball of a given radius about the
-/// equilibrium; each point is farther from the equilibrium, measured in its invariant subspace,
-/// than the corresponding end of the homoclinic orbit.
+/// equilibrium. Each point is farther from the equilibrium than the corresponding end of the
+/// homoclinic orbit; distances are measured in the unstable subspace for the first point, and in
+/// the stable subspace for the second point.
 fn excursion(
     Cycle { q, states, .. }: &Cycle,
     places: &[Place],

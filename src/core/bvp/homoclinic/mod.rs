@@ -59,9 +59,10 @@ const BEFORE_PLACE: usize = 3;
 /// ```
 ///
 /// Deviations are in units of the extents of the orbit (the ranges of its states), and `R_u` and
-/// `R_s` give the components of a deviation along the eigenvectors. The parameter at which `g = 0`
-/// has truncation errors of order `ε₀^(2+r)` and `ε₁^(2+1/r)`, where `r` is the absolute value of
-/// the ratio of the leading stable and unstable eigenvalues `λ_s` and `λ_u`.
+/// `R_s` give the components of a deviation along the eigenvectors. The parameter value that the
+/// condition `g = 0` determines has truncation errors of order `ε₀^(2+r)` and `ε₁^(2+1/r)`, where
+/// `r` is the absolute value of the ratio of the leading stable and unstable eigenvalues `λ_s` and
+/// `λ_u`.
 ///
 /// The excursion is often short compared with `T`, and the times that the orbit spends near the
 /// equilibrium before and after the excursion change along a branch. On a mesh with breakpoints at
@@ -298,9 +299,9 @@ impl Equations for HomoclinicOrbit {
         self.cycles.function_scale(segment, function, &q[..=self.parameters])
     }
 
-    /// Returns the distance of a state from the equilibrium. The ends of homoclinic orbits are closer
-    /// to the equilibrium than the mesh error relative to the largest states, but the end conditions
-    /// near a focus need full relative accuracy.
+    /// Returns the distance of a state from the equilibrium. Near a focus, the end conditions of
+    /// homoclinic orbits need full relative accuracy, although the ends are closer to the equilibrium
+    /// than the mesh error, which is relative to the largest states.
     fn size_near(&self, _segment: usize, x: &[f64], q: &[f64]) -> Option<f64> {
         let deviation = self.deviation(x, self.parts(q).place);
         Some(deviation.iter().map(|y| y * y).sum::<f64>().sqrt())

@@ -18,8 +18,8 @@ const DEPENDENT: f64 = 1e-6;
 /// units of the states' ranges, for which the equilibrium counts as near the orbit.
 const BESIDE: f64 = 0.5;
 
-/// Rounding: Newton's iteration for an equilibrium has converged if its last step is shorter than
-/// this length, in units of the states' ranges.
+/// Rounding: Newton's iteration for an equilibrium counts as converged if its last step is shorter
+/// than this length, in units of the states' ranges.
 const CONVERGED: f64 = 1e-6;
 
 /// Heuristic: the largest number of Newton iterations for an equilibrium.

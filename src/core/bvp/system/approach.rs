@@ -14,8 +14,8 @@ use nalgebra::{DMatrix, DVector};
 const SINGULAR: f64 = 1e-13;
 
 /// Rounding: a state whose range is at most this fraction of its size counts as constant up to
-/// rounding errors, for example the state across an invariant surface; the extent of such a state
-/// is this fraction of its size.
+/// rounding errors; an example is the coordinate normal to an invariant surface in which the orbit
+/// lies. The extent of a constant state is this fraction of its size.
 const ROUNDING: f64 = 1e-10;
 
 impl Solutions {

@@ -15,8 +15,8 @@ use crate::core::system::Solution;
 /// Heuristic: the number of phases that are tried before the best phase is refined.
 const PHASES: usize = 64;
 
-/// Heuristic: two oscillations have different shapes if the absolute value of their correlation is
-/// smaller than this bound.
+/// Heuristic: two oscillations count as having different shapes if the absolute value of their
+/// correlation is smaller than this bound.
 const ALIKE: f64 = 0.9;
 
 /// Discretisation: a state counts as constant if its oscillation, relative to the largest value of
@@ -120,10 +120,11 @@ fn first_motion(equations: &DiscretisedProblem, x: &[f64]) -> Vec<f64> {
 }
 
 /// Returns the signed amplitude of an oscillation relative to a reference oscillation, from the
-/// inner product of both, the square of the reference, and the square of the oscillation. When a
-/// branch of cycles passes an equilibrium, the sign of the oscillation changes, which the
-/// correlation detects. The absolute value of the amplitude comes from the oscillation's own size,
-/// because the inner product also vanishes when the phase turns.
+/// inner product of the two oscillations, the squared norm of the reference, and the squared norm
+/// of the oscillation. When a branch of cycles passes an equilibrium, the oscillation changes sign,
+/// and so does its correlation with the reference oscillation. The absolute value of the amplitude
+/// comes from the oscillation's own norm, because the inner product can also vanish if the phases
+/// of the two oscillations differ.
 fn signed([product, whole, own]: [f64; 3]) -> f64 {
     if whole == 0.0 {
         return 0.0;
@@ -152,8 +153,9 @@ impl Saved {
         Ok(Saved { equations, work, extras, parameters: p.clone() })
     }
 
-    /// Returns the extra unknowns of the saved solution after it is rewritten to begin with a later
-    /// segment; its start time is chosen so that the extra unknowns are nearest to `near`.
+    /// Returns the extra unknowns of the saved solution after the solution is rewritten to begin
+    /// with a later segment; the start time is chosen so that the extra unknowns are nearest to
+    /// `near`.
     fn rotated(&self, segments: usize, near: &[f64]) -> Option<Vec<f64>> {
         let q = [&self.parameters[..], &self.extras].concat();
         self.equations.problem.itineraries()?.rotated(segments, &q, near)

@@ -294,8 +294,8 @@ impl DiscretisedProblem {
         self.method.value(interval, place, &mut work.local.method, out)
     }
 
-    /// Collects the states at all nodes, computed from the segment and the time in units of its
-    /// duration, and appends further values.
+    /// Collects the states at all nodes, and appends further values; the function `states` computes
+    /// the states from the number of a segment and the time in units of the segment's duration.
     pub(super) fn at_nodes<E>(
         &self,
         others: &[f64],

@@ -4,8 +4,8 @@ use super::discretisation::DiscretisedProblem;
 use crate::core::failure::Failure;
 
 /// Heuristic: the longest allowed duration of a segment of a trial solution, as a multiple of the
-/// last solution's duration: steps along a branch change durations by smaller factors, and
-/// diverging iterates would be very expensive.
+/// last solution's duration. Steps along a branch change durations by smaller factors, and flows
+/// over the durations of diverging iterates would be very expensive.
 const ASTRAY: f64 = 10.0;
 
 /// The longest allowed duration of a segment of a trial solution.

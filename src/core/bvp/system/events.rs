@@ -26,7 +26,7 @@ fn ends_in<'w>(layout: &UnknownLayout, work: &'w Work<f64>) -> Ends<'w, f64> {
 }
 
 /// Computes the solution on the other side of a limit of admissible solutions, and the system that
-/// it solves.
+/// this solution solves.
 fn beside(solutions: &Solutions, x: &[f64], passes: bool) -> Result<Option<Beside>, Failure> {
     let equations = &solutions.equations;
     let (z, p) = x.split_at(equations.layout.dimension);

@@ -16,9 +16,9 @@ pub(super) struct Place {
     pub place: f64,
 }
 
-/// Discretisation: Changes of a scalar smaller than this fraction of the mesh error do not count:
-/// if a segment starts or ends tangentially to a surface, rounding errors and interpolation cause
-/// spurious minima that are shallower than the error elsewhere.
+/// Discretisation: if a scalar changes by less than this fraction of the mesh error, the change is
+/// ignored. Where a segment starts or ends tangentially to a surface, rounding errors and
+/// interpolation cause spurious minima whose depth is smaller than the mesh error elsewhere.
 const FALSE_DIPS: f64 = 1e-3;
 
 /// The monitored scalars of one segment.
@@ -78,8 +78,8 @@ impl MonitoredExtremes {
         MonitoredExtremes { segments, ..MonitoredExtremes::default() }
     }
 
-    /// Returns the upward zero crossing of a scalar on its segment at which another scalar has its
-    /// largest value.
+    /// Among the upward zero crossings of a scalar on its segment, returns the crossing at which
+    /// another scalar is largest.
     pub fn risen(&self, through: Watched, value: Observable) -> Option<Sighting<Place>> {
         let OnSegment { rises, risen, .. } = &self.segments[through.segment];
         let position = rises.iter().position(|rise| *rise == [through.observable, value])?;
@@ -122,8 +122,8 @@ impl MonitoredExtremes {
         self.rough = rough;
     }
 
-    /// Returns the monitored functions of a segment, and a function that records the extrema and
-    /// crossings of an interval by the function's number.
+    /// Returns the monitored functions of a segment, and a callback that records an extremum or a
+    /// crossing in an interval under the number of the monitored function.
     pub fn visitor(
         &mut self,
         segment: usize,

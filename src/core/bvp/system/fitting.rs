@@ -17,8 +17,8 @@ const MOST_GROWTH: f64 = 2.0;
 /// a mesh that shrinks, so that the number of intervals does not change at every point.
 const SPARE: f64 = 1.25;
 
-/// Heuristic: the number of intervals shrinks if this fraction of it, including the safety factor,
-/// is sufficient.
+/// Heuristic: the number of intervals shrinks if this fraction of the current number is sufficient,
+/// including the safety factor.
 const FEW: f64 = 0.5;
 
 /// Heuristic: the smallest factor by which the number of intervals shrinks in one step, because an
@@ -29,9 +29,9 @@ const LEAST_KEPT: f64 = 0.75;
 /// not sufficient.
 const FAR: f64 = 4.0;
 
-/// Heuristic: if a branch starts on a uniform mesh and the mesh error exceeds this fraction of the
-/// target, the start is corrected on an adapted mesh: the estimate is too small if the mesh does
-/// not resolve a layer.
+/// Heuristic: if a branch starts on a uniform mesh and the estimated mesh error exceeds this
+/// fraction of the target, the start is corrected on an adapted mesh, because the estimate is too
+/// small if a uniform mesh does not resolve a layer.
 const DOUBTFUL: f64 = 0.1;
 
 /// Heuristic: the largest number of intervals of a segment along a branch: a solution that needs

@@ -252,23 +252,25 @@ fn motion_at(of: &Orbit, node: usize) -> Vec<f64> {
 }
 
 /// Heuristic: if the speed at the start is smaller than this fraction of the largest speed on the
-/// orbit, the vector field is too inaccurate to represent the trivial multiplier.
+/// orbit, the vector field at the start counts as too inaccurate to be the vector of the trivial
+/// multiplier.
 const SLOW: f64 = 0.1;
 
-/// Heuristic: Trial multipliers; the algorithm uses the first trial multiplier that is far enough
-/// from all Floquet multipliers.
+/// Heuristic: the trial multipliers; the algorithm uses the first trial multiplier that is far
+/// enough from all Floquet multipliers.
 const TRIAL_MULTIPLIERS: [f64; 4] = [-0.4, 0.6, -2.3, 3.1];
 
-/// Heuristic: a trial multiplier is far enough from all Floquet multipliers if no entry of `Q`
-/// exceeds this bound.
+/// Heuristic: a trial multiplier counts as far enough from all Floquet multipliers if no entry of
+/// `Q` exceeds this bound.
 const MODERATE: f64 = 1e3;
 
-/// Rounding: if an entry of `Q` exceeds this bound for all trial multipliers, the equations are
-/// singular for every multiplier, and no multiplier is determined.
+/// Rounding: if an entry of `Q` exceeds this bound for all trial multipliers, the equations count
+/// as singular for every multiplier, and no multiplier is determined.
 const SINGULAR: f64 = 1e12;
 
-/// Discretisation: a vector counts as eigenvector of the multiplier 1 if it satisfies its equation
-/// to this relative accuracy: mesh errors are smaller wherever multipliers are determined.
+/// Discretisation: a vector counts as an eigenvector of the multiplier 1 if it satisfies the
+/// equation of eigenvectors to this relative accuracy; mesh errors are smaller wherever multipliers
+/// are determined.
 const TRIVIAL: f64 = 1e-3;
 
 /// The matrices `P` and `Q` of a pencil.

@@ -11,9 +11,8 @@ use crate::core::system::Solution;
 /// Heuristic: the number of phases at which the two halves of a solution are compared.
 const PHASES: usize = 64;
 
-/// Discretisation: a solution consists of two equal halves if the difference of the halves,
-/// relative to the solution's size, is smaller than this bound: both halves have errors of the same
-/// mesh.
+/// Discretisation: the two halves of a solution count as equal if their difference, relative to the
+/// solution's size, is smaller than this bound; both halves have errors of the same mesh.
 const REPEATS: f64 = 1e-6;
 
 /// Heuristic: the largest difference of a solution's halves that is attributed to the mesh, as a
