@@ -1,5 +1,6 @@
-//! Suggests the known name that is most similar to an unknown name, or the name of the same setting of
-//! another program, and shortens long names in messages.
+//! Suggests names to replace an unknown name: the most similar known name, or, for the name of a
+//! setting in AUTO, XPPAUT or MatCont, this program's name of the setting. Long names in messages are
+//! shortened.
 //!
 //! Names are compared by the number of edits, where a swap of neighbouring letters is one edit (F.
 //! J. Damerau, *Commun. ACM* 7:171, 1964).

@@ -270,8 +270,9 @@ pub trait System: Send {
 /// A system that discretises equations, with refinement and a mesh that can adapt along a branch.
 pub trait Discretised {
     /// Returns the same problem on a finer discretisation, which is used for the final correction
-    /// of special points; the change of a special point is the share of the discretisation in its
-    /// `error`. Returns `None` if the system has no finer discretisation.
+    /// of special points; the change of a special point by this correction is the contribution of
+    /// the discretisation to the `error` of the point. Returns `None` if the system has no finer
+    /// discretisation.
     fn refined(&mut self, x: &[f64]) -> Option<Refinement>;
 
     /// Sets the accuracy of subsequent evaluations, assemblies and factorisations.
@@ -292,8 +293,8 @@ pub trait Discretised {
     /// Returns the unknowns of a saved solution, transferred to the present mesh. A periodic
     /// solution can begin at any phase. An autonomous solution is therefore shifted to the phase of
     /// the last accepted solution. For a solution that lasts several periods of a forcing, one
-    /// shifted solution is returned for each period, at times near the times of the solution
-    /// `near`.
+    /// shifted solution is returned for each period; its start time is chosen such that its times
+    /// are close to the times of the solution `near`.
     ///
     /// # Errors
     /// [`Failure`] if the saved solution does not belong to this problem.
@@ -401,8 +402,8 @@ pub(crate) const HOMOCLINIC_TESTS: [(&str, Kind); 5] = [
 ];
 
 /// Discretisation: the smallest distance from the equilibrium at which homoclinic orbits begin and
-/// end, in units of the extents of the orbit: the error of the parameter is proportional to the
-/// square, or a higher power, of this distance.
+/// end, in units of the extents of the orbit; the error of the computed parameter is proportional
+/// to the square, or a higher power, of this distance.
 pub(crate) const HOMOCLINIC_RADIUS: f64 = 1e-5;
 
 /// A deviation from a solution.
@@ -516,10 +517,10 @@ pub struct Traits {
     /// because the flow of a vector field preserves orientation. `None` for solutions other than
     /// smooth orbits.
     pub smooth_multipliers: Option<usize>,
-    /// For each segment, the size of its largest state is determined, in units of the states'
-    /// scales; this is the smallest of these sizes over all segments. Tolerances are relative to
-    /// the states' scales. Segments on which the states are constant are not included in this
-    /// minimum; the minimum is infinite if no segment is included.
+    /// The minimum, over all segments, of the size of the largest state on the segment, in units of
+    /// the states' scales. Tolerances are relative to the states' scales. Segments on which the
+    /// states are constant are not included in this minimum; the minimum is infinite if no segment
+    /// is included.
     pub least_size: f64,
 }
 

@@ -55,7 +55,7 @@ impl Affine {
     }
 
     /// Divides an affine value by another affine value (the divisor): returns the factor, and a
-    /// remainder that no longer depends on one of the inputs of the divisor.
+    /// remainder that does not depend on the input with the largest coefficient in the divisor.
     pub fn without(self, other: &Affine) -> (f64, Self) {
         let largest = other.slopes.iter().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
         let Some((input, slope)) = largest else { return (0.0, self) };

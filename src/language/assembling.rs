@@ -13,17 +13,17 @@ use std::fmt::Write;
 use std::ops::{Deref, Range};
 use std::sync::Arc;
 
-/// The maximum number of values that are computed while formulas are assembled; the first limit is
-/// for any model, and the second is the limit per state for a large model.
+/// Limits on the number of values that are computed while formulas are assembled: the first limit
+/// is for any model, and the second is the limit per state for a large model.
 const WORK: [usize; 2] = [2_000_000, 150];
-/// The maximum number of operations on a tape (the list of operations that evaluates formulas); the
-/// first limit is for any model, and the second is the limit per state for a large model.
+/// Limits on the number of operations on a tape (the list of operations that evaluates formulas):
+/// the first limit is for any model, and the second is the limit per state for a large model.
 const OPERATIONS: [usize; 2] = [300_000, 30];
 /// Heuristic: after this number of invalid definitions of elements of an array, the remaining
 /// elements get the same error.
 const ERRORS: usize = 100;
-/// Heuristic: a phrase (a part of the text) is not stored again if it equals one of the last
-/// phrases; this is the number of last phrases that are compared.
+/// Heuristic: the number of most recent phrases (parts of the text) with which a new phrase is
+/// compared; a new phrase that equals one of them is not stored again.
 const RECENT: usize = 8;
 /// The maximum nesting depth of sums and functions.
 const NESTED: usize = 300;

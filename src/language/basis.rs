@@ -408,8 +408,8 @@ pub(super) fn recorded(states: &[String]) -> (Vec<usize>, Vec<(String, Range<usi
     (single, arrays)
 }
 
-/// Returns the measures that are recorded by default: the measures of other problems, except that
-/// only the norm of a long array is recorded.
+/// Returns the measures that are recorded by default: the same measures as for other problems,
+/// except that for a long array only its norm is recorded.
 fn measures(states: &[String], monitors: Vec<String>) -> Vec<(String, Measure)> {
     let (single, arrays) = recorded(states);
     let norms = arrays.into_iter().map(|(name, all)| (name, Measure::norm(states[all].to_vec())));

@@ -65,8 +65,9 @@ pub(super) fn understood(
     Ok(Conditions { basis, unknowns, rates, conditions, integrands, integrals })
 }
 
-/// Labels the axis that shows the position on the interval by the name `t` of this position in the
-/// equations, unless the statement gives a label, because the position need not be a time.
+/// Labels the axis that shows the position on the interval, unless the statement gives a label: the
+/// label is `t`, the name of the position in the equations, because the position need not be a
+/// time.
 fn name_position(basis: &mut Basis, common: Common) {
     let monitors = basis.monitor_names();
     let mut others = basis.states.iter().chain(&basis.parameters).chain(&monitors);

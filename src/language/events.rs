@@ -316,8 +316,8 @@ fn resets(
     Ok(resets)
 }
 
-/// Returns the tape (the list of operations) that computes the states after an event in the next
-/// mode from the states before the event.
+/// Returns the tape (the list of operations) that computes, from the states before an event, the
+/// states of the next mode immediately after the event.
 fn reset(
     source: &Source,
     guard: &statement::Guard,

@@ -300,13 +300,13 @@ struct Sum {
 }
 
 impl Sum {
-    /// Creates a sum from an operation, whose second term is tried as the product.
+    /// Creates a sum from an operation; the second term of the sum is tried as the product.
     fn second(operation: Operation, a: Value, b: Value) -> Self {
         let sign = if operation == Operation::Subtract { -1.0 } else { 1.0 };
         Sum { product: Sum::term(operation, b), other: a, signs: [sign, 1.0] }
     }
 
-    /// Creates a sum from an operation, whose first term is tried as the product.
+    /// Creates a sum from an operation; the first term of the sum is tried as the product.
     fn first(operation: Operation, a: Value, b: Value) -> Self {
         let sign = if operation == Operation::Subtract { -1.0 } else { 1.0 };
         Sum { product: Sum::term(operation, a), other: b, signs: [1.0, sign] }

@@ -172,7 +172,8 @@ fn truth<T: Scalar>(holds: bool) -> T {
     constant(if holds { 1.0 } else { 0.0 })
 }
 
-/// Computes `√(a² + b²)`; the result equals the value of `f64::hypot` if it is infinite or zero.
+/// Computes `√(a² + b²)`; if the value of `f64::hypot` is infinite or zero, the result equals this
+/// value.
 fn hypotenuse<T: Scalar>(a: &T, b: &T) -> T {
     let scale = a.real().abs().max(b.real().abs());
     if scale == 0.0 || !scale.is_finite() {

@@ -22,8 +22,8 @@ pub struct Source {
 }
 
 thread_local! {
-    /// The memory address and the length of the text that is being parsed. The positions in the
-    /// text of substrings that serde borrows are computed from the addresses of these substrings.
+    /// The memory address and the length of the text that is being parsed. If serde borrows a
+    /// substring of the text, the position of the substring is computed from its address.
     static LENT: Cell<(usize, usize)> = const { Cell::new((0, 0)) };
 }
 
@@ -116,8 +116,8 @@ impl Source {
     }
 }
 
-/// Converts an error of the RON parser in a part of a source to a model error; the part starts at
-/// the offset `begin`.
+/// Converts an error that the RON parser reports for a part of a source to a model error; the part
+/// starts at the offset `begin`.
 pub(crate) fn misread(source: &Source, begin: usize, error: SpannedError) -> ModelError {
     let part = part_of(&source.text[begin..], &error);
     let fault = Fault::Form { reason: reason(&error.code) };

@@ -38,7 +38,7 @@ pub(super) struct Infix {
 }
 
 /// The binary operators. In the list of operators, an operator precedes every operator that is a
-/// prefix of it, and of several spellings of an operation, the preferred one comes last.
+/// prefix of it; if an operation has several spellings, the preferred spelling comes last.
 pub(super) const INFIX: [Infix; 16] = [
     Infix { sign: "||", operation: Operation::Or, own: 1, xpp: 0 },
     Infix { sign: "|", operation: Operation::Or, own: 1, xpp: 4 },

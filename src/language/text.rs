@@ -7,7 +7,7 @@ use ron::value::RawValue;
 use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
 use std::ops::Range;
 
-/// Returns the name of the kind of a statement, given a text that consists of this statement, and
+/// Splits a text that consists of one statement: returns the name of the kind of the statement, and
 /// the rest of the text.
 pub(crate) fn statement_in(text: &str) -> (&str, &str) {
     let text = skip_attributes(without_mark(text));

@@ -14,9 +14,11 @@ const MOST: usize = 4_000;
 /// Heuristic: two cycles or equilibria whose extents differ by less than this fraction of their size are
 /// equal.
 const EQUAL: f64 = 1e-3;
-/// Heuristic: the same fraction for motions that are not periodic, whose extents depend on the duration.
+/// Heuristic: two motions that are not periodic count as equal if their extents differ by less than
+/// this fraction of their size; the extents of such motions depend on the duration of the
+/// simulation.
 const SIMILAR: f64 = 0.2;
-/// Heuristic: the size of an equilibrium, in units of the scales of the states.
+/// Heuristic: the size that is assumed for an equilibrium, in units of the scales of the states.
 const AT_REST: f64 = 1e-2;
 /// The name of the horizontal axis of motions with one state.
 const TIME: &str = "time";
@@ -118,8 +120,9 @@ fn search(
     Ok(())
 }
 
-/// Returns the scene at a point of the plane of two parameters, with the other parameter values of
-/// the curve of special points that is drawn in this plane; `None` if there is no such curve.
+/// Returns the scene at a point of the plane of two parameters; the values of all other parameters
+/// are taken from the curve of special points that is drawn in this plane. Returns `None` if the
+/// plane does not contain such a curve.
 fn scene_at(kept: &Kept, place: &Place, cancel: &CancelToken) -> Option<Result<Scene, SceneError>> {
     let branch = kept.document.branches.iter().find(|branch| {
         let released = |name: &String| branch.released.contains(name);
@@ -160,8 +163,9 @@ fn extent(curve: &[[f64; 2]]) -> [[f64; 2]; 2] {
     })
 }
 
-/// Returns four initial states around a state: in both directions of the two states of the phase
-/// portrait, at a distance of the attractor's size, or of the scale of the state.
+/// Returns four initial states around a given state: each differs from the given state in one of
+/// the two state variables of the phase portrait, upwards or downwards, by the size of the
+/// attractor or the scale of the variable, whichever is larger.
 fn around(
     initial: &State,
     found: &Attracted,

@@ -275,7 +275,7 @@ impl Service {
 }
 
 /// Answers with a stream of messages, which a separate thread computes; the computation is cancelled
-/// after the longest time, or if the page closes the connection.
+/// after the time `longest`, or if the page closes the connection.
 fn stream_of(
     stream: &mut TcpStream,
     (cancel, longest): (CancelToken, Duration),

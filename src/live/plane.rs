@@ -13,13 +13,14 @@ use std::time::Duration;
 
 /// The maximum duration of a simulation, after which the server stops it.
 pub(super) const LONGEST: Duration = Duration::from_secs(20);
-/// The maximum number of values in the drawn rows of a history, and of rows.
+/// The maximum number of values in all drawn rows of a history together, and the maximum number of
+/// rows.
 const VALUES: usize = 100_000;
 const ROWS: usize = 4_000;
 /// The distance between drawn states, as a fraction of the range of each state.
 const FINE: f64 = 1.0 / 1500.0;
-/// The width of the plane around an equilibrium, as a fraction of the range of the state on the
-/// branch, and the margin around an orbit.
+/// The margin at both ends of a state's range in the phase plane, as a fraction of the width of the
+/// range.
 const MARGIN: f64 = 0.25;
 
 /// The relative size of a range that is zero to rounding error.
@@ -98,9 +99,10 @@ pub(super) fn plane(kept: &Kept, point: Point) -> Option<Plane> {
     })
 }
 
-/// Returns the range of a state in the phase plane: the range of its profile with a margin, or the
-/// range of its values on the branch with at least a margin around the value at the point. A profile
-/// that is constant to rounding error, compared with the branch, has the range of the branch.
+/// Returns the range of a state in the phase plane: the range of its profile, or otherwise the range
+/// of its values on the branch, with a margin, and extended so that the value at the point is not
+/// near an end. The profile is not used if its range, compared with the range on the branch, is only
+/// a rounding error.
 fn range(branch: &Branch, profiles: &[Profile], name: &str, value: f64) -> [f64; 2] {
     let ends = |values: &mut dyn Iterator<Item = f64>| {
         let finite = values.filter(|value| value.is_finite());
@@ -126,7 +128,7 @@ fn range(branch: &Branch, profiles: &[Profile], name: &str, value: f64) -> [f64;
 pub(super) struct Field {
     /// The lines on which the rate of each of the two states is zero.
     nullclines: [Vec<Vec<[f64; 2]>>; 2],
-    /// Places with the directions of the vector field in units of the ranges.
+    /// Points of the plane, each with the direction of the vector field in units of the ranges.
     arrows: Vec<[[f64; 2]; 2]>,
 }
 

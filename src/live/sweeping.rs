@@ -114,7 +114,7 @@ fn recorded(
     });
     if x != name {
         let message = format!(
-            "a sweep over `{name}` is drawn if the horizontal axis shows `{name}`, not `{x}`"
+            "a sweep over `{name}` is drawn only if the horizontal axis shows `{name}`, not `{x}`"
         );
         return Err(Trouble::plain(message));
     }

@@ -55,7 +55,7 @@ pub enum Difference {
         /// The allowed difference.
         allowed: f64,
     },
-    /// A special point that has a property, such as its stability, with different values in the two
+    /// A special point for which a property, such as its stability, differs between the two
     /// documents.
     Property {
         /// The branch of the special point.

@@ -9,8 +9,8 @@ use super::field::VectorField;
 use crate::core::failure::OutOfDomain;
 use crate::core::scalar::{DualChunk, Scalar};
 
-/// Heuristic: the number of directions that implicit schemes differentiate in one pass: the width
-/// of a vector register. The number of directions affects only the run time.
+/// Heuristic: the number of directions in which implicit schemes differentiate in one pass; this
+/// number is the width of a vector register. The number of directions affects only the run time.
 pub(in crate::core) const WIDTH: usize = 4;
 /// A number with derivatives in [`WIDTH`] directions.
 pub(in crate::core) type Wide<T> = DualChunk<T, WIDTH>;
@@ -101,7 +101,8 @@ pub trait Fields<T>: Domains {
     fn constrain_of(&self, _index: usize, _t: T, _x: &mut [T], _p: &[T]) {}
 }
 
-/// Adds a term to a field that attracts motion to the field's invariant surface at a given rate.
+/// Adds a term to a field; the term attracts motion to the field's invariant surface at a given
+/// rate.
 fn attract<T: Scalar>(
     fields: &dyn Fields<T>,
     (index, rate): (usize, T),
@@ -164,8 +165,8 @@ fn at_pace<T: Scalar>(pace: Pace<T>, t: T, f: &mut [T]) {
     f.iter_mut().for_each(|f| *f *= rate);
 }
 
-/// One vector field of a collection, together with the time of the collection at which the field's
-/// own time is zero.
+/// One vector field of a collection, together with the value of the collection's time at which the
+/// field's own time is zero.
 #[derive(Clone, Copy)]
 pub struct FieldRef<'a, T: Scalar> {
     /// The collection.
@@ -177,9 +178,9 @@ pub struct FieldRef<'a, T: Scalar> {
     pub real: &'a dyn WideFields<f64>,
     /// The index of the field in the collection.
     pub index: usize,
-    /// The time of the collection at which the field's own time is zero.
+    /// The value of the collection's time at which the field's own time is zero.
     pub start: T,
-    /// The number of leading parameters on which the vector field depends.
+    /// The number `k` such that the vector field depends only on the first `k` parameters.
     pub numbers: usize,
     /// The rate of attraction to the field's invariant surface; `None` if no attraction is added,
     /// in which case the field preserves the distance from the surface.

@@ -7,7 +7,7 @@ use super::names::{Group, Names};
 use crate::core::failure::OutOfDomain;
 use crate::core::scalar::Scalar;
 
-/// The dynamics near an equilibrium that the residual represents; they determine the criterion of
+/// The dynamics that the residual represents near an equilibrium; they determine the criterion of
 /// stability.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
@@ -84,7 +84,7 @@ pub trait ZeroProblem: Send + Sync {
         Ok(())
     }
 
-    /// Returns the dynamics near an equilibrium that the residual represents.
+    /// Returns the dynamics that the residual represents near an equilibrium.
     fn dynamics(&self) -> Dynamics {
         Dynamics::Flow
     }
@@ -128,10 +128,10 @@ impl Profile {
         self.name.strip_prefix(Self::PHASE_RESPONSE)
     }
 
-    /// Returns the curves of discretised fields: arrays with one index are drawn over this index,
-    /// and groups of several components without indices over the position of the component, from 1.
-    /// If a curve has more than a thousand components, only every second, third, … component is
-    /// kept.
+    /// Returns the curves of discretised fields: an array with one index is drawn over this index,
+    /// and a group of several components without indices is drawn over the position of the
+    /// component, counted from 1. If a curve has more than a thousand components, only every
+    /// second, third, … component is kept.
     ///
     /// ```
     /// use tangency::core::problem::{Group, Profile};

@@ -45,7 +45,7 @@ erased! {
 }
 
 erased! {
-    /// The functions of a zero problem in each scalar type that generic code needs.
+    /// The functions of a zero problem, in each of the scalar types that generic code needs.
     pub trait InScalars;
 
     impl ZeroNumber by ZeroFunctions for [

@@ -8,8 +8,8 @@ use std::fmt::{Display, Formatter};
 use std::ops::Neg;
 use wide::f64x4;
 
-/// Heuristic: the number of directions that are differentiated in one pass: one to two vector
-/// registers, chosen by measurement. The number of directions affects only the run time.
+/// Heuristic: the number of directions in which one pass differentiates; it fills one or two vector
+/// registers, and was chosen by measurement. The number of directions affects only the run time.
 pub const CHUNK: usize = 8;
 /// A dual number with derivatives in [`CHUNK`] directions.
 pub type Chunk = DualChunk<f64, CHUNK>;

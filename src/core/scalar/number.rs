@@ -147,8 +147,8 @@ macro_rules! signed_by_reals {
     };
 }
 
-/// Implements every arithmetic operation by means of its assigning form, for two numbers and for a
-/// number and a real number.
+/// Implements every arithmetic operation by means of its assigning form; the second operand is a
+/// number of the same type or a real number.
 macro_rules! operations {
     (one [$($generics:tt)*] $type:ty, |$a:ident, $b:ident|
         $operation:ident $method:ident, $assign:ident $assigning:ident = $with_number:expr, $with_real:expr

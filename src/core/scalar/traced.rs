@@ -1,5 +1,5 @@
-//! Numbers that record the operations of a computation, to determine sparsity patterns, and
-//! gradients in one pass.
+//! Numbers that record the operations of a computation; sparsity patterns are determined from the
+//! record, and a gradient is computed in one pass through it.
 
 use super::number::{number_of_reals, operations, signed_by_reals};
 use num_dual::{Dual64, DualNum};
@@ -118,13 +118,13 @@ impl Traced {
     }
 
     /// Computes the gradient of a weighted sum of results with respect to the first inputs of the
-    /// record.
+    /// record, one input for each element of `out`.
     pub(in crate::core) fn gradient(results: impl Iterator<Item = (Traced, f64)>, out: &mut [f64]) {
         RECORD.with_borrow_mut(|record| record.gradient(results, out));
     }
 
-    /// Returns all pairs (result, input) in which the result depends on the input, for the first
-    /// inputs; `None` if the search takes more than `most` steps.
+    /// Returns all pairs (result, input) in which the result depends on the input, but only for the
+    /// first `inputs` inputs; `None` if the search takes more than `most` steps.
     pub(in crate::core) fn places(
         results: &[Traced],
         inputs: usize,

@@ -17,9 +17,9 @@ pub struct Found {
     /// The attractor of the run, or the reason why no attractor was found; in a search for a
     /// crisis, the last attractor before the crisis.
     pub attractor: Result<Attractor, StroboscopicError>,
-    /// The location of a crisis, if one was searched for and found: parameter values between which
-    /// the attractor is destroyed, the first with motion on the attractor and the second with
-    /// motion that leaves it.
+    /// The location of a crisis, if one was searched for and found: two parameter values between
+    /// which the attractor is destroyed; the motion stays on the attractor at the first value, and
+    /// leaves it at the second value.
     pub crisis: Option<[f64; 2]>,
 }
 
@@ -33,8 +33,8 @@ pub type Make<'a> =
 /// Executes all unfinished runs of a part of a plan. The function `done(run)` returns `None` for an
 /// unfinished run, `Some(None)` for a failed run, and otherwise the state in which the run ended.
 /// `make` creates the map, once for each batch of strands (chains of dependent runs); `p` contains
-/// the parameters that do not vary. The cancel token of the search can cancel every run between two
-/// periods, on all threads; unfinished runs are discarded.
+/// the parameters that do not vary. If the cancel token of the search is cancelled, the runs on all
+/// threads stop, each between two of its periods; unfinished runs are discarded.
 ///
 /// ```
 /// use tangency::core::attractor::{AttractorSearch, StroboscopicError, StroboscopicMap, PeriodMap};

@@ -4,9 +4,9 @@
 //! A [`Plan`] lists **runs**: one run for each starting state and each point of a grid over
 //! parameters or initial states. Each run is simulated until its attractor is known
 //! ([`AttractorSearch`](crate::core::attractor::AttractorSearch)). Each run starts from the plan's
-//! initial state, or from the last state of the preceding run, in ascending or descending order of
-//! the parameter; a chain of runs that depend on each other is a **strand**, and strands are
-//! independent of each other.
+//! initial state, or from the last state of the run that precedes it in ascending or descending
+//! order of the parameter; a chain of runs that depend on each other is a **strand**, and strands
+//! are independent of each other.
 //!
 //! The result of a run depends only on the earlier runs of its strand: results are bit-identical
 //! for any number of threads, whether or not the sweep was interrupted and resumed, and whether it

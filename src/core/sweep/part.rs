@@ -29,10 +29,10 @@ impl Part {
         }
     }
 
-    /// Returns the part of a sweep that this part must execute if other sweeps with `strands`
-    /// strands (chains of dependent runs) in total were distributed before. Strands are assigned to
-    /// the parts in turn, and each sweep continues with the part after the last one used; otherwise
-    /// the first parts would get all strands of small sweeps.
+    /// Returns which part of a sweep the process with this part must execute, if other sweeps with
+    /// `strands` strands (chains of dependent runs) in total were distributed before. Strands are
+    /// assigned to the parts in turn, and each sweep continues with the part after the last one
+    /// used; otherwise the first parts would get all strands of small sweeps.
     ///
     /// ```
     /// use tangency::core::sweep::Part;

@@ -57,11 +57,11 @@ pub enum Order {
     /// All runs begin at the starting state of the plan.
     #[default]
     Anew,
-    /// Each run begins where the preceding run ended, from the first value of the parameter to the
-    /// last.
+    /// Each run begins where the preceding run ended; the runs are ordered from the first value of
+    /// the parameter to the last.
     Up,
-    /// Each run begins where the preceding run ended, from the last value of the parameter to the
-    /// first.
+    /// Each run begins where the preceding run ended; the runs are ordered from the last value of
+    /// the parameter to the first.
     Down,
 }
 
@@ -172,7 +172,8 @@ pub enum PlanError {
         what: &'static str,
         /// The position of the missing parameter or state.
         position: usize,
-        /// The number of parameters, or the smallest number of states of any starting state.
+        /// The number of parameters, or the number of state variables in the starting state that
+        /// has the fewest state variables.
         count: usize,
     },
     /// A setting of the search for a crisis is invalid.

@@ -8,8 +8,9 @@
 use crate::core::failure::Failure;
 use crate::core::scalar::{Chunk, Directional};
 
-/// Creates a component of the argument as a dual number, given the components of two directions:
-/// all derivatives except the last are taken along `v`, and the last derivative is taken along `w`.
+/// Creates a component of the argument as a dual number, given the components of two directions `v`
+/// and `w`; all derivatives except the last are taken along `v`, and the last derivative is taken
+/// along `w`.
 #[inline]
 pub(in crate::core) fn moving<T: Directional>(x: f64, v: f64, w: f64) -> T {
     let mut seeded = Chunk::of(x);

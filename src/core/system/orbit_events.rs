@@ -15,10 +15,11 @@ pub trait OrbitEvents {
     /// parameters `p`.
     fn limits(&self, p: &[f64]) -> Vec<Limit>;
 
-    /// Checks the order of the events on a solution, which the equations do not determine: a branch
-    /// must not start from a solution on which an event outside its itinerary would occur first,
-    /// and points of the branch with a wrong order of events are marked. `check` is not called at
-    /// limits of admissible solutions, since the order of events is undecided there.
+    /// Checks the order of the events on a solution, because the equations do not determine this
+    /// order: a branch must not start from a solution on which an event outside the solution's
+    /// itinerary would occur first, and points of the branch with a wrong order of events are
+    /// marked. `check` is not called at limits of admissible solutions, since the order of events
+    /// is undecided there.
     ///
     /// # Errors
     /// [`Failure::Mismatch`], with the name of the event whose outcome differs from the assumed

@@ -56,7 +56,8 @@ impl Formulas {
     }
 
     /// Sorts the constants that are given by formulas, such that each constant follows the
-    /// constants on which it depends; the error is a constant that depends on itself.
+    /// constants on which it depends; if a constant depends on itself, returns its index as the
+    /// error.
     pub fn order(&self) -> Result<Vec<usize>, usize> {
         let count = self.constants.len();
         let needs = |k: usize| -> Vec<usize> {

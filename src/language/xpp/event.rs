@@ -35,7 +35,7 @@ pub(super) struct Event {
     depends: BTreeSet<usize>,
     /// The states that the event resets, with formulas in terms of the states before the event.
     resets: BTreeMap<usize, Tree>,
-    /// The phrase of the whole `global` line, for error messages.
+    /// The whole `global` line as a phrase (a text with its position), for error messages.
     place: Phrase,
 }
 
@@ -163,8 +163,8 @@ impl Hybrid<'_, '_> {
             let construct =
                 "a fourth condition of `global` that remains true after its event".to_string();
             let reason =
-                "each condition of `global` that remains true after its event doubles the number of \
-                 modes, and at most three such conditions are supported"
+                "the number of modes doubles for each condition of `global` that remains true after \
+                 its event, and at most three such conditions are supported"
                     .to_string();
             let fault = super::super::Fault::Unsupported { construct, reason };
             return Err(source.fault_of(place, fault));

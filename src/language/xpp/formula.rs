@@ -149,10 +149,10 @@ impl<'a> Reader<'a, '_> {
             value.map(|value| value.trunc() as i64).ok_or_else(|| {
                 word.unsupported(
                     source,
-                    "a variable end of a sum",
-                    "the end of a sum must be a number",
+                    "a sum with a variable limit",
+                    "both limits of a sum must be numbers",
                 )
-                .with_help("declare the names in the end of the sum with `number`")
+                .with_help("declare the names in the limits of the sum with `number`")
             })
         };
         let [low, high] = [end(&ends[0])?, end(&ends[1])?];

@@ -141,8 +141,8 @@ fn named<'a>(panels: &mut [Panel<'a>]) -> Vec<Naming<'a>> {
     namings
 }
 
-/// Writes the number of each name in the legend beside its curve, if space is available: pictures
-/// may be printed in grey, and the sequence of colours repeats.
+/// Writes beside each curve the number that the curve's name has in the legend, if space is
+/// available: pictures may be printed in grey, and the sequence of colours repeats.
 fn number(panels: &mut [Panel], naming: &Naming) {
     for (k, (colour, name)) in naming.named.iter().take(NUMBERED).enumerate() {
         for index in &naming.panels {

@@ -103,10 +103,10 @@ impl Ticks {
         Ok(Ticks { range, ticks: ticks.collect(), exponent, logarithmic: false })
     }
 
-    /// Returns the label of the axis, and the common factor of the numbers at the end of the axis:
-    /// where possible, a prefix of the unit in the label replaces the factor, as in `gap (µm)`
-    /// instead of `gap (m)` with `×10⁻⁶`. If an axis shows several columns, the common factor is
-    /// not replaced.
+    /// Returns the label of the axis, and the common factor of its numbers, which is written at the
+    /// end of the axis: where possible, a prefix of the unit in the label replaces the factor, as
+    /// in `gap (µm)` instead of `gap (m)` with `×10⁻⁶`. If an axis shows several columns, the
+    /// common factor is not replaced.
     pub(super) fn label(&self, label: &str) -> (String, String) {
         let own = units::parts(label)
             .and_then(|(words, unit)| Some((words, units::prefixed(unit, self.exponent)?)));

@@ -43,7 +43,7 @@ const UNSUPPORTED: &[(&str, usize, usize, &str)] = &[
     ("a=b+1\nb=5\nx'=a\n", 1, 1, "computed earlier"),
     ("a=a+1\nx'=a\n", 1, 1, "computed earlier"),
     ("x'=b\n!b=2*x\n", 2, 2, "`!b`"),
-    ("x'=sum(1,n)of(i')\npar n=3\n", 1, 4, "end of a sum"),
+    ("x'=sum(1,n)of(i')\npar n=3\n", 1, 4, "limits of a sum"),
     ("x'=sum(0,1)of(sum(0,1)of(i')+i')\n", 1, 4, "sum within a sum"),
     ("x'=i'\n", 1, 4, "`i'`"),
     ("x'=shift(x,y)\ny'=0\n", 1, 4, "`shift`"),

@@ -16,7 +16,7 @@
 //! polynomials. The number of a jet's coefficients is a binomial coefficient of the order and the
 //! number of variables, whereas the size of nested dual numbers grows exponentially with the order.
 //! Since scalars are `Copy`, the capacity of a jet is a compile-time constant. Hybrid systems are
-//! compiled for two capacities, because with a single capacity each small jet would also occupy 8 kB.
+//! compiled for two capacities, because with a single capacity even a small jet would occupy 8 kB.
 
 mod dual;
 mod number;

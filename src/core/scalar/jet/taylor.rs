@@ -26,7 +26,7 @@ pub(super) fn exp(a: f64) -> Series {
     continued(a.exp(), |k, f| f[k] / (k + 1) as f64)
 }
 
-/// Returns the series of `aʳ`, given its value.
+/// Returns the series of `aʳ`, given the value of `aʳ`.
 pub(super) fn power(value: f64, a: f64, r: f64) -> Series {
     continued(value, |k, f| f[k] * (r - k as f64) / ((k + 1) as f64 * a))
 }

@@ -32,7 +32,8 @@ impl<R: Register> Signed for Lanes<R> {
     }
 }
 
-/// Implements functions that apply the function of real numbers to each lane.
+/// Implements functions of numbers in lanes, by applying the same function of real numbers to each
+/// lane.
 macro_rules! by_lane {
     ($($function:ident $(($argument:ident: $kind:ty))?),* $(,)?) => {$(
         fn $function(&self $(, $argument: $kind)?) -> Self {

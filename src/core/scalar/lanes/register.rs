@@ -192,7 +192,8 @@ impl Display for LaneWidth {
     }
 }
 
-/// A scalar type for which generic code is compiled with the registers of its lanes.
+/// A scalar type; generic code for this type is compiled with the instructions of the registers
+/// that contain its lanes.
 pub trait Registered: Scalar {
     /// The registers of the lanes; `None` for scalar types without lanes.
     const WIDTH: Option<LaneWidth> = None;

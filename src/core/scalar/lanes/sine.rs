@@ -5,7 +5,7 @@ use super::register::Register;
 use fearless_simd::{ExtractToken, Select, Simd, SimdBase, SimdMask};
 
 /// Rounding: the largest magnitude of an argument that is reduced to `|x| ≤ π/4` with an error of
-/// rounding size: the number of quarter turns then has 16 bits, so that its product with the first
+/// rounding size; the number of quarter turns then has 16 bits, so that its product with the first
 /// part of π/2 is exact.
 const LARGEST: f64 = 1e5;
 /// A large number: adding it to another number, and then subtracting it again, rounds the other
