@@ -34,8 +34,8 @@ pub fn significant(value: f64, digits: usize) -> String {
     format!("{value:.decimals$}")
 }
 
-/// Returns the number of significant digits of a value that are certain, if the error of the value
-/// is at most the given error.
+/// Returns how many significant digits of a value are certain if the error of the value is at most
+/// the given error.
 pub(super) fn certain_digits(value: f64, error: f64) -> usize {
     if error == 0.0 {
         return 17;

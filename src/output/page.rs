@@ -1,8 +1,8 @@
 //! Results as an interactive page: one HTML file that works without a network.
 //!
-//! Plotly 4.1.1 (`assets/plotly-gl3d.min.js`, licence in the same folder) draws the page from the
-//! figures of the pictures and the values of the documents, which the HTML file contains as JSON.
-//! The HTML file contains Plotly, or refers to a file that several pages share.
+//! Plotly 4.1.1 (`assets/plotly-gl3d.min.js`, licence in the same folder) draws the page. The HTML
+//! file contains all data of the page as JSON: the figures that pictures also show, and the values
+//! in the documents. The HTML file contains Plotly, or refers to a file that several pages share.
 
 use super::diagram::spine;
 use super::document::{Document, Plot};
@@ -75,7 +75,8 @@ pub(super) fn page(
     Ok(filled(head.into_iter().chain(body)))
 }
 
-/// Returns the template of the page with the contents of its named places, in their order.
+/// Returns the page: the template, in which each named placeholder is replaced by its content. The
+/// parts must be in the order of the placeholders.
 fn filled(parts: impl Iterator<Item = (&'static str, String)>) -> String {
     let mut page = String::new();
     let mut rest = TEMPLATE;
@@ -101,7 +102,7 @@ struct Data<'a> {
     colours: Vec<String>,
     /// The names of the columns with logarithmic axes.
     logarithmic: &'a [String],
-    /// The meaning of the texts on the sides of curves.
+    /// The explanation, for legends, of the texts beside bifurcation curves.
     regions: &'static str,
     documents: Vec<PageDocument<'a>>,
     panels: Vec<Panel<'a>>,
@@ -114,8 +115,8 @@ struct Data<'a> {
 struct PageDocument<'a> {
     name: &'a str,
     settings: &'a [(String, String)],
-    /// The labels of the columns and of the abscissae of profiles, for columns whose values are
-    /// shown unchanged.
+    /// The labels of columns and of the abscissae of profiles. The list excludes columns whose
+    /// values are converted before they are shown, for example to deviations.
     labels: BTreeMap<&'a str, &'a str>,
     branches: Vec<PageBranch<'a>>,
 }
@@ -244,7 +245,7 @@ pub(crate) struct Panel<'a> {
     /// For each wall, the axis on which the wall is at a constant coordinate, and this coordinate.
     walls: Vec<(usize, f64)>,
     logarithmic: [bool; 2],
-    /// The lower and the upper end that were chosen for each of the two axes.
+    /// The chosen range of each of the two axes: its lower end and its upper end.
     ends: [[Option<f64>; 2]; 2],
 }
 

@@ -57,9 +57,9 @@ pub enum Columns<'a> {
     /// All columns of [`csv`]; if the table contains special points of several documents, the
     /// columns `file` and the settings in which the documents differ come first.
     All,
-    /// The columns with the given names: settings of documents, parameters, monitors and numbers of
-    /// special points by name, `file`, `branch`, `label`, `kind`, `error`, `unstable`, `converged`,
-    /// `multiplicity`, and sensitivities.
+    /// The columns with the given names: settings of documents, parameters, monitors, named numbers
+    /// that special points store, `file`, `branch`, `label`, `kind`, `error`, `unstable`,
+    /// `converged`, `multiplicity`, and sensitivities.
     Named(&'a [&'a str]),
 }
 
@@ -84,13 +84,13 @@ impl Cell {
     }
 }
 
-/// The number of significant digits with which numbers are written in files, and the number of
-/// digits on a screen.
+/// The number of significant digits with which numbers are written in files.
 const DIGITS: usize = 15;
+/// The number of significant digits with which numbers are shown on a screen.
 const SHOWN: usize = 10;
 
-/// The columns that every special point has: the columns `PLACE` are on the left and the columns
-/// `QUALITY` on the right of the columns that depend on the system.
+/// The columns that every special point has: `PLACE` is to the left of the columns that depend on
+/// the system, and `QUALITY` is to their right.
 const PLACE: [&str; 3] = ["branch", "label", "kind"];
 const QUALITY: [&str; 4] = ["error", "unstable", CONVERGED, "multiplicity"];
 const FILE: &str = "file";
@@ -114,8 +114,8 @@ struct Column {
 /// The source from which the values of a column of the table are taken.
 #[derive(Clone, Copy, PartialEq)]
 enum Source {
-    /// The value comes from the first source that contains the column's name: numbers of special
-    /// points, monitors, parameters, settings, sensitivities.
+    /// The value comes from the first source that contains the column's name: named numbers that
+    /// special points store, monitors, parameters, settings, sensitivities.
     Any,
     Parameters,
     Monitors,
@@ -140,15 +140,16 @@ impl Column {
     }
 }
 
-/// Writes the special points of several branches as comma-separated values. The columns are
-/// `branch,label,kind`, every parameter, then every monitor and every number of special points by
-/// name, in the order of their first occurrence, then `error`, the estimated absolute error of the
-/// continuation parameter, `unstable`, the number of unstable eigenvalues or multipliers,
-/// `converged` (if `false`, no digit is reliable, and the error is missing), and `multiplicity`,
-/// the number of simultaneously critical eigenvalues or pairs. Numbers in the table have 15
-/// significant digits. A cell is empty if a branch does not contain the column, and `unstable` is
-/// `?` if multipliers are not determined. The title of a parameter or monitor gets a prefix if
-/// another column has the same name, for example `parameter error` or `monitor error`.
+/// Writes the special points of several branches as comma-separated values. The first columns are
+/// `branch,label,kind`. They are followed by every parameter, every monitor and every named number
+/// that special points store, in the order of their first occurrence. The last columns are `error`
+/// (the estimated absolute error of the continuation parameter), `unstable` (the number of unstable
+/// eigenvalues or multipliers), `converged` (if `false`, no digit is reliable, and the error is
+/// missing), and `multiplicity` (the number of simultaneously critical eigenvalues or pairs).
+/// Numbers in the table have 15 significant digits. A cell is empty if a branch does not contain
+/// the column, and `unstable` is `?` if multipliers are not determined. The title of a parameter or
+/// monitor gets a prefix if another column has the same name, for example `parameter error` or
+/// `monitor error`.
 ///
 /// ```
 /// let table = tangency::output::csv(&[tangency::output::example_branch()]);
@@ -224,8 +225,8 @@ impl PointTable {
         self.lines(DIGITS).map(line).collect()
     }
 
-    /// Returns the titles of the columns and the rows of the table, where numbers are written with
-    /// the given number of digits.
+    /// Returns the lines of the table: first the titles of the columns, then the rows, in which
+    /// numbers are written with the given number of digits.
     fn lines(&self, digits: usize) -> impl Iterator<Item = Vec<String>> {
         let rows = self.rows.iter();
         let rows = rows.map(move |row| row.iter().map(|cell| cell.written(digits)).collect());

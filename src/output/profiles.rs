@@ -10,9 +10,10 @@ use crate::core::continuation::{Branch, SpecialPoint};
 use crate::core::problem::{Profile, UnknownName, distinct};
 use crate::core::system::Kind;
 
-/// The maximum number of curves in a figure if the special points are chosen by default: for
-/// orbits, and for other solutions.
+/// The maximum number of orbits in a figure if the special points are chosen by default.
 const MOST_ORBITS: usize = 3;
+/// The maximum number of curves of solutions other than orbits in a figure, if the special points
+/// are chosen by default.
 const MOST_CURVES: usize = 8;
 /// Two orbits count as different if one of their measures differs by more than this fraction of the
 /// range of the measure over all orbits.
@@ -99,9 +100,9 @@ impl Shown<'_> {
         series
     }
 
-    /// Returns the reset between the end and the start of an orbit with events, as a line in a
-    /// phase portrait. A line is returned only if the horizontal coordinate does not change at the
-    /// reset, because winding angles are not reset.
+    /// Returns the reset that leads from the end of an orbit with events to its start, as a line in
+    /// a phase portrait. A line is returned only if the horizontal coordinate does not change at
+    /// the reset, because winding angles are not reset.
     fn closing(&self, profile: &Profile) -> Option<[[f64; 2]; 2]> {
         let [first, last] = [*profile.points.first()?, *profile.points.last()?];
         let is_orbit = self.is_orbit() && !self.branch.itinerary.is_empty();

@@ -49,8 +49,8 @@ pub struct Results<'a> {
     pub documents: &'a [(&'a str, &'a Document)],
     /// The sweeps.
     pub sweeps: &'a [Sweeps],
-    /// The column on the horizontal axis; if a column is given, only one diagram is drawn; by
-    /// default the documents determine the axis.
+    /// The column on the horizontal axis. By default the documents determine this column; if it is
+    /// given, only one diagram is drawn.
     pub x: Option<&'a str>,
     /// The columns on the vertical axis; if the list is empty, the documents determine the axis.
     pub y: &'a [&'a str],
@@ -67,9 +67,9 @@ pub struct Results<'a> {
     /// The chosen lower and upper ends of the horizontal and the vertical axis, which apply to the
     /// first panel and to further panels with the same axis; by default all data are shown.
     pub ends: [[Option<f64>; 2]; 2],
-    /// The address of a file with the text [`PLOTLY`](super::PLOTLY), relative to the interactive
-    /// page, from which the page loads Plotly: several pages can share one file. By default each
-    /// page contains Plotly.
+    /// The address, relative to the interactive page, of a file with the text
+    /// [`PLOTLY`](super::PLOTLY). The page loads Plotly from this file, and several pages can share
+    /// the file. By default each page contains Plotly.
     pub plotly: Option<&'a str>,
 }
 
@@ -108,7 +108,7 @@ pub enum SaveError {
     Unsuited {
         /// The path of the file that was not written.
         path: PathBuf,
-        /// The rule of the file format that the result violates.
+        /// The rule of the file format; the result violates this rule.
         reason: &'static str,
     },
 }

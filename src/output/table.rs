@@ -136,10 +136,10 @@ pub(super) fn quoted(name: &str) -> String {
     }
 }
 
-/// Aligned lines for a screen, optionally of a given width in characters, one line for each special
-/// point: its label, its kind, the number of unstable eigenvalues or multipliers (`?` if they are
-/// not determined), the varied parameters, the monitors. Columns that do not fit into the width are
-/// omitted, from the last column on.
+/// Aligned lines for a screen, optionally of a given width in characters. The line for a special
+/// point contains its label, its kind, the number of unstable eigenvalues or multipliers (`?` if
+/// they are not determined), the varied parameters, and the monitors. Columns that do not fit into
+/// the width are omitted, from the last column on.
 ///
 /// ```
 /// use tangency::output::{Screen, example_branch};
@@ -165,9 +165,9 @@ pub struct Screen {
 
 /// The largest number of characters that a number with 12 significant digits takes.
 const WIDTH: usize = 18;
-/// The number of characters reserved for label, kind and stability, and the number of characters
-/// reserved for the number of omitted columns.
+/// The number of characters reserved for label, kind and stability.
 const FIRST: usize = 22;
+/// The number of characters reserved for the number of omitted columns.
 const MORE: usize = 5;
 
 /// Returns the number of characters of a column, including the space before it.
@@ -180,8 +180,8 @@ fn number(value: Option<f64>) -> String {
 }
 
 impl Screen {
-    /// Creates the layout of the lines for the special points of a branch, which need not be
-    /// finished, on a screen with an optional width in characters.
+    /// Creates the layout of the lines for the special points of a branch on a screen with an
+    /// optional width in characters. The branch need not be finished.
     pub fn of(branch: &Branch, width: Option<usize>) -> Self {
         let names = branch.released.iter().chain(&branch.monitors);
         let column = |name: &String| Some((branch.column(name)?, name.clone()));

@@ -2,15 +2,16 @@
 
 use super::number::significant;
 
-/// The units that take prefixes, and the prefixes by exponent. Returns the exponent, a multiple of
-/// 3, of the power of ten by which an axis divides its numbers, given the largest of the numbers; 0
-/// if the numbers are readable without a factor.
+/// The units that can have prefixes.
 const UNITS: [&str; 12] = ["m", "s", "V", "A", "N", "Pa", "Hz", "J", "W", "F", "C", "g"];
+/// The prefixes of units, each with the exponent of its power of ten.
 const PREFIXES: [(i32, &str); 8] =
     [(-12, "p"), (-9, "n"), (-6, "µ"), (-3, "m"), (3, "k"), (6, "M"), (9, "G"), (12, "T")];
+/// The units that can have only prefixes with negative exponents.
 const ONLY_SMALLER: [&str; 2] = ["m", "s"];
 
-/// Returns the text and the unit of an axis label: `gap` and `m` for `gap (m)`.
+/// Returns the exponent, a multiple of 3, of the power of ten by which an axis divides its numbers,
+/// given the largest of the numbers; 0 if the numbers are readable without a factor.
 pub(super) fn exponent(largest: f64) -> i32 {
     match largest {
         ..1e-2 | 1e5.. => 3 * (largest.log10() / 3.0).floor() as i32,
@@ -18,8 +19,8 @@ pub(super) fn exponent(largest: f64) -> i32 {
     }
 }
 
-/// Returns `None` for an axis label of several columns, because it has no single unit. `None` for a
-/// label of several columns, which has no single unit.
+/// Returns the text and the unit of an axis label: `gap` and `m` for `gap (m)`. Returns `None` for
+/// an axis label of several columns, because such a label has no single unit.
 pub(super) fn parts(label: &str) -> Option<(&str, &str)> {
     let parts = label.strip_suffix(')').and_then(|label| label.rsplit_once('('));
     let (words, unit) = parts.filter(|(words, _)| !words.contains(['(', ',']))?;

@@ -20,23 +20,25 @@ use std::fmt;
 pub enum Patience {
     /// A short simulation without a transient, for a start near the attractor.
     Short,
-    /// The transient with which a branch of orbits searches for its start, and enough returns for a
-    /// decision.
+    /// A simulation with the same transient as in the search for the start of a branch of orbits,
+    /// and with enough returns for a decision.
     Usual,
 }
 
-/// Heuristic: the returns, and the time in units of the time scale, after which a short search ends.
+/// Heuristic: the number of returns and the time, in units of the time scale, after which a short
+/// search ends.
 const SHORT: (usize, f64) = (40, 150.0);
-/// Heuristic: the returns after which a usual search ends: a page waits for searches from several states.
+/// Heuristic: the number of returns after which a usual search ends; the number is small because a
+/// page waits for searches from several states.
 const RETURNS: usize = 200;
-/// Heuristic: the duration of the curve of a motion that is not periodic, in forcing periods or in units
-/// of the time scale: after a short search and after a usual search.
+/// Heuristic: two durations of the curve of a motion that is not periodic, in forcing periods or in
+/// units of the time scale; the first applies after a short search, the second after a usual search.
 const SHOWN: [f64; 2] = [50.0, 200.0];
 
 /// Heuristic: the distance of a nearby state from a state of the motion, in units of the scales.
 const NUDGE: f64 = 1e-3;
 
-/// Heuristic: the size of a motion, in units of the scales, up to which the motion is at rest.
+/// Heuristic: the size of a motion, in units of the scales, up to which the motion counts as rest.
 const REST: f64 = 1e-7;
 
 /// The kind of an attractor.
@@ -233,7 +235,8 @@ impl Patience {
         if refused(&again) { found } else { again }
     }
 
-    /// Returns the duration of the transient, and of the curve of a motion that is not periodic.
+    /// Returns two durations: the duration of the transient, and the duration of the curve of a
+    /// motion that is not periodic.
     fn shown(self, system: &dyn HybridEquations, p: &[f64], search: &CycleSearch) -> [f64; 2] {
         let unit = match system.forcing() {
             Forcing::None => time_scale(system, p),
@@ -258,8 +261,8 @@ impl Patience {
     }
 }
 
-/// Searches for the attractor of a motion. At rest, rounding and the errors of the integration may
-/// repeat; such a repetition is an equilibrium, not a cycle.
+/// Searches for the attractor of a motion. Near an equilibrium, rounding errors and integration
+/// errors may repeat periodically; such a motion counts as an equilibrium and not as a cycle.
 fn sought(
     system: &dyn HybridEquations,
     start: &HybridState<f64>,

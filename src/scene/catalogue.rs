@@ -1,5 +1,5 @@
-//! The problems and scenes that the command line finds by name, and the functions by which a crate
-//! adds further problems and scenes.
+//! The problems and scenes that the command line finds by name, and the functions with which a
+//! crate can add further problems and scenes.
 
 use super::discretisation::{
     BoundarySettings, FieldSettings, HybridOrbitSettings, MapSettings, ZeroSettings,

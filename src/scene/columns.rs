@@ -27,9 +27,10 @@ impl Scene {
         plot
     }
 
-    /// Returns the names of all columns that branches of the scene may have, whether the branches
-    /// consist of equilibria or of orbits; `None` if the columns are not known before the branches
-    /// are traced. For a scene without runs, a run along the first parameter is assumed.
+    /// Returns the names of all columns that branches of the scene may have, including both the
+    /// columns of equilibria and the columns of orbits; `None` if the columns are not known before
+    /// the branches are traced. For a scene without runs, a run along the first parameter is
+    /// assumed.
     ///
     /// ```
     /// use tangency::scene::{LIBRARY, Scene};

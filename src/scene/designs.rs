@@ -22,7 +22,8 @@ pub struct Choices {
 }
 
 impl From<Grid> for Choices {
-    /// Returns the equally spaced values of a range, but at most one more than a grid can have.
+    /// Returns the equally spaced values of a range. A longer list is cut off after one value more
+    /// than the maximum number of designs in a grid.
     fn from(Grid { name, low, high, count }: Grid) -> Self {
         let value = |k: usize| significant(spaced([low, high], count, k), DIGITS);
         let values = (0..count.min(MOST + 1)).map(value).collect();

@@ -34,7 +34,8 @@ pub(super) trait ProblemSettings:
         Ok(())
     }
 
-    /// Returns the setting that makes the named setting ineffective, with its value.
+    /// Returns the setting that makes the named setting ineffective, with the value that has this
+    /// effect.
     fn without_effect(&self, _name: &str) -> Option<(&'static str, String)> {
         None
     }

@@ -3,8 +3,9 @@
 use super::statement::{Scene, Sweep};
 use crate::core::sweep::{MOST_RUNS, Order};
 
-/// The division of a sweep into parts. The units that are assigned to the parts in turn are
-/// *strands*: sequences of runs in which each run begins where the preceding run ended.
+/// The division of a sweep into parts. The runs are assigned to the parts in whole *strands*, one
+/// strand to each part in turn; a strand is a sequence of runs in which each run begins where the
+/// preceding run ended.
 ///
 /// ```
 /// use tangency::scene::Division;

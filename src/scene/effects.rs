@@ -58,7 +58,8 @@ impl Scene {
     }
 }
 
-/// A property of solutions, which a setting of the continuation requires to have an effect.
+/// A property of solutions; some settings of the continuation have an effect only on solutions with
+/// this property.
 #[derive(Clone, Copy, PartialEq)]
 enum Need {
     /// A discretisation.

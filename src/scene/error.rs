@@ -291,9 +291,8 @@ impl SceneError {
         }
     }
 
-    /// Returns whether a run that varies parameters might succeed if it started from another
-    /// solution: the run failed because no solution was found, or because the solution is out of
-    /// bounds.
+    /// Returns whether a run that varies parameters might succeed from another start, because the
+    /// run found either no solution at its start or a solution that is out of bounds.
     pub(super) fn is_of_start(&self, is_released: impl Fn(&str) -> bool) -> bool {
         use TraceError::{OutOfRange, Start};
         let of_run = |cause: &RunError| match cause {

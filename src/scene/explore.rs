@@ -73,7 +73,8 @@ pub struct Following {
 }
 
 impl Following {
-    /// The kinds of special points on branches from which other branches emanate.
+    /// The kinds of special points of branches; from points of these kinds, other branches can
+    /// emanate.
     pub const OF_BRANCHES: [Kind; 5] = [Kind::BP, Kind::LP, Kind::HB, Kind::PD, Kind::G];
 
     /// Selects special points of all kinds, up to a given depth.
@@ -82,15 +83,16 @@ impl Following {
         Following { kinds, depth, distinct: false }
     }
 
-    /// Returns the selection for the branches that branch switching has found: the same kinds of
-    /// special points, and the depth reduced by one; `None` if no branch is switched on these
-    /// branches.
+    /// Returns the selection for branches that were found by branch switching: the same kinds of
+    /// special points, and the depth reduced by one. Returns `None` if branches are not switched at
+    /// special points of these branches.
     pub fn next_generation(self) -> Option<Self> {
         let depth = self.depth.checked_sub(1).filter(|depth| *depth > 0)?;
         Some(Following { depth, ..self })
     }
 
-    /// Returns the kinds of special points on curves from which other curves emanate.
+    /// Returns the kinds of special points of curves in two parameters; from points of these kinds,
+    /// other curves can emanate.
     pub fn of_curves() -> Vec<Kind> {
         catalogue::crossings()
     }
@@ -200,8 +202,8 @@ impl<'a> Exploration<'a> {
         start.is_some_and(|z| others.any(|it| passes(it, &mut *system, &resolved.values, &z)))
     }
 
-    /// Returns whether another run has already traced the curve on which a run would start, from
-    /// the same special point found on another curve.
+    /// Returns whether the curve of a given run is already traced by another run, which starts at
+    /// the same special point on another curve.
     fn is_started(&self, run: &Run) -> bool {
         let Tracing { runs, done, .. } = &self.tracing;
         let Some(point) = origin(run, done).filter(|_| run.hold.is_some()) else { return false };

@@ -3,12 +3,13 @@
 //!
 //! A problem has a list of discretisations, ordered from the cheapest to the most expensive. With
 //! discretisation `k`, a scene yields numbers `v_k`: the varied parameters of every special point,
-//! and the columns that the setting `refine` names; the errors of these numbers are relative. The
-//! numbers of a discretisation are compared with the numbers of the next two discretisations, and
-//! of all finer discretisations that have been computed, by [`error_of_first`]. The search starts
-//! at a guessed discretisation. If the estimated error of this discretisation is below the
-//! requested accuracy, the search proceeds to coarser discretisations, up to the coarsest one whose
-//! error is below the accuracy; otherwise it proceeds to finer discretisations.
+//! and the columns that the setting `refine` names. All errors of these numbers are relative
+//! errors. The numbers of a discretisation are compared with the numbers of the next two
+//! discretisations, and of all finer discretisations that have been computed, by
+//! [`error_of_first`]. The search starts at a guessed discretisation. If the estimated error of
+//! this discretisation is below the requested accuracy, the search proceeds to coarser
+//! discretisations, up to the coarsest one whose error is below the accuracy; otherwise it proceeds
+//! to finer discretisations.
 
 use super::error::SceneError;
 use super::observer::SceneObserver;
@@ -306,8 +307,8 @@ fn columns(branch: &Branch, special: &SpecialPoint) -> Vec<usize> {
 }
 
 /// Returns the reference value by which an error is divided to give a relative error: the absolute
-/// value of the number itself, or a hundredth of the largest value on the branch if the number is
-/// smaller than this. The reference value is at least the rounding error of numbers of order 1,
+/// value of the number itself, or a hundredth of the largest absolute value on the branch,
+/// whichever is larger. The reference value is at least the rounding error of numbers of order 1,
 /// which matters for instance for the deflection of a flat plate.
 fn size(branch: &Branch, column: usize, value: f64) -> f64 {
     let points = branch.points.iter().filter_map(|point| point.value(column));

@@ -132,9 +132,9 @@ impl Scene {
 const VALUES: usize = 8;
 
 /// Returns the parameter values at which solutions are searched: several values in the parameter's
-/// range if the range is finite, and finally the parameter's own value. The chosen values in the
-/// range are not round numbers, because special points often have round parameter values and no
-/// branch should start at a special point.
+/// range if the range is finite, followed by the initial value of the parameter. The chosen values
+/// in the range are not round numbers, because special points often have round parameter values and
+/// no branch should start at a special point.
 fn searched(range: &Range, own: Option<f64>) -> Vec<f64> {
     let place = |k: usize| (k as f64 + 0.618_033_988_749_895) / VALUES as f64;
     let mut values: Vec<f64> = range.low.zip(range.high).map_or(Vec::new(), |(low, high)| {

@@ -22,8 +22,8 @@ const MOST_HALVINGS: f64 = 106.0;
 /// Heuristic: the cost of simulating a period with a tangent vector, relative to the cost of a
 /// period without tangent vector.
 const WITH_TANGENT: usize = 3;
-/// Heuristic: the length, in units of scaled arclength, of a branch that counts as long, measured
-/// from its start.
+/// Heuristic: the scaled arclength, measured from the start of a branch, at which the branch counts
+/// as long.
 const FAR: f64 = 10.0;
 
 /// An observer that stops a simulated motion after a given processor time.

@@ -39,10 +39,10 @@ const ROUNDING: f64 = 1e-12;
 /// differently.
 const SAME: f64 = 1e-6;
 
-/// Returns whether two special points, each on one of two branches, are the same point. A branch of
-/// orbits ends at a Hopf point only within the error of the point, because the amplitude grows like
-/// a square root; likewise a curve of folds of cycles ends at a generalised Hopf point only within
-/// its error.
+/// Returns whether two special points, each on one of two branches, are the same point. The end of
+/// a branch of orbits agrees with a Hopf point only to within the error of the point, because the
+/// amplitude grows like a square root; the same applies to the end of a curve of folds of cycles at
+/// a generalised Hopf point.
 pub(super) fn is_one(
     (branch, point): (&Branch, &SpecialPoint),
     (other, there): (&Branch, &SpecialPoint),

@@ -78,11 +78,12 @@ pub(super) fn series_of(
     Ok(Box::new(Dense::new(ExpansionCurve { expansion, origin: order.map(|k| p[k]), names })))
 }
 
-/// The largest value of the guard function at a grazing that counts as converged, in units of the
-/// guard's scale.
+/// A special point counts as a grazing if the absolute value of its guard function, in units of the
+/// guard's scale, is at most this number.
 const TOUCHES: f64 = 1e-6;
 
-/// Returns an error if a special point is not a grazing, even if a grazing may be near.
+/// Returns an error if the guard function is not zero at a special point: the point is then not a
+/// grazing, although a grazing may be near.
 fn touches(system: &dyn HybridEquations, point: &GrazingPoint) -> Result<(), GrazingError> {
     let GrazingPoint { guard, mode, time, x, p, .. } = point;
     let value = system.guard(*guard, *mode, *time, x, p);

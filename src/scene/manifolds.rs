@@ -119,7 +119,7 @@ fn both(
     })
 }
 
-/// Returns the values that the parameters have at the start point, without the parameters that are
+/// Returns the parameter values at the start point, except the values of parameters that are
 /// changed at the start.
 fn parameters_of(start: &StartPoint) -> Result<Vec<(String, f64)>, SceneError> {
     let values = labelled(start)?.parameters.iter().copied();

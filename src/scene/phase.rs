@@ -17,12 +17,14 @@ use std::sync::Arc;
 
 /// The default duration of a simulation, for a point that has no time scale of its own.
 const USUAL: f64 = 50.0;
-/// The default duration of a simulation in time constants of an equilibrium, and in periods.
+/// The default duration of a simulation at an equilibrium, in time constants of the equilibrium.
 const TIME_CONSTANTS: f64 = 8.0;
+/// The default duration of a simulation at an orbit, in periods of the orbit.
 const PERIODS: f64 = 5.0;
+/// The default duration of a simulation with forcing, in periods of the forcing.
 const FORCED_PERIODS: f64 = 20.0;
-/// Heuristic: the size of an eigenvalue, relative to the largest one, below which it gives no time scale:
-/// at a fold, one eigenvalue is zero to rounding error.
+/// Heuristic: an eigenvalue gives no time scale if its size, relative to the largest eigenvalue, is
+/// below this value; at a fold, one eigenvalue is zero to rounding error.
 const ZERO: f64 = 1e-6;
 /// The number of grid lines along an axis on which nullclines are located.
 const FINE: usize = 121;
@@ -241,14 +243,16 @@ impl PhaseSpace {
     }
 
     /// Returns the nullclines in a rectangle of the plane of two states: for each of the two states,
-    /// the lines on which its rate is zero, as by [`zero_set`]. The states are given by their indices.
+    /// the lines on which its rate is zero, computed with [`zero_set`]. The states are given by their
+    /// indices.
     pub fn nullclines(&self, axes: [usize; 2], ranges: Ranges) -> [Vec<Vec<[f64; 2]>>; 2] {
         let [x, y] = ranges.map(|range| grid(range, FINE, 0.0));
         [0, 1].map(|k| zero_set([&x, &y], |at| self.in_plane(axes, at)[k]))
     }
 
-    /// Returns the directions of the vector field on a coarse grid in a rectangle of the plane of two
-    /// states: places, each with the unit vector of the direction in units of the ranges.
+    /// Returns the directions of the vector field at the points of a coarse grid in a rectangle of
+    /// the plane of two states. Each point is returned with a unit vector, in coordinates in which
+    /// the lengths of the two ranges are the units.
     pub fn directions(&self, axes: [usize; 2], ranges: Ranges) -> Vec<[[f64; 2]; 2]> {
         let [x, y] = ranges.map(|range| grid(range, COARSE, 0.5));
         let widths = ranges.map(|[low, high]| high - low);

@@ -238,13 +238,14 @@ where
     }
 }
 
-/// The setting of collocation that decides whether the settings of mesh adaptation have an effect.
+/// The name of the setting of collocation that determines whether the settings of mesh adaptation
+/// have an effect.
 const INTERVALS: &str = "intervals";
 
 /// The settings of the continuation that concern the adaptation of meshes.
 const OF_MESHES: [&str; 2] = ["target_mesh_error", "max_mesh_error"];
 
-/// Returns the names of all settings, for each method of discretisation.
+/// Returns the names of all settings, including the settings of every method of discretisation.
 pub(super) fn names_of<S: ProblemSettings>() -> Vec<String> {
     let usual = S::default();
     let mut names: Vec<String> = Vec::new();

@@ -237,8 +237,8 @@ impl Scene {
     ///
     /// # Errors
     /// The errors of [`set`](Self::set); [`SceneError::BothWays`] if `both` is true and the number
-    /// of varied parameters is not one; [`SceneError::Twice`] for a duplicate name. All names other
-    /// than these are checked when the scene is resolved.
+    /// of varied parameters is not one; [`SceneError::Twice`] for a duplicate name. Unknown names
+    /// in `swept` are reported only when the scene is resolved.
     pub fn sweeping(mut self, request: &Request, swept: Swept) -> Result<Scene, SceneError> {
         let Swept { mut over, both, start, at, measures } = swept;
         let names = || over.iter().map(|grid| &grid.name).chain(start.iter().map(|(name, _)| name));

@@ -22,10 +22,10 @@ use serde::{Deserialize, Serialize};
 use std::error::Error;
 use std::sync::Arc;
 
-/// A simulation of a vector field, or a simulation of a hybrid system that starts in a state of the
-/// first mode. The simulation of a Filippov system starts in the mode that belongs to the side of
-/// the surface on which the initial state lies. All times of a simulation are in periods of the
-/// forcing, or in units of time for systems without forcing.
+/// A simulation of a vector field or of a hybrid system; for a hybrid system, the simulation starts
+/// in a state of the first mode. The simulation of a Filippov system starts in the mode that
+/// belongs to the side of the surface on which the initial state lies. All times of a simulation
+/// are in periods of the forcing, or in units of time for systems without forcing.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Simulated {

@@ -42,9 +42,10 @@ pub struct Scene<P = Problem> {
     /// ends of branches, the requested relative error of ends at bounds. The requested error
     /// applies to the parameters that vary along the branch, and to the columns that the setting
     /// `refine` names. To apply the requested error to an important end of a branch, state the end
-    /// in `marks`. The cheapest numbers of functions, modes, mesh intervals or tolerances that
-    /// reach the accuracy are chosen automatically; they replace the stated settings, and special
-    /// points are not refined further.
+    /// in `marks`. The cheapest discretisation that reaches the accuracy is chosen automatically:
+    /// the numbers of basis functions or modes of a plate, the mesh of collocation, or the
+    /// tolerance of shooting. The chosen settings replace the stated settings, and special points
+    /// are not refined further.
     #[serde(skip_serializing_if = "is_default")]
     pub accuracy: Option<f64>,
     /// The settings of the continuation.

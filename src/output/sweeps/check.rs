@@ -5,8 +5,9 @@ use super::table::{Row, SweepTable, Sweeps};
 use crate::core::spelling::listed;
 use std::collections::BTreeMap;
 
-/// The first columns of every table, in the table of runs and in the table of points.
+/// The columns with which every table of runs must begin.
 const RUN_COLUMNS: [&str; 2] = ["run", "start"];
+/// The columns with which every table of points must begin.
 const POINT_COLUMNS: [&str; 4] = ["run", "period", "event", "time"];
 
 /// The first difference between the tables in a file of sweeps and the tables expected for a scene.

@@ -59,8 +59,8 @@ pub struct SwitchOn {
 }
 
 impl SwitchOn {
-    /// Classifies the switch-on at the first grazing of a branch of motion without impacts, by the
-    /// first-order local map.
+    /// Classifies the switch-on at the first grazing of a branch of motion without impacts; the
+    /// classification uses the first-order local map.
     ///
     /// ```
     /// use tangency::core::local_map::Scenario;

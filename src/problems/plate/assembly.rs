@@ -7,8 +7,8 @@
 //!
 //! Each term of the Hessian is a sum of `⟨a(ξ,ζ) · f_i f_k(ξ) · g_j g_l(ζ)⟩`. The products of two
 //! functions of one variable are tabulated, so each term requires two matrix products, `X A Y`, for
-//! any number of functions. Tests compare the Hessian with the derivative of the residual that dual
-//! numbers give.
+//! any number of functions. Tests compare the Hessian with the derivative of the residual, computed
+//! with dual numbers.
 
 use super::discretisation::{Discretisation, Membrane, PairTables};
 use super::parameters::Parameters;

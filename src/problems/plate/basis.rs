@@ -147,15 +147,16 @@ impl Basis {
         Basis { functions, integrals, boundary, degree, mix: None }
     }
 
-    /// Replaces the functions by the modes of a beam with the same supports, which span the same
-    /// space: `⟨F_i F_k⟩` and `⟨F_i" F_k"⟩` are both diagonal. In a basis of products of these
-    /// functions, the stiffness matrix of a plate is nearly diagonal, so the eigenvalues of the
-    /// scaled matrix characterise the plate. (In the basis of polynomials, the condition number of
-    /// the matrix is 1e6 with ten functions, and inverse iteration yields noise.)
+    /// Replaces the functions by the modes of a beam with the same supports. The modes `F_i` span
+    /// the same space as the functions, and the matrices `⟨F_i F_k⟩` and `⟨F_i" F_k"⟩` are both
+    /// diagonal. In a basis of products of these functions, the stiffness matrix of a plate is
+    /// nearly diagonal, so the eigenvalues of the scaled matrix characterise the plate. (In the
+    /// basis of polynomials, the condition number of the matrix is 1e6 with ten functions, and
+    /// inverse iteration yields noise.)
     ///
     /// The first function is the lowest beam mode; all functions are positive next to `ξ = 1`. The
-    /// basis remains unchanged if its functions contain values that are not finite, so that the
-    /// eigenproblem has no solution.
+    /// basis remains unchanged if values of its functions are not finite, because the eigenproblem
+    /// then has no solution.
     #[must_use]
     pub(super) fn into_beam_modes(mut self, symmetric: bool) -> Basis {
         let n = self.len();

@@ -301,8 +301,8 @@ impl Membrane {
         [self.rules[0].len(), self.rules[1].len()]
     }
 
-    /// Returns the products of functions with which fields, expanded in the functions of `tables`,
-    /// are differentiated with respect to ξ and to ζ.
+    /// Returns two tables of products of functions, which give the derivatives with respect to ξ
+    /// and to ζ of a field that is expanded in the functions of `tables`.
     pub fn slopes<'a>(&self, tables: &'a [Table; 2]) -> [Product<'a>; 2] {
         let points = self.points();
         [

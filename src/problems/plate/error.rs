@@ -32,9 +32,9 @@ pub enum PlateError {
     },
     /// The sine model does not support these in-plane supports: its stress function requires edges
     /// that stay straight and have no shear traction.
-    #[error("the sine model of the plate does not support the in-plane edges \"{in_plane}\"")]
+    #[error("the sine model of the plate cannot be used with the in-plane supports \"{in_plane}\"")]
     #[diagnostic(help(
-        "choose the in-plane edges `slide` or `straight`, or a polynomial model (`model=ritz`)"
+        "choose the in-plane supports `slide` or `straight`, or a polynomial model (`model=ritz`)"
     ))]
     SineInPlane {
         /// The name of the in-plane supports.
@@ -89,7 +89,7 @@ pub enum PlateError {
         error: f64,
         /// The numbers of basis functions of the deflection along x and y.
         functions: [usize; 2],
-        /// The number of the lowest modes that are accurate enough.
+        /// The number of modes, counted from the lowest mode, that are accurate enough.
         accurate: usize,
     },
     /// Stresses were requested for a plate model without stretching, or with too many in-plane

@@ -56,10 +56,11 @@ impl Orders {
 
     /// Returns a sequence of successively larger numbers of basis functions, each for a more
     /// accurate discretisation. Up to the default numbers, the ratio of transverse to in-plane
-    /// functions is chosen such that both kinds of displacements take a similar amount of work, and
-    /// each entry of the sequence gives pull-in loads that are about one digit more accurate than
-    /// the previous entry. Beyond the default numbers, each entry is followed, two places later, by
-    /// the numbers that [`finer`](Orders::finer) gives for the entry.
+    /// functions is chosen such that the computations with both kinds of functions take similar
+    /// times. In this part of the sequence, each entry gives pull-in loads that are about one digit
+    /// more accurate than the pull-in loads of the previous entry. Beyond the default numbers, each
+    /// entry is followed, two places later, by the numbers that [`finer`](Orders::finer) gives for
+    /// the entry.
     pub(super) fn ladder(symmetric: [bool; 2], aspect: f64) -> Vec<Orders> {
         let rung = |n: usize| Orders::of(n, n + n.div_ceil(3), symmetric, aspect);
         let rungs =

@@ -1,9 +1,9 @@
 //! The in-plane problem for a given deflection `w`: `K_uv s = −r(w)`.
 //!
 //! The in-plane displacement along x is `u = Σ U_k(ξ) U_l(ζ)`, and the displacement `v` along y has
-//! the same form. The stiffness matrix of plane stress on the plate (the mean over the plate, `x =
-//! (1 + ξ)/2`, `y = α(1 + ζ)/2`) is a sum of constant matrices whose coefficients depend on `α` and
-//! `ν`:
+//! the same form. The stiffness matrix of plane stress is a sum of constant matrices whose
+//! coefficients depend on `α` and `ν`. In the following formulas, `⟨·⟩` is the mean over the plate,
+//! `x = (1 + ξ)/2`, and `y = α(1 + ζ)/2`:
 //!
 //! ```text
 //! K_uu = 4⟨u_ξ u_ξ⟩ + 2(1−ν)/α² ⟨u_ζ u_ζ⟩      K_vv = 4/α² ⟨v_ζ v_ζ⟩ + 2(1−ν)⟨v_ξ v_ξ⟩

@@ -7,8 +7,8 @@ use crate::core::problem::Profile;
 /// The number of points of a profile; the middle point is the centre of the plate.
 pub(super) const POINTS: usize = 51;
 
-/// The smallest ratio of the deflection at the centre to the largest deflection for a mode; if the
-/// ratio of a mode is smaller, the centre counts as a node of the mode.
+/// The centre of the plate counts as a node of a mode if the ratio of the mode's deflection at the
+/// centre to its largest deflection is smaller than this value.
 const NODE: f64 = 0.01;
 
 /// Evaluates the function `f` at two or more equidistant points from 0 to 1, and returns pairs `(x,

@@ -231,8 +231,8 @@ impl Ritz {
     }
 }
 
-/// A scalar type `T` that computes derivatives along up to three directions: the functions
-/// construct a dual number from its first-order parts, and extract the mixed derivative from a dual
+/// A scalar type for derivatives along up to three directions. Its functions construct a dual
+/// number from the first-order parts of the number, and extract the mixed derivative from a dual
 /// number.
 pub(super) trait Directional: Scalar {
     fn seed(value: f64, parts: [f64; 3]) -> Self;

@@ -126,9 +126,9 @@ impl PlateSettings {
         })
     }
 
-    /// Returns systems of the plate with growing accuracy and cost, for parameters as in
-    /// [`system`](Self::system); the systems differ in the numbers of basis functions of the full
-    /// model, or in the numbers of modes of the other models.
+    /// Returns copies of the settings with growing accuracy and cost, which differ in the numbers
+    /// of basis functions of the full model, or in the numbers of modes of the other models. The
+    /// arguments have the same meaning as for [`system`](Self::system).
     ///
     /// # Errors
     /// [`PlateError`] if the letters of the supports cannot be parsed.

@@ -199,10 +199,10 @@ impl SinePlate {
         terms.map(|(m, n, coefficient)| StressTerm { m, n, coefficient }).collect()
     }
 
-    /// Returns the mean in-plane tensions `[N_x, N_y]` between the edges that the deflection `z`
-    /// causes, `κp_x` and `α²κp_y` of eqs. 3.22–3.23, in units of `D/a²`, with tension positive;
-    /// they are zero for [`InPlane::Straight`] and in linear theory. The applied edge forces are
-    /// not included in these mean tensions.
+    /// Returns the mean in-plane tensions `[N_x, N_y]` that the deflection `z` causes between the
+    /// edges: `κp_x` and `α²κp_y` of eqs. 3.22–3.23, in units of `D/a²`. These forces are positive
+    /// in tension, and zero for [`InPlane::Straight`] and in linear theory. The applied edge forces
+    /// are not included in these mean tensions.
     pub fn edge_tension<T: Scalar>(&self, z: &[T], p: &[T]) -> [T; 2] {
         let plate = self.settings.units.parameters(p);
         let [x, y] = self.sines.held_tension(z, &plate);

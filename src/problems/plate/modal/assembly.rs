@@ -4,7 +4,7 @@
 //! If the residual were differentiated by dual numbers, every sum would carry eight derivatives.
 //! Most sums in the residual are linear in the coefficients `q` or in products of these
 //! coefficients, so their derivatives are known tables. Tests compare the assembled derivative with
-//! the derivative of the residual that dual numbers give.
+//! the same derivative, computed with dual numbers.
 
 use super::membrane;
 use super::projection::{Direct, Linear, Multiplied, integrand};

@@ -2,9 +2,9 @@
 //! [`MembraneForm`](crate::problems::plate::MembraneForm).
 //!
 //! For `w = Σ q_i φ_i`, the strains of eq. 2.6 are `Σ q_i q_j ε_ij` plus the strains of the
-//! in-plane displacements, which depend linearly on the products `q_i q_j`: one solution with
-//! `K_uv` for each pair gives the total stress `N_ij` of the pair, in equilibrium in the plane.
-//! The stretching energy is then
+//! in-plane displacements. These displacements depend linearly on the products `q_i q_j`, so one
+//! linear system with the matrix `K_uv` is solved for each pair; its solution gives the total
+//! stress `N_ij` of the pair, in equilibrium in the plane. The stretching energy is then
 //!
 //! ```text
 //! U_m = 6α₁² Σ s_P A_PQ s_Q,    A_PQ = ⟨N_P : ε_Q⟩,    s_P = q_i² or 2q_i q_j for the pairs P = (i ≤ j)

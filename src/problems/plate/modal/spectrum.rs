@@ -77,8 +77,8 @@ fn with_in_plane(orders: Orders) -> Orders {
     Orders { in_plane: orders.transverse.map(|n| n + IN_PLANE_BEYOND), ..orders }
 }
 
-/// Returns the default numbers of functions if they yield more functions than the number of
-/// requested modes; otherwise returns the first larger numbers that do.
+/// Returns the smallest sufficient numbers of functions, starting with the default numbers: the
+/// functions must outnumber the requested modes by at least [`BEYOND`].
 fn first_rung(settings: &ModalSettings) -> Orders {
     let RitzSettings { supports, symmetric, aspect, .. } = settings.plate;
     let symmetric = supports.alike().map(|alike| alike && symmetric);
@@ -174,7 +174,7 @@ fn separate(nodes: &Nodes, shapes: &mut [Vec<f64>]) {
     shapes.clone_from_slice(&turned);
 }
 
-/// Returns the sign of the first moment of a mode that differs from zero by more than rounding
+/// Returns the sign of a mode: the sign of its first moment whose absolute value exceeds rounding
 /// errors.
 fn sign(nodes: &Nodes, mode: usize, rules: &[Rule; 2]) -> f64 {
     let modes = nodes.values.len() / nodes.weights.len();

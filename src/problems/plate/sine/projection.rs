@@ -88,9 +88,10 @@ impl Sines {
         }
     }
 
-    /// Computes the multiplied projection `r_i = ∫∫ φ_i {(1−w)² [L(w) − κΦ(w,F) − pressure] − λ}`,
-    /// eq. 3.26 without the tensors of that equation: the integrand is a trigonometric polynomial,
-    /// and the number of quadrature points is large enough to integrate it exactly up to rounding.
+    /// Computes the multiplied projection `r_i = ∫∫ φ_i {(1−w)² [L(w) − κΦ(w,F) − pressure] − λ}`
+    /// of eq. 3.26 by quadrature instead of the tensors in that equation. The integrand is a
+    /// trigonometric polynomial, and the number of quadrature points is large enough to integrate
+    /// it exactly up to rounding.
     pub fn multiplied<T: Scalar>(&self, z: &[T], plate: &Parameters<T>, r: &mut [T]) {
         for (&mode, r) in self.modes.iter().zip(r.iter_mut()) {
             *r = -plate.load * Self::mean(mode);
