@@ -75,6 +75,7 @@ mod located;
 mod locator;
 mod log;
 mod meaning;
+mod mesh_check;
 mod metric;
 mod newton;
 mod predictor;

@@ -111,6 +111,21 @@ impl Refiner {
         true
     }
 
+    /// Returns the period at the last loaded point on the next finer discretisation, while one
+    /// released parameter is fixed; `None` if Newton's method fails on the finer discretisation.
+    pub fn period_on_finer_mesh(
+        &self,
+        corrector: &mut Corrector,
+        recorder: &Recorder,
+        (parameter, value): (usize, f64),
+    ) -> Option<f64> {
+        let event = Event::level("point on a finer mesh", Quantity::Parameter(parameter), value);
+        let at = corrector.equations.at();
+        let Refinement { mut system, x } = at.system.discretised()?.refined(at.x)?;
+        let mut finer = self.converge(corrector, recorder, (&mut *system, &x), &event)?;
+        finer.equations.system().traits(&finer.x).free_period
+    }
+
     /// Returns the values that must converge at a point: the values of the parameters that vary
     /// along the branch, and of the parameters and monitors in the setting `refine`.
     fn settling(&self, released: &[usize], point: &Point) -> Vec<f64> {

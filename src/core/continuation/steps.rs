@@ -15,6 +15,7 @@ use super::half::Half;
 use super::homoclinic_end;
 use super::located::Located;
 use super::log::Log;
+use super::mesh_check::{check_mesh, rescue};
 use super::metric::Metric;
 use super::newton::NewtonError;
 use super::predictor::Predictor;
@@ -374,6 +375,7 @@ impl Steps<'_> {
         if points >= max_points {
             return Some(End::PointLimit { points });
         }
+        let target = self.mesh_target(half);
         let curve = &mut self.curve;
         let mut step = match self.control.step(curve, &half.predictor, &half.last, half.length) {
             Ok(step) => step,
@@ -386,6 +388,10 @@ impl Steps<'_> {
             {
                 half.settled = true;
                 settle(curve, half);
+                half.try_again(self.settings.initial_step.min(max_step));
+                return None;
+            }
+            Err(_) if rescue(curve, half, target) => {
                 half.try_again(self.settings.initial_step.min(max_step));
                 return None;
             }
@@ -443,15 +449,15 @@ impl Steps<'_> {
         step.length > LEAST_UNEXPLAINED && error(from) <= limit && error(&step.place) > limit
     }
 
-    fn mesh_target(&self) -> f64 {
-        self.settings.mesh_target(!self.curve.refiner.held.is_empty())
+    fn mesh_target(&self, half: &Half) -> f64 {
+        half.mesh.share * self.settings.mesh_target(!self.curve.refiner.held.is_empty())
     }
 
     /// Returns the end of a branch at which no step succeeds; its message states if the mesh is too
     /// coarse.
     fn end_of_steps(&mut self, half: &Half, (step, cause): (f64, NewtonError)) -> End {
         let error = self.curve.corrector.mesh_error(&half.last.unknowns);
-        let target = self.mesh_target();
+        let target = self.mesh_target(half);
         let words = match error > target {
             true => format!(
                 "{}. The mesh causes an error of {error:.1e}, more than the target of {target:.1e}: take more \
@@ -529,7 +535,8 @@ impl Steps<'_> {
         let earlier = std::iter::once(&mut half.start).chain(half.predictor.places());
         let others = earlier.flat_map(|it| [&mut it.unknowns[..], &mut it.tangent[..]]).collect();
         half.growth /= corrector.accept(&mut half.last, others);
-        let target = self.mesh_target();
+        check_mesh(&mut self.curve, half);
+        let target = self.mesh_target(half);
         fit_mesh(&mut self.curve, half, target);
         half.last.point.solution = self.solution_at(&half.last);
         half.points.push(half.last.point.clone());

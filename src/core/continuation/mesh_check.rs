@@ -1,0 +1,102 @@
+//! Comparison of the points of a curve of special points with the same points on a finer mesh.
+//!
+//! Near canards and homoclinic orbits, the periods at folds of cycles depend on the parameters
+//! exponentially. A discretisation error that hardly changes a cycle moves such a fold to a cycle
+//! of another period.
+
+use super::curve::Curve;
+use super::fitting::fit_mesh;
+use super::half::Half;
+use crate::core::bifurcation::At;
+
+/// Heuristic: the number of points between two comparisons with a finer mesh. A comparison takes as
+/// long as several steps.
+const EVERY: usize = 3;
+
+/// Heuristic: the mesh is too coarse for a curve of special points if the period at a point changes
+/// by more than this fraction on a finer mesh.
+const LARGEST_SHIFT: f64 = 1e-4;
+
+/// Heuristic: the change of the period after the mesh has been refined, from which the new target
+/// for the mesh error is estimated.
+const AIM: f64 = 1e-5;
+
+/// The parameters of an orbit have errors of order `h^{2m}`, and `mesh_error` is of order
+/// `h^{m+1}`: this is the ratio of the exponents for `m = 4`.
+const ORDERS: f64 = 5.0 / 8.0;
+
+/// Rounding: a mesh whose error is smaller than this threshold is not refined.
+const FINEST: f64 = 1e-11;
+
+/// Heuristic: the largest number of times that the mesh is refined because no step succeeds.
+const MOST_RESCUES: usize = 3;
+
+/// The target for the mesh error along one half of a curve of special points.
+pub(super) struct MeshCheck {
+    /// The fraction of the usual target to which comparisons with finer meshes have reduced the
+    /// target.
+    pub share: f64,
+    /// The number of points at which the next comparison is due.
+    due: usize,
+    /// The number of times that the mesh was refined because no step succeeded.
+    rescues: usize,
+}
+
+impl Default for MeshCheck {
+    fn default() -> Self {
+        MeshCheck { share: 1.0, due: EVERY, rescues: 0 }
+    }
+}
+
+/// Compares the period at the last point with the period on a finer mesh, if a comparison is due,
+/// and reduces the target for the mesh error if the periods differ too much.
+pub(super) fn check_mesh(curve: &mut Curve, half: &mut Half) {
+    let points = half.points.len();
+    if curve.refiner.held.is_empty() || points < half.mesh.due {
+        return;
+    }
+    half.mesh.due = points + EVERY;
+    let Some(shift) = shift_on_finer_mesh(curve, half) else { return };
+    if shift > LARGEST_SHIFT {
+        half.mesh.share *= (AIM / shift).powf(ORDERS).max(0.01);
+        half.mesh.due = points + 1;
+    }
+}
+
+/// Refines the mesh of a curve of special points at a point where no step succeeds, and corrects
+/// the point. Returns whether the mesh changed, so that a step may succeed.
+pub(super) fn rescue(curve: &mut Curve, half: &mut Half, target: f64) -> bool {
+    let error = curve.corrector.mesh_error(&half.last.unknowns);
+    if curve.refiner.held.is_empty()
+        || half.mesh.rescues >= MOST_RESCUES
+        || error <= FINEST
+        || half.points.is_empty()
+    {
+        return false;
+    }
+    half.mesh.rescues += 1;
+    let reduced = 0.01 * error.min(target);
+    half.mesh.share *= reduced / target;
+    half.mesh.due = half.points.len() + 1;
+    fit_mesh(curve, half, reduced);
+    curve.corrector.mesh_error(&half.last.unknowns) < error
+}
+
+/// Returns the relative change of the period at the last point if the mesh is refined, while the
+/// released parameter that varies most along the curve is fixed. The change is infinite if Newton's
+/// method fails on the finer mesh; `None` if the solutions have no mesh that could be too coarse.
+fn shift_on_finer_mesh(curve: &mut Curve, half: &Half) -> Option<f64> {
+    let Curve { corrector, recorder, refiner, .. } = curve;
+    let last = &half.last;
+    corrector.equations.load(&last.unknowns);
+    let At { system, x, .. } = corrector.equations.at();
+    let traits = system.traits(x);
+    let period = traits.free_period.filter(|_| traits.mesh_error > FINEST)?;
+    let first = corrector.equations.parameters_at();
+    let change = |k: &usize| corrector.norm.scaled(first + k, last.tangent[first + k]).abs();
+    let count = last.unknowns.len() - first;
+    let most = (0..count).max_by(|a, b| change(a).total_cmp(&change(b)))?;
+    let fixed = (corrector.equations.released[most], last.unknowns[first + most]);
+    let finer = refiner.period_on_finer_mesh(corrector, recorder, fixed);
+    Some(finer.map_or(f64::INFINITY, |finer| (finer / period - 1.0).abs()))
+}
