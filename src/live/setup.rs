@@ -224,7 +224,7 @@ impl Setup {
             request.along.extend(first_range(problem, &self.set));
         }
         let mut scene = stated.requested(&self.name, &request)?;
-        scene.settings.without_sensitivities = self.draft;
+        scene.settings.draft = self.draft;
         match self.runs.is_empty() {
             true => Ok(scene),
             false => scene.with_runs(self.runs.iter().cloned()),

@@ -267,8 +267,8 @@ impl Scene {
     fn assign_to_continuation(&mut self, name: &str, value: &str) -> Result<bool, SceneError> {
         let mut read = self.settings.clone();
         let known = assign(&mut read, name, value)?;
-        let Settings { keep_solutions, without_sensitivities, cancel, .. } = self.settings.clone();
-        self.settings = Settings { keep_solutions, without_sensitivities, cancel, ..read };
+        let Settings { keep_solutions, draft, cancel, .. } = self.settings.clone();
+        self.settings = Settings { keep_solutions, draft, cancel, ..read };
         Ok(known)
     }
 

@@ -84,7 +84,7 @@ impl<'a> Corrector<'a> {
             matrix_error: 0.0,
             refines: settings.refinement > 0.0,
             phase_response: settings.phase_response,
-            sensitivities: !settings.without_sensitivities,
+            sensitivities: !settings.draft,
         }
     }
 

@@ -88,11 +88,12 @@ pub struct Settings {
     /// other branches can start from them.
     #[serde(skip)]
     pub keep_solutions: bool,
-    /// Whether the computation of sensitivities at special points is omitted, for example to save
-    /// time for a picture that is soon replaced. Sensitivities to other parameters can take a third
-    /// of the time of a trace.
+    /// Whether the branch is a draft for a picture that is soon replaced. Special points of a draft
+    /// have no sensitivities, and their relative discretisation error is at most 1e-7 or
+    /// `refinement`, whichever is larger. On fine discretisations, the omitted work takes most of
+    /// the time of a trace.
     #[serde(skip)]
-    pub without_sensitivities: bool,
+    pub draft: bool,
     /// The token that cancels the continuation. A cancelled branch ends with
     /// [`End::Interrupted`](super::end::End::Interrupted) and keeps its points.
     #[serde(skip)]
@@ -122,7 +123,7 @@ impl Default for Settings {
             tolerances: Vec::new(),
             phase_response: false,
             keep_solutions: false,
-            without_sensitivities: false,
+            draft: false,
             cancel: CancelToken::default(),
         }
     }
@@ -133,7 +134,19 @@ impl Default for Settings {
 /// canards, their parameters change far more than the cycles.
 const AT_SPECIAL_POINTS: f64 = 0.01;
 
+/// Heuristic: the relative discretisation error of the special points of a draft, which is too small
+/// to be seen in a picture.
+const DRAFT: f64 = 1e-7;
+
 impl Settings {
+    /// Returns the relative accuracy to which special points are refined; 0 if they are not refined.
+    pub(super) fn accuracy(&self) -> f64 {
+        match self.draft && self.refinement > 0.0 {
+            true => self.refinement.max(DRAFT),
+            false => self.refinement,
+        }
+    }
+
     /// Returns the target for the discretisation error on a curve of special points, or on another
     /// branch.
     pub(super) fn mesh_target(&self, of_special_points: bool) -> f64 {

@@ -127,7 +127,7 @@ pub(super) fn begin<'a>(
         refiner: Refiner {
             held,
             settled,
-            accuracy: settings.refinement,
+            accuracy: settings.accuracy(),
             tolerances: settings.tolerances.clone(),
         },
     };
