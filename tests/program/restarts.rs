@@ -249,3 +249,31 @@ fn homoclinic_orbits_end_where_the_saddle_is_lost() {
     ends.sort_by(f64::total_cmp);
     assert!((ends[0] + 9.949).abs() < 1e-3 && (ends[1] - 39.963).abs() < 1e-3, "{ends:?}");
 }
+
+/// Settings are judged by the solutions of the saved point: ṙ = r (m + c r² − r⁴) has cycles whose folds
+/// are at m = −c²/4, and equilibria without a mesh.
+#[test]
+fn settings_have_an_effect_on_the_solutions_of_the_saved_point() {
+    let folder = folder();
+    let at = folder.path();
+    let model = r#"Equations(parameters: [("m", -0.5), ("c", 1)], states: [
+        ("x", "x*(m + c*(x^2 + y^2) - (x^2 + y^2)^2) - y"), ("y", "y*(m + c*(x^2 + y^2) - (x^2 + y^2)^2) + x")])"#;
+    std::fs::write(at.join("r.ron"), model).unwrap();
+    let range = ["trace", "r.ron", "--along", "m=-0.5..0.5"];
+    succeeds(at, &[&range[..], &["--switch", "HB", "--out", "a"]].concat());
+    let traced = read(&at.join("a/r.ron"));
+    let cycles = traced.branches.iter().find(|branch| branch.name == "branch-HB").unwrap();
+    let start = format!("a/r.ron:branch-HB/{}", cycles.of_kind(Kind::LP).next().unwrap().label);
+    let curve = ["--along", "c=0.5..2", "--hold", "LP", "--set", "intervals=30"];
+    succeeds(at, &[&range[..], &curve[..], &["--start", &start, "--out", "b"]].concat());
+    let traced = read(&at.join("b/r.ron"));
+    let branch = &traced.branches[0];
+    let [m, c] = ["m", "c"].map(|name| branch.column(name).unwrap());
+    for end in &branch.special {
+        let [m, c] = [m, c].map(|column| end.value(column).unwrap());
+        assert!((m + c * c / 4.0).abs() < 1e-7, "m = {m} at c = {c}");
+    }
+    let options = ["--set", "intervals=30", "--start", "a/r.ron:branch/1"];
+    let reason = "`intervals` has no effect where `solution` is `equilibrium`";
+    refused(at, &[&range[..], &options[..]].concat(), &[reason]);
+}
