@@ -3,7 +3,7 @@
 
 use super::discretisation::{SOLUTION, Solution};
 use super::error::SceneError;
-use super::problem::Problem;
+use super::problem::{LUMPED, Problem};
 use super::resolve::StartPoint;
 use super::simulate::{Simulated, moved, stated};
 use super::statement::{Grid, Range, Run, Scene, Start, Sweep};
@@ -384,7 +384,7 @@ impl Scene {
                 Some(_) => Err(self
                     .problem
                     .model()
-                    .lacks("only systems with dynamics can be simulated to an attractor")),
+                    .lacks("only systems with dynamics can be simulated to an attractor", LUMPED)),
                 None => Ok(guess()),
             };
         };

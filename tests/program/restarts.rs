@@ -277,3 +277,22 @@ fn settings_have_an_effect_on_the_solutions_of_the_saved_point() {
     let reason = "`intervals` has no effect where `solution` is `equilibrium`";
     refused(at, &[&range[..], &options[..]].concat(), &[reason]);
 }
+
+/// The attractor of Duffing's oscillator at F = 0.28 repeats after two periods of the forcing, and
+/// at F = 0.2 after one.
+#[test]
+fn a_start_on_a_motion_of_several_periods_is_announced() {
+    let folder = folder();
+    let at = folder.path();
+    let model = r#"Equations(parameters: [("F", 0.28)], period: "2*pi/1.2",
+        states: [("x", "v"), ("v", "x - x^3 - 0.3*v + F*cos(1.2*t)")])"#;
+    std::fs::write(at.join("d.ron"), model).unwrap();
+    for (force, said) in [("F=0.28", true), ("F=0.2", false)] {
+        let options = ["trace", "d.ron", "--along", "F=0.1..0.5", "--start", "x=1", "--set", force];
+        succeeds(at, &[&options[..], &["--set", "max_points=3"]].concat());
+        let warnings = &read(&at.join("out/d.ron")).branches[0].warnings;
+        let found =
+            warnings.iter().any(|it| it == "the branch starts from a motion of 2 forcing periods");
+        assert_eq!(found, said, "{force}: {warnings:?}");
+    }
+}
