@@ -74,7 +74,7 @@ impl Manifolds {
         let (name, scene) = self.scene.statement(from, &request)?;
         let at_fault = |cause| self.scene.at_fault(cause);
         let changed = request.set.iter().map(|(name, _)| name.as_str());
-        scene.check_effects(changed, Purpose::Runs).map_err(at_fault)?;
+        scene.check_effects(changed, Purpose::Runs, None).map_err(at_fault)?;
         let start = point
             .map(|point| point.point(from.limit, &self.scene.settings, &RequestArgs::default()));
         let &Manifolds { length, resolution, max_points, .. } = self;

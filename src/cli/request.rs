@@ -73,7 +73,7 @@ impl RequestArgs {
     pub fn request(&self, set: &[(String, String)], state: &[(String, f64)]) -> Request {
         let RequestArgs { along, bound, mark, settle, hold, .. } = self;
         Request {
-            restarts: false,
+            start: None,
             set: set.to_vec(),
             along: along.clone(),
             bounds: bound.clone(),

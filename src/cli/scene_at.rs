@@ -54,7 +54,8 @@ impl SceneAt {
             return Err(CommandError::NoSweep { scene: self.scene.clone() });
         }
         let scene = stated.requested(name, request).and_then(|scene| {
-            scene.check_effects(request.set.iter().map(|(name, _)| name.as_str()), purpose)?;
+            let changed = request.set.iter().map(|(name, _)| name.as_str());
+            scene.check_effects(changed, purpose, request.start.as_deref())?;
             Ok(scene)
         });
         scene.map_err(|cause| self.at_fault(cause))

@@ -60,7 +60,7 @@ impl Simulate {
         let at_fault = |cause| self.scene.at_fault(cause);
         let scene = scene.simulating(&request, simulated).map_err(at_fault)?;
         let changed = request.set.iter().map(|(name, _)| name.as_str());
-        scene.check_effects(changed, Purpose::Runs).map_err(at_fault)?;
+        scene.check_effects(changed, Purpose::Runs, None).map_err(at_fault)?;
         let resolution = scene.resolve(None).map_err(at_fault)?;
         let inputs: Vec<&Path> = self.scene.inputs(&scene).collect();
         // The file names differ from those written by `trace`.

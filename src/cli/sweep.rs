@@ -122,7 +122,7 @@ impl Sweep {
         };
         let changed = request.set.iter().map(|(name, _)| name.as_str());
         let scene = scene.sweeping(request, swept).and_then(|scene| {
-            scene.check_effects(changed, Purpose::Sweeps)?;
+            scene.check_effects(changed, Purpose::Sweeps, None)?;
             Ok(scene)
         });
         // The file names differ from those written by `trace`.

@@ -102,17 +102,16 @@ impl Trace {
         if !self.grid.grid.is_empty() {
             return self.run_grid(from, out);
         }
-        let (name, scene) = self.wanted.read(from)?;
+        let (asked, purpose) = self.wanted.request(from.limit, &[])?;
+        let (name, scene) = at.read(from, &asked, purpose)?;
         at.check_runs(&scene)?;
-        let start = self.wanted.start_point();
-        let point = |start: &Start| start.point(from.limit, &at.settings, request);
-        let start = start.map(point).transpose()?;
+        let start = asked.start.as_deref();
         let reference = self.check.as_ref().map(|path| Document::load_within(from.limit, path));
         let reference = reference.transpose()?;
         if start.is_none() {
             scene.check_plot().map_err(|cause| at.at_fault(cause))?;
         }
-        let resolution = scene.resolve(start.as_ref()).map_err(|cause| at.at_fault(cause))?;
+        let resolution = scene.resolve(start).map_err(|cause| at.at_fault(cause))?;
         let inputs = self.inputs(&scene);
         signals::handle();
         let results =
@@ -122,7 +121,7 @@ impl Trace {
         let mut nowhere = std::io::sink();
         let told: &mut dyn Write = if self.telling.quiet { &mut nowhere } else { &mut *out };
         let mut watch = Watch::new(&mut *told, self.telling);
-        let switches = start.as_ref().is_some_and(|start| start.switch);
+        let switches = start.is_some_and(|start| start.switch);
         let following = request.following(self.wanted.begins_everywhere());
         // The first branch switched at a saved point belongs to the first generation.
         let following =
@@ -176,7 +175,7 @@ impl Trace {
         let (name, stated) = at.stated(from)?;
         let stated = stated.map_err(|cause| at.at_fault(cause))?;
         let read = |design: &Design| {
-            let (request, purpose) = self.wanted.request(design)?;
+            let (request, purpose) = self.wanted.request(from.limit, design)?;
             let scene = at.requested(stated.clone(), &name, &request, purpose)?;
             at.check_runs(&scene)?;
             scene.resolve(None).map_err(|cause| at.at_fault(cause))
@@ -197,7 +196,7 @@ impl Trace {
             Stated::Model(problem) => problem.equations(),
             Stated::Scene(scene) => scene.to_ron(),
         };
-        let (stated_request, _) = self.wanted.request(&[])?;
+        let (stated_request, _) = self.wanted.request(from.limit, &[])?;
         let options = stated_request.options().into_iter();
         let options = options.chain(following.iter().flat_map(Following::options));
         let asked: String =
@@ -229,14 +228,12 @@ impl Trace {
 }
 
 impl Wanted {
-    /// Returns the name of the results, and the scene to trace.
-    fn read(&self, from: Sources) -> Result<(String, Scene), CommandError> {
-        let (request, purpose) = self.request(&[])?;
-        self.scene.read(from, &request, purpose)
-    }
-
     /// Returns the request, extended by the settings of a design of the grid.
-    fn request(&self, design: &[(String, String)]) -> Result<(Request, Purpose), CommandError> {
+    fn request(
+        &self,
+        limit: SizeLimit,
+        design: &[(String, String)],
+    ) -> Result<(Request, Purpose), CommandError> {
         let state = match &self.start {
             Some(Begin::In(state)) => &state[..],
             _ => &[],
@@ -251,8 +248,9 @@ impl Wanted {
         }
         let settings = [&self.scene.settings, design].concat();
         let request = self.request.request(&settings, state);
-        let restarts = self.start_point().is_some();
-        Ok((Request { within, restarts, ..request }, purpose))
+        let point = |start: &Start| start.point(limit, &settings, &self.request).map(Box::new);
+        let start = self.start_point().map(point).transpose()?;
+        Ok((Request { within, start, ..request }, purpose))
     }
 
     /// Returns whether branches start at all solutions in a box.
@@ -304,7 +302,8 @@ impl Show {
         if self.wanted.start_point().is_some() {
             return Err(CommandError::NotTogether("`tangency show`"));
         }
-        let (_, scene) = self.wanted.read(from)?;
+        let (asked, purpose) = self.wanted.request(from.limit, &[])?;
+        let (_, scene) = at.read(from, &asked, purpose)?;
         let Some(following) = request.following(everywhere) else {
             return Ok(writeln!(out, "{}", scene.to_ron())?);
         };

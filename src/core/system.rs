@@ -275,6 +275,14 @@ pub trait Discretised {
     /// discretisation.
     fn refined(&mut self, x: &[f64]) -> Option<Refinement>;
 
+    /// Returns the same problem on a coarser discretisation. If no finer discretisation exists, the
+    /// distance of a special point from the same point on the coarser discretisation is the share
+    /// of the discretisation in its `error`. Returns `None` if the system has no coarser
+    /// discretisation.
+    fn coarser(&mut self, _x: &[f64]) -> Option<Refinement> {
+        None
+    }
+
     /// Sets the accuracy of subsequent evaluations, assemblies and factorisations.
     fn set_effort(&mut self, _effort: Effort) {}
 

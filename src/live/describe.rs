@@ -103,8 +103,9 @@ pub(super) fn settings(setup: &Setup, library: &Library) -> Result<Vec<Setting>,
     let (setup, _) = setup.suited(library)?;
     let scene = setup.scene(library, &Default::default())?;
     let changed = |name: &str| setup.set.iter().any(|(key, _)| key == name);
-    let has_effect =
-        |name: &str| changed(name) || scene.check_effects([name], Purpose::Exploration).is_ok();
+    let has_effect = |name: &str| {
+        changed(name) || scene.check_effects([name], Purpose::Exploration, None).is_ok()
+    };
     let all = scene.settings_by_name().into_iter().filter(|(name, _)| has_effect(name));
     let setting = all.map(|(name, value)| Setting {
         meaning: meaning(&name),

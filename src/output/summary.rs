@@ -65,7 +65,8 @@ impl fmt::Display for Summary<'_> {
         // The number of points is stated above.
         let told = |end: &End| end.is_expected() || matches!(end, End::PointLimit { .. });
         let mut unasked = ends.iter().filter(|end| !told(end));
-        unasked.try_for_each(|end| write!(f, "; {end}"))
+        unasked.try_for_each(|end| write!(f, "; {end}"))?;
+        self.turned_back().map_or(Ok(()), |note| write!(f, "; {note}"))
     }
 }
 
@@ -91,6 +92,41 @@ impl Summary<'_> {
         });
         let ends = ends.iter().filter(|end| !end.is_expected()).map(|end| format!("{name}: {end}"));
         open.chain(ends).collect()
+    }
+
+    /// Returns a note if a branch of solutions that starts at a bound of the continuation parameter
+    /// leaves the range at the same bound again.
+    ///
+    /// ```
+    /// use tangency::core::continuation::End;
+    /// use tangency::output::{Summary, example_branch};
+    /// let mut branch = example_branch();
+    /// let (name, value) = (branch.released[0].clone(), branch.points[0].parameters[0]);
+    /// branch.ends = [(); 2].map(|()| End::ParameterBound { name: name.clone(), value });
+    /// let text = Summary(&branch).to_string();
+    /// assert!(text.ends_with("; the branch turned at folds and reached no bound other than load = 0: a lower LOW \
+    ///     shows the rest"));
+    /// ```
+    fn turned_back(&self) -> Option<String> {
+        let Branch { condition: None, ends, released, points, special, .. } = self.0 else {
+            return None;
+        };
+        let [End::ParameterBound { name, value }, other] = ends else { return None };
+        // A start at a bound has the first label.
+        let starts_there = special.first().is_some_and(|start| start.label == 1);
+        if ends[0] != *other || released.first() != Some(name) || !starts_there {
+            return None;
+        }
+        let beyond = if (0..points.len()).any(|index| self.value(index) > *value) {
+            "lower LOW"
+        } else {
+            "higher HIGH"
+        };
+        Some(format!(
+            "the branch turned at folds and reached no bound other than {name} = {}: a {beyond} \
+             shows the rest",
+            number(*value)
+        ))
     }
 
     /// Returns the value of the continuation parameter at a point.

@@ -416,6 +416,10 @@ fn built<S, E: Diagnostic + Send + Sync + 'static>(found: Result<S, E>) -> Resul
 /// A system of equations and the initial values of its unknowns.
 pub(super) type Started = (Box<dyn System>, Vec<f64>);
 
+/// The start of a branch to which a simulated motion converges, and a warning if the motion is
+/// probably not the expected one.
+pub(super) type Settled = (Started, Option<String>);
+
 /// Returns the error for a simulated motion from which no branch can start.
 pub(super) fn no_start(cause: Failure) -> SceneError {
     SceneError::value("start", "Simulated", cause.to_string()).with_help_of(&cause)

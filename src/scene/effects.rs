@@ -3,7 +3,7 @@
 use super::discretisation::{SOLUTION, Solution};
 use super::error::SceneError;
 use super::notation::written;
-use super::resolve::{Resolved, ResolvedSweep};
+use super::resolve::{Resolved, ResolvedSweep, StartPoint};
 use super::set::is_of_sweeps;
 use super::statement::Scene;
 use crate::core::problem::{Dynamics, Forcing};
@@ -22,7 +22,9 @@ pub enum Purpose {
 }
 
 impl Scene {
-    /// Returns an error if a changed value has no effect for the given purpose.
+    /// Returns an error if a changed value has no effect for the given purpose. If a start point is
+    /// given, the value must have an effect on the run that continues from this point, whose
+    /// solutions can be of another kind than the solutions of the scene.
     ///
     /// # Errors
     /// [`SceneError::NoEffect`] with the reason and the remedy, if a value has no effect.
@@ -30,11 +32,11 @@ impl Scene {
     /// ```
     /// use tangency::scene::{BUILT_IN, Scene, Purpose};
     /// let mut scene = Scene::parse(BUILT_IN.iter().find(|scene| scene.name == "bratu").expect("a scene").text)?;
-    /// let error = scene.check_effects(["max_period_growth"], Purpose::Runs).unwrap_err();
+    /// let error = scene.check_effects(["max_period_growth"], Purpose::Runs, None).unwrap_err();
     /// assert!(error.to_string().starts_with("`max_period_growth` has no effect on solutions without an unknown period"));
-    /// assert!(scene.check_effects(["max_mesh_error"], Purpose::Runs).is_ok());
+    /// assert!(scene.check_effects(["max_mesh_error"], Purpose::Runs, None).is_ok());
     /// scene.set("method", "shooting")?;
-    /// let error = scene.check_effects(["max_mesh_error"], Purpose::Runs).unwrap_err();
+    /// let error = scene.check_effects(["max_mesh_error"], Purpose::Runs, None).unwrap_err();
     /// assert!(error.to_string().starts_with("`max_mesh_error` has no effect where `method` is `shooting`"));
     /// # Ok::<(), tangency::scene::SceneError>(())
     /// ```
@@ -42,8 +44,9 @@ impl Scene {
         &self,
         set: impl IntoIterator<Item = &'a str>,
         purpose: Purpose,
+        start: Option<&StartPoint>,
     ) -> Result<(), SceneError> {
-        let resolution = self.resolve(None)?;
+        let resolution = self.resolve(start)?;
         for name in set {
             let runs = resolution.runs.iter().map(|run| run.without_effect(name, purpose));
             let sweeps = resolution.sweeps.iter().filter(|_| purpose == Purpose::Sweeps);

@@ -128,12 +128,14 @@ pub enum SceneError {
     Problem(#[from] ProblemError),
     /// The problem does not support a computation that the scene requests.
     #[error("{requirement}, but this problem is {kind}", requirement = .needs)]
-    #[diagnostic(help("state the vector field as a hybrid system with one mode"))]
+    #[diagnostic(help("{remedy}"))]
     Unsupported {
         /// A description of the problems that support the requested computation.
         needs: &'static str,
         /// The kind of the problem, which does not support the requested computation.
         kind: &'static str,
+        /// The remedy.
+        remedy: &'static str,
     },
     /// Some parameters of the problem have no value.
     #[error(

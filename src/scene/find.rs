@@ -64,6 +64,7 @@ impl Scene {
         if names.unknowns.iter().any(|group| group.length != group.count()) {
             return Err(self.problem.model().lacks(
                 "a box can be searched only for problems whose unknowns are single numbers",
+                "start a branch at a profile or at a given state instead",
             ));
         }
         let unknowns: Vec<String> = names.elements().collect();

@@ -1,8 +1,8 @@
 //! Zero problems, vector fields, boundary-value problems and hybrid systems as problems of scenes.
 
 use super::discretisation::{
-    BoundarySettings, FieldSettings, HybridOrbitSettings, MapSettings, ProblemSettings, Solution,
-    Started, ZeroSettings, no_start,
+    BoundarySettings, FieldSettings, HybridOrbitSettings, MapSettings, ProblemSettings, Settled,
+    Solution, Started, ZeroSettings, no_start,
 };
 use super::error::SceneError;
 use super::local::Local;
@@ -109,13 +109,16 @@ impl<F: VectorField + 'static> Model for Configured<Arc<F>, FieldSettings> {
         simulated: &Simulated,
         p: &[f64],
         cancel: &CancelToken,
-    ) -> Result<Started, SceneError> {
+    ) -> Result<Settled, SceneError> {
         let motion = self.motion()?;
         match self.settings.solution {
-            Solution::Orbit => self.started(settled(motion, run, simulated, p, cancel)?, p),
+            Solution::Orbit => {
+                let (orbit, warning) = settled(motion, run, simulated, p, cancel)?;
+                Ok((self.started(orbit, p)?, warning))
+            }
             Solution::Equilibrium => {
                 let system = self.system(p, p)?;
-                Ok((system, rested(&*motion, run, simulated, p, cancel)?.1))
+                Ok(((system, rested(&*motion, run, simulated, p, cancel)?.1), None))
             }
         }
     }
@@ -153,12 +156,12 @@ impl<M: DiscreteMap + 'static> Model for Configured<Arc<M>, MapSettings> {
         simulated: &Simulated,
         p: &[f64],
         _cancel: &CancelToken,
-    ) -> Result<Started, SceneError> {
+    ) -> Result<Settled, SceneError> {
         let start = stated(&Mode::new("map", self.problem.names().elements()), &simulated.state)?.x;
         let transient = simulated.transient.round() as usize;
         let cycle = MapCycle::settled(self.problem.clone(), &start, transient, p);
         let (cycles, z) = cycle.map_err(no_start)?;
-        Ok((Box::new(cycles), z))
+        Ok(((Box::new(cycles), z), None))
     }
 }
 
@@ -322,10 +325,11 @@ impl Model for Configured<Hybrid, HybridOrbitSettings> {
         simulated: &Simulated,
         p: &[f64],
         cancel: &CancelToken,
-    ) -> Result<Started, SceneError> {
+    ) -> Result<Settled, SceneError> {
         let HybridOrbitSettings { solution, mode: given, .. } = &self.settings;
         if *solution == Solution::Orbit {
-            return self.started(settled(self.problem.clone(), run, simulated, p, cancel)?, p);
+            let (orbit, warning) = settled(self.problem.clone(), run, simulated, p, cancel)?;
+            return Ok((self.started(orbit, p)?, warning));
         }
         self.equilibria()?;
         let (mode, z) = rested(&*self.problem, run, simulated, p, cancel)?;
@@ -335,7 +339,7 @@ impl Model for Configured<Hybrid, HybridOrbitSettings> {
             return Err(SceneError::value("mode", given, reason));
         }
         let found = HybridEquilibria::new(self.problem.clone(), mode);
-        Ok((Box::new(found.map_err(|_| no_equilibrium(FORCED))?), z))
+        Ok(((Box::new(found.map_err(|_| no_equilibrium(FORCED))?), z), None))
     }
 
     fn local_map(

@@ -1,7 +1,7 @@
 //! The problem of a scene: an entry of a catalogue, with its settings.
 
 use super::by_name;
-use super::discretisation::{Discretisation, ProblemSettings, Solution, Started};
+use super::discretisation::{Discretisation, ProblemSettings, Settled, Solution, Started};
 use super::error::SceneError;
 use super::local::Local;
 use super::notation::{options, written};
@@ -30,6 +30,11 @@ use std::sync::Arc;
 pub(super) type Parameters = Vec<(String, Option<f64>)>;
 
 const SIMULATED: &str = "only vector fields and hybrid systems can be simulated";
+
+/// The remedy for problems that cannot be simulated.
+pub(super) const LUMPED: &str = "static equations have no motion to simulate: write a lumped model of the motion, such \
+                                 as `Equations(states: [(\"x\", \"v\"), (\"v\", \"-x - 0.1*v + V^2/(1 - x)^2\")], \
+                                 parameters: [(\"V\", 0.1)])`";
 
 /// A function that returns the values of the states by name at a given time; the time is in units
 /// of the duration of a segment.
@@ -68,25 +73,27 @@ pub(super) trait Model: Adjustable {
 
     /// Returns the motion that simulations and sweeps compute.
     fn motion(&self) -> Result<Arc<dyn HybridEquations>, SceneError> {
-        Err(self.lacks(SIMULATED))
+        Err(self.lacks(SIMULATED, LUMPED))
     }
 
     /// Returns the system of equations for orbits that have the itinerary (the sequence of modes
     /// and events) of a simulated orbit, and the simulated orbit as its unknowns.
     fn started(&self, _simulated: Guess<HybridOrbit>, _p: &[f64]) -> Result<Started, SceneError> {
-        Err(self.lacks(SIMULATED))
+        Err(self.lacks(SIMULATED, LUMPED))
     }
 
     /// Returns the system of equations for orbits that have the itinerary (the sequence of modes
-    /// and events) of a simulated attractor, and the orbit of the attractor as its unknowns.
+    /// and events) of a simulated attractor, and the orbit of the attractor as its unknowns; also
+    /// returns a warning if the attractor is probably not the expected one.
     fn settled(
         &self,
         run: &str,
         simulated: &Simulated,
         p: &[f64],
         cancel: &CancelToken,
-    ) -> Result<Started, SceneError> {
-        self.started(settled(self.motion()?, run, simulated, p, cancel)?, p)
+    ) -> Result<Settled, SceneError> {
+        let (orbit, warning) = settled(self.motion()?, run, simulated, p, cancel)?;
+        Ok((self.started(orbit, p)?, warning))
     }
 
     /// Returns the local map at a grazing, for a run or a sweep.
@@ -97,7 +104,10 @@ pub(super) trait Model: Adjustable {
         _at: (&Branch, &SpecialPoint),
         _cancel: &CancelToken,
     ) -> Result<LocalMap, SceneError> {
-        Err(self.lacks("only hybrid systems have grazings and local maps"))
+        Err(self.lacks(
+            "only hybrid systems have grazings and local maps",
+            "state the vector field as a hybrid system with one mode",
+        ))
     }
 
     /// Returns the map whose saddles have stable and unstable manifolds.
@@ -109,8 +119,8 @@ pub(super) trait Model: Adjustable {
     }
 
     /// Returns the error for a requested computation that this kind of problem does not support.
-    fn lacks(&self, needs: &'static str) -> SceneError {
-        SceneError::Unsupported { needs, kind: self.kind() }
+    fn lacks(&self, needs: &'static str, remedy: &'static str) -> SceneError {
+        SceneError::Unsupported { needs, kind: self.kind(), remedy }
     }
 }
 

@@ -3,7 +3,8 @@
 
 use super::discretisation::{SOLUTION, Solution};
 use super::error::SceneError;
-use super::problem::Problem;
+use super::problem::{LUMPED, Problem};
+use super::resolve::StartPoint;
 use super::simulate::{Simulated, moved, stated};
 use super::statement::{Grid, Range, Run, Scene, Start, Sweep};
 use crate::core::cancel::CancelToken;
@@ -29,9 +30,9 @@ pub struct Request {
     pub marks: Vec<(String, f64)>,
     /// The initial states of the first run.
     pub state: Vec<(String, f64)>,
-    /// Whether the branch starts at a point of an earlier result, so that no start of the branch
-    /// has to be searched.
-    pub restarts: bool,
+    /// The point of an earlier result at which the branch starts; no start of the branch is then
+    /// searched, and changed settings must have an effect on the run that continues from the point.
+    pub start: Option<Box<StartPoint>>,
     /// The duration of the simulation that precedes the first run: in periods of the forcing, or in
     /// units of time for a system without forcing.
     pub settle: Option<f64>,
@@ -383,12 +384,12 @@ impl Scene {
                 Some(_) => Err(self
                     .problem
                     .model()
-                    .lacks("only systems with dynamics can be simulated to an attractor")),
+                    .lacks("only systems with dynamics can be simulated to an attractor", LUMPED)),
                 None => Ok(guess()),
             };
         };
         let smooth = motion.guards().is_empty() && motion.forcing() == Forcing::None;
-        if request.restarts {
+        if request.start.is_some() {
             let states = request.set.iter().any(|(name, _)| name == SOLUTION);
             if free && smooth && !states {
                 self.problem.follow(Solution::Equilibrium);

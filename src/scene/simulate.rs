@@ -11,11 +11,11 @@ use crate::core::cancel::CancelToken;
 use crate::core::continuation::{Branch, End, Point, Settings, SpecialPoint};
 use crate::core::failure::FlowError;
 use crate::core::hybrid::{
-    Cycle, History, HybridEquations, HybridError, HybridFlow, HybridSettings, HybridState, Mode,
-    Piece,
+    Cycle, Guard, History, HybridEquations, HybridError, HybridFlow, HybridSettings, HybridState,
+    Mode, Piece,
 };
 use crate::core::ode;
-use crate::core::orbit::HybridOrbit;
+use crate::core::orbit::{HybridOrbit, Itinerary};
 use crate::core::problem::{Forcing, Profile, distinct, position};
 use crate::core::system::Kind;
 use serde::{Deserialize, Serialize};
@@ -153,17 +153,39 @@ pub(super) fn foresee_settling(
 }
 
 /// Returns the periodic motion to which a simulation converges, as an orbit with its itinerary (the
-/// sequence of its modes and events).
+/// sequence of its modes and events), and a warning if the motion lasts several periods of the
+/// forcing.
 pub(super) fn settled(
     system: Arc<dyn HybridEquations>,
     run: &str,
     simulated: &Simulated,
     p: &[f64],
     cancel: &CancelToken,
-) -> Result<Guess<HybridOrbit>, SceneError> {
+) -> Result<(Guess<HybridOrbit>, Option<String>), SceneError> {
     let unsettled = |cause: CycleSearchError| SceneError::of_run(run, cause);
     let cycle = found(&*system, simulated, p, cancel)?.map_err(unsettled)?;
-    HybridOrbit::of_cycle(system, &cycle, p).map_err(no_start)
+    let orbit = HybridOrbit::of_cycle(system.clone(), &cycle, p).map_err(no_start)?;
+    let warning = several_periods(&*system, orbit.problem.itinerary());
+    Ok((orbit, warning))
+}
+
+/// Returns a warning if a motion lasts several periods of the forcing.
+fn several_periods(system: &dyn HybridEquations, itinerary: &Itinerary) -> Option<String> {
+    let Itinerary { periods, legs } = itinerary;
+    if system.forcing() == Forcing::None || *periods < 2 {
+        return None;
+    }
+    let guards = system.guards();
+    let count = |(index, guard): (usize, &Guard)| {
+        let count = legs.iter().filter(|leg| leg.exit == Some(index)).count();
+        (count > 0).then(|| format!("{count} × `{}`", guard.name))
+    };
+    let events: Vec<String> = guards.iter().enumerate().filter_map(count).collect();
+    let events = match events.is_empty() {
+        true => String::new(),
+        false => format!(" with the events {}", events.join(", ")),
+    };
+    Some(format!("the branch starts from a motion of {periods} forcing periods{events}"))
 }
 
 /// Returns the equilibrium to which a simulation converges, as the mode and the states of the

@@ -1,6 +1,6 @@
 //! Tracing of the branches of a scene's runs, one run after another.
 
-use super::discretisation::Started;
+use super::discretisation::Settled;
 use super::error::SceneError;
 use super::forecast;
 use super::join::{Joined, join};
@@ -153,7 +153,7 @@ fn settled(
     resolved: &Resolved,
     simulated: &Simulated,
     observer: &mut dyn SceneObserver,
-) -> Result<Started, SceneError> {
+) -> Result<Settled, SceneError> {
     let (model, p, run) = (resolved.problem.model(), &resolved.values, resolved.name());
     let simulated = simulated.from(&resolved.initial());
     if let Ok(motion) = model.motion() {
@@ -162,12 +162,13 @@ fn settled(
     model.settled(run, &simulated, p, &resolved.settings.cancel)
 }
 
-/// Returns the system of equations of a run, and the initial unknowns for Newton's method.
+/// Returns the system of equations of a run, and the initial unknowns for Newton's method; also
+/// returns a warning if the motion at the start is probably not the expected one.
 fn started(
     resolved: &Resolved,
     done: &[Branch],
     observer: &mut dyn SceneObserver,
-) -> Result<Started, SceneError> {
+) -> Result<Settled, SceneError> {
     let (run, p) = (&resolved.run, &resolved.values);
     let start = if resolved.from.is_some() { None } else { Some(&run.start) };
     let states = match start {
@@ -205,7 +206,7 @@ fn started(
         Some(Start::Guess(values)) => guess(groups, values, initial)?,
         _ => initial,
     };
-    Ok((system, guess))
+    Ok(((system, guess), None))
 }
 
 /// Returns the branch of a run, and the names of the columns that have bounds or marks but do not
@@ -216,25 +217,26 @@ fn trace(
     observer: &mut dyn SceneObserver,
 ) -> Result<(Branch, Vec<String>), SceneError> {
     let (applied, idle) = resolved.without_idle();
-    let mut branch = begun(&applied, done, observer, |steps, began, observer| {
+    let (mut branch, warning) = begun(&applied, done, observer, |steps, began, observer| {
         forecast::branch(&resolved.run.name, &steps, began, observer);
         steps.run(observer)
     })?;
-    branch.warnings.splice(..0, resolved.problem.jumps());
+    branch.warnings.splice(..0, warning.into_iter().chain(resolved.problem.jumps()));
     Ok((branch, idle))
 }
 
 /// Corrects the first point of a run's branch by Newton's method, and then calls a function with
-/// the started continuation and the elapsed time.
+/// the started continuation and the elapsed time. Returns the result of the function, and a warning
+/// if the motion at the start is probably not the expected one.
 fn begun<R>(
     resolved: &Resolved,
     done: &[Branch],
     observer: &mut dyn SceneObserver,
     go_on: impl FnOnce(Steps, Duration, &mut dyn SceneObserver) -> R,
-) -> Result<R, SceneError> {
+) -> Result<(R, Option<String>), SceneError> {
     let run = &resolved.run;
     resolved.check_begin()?;
-    let (mut system, guess) = started(resolved, done, observer)?;
+    let ((mut system, guess), warning) = started(resolved, done, observer)?;
     let names = system.names().clone();
     let known = &names.parameters;
     let mut curve = Continuation::new(&mut *system)
@@ -268,7 +270,7 @@ fn begun<R>(
     let begin = ThreadTime::now();
     let steps = conditions(curve, run).steps();
     let steps = steps.map_err(|cause| SceneError::of_run(&run.name, cause))?;
-    Ok(go_on(steps, begin.elapsed(), observer))
+    Ok((go_on(steps, begin.elapsed(), observer), warning))
 }
 
 impl Resolved {
@@ -288,6 +290,7 @@ impl Resolved {
     /// starts.
     pub(super) fn begins(&self) -> Result<(), SceneError> {
         begun(&self.without_idle().0, &[], &mut (), |_, _, _| ())
+            .map(|_| ())
             .map_err(|cause| self.unless_cancelled(cause))
     }
 

@@ -282,6 +282,16 @@ impl Discretised for Refinable {
             x: fine,
         })
     }
+
+    fn coarser(&mut self, x: &[f64]) -> Option<Refinement> {
+        let Grid { n, middle_first } = self.1;
+        let mut coarse: Vec<f64> = (2..n).step_by(2).map(|i| x[i - 1]).collect();
+        coarse.push(x[n]);
+        Some(Refinement {
+            system: Box::new(Refinable::new(Grid { n: (n - 1) / 2, middle_first })),
+            x: coarse,
+        })
+    }
 }
 
 /// The exact fold of Bratu's problem, 8θ²/cosh²θ with θ tanh θ = 1.
@@ -327,6 +337,18 @@ fn the_order_of_monitors_does_not_decide_what_settles() {
     assert!(unknown.contains("`slop`; did you mean `slope`?"), "{unknown}");
 }
 
+/// On the finest grid, n = 127, the error is the distance from the fold on a coarser grid, n = 63.
+#[test]
+fn without_a_finer_grid_special_points_are_compared_with_a_coarser_one() {
+    let branch = bratu(127, 1e-9);
+    let fold = first(&branch, Kind::LP);
+    let off = (fold.parameters[0] - BRATU).abs();
+    assert!(off > 1e-5 && fold.converged);
+    assert!(off <= fold.error && fold.error < 10.0 * off, "{off:.1e} {:.1e}", fold.error);
+    let said = "special points (UZ, LP) have a larger error than `refinement` = 1e-9 permits";
+    assert!(branch.warnings[0].starts_with(said), "{:?}", branch.warnings);
+}
+
 /// Special points are finished on finer grids, n = 7, 15, 31, 63, 127, and the error covers what
 /// the finest grid still is off; without refinement the answer is that of the coarse grid.
 #[test]
@@ -339,8 +361,12 @@ fn special_points_are_finished_on_finer_grids() {
     let off = (fold.parameters[0] - BRATU).abs();
     assert!(off < 2e-4, "{off:.1e}");
     assert!(off <= fold.error && fold.error < 10.0 * off, "{off:.1e} {:.1e}", fold.error);
+    let said = "the relative error of `lambda` is up to";
+    let warns = |branch: &Branch| branch.warnings.iter().any(|warning| warning.contains(said));
+    assert!(warns(&fine) && !warns(&coarse), "{:?}", fine.warnings);
     // A refinement that a coarser grid reaches stops there.
     let modest = bratu(7, 1e-2);
+    assert!(!warns(&modest));
     let fold = crate::common::first(&modest, Kind::LP);
     let off = (fold.parameters[0] - BRATU).abs();
     assert!(off > 3e-4 && off <= fold.error, "{off:.1e} {:.1e}", fold.error);

@@ -132,10 +132,11 @@ fn built_in(name: &str) -> Scene {
 #[test]
 fn the_setting_is_refused_where_there_is_no_phase() {
     for name in ["integrate-and-fire", "plate-clamped"] {
-        let error = built_in(name).check_effects(["phase_response"], Purpose::Runs).unwrap_err();
+        let error =
+            built_in(name).check_effects(["phase_response"], Purpose::Runs, None).unwrap_err();
         assert!(one_line(&error).starts_with("`phase_response` has no effect"), "{error}");
     }
-    built_in("fitzhugh-nagumo").check_effects(["phase_response"], Purpose::Runs).unwrap();
+    built_in("fitzhugh-nagumo").check_effects(["phase_response"], Purpose::Runs, None).unwrap();
     // In a scene it is as well for other runs, and a forced orbit says why it has none.
     let mut scene = built_in("integrate-and-fire");
     scene.settings.phase_response = true;

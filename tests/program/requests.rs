@@ -272,7 +272,11 @@ fn scenes_are_simulated() {
     refused(
         at,
         &["simulate", "bratu"],
-        &["only vector fields and hybrid systems can be simulated"],
+        &[
+            "only vector fields and hybrid systems can be simulated",
+            "help: static equations",
+            "a lumped model",
+        ],
     );
     refused(
         at,

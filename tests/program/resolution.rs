@@ -267,7 +267,7 @@ fn changes_or_is_refused(kind: &str, scene: &Scene, plain: &Document, change: (&
     let set = vec![(name.to_string(), value.to_string())];
     let requested = scene.clone().requested(&Request { set, ..Request::default() });
     let accepted = requested.and_then(|changed| {
-        changed.check_effects([name], Purpose::Runs)?;
+        changed.check_effects([name], Purpose::Runs, None)?;
         Ok(changed)
     });
     let Ok(changed) = accepted else { return };
@@ -287,7 +287,7 @@ fn changes_or_is_refused(kind: &str, scene: &Scene, plain: &Document, change: (&
 #[test]
 fn settings_without_effect_are_refused_by_name() {
     let effect = |scene: &Scene, name: &str, purpose: Purpose| {
-        let refused = scene.check_effects([name], purpose);
+        let refused = scene.check_effects([name], purpose, None);
         refused.map_err(|error| error.to_string()).err().unwrap_or_default()
     };
     let all = kinds();
@@ -530,5 +530,5 @@ fn settings_belong_to_the_runs_that_have_them() {
     scene.set("intervals", "30").unwrap();
     assert_eq!(scene.runs[0].set.last(), Some(&("intervals".into(), "30".into())));
     assert!(scene.runs[1..].iter().all(|run| run.set.iter().all(|(name, _)| name != "intervals")));
-    assert!(scene.check_effects(["intervals"], Purpose::Runs).is_ok());
+    assert!(scene.check_effects(["intervals"], Purpose::Runs, None).is_ok());
 }

@@ -249,3 +249,50 @@ fn homoclinic_orbits_end_where_the_saddle_is_lost() {
     ends.sort_by(f64::total_cmp);
     assert!((ends[0] + 9.949).abs() < 1e-3 && (ends[1] - 39.963).abs() < 1e-3, "{ends:?}");
 }
+
+/// Settings are judged by the solutions of the saved point: ṙ = r (m + c r² − r⁴) has cycles whose folds
+/// are at m = −c²/4, and equilibria without a mesh.
+#[test]
+fn settings_have_an_effect_on_the_solutions_of_the_saved_point() {
+    let folder = folder();
+    let at = folder.path();
+    let model = r#"Equations(parameters: [("m", -0.5), ("c", 1)], states: [
+        ("x", "x*(m + c*(x^2 + y^2) - (x^2 + y^2)^2) - y"), ("y", "y*(m + c*(x^2 + y^2) - (x^2 + y^2)^2) + x")])"#;
+    std::fs::write(at.join("r.ron"), model).unwrap();
+    let range = ["trace", "r.ron", "--along", "m=-0.5..0.5"];
+    succeeds(at, &[&range[..], &["--switch", "HB", "--out", "a"]].concat());
+    let traced = read(&at.join("a/r.ron"));
+    let cycles = traced.branches.iter().find(|branch| branch.name == "branch-HB").unwrap();
+    let start = format!("a/r.ron:branch-HB/{}", cycles.of_kind(Kind::LP).next().unwrap().label);
+    let curve = ["--along", "c=0.5..2", "--hold", "LP", "--set", "intervals=30"];
+    succeeds(at, &[&range[..], &curve[..], &["--start", &start, "--out", "b"]].concat());
+    let traced = read(&at.join("b/r.ron"));
+    let branch = &traced.branches[0];
+    let [m, c] = ["m", "c"].map(|name| branch.column(name).unwrap());
+    for end in &branch.special {
+        let [m, c] = [m, c].map(|column| end.value(column).unwrap());
+        assert!((m + c * c / 4.0).abs() < 1e-7, "m = {m} at c = {c}");
+    }
+    let options = ["--set", "intervals=30", "--start", "a/r.ron:branch/1"];
+    let reason = "`intervals` has no effect where `solution` is `equilibrium`";
+    refused(at, &[&range[..], &options[..]].concat(), &[reason]);
+}
+
+/// The attractor of Duffing's oscillator at F = 0.28 repeats after two periods of the forcing, and
+/// at F = 0.2 after one.
+#[test]
+fn a_start_on_a_motion_of_several_periods_is_announced() {
+    let folder = folder();
+    let at = folder.path();
+    let model = r#"Equations(parameters: [("F", 0.28)], period: "2*pi/1.2",
+        states: [("x", "v"), ("v", "x - x^3 - 0.3*v + F*cos(1.2*t)")])"#;
+    std::fs::write(at.join("d.ron"), model).unwrap();
+    for (force, said) in [("F=0.28", true), ("F=0.2", false)] {
+        let options = ["trace", "d.ron", "--along", "F=0.1..0.5", "--start", "x=1", "--set", force];
+        succeeds(at, &[&options[..], &["--set", "max_points=3"]].concat());
+        let warnings = &read(&at.join("out/d.ron")).branches[0].warnings;
+        let found =
+            warnings.iter().any(|it| it == "the branch starts from a motion of 2 forcing periods");
+        assert_eq!(found, said, "{force}: {warnings:?}");
+    }
+}

@@ -94,6 +94,7 @@ impl Locator<'_, '_> {
         let (kind, name) = (event.kind, &event.name[..]);
         let special = self.curve.recorder.saved_point(corrector, &place, (kind, name), 0);
         let special = SpecialPoint { error, bracket: ends, converged: false, ..special };
-        Located { event: Some(index), along: bracket.low, unknowns: place.unknowns, special }
+        let (along, unknowns) = (bracket.low, place.unknowns);
+        Located { event: Some(index), along, unknowns, special, shortfall: None }
     }
 }

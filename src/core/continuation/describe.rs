@@ -11,6 +11,7 @@ use super::event::Event;
 use super::located::Located;
 use super::meaning::spreads;
 use super::recorder::{Recorded, special_point};
+use super::refiner::{MeshShare, Shortfall};
 use super::slopes::Slopes;
 use crate::core::bifurcation::{Critical, Quantity, unstable_besides};
 use crate::core::failure::Failure;
@@ -63,12 +64,13 @@ pub(super) fn describe(
     let subkind = subkind(&event, corrector.equations.system(), &x).or(case);
     let special = SpecialPoint { subkind, error, bracket, converged, slopes, ..special };
     let special = SpecialPoint { numbers, sensitivities, ..special };
-    let mut special = with_error(curve, &event, special, &unknowns, &interval.from.point);
+    let (mut special, shortfall) =
+        with_error(curve, &event, special, &unknowns, &interval.from.point);
     if curve.recorder.solutions {
         let dynamics = curve.corrector.equations.system().dynamics();
         doubt_multipliers(&mut special, event.critical, dynamics, sides);
     }
-    Ok(Located { event: Some(index), along, unknowns, special })
+    Ok(Located { event: Some(index), along, unknowns, special, shortfall })
 }
 
 /// Heuristic: the largest error of a critical multiplier for which the other multipliers are
@@ -111,22 +113,22 @@ fn with_error(
     mut special: SpecialPoint,
     unknowns: &[f64],
     beside: &Point,
-) -> SpecialPoint {
+) -> (SpecialPoint, Option<Shortfall>) {
     if event.condition.is_none() {
         special.error += curve.corrector.mesh_share(unknowns);
         refine_numbers(curve, event, &mut special, beside);
         special.subkind = special.subkind.filter(|_| special.converged);
-        return special;
+        return (special, None);
     }
     let Curve { corrector, recorder, refiner, .. } = curve;
     // For a branch of solutions cut at a bound, the error of the branch is sufficient.
     let end_of_branch = event.kind == Kind::EP && recorder.solutions;
     let rungs = if end_of_branch { 1 } else { usize::MAX };
-    if special.converged
-        && refiner.accuracy > 0.0
-        && !refiner.refine(corrector, recorder, event, (&mut special, beside), rungs)
-        && !corrector.equations.system().representation().mesh.is_empty()
-    {
+    let share = match special.converged && refiner.accuracy > 0.0 {
+        true => refiner.refine(corrector, recorder, event, (&mut special, beside), rungs),
+        false => MeshShare::Sufficient,
+    };
+    if share == MeshShare::Unknown {
         // The discretisation error is unknown, so no digit is certain.
         special.converged = false;
         special.numbers.iter_mut().for_each(|number| number.error = number.value.abs());
@@ -141,7 +143,11 @@ fn with_error(
     let parameters = &corrector.equations.names().parameters;
     let released: Vec<&str> = released.map(|p| parameters[*p].as_str()).collect();
     special.numbers.extend(spreads(&special.sensitivities, &refiner.tolerances, &released));
-    special
+    let shortfall = match share {
+        MeshShare::TooLarge(shortfall) if special.kind != Kind::EP => Some(shortfall),
+        _ => None,
+    };
+    (special, shortfall)
 }
 
 /// Adds the discretisation error to the errors of the named numbers of a special point that is
@@ -156,7 +162,8 @@ fn refine_numbers(curve: &mut Curve, event: &Event, special: &mut SpecialPoint, 
     }
     let held = Event::level(&event.name, Quantity::Parameter(last), special.parameters[last]);
     let held = Event { normal_form: event.normal_form, ..held };
-    if !refiner.refine(corrector, recorder, &held, (special, beside), usize::MAX) {
+    let share = refiner.refine(corrector, recorder, &held, (special, beside), usize::MAX);
+    if share == MeshShare::Unknown {
         special.numbers.iter_mut().for_each(|number| number.error = number.value.abs());
         special.subkind = None;
     }

@@ -1,6 +1,7 @@
 //! Special points located between two points of a branch.
 
 use super::branch::SpecialPoint;
+use super::refiner::Shortfall;
 use crate::core::system::Kind;
 
 /// A special point located between two points of a branch.
@@ -15,6 +16,8 @@ pub(super) struct Located {
     /// The special point to be saved. Initially only its kind, error and named numbers are set;
     /// `describe` sets all other values.
     pub special: SpecialPoint,
+    /// The column of the special point whose discretisation error is larger than requested, if any.
+    pub shortfall: Option<Shortfall>,
 }
 
 impl Located {
@@ -22,7 +25,7 @@ impl Located {
     /// error of the continued parameter.
     pub fn new((kind, event): (Kind, &str), along: f64, unknowns: Vec<f64>, error: f64) -> Self {
         let special = SpecialPoint { error, ..SpecialPoint::new(kind, event) };
-        Located { event: None, along, unknowns, special }
+        Located { event: None, along, unknowns, special, shortfall: None }
     }
 
     /// Shifts the origin of the distance `along` to a point at the distance `offset` before the

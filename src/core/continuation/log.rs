@@ -3,7 +3,10 @@
 
 use super::branch::{Branch, Point, SpecialPoint, Traced};
 use super::progress::Crawl;
+use super::refiner::Shortfall;
 use crate::core::failure::one_line;
+use crate::core::problem::distinct;
+use crate::core::system::Kind;
 use miette::Diagnostic;
 use std::collections::VecDeque;
 
@@ -13,13 +16,15 @@ pub(super) struct Log {
     pub branch: Branch,
     /// The number of labels assigned so far.
     labels: usize,
+    /// The special points whose discretisation errors are larger than requested.
+    shortfalls: Vec<(Kind, Shortfall)>,
     /// The points that are computed but not yet returned by the iterator.
     items: VecDeque<Traced>,
 }
 
 impl Log {
     pub fn new(branch: Branch) -> Self {
-        Log { branch, labels: 0, items: VecDeque::new() }
+        Log { branch, labels: 0, shortfalls: Vec::new(), items: VecDeque::new() }
     }
 
     /// Returns the next computed point that has not yet been returned.
@@ -46,6 +51,36 @@ impl Log {
         }
         self.items.push_back(Traced::Special(Box::new(special.clone())));
         list.push(special);
+    }
+
+    /// Notes the column of a special point whose discretisation error is larger than requested.
+    pub fn falls_short(&mut self, kind: Kind, shortfall: Option<Shortfall>) {
+        self.shortfalls.extend(shortfall.map(|shortfall| (kind, shortfall)));
+    }
+
+    /// Warns about the special points whose discretisation errors are larger than requested.
+    pub fn short_of(&mut self, refinement: f64) {
+        let relative = |(_, it): &&(Kind, Shortfall)| it.relative;
+        let worst = self.shortfalls.iter().max_by(|a, b| relative(a).total_cmp(&relative(b)));
+        let Some((_, Shortfall { column, relative })) = worst else { return };
+        let kinds: Vec<String> = self.shortfalls.iter().map(|(kind, _)| kind.to_string()).collect();
+        let kinds = distinct(&kinds).join(", ");
+        self.branch.warnings.push(format!(
+            "special points ({kinds}) have a larger error than `refinement` = {refinement:e} permits, because no finer \
+             discretisation is available: the relative error of `{column}` is up to {relative:.1e}; the column `error` \
+             gives the error of each point"
+        ));
+    }
+
+    /// Warns that a branch starts at a solution with some unstable directions.
+    pub fn starts_unstable(&mut self, unstable: usize) {
+        if unstable > 0 {
+            let s = if unstable == 1 { "" } else { "s" };
+            self.branch.warnings.push(format!(
+                "the branch starts at an unstable equilibrium ({unstable} unstable direction{s}), so \
+                 its first fold is not where a stable equilibrium disappears"
+            ));
+        }
     }
 
     /// Warns that an event between two values of the continued parameter was not located.

@@ -11,8 +11,32 @@ use super::recorder::Recorder;
 use crate::core::bifurcation::{DefiningSystem, Hopf, Quantity, deciding, unstable_besides};
 use crate::core::linalg::Spectrum;
 use crate::core::numerics::error_of_last;
-use crate::core::problem::Dynamics;
+use crate::core::problem::{Dynamics, Names};
 use crate::core::system::{Kind, Refinement, System};
+
+/// What is known of the discretisation error of a special point after its refinement.
+#[derive(PartialEq)]
+pub(super) enum MeshShare {
+    /// The error is unknown.
+    Unknown,
+    /// The solutions are not discretised, or the error is as small as requested.
+    Sufficient,
+    /// The error is larger than requested, because no finer discretisation is available.
+    TooLarge(Shortfall),
+}
+
+/// A column of a special point whose discretisation error is larger than requested.
+#[derive(Clone, PartialEq)]
+pub(super) struct Shortfall {
+    /// The name of the column.
+    pub column: String,
+    /// The relative error of the column.
+    pub relative: f64,
+}
+
+/// Heuristic: the factor by which a discretisation error may exceed the requested error without a
+/// warning, because the error is only estimated.
+const LENIENCE: f64 = 10.0;
 
 /// Refines special points on finer discretisations; contains the settings of the refinement.
 pub(super) struct Refiner {
@@ -50,8 +74,9 @@ impl Refiner {
     /// Refines the last loaded special point on finer discretisations, until the requested accuracy
     /// is reached or `rungs` discretisations have been used. The special point receives the values
     /// on the finest of these discretisations, and the discretisation error is added to its error.
-    /// Returns false if the problem has no finer discretisation. `beside` is a nearby point of the
-    /// branch, from which the sizes of parameters and monitors are estimated.
+    /// If the problem has no finer discretisation, the discretisation error is estimated by
+    /// [comparison](Self::compare) with a coarser one. `beside` is a nearby point of the branch,
+    /// from which the sizes of parameters and monitors are estimated.
     pub fn refine(
         &self,
         corrector: &mut Corrector,
@@ -59,7 +84,7 @@ impl Refiner {
         event: &Event,
         (special, beside): (&mut SpecialPoint, &Point),
         rungs: usize,
-    ) -> bool {
+    ) -> MeshShare {
         let released = corrector.equations.released.to_vec();
         let here = self.settling(&released, &special.point());
         let there = self.settling(&released, beside);
@@ -67,7 +92,8 @@ impl Refiner {
         let mut series: Vec<Vec<f64>> = here.into_iter().map(|value| vec![value]).collect();
         let at = corrector.equations.at();
         let mut refinement = at.system.discretised().and_then(|system| system.refined(at.x));
-        let (mut found, mut coarser) = (None, vec![Meaning::taken_from(special)]);
+        let (mut found, mut share) = (None, MeshShare::Sufficient);
+        let mut coarser = vec![Meaning::taken_from(special)];
         let wanted = !special.eigenvalues.is_empty() && special.undetermined.is_none();
         let mut finest: Option<Spectrum> = None;
         for rung in 1.. {
@@ -79,6 +105,10 @@ impl Refiner {
             let errors: Vec<f64> = series.iter().map(|values| error_of_last(values)).collect();
             let met = |(error, size): (&f64, &f64)| *error <= self.accuracy * size;
             let settled = rung >= rungs || errors.iter().zip(&sizes).all(met);
+            share = match settled {
+                true => MeshShare::Sufficient,
+                false => self.share_of(equations.names(), &released, (&errors, &sizes)),
+            };
             let finer = equations.system().discretised().filter(|_| !settled);
             let next = finer.and_then(|system| system.refined(&x));
             let mut meaning = Meaning::of(&mut equations, event, &unknowns);
@@ -93,7 +123,9 @@ impl Refiner {
             found = Some((point, errors[0]));
             refinement = next;
         }
-        let Some((Point { parameters, monitors, .. }, error)) = found else { return false };
+        let Some((Point { parameters, monitors, .. }, error)) = found else {
+            return self.compare(corrector, recorder, event, (special, &sizes));
+        };
         let shift = |p: &usize| special.parameters[*p] - parameters[*p];
         special.mesh_shift = released.iter().map(shift).collect();
         (special.parameters, special.monitors) = (parameters, monitors);
@@ -108,7 +140,60 @@ impl Refiner {
             meaning.sensitivities = known.map(|it| it.sensitivities.clone()).unwrap_or_default();
         }
         meaning.after(&coarser).give_to(special);
-        true
+        share
+    }
+
+    /// Compares the last loaded special point with the same point on a coarser discretisation,
+    /// because no solution on a finer one is available, and adds the difference to the errors of
+    /// the special point. `sizes` are the sizes of the values that must converge.
+    fn compare(
+        &self,
+        corrector: &mut Corrector,
+        recorder: &Recorder,
+        event: &Event,
+        (special, sizes): (&mut SpecialPoint, &[f64]),
+    ) -> MeshShare {
+        let released = corrector.equations.released.to_vec();
+        let at = corrector.equations.at();
+        let coarser = at.system.discretised().and_then(|system| system.coarser(at.x));
+        let Some(Refinement { mut system, x }) = coarser else {
+            let on_mesh = corrector.equations.system().representation().is_on_mesh();
+            return if on_mesh { MeshShare::Unknown } else { MeshShare::Sufficient };
+        };
+        let converged = self.converge(corrector, recorder, (&mut *system, &x), event);
+        let Some(Finer { mut equations, unknowns, point, .. }) = converged else {
+            return MeshShare::Unknown;
+        };
+        let here = self.settling(&released, &special.point());
+        let there = self.settling(&released, &point);
+        let errors: Vec<f64> =
+            here.iter().zip(there).map(|(a, b)| error_of_last(&[b, *a])).collect();
+        special.error += errors[0];
+        let sensitivities = std::mem::take(&mut special.sensitivities);
+        let own = Meaning { sensitivities, ..Meaning::taken_from(special) };
+        own.after(&[Meaning::of(&mut equations, event, &unknowns)]).give_to(special);
+        self.share_of(equations.names(), &released, (&errors, sizes))
+    }
+
+    /// Returns what is known of the discretisation error, given the errors and the sizes of the
+    /// values that must converge.
+    fn share_of(
+        &self,
+        names: &Names,
+        released: &[usize],
+        (errors, sizes): (&[f64], &[f64]),
+    ) -> MeshShare {
+        let columns = released.iter().chain(&self.settled);
+        let relative = errors.iter().zip(sizes).map(|(error, size)| error / size);
+        let worst = columns.zip(relative).filter(|(_, relative)| relative.is_finite());
+        match worst.max_by(|a, b| a.1.total_cmp(&b.1)) {
+            Some((column, relative)) if relative > LENIENCE * self.accuracy => {
+                let mut all = names.parameters.iter().chain(&names.monitors);
+                let column = all.nth(*column).cloned().unwrap_or_default();
+                MeshShare::TooLarge(Shortfall { column, relative })
+            }
+            _ => MeshShare::Sufficient,
+        }
     }
 
     /// Returns the period at the last loaded point on the next finer discretisation, while one

@@ -263,7 +263,7 @@ impl Parts<'_, '_> {
         let error = special.error + self.curve.corrector.mesh_share(&unknowns);
         let special = self.record(event, &unknowns, interval, 0)?;
         let special = SpecialPoint { error, converged: false, ..special };
-        Some(Located { event: None, along, unknowns, special })
+        Some(Located { event: None, along, unknowns, special, shortfall: None })
     }
 
     /// Returns the special point at which the mean of the eigenvalues that pass zero vanishes.
@@ -282,7 +282,7 @@ impl Parts<'_, '_> {
         let error = place + rounding + cluster.mesh_share(self.curve, &unknowns, slope)?;
         let special = self.record(event, &unknowns, interval, cluster.count)?;
         let special = SpecialPoint { error, converged: false, ..special };
-        Some(Located { event: None, along, unknowns, special })
+        Some(Located { event: None, along, unknowns, special, shortfall: None })
     }
 
     /// Records the special point at which `count` eigenvalues pass zero. The eigenvalues that pass

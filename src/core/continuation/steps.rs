@@ -27,6 +27,7 @@ use super::step_control::{Step, StepControl};
 use super::stretches::{between_changes, divides};
 use super::unexplained::{LEAST_UNEXPLAINED, ends_on_special_point};
 use crate::core::failure::one_line;
+use crate::core::problem::Dynamics;
 use crate::core::system::{Kind, Solution};
 use std::sync::Arc;
 
@@ -107,6 +108,10 @@ const BESIDE: f64 = 0.93;
 /// lies between the branch point and the reference point.
 const BEHIND: [f64; 4] = [2e-2, 5e-3, 1e-3, 2e-4];
 
+/// The remedies if Newton's method stagnates at the smallest step along a curve.
+const STAGNATION: &str = "lower `min_step`, give `scales` that match the sizes of the unknowns, or, if the solutions \
+                          have a mesh, take more `intervals`";
+
 impl Iterator for Steps<'_> {
     type Item = Traced;
 
@@ -156,7 +161,15 @@ impl Steps<'_> {
     pub fn finish(mut self) -> Branch {
         self.interrupt();
         let system = self.curve.corrector.equations.system();
+        let dynamics = system.dynamics();
         self.log.branch.warnings.extend(system.doubts());
+        self.log.short_of(self.settings.refinement);
+        if self.origin.is_empty()
+            && self.curve.recorder.solutions
+            && dynamics == Dynamics::Potential
+        {
+            self.log.starts_unstable(self.start.point.unstable.unwrap_or(0));
+        }
         // The matrix method is known only after the first point.
         self.log.branch.method = system.representation().method;
         let start = self.start.point.clone();
@@ -458,13 +471,17 @@ impl Steps<'_> {
     fn end_of_steps(&mut self, half: &Half, (step, cause): (f64, NewtonError)) -> End {
         let error = self.curve.corrector.mesh_error(&half.last.unknowns);
         let target = self.mesh_target(half);
+        // The help of the error is written for the first solution of a curve.
+        let words = match &cause {
+            NewtonError::Stagnation { .. } => format!("{cause}; {STAGNATION}"),
+            cause => one_line(cause),
+        };
         let words = match error > target {
             true => format!(
-                "{}. The mesh causes an error of {error:.1e}, more than the target of {target:.1e}: take more \
-                 `intervals`",
-                one_line(&cause)
+                "{words}. The mesh causes an error of {error:.1e}, more than the target of {target:.1e}: take more \
+                 `intervals`"
             ),
-            false => one_line(&cause),
+            false => words,
         };
         End::StepTooSmall { step, cause: words, failure: Some(Box::new(cause)) }
     }
@@ -509,8 +526,9 @@ impl Steps<'_> {
         }
         let ending = self.ending(&mut found, half, &step);
         let special = found.iter().any(|it| divides(it.special.kind));
-        for Located { mut special, .. } in found {
+        for Located { mut special, shortfall, .. } in found {
             special.after = points;
+            self.log.falls_short(special.kind, shortfall);
             self.log.special(&mut half.special, special);
         }
         if let Some((end, at)) = ending {

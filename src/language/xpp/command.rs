@@ -7,9 +7,31 @@ use super::origin::{Named, Slice, Text};
 
 /// The required form of an initial value or a parameter, for messages.
 pub(super) const NUMBER: &str = "a number";
-/// The remedy for a formula in place of a number.
-pub(super) const NO_FORMULA: &str = "XPPAUT does not accept formulas for initial values and parameters: write a \
-                                     constant that depends on other constants as `!b=2*a`";
+/// Returns the error for a formula in place of a number, with the number if the formula has a
+/// value.
+pub(super) fn no_formula(source: &Source, formula: Slice) -> ModelError {
+    let remedy = match super::super::number(formula.text) {
+        Ok(value) => format!(
+            "write `{}`; a constant with a `!`, such as `!b=2*a`, can be a formula but cannot be \
+             varied",
+            rounded(value)
+        ),
+        Err(_) => {
+            "write a number, or, for a quantity that is never varied, a constant with a `!`, \
+                   such as `!b=2*a`"
+                .into()
+        }
+    };
+    formula.expected(source, NUMBER).with_help(format!(
+        "XPPAUT does not accept formulas for initial values and parameters: {remedy}"
+    ))
+}
+
+/// Returns a number with six significant digits, as in the files of XPPAUT.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.5e}").parse().unwrap_or(value)
+}
+
 const CHEMICAL: &str = "pHtools commands state chemical equilibria, not equations";
 const VOLTERRA: &str = "models cannot contain integral equations";
 
@@ -134,7 +156,7 @@ pub(super) fn values_of(source: &Source, list: Slice) -> Result<Vec<Named>, Mode
         let end = end.unwrap_or(value.text.len());
         let number_text = value.part(0..end);
         if number(number_text.text).is_none() {
-            return Err(number_text.expected(source, NUMBER).with_help(NO_FORMULA));
+            return Err(no_formula(source, number_text));
         }
         values.push(Named { name: name.to_text(), formula: number_text.to_text() });
         rest = value.from(end).trim();

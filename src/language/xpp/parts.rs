@@ -1,7 +1,7 @@
 //! The contents of an XPPAUT file, line by line, before names are resolved.
 
 use super::super::source::{ModelError, Source};
-use super::command::{NO_FORMULA, NUMBER, REFUSED, arguments_of, refuse_calls, values_of};
+use super::command::{REFUSED, arguments_of, no_formula, refuse_calls, values_of};
 use super::global::Global;
 use super::lines;
 use super::option::{Found, number};
@@ -165,7 +165,7 @@ impl Parts {
             "0" if array => self.initial_formulas.push(Named { name, formula }),
             "0" => {
                 if number(value.text).is_none() {
-                    return Err(value.trim().expected(source, NUMBER).with_help(NO_FORMULA));
+                    return Err(no_formula(source, value.trim()));
                 }
                 self.initial.push(Named { name, formula });
             }

@@ -80,6 +80,17 @@ impl Orders {
         }
     }
 
+    /// Returns smaller numbers of basis functions, with which special points are compared if larger
+    /// numbers are not allowed; `None` if the numbers are as small as possible.
+    pub(super) fn coarser(self) -> Option<Orders> {
+        let fewer = |n: usize, by: usize, least: usize| n.saturating_sub(by + n / 8).max(least);
+        let coarser = Orders {
+            transverse: self.transverse.map(|n| fewer(n, 2, 1)),
+            in_plane: self.in_plane.map(|n| fewer(n, 3, 2)),
+        };
+        (coarser != self).then_some(coarser)
+    }
+
     pub(super) fn check(&self) -> Result<(), PlateError> {
         let [[w_x, w_y], [s_x, s_y]] = [self.transverse, self.in_plane];
         PlateError::check("transverse functions along x", w_x, [1, LARGEST_COUNT])?;

@@ -1,7 +1,8 @@
 //! Implements [`System`] for [`Ritz`].
 
-use super::discretisation::Discretisation;
+use super::discretisation::{Discretisation, RitzSettings};
 use super::modes::signed_root;
+use super::orders::Orders;
 use super::plane::PlaneFactor;
 use super::residual::Workspace;
 use super::ritz::{Directional, FlatPlate, Ritz};
@@ -43,34 +44,43 @@ fn differentiate<T: Directional>(
     out.iter_mut().zip(&work.r).for_each(|(out, r)| *out = r.mixed());
 }
 
-/// Returns the unknowns of the same deflection in a larger polynomial space.
-fn prolonged(from: &Discretisation, to: &Discretisation, z: &[f64]) -> Vec<f64> {
-    // For one direction, expresses functions of the coarse basis by functions of the fine basis,
-    // `(coarse, fine)`.
+/// Returns the unknowns of the same deflection in another polynomial space; in a smaller space, the
+/// terms of high degree are omitted.
+fn converted(from: &Discretisation, to: &Discretisation, z: &[f64]) -> Vec<f64> {
+    // For one direction, expresses functions of the own basis by functions of the other basis,
+    // `(own, other)`.
     let carry = |axis: usize| {
-        let [coarse, fine] = [from, to].map(|model| &model.transverse[axis]);
-        let (n, m) = (coarse.len(), fine.len());
-        Mat::from_fn(n, m, |i, k| match (coarse.conversions(), fine.conversions()) {
-            (Some([to_coarse, _]), Some([_, to_fine])) => {
-                (0..n).map(|j| to_coarse[i * n + j] * to_fine[k * m + j]).sum()
+        let [own, other] = [from, to].map(|model| &model.transverse[axis]);
+        let (n, m) = (own.len(), other.len());
+        Mat::from_fn(n, m, |i, k| match (own.conversions(), other.conversions()) {
+            (Some([to, _]), Some([_, back])) => {
+                (0..n.min(m)).map(|j| to[i * n + j] * back[k * m + j]).sum()
             }
             _ => f64::from(u8::from(i == k)),
         })
     };
     let [ny, my] = [from, to].map(|model| model.transverse[1].len());
-    let coarse = Mat::from_fn(z.len() / ny, ny, |i, j| z[i * ny + j] * from.scale[i * ny + j]);
-    let fine = carry(0).transpose() * coarse * carry(1);
-    to.scale.iter().enumerate().map(|(k, scale)| fine[(k / my, k % my)] / scale).collect()
+    let own = Mat::from_fn(z.len() / ny, ny, |i, j| z[i * ny + j] * from.scale[i * ny + j]);
+    let other = carry(0).transpose() * own * carry(1);
+    to.scale.iter().enumerate().map(|(k, scale)| other[(k / my, k % my)] / scale).collect()
 }
 
 impl Ritz {
-    /// Returns the point `x = (z, p)` that describes the same plate and deflection with larger
-    /// numbers of basis functions; no number may be smaller than the present number.
-    pub fn carry(&self, x: &[f64], finer: &Ritz) -> Vec<f64> {
+    /// Returns the point `x = (z, p)` that describes the same plate and deflection with other
+    /// numbers of basis functions; with smaller numbers, the terms of high degree are omitted.
+    pub fn carry(&self, x: &[f64], other: &Ritz) -> Vec<f64> {
         let (z, p) = x.split_at(self.model.unknowns());
-        let mut carried = prolonged(&self.model, &finer.model, z);
+        let mut carried = converted(&self.model, &other.model, z);
         carried.extend_from_slice(p);
         carried
+    }
+
+    /// Returns the same plate and deflection with the given numbers of basis functions.
+    fn on_orders(&self, orders: Orders, x: &[f64]) -> Option<Refinement> {
+        let settings = RitzSettings { orders: Some(orders), ..self.model.settings };
+        let other = Ritz::new(settings).ok()?;
+        let x = self.carry(x, &other);
+        Some(Refinement { system: Box::new(other), x })
     }
 
     /// Returns the assembled `F_z` as a dense `n × n` matrix, stored column by column.
@@ -328,10 +338,10 @@ impl Discretised for Ritz {
         if orders.transverse[0] * orders.transverse[1] > LARGEST_RUNG {
             return None;
         }
-        let mut settings = self.model.settings;
-        settings.orders = Some(orders);
-        let finer = Ritz::new(settings).ok()?;
-        let x = self.carry(x, &finer);
-        Some(Refinement { system: Box::new(finer), x })
+        self.on_orders(orders, x)
+    }
+
+    fn coarser(&mut self, x: &[f64]) -> Option<Refinement> {
+        self.on_orders(self.model.orders.coarser()?, x)
     }
 }
