@@ -131,10 +131,10 @@ pub enum Style {
     Dots,
     /// A dot at every point, and a line through the dots.
     DottedLine,
-    /// The smallest visible spot at every point of the curve.
+    /// A small spot at every point of the curve, drawn after all lines.
     Specks,
-    /// A larger, paler spot at every point; these spots are drawn before the small spots of other
-    /// curves.
+    /// A larger spot at every point; these spots are drawn after all lines, and before the small
+    /// spots of other curves.
     Blots,
 }
 

@@ -255,12 +255,11 @@ fn together(
             series.style = Style::Blots;
         }
     }
-    // Specks have the first colours, single dots the last ones. Blots are drawn below all lines,
-    // specks above them.
-    let (behind, before): (Vec<Series>, Vec<Series>) =
+    // Specks and blots have the first colours, single dots the last ones.
+    let (first, last): (Vec<Series>, Vec<Series>) =
         scattered.into_iter().partition(|series| series.style != Style::Dots);
-    figure.series.splice(0..0, behind);
-    figure.series.extend(before);
+    figure.series.splice(0..0, first);
+    figure.series.extend(last);
     figure.tiles = tiles;
     figure.logarithmic = [x, y].map(|column| plot.is_logarithmic(column));
     keep_positive(&mut figure);

@@ -20,7 +20,7 @@
     OpenHexagon: ["hexagon-open", "#784b28"],
     Doubtful: ["circle-open", "#8c8c8c"], Number: ["circle", "#222"],
   };
-  const SPOTS = { Specks: 3, Blots: 7 };
+  const SPOTS = { Specks: 3, Blots: 5 };
   const isSpots = curve => curve.style in SPOTS;
   const hidden = { curves: new Set(), marks: new Set() };
   let selected = [];
@@ -128,11 +128,9 @@
     return first && !isDiagram(panel.figure) ? [corners, { ...key, showlegend: true }] : [corners];
   };
   const paint = panel => {
-    const images = ["Blots", "Specks"].flatMap(style => {
-      const spots = curvesShown(panel).filter(curve => curve.style === style);
-      // Large spots are below the curves, small ones above them.
-      return spots.length ? [{ ...painted(panel, spots), layer: style === "Blots" ? "below" : "above" }] : [];
-    });
+    // Small spots are painted last.
+    const spots = ["Blots", "Specks"].flatMap(style => curvesShown(panel).filter(curve => curve.style === style));
+    const images = spots.length ? [{ ...painted(panel, spots), layer: "above" }] : [];
     if (images.length || (panel.plot.layout.images ?? []).length) Plotly.relayout(panel.plot, { images });
   };
   const painted = (panel, spots) => {
@@ -142,7 +140,6 @@
     spots.forEach(curve => {
       const size = SPOTS[curve.style];
       context.fillStyle = colour(panel.names, curve.name);
-      context.globalAlpha = curve.style === "Blots" ? 0.5 : 1;
       curve.x.forEach((x, k) => context.fillRect(2 * at(xaxis, x) - size / 2, 2 * at(yaxis, curve.y[k]) - size / 2, size, size));
     });
     const [[left, right], [bottom, top]] = [xaxis.range, yaxis.range];
