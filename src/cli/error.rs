@@ -111,6 +111,10 @@ pub enum CommandError {
         "the option --points adds the profiles of special points to the default diagram and cannot \
          be combined with --x or --y"
     )]
+    #[diagnostic(help(
+        "omit --x and --y; to draw one panel of profiles, such as a phase portrait, give its letter \
+         with --panel, as in `--panel c`"
+    ))]
     PointsInColumns,
     /// A separator of cells is given for an output that is not comma-separated.
     #[error("--separator applies to comma-separated values")]

@@ -30,7 +30,8 @@ pub struct Plot {
     /// The documents (.ron) and sweeps (.npz) to draw
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
-    /// The parameter or monitor on the horizontal axis [default: as stated in the first document]
+    /// The parameter or monitor on the horizontal axis, or time or a state for a simulated history
+    /// [default: as stated in the first document]
     #[arg(long, value_name = "NAME")]
     x: Option<String>,
     /// The columns on the vertical axis: v draws the largest and smallest values of the state v,
@@ -146,7 +147,14 @@ impl Plot {
     fn warn_of_absent(&self, documents: &[(&str, &Document)], sweeps: &[Sweeps]) {
         for column in self.x.iter().chain(&self.y) {
             for (name, document) in documents {
-                let lacks = |branch: &Branch| branch.columns_showing(column).is_empty();
+                // The axes of histories may show the time and states.
+                let in_profiles = |branch: &Branch| {
+                    let mut profiles = branch.special.iter().flat_map(|point| &point.profiles);
+                    profiles.any(|profile| [&profile.along, &profile.name].contains(&column))
+                };
+                let lacks = |branch: &Branch| {
+                    branch.columns_showing(column).is_empty() && !in_profiles(branch)
+                };
                 if document.branches.iter().all(lacks) {
                     warn(&format!("`{name}` has no column `{column}` and is not drawn"));
                 }

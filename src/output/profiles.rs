@@ -1,5 +1,6 @@
 //! Figures of the profiles of special points: mode shapes, time histories, phase portraits.
 
+use super::axis::keep_positive;
 use super::diagram::{PERIOD, event, has_free_period, stability, style};
 use super::document::{Document, Plot};
 use super::error::{FigureError, UnknownPoint};
@@ -50,6 +51,21 @@ impl Shown<'_> {
     fn histories(&self) -> impl Iterator<Item = &Profile> {
         let is_history = |it: &&Profile| it.along == TIME && it.kicked().is_none();
         self.point.profiles.iter().filter(is_history)
+    }
+
+    /// Returns the history of one quantity against another quantity, where each quantity is the time
+    /// or a state; `None` if the two histories do not have the same times.
+    fn history(&self, x: &str, y: &str) -> Option<Profile> {
+        let of = |name: &str| self.histories().find(|history| name == TIME || history.name == name);
+        let [from, to] = match x {
+            TIME => [of(y)?; 2],
+            _ => [of(x)?, of(y)?],
+        };
+        let pairs = || from.points.iter().zip(&to.points);
+        let same = from.points.len() == to.points.len() && pairs().all(|(a, b)| a[0] == b[0]);
+        let value = |name: &str, at: &[f64; 2]| at[usize::from(name != TIME)];
+        let points = pairs().map(|(a, b)| [value(x, a), value(y, b)]).collect();
+        same.then(|| Profile { along: x.into(), name: y.into(), points })
     }
 
     /// Returns the time at which the drawn histories of an orbit begin if the phase of the orbit is
@@ -216,6 +232,47 @@ pub(super) fn profiles(documents: &[(&str, &Document)]) -> Result<Vec<Figure>, F
         }
     }
     chosen(figures, &plot.profiles)
+}
+
+/// Returns a figure of the histories of documents with the given names on its axes, such as a phase
+/// portrait of two states; by default the horizontal axis shows the time, and the vertical axis the
+/// first state that is not on the horizontal axis. Returns `None` if a name is neither the time nor
+/// a state of a history.
+pub(super) fn portrait(
+    documents: &[(&str, &Document)],
+    x: Option<&str>,
+    ys: &[&str],
+) -> Result<Option<Figure>, FigureError> {
+    let Some((_, first)) = documents.first() else { return Ok(None) };
+    let shown = named(documents, &[ALL.to_owned()])?;
+    let states = distinct(shown.iter().flat_map(Shown::histories).map(|it| &it.name));
+    let is_known = |name: &&str| *name == TIME || states.contains(name);
+    let x = x.unwrap_or(TIME);
+    let usual = states.iter().copied().find(|state| *state != x);
+    let ys: Vec<&str> = if ys.is_empty() { usual.into_iter().collect() } else { ys.to_vec() };
+    if ys.is_empty() || !std::iter::once(&x).chain(&ys).all(|name| is_known(&name)) {
+        return Ok(None);
+    }
+    let plot = &first.plot;
+    let labels = ys.iter().map(|y| plot.label(y)).collect::<Vec<_>>().join(", ");
+    let mut figure = Figure::new(&first.title, plot.label(x), labels);
+    let drawn = shown.iter().flat_map(|shown| ys.iter().map(move |y| (shown, *y)));
+    for (shown, y) in drawn {
+        let Some(profile) = shown.history(x, y) else { continue };
+        let curve = match (documents.len(), ys.len()) {
+            (_, 1) => shown.place.clone(),
+            (1, _) => y.to_owned(),
+            _ => format!("{}: {y}", shown.place),
+        };
+        let renamed = |series: Series| Series { name: curve.clone(), ..series };
+        figure.series.extend(shown.series(&profile).into_iter().map(renamed));
+    }
+    figure.logarithmic = [plot.is_logarithmic(x), ys.iter().all(|y| plot.is_logarithmic(y))];
+    keep_positive(&mut figure);
+    if figure.series.iter().any(|series| series.style == Style::Dotted) {
+        figure.styles.push((Style::Dotted, "reset".into()));
+    }
+    Ok(Some(figure))
 }
 
 /// Adds an empty series to each figure for every special point that has no curve in the figure, so

@@ -232,6 +232,27 @@ fn models_without_parameters_have_histories() {
     succeeds(at, &["table", "out/m-history.ron"]);
 }
 
+/// The axes of a picture of a history show the time and the states: a circle is a circle.
+#[test]
+fn histories_are_drawn_in_any_of_their_columns() {
+    let folder = folder();
+    let at = folder.path();
+    std::fs::write(at.join("m.ron"), r#"Equations(states: [("x", "v"), ("v", "-x")])"#).unwrap();
+    succeeds(at, &["simulate", "m.ron", "--from", "x=1", "--time", "6"]);
+    let document = Document::load(at.join("out/m-history.ron")).unwrap();
+    let documents = [("m", &document)];
+    let drawn = |x, y: &[&str]| tangency::output::figures(&documents, &[], x, y).unwrap();
+    let [plane] = &drawn(Some("v"), &["x"])[..] else { panic!("not one panel") };
+    assert!(plane.marks.is_empty() && plane.series[0].points.len() > 20);
+    assert!(plane.series[0].points.iter().all(|[v, x]| (v.hypot(*x) - 1.0).abs() < 1e-6));
+    let [course] = &drawn(None, &["v"])[..] else { panic!("not one panel") };
+    assert!(course.series[0].points.iter().all(|[t, v]| (t.sin() + v).abs() < 1e-6));
+    let plot = ["plot", "out/m-history.ron", "--x", "time", "--y", "x,v"];
+    let output = tangency(at, &plot);
+    assert!(output.status.success() && stderr(&output).is_empty(), "{}", stderr(&output));
+    refused(at, &[&plot[..], &["--points", "all"]].concat(), &["help: omit --x", "`--panel c`"]);
+}
+
 /// Systems with impacts are simulated, too, with parameters of their scene that are changed.
 #[test]
 fn scenes_are_simulated() {
