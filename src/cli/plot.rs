@@ -4,10 +4,11 @@
 use super::error::CommandError;
 use super::request::end;
 use super::results::Results;
+use super::sources::Sources;
 use super::warning::warn;
 use crate::core::continuation::Branch;
 use crate::output::{
-    self, Document, Format, Render, RenderError, SizeLimit, Sweeps, write_atomically,
+    self, Document, Format, Render, RenderError, Sweeps, tell_apart, write_atomically,
 };
 use clap::Args;
 use std::io::Write;
@@ -87,7 +88,7 @@ const LONGEST: usize = 60;
 
 impl Plot {
     /// Draws the diagram, and prints the path of the picture file.
-    pub fn run(&self, limit: SizeLimit, out: &mut impl Write) -> Result<(), CommandError> {
+    pub fn run(&self, from: Sources, out: &mut impl Write) -> Result<(), CommandError> {
         let beside = || self.files.first().map(|file| self.beside(file));
         // Clap rejects an empty list of files.
         let target = self.out.clone().or_else(beside).unwrap_or_default();
@@ -96,10 +97,12 @@ impl Plot {
         let format = Format::of(&target)?;
         let (archives, files): (Vec<_>, Vec<_>) =
             self.files.iter().partition(|file| file.extension().is_some_and(|e| e == "npz"));
-        let documents = files.iter().map(|file| Document::load_within(limit, file));
+        let documents = files.iter().map(|file| Document::load_within(from.limit, file));
         let mut documents = documents.collect::<Result<Vec<Document>, _>>()?;
-        let sweeps = archives.iter().map(|file| Sweeps::load_within(limit, file));
+        let sweeps = archives.iter().map(|file| Sweeps::load_within(from.limit, file));
         let mut sweeps = sweeps.collect::<Result<Vec<Sweeps>, _>>()?;
+        let scenes = scenes(from, &archives, &sweeps);
+        tell_apart(&mut sweeps, &scenes);
         let plots = documents.iter_mut().map(|document| &mut document.plot);
         // The first document or sweep defines how all are drawn.
         if let Some(plot) = plots.chain(sweeps.iter_mut().map(|it| &mut it.plot)).next() {
@@ -236,6 +239,21 @@ impl Plot {
             None => Ok(()),
         }
     }
+}
+
+/// Returns the name of each archive of sweeps, and the settings of its scene. An archive whose scene
+/// cannot be parsed has no settings.
+fn scenes(
+    from: Sources,
+    archives: &[&PathBuf],
+    sweeps: &[Sweeps],
+) -> Vec<(String, Vec<(String, String)>)> {
+    let settings = |sweeps: &Sweeps| {
+        let scene = from.catalogue.parse_alone(&sweeps.scene).ok();
+        scene.map_or(Vec::new(), |scene| scene.record())
+    };
+    let names = names(archives, Format::Svg).into_iter();
+    names.zip(sweeps.iter().map(settings)).collect()
 }
 
 /// Returns the names by which a picture refers to the documents: their file names if these are

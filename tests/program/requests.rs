@@ -126,6 +126,40 @@ fn sweeps_of_models_record_monitors() {
     refused(at, &unknown, &["unknown measure `max_y`", "max_x"]);
 }
 
+/// A picture of several results names them by the settings in which they differ, with their units: a
+/// sweep has the name of its direction, too, if there are several directions.
+#[test]
+fn results_have_the_names_of_their_settings() {
+    let folder = folder();
+    let at = folder.path();
+    let model = r#"Equations(
+        states: [("x", "r*cos(t) - x + gap/d")], period: "2*pi",
+        parameters: [("r", 3), ("gap", 1), ("d", 2e-4)], units: [("gap", "m")],
+    )"#;
+    std::fs::write(at.join("m.ron"), model).unwrap();
+    for (out, set) in [("a", "gap=1.5e-6"), ("b", "gap=2e-6"), ("c", "d=1e-4")] {
+        for both in [&[][..], &["--both", "--afresh"]] {
+            let over = ["sweep", "m.ron", "--over", "r=1..2:3", "--out"];
+            let folder = if both.is_empty() { out.to_owned() } else { format!("{out}{out}") };
+            succeeds(at, &[&over[..], &[&folder, "--set", set], both].concat());
+        }
+        succeeds(at, &["trace", "m.ron", "--along", "r=1..2", "--set", set, "--out", out]);
+    }
+    let drawn = |files: [&str; 2], out: &str| {
+        succeeds(at, &["plot", files[0], files[1], "--out", out]);
+        std::fs::read_to_string(at.join(out)).unwrap()
+    };
+    let has = |text: &str, words: [&str; 2]| words.iter().all(|word| text.contains(word));
+    let microns = ["gap = 1.5 µm", "gap = 2 µm"];
+    assert!(has(&drawn(["a/m.ron", "b/m.ron"], "d.svg"), microns));
+    assert!(has(&drawn(["a/m-sweep.npz", "b/m-sweep.npz"], "s.svg"), microns));
+    let table = drawn(["aa/m-sweep.npz", "bb/m-sweep.npz"], "s.csv");
+    assert!(has(&table, ["\n\"gap = 1.5 µm, up\",0,", "\n\"gap = 2 µm, down\",0,"]), "{table}");
+    let base = ["trace", "m.ron", "--along", "r=1..2", "--out", "base"];
+    succeeds(at, &base);
+    assert!(has(&drawn(["base/m.ron", "c/m.ron"], "e.svg"), ["d = 2e-4", "d = 1e-4"]));
+}
+
 /// Forced systems have no equilibria to find in a box: the error names the search for orbits.
 #[test]
 fn a_box_of_a_forced_system_is_refused() {
