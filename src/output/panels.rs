@@ -102,7 +102,9 @@ pub fn figures(
             figures.push(special_points_against(document, against));
         }
     }
-    figures.extend(profiles(documents)?);
+    let drawn = figures.first().map_or(Vec::new(), Figure::names);
+    let drawn: Vec<String> = drawn.into_iter().map(String::from).collect();
+    figures.extend(profiles(documents, drawn)?);
     figures.extend(fields(documents)?);
     check_axes(Some(plot), &figures)?;
     if let (true, Some(first), Some((_, document))) =

@@ -1,8 +1,9 @@
 //! Figures of the profiles of special points: mode shapes, time histories, phase portraits.
 
 use super::axis::keep_positive;
-use super::diagram::{PERIOD, event, has_free_period, stability, style};
+use super::diagram::{PERIOD, curve_name, event, has_free_period, stability, style};
 use super::document::{Document, Plot};
+use super::drawing::hexadecimal;
 use super::error::{FigureError, UnknownPoint};
 use super::figure::{Figure, Series, Style, Wall};
 use super::number::significant;
@@ -183,8 +184,12 @@ pub(super) fn shown<'a>(documents: &[(&str, &'a Document)]) -> Result<Vec<Shown<
     }
 }
 
-/// Returns one figure for each kind of profile, as [`figures`](super::figures) describes.
-pub(super) fn profiles(documents: &[(&str, &Document)]) -> Result<Vec<Figure>, FigureError> {
+/// Returns one figure for each kind of profile, as [`figures`](super::figures) describes; the names
+/// of the curves in the diagram are given in the order of their colours.
+pub(super) fn profiles(
+    documents: &[(&str, &Document)],
+    drawn: Vec<String>,
+) -> Result<Vec<Figure>, FigureError> {
     let Some((_, first)) = documents.first() else { return Ok(Vec::new()) };
     let plot = &first.plot;
     let shown = shown(documents)?;
@@ -201,7 +206,8 @@ pub(super) fn profiles(documents: &[(&str, &Document)]) -> Result<Vec<Figure>, F
             figures[index].1.series.extend(shown.series(profile));
         }
     }
-    keep_colours(&shown, &mut figures);
+    let colours = colours(documents, &shown, drawn);
+    figures.iter_mut().for_each(|(_, figure)| figure.colours.clone_from(&colours));
     if plot.profiles.is_empty() && plot.points.is_empty() && shown.iter().all(Shown::is_orbit) {
         // A phase portrait, the history of the first state, and its phase response.
         let mut seen = Vec::new();
@@ -275,20 +281,35 @@ pub(super) fn portrait(
     Ok(Some(figure))
 }
 
-/// Adds an empty series to each figure for every special point that has no curve in the figure, so
-/// that each special point has the same colour in all figures.
-fn keep_colours(shown: &[Shown], figures: &mut [(&Profile, Figure)]) {
-    for (_, figure) in figures {
-        let mut drawn = std::mem::take(&mut figure.series);
-        for Shown { name, .. } in shown {
-            let own: Vec<Series> = drawn.extract_if(.., |series| series.name == *name).collect();
-            match own.is_empty() {
-                true => figure.series.push(Series::new(name, Style::Solid, [])),
-                false => figure.series.extend(own),
+/// Returns the names of the curves of special points in the order of their colours, which are the
+/// same in all figures of profiles: the first special point of a branch has the colour of the branch
+/// in the diagram, and each further point a colour that no branch has, as long as there are such
+/// colours.
+fn colours(
+    documents: &[(&str, &Document)],
+    shown: &[Shown],
+    mut colours: Vec<String>,
+) -> Vec<String> {
+    let mut taken = vec![false; colours.len()];
+    let mut further = Vec::new();
+    for Shown { name, branch, .. } in shown {
+        let curve = curve_name(documents, branch);
+        match colours.iter().position(|colour| curve.as_ref() == Some(colour)) {
+            Some(place) => (colours[place], taken[place]) = (name.clone(), true),
+            None => further.push(name),
+        }
+    }
+    for name in further {
+        let free = taken.iter().rposition(|taken| !taken);
+        match free.filter(|_| colours.len() >= hexadecimal().len()) {
+            Some(place) => (colours[place], taken[place]) = (name.clone(), true),
+            None => {
+                colours.push(name.clone());
+                taken.push(true);
             }
         }
-        figure.series.extend(drawn);
     }
+    colours
 }
 
 /// Returns the label of the vertical axis of a profile.

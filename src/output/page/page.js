@@ -190,7 +190,7 @@
     const titles = titlesOf(panel);
     const axis = title => ({ title: { text: plain(title) }, automargin: true, exponentformat: "power", zeroline: false, linecolor: "#888", mirror: true, showline: true });
     const layout = {
-      margin: { l: 60, r: 14, t: 8, b: 48 }, hovermode: "closest", dragmode: "zoom", showlegend: !isDiagram(figure) && figure.names.length > 1,
+      margin: { l: 60, r: 14, t: 8, b: 48 }, hovermode: "closest", dragmode: "zoom", showlegend: !isDiagram(figure) && new Set(figure.curves.map(curve => curve.name)).size > 1,
       legend: { orientation: "h", y: -0.22 }, font: { size: 12, color: "#1d2125" },
       xaxis: axis(titles[0]), yaxis: axis(titles[1]),
       // A view stays while branches are switched off and on.
