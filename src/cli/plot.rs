@@ -7,8 +7,9 @@ use super::results::Results;
 use super::sources::Sources;
 use super::warning::warn;
 use crate::core::continuation::Branch;
+use crate::core::problem::UnknownName;
 use crate::output::{
-    self, Document, Format, Render, RenderError, Sweeps, tell_apart, write_atomically,
+    self, Document, Format, Render, RenderError, SweepTable, Sweeps, tell_apart, write_atomically,
 };
 use clap::Args;
 use std::io::Write;
@@ -135,7 +136,7 @@ impl Plot {
             }
             cause => CommandError::Unrendered(cause),
         })?;
-        self.warn_of_absent(&named, &sweeps);
+        self.warn_of_absent(from, &named, &sweeps);
         let content = match self.separator {
             Some(separator) => {
                 output::separated(&String::from_utf8_lossy(&content), separator).into_bytes()
@@ -147,7 +148,7 @@ impl Plot {
     }
 
     /// Warns of documents and sweeps that lack a requested column and are not drawn.
-    fn warn_of_absent(&self, documents: &[(&str, &Document)], sweeps: &[Sweeps]) {
+    fn warn_of_absent(&self, from: Sources, documents: &[(&str, &Document)], sweeps: &[Sweeps]) {
         for column in self.x.iter().chain(&self.y) {
             for (name, document) in documents {
                 // The axes of histories may show the time and states.
@@ -162,12 +163,13 @@ impl Plot {
                     warn(&format!("`{name}` has no column `{column}` and is not drawn"));
                 }
             }
-            for table in sweeps.iter().flat_map(|it| &it.sweeps) {
-                if !table.has_column(column) {
+            for sweeps in sweeps {
+                let lacking = sweeps.sweeps.iter().filter(|table| !table.has_column(column));
+                for table in lacking {
+                    let remedy = remedy(from, sweeps, table, column);
+                    let name = &table.name;
                     warn(&format!(
-                        "the sweep `{}` has no column `{column}` and is not drawn: repeat the sweep with \
-                         `--measure {column}`",
-                        table.name
+                        "the sweep `{name}` has no column `{column}` and is not drawn{remedy}"
                     ));
                 }
             }
@@ -239,6 +241,18 @@ impl Plot {
             None => Ok(()),
         }
     }
+}
+
+/// Returns the end of a warning of a missing column: the option that records the column, if a sweep
+/// of the scene can record it, and otherwise the columns that the sweep has.
+fn remedy(from: Sources, sweeps: &Sweeps, table: &SweepTable, column: &str) -> String {
+    let scene = from.catalogue.parse_alone(&sweeps.scene).ok();
+    let sampling = scene.and_then(|scene| scene.sampling().ok()).unwrap_or_default();
+    if sampling.measures.iter().any(|measure| measure == column) {
+        return format!(": repeat the sweep with `--measure {column}`");
+    }
+    let known = table.run_columns.iter().chain(&table.point_columns).map(String::as_str);
+    format!(" ({})", UnknownName::new("column", column, known).remedy())
 }
 
 /// Returns the name of each archive of sweeps, and the settings of its scene. An archive whose scene

@@ -440,8 +440,8 @@ fn formats_follow_endings() {
     succeeds(at, &["sweep", "up.ron"]);
     succeeds(at, &["plot", "out/up.npz", "--out", "up.csv"]);
     let table = String::from_utf8(bytes(at, "up.csv")).unwrap();
-    let header =
-        "sweep,run,amplitude,period,event,time,displacement,velocity,max_displacement,failure\n";
+    let header = "sweep,run,amplitude,period,event,time,displacement,velocity,max_displacement,\
+                  periods,impact,accumulations,exponent,exponent_error,failure\n";
     assert!(table.starts_with(header), "{}", &table[..120]);
     let rows: Vec<Vec<&str>> = table.lines().skip(1).map(|row| row.split(',').collect()).collect();
     for run in 0..6 {
@@ -450,6 +450,18 @@ fn formats_follow_endings() {
         let amplitude = 1.0 + 0.8 * f64::from(run);
         assert!(own().all(|row| (row[2].parse::<f64>().unwrap() - amplitude).abs() < 1e-14));
     }
+    // Every row of a run contains the results of the run.
+    let saved = Sweeps::load(at.join("out/up.npz")).unwrap();
+    for row in &rows {
+        let run = &saved.sweeps[0].rows[&row[1].parse().unwrap()];
+        let column = |name| saved.sweeps[0].run_columns.iter().position(|it| it == name).unwrap();
+        for (cell, name) in [(9, "periods"), (10, "impact"), (12, "exponent")] {
+            let (cell, value) = (row[cell].parse().unwrap_or(f64::NAN), run.values[column(name)]);
+            assert!((cell - value).abs() <= 1e-13 || cell.is_nan() && value.is_nan(), "{name}");
+        }
+    }
+    let named = ["plot", "out/up.npz", "--out", "up.json"];
+    assert!(!refused(at, &named, &["one whole document of branches"]).contains("--points"));
     // The wall is at 1.
     let impacts: Vec<_> = rows.iter().filter(|row| row[4] == "impact").collect();
     assert!(!impacts.is_empty() && impacts.iter().all(|row| row[6] == "1"), "{impacts:?}");

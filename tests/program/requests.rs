@@ -121,7 +121,15 @@ fn sweeps_of_models_record_monitors() {
     };
     assert_eq!(plot("max_x"), "");
     let said = plot("mesh_error");
-    assert!(said.contains("the sweep `up` has no column `mesh_error` and is not drawn"), "{said}");
+    assert!(
+        said.contains("the sweep `up` has no column `mesh_error` and is not drawn (known: "),
+        "{said}"
+    );
+    assert!(!said.contains("--measure"), "{said}");
+    succeeds(at, &[&sweep[..], &["--out", "bare"]].concat());
+    let bare = ["plot", "out/m.ron", "bare/m-sweep.npz", "--y", "max_x", "--out", "bare.svg"];
+    let said = stderr(&tangency(at, &bare));
+    assert!(said.contains("is not drawn: repeat the sweep with `--measure max_x`"), "{said}");
     let unknown = [&sweep[..], &["--measure", "max_y", "--afresh"]].concat();
     refused(at, &unknown, &["unknown measure `max_y`", "max_x"]);
 }
