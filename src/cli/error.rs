@@ -116,12 +116,18 @@ pub enum CommandError {
          with --panel, as in `--panel c`"
     ))]
     PointsInColumns,
-    /// A separator of cells is given for an output that is not comma-separated.
-    #[error("--separator applies to comma-separated values")]
+    /// A separator of cells or decimals is given for an output that is not comma-separated.
+    #[error("the options --separator and --decimal apply to comma-separated values")]
     #[diagnostic(help(
         "name a .csv file with --out; the command `tangency table` also has the option --csv"
     ))]
     NoSeparator,
+    /// The comma is chosen as the separator of both columns and decimals.
+    #[error("the comma cannot separate both columns and decimals")]
+    #[diagnostic(help(
+        "omit --separator, which is a semicolon with `--decimal comma`, or give another separator"
+    ))]
+    OneSeparator,
     /// `--regions` is given, but no curve in two parameters has known numbers of unstable
     /// directions.
     #[error(

@@ -21,6 +21,7 @@
 //! # Ok::<(), tangency::scene::SceneError>(())
 //! ```
 
+mod cells;
 mod compare;
 mod error;
 mod find;

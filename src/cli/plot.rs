@@ -1,6 +1,7 @@
 //! `tangency plot FILE…`: draws the diagram of documents, or writes the branches of the documents
 //! as a table.
 
+use super::cells::Cells;
 use super::error::CommandError;
 use super::request::end;
 use super::results::Results;
@@ -68,9 +69,8 @@ pub struct Plot {
     /// The letter of the only panel to draw [default: all panels]
     #[arg(long, value_name = "LETTER")]
     panel: Option<String>,
-    /// The separator between the columns of a table (.csv), such as ; or tab [default: a comma]
-    #[arg(long, value_name = "LETTER", value_parser = separator)]
-    separator: Option<char>,
+    #[command(flatten)]
+    cells: Cells,
     /// The output file, whose extension chooses the format: .svg, .png or .pdf for a picture, .html
     /// for an interactive page, .csv for all points of branches or sweeps, .json for a document,
     /// or, with --points, .csv or .npz for profiles [default: an .svg file in the folder of the
@@ -137,11 +137,9 @@ impl Plot {
             cause => CommandError::Unrendered(cause),
         })?;
         self.warn_of_absent(from, &named, &sweeps);
-        let content = match self.separator {
-            Some(separator) => {
-                output::separated(&String::from_utf8_lossy(&content), separator).into_bytes()
-            }
-            None => content,
+        let content = match format {
+            Format::Csv => self.cells.rewrite(&String::from_utf8_lossy(&content))?.into_bytes(),
+            _ => content,
         };
         write_atomically(&target, content)?;
         Ok(writeln!(out, "{}", target.display())?)
@@ -211,8 +209,8 @@ impl Plot {
 
     /// Rejects options that would have no effect on the output.
     fn check(&self, format: Format, sweeps: &[Sweeps]) -> Result<(), CommandError> {
-        if self.separator.is_some() && format != Format::Csv {
-            return Err(CommandError::NoSeparator);
+        if format != Format::Csv {
+            self.cells.refuse()?;
         }
         if format == Format::Html && self.width.is_some() {
             return Err(CommandError::PageWidth);
@@ -299,20 +297,6 @@ fn ends(text: &str) -> Result<Ends, String> {
             }
         }
         _ => Err(format!("`{text}` is not of the form LOW..HIGH, for example 0..30")),
-    }
-}
-
-/// Parses a separator of cells: a character that does not occur in numbers.
-pub fn separator(text: &str) -> Result<char, String> {
-    let mut letters = text.chars();
-    match (text, letters.next(), letters.next()) {
-        ("tab", _, _) => Ok('\t'),
-        (_, Some(letter @ (',' | ';' | '|' | ':' | ' ' | '\t')), None) => Ok(letter),
-        _ => {
-            Err("the separator must be a comma, a semicolon, a vertical bar, a colon, a space, or \
-                  the word tab"
-                .into())
-        }
     }
 }
 

@@ -4,7 +4,7 @@
 use crate::program::command::{bytes, failure, refused, signal, succeeds, tangency};
 use std::path::Path;
 use std::process::{Command, Stdio};
-use tangency::output::{Document, example_branch};
+use tangency::output::{Document, Sweeps, example_branch};
 
 /// Two short sweeps, and a branch.
 pub(super) const SCENE: &str = r#"Scene(
@@ -428,10 +428,19 @@ fn formats_follow_endings() {
     succeeds(at, &["plot", "a.ron", "--out", "b.csv", "--separator", ";"]);
     let other = String::from_utf8(bytes(at, "b.csv")).unwrap();
     assert!(other.starts_with("branch;point;load;aspect_ratio;deflection;unstable;admissible\n"));
+    let only = ["--separator and --decimal apply to comma-separated values"];
+    refused(at, &["plot", "a.ron", "--separator", ";"], &only);
+    refused(at, &["table", "a.ron", "--decimal", "comma"], &only);
+    // Spreadsheets in German read commas in numbers.
+    for decimal in ["plot", "table"] {
+        succeeds(at, &[decimal, "a.ron", "--out", "g.csv", "--decimal", "comma"]);
+        let table = String::from_utf8(bytes(at, "g.csv")).unwrap();
+        assert!(table.contains(";0,148148148148148;1,2;") && !table.contains("0.1"), "{table}");
+    }
     refused(
         at,
-        &["plot", "a.ron", "--separator", ";"],
-        &["--separator applies to comma-separated values"],
+        &["plot", "a.ron", "--out", "g.csv", "--decimal", "comma", "--separator", ","],
+        &["the comma cannot separate both columns and decimals", "help: "],
     );
     succeeds(at, &["plot", "a.ron", "--out", "b.json"]);
     let json: serde_json::Value = serde_json::from_slice(&bytes(at, "b.json")).unwrap();
@@ -461,7 +470,11 @@ fn formats_follow_endings() {
         }
     }
     let named = ["plot", "out/up.npz", "--out", "up.json"];
-    assert!(!refused(at, &named, &["one whole document of branches"]).contains("--points"));
+    let said = failure(&tangency(at, &named), 1);
+    assert!(
+        said.contains("one whole document of branches") && !said.contains("--points"),
+        "{said}"
+    );
     // The wall is at 1.
     let impacts: Vec<_> = rows.iter().filter(|row| row[4] == "impact").collect();
     assert!(!impacts.is_empty() && impacts.iter().all(|row| row[6] == "1"), "{impacts:?}");

@@ -113,6 +113,13 @@ fn sweeps_of_models_record_monitors() {
             assert!((row.points[column(name)] / exact - 1.0).abs() < 1e-8, "{name} at r = {r}");
         }
     }
+    for command in [&sweep[..], &["simulate", "m.ron", "--time", "1"]] {
+        let quiet = [command, &["--quiet", "--out", "quiet"]].concat();
+        let output = tangency(at, &quiet);
+        let said = String::from_utf8_lossy(&output.stdout);
+        assert!(output.status.success() && said.is_empty(), "{command:?}: {said}");
+    }
+    assert!(at.join("quiet/m-sweep.npz").exists() && at.join("quiet/m-history.npz").exists());
     // A sweep without the column of the axis is named.
     succeeds(at, &["trace", "m.ron", "--along", "r=1..2"]);
     let plot = |column: &str| {
