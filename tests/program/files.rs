@@ -470,7 +470,8 @@ fn formats_follow_endings() {
         }
     }
     let named = ["plot", "out/up.npz", "--out", "up.json"];
-    let said = failure(&tangency(at, &named), 1);
+    let output = tangency(at, &named);
+    let said = failure(&output, 1);
     assert!(
         said.contains("one whole document of branches") && !said.contains("--points"),
         "{said}"
