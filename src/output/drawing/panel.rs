@@ -5,6 +5,7 @@ use super::coincident::{Hidden, Line, hidden};
 use super::labels::{Room, Wanted, sampled};
 use super::pen::{colour, curve, darker, mark, pale, tint};
 use super::smooth::{CORNER, SLIGHT, smooth};
+use super::spots::sizes;
 use super::ticks::Ticks;
 use crate::core::system::Kind;
 use crate::output::error::FigureError;
@@ -252,7 +253,14 @@ impl<'a> Panel<'a> {
         for Hidden { points, name, width } in hidden(&lines) {
             canvas.line(&points, pale(colour(name)), width)?;
         }
-        lines.iter().try_for_each(|it| curve(canvas, it.style, &it.points, colour(it.name)))
+        // All sweeps of a panel have spots of the same two sizes.
+        let spots = lines.iter().filter(|line| is_spots(line.style));
+        let [small, large] = sizes(spots.map(|line| line.points.len()).max().unwrap_or_default());
+        lines.iter().try_for_each(|Line { style, points, name }| match style {
+            Style::Specks => canvas.spots(points, colour(*name), small),
+            Style::Blots => canvas.spots(points, colour(*name), large),
+            style => curve(canvas, *style, points, colour(*name)),
+        })
     }
 
     /// Draws walls with their hatching.

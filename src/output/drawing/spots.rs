@@ -10,8 +10,8 @@ const MANY_SPOTS: [f64; 2] = [1.2, 2.2];
 /// The largest number of spots that are drawn in the larger sizes.
 const FEW: usize = 400;
 
-/// Returns the side lengths, in units, of the spots of a sweep with a given number of points: of the
-/// last sweep in a picture, and of earlier sweeps.
+/// Returns the side lengths, in units, of the spots of the last sweep in a panel, and of the earlier
+/// sweeps, given the largest number of points of a sweep.
 pub(super) fn sizes(count: usize) -> [f64; 2] {
     if count <= FEW { FEW_SPOTS } else { MANY_SPOTS }
 }
