@@ -46,32 +46,25 @@ pub(super) fn stacks(centres: impl Iterator<Item = (i32, i32)>, size: i32) -> Ve
 const LINE: &str = "<polyline ";
 const POINTS: &str = " points=\"";
 
-/// Joins successive vertical lines of the same style in an SVG into one path, because an element for
-/// each of many spots would make a large file.
+/// Joins two or more successive vertical lines of the same style in an SVG into one path, because an
+/// element for each of many spots would make a large file.
 pub(super) fn joined(svg: &str) -> String {
-    let mut short = String::with_capacity(svg.len());
-    let mut open: Option<&str> = None;
-    for line in svg.split_inclusive('\n') {
-        let vertical = vertical(line);
-        if open.is_some() && open != vertical.map(|(style, ..)| style) {
-            short.push_str("\"/>\n");
-            open = None;
-        }
-        match vertical {
-            None => short.push_str(line),
-            Some((style, x, [top, bottom])) => {
-                if open.is_none() {
-                    short.push_str(&format!("<path {style} d=\""));
-                    open = Some(style);
-                }
-                short.push_str(&format!("M{x} {top}V{bottom}"));
-            }
-        }
-    }
-    if open.is_some() {
-        short.push_str("\"/>\n");
-    }
-    short
+    let lines: Vec<&str> = svg.split_inclusive('\n').collect();
+    let alike = |a: &&str, b: &&str| match (vertical(a), vertical(b)) {
+        (Some((style, ..)), Some((other, ..))) => style == other,
+        _ => false,
+    };
+    lines.chunk_by(alike).map(path).collect()
+}
+
+/// Returns one path for several vertical lines of the same style; other text is left as it is.
+fn path(lines: &[&str]) -> String {
+    let style = vertical(lines[0]).map(|(style, ..)| style);
+    let Some(style) = style.filter(|_| lines.len() > 1) else { return lines.concat() };
+    let ends = lines.iter().filter_map(|line| vertical(line));
+    let strokes: String =
+        ends.map(|(_, x, [top, bottom])| format!("M{x} {top}V{bottom}")).collect();
+    format!("<path {style} d=\"{strokes}\"/>\n")
 }
 
 /// Returns the style and the ends of a vertical line that is the only element of a line of text.
@@ -106,8 +99,7 @@ mod tests {
             line("#111", "5,2 5,9 "),
             line("#111", "5,2 6,9 "),
         ];
-        let path = "<path fill=\"none\" stroke=\"#000\" d=\"M1 2V3M5 2V9\"/>\n\
-                    <path fill=\"none\" stroke=\"#111\" d=\"M5 2V9\"/>\n";
-        assert_eq!(joined(&lines.concat()), format!("{path}{}", lines[3]));
+        let path = "<path fill=\"none\" stroke=\"#000\" d=\"M1 2V3M5 2V9\"/>\n";
+        assert_eq!(joined(&lines.concat()), format!("{path}{}", lines[2..].concat()));
     }
 }
