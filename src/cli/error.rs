@@ -111,13 +111,23 @@ pub enum CommandError {
         "the option --points adds the profiles of special points to the default diagram and cannot \
          be combined with --x or --y"
     )]
+    #[diagnostic(help(
+        "omit --x and --y; to draw one panel of profiles, such as a phase portrait, give its letter \
+         with --panel, as in `--panel c`"
+    ))]
     PointsInColumns,
-    /// A separator of cells is given for an output that is not comma-separated.
-    #[error("--separator applies to comma-separated values")]
+    /// A separator of cells or decimals is given for an output that is not comma-separated.
+    #[error("the options --separator and --decimal apply to comma-separated values")]
     #[diagnostic(help(
         "name a .csv file with --out; the command `tangency table` also has the option --csv"
     ))]
     NoSeparator,
+    /// The comma is chosen as the separator of both columns and decimals.
+    #[error("the comma cannot separate both columns and decimals")]
+    #[diagnostic(help(
+        "omit --separator, which is a semicolon with `--decimal comma`, or give another separator"
+    ))]
+    OneSeparator,
     /// `--regions` is given, but no curve in two parameters has known numbers of unstable
     /// directions.
     #[error(

@@ -21,6 +21,7 @@
 //! # Ok::<(), tangency::scene::SceneError>(())
 //! ```
 
+mod cells;
 mod compare;
 mod error;
 mod find;
@@ -138,7 +139,7 @@ pub fn run(catalogue: Catalogue) -> ExitCode {
         Command::Simulate(simulate) => simulate.run(from, &mut out),
         Command::Find(find) => find.run(from, &mut out),
         Command::Manifolds(manifolds) => manifolds.run(from, &mut out),
-        Command::Plot(plot) => plot.run(limit, &mut out),
+        Command::Plot(plot) => plot.run(from, &mut out),
         Command::Sweep(sweep) => sweep.run(from, &mut out),
         Command::Merge(merge) => merge.run(from, &mut out),
         Command::Table(table) => table.run(limit, &mut out),

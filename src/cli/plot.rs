@@ -1,13 +1,16 @@
 //! `tangency plot FILE…`: draws the diagram of documents, or writes the branches of the documents
 //! as a table.
 
+use super::cells::Cells;
 use super::error::CommandError;
 use super::request::end;
 use super::results::Results;
+use super::sources::Sources;
 use super::warning::warn;
 use crate::core::continuation::Branch;
+use crate::core::problem::UnknownName;
 use crate::output::{
-    self, Document, Format, Render, RenderError, SizeLimit, Sweeps, write_atomically,
+    self, Document, Format, Render, RenderError, SweepTable, Sweeps, tell_apart, write_atomically,
 };
 use clap::Args;
 use std::io::Write;
@@ -30,7 +33,8 @@ pub struct Plot {
     /// The documents (.ron) and sweeps (.npz) to draw
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
-    /// The parameter or monitor on the horizontal axis [default: as stated in the first document]
+    /// The parameter or monitor on the horizontal axis, or time or a state for a simulated history
+    /// [default: as stated in the first document]
     #[arg(long, value_name = "NAME")]
     x: Option<String>,
     /// The columns on the vertical axis: for example, v draws both the largest and the smallest
@@ -66,9 +70,8 @@ pub struct Plot {
     /// The letter of the only panel to draw [default: all panels]
     #[arg(long, value_name = "LETTER")]
     panel: Option<String>,
-    /// The separator between the columns of a table (.csv), such as ; or tab [default: a comma]
-    #[arg(long, value_name = "LETTER", value_parser = separator)]
-    separator: Option<char>,
+    #[command(flatten)]
+    cells: Cells,
     /// The output file, whose extension chooses the format: .svg, .png or .pdf for a picture, .html
     /// for an interactive page, .csv for all points of branches or sweeps, .json for a document,
     /// or, with --points, .csv or .npz for profiles [default: an .svg file in the folder of the
@@ -87,7 +90,7 @@ const LONGEST: usize = 60;
 
 impl Plot {
     /// Draws the diagram, and prints the path of the picture file.
-    pub fn run(&self, limit: SizeLimit, out: &mut impl Write) -> Result<(), CommandError> {
+    pub fn run(&self, from: Sources, out: &mut impl Write) -> Result<(), CommandError> {
         let beside = || self.files.first().map(|file| self.beside(file));
         // Clap rejects an empty list of files.
         let target = self.out.clone().or_else(beside).unwrap_or_default();
@@ -96,10 +99,12 @@ impl Plot {
         let format = Format::of(&target)?;
         let (archives, files): (Vec<_>, Vec<_>) =
             self.files.iter().partition(|file| file.extension().is_some_and(|e| e == "npz"));
-        let documents = files.iter().map(|file| Document::load_within(limit, file));
+        let documents = files.iter().map(|file| Document::load_within(from.limit, file));
         let mut documents = documents.collect::<Result<Vec<Document>, _>>()?;
-        let sweeps = archives.iter().map(|file| Sweeps::load_within(limit, file));
+        let sweeps = archives.iter().map(|file| Sweeps::load_within(from.limit, file));
         let mut sweeps = sweeps.collect::<Result<Vec<Sweeps>, _>>()?;
+        let scenes = scenes(from, &archives, &sweeps);
+        tell_apart(&mut sweeps, &scenes);
         let plots = documents.iter_mut().map(|document| &mut document.plot);
         // The first document or sweep defines how all are drawn.
         if let Some(plot) = plots.chain(sweeps.iter_mut().map(|it| &mut it.plot)).next() {
@@ -132,32 +137,38 @@ impl Plot {
             }
             cause => CommandError::Unrendered(cause),
         })?;
-        self.warn_of_absent(&named, &sweeps);
-        let content = match self.separator {
-            Some(separator) => {
-                output::separated(&String::from_utf8_lossy(&content), separator).into_bytes()
-            }
-            None => content,
+        self.warn_of_absent(from, &named, &sweeps);
+        let content = match format {
+            Format::Csv => self.cells.rewrite(&String::from_utf8_lossy(&content))?.into_bytes(),
+            _ => content,
         };
         write_atomically(&target, content)?;
         Ok(writeln!(out, "{}", target.display())?)
     }
 
     /// Warns of documents and sweeps that lack a requested column and are not drawn.
-    fn warn_of_absent(&self, documents: &[(&str, &Document)], sweeps: &[Sweeps]) {
+    fn warn_of_absent(&self, from: Sources, documents: &[(&str, &Document)], sweeps: &[Sweeps]) {
         for column in self.x.iter().chain(&self.y) {
             for (name, document) in documents {
-                let lacks = |branch: &Branch| branch.columns_showing(column).is_empty();
+                // The axes of histories may show the time and states.
+                let in_profiles = |branch: &Branch| {
+                    let mut profiles = branch.special.iter().flat_map(|point| &point.profiles);
+                    profiles.any(|profile| [&profile.along, &profile.name].contains(&column))
+                };
+                let lacks = |branch: &Branch| {
+                    branch.columns_showing(column).is_empty() && !in_profiles(branch)
+                };
                 if document.branches.iter().all(lacks) {
                     warn(&format!("`{name}` has no column `{column}` and is not drawn"));
                 }
             }
-            for table in sweeps.iter().flat_map(|it| &it.sweeps) {
-                if !table.has_column(column) {
+            for sweeps in sweeps {
+                let lacking = sweeps.sweeps.iter().filter(|table| !table.has_column(column));
+                for table in lacking {
+                    let remedy = remedy(from, sweeps, table, column);
+                    let name = &table.name;
                     warn(&format!(
-                        "the sweep `{}` has no column `{column}` and is not drawn: repeat the sweep with \
-                         `--measure {column}`",
-                        table.name
+                        "the sweep `{name}` has no column `{column}` and is not drawn{remedy}"
                     ));
                 }
             }
@@ -200,8 +211,8 @@ impl Plot {
 
     /// Rejects options that would have no effect on the output.
     fn check(&self, format: Format, sweeps: &[Sweeps]) -> Result<(), CommandError> {
-        if self.separator.is_some() && format != Format::Csv {
-            return Err(CommandError::NoSeparator);
+        if format != Format::Csv {
+            self.cells.refuse()?;
         }
         if format == Format::Html && self.width.is_some() {
             return Err(CommandError::PageWidth);
@@ -230,6 +241,33 @@ impl Plot {
             None => Ok(()),
         }
     }
+}
+
+/// Returns the end of a warning of a missing column: the option that records the column, if a sweep
+/// of the scene can record it, and otherwise the columns that the sweep has.
+fn remedy(from: Sources, sweeps: &Sweeps, table: &SweepTable, column: &str) -> String {
+    let scene = from.catalogue.parse_alone(&sweeps.scene).ok();
+    let sampling = scene.and_then(|scene| scene.sampling().ok()).unwrap_or_default();
+    if sampling.measures.iter().any(|measure| measure == column) {
+        return format!(": repeat the sweep with `--measure {column}`");
+    }
+    let known = table.run_columns.iter().chain(&table.point_columns).map(String::as_str);
+    format!(" ({})", UnknownName::new("column", column, known).remedy())
+}
+
+/// Returns the name of each archive of sweeps, and the settings of its scene. An archive whose scene
+/// cannot be parsed has no settings.
+fn scenes(
+    from: Sources,
+    archives: &[&PathBuf],
+    sweeps: &[Sweeps],
+) -> Vec<(String, Vec<(String, String)>)> {
+    let settings = |sweeps: &Sweeps| {
+        let scene = from.catalogue.parse_alone(&sweeps.scene).ok();
+        scene.map_or(Vec::new(), |scene| scene.record())
+    };
+    let names = names(archives, Format::Svg).into_iter();
+    names.zip(sweeps.iter().map(settings)).collect()
 }
 
 /// Returns the names by which a picture refers to the documents: their file names if these are
@@ -261,20 +299,6 @@ fn ends(text: &str) -> Result<Ends, String> {
             }
         }
         _ => Err(format!("`{text}` is not of the form LOW..HIGH, for example 0..30")),
-    }
-}
-
-/// Parses a separator of cells: a character that does not occur in numbers.
-pub fn separator(text: &str) -> Result<char, String> {
-    let mut letters = text.chars();
-    match (text, letters.next(), letters.next()) {
-        ("tab", _, _) => Ok('\t'),
-        (_, Some(letter @ (',' | ';' | '|' | ':' | ' ' | '\t')), None) => Ok(letter),
-        _ => {
-            Err("the separator must be a comma, a semicolon, a vertical bar, a colon, a space, or \
-                  the word tab"
-                .into())
-        }
     }
 }
 

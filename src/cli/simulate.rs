@@ -8,7 +8,7 @@ use super::signals;
 use super::sources::Sources;
 use super::trace::states;
 use super::warning::warn;
-use super::watch::{Telling, Watch};
+use super::watch::{Quiet, Telling, Watch};
 use crate::output::Format;
 use crate::scene::{Purpose, Request, Simulated};
 use clap::Args;
@@ -39,6 +39,8 @@ pub struct Simulate {
     /// The duration of the transient motion, which is simulated before the history begins
     #[arg(long, value_name = "TIME", default_value = "0", value_parser = value)]
     transient: f64,
+    #[command(flatten)]
+    quiet: Quiet,
 }
 
 /// The file formats in which a history is saved.
@@ -51,6 +53,8 @@ pub type States = Vec<(String, f64)>;
 impl Simulate {
     /// Simulates the model, and saves and draws the history.
     pub fn run(&self, from: Sources, out: &mut impl Write) -> Result<(), CommandError> {
+        let mut nowhere = std::io::sink();
+        let mut out = self.quiet.stream(out, &mut nowhere);
         let state = self.from.clone().unwrap_or_default();
         let (transient, duration) = (self.transient, self.time);
         let simulated = Simulated { state, transient, duration, ..Simulated::default() };
@@ -68,7 +72,7 @@ impl Simulate {
         signals::handle();
         let results = Results::claim(&self.folder.out, &name, &FORMATS, &inputs)?;
         resolution.warnings().iter().for_each(|warning| warn(warning));
-        let mut watch = Watch::new(out, Telling::USUAL);
+        let mut watch = Watch::new(&mut out, Telling::USUAL);
         let outcome = resolution.trace(&mut watch);
         watch.finish()?;
         outcome.error.map_or(Ok(()), |cause| Err(self.scene.stopped(cause)))?;

@@ -9,7 +9,8 @@ use super::signals::{self, interrupted};
 use super::simulate::States;
 use super::sources::Sources;
 use super::trace::states;
-use super::watch::{Telling, Watch, announce, bar};
+use super::warning::warn;
+use super::watch::{Quiet, Telling, Watch, announce, bar};
 use crate::core::sweep::{Found, Part};
 use crate::output::{Document, FileError, Format, SweepTable, Sweeps, merge, printable};
 use crate::scene::{
@@ -69,6 +70,8 @@ pub struct Sweep {
     /// Discard the saved results of earlier runs of the sweep, and start the sweep again
     #[arg(long)]
     afresh: bool,
+    #[command(flatten)]
+    quiet: Quiet,
 }
 
 /// Join the parts of a sweep
@@ -132,6 +135,8 @@ impl Sweep {
     /// Computes, saves and draws the sweeps of a scene. Finished runs of a sweep are saved even
     /// after an error or Ctrl-C.
     pub fn run(&self, from: Sources, out: &mut impl Write) -> Result<(), CommandError> {
+        let mut nowhere = std::io::sink();
+        let mut out = self.quiet.stream(out, &mut nowhere);
         let (set, cancel) = (self.scene.settings.clone(), signals::token());
         let request = Request { set, cancel, ..Request::default() };
         let (name, scene) = self.read(from, &request)?;
@@ -155,10 +160,10 @@ impl Sweep {
             scene.check_known(known).map_err(|cause| self.scene.at_fault(cause))?;
         }
         if let Some(part) = self.part {
-            divided(&scene, part, out)?;
+            divided(&scene, part, &mut out)?;
         }
         let traced = self.part.is_none().then_some(&scene);
-        let document = trace(traced, &self.scene.scene, out)?;
+        let document = trace(traced, &self.scene.scene, &mut out)?;
         let kept = Kept { results: &results, document };
         let part = Part { threads: self.threads, ..self.part.unwrap_or(Part::WHOLE) };
         let (every, bar, saved) = (self.checkpoint, bar(), Instant::now());
@@ -167,7 +172,11 @@ impl Sweep {
         let swept = sweep(&scene, &name, part, known, &mut keeper);
         keeper.bar.finish_and_clear();
         let sweeps = swept.map_err(|cause| self.scene.at_fault(cause))?;
-        let kept = keeper.kept.end(&sweeps, out);
+        let kept = keeper.kept.end(&sweeps, &mut out);
+        if self.quiet.quiet {
+            let failed = sweeps.sweeps.iter().filter(|table| failures(table) > 0);
+            failed.for_each(|table| warn(&summary(table)));
+        }
         keeper.failure.map_or(Ok(()), Err)?;
         match kept {
             // There may not be enough data to draw yet.
@@ -287,22 +296,26 @@ fn divided(scene: &Scene, part: Part, out: &mut impl Write) -> Result<(), Comman
 
 /// Prints a line of results for each sweep.
 fn report(sweeps: &Sweeps, out: &mut impl Write) -> Result<(), CommandError> {
-    for SweepTable { name, rows, total, .. } in &sweeps.sweeps {
-        let failed = rows.values().filter(|row| row.failure.is_some()).count();
-        write!(out, "{name}: {} of {total} runs", rows.len())?;
-        match rows.iter().find_map(|(run, row)| Some((run, row.failure.as_ref()?))) {
-            Some((run, why)) => {
-                let why = printable(why);
-                writeln!(
-                    out,
-                    "; number of failed runs: {failed}; the first failed run is run \
-                               {run}: {why}"
-                )?;
-            }
-            None => writeln!(out)?,
-        }
+    let mut tables = sweeps.sweeps.iter();
+    Ok(tables.try_for_each(|table| writeln!(out, "{}", summary(table)))?)
+}
+
+/// Returns the number of failed runs of a sweep.
+fn failures(table: &SweepTable) -> usize {
+    table.rows.values().filter(|row| row.failure.is_some()).count()
+}
+
+/// Describes the results of a sweep in one line: the numbers of finished and failed runs.
+fn summary(table: &SweepTable) -> String {
+    let SweepTable { name, rows, total, .. } = table;
+    let mut line = format!("{name}: {} of {total} runs", rows.len());
+    if let Some((run, why)) = rows.iter().find_map(|(run, row)| Some((run, row.failure.as_ref()?)))
+    {
+        let (failed, why) = (failures(table), printable(why));
+        line +=
+            &format!("; number of failed runs: {failed}; the first failed run is run {run}: {why}");
     }
-    Ok(())
+    line
 }
 
 /// Saves finished runs at intervals, and shows the progress of the sweep.

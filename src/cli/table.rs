@@ -1,12 +1,12 @@
 //! `tangency table FILE…`: lists the special points of many documents in one table.
 
+use super::cells::Cells;
 use super::error::CommandError;
 use super::request::kind;
 use super::results::Results;
 use crate::core::system::Kind;
 use crate::output::{
-    Columns, Document, FileError, Format, PointTable, Selection, SizeLimit, separated,
-    write_atomically,
+    Columns, Document, FileError, Format, PointTable, Selection, SizeLimit, write_atomically,
 };
 use clap::Args;
 use std::io::Write;
@@ -42,9 +42,8 @@ pub struct Table {
     /// Print the table as comma-separated values, with all columns unless --columns is given
     #[arg(long, conflicts_with = "out")]
     csv: bool,
-    /// The separator between columns in comma-separated values, such as ; or tab [default: a comma]
-    #[arg(long, value_name = "LETTER", value_parser = super::plot::separator)]
-    separator: Option<char>,
+    #[command(flatten)]
+    cells: Cells,
     /// Write the table to this file as comma-separated values, instead of printing the table
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
@@ -75,10 +74,12 @@ impl Table {
         };
         let selection = Selection { kinds: &self.kind, columns, sensitivities: self.sensitivity };
         let table = PointTable::of(&named, selection).map_err(CommandError::NoColumn)?;
-        let text = match (csv, self.separator) {
-            (false, Some(_)) => return Err(CommandError::NoSeparator),
-            (false, None) => table.screen(),
-            (true, separator) => separated(&table.csv(), separator.unwrap_or(',')),
+        let text = match csv {
+            true => self.cells.rewrite(&table.csv())?,
+            false => {
+                self.cells.refuse()?;
+                table.screen()
+            }
         };
         let Some(path) = &self.out else { return Ok(out.write_all(text.as_bytes())?) };
         write_atomically(path, text)?;

@@ -119,7 +119,7 @@ impl Trace {
         let said = resolution.warnings();
         said.iter().for_each(|warning| warn(warning));
         let mut nowhere = std::io::sink();
-        let told: &mut dyn Write = if self.telling.quiet { &mut nowhere } else { &mut *out };
+        let told = self.telling.quiet.stream(&mut *out, &mut nowhere);
         let mut watch = Watch::new(&mut *told, self.telling);
         let switches = start.is_some_and(|start| start.switch);
         let following = request.following(self.wanted.begins_everywhere());
@@ -210,7 +210,7 @@ impl Trace {
             limit: from.limit,
         };
         let mut nowhere = std::io::sink();
-        let told = if self.telling.quiet { &mut nowhere } else { out };
+        let told = self.telling.quiet.stream(out, &mut nowhere);
         self.doubt(self.grid.run(traced, trace, told)?)
     }
 

@@ -9,7 +9,7 @@ use crate::scene::SceneObserver;
 use clap::Args;
 use console::Term;
 use indicatif::{ProgressBar, ProgressStyle};
-use std::io::{IsTerminal, Write};
+use std::io::{IsTerminal, Sink, Write};
 use std::time::Duration;
 
 /// Returns a progress bar, which is visible if the standard error stream is a terminal.
@@ -46,14 +46,28 @@ pub fn announce(bar: &ProgressBar, name: &str, what: &str, longest: Duration, re
     bar.suspend(|| warn(&warning));
 }
 
+/// The option that suppresses all output except warnings and errors.
+#[derive(Clone, Copy, Debug, Args)]
+pub struct Quiet {
+    /// Print only warnings and errors
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
+impl Quiet {
+    /// Returns the stream to which a command prints: the given output, or nowhere.
+    pub fn stream<'a>(self, out: &'a mut dyn Write, nowhere: &'a mut Sink) -> &'a mut dyn Write {
+        if self.quiet { nowhere } else { out }
+    }
+}
+
 /// The options that control the printed output of a trace.
 #[derive(Clone, Copy, Debug, Args)]
 pub struct Telling {
-    /// Print only warnings and errors
-    #[arg(short, long, conflicts_with = "verbose")]
-    pub quiet: bool,
+    #[command(flatten)]
+    pub quiet: Quiet,
     /// Print all points of branches, not only the special points
-    #[arg(short, long)]
+    #[arg(short, long, conflicts_with = "quiet")]
     pub verbose: bool,
     /// Print all columns, even if the lines are wider than the terminal
     #[arg(long)]
@@ -62,7 +76,8 @@ pub struct Telling {
 
 impl Telling {
     /// The default printed output of commands other than `trace`: special points with all columns.
-    pub const USUAL: Telling = Telling { quiet: false, verbose: false, wide: true };
+    pub const USUAL: Telling =
+        Telling { quiet: Quiet { quiet: false }, verbose: false, wide: true };
 
     /// Returns the width of the terminal in letters, or `None` if all columns are printed.
     fn width(self) -> Option<usize> {

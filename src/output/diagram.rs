@@ -272,6 +272,12 @@ fn named<'a>(documents: &[(&str, &'a Document)]) -> Vec<Named<'a>> {
     branches
 }
 
+/// Returns the name of the curve that shows a branch of one of the documents in the diagram.
+pub(super) fn curve_name(documents: &[(&str, &Document)], branch: &Branch) -> Option<String> {
+    let named = named(documents).into_iter();
+    named.filter(|named| std::ptr::eq(named.branch, branch)).map(|named| named.name).next()
+}
+
 fn axes<'a>(
     branch: &'a Branch,
     plot: &'a Plot,

@@ -14,6 +14,7 @@ mod panel;
 mod pdf;
 mod pen;
 mod smooth;
+mod spots;
 mod text;
 mod ticks;
 

@@ -29,6 +29,9 @@ pub struct Figure {
     /// The curves. The curves of the figure; curves with the same name are pieces of one curve, and
     /// share a colour and an entry in the legend.
     pub series: Vec<Series>,
+    /// Names of curves in the order of their colours; the curves with other names have the next
+    /// colours, in the order of the curves. A name without a curve keeps its colour free.
+    pub colours: Vec<String>,
     /// The marks.
     pub marks: Vec<Mark>,
     /// The texts on the two sides of curves, such as numbers of unstable directions.
@@ -131,10 +134,10 @@ pub enum Style {
     Dots,
     /// A dot at every point, and a line through the dots.
     DottedLine,
-    /// The smallest visible spot at every point of the curve.
+    /// A small spot at every point of the curve, drawn after all lines.
     Specks,
-    /// A larger, paler spot at every point; these spots are drawn before the small spots of other
-    /// curves.
+    /// A larger spot at every point; these spots are drawn after all lines, and before the small
+    /// spots of other curves.
     Blots,
 }
 
@@ -238,9 +241,10 @@ impl Figure {
         self
     }
 
-    /// Returns the distinct names of the curves, in the order of their first appearance.
+    /// Returns the distinct names of the curves, in the order of their colours: first the names in
+    /// [`Figure::colours`], then all other names in the order of the curves.
     pub fn names(&self) -> Vec<&str> {
-        distinct(self.series.iter().map(|series| &series.name))
+        distinct(self.colours.iter().chain(self.series.iter().map(|series| &series.name)))
     }
 
     /// Returns the ranges of `x` and `y` that contain all points of the figure.

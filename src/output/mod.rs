@@ -69,6 +69,8 @@ pub(crate) use files::{Lock, kind, target, text_of};
 pub use files::{SizeLimit, write_atomically, write_together};
 pub use format::Format;
 pub use histories::histories;
+#[cfg(feature = "cli")]
+pub(crate) use names::tell_apart;
 pub use number::significant;
 pub use page::PLOTLY;
 #[cfg(feature = "live")]

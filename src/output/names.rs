@@ -1,6 +1,9 @@
 //! Chooses distinct names for documents.
 
-use super::document::Document;
+use super::document::{Document, Plot};
+use super::number::significant;
+use super::sweeps::Sweeps;
+use super::units::with_prefix;
 
 /// The largest number of settings in the name of a document.
 const MOST_SETTINGS: usize = 3;
@@ -15,12 +18,69 @@ pub(super) fn distinguished(documents: &[(&str, &Document)]) -> Vec<String> {
         return given();
     }
     let words = |document: &Document| {
-        let of = |key: &&str| format!("{key} = {}", setting(document, key).unwrap_or_default());
+        let value = |key: &str| setting(document, key).unwrap_or_default();
+        let of = |key: &&str| format!("{key} = {}", readable(&document.plot, key, value(key)));
         keys.iter().map(of).collect::<Vec<_>>().join(", ")
     };
     let names: Vec<String> = documents.iter().map(|(_, document)| words(document)).collect();
     let repeated = |(k, name): (usize, &String)| names[..k].contains(name);
     if names.iter().enumerate().any(repeated) { given() } else { names }
+}
+
+/// The number of digits of values in names, and the absolute value below which a number is written
+/// with a power of ten.
+const DIGITS: usize = 12;
+const SMALL: f64 = 1e-3;
+
+/// Writes the value of a setting with the unit of the setting's column, such as `1.5 µm`. If no unit
+/// is known, very small and very large values are written with a power of ten.
+fn readable(plot: &Plot, key: &str, value: &str) -> String {
+    match value.parse::<f64>() {
+        Ok(number) => with_prefix(number, plot.label(key)).unwrap_or_else(|| plain(number)),
+        Err(_) => value.into(),
+    }
+}
+
+fn plain(number: f64) -> String {
+    let text = significant(number, DIGITS);
+    match text.parse::<f64>() {
+        Ok(rounded) if rounded != 0.0 && rounded.abs() < SMALL => format!("{rounded:e}"),
+        _ => text,
+    }
+}
+
+/// Gives the sweeps of several scenes different names if some names are equal: the name of a sweep
+/// is preceded by the values of the settings in which the scenes differ, or by the given name of its
+/// scene if the settings do not distinguish the scenes. A setting is ignored if a sweep varies it.
+#[cfg(feature = "cli")]
+pub(crate) fn tell_apart(sweeps: &mut [Sweeps], scenes: &[(String, Vec<(String, String)>)]) {
+    let tables = || sweeps.iter().flat_map(|it| &it.sweeps);
+    let mut names: Vec<&str> = tables().map(|table| table.name.as_str()).collect();
+    let count = names.len();
+    names.sort_unstable();
+    names.dedup();
+    if names.len() == count {
+        return;
+    }
+    let swept = |key: &str| tables().any(|table| table.axes.iter().any(|axis| axis == key));
+    let documents: Vec<(&str, Document)> = sweeps
+        .iter()
+        .zip(scenes)
+        .map(|(sweeps, (name, settings))| {
+            let mut document = Document::new(&sweeps.title, Vec::new());
+            document.plot = sweeps.plot.clone();
+            document.settings = settings.iter().filter(|(key, _)| !swept(key)).cloned().collect();
+            (name.as_str(), document)
+        })
+        .collect();
+    let documents: Vec<(&str, &Document)> =
+        documents.iter().map(|(name, it)| (*name, it)).collect();
+    let alone = names.len() == 1;
+    for (sweeps, name) in sweeps.iter_mut().zip(distinguished(&documents)) {
+        for table in &mut sweeps.sweeps {
+            table.name = if alone { name.clone() } else { format!("{name}, {}", table.name) };
+        }
+    }
 }
 
 /// Returns the names of the settings in which documents differ, except for parameters that vary

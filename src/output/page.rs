@@ -13,7 +13,7 @@ use super::regions::MEANING;
 use super::summary::Summary;
 use super::symbols::distinguish;
 use crate::core::continuation::{Branch, Number, Sensitivity, SpecialPoint};
-use crate::core::problem::{Profile, distinct};
+use crate::core::problem::Profile;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -269,7 +269,7 @@ impl<'a> Panel<'a> {
         Panel {
             title: &figure.title,
             labels: [&figure.x_label, &figure.y_label],
-            names: distinct(figure.series.iter().map(|series| &series.name)),
+            names: figure.names(),
             curves: figure.series.iter().filter(|it| !it.points.is_empty()).map(curve).collect(),
             marks: marks.collect(),
             meanings: figure.styles.iter().map(style).collect(),

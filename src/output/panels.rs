@@ -6,7 +6,7 @@ use super::document::{Against, Document, Enlargement, Plot};
 use super::error::FigureError;
 use super::fields::fields;
 use super::figure::{Figure, Series, Style};
-use super::profiles::{TIME, profiles};
+use super::profiles::{TIME, portrait, profiles};
 #[cfg(feature = "live")]
 use super::sweeps::SweepTable;
 use super::sweeps::{Sweeps, basins, scatter};
@@ -26,7 +26,8 @@ use std::collections::BTreeSet;
 /// profiles are drawn. By default, the figures show a phase portrait and a time history of up to
 /// three different orbits; for other solutions, they show the profiles of the user-defined points
 /// and, for comparison, of the first end of the branch. If `x` or `y` is given, only the diagram
-/// with these columns on its axes is returned.
+/// with these columns on its axes is returned; for simulated histories, these columns may be states
+/// and the time.
 ///
 /// [`Plot::profiles`]: super::Plot::profiles
 /// [`Plot::points`]: super::Plot::points
@@ -51,9 +52,15 @@ pub fn figures(
     let plot = plots.chain(sweeps.iter().map(|sweep| &sweep.plot)).next();
     plot.map_or(Ok(()), |plot| check_logarithmic(plot, documents, sweeps))?;
     let asked = x.is_some() || !y.is_empty();
+    let of_histories =
+        sweeps.is_empty() && documents.iter().all(|(_, document)| of_histories(document));
+    if let (true, true, Some(portrait)) = (of_histories, asked, portrait(documents, x, y)?) {
+        let figures = vec![portrait];
+        check_axes(plot, &figures)?;
+        return Ok(figures);
+    }
     // The diagram of histories would have one point.
-    let histories =
-        sweeps.is_empty() && !asked && documents.iter().all(|(_, document)| of_histories(document));
+    let histories = of_histories && !asked;
     let mut figures = match (histories, sweeps.is_empty()) {
         (true, _) => Vec::new(),
         (false, true) => vec![diagram(documents, x, y)?],
@@ -95,7 +102,9 @@ pub fn figures(
             figures.push(special_points_against(document, against));
         }
     }
-    figures.extend(profiles(documents)?);
+    let drawn = figures.first().map_or(Vec::new(), Figure::names);
+    let drawn: Vec<String> = drawn.into_iter().map(String::from).collect();
+    figures.extend(profiles(documents, drawn)?);
     figures.extend(fields(documents)?);
     check_axes(Some(plot), &figures)?;
     if let (true, Some(first), Some((_, document))) =
@@ -255,12 +264,11 @@ fn together(
             series.style = Style::Blots;
         }
     }
-    // Specks have the first colours, single dots the last ones. Blots are drawn below all lines,
-    // specks above them.
-    let (behind, before): (Vec<Series>, Vec<Series>) =
+    // Specks and blots have the first colours, single dots the last ones.
+    let (first, last): (Vec<Series>, Vec<Series>) =
         scattered.into_iter().partition(|series| series.style != Style::Dots);
-    figure.series.splice(0..0, behind);
-    figure.series.extend(before);
+    figure.series.splice(0..0, first);
+    figure.series.extend(last);
     figure.tiles = tiles;
     figure.logarithmic = [x, y].map(|column| plot.is_logarithmic(column));
     keep_positive(&mut figure);

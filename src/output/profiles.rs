@@ -1,7 +1,9 @@
 //! Figures of the profiles of special points: mode shapes, time histories, phase portraits.
 
-use super::diagram::{PERIOD, event, has_free_period, stability, style};
+use super::axis::keep_positive;
+use super::diagram::{PERIOD, curve_name, event, has_free_period, stability, style};
 use super::document::{Document, Plot};
+use super::drawing::hexadecimal;
 use super::error::{FigureError, UnknownPoint};
 use super::figure::{Figure, Series, Style, Wall};
 use super::number::significant;
@@ -51,6 +53,21 @@ impl Shown<'_> {
     fn histories(&self) -> impl Iterator<Item = &Profile> {
         let is_history = |it: &&Profile| it.along == TIME && it.kicked().is_none();
         self.point.profiles.iter().filter(is_history)
+    }
+
+    /// Returns the history of one quantity against another quantity, where each quantity is the time
+    /// or a state; `None` if the two histories do not have the same times.
+    fn history(&self, x: &str, y: &str) -> Option<Profile> {
+        let of = |name: &str| self.histories().find(|history| name == TIME || history.name == name);
+        let [from, to] = match x {
+            TIME => [of(y)?; 2],
+            _ => [of(x)?, of(y)?],
+        };
+        let pairs = || from.points.iter().zip(&to.points);
+        let same = from.points.len() == to.points.len() && pairs().all(|(a, b)| a[0] == b[0]);
+        let value = |name: &str, at: &[f64; 2]| at[usize::from(name != TIME)];
+        let points = pairs().map(|(a, b)| [value(x, a), value(y, b)]).collect();
+        same.then(|| Profile { along: x.into(), name: y.into(), points })
     }
 
     /// Returns the time at which the drawn histories of an orbit begin if the phase of the orbit is
@@ -168,8 +185,12 @@ pub(super) fn shown<'a>(documents: &[(&str, &'a Document)]) -> Result<Vec<Shown<
     }
 }
 
-/// Returns one figure for each kind of profile, as [`figures`](super::figures) describes.
-pub(super) fn profiles(documents: &[(&str, &Document)]) -> Result<Vec<Figure>, FigureError> {
+/// Returns one figure for each kind of profile, as [`figures`](super::figures) describes; the names
+/// of the curves in the diagram are given in the order of their colours.
+pub(super) fn profiles(
+    documents: &[(&str, &Document)],
+    drawn: Vec<String>,
+) -> Result<Vec<Figure>, FigureError> {
     let Some((_, first)) = documents.first() else { return Ok(Vec::new()) };
     let plot = &first.plot;
     let shown = shown(documents)?;
@@ -186,7 +207,8 @@ pub(super) fn profiles(documents: &[(&str, &Document)]) -> Result<Vec<Figure>, F
             figures[index].1.series.extend(shown.series(profile));
         }
     }
-    keep_colours(&shown, &mut figures);
+    let colours = colours(documents, &shown, drawn);
+    figures.iter_mut().for_each(|(_, figure)| figure.colours.clone_from(&colours));
     if plot.profiles.is_empty() && plot.points.is_empty() && shown.iter().all(Shown::is_orbit) {
         // A phase portrait, the history of the first state, and its phase response.
         let mut seen = Vec::new();
@@ -219,20 +241,76 @@ pub(super) fn profiles(documents: &[(&str, &Document)]) -> Result<Vec<Figure>, F
     chosen(figures, &plot.profiles)
 }
 
-/// Adds an empty series to each figure for every special point that has no curve in the figure, so
-/// that each special point has the same colour in all figures.
-fn keep_colours(shown: &[Shown], figures: &mut [(&Profile, Figure)]) {
-    for (_, figure) in figures {
-        let mut drawn = std::mem::take(&mut figure.series);
-        for Shown { name, .. } in shown {
-            let own: Vec<Series> = drawn.extract_if(.., |series| series.name == *name).collect();
-            match own.is_empty() {
-                true => figure.series.push(Series::new(name, Style::Solid, [])),
-                false => figure.series.extend(own),
+/// Returns a figure of the histories of documents with the given names on its axes, such as a phase
+/// portrait of two states; by default the horizontal axis shows the time, and the vertical axis the
+/// first state that is not on the horizontal axis. Returns `None` if a name is neither the time nor
+/// a state of a history.
+pub(super) fn portrait(
+    documents: &[(&str, &Document)],
+    x: Option<&str>,
+    ys: &[&str],
+) -> Result<Option<Figure>, FigureError> {
+    let Some((_, first)) = documents.first() else { return Ok(None) };
+    let shown = named(documents, &[ALL.to_owned()])?;
+    let states = distinct(shown.iter().flat_map(Shown::histories).map(|it| &it.name));
+    let is_known = |name: &&str| *name == TIME || states.contains(name);
+    let x = x.unwrap_or(TIME);
+    let usual = states.iter().copied().find(|state| *state != x);
+    let ys: Vec<&str> = if ys.is_empty() { usual.into_iter().collect() } else { ys.to_vec() };
+    if ys.is_empty() || !std::iter::once(&x).chain(&ys).all(|name| is_known(&name)) {
+        return Ok(None);
+    }
+    let plot = &first.plot;
+    let labels = ys.iter().map(|y| plot.label(y)).collect::<Vec<_>>().join(", ");
+    let mut figure = Figure::new(&first.title, plot.label(x), labels);
+    let drawn = shown.iter().flat_map(|shown| ys.iter().map(move |y| (shown, *y)));
+    for (shown, y) in drawn {
+        let Some(profile) = shown.history(x, y) else { continue };
+        let curve = match (documents.len(), ys.len()) {
+            (_, 1) => shown.place.clone(),
+            (1, _) => y.to_owned(),
+            _ => format!("{}: {y}", shown.place),
+        };
+        let renamed = |series: Series| Series { name: curve.clone(), ..series };
+        figure.series.extend(shown.series(&profile).into_iter().map(renamed));
+    }
+    figure.logarithmic = [plot.is_logarithmic(x), ys.iter().all(|y| plot.is_logarithmic(y))];
+    keep_positive(&mut figure);
+    if figure.series.iter().any(|series| series.style == Style::Dotted) {
+        figure.styles.push((Style::Dotted, "reset".into()));
+    }
+    Ok(Some(figure))
+}
+
+/// Returns the names of the curves of special points in the order of their colours, which are the
+/// same in all figures of profiles: the first special point of a branch has the colour of the branch
+/// in the diagram, and each further point a colour that no branch has, as long as there are such
+/// colours.
+fn colours(
+    documents: &[(&str, &Document)],
+    shown: &[Shown],
+    mut colours: Vec<String>,
+) -> Vec<String> {
+    let mut taken = vec![false; colours.len()];
+    let mut further = Vec::new();
+    for Shown { name, branch, .. } in shown {
+        let curve = curve_name(documents, branch);
+        match colours.iter().position(|colour| curve.as_ref() == Some(colour)) {
+            Some(place) => (colours[place], taken[place]) = (name.clone(), true),
+            None => further.push(name),
+        }
+    }
+    for name in further {
+        let free = taken.iter().rposition(|taken| !taken);
+        match free.filter(|_| colours.len() >= hexadecimal().len()) {
+            Some(place) => (colours[place], taken[place]) = (name.clone(), true),
+            None => {
+                colours.push(name.clone());
+                taken.push(true);
             }
         }
-        figure.series.extend(drawn);
     }
+    colours
 }
 
 /// Returns the label of the vertical axis of a profile.

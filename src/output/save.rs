@@ -217,6 +217,21 @@ impl Results<'_> {
         }
     }
 
+    /// Returns the reason for which the results cannot be written as JSON.
+    fn not_json(&self) -> &'static str {
+        match (self.documents, self.sweeps) {
+            ([_], []) => {
+                "a JSON file (.json) contains one whole document and cannot be combined with \
+                 --points"
+            }
+            (_, []) => "a JSON file (.json) contains one whole document, not several documents",
+            _ => {
+                "a JSON file (.json) contains one whole document of branches (.ron): the data of \
+                 sweeps are in the archive (.npz), and can be written as a table (.csv)"
+            }
+        }
+    }
+
     /// Returns the special points whose profiles are written to a table.
     fn shown(&self) -> Result<Vec<Shown<'_>>, RenderError> {
         let shown = named(self.documents, self.points)?;
@@ -288,12 +303,7 @@ impl Render for Results<'_> {
             Format::Csv => self.csv()?.into_bytes(),
             Format::Json => match (self.documents, self.sweeps) {
                 ([(_, document)], []) if self.points.is_empty() => json(document)?,
-                _ => {
-                    return Err(RenderError::Unsuited(
-                        "a JSON file (.json) contains one whole document and cannot be combined \
-                         with --points",
-                    ));
-                }
+                _ => return Err(RenderError::Unsuited(self.not_json())),
             },
             Format::Markdown => {
                 return Err(RenderError::Unsuited("Markdown (.md) is a format for reports only"));

@@ -103,12 +103,19 @@ pub(super) fn count(unstable: Option<usize>, undetermined: &Option<String>) -> S
     }
 }
 
-/// Replaces the separator of comma-separated values in a text.
+/// Replaces the separator of comma-separated values in a text, and the decimal point of numbers.
 ///
 /// ```
-/// assert_eq!(tangency::output::separated("a,\"b,c\",d;e\n", ';'), "a;\"b,c\";\"d;e\"\n");
+/// use tangency::output::separated;
+/// assert_eq!(separated("a,\"b,c\",d;e\n", ';', '.'), "a;\"b,c\";\"d;e\"\n");
+/// assert_eq!(separated("x.y,\"1.5\",-1.5e-3\n", ';', ','), "x.y;\"1.5\";-1,5e-3\n");
 /// ```
-pub fn separated(csv: &str, separator: char) -> String {
+pub fn separated(csv: &str, separator: char, decimal: char) -> String {
+    let written = |cell: &str| match () {
+        () if cell.parse::<f64>().is_ok() => cell.replace('.', &decimal.to_string()),
+        () if cell.contains(separator) && !cell.starts_with('"') => format!("\"{cell}\""),
+        () => cell.to_owned(),
+    };
     let (mut out, mut cell, mut in_quotes) = (String::new(), String::new(), false);
     for letter in csv.chars() {
         in_quotes ^= letter == '"';
@@ -116,10 +123,7 @@ pub fn separated(csv: &str, separator: char) -> String {
             cell.push(letter);
             continue;
         }
-        match cell.contains(separator) && !cell.starts_with('"') {
-            true => out.push_str(&format!("\"{cell}\"")),
-            false => out.push_str(&cell),
-        }
+        out.push_str(&written(&cell));
         cell.clear();
         out.push(if letter == ',' { separator } else { '\n' });
     }

@@ -339,7 +339,7 @@ impl Scene {
 
     /// Returns the names and values of all parameters and settings, which are saved together with
     /// the branches.
-    pub(super) fn record(&self) -> Vec<(String, String)> {
+    pub(crate) fn record(&self) -> Vec<(String, String)> {
         let mut record = self.problem.settings();
         let values = self.values().unwrap_or_default();
         let names = self.problem.parameter_names().into_iter();

@@ -4,7 +4,7 @@
 use crate::program::command::{bytes, failure, refused, signal, succeeds, tangency};
 use std::path::Path;
 use std::process::{Command, Stdio};
-use tangency::output::{Document, example_branch};
+use tangency::output::{Document, Sweeps, example_branch};
 
 /// Two short sweeps, and a branch.
 pub(super) const SCENE: &str = r#"Scene(
@@ -428,10 +428,19 @@ fn formats_follow_endings() {
     succeeds(at, &["plot", "a.ron", "--out", "b.csv", "--separator", ";"]);
     let other = String::from_utf8(bytes(at, "b.csv")).unwrap();
     assert!(other.starts_with("branch;point;load;aspect_ratio;deflection;unstable;admissible\n"));
+    let only = ["--separator and --decimal apply to comma-separated values"];
+    refused(at, &["plot", "a.ron", "--separator", ";"], &only);
+    refused(at, &["table", "a.ron", "--decimal", "comma"], &only);
+    // Spreadsheets in German read commas in numbers.
+    for decimal in ["plot", "table"] {
+        succeeds(at, &[decimal, "a.ron", "--out", "g.csv", "--decimal", "comma"]);
+        let table = String::from_utf8(bytes(at, "g.csv")).unwrap();
+        assert!(table.contains(";0,14") && !table.contains("0."), "{table}");
+    }
     refused(
         at,
-        &["plot", "a.ron", "--separator", ";"],
-        &["--separator applies to comma-separated values"],
+        &["plot", "a.ron", "--out", "g.csv", "--decimal", "comma", "--separator", ","],
+        &["the comma cannot separate both columns and decimals", "help: "],
     );
     succeeds(at, &["plot", "a.ron", "--out", "b.json"]);
     let json: serde_json::Value = serde_json::from_slice(&bytes(at, "b.json")).unwrap();
@@ -440,8 +449,8 @@ fn formats_follow_endings() {
     succeeds(at, &["sweep", "up.ron"]);
     succeeds(at, &["plot", "out/up.npz", "--out", "up.csv"]);
     let table = String::from_utf8(bytes(at, "up.csv")).unwrap();
-    let header =
-        "sweep,run,amplitude,period,event,time,displacement,velocity,max_displacement,failure\n";
+    let header = "sweep,run,amplitude,period,event,time,displacement,velocity,max_displacement,\
+                  periods,impact,accumulations,exponent,exponent_error,failure\n";
     assert!(table.starts_with(header), "{}", &table[..120]);
     let rows: Vec<Vec<&str>> = table.lines().skip(1).map(|row| row.split(',').collect()).collect();
     for run in 0..6 {
@@ -450,6 +459,23 @@ fn formats_follow_endings() {
         let amplitude = 1.0 + 0.8 * f64::from(run);
         assert!(own().all(|row| (row[2].parse::<f64>().unwrap() - amplitude).abs() < 1e-14));
     }
+    // Every row of a run contains the results of the run.
+    let saved = Sweeps::load(at.join("out/up.npz")).unwrap();
+    for row in &rows {
+        let run = &saved.sweeps[0].rows[&row[1].parse().unwrap()];
+        let column = |name| saved.sweeps[0].run_columns.iter().position(|it| it == name).unwrap();
+        for (cell, name) in [(9, "periods"), (10, "impact"), (12, "exponent")] {
+            let (cell, value) = (row[cell].parse().unwrap_or(f64::NAN), run.values[column(name)]);
+            assert!((cell - value).abs() <= 1e-13 || cell.is_nan() && value.is_nan(), "{name}");
+        }
+    }
+    let named = ["plot", "out/up.npz", "--out", "up.json"];
+    let output = tangency(at, &named);
+    let said = failure(&output, 1);
+    assert!(
+        said.contains("one whole document of branches") && !said.contains("--points"),
+        "{said}"
+    );
     // The wall is at 1.
     let impacts: Vec<_> = rows.iter().filter(|row| row[4] == "impact").collect();
     assert!(!impacts.is_empty() && impacts.iter().all(|row| row[6] == "1"), "{impacts:?}");

@@ -334,6 +334,10 @@ fn the_first_picture_has_the_first_state_the_period_and_a_few_orbits() {
     let amplitudes = cycles.map(|series| series.points[series.points.len() - 1][1]);
     assert_eq!(amplitudes.map(f64::signum).collect::<Vec<_>>(), [1.0, -1.0]);
     assert!(drawn[1].series.iter().all(|it| it.name == "cycles" || it.points.is_empty()));
+    // The first orbit has the colour of its branch.
+    let [rest, orbit, ..] = drawn[2].names()[..] else { panic!("no orbit") };
+    assert_eq!((drawn[0].names(), rest), (vec!["rest", "cycles"], "rest"));
+    assert!(orbit.starts_with("cycles/") && orbit == drawn[3].series[0].name, "{orbit}");
     let history = &drawn[2].series[0].points;
     let largest = history.iter().map(|at| at[1]).fold(f64::MIN, f64::max);
     assert_eq!(history[0], [0.0, largest], "it begins at its crest");

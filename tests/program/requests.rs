@@ -113,6 +113,13 @@ fn sweeps_of_models_record_monitors() {
             assert!((row.points[column(name)] / exact - 1.0).abs() < 1e-8, "{name} at r = {r}");
         }
     }
+    for command in [&sweep[..], &["simulate", "m.ron", "--time", "1"]] {
+        let quiet = [command, &["--quiet", "--out", "quiet"]].concat();
+        let output = tangency(at, &quiet);
+        let said = String::from_utf8_lossy(&output.stdout);
+        assert!(output.status.success() && said.is_empty(), "{command:?}: {said}");
+    }
+    assert!(at.join("quiet/m-sweep.npz").exists() && at.join("quiet/m-history.npz").exists());
     // A sweep without the column of the axis is named.
     succeeds(at, &["trace", "m.ron", "--along", "r=1..2"]);
     let plot = |column: &str| {
@@ -121,9 +128,51 @@ fn sweeps_of_models_record_monitors() {
     };
     assert_eq!(plot("max_x"), "");
     let said = plot("mesh_error");
-    assert!(said.contains("the sweep `up` has no column `mesh_error` and is not drawn"), "{said}");
+    assert!(
+        said.contains("the sweep `up` has no column `mesh_error` and is not drawn (known: "),
+        "{said}"
+    );
+    assert!(!said.contains("--measure"), "{said}");
+    succeeds(at, &[&sweep[..], &["--out", "bare"]].concat());
+    let bare = ["plot", "out/m.ron", "bare/m-sweep.npz", "--y", "max_x", "--out", "bare.svg"];
+    let said = stderr(&tangency(at, &bare));
+    assert!(said.contains("is not drawn: repeat the sweep with `--measure max_x`"), "{said}");
     let unknown = [&sweep[..], &["--measure", "max_y", "--afresh"]].concat();
     refused(at, &unknown, &["unknown measure `max_y`", "max_x"]);
+}
+
+/// A picture of several results names them by the settings in which they differ, with their units: a
+/// sweep has the name of its direction, too, if there are several directions.
+#[test]
+fn results_have_the_names_of_their_settings() {
+    let folder = folder();
+    let at = folder.path();
+    let model = r#"Equations(
+        states: [("x", "r*cos(t) - x + gap/d")], period: "2*pi",
+        parameters: [("r", 3), ("gap", 1), ("d", 2e-4)], units: [("gap", "m")],
+    )"#;
+    std::fs::write(at.join("m.ron"), model).unwrap();
+    for (out, set) in [("a", "gap=1.5e-6"), ("b", "gap=2e-6"), ("c", "d=1e-4")] {
+        for both in [&[][..], &["--both", "--afresh"]] {
+            let over = ["sweep", "m.ron", "--over", "r=1..2:3", "--out"];
+            let folder = if both.is_empty() { out.to_owned() } else { format!("{out}{out}") };
+            succeeds(at, &[&over[..], &[&folder, "--set", set], both].concat());
+        }
+        succeeds(at, &["trace", "m.ron", "--along", "r=1..2", "--set", set, "--out", out]);
+    }
+    let drawn = |files: [&str; 2], out: &str| {
+        succeeds(at, &["plot", files[0], files[1], "--out", out]);
+        std::fs::read_to_string(at.join(out)).unwrap()
+    };
+    let has = |text: &str, words: [&str; 2]| words.iter().all(|word| text.contains(word));
+    let microns = ["gap = 1.5 µm", "gap = 2 µm"];
+    assert!(has(&drawn(["a/m.ron", "b/m.ron"], "d.svg"), microns));
+    assert!(has(&drawn(["a/m-sweep.npz", "b/m-sweep.npz"], "s.svg"), microns));
+    let table = drawn(["aa/m-sweep.npz", "bb/m-sweep.npz"], "s.csv");
+    assert!(has(&table, ["\n\"gap = 1.5 µm, up\",0,", "\n\"gap = 2 µm, down\",0,"]), "{table}");
+    let base = ["trace", "m.ron", "--along", "r=1..2", "--out", "base"];
+    succeeds(at, &base);
+    assert!(has(&drawn(["base/m.ron", "c/m.ron"], "e.svg"), ["d = 2e-4", "d = 1e-4"]));
 }
 
 /// Forced systems have no equilibria to find in a box: the error names the search for orbits.
@@ -230,6 +279,27 @@ fn models_without_parameters_have_histories() {
         assert!(at.join("out/m-history").with_extension(ending).exists());
     }
     succeeds(at, &["table", "out/m-history.ron"]);
+}
+
+/// The axes of a picture of a history show the time and the states: a circle is a circle.
+#[test]
+fn histories_are_drawn_in_any_of_their_columns() {
+    let folder = folder();
+    let at = folder.path();
+    std::fs::write(at.join("m.ron"), r#"Equations(states: [("x", "v"), ("v", "-x")])"#).unwrap();
+    succeeds(at, &["simulate", "m.ron", "--from", "x=1", "--time", "6"]);
+    let document = Document::load(at.join("out/m-history.ron")).unwrap();
+    let documents = [("m", &document)];
+    let drawn = |x, y: &[&str]| tangency::output::figures(&documents, &[], x, y).unwrap();
+    let [plane] = &drawn(Some("v"), &["x"])[..] else { panic!("not one panel") };
+    assert!(plane.marks.is_empty() && plane.series[0].points.len() > 20);
+    assert!(plane.series[0].points.iter().all(|[v, x]| (v.hypot(*x) - 1.0).abs() < 1e-6));
+    let [course] = &drawn(None, &["v"])[..] else { panic!("not one panel") };
+    assert!(course.series[0].points.iter().all(|[t, v]| (t.sin() + v).abs() < 1e-6));
+    let plot = ["plot", "out/m-history.ron", "--x", "time", "--y", "x,v"];
+    let output = tangency(at, &plot);
+    assert!(output.status.success() && stderr(&output).is_empty(), "{}", stderr(&output));
+    refused(at, &[&plot[..], &["--points", "all"]].concat(), &["help: omit --x", "`--panel c`"]);
 }
 
 /// Systems with impacts are simulated, too, with parameters of their scene that are changed.

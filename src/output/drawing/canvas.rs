@@ -2,13 +2,13 @@
 
 use super::backend::Backend;
 use super::pdf::Page;
+use super::spots::{joined, stacks};
 use super::text::{FOOT, SIZES, lacking};
 use crate::output::error::FigureError;
 use crate::output::number::significant;
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
-use std::collections::BTreeSet;
 
 /// The number of backend pixels per unit of length in an SVG.
 const FINENESS: f64 = 10.0;
@@ -20,18 +20,6 @@ const DENSITY: f64 = 300.0 / 25.4;
 const SMOOTHING: u32 = 3;
 /// The largest allowed side length of a PNG, in pixels.
 const LONGEST: f64 = 16_384.0;
-
-/// The side lengths of the smaller and the larger size of spots, in units of the canvas.
-pub(super) const SPECK: f64 = 1.2;
-pub(super) const BLOT: f64 = 2.6;
-
-/// The largest number of spots that are drawn in full size, each at its exact position.
-const FEW: usize = 400;
-
-/// Returns whether so few spots are drawn that each of them is visible next to curves.
-pub(super) fn is_sparse(points: &[[f64; 2]]) -> bool {
-    points.len() <= FEW
-}
 
 /// The size of normal text, in units of the canvas.
 pub(super) const TEXT: f64 = 12.0;
@@ -83,7 +71,7 @@ pub(super) fn svg(
     let drawn = sides(width.to_string(), height.to_string());
     let shown = [millimetres, size[1] / size[0] * millimetres];
     let [w, h] = shown.map(|side| format!("{}mm", significant(side, 5)));
-    Ok(svg.replacen(&drawn, &sides(w, h), 1))
+    Ok(joined(&svg).replacen(&drawn, &sides(w, h), 1))
 }
 
 /// Draws on a canvas with a given size in units and a given printed width in millimetres, and
@@ -262,39 +250,15 @@ impl<'a> Canvas<'a> {
             .map_err(failed)
     }
 
-    /// Draws a square spot of a given size, exactly at every point.
+    /// Draws a square spot of a given size exactly at every point. Spots that touch each other in one
+    /// column are drawn as one line.
     pub fn spots(&self, points: &[[f64; 2]], colour: RGBColor, size: f64) -> Painted {
-        points.iter().try_for_each(|[x, y]| {
-            let ends = [-0.5, 0.5].map(|side| self.fine([*x, y + side * size]));
-            let path = PathElement::new(ends.to_vec(), self.stroke(colour, size));
-            self.area.draw(&path).map_err(failed)
-        })
-    }
-
-    /// Draws a square spot of a given size at every point. Spots at the same place are drawn once,
-    /// and vertically stacked spots are drawn as one line, so that the file size does not grow with
-    /// the number of points.
-    pub fn specks(&self, points: &[[f64; 2]], colour: RGBColor, size: f64) -> Painted {
-        let cell = |at: &[f64; 2]| at.map(|x| (x / size).floor() as i32);
-        let cells: BTreeSet<[i32; 2]> = points.iter().map(cell).collect();
-        let corner = |column: i32, row: i32| {
-            self.fine([(f64::from(column) + 0.5) * size, f64::from(row) * size])
-        };
-        let line = |[column, top, bottom]: [i32; 3]| {
-            let path = vec![corner(column, top), corner(column, bottom + 1)];
+        let side = (size * self.fineness).round() as i32;
+        let centres = points.iter().map(|at| self.fine(*at));
+        stacks(centres, side).into_iter().try_for_each(|[column, top, bottom]| {
+            let path = vec![(column, top), (column, bottom)];
             self.area.draw(&PathElement::new(path, self.stroke(colour, size))).map_err(failed)
-        };
-        let mut open: Option<[i32; 3]> = None;
-        for [column, row] in cells {
-            match &mut open {
-                Some([same, _, bottom]) if *same == column && *bottom + 1 == row => *bottom = row,
-                _ => {
-                    open.take().map_or(Ok(()), line)?;
-                    open = Some([column, row, row]);
-                }
-            }
-        }
-        open.map_or(Ok(()), line)
+        })
     }
 
     /// Draws a translucent rectangle around a centre, as a background that keeps text readable.

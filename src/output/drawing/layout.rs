@@ -3,6 +3,7 @@
 use super::canvas::{Canvas, Painted, TEXT};
 use super::legend::{Legend, NAMED as NUMBERED, Naming};
 use super::panel::{Panel, heading, letter};
+use crate::core::problem::distinct;
 use crate::output::error::FigureError;
 use crate::output::figure::Figure;
 use std::ops::RangeInclusive;
@@ -117,7 +118,8 @@ fn named<'a>(panels: &mut [Panel<'a>]) -> Vec<Naming<'a>> {
     }
     for naming in &mut namings {
         // The only curve of a figure needs no name.
-        if naming.all.len() < 2 {
+        let series = naming.panels.iter().flat_map(|index| &panels[*index].figure.series);
+        if distinct(series.map(|series| &series.name)).len() < 2 {
             continue;
         }
         let shown = |panels: &[Panel], index: &usize, name: &str| panels[*index].shows(name);

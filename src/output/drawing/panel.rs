@@ -1,10 +1,11 @@
 //! Draws one figure: axes, curves and marks, and the names next to the curves.
 
-use super::canvas::{Anchor, Canvas, FAINT, INK, LIGHT, Painted, TEXT, is_sparse, text_width};
+use super::canvas::{Anchor, Canvas, FAINT, INK, LIGHT, Painted, TEXT, text_width};
 use super::coincident::{Hidden, Line, hidden};
 use super::labels::{Room, Wanted, sampled};
 use super::pen::{colour, curve, darker, mark, pale, tint};
 use super::smooth::{CORNER, SLIGHT, smooth};
+use super::spots::sizes;
 use super::ticks::Ticks;
 use crate::core::system::Kind;
 use crate::output::error::FigureError;
@@ -242,21 +243,24 @@ impl<'a> Panel<'a> {
                 name: names.iter().position(|name| *name == series.name).unwrap_or(0),
             })
             .collect();
-        // Many large spots are drawn before all lines; few large spots, and small spots, after all
-        // lines.
+        // Spots are drawn after all lines, small spots last.
         let depth = |line: &Line| match line.style {
-            Style::Blots if !is_sparse(&line.points) => 0,
-            Style::Blots => 2,
-            Style::Specks => 3,
-            _ => 1,
+            Style::Specks => 2,
+            Style::Blots => 1,
+            _ => 0,
         };
         lines.sort_by_key(depth);
-        let (back, front) = lines.split_at(lines.partition_point(|it| depth(it) == 0));
-        back.iter().try_for_each(|it| curve(canvas, it.style, &it.points, colour(it.name)))?;
-        for Hidden { points, name, width } in hidden(front) {
+        for Hidden { points, name, width } in hidden(&lines) {
             canvas.line(&points, pale(colour(name)), width)?;
         }
-        front.iter().try_for_each(|it| curve(canvas, it.style, &it.points, colour(it.name)))
+        // All sweeps of a panel have spots of the same two sizes.
+        let spots = lines.iter().filter(|line| is_spots(line.style));
+        let [small, large] = sizes(spots.map(|line| line.points.len()).max().unwrap_or_default());
+        lines.iter().try_for_each(|Line { style, points, name }| match style {
+            Style::Specks => canvas.spots(points, colour(*name), small),
+            Style::Blots => canvas.spots(points, colour(*name), large),
+            style => curve(canvas, *style, points, colour(*name)),
+        })
     }
 
     /// Draws walls with their hatching.

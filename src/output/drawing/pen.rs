@@ -1,6 +1,7 @@
 //! Colours of curves and tiles, and the drawing of curves and symbols.
 
-use super::canvas::{BLOT, Canvas, INK, Painted, SPECK, is_sparse};
+use super::canvas::{Canvas, INK, Painted};
+use super::spots::sizes;
 use crate::output::figure::{Style, Symbol};
 use crate::output::tile::{Hue, Tile};
 use plotters::style::{RGBColor, WHITE};
@@ -80,10 +81,6 @@ pub(super) fn tint(hue: Hue, shade: usize) -> RGBColor {
 const DASHES: [f64; 2] = [7.0, 4.5];
 const DOTS: [f64; 2] = [1.5, 2.5];
 
-/// The side lengths of the spots of a sweep with few points, and of an earlier sweep in the same
-/// picture: where both have the same points, both are visible.
-const SPOTS: [f64; 2] = [3.0, 5.0];
-
 /// Draws a curve through points that are given in pixels.
 pub(super) fn curve(
     canvas: &Canvas,
@@ -97,10 +94,8 @@ pub(super) fn curve(
         Style::Dotted => canvas.dashed(points, DOTS, (colour, 1.0)),
         Style::Thin if points.len() > 1 => canvas.line(points, colour, 0.8),
         Style::Thin | Style::Solid => Ok(()),
-        Style::Specks if is_sparse(points) => canvas.spots(points, colour, SPOTS[0]),
-        Style::Blots if is_sparse(points) => canvas.spots(points, colour, SPOTS[1]),
-        Style::Specks => canvas.specks(points, colour, SPECK),
-        Style::Blots => canvas.specks(points, pale(colour), BLOT),
+        Style::Specks => canvas.spots(points, colour, sizes(points.len())[0]),
+        Style::Blots => canvas.spots(points, colour, sizes(points.len())[1]),
         Style::Dots | Style::DottedLine => {
             if style == Style::DottedLine {
                 canvas.line(points, colour, 1.5)?;

@@ -20,7 +20,7 @@
     OpenHexagon: ["hexagon-open", "#784b28"],
     Doubtful: ["circle-open", "#8c8c8c"], Number: ["circle", "#222"],
   };
-  const SPOTS = { Specks: 3, Blots: 7 };
+  const SPOTS = { Specks: 3, Blots: 5 };
   const isSpots = curve => curve.style in SPOTS;
   const hidden = { curves: new Set(), marks: new Set() };
   let selected = [];
@@ -128,11 +128,9 @@
     return first && !isDiagram(panel.figure) ? [corners, { ...key, showlegend: true }] : [corners];
   };
   const paint = panel => {
-    const images = ["Blots", "Specks"].flatMap(style => {
-      const spots = curvesShown(panel).filter(curve => curve.style === style);
-      // Large spots are below the curves, small ones above them.
-      return spots.length ? [{ ...painted(panel, spots), layer: style === "Blots" ? "below" : "above" }] : [];
-    });
+    // Small spots are painted last.
+    const spots = ["Blots", "Specks"].flatMap(style => curvesShown(panel).filter(curve => curve.style === style));
+    const images = spots.length ? [{ ...painted(panel, spots), layer: "above" }] : [];
     if (images.length || (panel.plot.layout.images ?? []).length) Plotly.relayout(panel.plot, { images });
   };
   const painted = (panel, spots) => {
@@ -142,7 +140,6 @@
     spots.forEach(curve => {
       const size = SPOTS[curve.style];
       context.fillStyle = colour(panel.names, curve.name);
-      context.globalAlpha = curve.style === "Blots" ? 0.5 : 1;
       curve.x.forEach((x, k) => context.fillRect(2 * at(xaxis, x) - size / 2, 2 * at(yaxis, curve.y[k]) - size / 2, size, size));
     });
     const [[left, right], [bottom, top]] = [xaxis.range, yaxis.range];
@@ -193,7 +190,7 @@
     const titles = titlesOf(panel);
     const axis = title => ({ title: { text: plain(title) }, automargin: true, exponentformat: "power", zeroline: false, linecolor: "#888", mirror: true, showline: true });
     const layout = {
-      margin: { l: 60, r: 14, t: 8, b: 48 }, hovermode: "closest", dragmode: "zoom", showlegend: !isDiagram(figure) && figure.names.length > 1,
+      margin: { l: 60, r: 14, t: 8, b: 48 }, hovermode: "closest", dragmode: "zoom", showlegend: !isDiagram(figure) && new Set(figure.curves.map(curve => curve.name)).size > 1,
       legend: { orientation: "h", y: -0.22 }, font: { size: 12, color: "#1d2125" },
       xaxis: axis(titles[0]), yaxis: axis(titles[1]),
       // A view stays while branches are switched off and on.
