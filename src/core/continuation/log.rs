@@ -72,17 +72,6 @@ impl Log {
         ));
     }
 
-    /// Warns that a branch starts at a solution with some unstable directions.
-    pub fn starts_unstable(&mut self, unstable: usize) {
-        if unstable > 0 {
-            let s = if unstable == 1 { "" } else { "s" };
-            self.branch.warnings.push(format!(
-                "the branch starts at an unstable equilibrium ({unstable} unstable direction{s}), so \
-                 its first fold is not where a stable equilibrium disappears"
-            ));
-        }
-    }
-
     /// Warns that an event between two values of the continued parameter was not located.
     pub fn not_located(&mut self, event: &str, [low, high]: [f64; 2], cause: &dyn Diagnostic) {
         let continued = &self.branch.released[0];

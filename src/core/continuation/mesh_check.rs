@@ -7,6 +7,7 @@
 use super::curve::Curve;
 use super::fitting::fit_mesh;
 use super::half::Half;
+use super::settings::Settings;
 use crate::core::bifurcation::At;
 
 /// Heuristic: the number of points between two comparisons with a finer mesh. A comparison takes as
@@ -35,11 +36,18 @@ const MOST_RESCUES: usize = 3;
 pub(super) struct MeshCheck {
     /// The fraction of the usual target to which comparisons with finer meshes have reduced the
     /// target.
-    pub share: f64,
+    share: f64,
     /// The number of points at which the next comparison is due.
     due: usize,
     /// The number of times that the mesh was refined because no step succeeded.
     rescues: usize,
+}
+
+impl MeshCheck {
+    /// Returns the target for the discretisation error at the next points.
+    pub fn target(&self, curve: &Curve, settings: &Settings) -> f64 {
+        self.share * settings.mesh_target(!curve.refiner.held.is_empty())
+    }
 }
 
 impl Default for MeshCheck {

@@ -11,7 +11,7 @@ use super::recorder::Recorder;
 use crate::core::bifurcation::{DefiningSystem, Hopf, Quantity, deciding, unstable_besides};
 use crate::core::linalg::Spectrum;
 use crate::core::numerics::error_of_last;
-use crate::core::problem::{Dynamics, Names};
+use crate::core::problem::Dynamics;
 use crate::core::system::{Kind, Refinement, System};
 
 /// What is known of the discretisation error of a special point after its refinement.
@@ -107,7 +107,7 @@ impl Refiner {
             let settled = rung >= rungs || errors.iter().zip(&sizes).all(met);
             share = match settled {
                 true => MeshShare::Sufficient,
-                false => self.share_of(equations.names(), &released, (&errors, &sizes)),
+                false => self.share_of(corrector, &released, (&errors, &sizes)),
             };
             let finer = equations.system().discretised().filter(|_| !settled);
             let next = finer.and_then(|system| system.refined(&x));
@@ -172,22 +172,29 @@ impl Refiner {
         let sensitivities = std::mem::take(&mut special.sensitivities);
         let own = Meaning { sensitivities, ..Meaning::taken_from(special) };
         own.after(&[Meaning::of(&mut equations, event, &unknowns)]).give_to(special);
-        self.share_of(equations.names(), &released, (&errors, sizes))
+        self.share_of(corrector, &released, (&errors, sizes))
     }
 
     /// Returns what is known of the discretisation error, given the errors and the sizes of the
-    /// values that must converge.
+    /// values that must converge. The size of a released parameter near zero is its scale.
     fn share_of(
         &self,
-        names: &Names,
+        corrector: &Corrector,
         released: &[usize],
         (errors, sizes): (&[f64], &[f64]),
     ) -> MeshShare {
         let columns = released.iter().chain(&self.settled);
+        let first = corrector.equations.parameters_at();
+        let size = |(k, size): (usize, &f64)| match k < corrector.equations.released.len() {
+            true => size.max(corrector.norm.scaled(first + k, 1.0).recip()),
+            false => *size,
+        };
+        let sizes = sizes.iter().enumerate().map(size);
         let relative = errors.iter().zip(sizes).map(|(error, size)| error / size);
         let worst = columns.zip(relative).filter(|(_, relative)| relative.is_finite());
         match worst.max_by(|a, b| a.1.total_cmp(&b.1)) {
             Some((column, relative)) if relative > LENIENCE * self.accuracy => {
+                let names = corrector.equations.names();
                 let mut all = names.parameters.iter().chain(&names.monitors);
                 let column = all.nth(*column).cloned().unwrap_or_default();
                 MeshShare::TooLarge(Shortfall { column, relative })

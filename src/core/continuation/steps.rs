@@ -27,7 +27,6 @@ use super::step_control::{Step, StepControl};
 use super::stretches::{between_changes, divides};
 use super::unexplained::{LEAST_UNEXPLAINED, ends_on_special_point};
 use crate::core::failure::one_line;
-use crate::core::problem::Dynamics;
 use crate::core::system::{Kind, Solution};
 use std::sync::Arc;
 
@@ -161,15 +160,8 @@ impl Steps<'_> {
     pub fn finish(mut self) -> Branch {
         self.interrupt();
         let system = self.curve.corrector.equations.system();
-        let dynamics = system.dynamics();
         self.log.branch.warnings.extend(system.doubts());
         self.log.short_of(self.settings.refinement);
-        if self.origin.is_empty()
-            && self.curve.recorder.solutions
-            && dynamics == Dynamics::Potential
-        {
-            self.log.starts_unstable(self.start.point.unstable.unwrap_or(0));
-        }
         // The matrix method is known only after the first point.
         self.log.branch.method = system.representation().method;
         let start = self.start.point.clone();
@@ -388,7 +380,7 @@ impl Steps<'_> {
         if points >= max_points {
             return Some(End::PointLimit { points });
         }
-        let target = self.mesh_target(half);
+        let target = half.mesh.target(&self.curve, &self.settings);
         let curve = &mut self.curve;
         let mut step = match self.control.step(curve, &half.predictor, &half.last, half.length) {
             Ok(step) => step,
@@ -462,15 +454,11 @@ impl Steps<'_> {
         step.length > LEAST_UNEXPLAINED && error(from) <= limit && error(&step.place) > limit
     }
 
-    fn mesh_target(&self, half: &Half) -> f64 {
-        half.mesh.share * self.settings.mesh_target(!self.curve.refiner.held.is_empty())
-    }
-
     /// Returns the end of a branch at which no step succeeds; its message states if the mesh is too
     /// coarse.
     fn end_of_steps(&mut self, half: &Half, (step, cause): (f64, NewtonError)) -> End {
         let error = self.curve.corrector.mesh_error(&half.last.unknowns);
-        let target = self.mesh_target(half);
+        let target = half.mesh.target(&self.curve, &self.settings);
         // The help of the error is written for the first solution of a curve.
         let words = match &cause {
             NewtonError::Stagnation { .. } => format!("{cause}; {STAGNATION}"),
@@ -554,7 +542,7 @@ impl Steps<'_> {
         let others = earlier.flat_map(|it| [&mut it.unknowns[..], &mut it.tangent[..]]).collect();
         half.growth /= corrector.accept(&mut half.last, others);
         check_mesh(&mut self.curve, half);
-        let target = self.mesh_target(half);
+        let target = half.mesh.target(&self.curve, &self.settings);
         fit_mesh(&mut self.curve, half, target);
         half.last.point.solution = self.solution_at(&half.last);
         half.points.push(half.last.point.clone());
