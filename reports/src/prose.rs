@@ -119,8 +119,9 @@ impl<'a> Joiner<'a> {
         if self.is_code {
             return;
         }
-        let item =
-            ["- ", "* ", "> ", "1. ", "2. ", "3. "].iter().find_map(|m| line.strip_prefix(m));
+        let numbered = line.split_once(". ").filter(|(number, _)| number.parse::<u8>().is_ok());
+        let item = ["- ", "* ", "> "].iter().find_map(|m| line.strip_prefix(m));
+        let item = item.or(numbered.map(|(_, text)| text));
         let is_heading = line.starts_with('#');
         let is_other = line.starts_with('|') || line.starts_with("![") || line.starts_with('<');
         if line.is_empty() || item.is_some() || is_heading || is_other {
