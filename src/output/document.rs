@@ -67,8 +67,8 @@ pub struct Plot {
     /// The columns that diagrams show as deviations from the value at a special point, or as roots
     /// of such deviations.
     pub deviations: Vec<Deviation>,
-    /// The ranges that the axes of columns show, in the numbers written on the axis: column, lower
-    /// end, upper end.
+    /// The ranges of axes, as (column, lower end, upper end), in the units of the numbers written
+    /// on the axis.
     pub ranges: Vec<(String, f64, f64)>,
     /// The columns with logarithmic axes; an axis of several columns is logarithmic if all its
     /// columns are named. Points with a zero or negative value in a column with a logarithmic axis

@@ -44,7 +44,8 @@ impl StartPoint {
         StartPoint { branch, label, changed, beside, hold: None, switch: false }
     }
 
-    /// Creates a start point at a special point, together with the other branches of its document.
+    /// Creates a start point at a special point of a document; the start point also stores the
+    /// document's other branches.
     pub fn of(document: &Document, branch: Branch, label: usize) -> Self {
         let others = document.branches.iter().filter(|other| other.name != branch.name);
         let beside = others.cloned().collect();

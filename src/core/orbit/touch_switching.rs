@@ -138,12 +138,12 @@ fn passed(orbit: &KnownOrbit, touch: &Touch) -> Result<Passed, Failure> {
     Ok(Passed { leg, guard, since, distance: value.abs(), following })
 }
 
-/// Returns an event of the same motion shortly before a grazing point, if motion continues after
-/// the event and its cascade as if no event had occurred. The branch then emanates in the direction
-/// that the earlier event determines, since the equations are singular in this direction. The event
-/// leaves the motion unchanged, for example, if motion grazes a surface that only stops it, or
-/// slides up to the end of the sliding region. Returns `None` if the event changes the motion, as
-/// an impact does.
+/// Returns the event that precedes a grazing point closely in the same motion, if this event, with
+/// its cascade, leaves the motion unchanged. The branch then emanates in the direction that the
+/// earlier event determines, since the equations are singular in this direction. The event leaves
+/// the motion unchanged, for example, if motion grazes a surface that only stops it, or slides up
+/// to the end of the sliding region. Returns `None` if the event changes the motion, as an impact
+/// does.
 fn passed_sooner(orbit: &KnownOrbit, touch: &Touch, passed: &Passed) -> Option<Passed> {
     if passed.following.legs.is_empty() {
         return None;
