@@ -50,7 +50,8 @@ struct Rest<E> {
 #[derive(Clone, Debug)]
 struct Eliminated {
     pivots: usize,
-    /// The rows and columns of the front, as a range of the lists of all fronts.
+    /// The range of this front's rows and columns in the lists that hold the rows and columns of
+    /// all fronts.
     place: Range<usize>,
     /// The position of the node's factors among all factors: first `L` (all rows of the pivot
     /// columns), then `U` (the pivot rows of all other columns).
