@@ -136,14 +136,15 @@ impl Summary<'_> {
     }
 
     /// Returns the value of the continuation parameter at which stability changes between a given
-    /// point of the branch and the next point.
-    fn boundary(&self, index: usize) -> f64 {
+    /// point of the branch and the next point: the value at a special point between the two points,
+    /// or else the value at the stable one of the two points.
+    fn boundary(&self, index: usize, stable: usize) -> f64 {
         let keeps = |kind| matches!(kind, Kind::EP | Kind::UZ | Kind::RG | Kind::MX | Kind::ND);
         let mut special = self.0.special.iter().filter(|point| point.after == index);
         let special = special.find(|point| point.converged && !keeps(point.kind));
         let column = self.0.released.first().and_then(|name| self.0.column(name));
         let value = special.zip(column).and_then(|(point, column)| point.value(column));
-        value.unwrap_or_else(|| self.value(index))
+        value.unwrap_or_else(|| self.value(stable))
     }
 
     /// Describes the intervals in which the branch is stable; `None` if its solutions have no
@@ -153,22 +154,33 @@ impl Summary<'_> {
         let stable = |index: usize| points[index].unstable == Some(0) && points[index].admissible;
         points.iter().find(|point| point.unstable.is_some())?;
         let mut intervals: Vec<[f64; 2]> = Vec::new();
+        let last = points.len() - 1;
+        // At an end where stability changes, the critical eigenvalue does not count as unstable.
+        let ends_alone = |index: usize, [low, high]: [f64; 2]| {
+            let next = [index.checked_sub(1), (index < last).then_some(index + 1)];
+            low == high && (index == 0 || index == last) && !next.into_iter().flatten().any(stable)
+        };
         for index in (0..points.len()).filter(|index| stable(*index)) {
             if index == 0 || !stable(index - 1) {
-                let from = if index == 0 { self.value(0) } else { self.boundary(index - 1) };
+                let from = if index == 0 { self.value(0) } else { self.boundary(index - 1, index) };
                 intervals.push([from; 2]);
             }
             let goes_on = index + 1 == points.len() || stable(index + 1);
-            let to = if goes_on { self.value(index) } else { self.boundary(index) };
+            let to = if goes_on { self.value(index) } else { self.boundary(index, index) };
             if let Some([low, high]) = intervals.last_mut() {
                 for value in [self.value(index), to] {
                     (*low, *high) = (low.min(value), high.max(value));
                 }
             }
+            if last > 0 && intervals.last().is_some_and(|interval| ends_alone(index, *interval)) {
+                intervals.pop();
+            }
         }
         Some(match &intervals[..] {
             // Stability is undetermined where orbits emanate.
-            [] if points.iter().all(|it| it.unstable != Some(0) && it.undetermined.is_none()) => {
+            [] if (0..points.len()).all(|index| index == 0 || index == last || !stable(index))
+                && points.iter().all(|it| it.undetermined.is_none()) =>
+            {
                 "unstable".into()
             }
             [] => "nowhere stable".into(),

@@ -87,9 +87,11 @@ pub enum End {
     /// Cycles approach a homoclinic orbit, or a heteroclinic cycle: the period grows while the
     /// parameters change by no more than their errors, and the orbit approaches an equilibrium.
     /// Unconverged special points are omitted if they were found where the parameters are constant.
+    /// A curve of special points of cycles ends likewise if it follows homoclinic orbits so closely
+    /// that finer meshes no longer determine the periods.
     #[error(
         "the cycles approach a homoclinic orbit: the period grows to {period:.6} while the \
-         parameters are constant, and the distance of the cycle from an equilibrium falls to \
+         parameters hardly change, and the distance of the cycle from an equilibrium falls to \
          {distance:.1e} of the cycle's size"
     )]
     Homoclinic {

@@ -5,6 +5,7 @@
 //! of another period.
 
 use super::curve::Curve;
+use super::end::End;
 use super::fitting::fit_mesh;
 use super::half::Half;
 use super::settings::Settings;
@@ -29,8 +30,16 @@ const ORDERS: f64 = 5.0 / 8.0;
 /// Rounding: a mesh whose error is smaller than this threshold is not refined.
 const FINEST: f64 = 1e-11;
 
-/// Heuristic: the largest number of times that the mesh is refined because no step succeeds.
-const MOST_RESCUES: usize = 3;
+/// Heuristic: the smallest fraction of the usual target. Close to a homoclinic orbit, no mesh
+/// suffices, and finer meshes take most of the time.
+const LEAST_SHARE: f64 = 1e-3;
+
+/// Heuristic: a curve whose target has been reduced to [`LEAST_SHARE`] approaches homoclinic orbits
+/// if the period changes by less than the fraction `CRAWL` in `MOST_CRAWLING` points, and if the
+/// cycles pass an equilibrium at a distance of less than the fraction `NEAR` of their extents.
+const CRAWL: f64 = 0.03;
+const MOST_CRAWLING: usize = 20;
+const NEAR: f64 = 0.05;
 
 /// The target for the mesh error along one half of a curve of special points.
 pub(super) struct MeshCheck {
@@ -39,8 +48,9 @@ pub(super) struct MeshCheck {
     share: f64,
     /// The number of points at which the next comparison is due.
     due: usize,
-    /// The number of times that the mesh was refined because no step succeeded.
-    rescues: usize,
+    /// The period from which the periods of the last points differ by less than the fraction
+    /// `CRAWL`, and the number of these points.
+    settled: (f64, usize),
 }
 
 impl MeshCheck {
@@ -48,11 +58,15 @@ impl MeshCheck {
     pub fn target(&self, curve: &Curve, settings: &Settings) -> f64 {
         self.share * settings.mesh_target(!curve.refiner.held.is_empty())
     }
+
+    fn reduce(&mut self, factor: f64) {
+        self.share = (self.share * factor.max(0.01)).max(LEAST_SHARE);
+    }
 }
 
 impl Default for MeshCheck {
     fn default() -> Self {
-        MeshCheck { share: 1.0, due: EVERY, rescues: 0 }
+        MeshCheck { share: 1.0, due: EVERY, settled: (0.0, 0) }
     }
 }
 
@@ -60,13 +74,14 @@ impl Default for MeshCheck {
 /// and reduces the target for the mesh error if the periods differ too much.
 pub(super) fn check_mesh(curve: &mut Curve, half: &mut Half) {
     let points = half.points.len();
-    if curve.refiner.held.is_empty() || points < half.mesh.due {
+    let is_finest = half.mesh.share <= LEAST_SHARE;
+    if curve.refiner.held.is_empty() || is_finest || points < half.mesh.due {
         return;
     }
     half.mesh.due = points + EVERY;
     let Some(shift) = shift_on_finer_mesh(curve, half) else { return };
     if shift > LARGEST_SHIFT {
-        half.mesh.share *= (AIM / shift).powf(ORDERS).max(0.01);
+        half.mesh.reduce((AIM / shift).powf(ORDERS));
         half.mesh.due = points + 1;
     }
 }
@@ -76,18 +91,40 @@ pub(super) fn check_mesh(curve: &mut Curve, half: &mut Half) {
 pub(super) fn rescue(curve: &mut Curve, half: &mut Half, target: f64) -> bool {
     let error = curve.corrector.mesh_error(&half.last.unknowns);
     if curve.refiner.held.is_empty()
-        || half.mesh.rescues >= MOST_RESCUES
+        || half.mesh.share <= LEAST_SHARE
         || error <= FINEST
         || half.points.is_empty()
     {
         return false;
     }
-    half.mesh.rescues += 1;
-    let reduced = 0.01 * error.min(target);
-    half.mesh.share *= reduced / target;
+    let before = half.mesh.share;
+    half.mesh.reduce(0.01 * error.min(target) / target);
     half.mesh.due = half.points.len() + 1;
-    fit_mesh(curve, half, reduced);
+    fit_mesh(curve, half, target * half.mesh.share / before);
     curve.corrector.mesh_error(&half.last.unknowns) < error
+}
+
+/// Returns the end of a curve of special points of cycles that approach homoclinic orbits: the
+/// curve follows the homoclinic orbits closely, and its points are known no more accurately than
+/// their distances from the homoclinic orbits.
+pub(super) fn end_at_homoclinic(curve: &mut Curve, half: &mut Half) -> Option<End> {
+    if curve.refiner.held.is_empty() || half.mesh.share > LEAST_SHARE {
+        return None;
+    }
+    curve.corrector.equations.load(&half.last.unknowns);
+    let At { system, x, .. } = curve.corrector.equations.at();
+    let period = system.traits(x).free_period?;
+    let (settled, crawling) = &mut half.mesh.settled;
+    if (period - *settled).abs() >= CRAWL * *settled {
+        (*settled, *crawling) = (period, 0);
+        return None;
+    }
+    *crawling += 1;
+    if *crawling < MOST_CRAWLING {
+        return None;
+    }
+    let distance = system.discretised()?.approach(x)?.distance;
+    (distance < NEAR).then_some(End::Homoclinic { period, distance })
 }
 
 /// Returns the relative change of the period at the last point if the mesh is refined, while the

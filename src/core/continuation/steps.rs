@@ -15,7 +15,7 @@ use super::half::Half;
 use super::homoclinic_end;
 use super::located::Located;
 use super::log::Log;
-use super::mesh_check::{check_mesh, rescue};
+use super::mesh_check::{check_mesh, end_at_homoclinic, rescue};
 use super::metric::Metric;
 use super::newton::NewtonError;
 use super::predictor::Predictor;
@@ -544,6 +544,7 @@ impl Steps<'_> {
         check_mesh(&mut self.curve, half);
         let target = half.mesh.target(&self.curve, &self.settings);
         fit_mesh(&mut self.curve, half, target);
+        let end = end.or_else(|| end_at_homoclinic(&mut self.curve, half));
         half.last.point.solution = self.solution_at(&half.last);
         half.points.push(half.last.point.clone());
         half.stretches.reach(&mut self.curve, &half.last, points + 1, special);
