@@ -354,10 +354,13 @@ fn long_plates_pull_in_at_known_loads_two_rungs_up() {
     }
 }
 
-/// The terms of high degree of a deflected plate are small: without them, it deflects alike.
+/// The terms of high degree of a deflected plate are small: without them, it deflects alike. The
+/// terms decrease slowly where edges are free.
 #[test]
 fn a_coarser_plate_is_deflected_alike() {
-    for (supports, symmetric) in [("CCCC", true), ("SCSF", true), ("CFSF", false)] {
+    for (supports, symmetric, error) in
+        [("CCCC", true, 1e-2), ("SCSF", true, 5e-2), ("CFSF", false, 5e-2)]
+    {
         let mut settings = settings(supports);
         (settings.symmetric, settings.orders) = (symmetric, orders(10, 12));
         let (mut plate, x) = deflected(settings);
@@ -367,7 +370,7 @@ fn a_coarser_plate_is_deflected_alike() {
         plate.monitors(&x, 0, &mut before).unwrap();
         coarser.system.monitors(&coarser.x, 0, &mut after).unwrap();
         for (before, after) in before.iter().zip(after) {
-            assert_relative_eq!(*before, after, max_relative = 1e-2);
+            assert_relative_eq!(*before, after, max_relative = error);
         }
     }
 }

@@ -7,7 +7,7 @@ use super::curve_error::arclength;
 use super::curve_point::CurvePoint;
 use super::early_end::EarlyEnd;
 use super::end::End;
-use super::mesh_check::MeshCheck;
+use super::mesh_target::MeshTarget;
 use super::predictor::Predictor;
 use super::progress::{Crawl, Progress};
 use super::settings::Settings;
@@ -50,7 +50,7 @@ pub(super) struct Half {
     /// The number of points up to which the number of mesh intervals is kept if the mesh is fine
     /// enough.
     pub keeps_mesh: usize,
-    pub mesh: MeshCheck,
+    pub mesh: MeshTarget,
     /// Whether the continued parameter has changed direction; on a closed curve it always does.
     pub turned: bool,
 }
@@ -76,7 +76,7 @@ impl Half {
             snaking: Snaking::default(),
             settled: false,
             keeps_mesh: 0,
-            mesh: MeshCheck::default(),
+            mesh: MeshTarget::default(),
             turned: false,
         }
     }

@@ -1,7 +1,7 @@
 //! Special points located between two points of a branch.
 
 use super::branch::SpecialPoint;
-use super::refiner::Shortfall;
+use super::mesh_share::Shortfall;
 use crate::core::system::Kind;
 
 /// A special point located between two points of a branch.

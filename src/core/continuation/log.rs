@@ -2,8 +2,8 @@
 //! found.
 
 use super::branch::{Branch, Point, SpecialPoint, Traced};
+use super::mesh_share::Shortfall;
 use super::progress::Crawl;
-use super::refiner::Shortfall;
 use crate::core::failure::one_line;
 use crate::core::problem::distinct;
 use crate::core::system::Kind;

@@ -8,12 +8,8 @@ use super::curve::Curve;
 use super::end::End;
 use super::fitting::fit_mesh;
 use super::half::Half;
-use super::settings::Settings;
+use super::mesh_target::EVERY;
 use crate::core::bifurcation::At;
-
-/// Heuristic: the number of points between two comparisons with a finer mesh. A comparison takes as
-/// long as several steps.
-const EVERY: usize = 3;
 
 /// Heuristic: the mesh is too coarse for a curve of special points if the period at a point changes
 /// by more than this fraction on a finer mesh.
@@ -30,51 +26,18 @@ const ORDERS: f64 = 5.0 / 8.0;
 /// Rounding: a mesh whose error is smaller than this threshold is not refined.
 const FINEST: f64 = 1e-11;
 
-/// Heuristic: the smallest fraction of the usual target. Close to a homoclinic orbit, no mesh
-/// suffices, and finer meshes take most of the time.
-const LEAST_SHARE: f64 = 1e-3;
-
-/// Heuristic: a curve whose target has been reduced to [`LEAST_SHARE`] approaches homoclinic orbits
+/// Heuristic: a curve whose target has been reduced as far as possible approaches homoclinic orbits
 /// if the period changes by less than the fraction `CRAWL` in `MOST_CRAWLING` points, and if the
 /// cycles pass an equilibrium at a distance of less than the fraction `NEAR` of their extents.
 const CRAWL: f64 = 0.03;
 const MOST_CRAWLING: usize = 20;
 const NEAR: f64 = 0.05;
 
-/// The target for the mesh error along one half of a curve of special points.
-pub(super) struct MeshCheck {
-    /// The fraction of the usual target to which comparisons with finer meshes have reduced the
-    /// target.
-    share: f64,
-    /// The number of points at which the next comparison is due.
-    due: usize,
-    /// The period from which the periods of the last points differ by less than the fraction
-    /// `CRAWL`, and the number of these points.
-    settled: (f64, usize),
-}
-
-impl MeshCheck {
-    /// Returns the target for the discretisation error at the next points.
-    pub fn target(&self, curve: &Curve, settings: &Settings) -> f64 {
-        self.share * settings.mesh_target(!curve.refiner.held.is_empty())
-    }
-
-    fn reduce(&mut self, factor: f64) {
-        self.share = (self.share * factor.max(0.01)).max(LEAST_SHARE);
-    }
-}
-
-impl Default for MeshCheck {
-    fn default() -> Self {
-        MeshCheck { share: 1.0, due: EVERY, settled: (0.0, 0) }
-    }
-}
-
 /// Compares the period at the last point with the period on a finer mesh, if a comparison is due,
 /// and reduces the target for the mesh error if the periods differ too much.
 pub(super) fn check_mesh(curve: &mut Curve, half: &mut Half) {
     let points = half.points.len();
-    let is_finest = half.mesh.share <= LEAST_SHARE;
+    let is_finest = half.mesh.is_least();
     if curve.refiner.held.is_empty() || is_finest || points < half.mesh.due {
         return;
     }
@@ -91,7 +54,7 @@ pub(super) fn check_mesh(curve: &mut Curve, half: &mut Half) {
 pub(super) fn rescue(curve: &mut Curve, half: &mut Half, target: f64) -> bool {
     let error = curve.corrector.mesh_error(&half.last.unknowns);
     if curve.refiner.held.is_empty()
-        || half.mesh.share <= LEAST_SHARE
+        || half.mesh.is_least()
         || error <= FINEST
         || half.points.is_empty()
     {
@@ -108,7 +71,7 @@ pub(super) fn rescue(curve: &mut Curve, half: &mut Half, target: f64) -> bool {
 /// curve follows the homoclinic orbits closely, and its points are known no more accurately than
 /// their distances from the homoclinic orbits.
 pub(super) fn end_at_homoclinic(curve: &mut Curve, half: &mut Half) -> Option<End> {
-    if curve.refiner.held.is_empty() || half.mesh.share > LEAST_SHARE {
+    if curve.refiner.held.is_empty() || !half.mesh.is_least() {
         return None;
     }
     curve.corrector.equations.load(&half.last.unknowns);

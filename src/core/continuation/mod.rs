@@ -76,6 +76,8 @@ mod locator;
 mod log;
 mod meaning;
 mod mesh_check;
+mod mesh_share;
+mod mesh_target;
 mod metric;
 mod newton;
 mod predictor;

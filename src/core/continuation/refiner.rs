@@ -7,32 +7,13 @@ use super::defining_system::converge;
 use super::event::{Event, MakeCondition};
 use super::extended::Extended;
 use super::meaning::Meaning;
+use super::mesh_share::{MeshShare, Shortfall};
 use super::recorder::Recorder;
 use crate::core::bifurcation::{DefiningSystem, Hopf, Quantity, deciding, unstable_besides};
 use crate::core::linalg::Spectrum;
 use crate::core::numerics::error_of_last;
 use crate::core::problem::Dynamics;
 use crate::core::system::{Kind, Refinement, System};
-
-/// What is known of the discretisation error of a special point after its refinement.
-#[derive(PartialEq)]
-pub(super) enum MeshShare {
-    /// The error is unknown.
-    Unknown,
-    /// The solutions are not discretised, or the error is as small as requested.
-    Sufficient,
-    /// The error is larger than requested, because no finer discretisation is available.
-    TooLarge(Shortfall),
-}
-
-/// A column of a special point whose discretisation error is larger than requested.
-#[derive(Clone, PartialEq)]
-pub(super) struct Shortfall {
-    /// The name of the column.
-    pub column: String,
-    /// The relative error of the column.
-    pub relative: f64,
-}
 
 /// Heuristic: the factor by which a discretisation error may exceed the requested error without a
 /// warning, because the error is only estimated.

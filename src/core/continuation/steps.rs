@@ -380,7 +380,7 @@ impl Steps<'_> {
         if points >= max_points {
             return Some(End::PointLimit { points });
         }
-        let target = half.mesh.target(&self.curve, &self.settings);
+        let target = half.mesh.target(&self.settings, !self.curve.refiner.held.is_empty());
         let curve = &mut self.curve;
         let mut step = match self.control.step(curve, &half.predictor, &half.last, half.length) {
             Ok(step) => step,
@@ -458,7 +458,7 @@ impl Steps<'_> {
     /// coarse.
     fn end_of_steps(&mut self, half: &Half, (step, cause): (f64, NewtonError)) -> End {
         let error = self.curve.corrector.mesh_error(&half.last.unknowns);
-        let target = half.mesh.target(&self.curve, &self.settings);
+        let target = half.mesh.target(&self.settings, !self.curve.refiner.held.is_empty());
         // The help of the error is written for the first solution of a curve.
         let words = match &cause {
             NewtonError::Stagnation { .. } => format!("{cause}; {STAGNATION}"),
@@ -542,7 +542,7 @@ impl Steps<'_> {
         let others = earlier.flat_map(|it| [&mut it.unknowns[..], &mut it.tangent[..]]).collect();
         half.growth /= corrector.accept(&mut half.last, others);
         check_mesh(&mut self.curve, half);
-        let target = half.mesh.target(&self.curve, &self.settings);
+        let target = half.mesh.target(&self.settings, !self.curve.refiner.held.is_empty());
         fit_mesh(&mut self.curve, half, target);
         let end = end.or_else(|| end_at_homoclinic(&mut self.curve, half));
         half.last.point.solution = self.solution_at(&half.last);
