@@ -47,8 +47,8 @@ pub(super) struct Kept {
 }
 
 impl Kept {
-    /// Returns the scene without runs and with the parameter values of a branch, some of which are
-    /// replaced by the given values; the token cancels computations with the returned scene.
+    /// Returns the scene without runs, with the parameter values of a branch; the given values
+    /// replace some of these values. The token cancels computations with the returned scene.
     pub fn alone(
         &self,
         branch: &Branch,

@@ -1,6 +1,6 @@
 //! The share of the discretisation in the errors of special points.
 
-/// What is known of the discretisation error of a special point after its refinement.
+/// The knowledge of the discretisation error of a special point after its refinement.
 #[derive(PartialEq)]
 pub(super) enum MeshShare {
     /// The error is unknown.
