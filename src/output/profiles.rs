@@ -257,7 +257,7 @@ pub(super) fn portrait(
     let x = x.unwrap_or(TIME);
     let usual = states.iter().copied().find(|state| *state != x);
     let ys: Vec<&str> = if ys.is_empty() { usual.into_iter().collect() } else { ys.to_vec() };
-    if ys.is_empty() || !std::iter::once(&x).chain(&ys).all(|name| is_known(&name)) {
+    if ys.is_empty() || !std::iter::once(&x).chain(&ys).all(is_known) {
         return Ok(None);
     }
     let plot = &first.plot;
