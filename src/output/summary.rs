@@ -137,14 +137,14 @@ impl Summary<'_> {
 
     /// Returns the value of the continuation parameter at which stability changes between a given
     /// point of the branch and the next point: the value at a special point between the two points,
-    /// or else the value at the stable one of the two points.
-    fn boundary(&self, index: usize, stable: usize) -> f64 {
+    /// or else the value at the point with the index `otherwise`.
+    fn boundary(&self, index: usize, otherwise: usize) -> f64 {
         let keeps = |kind| matches!(kind, Kind::EP | Kind::UZ | Kind::RG | Kind::MX | Kind::ND);
         let mut special = self.0.special.iter().filter(|point| point.after == index);
         let special = special.find(|point| point.converged && !keeps(point.kind));
         let column = self.0.released.first().and_then(|name| self.0.column(name));
         let value = special.zip(column).and_then(|(point, column)| point.value(column));
-        value.unwrap_or_else(|| self.value(stable))
+        value.unwrap_or_else(|| self.value(otherwise))
     }
 
     /// Describes the intervals in which the branch is stable; `None` if its solutions have no
@@ -162,7 +162,12 @@ impl Summary<'_> {
         };
         for index in (0..points.len()).filter(|index| stable(*index)) {
             if index == 0 || !stable(index - 1) {
-                let from = if index == 0 { self.value(0) } else { self.boundary(index - 1, index) };
+                // The first point may be the special point at which the branch emanates.
+                let from = match index {
+                    0 => self.value(0),
+                    1 => self.boundary(0, 0),
+                    _ => self.boundary(index - 1, index),
+                };
                 intervals.push([from; 2]);
             }
             let goes_on = index + 1 == points.len() || stable(index + 1);
