@@ -123,7 +123,7 @@ pub enum CommandError {
     ))]
     NoSeparator,
     /// The comma is chosen as the separator of both columns and decimals.
-    #[error("the comma cannot separate both columns and decimals")]
+    #[error("a comma cannot be both the separator of columns and the decimal sign")]
     #[diagnostic(help(
         "omit --separator, which is a semicolon with `--decimal comma`, or give another separator"
     ))]

@@ -104,8 +104,8 @@ impl Summary<'_> {
     /// let (name, value) = (branch.released[0].clone(), branch.points[0].parameters[0]);
     /// branch.ends = [(); 2].map(|()| End::ParameterBound { name: name.clone(), value });
     /// let text = Summary(&branch).to_string();
-    /// assert!(text.ends_with("; the branch turned at folds and reached no bound other than load = 0: a lower LOW \
-    ///     shows the rest"));
+    /// assert!(text.ends_with("; the branch turned back and left its range where it started, at load = 0: a range \
+    ///     with a lower LOW shows more of it"));
     /// ```
     fn turned_back(&self) -> Option<String> {
         let Branch { condition: None, ends, released, points, special, .. } = self.0 else {
@@ -123,8 +123,8 @@ impl Summary<'_> {
             "higher HIGH"
         };
         Some(format!(
-            "the branch turned at folds and reached no bound other than {name} = {}: a {beyond} \
-             shows the rest",
+            "the branch turned back and left its range where it started, at {name} = {}: a range \
+             with a {beyond} shows more of it",
             number(*value)
         ))
     }
@@ -154,12 +154,6 @@ impl Summary<'_> {
         let stable = |index: usize| points[index].unstable == Some(0) && points[index].admissible;
         points.iter().find(|point| point.unstable.is_some())?;
         let mut intervals: Vec<[f64; 2]> = Vec::new();
-        let last = points.len() - 1;
-        // At an end where stability changes, the critical eigenvalue does not count as unstable.
-        let ends_alone = |index: usize, [low, high]: [f64; 2]| {
-            let next = [index.checked_sub(1), (index < last).then_some(index + 1)];
-            low == high && (index == 0 || index == last) && !next.into_iter().flatten().any(stable)
-        };
         for index in (0..points.len()).filter(|index| stable(*index)) {
             if index == 0 || !stable(index - 1) {
                 // The first point may be the special point at which the branch emanates.
@@ -177,14 +171,16 @@ impl Summary<'_> {
                     (*low, *high) = (low.min(value), high.max(value));
                 }
             }
-            if last > 0 && intervals.last().is_some_and(|interval| ends_alone(index, *interval)) {
-                intervals.pop();
-            }
+        }
+        // At an end where stability changes, the critical eigenvalue does not count as unstable.
+        if (1..points.len()).any(|index| self.value(index) != self.value(0)) {
+            intervals.retain(|[low, high]| low < high);
         }
         Some(match &intervals[..] {
             // Stability is undetermined where orbits emanate.
-            [] if (0..points.len()).all(|index| index == 0 || index == last || !stable(index))
-                && points.iter().all(|it| it.undetermined.is_none()) =>
+            [] if points.iter().all(|it| {
+                (it.unstable != Some(0) || it.admissible) && it.undetermined.is_none()
+            }) =>
             {
                 "unstable".into()
             }

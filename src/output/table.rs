@@ -111,10 +111,14 @@ pub(super) fn count(unstable: Option<usize>, undetermined: &Option<String>) -> S
 /// assert_eq!(separated("x.y,\"1.5\",-1.5e-3\n", ';', ','), "x.y;\"1.5\";-1,5e-3\n");
 /// ```
 pub fn separated(csv: &str, separator: char, decimal: char) -> String {
-    let written = |cell: &str| match () {
-        () if cell.parse::<f64>().is_ok() => cell.replace('.', &decimal.to_string()),
-        () if cell.contains(separator) && !cell.starts_with('"') => format!("\"{cell}\""),
-        () => cell.to_owned(),
+    let written = |cell: &str| {
+        if cell.parse::<f64>().is_ok() {
+            cell.replace('.', &decimal.to_string())
+        } else if cell.contains(separator) && !cell.starts_with('"') {
+            format!("\"{cell}\"")
+        } else {
+            cell.to_owned()
+        }
     };
     let (mut out, mut cell, mut in_quotes) = (String::new(), String::new(), false);
     for letter in csv.chars() {

@@ -8,7 +8,7 @@ use super::error::SceneError;
 use super::local::Local;
 use super::plane::PlaneMap;
 use super::problem::{Configured, Model, Parameters, Profiles};
-use super::simulate::{Simulated, rested, settled, stated};
+use super::simulate::{Simulated, rested, stated};
 use crate::core::bvp::{ErasedProblem, Guess};
 use crate::core::cancel::CancelToken;
 use crate::core::continuation::{Branch, SpecialPoint};
@@ -112,10 +112,7 @@ impl<F: VectorField + 'static> Model for Configured<Arc<F>, FieldSettings> {
     ) -> Result<Settled, SceneError> {
         let motion = self.motion()?;
         match self.settings.solution {
-            Solution::Orbit => {
-                let (orbit, warning) = settled(motion, run, simulated, p, cancel)?;
-                Ok((self.started(orbit, p)?, warning))
-            }
+            Solution::Orbit => self.settled_on(motion, run, simulated, p, cancel),
             Solution::Equilibrium => {
                 let system = self.system(p, p)?;
                 Ok(((system, rested(&*motion, run, simulated, p, cancel)?.1), None))
@@ -328,8 +325,7 @@ impl Model for Configured<Hybrid, HybridOrbitSettings> {
     ) -> Result<Settled, SceneError> {
         let HybridOrbitSettings { solution, mode: given, .. } = &self.settings;
         if *solution == Solution::Orbit {
-            let (orbit, warning) = settled(self.problem.clone(), run, simulated, p, cancel)?;
-            return Ok((self.started(orbit, p)?, warning));
+            return self.settled_on(self.problem.clone(), run, simulated, p, cancel);
         }
         self.equilibria()?;
         let (mode, z) = rested(&*self.problem, run, simulated, p, cancel)?;

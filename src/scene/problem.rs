@@ -92,7 +92,19 @@ pub(super) trait Model: Adjustable {
         p: &[f64],
         cancel: &CancelToken,
     ) -> Result<Settled, SceneError> {
-        let (orbit, warning) = settled(self.motion()?, run, simulated, p, cancel)?;
+        self.settled_on(self.motion()?, run, simulated, p, cancel)
+    }
+
+    /// Like [`Model::settled`], for the attractor of the given motion.
+    fn settled_on(
+        &self,
+        motion: Arc<dyn HybridEquations>,
+        run: &str,
+        simulated: &Simulated,
+        p: &[f64],
+        cancel: &CancelToken,
+    ) -> Result<Settled, SceneError> {
+        let (orbit, warning) = settled(motion, run, simulated, p, cancel)?;
         Ok((self.started(orbit, p)?, warning))
     }
 

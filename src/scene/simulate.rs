@@ -183,9 +183,11 @@ fn several_periods(system: &dyn HybridEquations, itinerary: &Itinerary) -> Optio
     let events: Vec<String> = guards.iter().enumerate().filter_map(count).collect();
     let events = match events.is_empty() {
         true => String::new(),
-        false => format!(" with the events {}", events.join(", ")),
+        false => format!(" ({})", events.join(", ")),
     };
-    Some(format!("the branch starts from a motion of {periods} forcing periods{events}"))
+    Some(format!(
+        "the branch starts from a motion of {periods} forcing periods{events}: other motions may be          reached from another parameter value or another state"
+    ))
 }
 
 /// Returns the equilibrium to which a simulation converges, as the mode and the states of the

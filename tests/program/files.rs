@@ -440,7 +440,7 @@ fn formats_follow_endings() {
     refused(
         at,
         &["plot", "a.ron", "--out", "g.csv", "--decimal", "comma", "--separator", ","],
-        &["the comma cannot separate both columns and decimals", "help: "],
+        &["a comma cannot be both the separator of columns and the decimal sign", "help: "],
     );
     succeeds(at, &["plot", "a.ron", "--out", "b.json"]);
     let json: serde_json::Value = serde_json::from_slice(&bytes(at, "b.json")).unwrap();

@@ -28,4 +28,5 @@ mod scenes_near_grazing;
 mod scenes_of_impacts;
 mod scenes_of_orbits;
 mod smooth_curves;
+mod spots;
 mod sweeps;

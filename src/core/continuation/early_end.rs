@@ -5,6 +5,7 @@ use super::corrector::{Corrector, SUPERCONVERGENCE};
 use super::curve_point::CurvePoint;
 use super::end::End;
 use super::settings::Settings;
+use super::standstill::Standstill;
 use crate::core::bifurcation::At;
 use crate::core::system::{Approach, HOMOCLINIC_RATES, Traits};
 
@@ -42,15 +43,14 @@ const NEAR: f64 = 2e-4;
 /// take infinite time in the truncated problem, and steps towards them become ever smaller.
 const WEAK: f64 = 1e-3;
 
-/// Heuristic: if no step succeeds, or if the curve crawls (see [`MOST_CRAWLING`]), a leading
-/// eigenvalue smaller than this fraction of its largest value is reported as the reason.
+/// Heuristic: if no step succeeds, or if the eigenvalue stands still, a leading eigenvalue smaller
+/// than this fraction of its largest value is reported as the reason.
 const WEAK_AT_FAILURE: f64 = 0.05;
 
-/// Heuristic: a curve of homoclinic orbits crawls if a leading eigenvalue changes by less than the
-/// fraction `CRAWL` of its value in `MOST_CRAWLING` steps. Only the excursion time grows then, and
-/// the changes of the parameters are smaller than the errors of Newton's method.
-const MOST_CRAWLING: usize = 20;
-const CRAWL: f64 = 0.05;
+/// Heuristic: a curve of special points of cycles follows homoclinic orbits if the period stands
+/// still on the finest allowed mesh, and if the cycles pass an equilibrium at a distance of less
+/// than this fraction of their extents.
+const NEAR_ON_CURVE: f64 = 0.05;
 
 /// The data of the checks that can end one half of a branch at a point where Newton's method still
 /// converges.
@@ -71,6 +71,8 @@ pub(super) struct EarlyEnd {
     halt: Option<(Approach, f64)>,
     /// The leading eigenvalues of the saddle of homoclinic orbits.
     rates: [Rate; 2],
+    /// The period on the finest allowed mesh of a curve of special points.
+    standstill: Standstill,
     /// Whether the states of some segment have become small compared with their scales.
     pub small: bool,
 }
@@ -80,21 +82,17 @@ pub(super) struct EarlyEnd {
 struct Rate {
     largest: f64,
     last: f64,
-    /// The value from which the last values differ by less than the fraction `CRAWL`.
-    settled: f64,
-    /// The number of these last values.
-    crawling: usize,
+    /// Whether the eigenvalue stands still: only the excursion time grows then, and the parameters
+    /// change by less than the errors of Newton's method.
+    still: bool,
+    standstill: Standstill,
 }
 
 impl Rate {
     fn note(&mut self, rate: f64) {
         self.last = rate;
         self.largest = self.largest.max(rate.abs());
-        if (rate - self.settled).abs() < CRAWL * self.settled.abs() {
-            self.crawling += 1;
-        } else {
-            (self.settled, self.crawling) = (rate, 0);
-        }
+        self.still = self.standstill.reached(rate);
     }
 
     fn below(&self, part: f64) -> bool {
@@ -102,7 +100,7 @@ impl Rate {
     }
 
     fn is_weak(&self) -> bool {
-        self.below(WEAK) || self.crawling >= MOST_CRAWLING && self.below(WEAK_AT_FAILURE)
+        self.below(WEAK) || self.still && self.below(WEAK_AT_FAILURE)
     }
 }
 
@@ -117,13 +115,15 @@ impl EarlyEnd {
     }
 
     /// Returns the reason why the branch ends at an accepted point, if one of the checks requires
-    /// its end; `before` is the preceding point.
+    /// its end; `before` is the preceding point. `is_finest` states whether the curve has the finest
+    /// mesh that is allowed on curves of special points.
     pub fn reached(
         &mut self,
         corrector: &mut Corrector,
         settings: &Settings,
         place: &CurvePoint,
         before: &CurvePoint,
+        is_finest: bool,
     ) -> Option<End> {
         corrector.equations.load(&place.unknowns);
         let At { system, x, .. } = corrector.equations.at();
@@ -140,6 +140,13 @@ impl EarlyEnd {
         }
         // The period of a forcing depends on parameters only.
         let period = free_period?;
+        if is_finest
+            && self.standstill.reached(period)
+            && let Some(Approach { distance, .. }) = approach(corrector, place)
+            && distance < NEAR_ON_CURVE
+        {
+            return Some(End::Homoclinic { period, distance });
+        }
         if self.periods.is_none() {
             // A branch that starts near a homoclinic orbit begins with constant parameters.
             self.may_halt = approach(corrector, before).is_some_and(|start| start.distance <= NEAR);

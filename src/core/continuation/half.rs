@@ -106,7 +106,13 @@ impl Half {
         step: &Step,
         snakes: bool,
     ) -> (Option<End>, Option<Crawl>) {
-        let end = self.early_end.reached(corrector, settings, &step.place, &self.last);
+        let end = self.early_end.reached(
+            corrector,
+            settings,
+            &step.place,
+            &self.last,
+            self.mesh.is_least(),
+        );
         if matches!(end, Some(End::Homoclinic { .. })) {
             self.drop_noise();
         }

@@ -66,8 +66,8 @@ impl Log {
         let kinds: Vec<String> = self.shortfalls.iter().map(|(kind, _)| kind.to_string()).collect();
         let kinds = distinct(&kinds).join(", ");
         self.branch.warnings.push(format!(
-            "special points ({kinds}) have a larger error than `refinement` = {refinement:e} permits, because no finer \
-             discretisation is available: the relative error of `{column}` is up to {relative:.1e}; the column `error` \
+            "special points ({kinds}) have a larger error than `refinement` = {refinement:e} permits, because finer \
+             discretisations are not available or do not converge: the relative error of `{column}` is up to {relative:.1e}; the column `error` \
              gives the error of each point"
         ));
     }

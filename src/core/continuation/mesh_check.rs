@@ -5,10 +5,10 @@
 //! of another period.
 
 use super::curve::Curve;
-use super::end::End;
 use super::fitting::fit_mesh;
 use super::half::Half;
 use super::mesh_target::EVERY;
+use super::settings::Settings;
 use crate::core::bifurcation::At;
 
 /// Heuristic: the mesh is too coarse for a curve of special points if the period at a point changes
@@ -26,16 +26,23 @@ const ORDERS: f64 = 5.0 / 8.0;
 /// Rounding: a mesh whose error is smaller than this threshold is not refined.
 const FINEST: f64 = 1e-11;
 
-/// Heuristic: a curve whose target has been reduced as far as possible approaches homoclinic orbits
-/// if the period changes by less than the fraction `CRAWL` in `MOST_CRAWLING` points, and if the
-/// cycles pass an equilibrium at a distance of less than the fraction `NEAR` of their extents.
-const CRAWL: f64 = 0.03;
-const MOST_CRAWLING: usize = 20;
-const NEAR: f64 = 0.05;
+/// Adapts the number of mesh intervals to the last point of one half of a curve. On a curve of
+/// special points, the target for the mesh error is reduced before if a comparison with a finer mesh
+/// is due, and if the periods differ too much.
+pub(super) fn adapt_mesh(curve: &mut Curve, half: &mut Half, settings: &Settings) {
+    compare(curve, half);
+    let target = target(curve, half, settings);
+    fit_mesh(curve, half, target);
+}
 
-/// Compares the period at the last point with the period on a finer mesh, if a comparison is due,
-/// and reduces the target for the mesh error if the periods differ too much.
-pub(super) fn check_mesh(curve: &mut Curve, half: &mut Half) {
+/// Returns the target for the mesh error at the next points of one half of a curve.
+pub(super) fn target(curve: &Curve, half: &Half, settings: &Settings) -> f64 {
+    half.mesh.share * settings.mesh_target(!curve.refiner.held.is_empty())
+}
+
+/// Reduces the target if a comparison is due, and if the period at the last point differs too much
+/// from the period on a finer mesh.
+fn compare(curve: &mut Curve, half: &mut Half) {
     let points = half.points.len();
     let is_finest = half.mesh.is_least();
     if curve.refiner.held.is_empty() || is_finest || points < half.mesh.due {
@@ -51,7 +58,8 @@ pub(super) fn check_mesh(curve: &mut Curve, half: &mut Half) {
 
 /// Refines the mesh of a curve of special points at a point where no step succeeds, and corrects
 /// the point. Returns whether the mesh changed, so that a step may succeed.
-pub(super) fn rescue(curve: &mut Curve, half: &mut Half, target: f64) -> bool {
+pub(super) fn rescue(curve: &mut Curve, half: &mut Half, settings: &Settings) -> bool {
+    let before = target(curve, half, settings);
     let error = curve.corrector.mesh_error(&half.last.unknowns);
     if curve.refiner.held.is_empty()
         || half.mesh.is_least()
@@ -60,34 +68,11 @@ pub(super) fn rescue(curve: &mut Curve, half: &mut Half, target: f64) -> bool {
     {
         return false;
     }
-    let before = half.mesh.share;
-    half.mesh.reduce(0.01 * error.min(target) / target);
+    half.mesh.reduce(0.01 * error.min(before) / before);
     half.mesh.due = half.points.len() + 1;
-    fit_mesh(curve, half, target * half.mesh.share / before);
+    let reduced = target(curve, half, settings);
+    fit_mesh(curve, half, reduced);
     curve.corrector.mesh_error(&half.last.unknowns) < error
-}
-
-/// Returns the end of a curve of special points of cycles that approach homoclinic orbits: the
-/// curve follows the homoclinic orbits closely, and its points are known no more accurately than
-/// their distances from the homoclinic orbits.
-pub(super) fn end_at_homoclinic(curve: &mut Curve, half: &mut Half) -> Option<End> {
-    if curve.refiner.held.is_empty() || !half.mesh.is_least() {
-        return None;
-    }
-    curve.corrector.equations.load(&half.last.unknowns);
-    let At { system, x, .. } = curve.corrector.equations.at();
-    let period = system.traits(x).free_period?;
-    let (settled, crawling) = &mut half.mesh.settled;
-    if (period - *settled).abs() >= CRAWL * *settled {
-        (*settled, *crawling) = (period, 0);
-        return None;
-    }
-    *crawling += 1;
-    if *crawling < MOST_CRAWLING {
-        return None;
-    }
-    let distance = system.discretised()?.approach(x)?.distance;
-    (distance < NEAR).then_some(End::Homoclinic { period, distance })
 }
 
 /// Returns the relative change of the period at the last point if the mesh is refined, while the

@@ -1,13 +1,15 @@
 //! The share of the discretisation in the errors of special points.
 
-/// The knowledge of the discretisation error of a special point after its refinement.
+/// Whether the discretisation error of a special point is known, and as small as requested, after
+/// the refinement of the point.
 #[derive(PartialEq)]
 pub(super) enum MeshShare {
     /// The error is unknown.
     Unknown,
     /// The solutions are not discretised, or the error is as small as requested.
     Sufficient,
-    /// The error is larger than requested, because no finer discretisation is available.
+    /// The error is larger than requested, and finer discretisations are not available or do not
+    /// converge.
     TooLarge(Shortfall),
 }
 

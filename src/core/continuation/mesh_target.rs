@@ -1,7 +1,5 @@
 //! The target for the discretisation error along one half of a branch.
 
-use super::settings::Settings;
-
 /// Heuristic: the number of points between two comparisons with a finer mesh. A comparison takes as
 /// long as several steps.
 pub(super) const EVERY: usize = 3;
@@ -17,17 +15,9 @@ pub(super) struct MeshTarget {
     pub share: f64,
     /// The number of points at which the next comparison is due.
     pub due: usize,
-    /// The period from which the periods of the last points differ by less than a small
-    /// fraction, and the number of these points.
-    pub settled: (f64, usize),
 }
 
 impl MeshTarget {
-    /// Returns the target for the discretisation error at the next points.
-    pub fn target(&self, settings: &Settings, of_special_points: bool) -> f64 {
-        self.share * settings.mesh_target(of_special_points)
-    }
-
     /// Whether the target is not reduced further.
     pub fn is_least(&self) -> bool {
         self.share <= LEAST_SHARE
@@ -41,6 +31,6 @@ impl MeshTarget {
 
 impl Default for MeshTarget {
     fn default() -> Self {
-        MeshTarget { share: 1.0, due: EVERY, settled: (0.0, 0) }
+        MeshTarget { share: 1.0, due: EVERY }
     }
 }

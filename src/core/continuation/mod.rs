@@ -92,6 +92,7 @@ mod settings;
 mod singular_start;
 mod slopes;
 mod snaking;
+mod standstill;
 mod start;
 mod step_control;
 mod steps;

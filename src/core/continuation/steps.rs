@@ -10,12 +10,12 @@ use super::double_crossing::double_crossing;
 use super::early_end::stopping_growth;
 use super::end::End;
 use super::events_between::events_between;
-use super::fitting::{fit_mesh, restate_determinant, return_to_mesh, settle};
+use super::fitting::{restate_determinant, return_to_mesh, settle};
 use super::half::Half;
 use super::homoclinic_end;
 use super::located::Located;
 use super::log::Log;
-use super::mesh_check::{check_mesh, end_at_homoclinic, rescue};
+use super::mesh_check::{self, adapt_mesh, rescue};
 use super::metric::Metric;
 use super::newton::NewtonError;
 use super::predictor::Predictor;
@@ -380,7 +380,6 @@ impl Steps<'_> {
         if points >= max_points {
             return Some(End::PointLimit { points });
         }
-        let target = half.mesh.target(&self.settings, !self.curve.refiner.held.is_empty());
         let curve = &mut self.curve;
         let mut step = match self.control.step(curve, &half.predictor, &half.last, half.length) {
             Ok(step) => step,
@@ -396,7 +395,7 @@ impl Steps<'_> {
                 half.try_again(self.settings.initial_step.min(max_step));
                 return None;
             }
-            Err(_) if rescue(curve, half, target) => {
+            Err(_) if rescue(curve, half, &self.settings) => {
                 half.try_again(self.settings.initial_step.min(max_step));
                 return None;
             }
@@ -458,7 +457,7 @@ impl Steps<'_> {
     /// coarse.
     fn end_of_steps(&mut self, half: &Half, (step, cause): (f64, NewtonError)) -> End {
         let error = self.curve.corrector.mesh_error(&half.last.unknowns);
-        let target = half.mesh.target(&self.settings, !self.curve.refiner.held.is_empty());
+        let target = mesh_check::target(&self.curve, half, &self.settings);
         // The help of the error is written for the first solution of a curve.
         let words = match &cause {
             NewtonError::Stagnation { .. } => format!("{cause}; {STAGNATION}"),
@@ -541,10 +540,7 @@ impl Steps<'_> {
         let earlier = std::iter::once(&mut half.start).chain(half.predictor.places());
         let others = earlier.flat_map(|it| [&mut it.unknowns[..], &mut it.tangent[..]]).collect();
         half.growth /= corrector.accept(&mut half.last, others);
-        check_mesh(&mut self.curve, half);
-        let target = half.mesh.target(&self.settings, !self.curve.refiner.held.is_empty());
-        fit_mesh(&mut self.curve, half, target);
-        let end = end.or_else(|| end_at_homoclinic(&mut self.curve, half));
+        adapt_mesh(&mut self.curve, half, &self.settings);
         half.last.point.solution = self.solution_at(&half.last);
         half.points.push(half.last.point.clone());
         half.stretches.reach(&mut self.curve, &half.last, points + 1, special);

@@ -75,14 +75,6 @@ impl Ritz {
         carried
     }
 
-    /// Returns the same plate and deflection with the given numbers of basis functions.
-    fn on_orders(&self, orders: Orders, x: &[f64]) -> Option<Refinement> {
-        let settings = RitzSettings { orders: Some(orders), ..self.model.settings };
-        let other = Ritz::new(settings).ok()?;
-        let x = self.carry(x, &other);
-        Some(Refinement { system: Box::new(other), x })
-    }
-
     /// Returns the assembled `F_z` as a dense `n × n` matrix, stored column by column.
     pub fn jacobian(&self, out: &mut [f64]) {
         out.copy_from_slice(&self.assembly.matrix);
@@ -332,16 +324,23 @@ impl System for Ritz {
     }
 }
 
+/// Returns the same plate and deflection with the given numbers of basis functions.
+fn on_orders(plate: &Ritz, orders: Orders, x: &[f64]) -> Option<Refinement> {
+    let other = Ritz::new(RitzSettings { orders: Some(orders), ..plate.model.settings }).ok()?;
+    let x = plate.carry(x, &other);
+    Some(Refinement { system: Box::new(other), x })
+}
+
 impl Discretised for Ritz {
     fn refined(&mut self, x: &[f64]) -> Option<Refinement> {
         let orders = self.model.orders.finer();
         if orders.transverse[0] * orders.transverse[1] > LARGEST_RUNG {
             return None;
         }
-        self.on_orders(orders, x)
+        on_orders(self, orders, x)
     }
 
     fn coarser(&mut self, x: &[f64]) -> Option<Refinement> {
-        self.on_orders(self.model.orders.coarser()?, x)
+        on_orders(self, self.model.orders.coarser()?, x)
     }
 }
