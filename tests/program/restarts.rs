@@ -291,8 +291,9 @@ fn a_start_on_a_motion_of_several_periods_is_announced() {
         let options = ["trace", "d.ron", "--along", "F=0.1..0.5", "--start", "x=1", "--set", force];
         succeeds(at, &[&options[..], &["--set", "max_points=3"]].concat());
         let warnings = &read(&at.join("out/d.ron")).branches[0].warnings;
-        let found =
-            warnings.iter().any(|it| it == "the branch starts from a motion of 2 forcing periods");
+        let found = warnings
+            .iter()
+            .any(|it| it.starts_with("the branch starts from a motion of 2 forcing periods:"));
         assert_eq!(found, said, "{force}: {warnings:?}");
     }
 }
