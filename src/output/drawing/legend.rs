@@ -2,7 +2,7 @@
 
 use super::canvas::{Anchor, Canvas, INK, Painted, TEXT, text_width};
 use super::panel::letter;
-use super::pen::{colour, curve, mark, tint};
+use super::pen::{colour, curve, mark, spot_sizes, tint};
 use crate::output::figure::{Figure, Mark, Style, Symbol};
 use crate::output::regions::MEANING;
 use plotters::style::RGBColor;
@@ -43,7 +43,8 @@ pub(super) struct Naming<'a> {
 
 enum Sample<'a> {
     None,
-    Curve(Style, RGBColor),
+    /// A curve, with the side lengths of its spots.
+    Curve(Style, RGBColor, [f64; 2]),
     Tile(RGBColor),
     Mark(&'a Mark),
 }
@@ -132,7 +133,7 @@ fn meanings(figures: &[Figure]) -> Vec<Entry<'_>> {
             series.any(|series| series.style == style && series.points.len() > 1)
         };
         for (style, text) in figure.styles.iter().filter(|(style, _)| drawn(*style)) {
-            add(Sample::Curve(*style, INK), text.clone());
+            add(Sample::Curve(*style, INK, spot_sizes(figure.series.iter())), text.clone());
         }
     }
     for mark in figures.iter().flat_map(|figure| &figure.marks) {
@@ -171,8 +172,9 @@ fn names<'a>(figures: &'a [Figure], naming: &Naming<'a>) -> Vec<Entry<'a>> {
         _ if styled => Style::Solid,
         style => style.unwrap_or(Style::Solid),
     };
+    let spots = spot_sizes(figures().flat_map(|figure| &figure.series));
     let entry = |(k, (index, name)): (usize, &(usize, &str))| Entry {
-        sample: Sample::Curve(style(name), colour(*index)),
+        sample: Sample::Curve(style(name), colour(*index), spots),
         text: format!("{}\u{2002}{name}", k + 1),
     };
     let mut entries: Vec<Entry> = named.iter().take(NAMED).enumerate().map(entry).collect();
@@ -200,7 +202,7 @@ impl Entry<'_> {
     fn draw(&self, canvas: &Canvas, [x, y]: [f64; 2], right: f64) -> Painted {
         match self.sample {
             Sample::None => {}
-            Sample::Curve(style, colour) => {
+            Sample::Curve(style, colour, spots) => {
                 let points = match style {
                     Style::Dots => vec![[x + SAMPLE / 2.0, y]],
                     Style::Specks | Style::Blots => (0..9)
@@ -211,7 +213,7 @@ impl Entry<'_> {
                         vec![[x, y], [x + SAMPLE, y]]
                     }
                 };
-                curve(canvas, style, &points, colour)?;
+                curve(canvas, style, &points, colour, spots)?;
             }
             Sample::Tile(colour) => {
                 canvas.rectangle([[x, y - 6.0], [x + 14.0, y + 6.0]], colour)?

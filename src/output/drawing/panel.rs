@@ -3,9 +3,8 @@
 use super::canvas::{Anchor, Canvas, FAINT, INK, LIGHT, Painted, TEXT, text_width};
 use super::coincident::{Hidden, Line, hidden};
 use super::labels::{Room, Wanted, sampled};
-use super::pen::{colour, curve, darker, mark, pale, tint};
+use super::pen::{colour, curve, darker, is_spots, mark, pale, spot_sizes, tint};
 use super::smooth::{CORNER, SLIGHT, smooth};
-use super::spots::sizes;
 use super::ticks::Ticks;
 use crate::core::system::Kind;
 use crate::output::error::FigureError;
@@ -254,13 +253,8 @@ impl<'a> Panel<'a> {
             canvas.line(&points, pale(colour(name)), width)?;
         }
         // All sweeps of a panel have spots of the same two sizes.
-        let spots = lines.iter().filter(|line| is_spots(line.style));
-        let [small, large] = sizes(spots.map(|line| line.points.len()).max().unwrap_or_default());
-        lines.iter().try_for_each(|Line { style, points, name }| match style {
-            Style::Specks => canvas.spots(points, colour(*name), small),
-            Style::Blots => canvas.spots(points, colour(*name), large),
-            style => curve(canvas, *style, points, colour(*name)),
-        })
+        let spots = spot_sizes(self.figure.series.iter());
+        lines.iter().try_for_each(|it| curve(canvas, it.style, &it.points, colour(it.name), spots))
     }
 
     /// Draws walls with their hatching.
@@ -353,10 +347,6 @@ impl<'a> Panel<'a> {
 }
 
 /// Returns whether a curve is drawn as spots that are too small to be recognised as a line.
-fn is_spots(style: Style) -> bool {
-    matches!(style, Style::Specks | Style::Blots)
-}
-
 /// Returns the letter size at which a text fits into a given length.
 fn fitting(text: &str, size: f64, room: f64) -> f64 {
     size * (room / text_width(text, size).max(1.0)).min(1.0)

@@ -2,7 +2,7 @@
 
 use super::canvas::{Canvas, INK, Painted};
 use super::spots::sizes;
-use crate::output::figure::{Style, Symbol};
+use crate::output::figure::{Series, Style, Symbol};
 use crate::output::tile::{Hue, Tile};
 use plotters::style::{RGBColor, WHITE};
 
@@ -81,12 +81,24 @@ pub(super) fn tint(hue: Hue, shade: usize) -> RGBColor {
 const DASHES: [f64; 2] = [7.0, 4.5];
 const DOTS: [f64; 2] = [1.5, 2.5];
 
-/// Draws a curve through points that are given in pixels.
+pub(super) fn is_spots(style: Style) -> bool {
+    matches!(style, Style::Specks | Style::Blots)
+}
+
+/// Returns the side lengths of the spots of all sweeps in figures with the given curves.
+pub(super) fn spot_sizes<'a>(curves: impl Iterator<Item = &'a Series>) -> [f64; 2] {
+    let spots = curves.filter(|curve| is_spots(curve.style));
+    sizes(spots.map(|curve| curve.points.len()).max().unwrap_or_default())
+}
+
+/// Draws a curve through points that are given in pixels; `small` and `large` are the side lengths of
+/// its spots.
 pub(super) fn curve(
     canvas: &Canvas,
     style: Style,
     points: &[[f64; 2]],
     colour: RGBColor,
+    [small, large]: [f64; 2],
 ) -> Painted {
     match style {
         Style::Solid if points.len() > 1 => canvas.line(points, colour, 2.0),
@@ -94,8 +106,8 @@ pub(super) fn curve(
         Style::Dotted => canvas.dashed(points, DOTS, (colour, 1.0)),
         Style::Thin if points.len() > 1 => canvas.line(points, colour, 0.8),
         Style::Thin | Style::Solid => Ok(()),
-        Style::Specks => canvas.spots(points, colour, sizes(points.len())[0]),
-        Style::Blots => canvas.spots(points, colour, sizes(points.len())[1]),
+        Style::Specks => canvas.spots(points, colour, small),
+        Style::Blots => canvas.spots(points, colour, large),
         Style::Dots | Style::DottedLine => {
             if style == Style::DottedLine {
                 canvas.line(points, colour, 1.5)?;
