@@ -195,9 +195,9 @@ impl Service {
         let (service, id) = (Arc::clone(self), page.to_string());
         stream_of(stream, (cancel, LONGEST), move |token, out| {
             let Some(_slot) = service.traces.slots.take(token) else { return };
-            let at = (&service.library, service.opened.as_ref());
-            if let Some(kept) = trace(&setup, at, token, out) {
-                service.traces.pages.keep(&id, turn, kept);
+            let (at, pages) = ((&service.library, service.opened.as_ref()), &service.traces.pages);
+            if let Some(kept) = trace(&setup, at, (pages, &id), (token, out)) {
+                pages.keep(&id, turn, kept);
             }
         })
     }

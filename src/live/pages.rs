@@ -3,7 +3,7 @@
 use crate::core::cancel::CancelToken;
 use crate::core::continuation::Branch;
 use crate::output::Document;
-use crate::scene::{Scene, SceneError};
+use crate::scene::{Correctable, Scene, SceneError};
 use serde::Serialize;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
@@ -39,6 +39,10 @@ pub(super) struct Kept {
     /// The scene whose result is kept, including all runs that were traced.
     pub scene: Arc<Scene>,
     pub document: Arc<Document>,
+    /// The time in which the result was computed.
+    pub duration: Duration,
+    /// The branches of the result at a few points, corrected for the last changed values.
+    pub correctable: Arc<Correctable>,
     /// The columns on the axes of the diagram; `None` for the default columns.
     pub axes: [Option<String>; 2],
     /// The extremes of simulated histories at points of the result, each with the number of its
@@ -136,6 +140,12 @@ impl Pages {
         }
     }
 
+    /// Keeps branches that were corrected for changed values with the last result of a page, unless
+    /// the page has another result by now.
+    pub fn keep_corrected(&self, id: &str, result: &Kept, corrected: Correctable) {
+        self.change(id, result, |kept| kept.correctable = Arc::new(corrected));
+    }
+
     /// Cancels the computation that is running for a page.
     pub fn cancel(&self, id: &str) {
         self.all().iter().filter(|page| page.id == id).for_each(|page| page.cancel.cancel());
@@ -158,6 +168,22 @@ impl Pages {
         result: &Kept,
         history: (u64, Branch),
     ) -> Option<Arc<Kept>> {
+        self.change(id, result, |kept| {
+            if kept.histories.len() >= HISTORIES {
+                kept.histories.remove(0);
+            }
+            kept.histories.push(history);
+        })
+    }
+
+    /// Changes the last result of a page, and returns the result; `None` if the page has another
+    /// result by now.
+    fn change(
+        &self,
+        id: &str,
+        result: &Kept,
+        change: impl FnOnce(&mut Kept),
+    ) -> Option<Arc<Kept>> {
         let mut all = self.all();
         let page = all.iter_mut().find(|page| page.id == id)?;
         let last = page.kept.as_ref()?;
@@ -165,10 +191,7 @@ impl Pages {
             return None;
         }
         let mut kept = (**last).clone();
-        if kept.histories.len() >= HISTORIES {
-            kept.histories.remove(0);
-        }
-        kept.histories.push(history);
+        change(&mut kept);
         page.kept = Some(Arc::new(kept));
         page.kept.clone()
     }

@@ -1,4 +1,5 @@
 //! Pictures of branches, which are sent to the page while the branches are being traced.
+//! A branch that was corrected beforehand is shown as corrected until its trace is complete.
 
 use super::pages::Message;
 use crate::core::cancel::CancelToken;
@@ -23,7 +24,11 @@ const MOST: usize = 500_000;
 /// An observer that sends pictures of unfinished branches to the page, and stops a computation that
 /// has too many points.
 pub(super) struct Preview<'a> {
+    /// The branches of the picture.
     document: Document,
+    /// The branch that is being traced while the picture shows the corrected branch, with the index
+    /// of the corrected branch.
+    traced: Option<(usize, Branch)>,
     /// The chosen columns.
     axes: [Option<&'a str>; 2],
     out: &'a Sender<Message>,
@@ -38,17 +43,24 @@ pub(super) struct Preview<'a> {
 
 impl<'a> Preview<'a> {
     /// Creates an observer that draws branches on the axes of a plot, and cancels the token to stop
-    /// the computation.
+    /// the computation. The corrected branches are drawn at once.
     pub fn new(
-        plot: Plot,
-        axes: [Option<&'a str>; 2],
+        (plot, axes): (Plot, [Option<&'a str>; 2]),
+        corrected: Vec<Branch>,
         (out, cancel): (&'a Sender<Message>, &'a CancelToken),
     ) -> Self {
-        let mut document = Document::new("", Vec::new());
+        let any = !corrected.is_empty();
+        let mut document = Document::new("", corrected);
         // Deviations and enlargements need special points, which come later.
         document.plot = Plot { deviations: Vec::new(), ranges: Vec::new(), ..plot };
-        let next = Instant::now() + FIRST;
-        Preview { document, axes, out, shown: true, backward: false, next, points: 0, cancel }
+        let next = Instant::now() + if any { Duration::ZERO } else { FIRST };
+        let (traced, shown, backward) = (None, true, false);
+        let mut preview =
+            Preview { document, traced, axes, out, shown, backward, next, points: 0, cancel };
+        if any {
+            preview.send();
+        }
+        preview
     }
 
     fn send(&mut self) {
@@ -68,9 +80,16 @@ impl<'a> Preview<'a> {
 impl Observer for Preview<'_> {
     fn begin(&mut self, branch: &Branch) {
         self.backward = false;
+        if let Some((corrected, complete)) = self.traced.take() {
+            self.document.branches[corrected] = complete;
+        }
         if self.shown {
             let branch = Branch { points: Vec::new(), special: Vec::new(), ..branch.clone() };
-            self.document.branches.push(branch);
+            let own = self.document.branches.iter().position(|it| it.name == branch.name);
+            match own {
+                Some(corrected) => self.traced = Some((corrected, branch)),
+                None => self.document.branches.push(branch),
+            }
         }
     }
 
@@ -82,7 +101,9 @@ impl Observer for Preview<'_> {
         if self.points > SHOWN {
             return;
         }
-        let Some(branch) = self.document.branches.last_mut().filter(|_| self.shown) else { return };
+        let last = self.traced.as_mut().map(|(_, branch)| branch);
+        let last = last.or(self.document.branches.last_mut()).filter(|_| self.shown);
+        let Some(branch) = last else { return };
         // A branch is traced from its start to one end, and then from its start to the other end.
         let position = |point: &Point| point.slopes.as_ref().map(|slopes| slopes.position.abs());
         let last = if self.backward { branch.points.first() } else { branch.points.last() };

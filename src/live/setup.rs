@@ -225,6 +225,8 @@ impl Setup {
         }
         let mut scene = stated.requested(&self.name, &request)?;
         scene.settings.draft = self.draft;
+        // While a control is dragged, the last branches are corrected.
+        scene.settings.keep_solutions = true;
         match self.runs.is_empty() {
             true => Ok(scene),
             false => scene.with_runs(self.runs.iter().cloned()),

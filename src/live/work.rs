@@ -5,7 +5,7 @@ use super::command::command;
 use super::describe::describe;
 use super::library::Library;
 use super::opened::Opened;
-use super::pages::{Kept, Message};
+use super::pages::{Kept, Message, Pages};
 use super::plane::{NumberedBar, bars};
 use super::preview::Preview;
 use super::setup::Setup;
@@ -16,25 +16,33 @@ use crate::core::failure::one_line;
 use crate::output::{
     Document, Figure, FigureError, Panel, Summary, diagram, figures, hexadecimal, significant,
 };
-use crate::scene::{Resolution, Scene, SceneError};
+use crate::scene::{Correctable, Resolution, Scene, SceneError};
 use serde::Serialize;
 use serde_json::json;
 use std::sync::Arc;
 use std::sync::mpsc::Sender;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// The number of significant digits with which tables show values.
 const DIGITS: usize = 10;
 /// The number of significant digits with which tables show errors.
 const ERROR_DIGITS: usize = 2;
 
-/// Traces the branches of a setup and sends messages to its page; returns the result that the
-/// server keeps.
+/// While a control is dragged, the last branches are corrected before they are traced again if their
+/// trace took longer than this time; a shorter trace follows the hand without corrected branches.
+const SLOW: Duration = Duration::from_millis(100);
+/// The correction of branches is given up after this fraction of the duration of their last trace,
+/// and after the time `LONGEST`.
+const SHARE: f64 = 0.5;
+const LONGEST: Duration = Duration::from_millis(200);
+
+/// Traces the branches of a setup and sends messages to its page, whose last result is among the
+/// given pages; returns the result that the server keeps.
 pub(super) fn trace(
     setup: &Setup,
     (library, opened): (&Library, Option<&Opened>),
-    cancel: &CancelToken,
-    out: &Sender<Message>,
+    page: (&Pages, &str),
+    (cancel, out): (&CancelToken, &Sender<Message>),
 ) -> Option<Kept> {
     let begin = Instant::now();
     let fail = |cause: &SceneError| {
@@ -50,20 +58,31 @@ pub(super) fn trace(
     }
     let traced = scene.and_then(|scene| {
         let resolution = scene.resolve(None)?;
-        Ok(branches(setup, &resolution, (out, cancel)))
+        let corrected = corrected(setup, &resolution, page);
+        Ok(branches(setup, &resolution, corrected, (out, cancel)))
     });
-    let (scene, document, failed) = traced.inspect_err(fail).ok()?;
+    let (scene, mut document, failed) = traced.inspect_err(fail).ok()?;
     if cancel.is_cancelled() && document.branches.is_empty() {
         let trouble = Trouble::plain("the trace was stopped before its first branch was computed");
         let _ = out.send(Message::of(&json!({ "failed": trouble })));
         return None;
     }
     let axes = [setup.x.clone(), setup.y.clone()];
-    let (scene, document) = (Arc::new(scene), Arc::new(document));
-    let kept = Kept { name: setup.file_name(), scene, document, axes, histories: Vec::new() };
+    let scene = Arc::new(scene);
+    let correctable = Arc::new(Correctable::of(&scene, &mut document.branches));
+    let duration = begin.elapsed();
+    let kept = Kept {
+        name: setup.file_name(),
+        scene,
+        document: Arc::new(document),
+        duration,
+        correctable,
+        axes,
+        histories: Vec::new(),
+    };
     let stopped = cancel.is_cancelled();
     let done = Done {
-        millis: begin.elapsed().as_secs_f64() * 1e3,
+        millis: duration.as_secs_f64() * 1e3,
         stopped,
         command: command(setup, library, opened),
         failed: failed.iter().map(|(run, cause)| Trouble::of_run(run, cause)).collect(),
@@ -78,14 +97,27 @@ pub(super) fn trace(
 /// A scene with all its runs, the results of the runs, and the errors of the runs that failed.
 type Traced = (Scene, Document, Vec<(String, SceneError)>);
 
-/// Traces the branches.
+/// Returns the last branches of a page, corrected for the values of a setup whose control is being
+/// dragged; empty if the branches are traced quickly, or cannot be corrected quickly.
+fn corrected(setup: &Setup, resolution: &Resolution, (pages, id): (&Pages, &str)) -> Vec<Branch> {
+    let last = pages.kept(id).filter(|last| setup.draft && last.duration > SLOW);
+    let Some(last) = last else { return Vec::new() };
+    let until = Instant::now() + last.duration.mul_f64(SHARE).min(LONGEST);
+    let Some(corrected) = last.correctable.corrected(resolution, until) else { return Vec::new() };
+    let branches = corrected.branches().to_vec();
+    pages.keep_corrected(id, &last, corrected);
+    branches
+}
+
+/// Traces the branches; until a branch is complete, its picture shows its corrected points.
 fn branches(
     setup: &Setup,
     resolution: &Resolution,
+    corrected: Vec<Branch>,
     at: (&Sender<Message>, &CancelToken),
 ) -> Traced {
     let axes = [setup.x.as_deref(), setup.y.as_deref()];
-    let mut preview = Preview::new(resolution.scene().plot.clone(), axes, at);
+    let mut preview = Preview::new((resolution.scene().plot.clone(), axes), corrected, at);
     if let Some(following) = setup.following() {
         let (scene, outcome) = resolution.explore(&following, &mut preview);
         let failed = outcome.error.into_iter().map(|cause| (String::new(), cause));

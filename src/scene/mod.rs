@@ -22,6 +22,7 @@ mod by_name;
 mod catalogue;
 mod check;
 mod columns;
+mod corrected;
 mod designs;
 mod discretisation;
 mod division;
@@ -62,6 +63,7 @@ mod words;
 pub use attracted::{Attracted, AttractorKind, Patience};
 pub use builtin::{BUILT_IN, BuiltIn, LIBRARY};
 pub use catalogue::{Catalogue, NamedScene};
+pub use corrected::Correctable;
 pub use designs::{Choices, designs};
 pub use discretisation::{
     BoundarySettings, CollocationSettings, Discretisation, FieldSettings, HybridOrbitSettings,

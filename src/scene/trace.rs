@@ -354,7 +354,7 @@ fn begin_from<'a>(curve: Continuation<'a>, resolved: &Resolved) -> Continuation<
 /// Passes the varied parameters, bounds, marks and direction of a run to its continuation; for a
 /// curve of special or marked points, also passes the condition that all points of the curve
 /// satisfy.
-fn conditions<'a>(mut curve: Continuation<'a>, run: &Run) -> Continuation<'a> {
+pub(super) fn conditions<'a>(mut curve: Continuation<'a>, run: &Run) -> Continuation<'a> {
     for range in &run.along {
         curve = curve.along(&range.name, range.interval());
     }
