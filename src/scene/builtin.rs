@@ -52,6 +52,10 @@ impl Model for Configured<Plate, PlateSettings> {
 }
 
 impl ProblemSettings for PlateSettings {
+    fn define_equations() -> bool {
+        true
+    }
+
     fn without_effect(&self, name: &str) -> Option<(&'static str, String)> {
         let others: &[&str] = match self.model {
             plate::Model::Ritz => &["modes", "projection"],

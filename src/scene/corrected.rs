@@ -11,7 +11,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 /// The number of points of each branch that are corrected.
-const POINTS: usize = 40;
+const POINTS: usize = 30;
 
 /// Branches of a scene whose points contain their solutions, so that the branches can be corrected
 /// for other parameter values.
@@ -19,7 +19,7 @@ const POINTS: usize = 40;
 pub struct Correctable {
     /// The scene, with the runs that trace the branches.
     scene: Arc<Scene>,
-    /// The branches, with at most 40 regular points each and without special points.
+    /// The branches, with at most 30 regular points each and without special points.
     branches: Vec<Branch>,
 }
 
@@ -48,11 +48,13 @@ impl Correctable {
 
     /// Corrects the selected points of all branches for the parameter values of another resolution
     /// of the scene, each in the hyperplane across its branch. Omits points for which Newton's
-    /// method does not converge, and branches that the resolved scene cannot have. Returns `None`
-    /// if no branch remains, or if the correction is cancelled or lasts longer than `until`.
+    /// method does not converge, branches that the resolved scene cannot have, and branches whose
+    /// correction is cancelled or not complete at the time `until`. Returns `None` if no branch
+    /// remains.
     ///
     /// The corrected points are solutions, but nothing ensures that they lie on the branches that
-    /// the scene's runs trace: use corrected branches only for pictures that are soon replaced.
+    /// the scene's runs trace, and their stability is the stability of the earlier points: use
+    /// corrected branches only for pictures that are soon replaced.
     ///
     /// ```
     /// use std::{sync::Arc, time::{Duration, Instant}};
@@ -85,16 +87,18 @@ impl Correctable {
             let Some(run) = self.scene.runs.iter().find(|run| run.name == earlier.name) else {
                 continue;
             };
-            if let Ok(branch) = self.corrected_branch(resolution, (earlier, run), until) {
-                branches.push(branch?);
+            match self.corrected_branch(resolution, (earlier, run), until) {
+                Ok(Some(branch)) => branches.push(branch),
+                Ok(None) => break,
+                Err(_) => {}
             }
         }
         let scene = Scene { runs: self.scene.runs.clone(), ..resolution.scene().clone() };
         (!branches.is_empty()).then(|| Correctable { scene: Arc::new(scene), branches })
     }
 
-    /// Corrects the points of a branch; returns `None` if the correction is cancelled or lasts
-    /// longer than `until`.
+    /// Corrects the points of a branch; returns `None` if the correction is cancelled or not
+    /// complete at the time `until`, and an error if the resolved scene cannot have the branch.
     fn corrected_branch(
         &self,
         resolution: &Resolution,
@@ -105,7 +109,7 @@ impl Correctable {
         let now = own.map_or_else(|| resolution.further(run), |own| Ok(own.clone()))?;
         let released = now.run.along.iter().map(|range| &range.name);
         if now.run.local.is_some() || !released.eq(&earlier.released) {
-            return Ok(None);
+            return Err(SceneError::invalid(format!("run `{}` traces another branch", run.name)));
         }
         let changed = changed(&self.scene.resolved(run)?, &now);
         let mut system = now.system()?;
@@ -145,7 +149,13 @@ fn corrected(
     changed: &[(String, f64)],
 ) -> Option<Point> {
     let solution = point.solution.as_deref()?;
-    let settings = Settings { keep_solutions: true, refinement: 0.0, ..run.settings.clone() };
+    // Eigenvalues would take most of the time.
+    let settings = Settings {
+        stability: false,
+        keep_solutions: true,
+        refinement: 0.0,
+        ..run.settings.clone()
+    };
     let curve = Continuation::new(system).settings(settings).from(solution);
     let curve = changed.iter().fold(curve, |curve, (name, value)| curve.at(name, *value));
     let Traced::Point(mut corrected) = conditions(curve, &run.run).steps().ok()?.next()? else {
@@ -154,7 +164,8 @@ fn corrected(
     if let (Some(slopes), Some(earlier)) = (&mut corrected.slopes, &point.slopes) {
         align(slopes, earlier);
     }
-    Some(corrected)
+    let Point { unstable, undetermined, .. } = point.clone();
+    Some(Point { unstable, undetermined, ..corrected })
 }
 
 /// Expresses slopes in the direction and arclength of the slopes at the same point of an earlier

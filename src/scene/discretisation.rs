@@ -34,6 +34,11 @@ pub(super) trait ProblemSettings:
         Ok(())
     }
 
+    /// Whether the settings determine the equations, and not only the accuracy of their solutions.
+    fn define_equations() -> bool {
+        false
+    }
+
     /// Returns the setting that makes the named setting ineffective, with the value that has this
     /// effect.
     fn without_effect(&self, _name: &str) -> Option<(&'static str, String)> {

@@ -144,6 +144,8 @@ pub(super) trait Adjustable: Send + Sync {
     fn written(&self) -> String;
     /// Returns the names of the problem's settings, with their values.
     fn settings(&self) -> Vec<(String, String)>;
+    /// Whether the settings determine the equations, and not only the accuracy of their solutions.
+    fn settings_define_equations(&self) -> bool;
     /// Returns the names of all settings of the problem, including the settings of methods that are
     /// not selected.
     fn setting_names(&self) -> Vec<String>;
@@ -209,6 +211,10 @@ where
 
     fn settings(&self) -> Vec<(String, String)> {
         by_name::settings(&self.settings)
+    }
+
+    fn settings_define_equations(&self) -> bool {
+        S::define_equations()
     }
 
     fn setting_names(&self) -> Vec<String> {
@@ -406,6 +412,12 @@ impl Problem {
     /// Returns the names of the problem's settings, with their values as text.
     pub fn settings(&self) -> Vec<(String, String)> {
         self.model.settings()
+    }
+
+    /// Returns the names and values of the settings if they determine the equations, and not only
+    /// the accuracy of their solutions.
+    pub(super) fn defining_settings(&self) -> Vec<(String, String)> {
+        if self.model.settings_define_equations() { self.settings() } else { Vec::new() }
     }
 
     /// Returns the kind of solutions to trace, or `None` if the problem has only one kind of

@@ -12,6 +12,7 @@ use crate::core::hybrid::HybridEquations;
 use crate::core::problem::Group;
 use crate::core::system::{Kind, System};
 use crate::output::{Document, drop_empty_parts};
+use std::fmt::Display;
 use std::sync::Arc;
 
 /// A special point of an earlier result at which a run of a scene starts.
@@ -21,9 +22,12 @@ pub struct StartPoint {
     pub branch: Branch,
     /// The label of the special point.
     pub label: usize,
-    /// The names of the parameters whose values at the start are taken from the scene; all other
-    /// parameters have the values of the special point.
+    /// The names of the parameters and settings whose values at the start are taken from the scene;
+    /// all other parameters, and all other settings that determine the equations, have the values of
+    /// the special point.
     pub changed: Vec<String>,
+    /// The settings with which the branch was traced, with their values.
+    pub settings: Vec<(String, String)>,
     /// The other branches of the earlier result, besides the branch that contains the special
     /// point. If the special point is the first point of a branch that emanates from a parent
     /// branch of the earlier result, this branch is traced again from the corresponding special
@@ -40,16 +44,38 @@ pub struct StartPoint {
 impl StartPoint {
     /// Creates a start point at which no parameters have values from the scene.
     pub fn new(branch: Branch, label: usize) -> Self {
-        let (changed, beside) = (Vec::new(), Vec::new());
-        StartPoint { branch, label, changed, beside, hold: None, switch: false }
+        let (changed, settings, beside) = (Vec::new(), Vec::new(), Vec::new());
+        StartPoint { branch, label, changed, settings, beside, hold: None, switch: false }
     }
 
     /// Creates a start point at a special point of a document; the start point also stores the
-    /// document's other branches.
+    /// document's settings and other branches.
     pub fn of(document: &Document, branch: Branch, label: usize) -> Self {
         let others = document.branches.iter().filter(|other| other.name != branch.name);
         let beside = others.cloned().collect();
-        StartPoint { beside, ..StartPoint::new(branch, label) }
+        let own = document.differences.iter().filter(|(name, _)| *name == branch.name);
+        let own = own.flat_map(|(_, set)| set).chain(&document.settings).cloned();
+        StartPoint { settings: own.collect(), beside, ..StartPoint::new(branch, label) }
+    }
+
+    /// Returns the value of a parameter at the special point.
+    fn value(&self, parameter: &str) -> Option<f64> {
+        let special = self.branch.labelled(self.label)?;
+        special.value(self.branch.column(parameter)?)
+    }
+
+    /// Returns the settings of a scene that determine its equations and have other values at the
+    /// special point: their names, the values at the special point, and the values in the scene.
+    fn other_settings(&self, scene: &Scene) -> Vec<(String, String, String)> {
+        let defining = scene.problem.defining_settings().into_iter();
+        let free = defining.filter(|(name, _)| {
+            !self.changed.contains(name) && scene.run_that_sets(name).is_none()
+        });
+        let other = free.filter_map(|(name, in_scene)| {
+            let (_, here) = self.settings.iter().find(|(known, _)| *known == name)?;
+            (*here != in_scene).then(|| (name, here.clone(), in_scene))
+        });
+        other.collect()
     }
 
     /// Returns the kind of the special point at which a run starts.
@@ -111,6 +137,8 @@ pub struct Resolution {
     /// The scene as stated in its text, which identifies the results and states how they are drawn.
     scene: Scene,
     start: Option<StartPoint>,
+    /// Warnings about settings whose values are taken from the start point and not from the scene.
+    inherited: Vec<String>,
     /// The runs whose branches are traced, with resolved names and values.
     pub(super) runs: Vec<Resolved>,
     pub(super) sweeps: Vec<ResolvedSweep>,
@@ -152,7 +180,9 @@ impl Scene {
     /// start point's branch; the run traces the same kind of curve in the same unknowns; the run
     /// traces special points of the start point's kind, or a curve that emanates from the point;
     /// the run is the first one whose branch is shown. If the run traces points of a local map, the
-    /// runs that find the grazing at which the map is built are traced first.
+    /// runs that find the grazing at which the map is built are traced first. Parameters, and
+    /// settings that determine the equations, have the values of the start point, unless the start
+    /// point lists them as changed.
     ///
     /// ```
     /// use tangency::scene::Scene;
@@ -174,16 +204,20 @@ impl Scene {
     /// # Errors
     /// [`SceneError`] if a parameter has no value.
     pub fn resolve(&self, start: Option<&StartPoint>) -> Result<Resolution, SceneError> {
-        let all = self.runs.iter().map(|run| self.resolved(run));
+        let (mut scene, mut inherited) = (self.clone(), Vec::new());
+        for (name, here, in_scene) in start.map_or(Vec::new(), |point| point.other_settings(self)) {
+            scene.set(&name, &here)?;
+            inherited.push(overridden(&name, &here, &in_scene));
+        }
+        let all = scene.runs.iter().map(|run| scene.resolved(run));
         let runs: Vec<Resolved> = all.collect::<Result<_, _>>()?;
         let runs = match start {
-            Some(point) => going_on(self, runs, point)?,
+            Some(point) => going_on(&scene, runs, point)?,
             None => runs,
         };
-        let sweeps = self.sweeps.iter().map(|sweep| self.resolved_sweep(sweep));
-        let (scene, start, sweeps) =
-            (self.clone(), start.cloned(), sweeps.collect::<Result<_, _>>()?);
-        Ok(Resolution { scene, start, runs, sweeps })
+        let sweeps = scene.sweeps.iter().map(|sweep| scene.resolved_sweep(sweep));
+        let (start, sweeps) = (start.cloned(), sweeps.collect::<Result<_, _>>()?);
+        Ok(Resolution { scene, start, inherited, runs, sweeps })
     }
 
     /// Resolves a run of the scene; values that the run does not state are taken from the scene.
@@ -252,7 +286,7 @@ impl Resolution {
     /// Returns warnings about probable mistakes in the scene ([`Scene::warnings`]), and about
     /// values in the scene that have no effect because the start point has other values.
     pub fn warnings(&self) -> Vec<String> {
-        let mut warnings = self.scene.warnings();
+        let mut warnings = [self.scene.warnings(), self.inherited.clone()].concat();
         if let (Some(start), Some(going)) = (&self.start, self.runs.last()) {
             warnings.extend(self.overridden(start, going));
         }
@@ -262,8 +296,6 @@ impl Resolution {
     /// Returns warnings about parameters whose values at the start point differ from their values
     /// in the scene.
     fn overridden(&self, start: &StartPoint, going: &Resolved) -> Vec<String> {
-        let StartPoint { branch, label, .. } = start;
-        let Some(special) = branch.labelled(*label) else { return Vec::new() };
         let released = |run: &Run, name: &str| run.along.iter().any(|range| range.name == name);
         let varied = |name: &str| {
             let set = |run: &Run| run.set.iter().any(|(set, _)| set == name);
@@ -273,17 +305,13 @@ impl Resolution {
         let of_scene = self.scene.parameters.iter().filter(|(name, _)| !varied(name)).cloned();
         let set = going.run.set.iter().map(|(name, _)| name);
         let set = set.filter(|name| !released(&going.run, name));
-        let of_run = going.parameters().filter(|(name, _)| set.clone().any(|own| own == name));
+        let stated = self.scene.resolved(&going.run);
+        let of_run = stated.iter().flat_map(Resolved::parameters);
+        let of_run = of_run.filter(|(name, _)| set.clone().any(|own| own == name));
         let stated = of_scene.chain(of_run).filter(|(name, _)| !changed(name));
         let differs = stated.filter_map(|(name, value)| {
-            let at = branch.column(&name).and_then(|column| special.value(column))?;
-            (at != value).then(|| {
-                format!(
-                    "`{name}` is {at} at the start point but {value} in the scene: the branch \
-                     starts with `{name}` = {at}; give `--set {name}={value}` to start with the \
-                     value in the scene"
-                )
-            })
+            let at = start.value(&name)?;
+            (at != value).then(|| overridden(&name, &at, &value))
         });
         differs.collect()
     }
@@ -313,6 +341,14 @@ impl Resolution {
     }
 }
 
+/// Returns the warning that the value of a parameter or setting is taken from the start point.
+fn overridden(name: &str, here: &impl Display, in_scene: &impl Display) -> String {
+    format!(
+        "`{name}` is {here} at the start point but {in_scene} in the scene: the branch starts with \
+         `{name}` = {here}; give `--set {name}={in_scene}` to start with the value in the scene"
+    )
+}
+
 /// Returns the run that continues from a start point, preceded by the runs that find the grazing of
 /// the local map, if the run uses a local map.
 fn going_on(
@@ -339,6 +375,11 @@ fn going_on(
     }
     let changed = point.changed.iter().filter_map(|name| Some((name.clone(), scene.value(name)?)));
     going.changed = changed.collect();
+    for (name, value) in going.problem.parameter_names().iter().zip(&mut going.values) {
+        let here = point.value(name).filter(|_| !point.changed.contains(name));
+        *value = here.unwrap_or(*value);
+    }
+    going.reach = reach(&going.problem, &scene.runs, &going.values);
     going.from = Some(point.clone());
     let names = going.run.local.as_ref().map_or(Vec::new(), |local| leading(&runs, &local.run));
     let before = runs.iter().filter(|run| names.contains(&run.name())).cloned();

@@ -4,6 +4,7 @@ mod archives;
 mod command;
 mod command_line;
 mod comparisons;
+mod corrected;
 mod fidelity;
 mod files;
 mod grids;

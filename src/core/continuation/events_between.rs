@@ -11,13 +11,23 @@ use crate::core::bifurcation::Critical;
 use crate::core::problem::Dynamics;
 use crate::core::system::Kind;
 
-/// Returns all events in an interval in their order along the branch, except events at the start of
-/// the interval.
+/// The properties of a curve's start that determine which events are found in the first step.
+#[derive(Clone, Copy)]
+pub(super) struct AtStart<'s> {
+    /// Whether the curve starts at a branch point.
+    pub from_branch_point: bool,
+    /// The kinds of events that are reported at the start; events of other kinds at the start are
+    /// not reported.
+    pub reported: &'s [Kind],
+}
+
+/// Returns all events in an interval in their order along the branch. `at_start` is `None` if the
+/// interval does not begin at the start of the curve.
 pub(super) fn events_between(
     (curve, log, bounds): (&mut Curve, &mut Log, &Bounds),
     interval: Interval,
     backward: bool,
-    (at_start, from_branch_point): (bool, bool),
+    at_start: Option<AtStart>,
 ) -> Vec<Located> {
     let Interval { from, to, length } = interval;
     let mut found: Vec<Located> = Vec::new();
@@ -43,10 +53,12 @@ pub(super) fn events_between(
             continue;
         }
         // At a pitchfork the parameter has an extremum, too.
-        let turns = at_start && from_branch_point && event.kind == Kind::LP;
-        // A flat fold changes stability; rounding on a vertical branch does not.
+        let turns = at_start.is_some_and(|it| it.from_branch_point) && event.kind == Kind::LP;
+        let reported = at_start.is_some_and(|it| it.reported.contains(&event.kind));
+        // A flat fold changes stability; rounding on a vertical branch does not. At a start on a
+        // fold, rounding determines in which of the two directions stability changes.
         let (doubtful, counted) = (event.test.is_doubtful(ends), event.test.counts(ends));
-        if turns || doubtful && from.point.unstable == to.point.unstable {
+        if turns || doubtful && !reported && from.point.unstable == to.point.unstable {
             continue;
         }
         if is_turn_of_another((&mut locator, index), &found) {
@@ -71,7 +83,10 @@ pub(super) fn events_between(
         if at_end || unsure || noise || flat && stays || is_regular(dynamics, interval, &located) {
             continue;
         }
-        let of_the_start = at_start && !bounds.holds(index) && located.along <= AT_START;
+        let of_the_start = at_start.is_some()
+            && !bounds.holds(index)
+            && !(reported && located.special.converged)
+            && located.along <= AT_START;
         if !(of_the_start || is_double(&located, &found, length)) {
             found.push(located);
         }

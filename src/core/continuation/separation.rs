@@ -9,7 +9,7 @@ use super::curve_point::{CurvePoint, Interval};
 use super::defining_system::solve;
 use super::describe::describe;
 use super::event::Event;
-use super::events_between::events_between;
+use super::events_between::{AtStart, events_between};
 use super::located::Located;
 use super::locator::Locator;
 use super::log::Log;
@@ -42,6 +42,8 @@ pub(super) struct Parts<'s, 'a> {
     /// The kind of the special point at which the step starts, and the kind of the curve on which
     /// the point lies.
     pub origin: &'s [Kind],
+    /// The kinds of events that are reported at the start of the curve.
+    pub reported: &'s [Kind],
     /// The number of cuts by which the step has been divided so far.
     pub cuts: usize,
 }
@@ -57,9 +59,10 @@ impl Parts<'_, '_> {
     ) -> (Vec<Located>, Option<isize>) {
         let interval = step.since(from);
         let places = (&mut *self.curve, &mut *self.log, self.bounds);
-        let found =
-            events_between(places, interval, self.backward, (at_start, self.from_branch_point));
-        let (detector, origin) = (&self.curve.detector, self.origin(at_start));
+        let Parts { from_branch_point, reported, .. } = *self;
+        let at_start = at_start.then_some(AtStart { from_branch_point, reported });
+        let found = events_between(places, interval, self.backward, at_start);
+        let (detector, origin) = (&self.curve.detector, self.origin(at_start.is_some()));
         let found = without_doubtful_counts(detector, from, step, found, origin);
         let change = unexplained(detector, from, step, &found, origin);
         (found, change)

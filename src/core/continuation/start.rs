@@ -75,6 +75,11 @@ fn branch(stated: &mut Continuation, held: &[MakeCondition]) -> Branch {
     }
 }
 
+/// The kinds of special points that a solution keeps if other parameters vary along the branch: the
+/// kinds that are determined by a critical eigenvalue or multiplier. At a branch point, other
+/// parameters separate the branches.
+const KEPT: [Kind; 4] = [Kind::LP, Kind::HB, Kind::PD, Kind::TR];
+
 /// Corrects the start of a curve, and computes the scales and the tangent at the start.
 pub(super) fn begin<'a>(
     mut stated: Continuation<'a>,
@@ -140,6 +145,18 @@ pub(super) fn begin<'a>(
     let slopes = settle(&mut curve, &mut place, start, (from_branch_point, one_sided))?;
     let departure = parent.map(|parent| Departure::new(&curve.corrector.norm, &place, parent));
     let home = curve.corrector.solution_at(&place);
+    let directions = if one_sided { [false, true] } else { [stated.backward, stated.forward] };
+    let origin_kinds: Vec<Kind> = origin
+        .as_ref()
+        .map(|it| vec![it.kind; it.multiplicity.max(1)])
+        .into_iter()
+        .flatten()
+        .chain(condition)
+        .collect();
+    // A start that is an end of the branch is reported as an end.
+    let inside = directions == [true; 2] && !from_branch_point && curve.recorder.solutions;
+    let reported = origin_kinds.iter().filter(|kind| inside && KEPT.contains(kind));
+    let reported = reported.copied().collect();
     Ok(Steps {
         home: (home, curve.corrector.norm.metric.clone()),
         control: StepControl::new(&settings, departure),
@@ -147,15 +164,11 @@ pub(super) fn begin<'a>(
         log: Log::new(branch),
         start: place,
         bounds: Bounds { bounds, slopes },
-        directions: if one_sided { [false, true] } else { [stated.backward, stated.forward] },
+        directions,
         from_branch_point,
         error: origin.as_ref().map_or(0.0, |it| it.error),
-        origin: origin
-            .map(|it| vec![it.kind; it.multiplicity.max(1)])
-            .into_iter()
-            .flatten()
-            .chain(condition)
-            .collect(),
+        origin: origin_kinds,
+        reported,
         marked: Vec::new(),
         current: None,
         behind: None,

@@ -9,7 +9,7 @@ use super::curve_point::{CurvePoint, Interval};
 use super::double_crossing::double_crossing;
 use super::early_end::stopping_growth;
 use super::end::End;
-use super::events_between::events_between;
+use super::events_between::{AtStart, events_between};
 use super::fitting::{restate_determinant, return_to_mesh, settle};
 use super::half::Half;
 use super::homoclinic_end;
@@ -89,6 +89,8 @@ pub struct Steps<'a> {
     /// The kind of the special point at the start, and the kind of the curve on which the point
     /// lies.
     pub(super) origin: Vec<Kind>,
+    /// The kinds of events that are reported at the start.
+    pub(super) reported: Vec<Kind>,
     /// The special points at marked values of parameters or monitors that coincide with the start.
     pub(super) marked: Vec<SpecialPoint>,
     /// The half of the branch that is being traced.
@@ -277,7 +279,7 @@ impl Steps<'_> {
         let step = BEHIND.iter().find_map(|&length| {
             let tried = self.control.try_step(&mut self.curve, &none, &turned, &row, length);
             let step = tried.ok()?;
-            let events = self.events_between(step.since(&turned), !backward, true);
+            let events = self.events_before(step.since(&turned), !backward);
             events.is_empty().then_some(step)
         });
         let mut place = step?.place;
@@ -473,15 +475,11 @@ impl Steps<'_> {
         End::StepTooSmall { step, cause: words, failure: Some(Box::new(cause)) }
     }
 
-    /// Returns all events in an interval, except events at the start of the curve.
-    fn events_between(
-        &mut self,
-        interval: Interval,
-        backward: bool,
-        at_start: bool,
-    ) -> Vec<Located> {
+    /// Returns all events in an interval that begins at the start, except events at the start.
+    fn events_before(&mut self, interval: Interval, backward: bool) -> Vec<Located> {
         let Steps { curve, log, bounds, from_branch_point, .. } = self;
-        events_between((curve, log, bounds), interval, backward, (at_start, *from_branch_point))
+        let at_start = AtStart { from_branch_point: *from_branch_point, reported: &[] };
+        events_between((curve, log, bounds), interval, backward, Some(at_start))
     }
 
     /// Returns the events in a step if they explain the change of the number of unstable
@@ -493,9 +491,10 @@ impl Steps<'_> {
         backward: bool,
         at_start: bool,
     ) -> Option<Vec<Located>> {
-        let Steps { curve, log, bounds, from_branch_point, origin, .. } = self;
+        let Steps { curve, log, bounds, from_branch_point, origin, reported, .. } = self;
         let from_branch_point = *from_branch_point;
-        let mut parts = Parts { curve, log, bounds, backward, from_branch_point, origin, cuts: 0 };
+        let mut parts =
+            Parts { curve, log, bounds, backward, from_branch_point, origin, reported, cuts: 0 };
         match parts.events(from, step, at_start) {
             (found, None) => Some(found),
             _ if step.length > LEAST_UNEXPLAINED => None,

@@ -37,7 +37,9 @@ pub enum Units {
     Dimensionless,
     /// The parameters of a device in SI units: `voltage` (V), `length` and `width` (the sides a and
     /// b), `thickness`, `gap` (m), `young` (Pa), `nu`, `density` (kg/m³), `permittivity` (F/m),
-    /// `edge_force_x`, `edge_force_y`, `edge_shear` (N/m), `pressure` (Pa).
+    /// `edge_force_x`, `edge_force_y`, `edge_shear` (N/m), `pressure` (Pa), `residual_stress` (Pa;
+    /// positive if the plate is under tension). A residual stress σ is equivalent to the edge forces
+    /// −σh along x and y.
     Device,
 }
 
@@ -52,7 +54,7 @@ const DIMENSIONLESS: [&str; 9] = [
     "edge_shear",
     "pressure",
 ];
-const DEVICE: [&str; 13] = [
+const DEVICE: [&str; 14] = [
     "voltage",
     "length",
     "width",
@@ -66,6 +68,7 @@ const DEVICE: [&str; 13] = [
     "edge_force_y",
     "edge_shear",
     "pressure",
+    "residual_stress",
 ];
 
 impl Units {
@@ -94,6 +97,7 @@ impl Units {
                 0.22,
                 2330.0,
                 8.854_187_812_8e-12,
+                0.0,
                 0.0,
                 0.0,
                 0.0,
@@ -169,8 +173,8 @@ impl Units {
                     gap_ratio: d / h,
                     aspect: b / a,
                     nu,
-                    compression_x: p[9] * force,
-                    compression_y: p[10] * force,
+                    compression_x: (p[9] - p[13] * h) * force,
+                    compression_y: (p[10] - p[13] * h) * force,
                     shear: p[11] * force,
                     pressure: p[12] * a.powi(4) / (stiffness * d),
                 }
