@@ -205,7 +205,7 @@ fn attractors_do_not_depend_on_units() {
     let form = ClosedForm::usual(2.2);
     let doubled = form.amplitude(form.doubling());
     let oscillator = |amplitude| [amplitude, 2.2, form.restitution, form.damping, form.clearance];
-    for share in [0.99, 0.999, 1.001, 1.01] {
+    for share in [0.99, 1.001] {
         let p = oscillator(share * doubled);
         settle_alike(&ImpactOscillator, (ImpactOscillator::FLIGHT, &[0.0, 0.0]), &p);
     }

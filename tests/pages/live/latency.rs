@@ -2,6 +2,7 @@
 
 use super::session::FOLD;
 use super::{Program, Session};
+use serde_json::{Value, json};
 
 const LORENZ: &str = "Equations(
     states: [(\"x\", \"sigma*(y - x)\"), (\"y\", \"x*(rho - z) - y\"), (\"z\", \"x*y - beta*z\")],
@@ -71,4 +72,32 @@ fn latency() {
         let Some(mut session) = Session::open(&program) else { return };
         measure(&mut session, name);
     }
+}
+
+/// Returns the messages of the response to a call.
+fn messages(program: &Program, call: &Value) -> Vec<Value> {
+    let response = program.call(call.to_string().as_bytes());
+    response.lines().filter_map(|line| serde_json::from_str(line).ok()).collect()
+}
+
+/// While a control is dragged, the first picture of a scene that is traced slowly already shows whole branches,
+/// which were corrected for the new value; without a drag, the first picture shows the beginning of a branch.
+#[test]
+fn slow_branches_are_corrected_before_they_are_traced() {
+    let program = Program::start(&["swift-hohenberg"]);
+    let mut setup = messages(&program, &json!({ "open": {} }))[0]["setup"].clone();
+    let mut trace = |turn: u32, nu: f64, draft: bool| {
+        setup["set"] = json!([["nu", nu.to_string()]]);
+        setup["draft"] = json!(draft);
+        let call = json!({ "trace": { "page": "p", "turn": turn, "setup": setup } });
+        let all = messages(&program, &call);
+        assert!(all.iter().any(|message| message.get("done").is_some()), "{all:?}");
+        let first = all.iter().find_map(|message| message["partial"]["curves"].as_array());
+        first.map_or(0, |curves| {
+            curves.iter().map(|it| it["points"].as_array().unwrap().len()).sum()
+        })
+    };
+    let [full, corrected, again] =
+        [trace(1, 1.6, false), trace(2, 1.605, true), trace(3, 1.61, true)];
+    assert!(corrected > 100 && again > 100 && full < 100, "{full} {corrected} {again}");
 }
