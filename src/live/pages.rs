@@ -178,12 +178,7 @@ impl Pages {
 
     /// Changes the last result of a page, and returns the result; `None` if the page has another
     /// result by now.
-    fn change(
-        &self,
-        id: &str,
-        result: &Kept,
-        change: impl FnOnce(&mut Kept),
-    ) -> Option<Arc<Kept>> {
+    fn change(&self, id: &str, result: &Kept, change: impl FnOnce(&mut Kept)) -> Option<Arc<Kept>> {
         let mut all = self.all();
         let page = all.iter_mut().find(|page| page.id == id)?;
         let last = page.kept.as_ref()?;
