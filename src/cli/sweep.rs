@@ -301,8 +301,8 @@ fn report(sweeps: &Sweeps, out: &mut impl Write) -> Result<(), CommandError> {
         let (unsettled, runs) = (table.unsettled(), table.rows.len());
         if unsettled > 0 {
             warn(&format!(
-                "{}: {unsettled} of {runs} runs did not settle on a cycle: increase `transient`, \
-                 unless the motions are chaotic or quasi-periodic",
+                "{}: {unsettled} of {runs} runs did not settle on a cycle: increase `transient` \
+                 or `max_period`, unless the motions are chaotic or quasi-periodic",
                 table.name
             ));
         }

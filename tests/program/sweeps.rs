@@ -288,7 +288,7 @@ fn runs_that_do_not_settle_are_counted() {
         assert!(output.status.success(), "{output:?}");
         String::from_utf8(output.stderr).unwrap()
     };
-    let warning = "3 of 3 runs did not settle on a cycle: increase `transient`, unless";
+    let warning = "3 of 3 runs did not settle on a cycle: increase `transient` or `max_period`";
     assert!(said("transient=2").contains(warning));
     assert!(!said("transient=1000").contains("settle"));
 }
