@@ -280,7 +280,7 @@ export class Plane {
     const inside = point => point.every((value, axis) => isInside(value, this.#plot.ranges[axis]));
     if (!points.every(inside)) notes.push("Parts of it are outside the picture.");
     if (run.is_thinned) notes.push("The picture omits some of its points.");
-    this.#say([...notes, ...run.warnings].join(" "));
+    this.#say(notes.join(" "));
   }
 
   /** The course of a simulation in the plane. */

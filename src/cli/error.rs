@@ -156,11 +156,12 @@ pub enum CommandError {
     #[diagnostic(help("choose another folder with --out, or remove the existing folder"))]
     OtherGrid { folder: PathBuf },
     /// The command line gives an option that cannot be combined with `--grid`.
-    #[error(
-        "the option --grid traces the scene exactly as the scene file states, and cannot be combined \
-         with {0}"
-    )]
+    #[error("the option --grid cannot be combined with {0}")]
     NotInGrid(&'static str),
+    /// The options `--set` and `--grid` give the same setting.
+    #[error("the options `--set {0}` and `--grid {0}` give the same setting")]
+    #[diagnostic(help("omit one of the two options"))]
+    SetInGrid(String),
     /// Two designs (points of a grid of settings) would be saved in files of the same name.
     #[error("two designs (combinations of settings) of the grid have the same name `{name}`")]
     #[diagnostic(help(

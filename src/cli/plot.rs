@@ -10,7 +10,8 @@ use super::warning::warn;
 use crate::core::continuation::Branch;
 use crate::core::problem::UnknownName;
 use crate::output::{
-    self, Document, Format, Render, RenderError, SweepTable, Sweeps, tell_apart, write_atomically,
+    self, Document, Format, Render, RenderError, SweepTable, Sweeps, sort_by_number, tell_apart,
+    write_atomically,
 };
 use clap::Args;
 use std::io::Write;
@@ -57,8 +58,9 @@ pub struct Plot {
     #[arg(long)]
     regions: bool,
     /// The special points whose profiles are drawn, or written as .csv or .npz; give their labels
-    /// (2,5), their labels with the names of their branches (orbits/2,orbits/5), or the word all
-    /// [default: a few points with different profiles]
+    /// (2,5), their labels with the names of their branches (orbits/2,orbits/5), a kind instead of a
+    /// label for all points of this kind (UZ,orbits/PD), or the word all [default: a few points with
+    /// different profiles]
     #[arg(long, value_name = "LABEL or BRANCH/LABEL or all", value_delimiter = ',')]
     points: Vec<String>,
     /// The width of the picture in millimetres, such as 84 for a journal's column [default: 170]
@@ -99,8 +101,12 @@ impl Plot {
         let format = Format::of(&target)?;
         let (archives, files): (Vec<_>, Vec<_>) =
             self.files.iter().partition(|file| file.extension().is_some_and(|e| e == "npz"));
-        let documents = files.iter().map(|file| Document::load_within(from.limit, file));
-        let mut documents = documents.collect::<Result<Vec<Document>, _>>()?;
+        let documents = files
+            .into_iter()
+            .map(|file| Document::load_within(from.limit, file).map(|document| (file, document)));
+        let mut documents = documents.collect::<Result<Vec<(&PathBuf, Document)>, _>>()?;
+        sort_by_number(&mut documents);
+        let (files, mut documents): (Vec<_>, Vec<_>) = documents.into_iter().unzip();
         let sweeps = archives.iter().map(|file| Sweeps::load_within(from.limit, file));
         let mut sweeps = sweeps.collect::<Result<Vec<Sweeps>, _>>()?;
         let scenes = scenes(from, &archives, &sweeps);

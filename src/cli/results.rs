@@ -130,7 +130,10 @@ impl Results {
         let line = text.lines().find_map(|line| line.trim().strip_prefix("title: "));
         let earlier =
             line.and_then(|line| ron::from_str::<String>(line.trim_end_matches(',')).ok());
-        if let Some(earlier) = earlier.filter(|earlier| has_others || *earlier != document.title) {
+        // Changed values are omitted from the title.
+        let main = |title: &str| title.split(", ").next().map(String::from);
+        let differs = |earlier: &String| main(earlier) != main(&document.title);
+        if let Some(earlier) = earlier.filter(|earlier| has_others || differs(earlier)) {
             warn(&format!(
                 "the file {} contained the results of another scene, `{earlier}`, and is now \
                  replaced; choose another folder with `--out` to keep the results of several \

@@ -294,10 +294,20 @@ fn divided(scene: &Scene, part: Part, out: &mut impl Write) -> Result<(), Comman
     Ok(())
 }
 
-/// Prints a line of results for each sweep.
+/// Prints a line of results for each sweep, and warns of runs that did not settle.
 fn report(sweeps: &Sweeps, out: &mut impl Write) -> Result<(), CommandError> {
-    let mut tables = sweeps.sweeps.iter();
-    Ok(tables.try_for_each(|table| writeln!(out, "{}", summary(table)))?)
+    for table in &sweeps.sweeps {
+        writeln!(out, "{}", summary(table))?;
+        let (unsettled, runs) = (table.unsettled(), table.rows.len());
+        if unsettled > 0 {
+            warn(&format!(
+                "{}: {unsettled} of {runs} runs did not settle on a cycle: increase `transient` \
+                 or `max_period`, unless the motions are chaotic or quasi-periodic",
+                table.name
+            ));
+        }
+    }
+    Ok(())
 }
 
 /// Returns the number of failed runs of a sweep.

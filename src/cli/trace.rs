@@ -166,8 +166,10 @@ impl Trace {
             ("--regions", self.regions),
             ("--verbose", self.telling.verbose),
             ("--wide", self.telling.wide),
-            ("the option --set for a setting that --grid varies", at.settings.iter().any(of_grid)),
         ];
+        if let Some((name, _)) = at.settings.iter().find(|it| of_grid(it)) {
+            return Err(CommandError::SetInGrid(name.clone()));
+        }
         if let Some((option, _)) = options.into_iter().find(|(_, given)| *given) {
             return Err(CommandError::NotInGrid(option));
         }

@@ -13,24 +13,41 @@
 
 /// Returns the candidate most similar to a mistyped name: the one with the fewest insertions,
 /// deletions, replacements and swaps of neighbouring letters (ignoring case), if their number is at
-/// most a third of the name's length. A name that differs by one edit is always accepted.
+/// most a third of the name's length. A name that differs by one edit is always accepted. If no
+/// candidate is so similar, the candidate is returned whose words begin the name, or whose first
+/// words are the name: `transient` for `transient_periods`.
 ///
 /// ```
 /// use tangency::core::spelling::suggest;
 /// assert_eq!(suggest("frequency_ration", ["frequency", "frequency_ratio"]), Some("frequency_ratio"));
 /// assert_eq!(suggest("voltage", ["load", "max"]), None);
 /// assert_eq!(suggest("Λ", ["λ"]), Some("λ"));
+/// assert_eq!(suggest("transient_periods", ["period", "transient"]), Some("transient"));
 /// ```
 pub fn suggest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let allowed = (name.chars().count() / 3).max(1);
     let name = name.to_lowercase();
-    candidates
-        .into_iter()
+    let candidates: Vec<&str> = candidates.into_iter().collect();
+    let similar = candidates
+        .iter()
+        .copied()
         .map(|candidate| (strsim::osa_distance(&name, &candidate.to_lowercase()), candidate))
         // A candidate without any common letter is not suggested.
         .filter(|(distance, _)| *distance <= allowed && *distance < name.chars().count())
         .min_by_key(|(distance, _)| *distance)
-        .map(|(_, candidate)| candidate)
+        .map(|(_, candidate)| candidate);
+    let of_words = |candidate: &&&str| shares_words(&name, &candidate.to_lowercase());
+    similar.or_else(|| candidates.iter().find(of_words).copied())
+}
+
+/// The minimum number of characters of the words that two names have in common.
+const WORDS: usize = 4;
+
+/// Returns whether one of two names consists of the first words of the other name.
+fn shares_words(a: &str, b: &str) -> bool {
+    let (short, long) = if a.len() < b.len() { (a, b) } else { (b, a) };
+    let rest = long.strip_prefix(short).filter(|_| short.chars().count() >= WORDS);
+    rest.is_some_and(|rest| rest.starts_with('_'))
 }
 
 /// The maximum number of characters of a name in a message.
@@ -71,8 +88,8 @@ pub(crate) fn listed<S: AsRef<str>>(names: &[S]) -> String {
 }
 
 /// The names of settings in AUTO, XPPAUT and MatCont, in lower case, with the names of the same
-/// settings in this program.
-const OF_OTHER_PROGRAMS: [(&str, &str); 20] = [
+/// settings, or the options of commands, in this program.
+const OF_OTHER_PROGRAMS: [(&str, &str); 33] = [
     ("ntst", "intervals"),
     ("ncol", "degree"),
     ("ds", "initial_step"),
@@ -92,10 +109,24 @@ const OF_OTHER_PROGRAMS: [(&str, &str); 20] = [
     ("epss", "event_tolerance"),
     ("testtolerance", "event_tolerance"),
     ("itnw", "max_iterations"),
+    ("itmx", "max_iterations"),
+    ("rl0", "--along NAME=LOW..HIGH"),
+    ("rl1", "--along NAME=LOW..HIGH"),
+    ("parmin", "--along NAME=LOW..HIGH"),
+    ("parmax", "--along NAME=LOW..HIGH"),
+    ("icp", "--along NAME=LOW..HIGH"),
+    ("stop", "--bound NAME=LOW..HIGH"),
+    ("uzstop", "--bound NAME=LOW..HIGH"),
+    ("uzr", "--mark NAME=VALUE"),
+    ("isw", "--switch KIND"),
+    ("mxbf", "--depth NUMBER"),
+    ("irs", "--start FILE:LABEL"),
+    ("total", "--time TIME"),
     ("singularities", "detect"),
 ];
 
-/// Returns this program's name of a setting, given its name in AUTO, XPPAUT or MatCont.
+/// Returns this program's name of a setting, or the option of commands, given the name of the
+/// setting in AUTO, XPPAUT or MatCont.
 pub(crate) fn of_other_programs(name: &str) -> Option<&'static str> {
     let name = name.to_lowercase();
     OF_OTHER_PROGRAMS.iter().find(|(other, _)| *other == name).map(|(_, own)| *own)

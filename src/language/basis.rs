@@ -85,7 +85,27 @@ pub(super) trait Kind {
 /// ```
 pub fn number(text: &str) -> Result<f64, ModelError> {
     let source = Source::new("", text);
-    constant(&Scope::new(source.clone()), &source.phrase(0..text.len()))
+    let phrase = source.phrase(0..text.len());
+    constant(&Scope::new(source.clone()), &phrase).map_err(|error| match tail_of(text) {
+        None => error,
+        Some(tail) => {
+            let expected = "an operator, as in `2*pi`, or the end of the number: a number is \
+                            written without a unit (1.5 µm is 1.5e-6 in metres), and its decimal \
+                            sign is a point";
+            source.fault(&phrase, tail..text.len(), Fault::Syntax { expected: expected.into() })
+        }
+    })
+}
+
+/// Returns where a unit, or the decimal digits after a comma, begin in a text that begins with a
+/// number; `None` for other texts.
+fn tail_of(text: &str) -> Option<usize> {
+    let ends = text.char_indices().map(|(at, _)| at).rev();
+    let end = ends.into_iter().find(|end| text[..*end].parse::<f64>().is_ok())?;
+    let tail = text[end..].trim_start();
+    let is_unit = tail.starts_with(|letter: char| letter.is_alphabetic() || letter == '%');
+    let is_comma = tail.starts_with(',');
+    (is_unit || is_comma).then_some(text.len() - tail.len())
 }
 
 /// Evaluates a formula that must not depend on states, parameters or time.
@@ -476,7 +496,7 @@ fn labels_of(
             continue;
         }
         add(name.clone(), name.clone(), "");
-        if states.contains(name) {
+        if states.contains(name) || monitors.contains(name) {
             add(format!("max_{name}"), format!("max_{name}"), "largest ");
             add(format!("min_{name}"), format!("min_{name}"), "smallest ");
         }

@@ -162,7 +162,6 @@ pub(super) struct Simulated {
     rows: Vec<Vec<Option<f64>>>,
     /// Whether rows that matter for the picture are omitted.
     is_thinned: bool,
-    warnings: Vec<String>,
 }
 
 /// Simulates from a state at the parameters of a point; returns the history for the page, and the
@@ -198,7 +197,7 @@ pub(super) fn simulate(
     let (states, rows, is_complete) = table(&profiles);
     let (rows, is_thinned) = drawn(rows);
     let is_thinned = is_thinned || !is_complete;
-    Ok((Simulated { states, rows, is_thinned, warnings: resolution.warnings() }, history))
+    Ok((Simulated { states, rows, is_thinned }, history))
 }
 
 /// A time and the states at this time.

@@ -64,9 +64,32 @@ pub(super) fn clip(figure: &mut Figure, ranges: [[f64; 2]; 2]) {
             series.push(Series::new(&whole.name, whole.style, []));
         }
     }
+    let widths = widths(figure, ranges);
     figure.series = series;
+    for mark in &mut figure.marks {
+        mark.at = [0, 1].map(|k| onto_border(mark.at[k], ranges[k], widths[k]));
+    }
     figure.marks.retain(|mark| inside(&mark.at));
     figure.tiles.retain(|tile| inside(&tile.at));
+}
+
+/// The distance from the end of a range, as a fraction of the width of the range, up to which a mark
+/// lies on the border.
+const BORDER: f64 = 1e-3;
+
+/// Returns the widths of the parts of a figure inside the given ranges; 0 for an empty figure.
+fn widths(figure: &Figure, ranges: [[f64; 2]; 2]) -> [f64; 2] {
+    let extent = figure.extent().unwrap_or([[0.0; 2]; 2]);
+    [0, 1].map(|k| {
+        let [low, high] = ranges[k];
+        (high.min(extent[k][1]) - low.max(extent[k][0])).max(0.0)
+    })
+}
+
+/// Moves a coordinate that is just outside a range, of the given width, onto the border.
+fn onto_border(value: f64, [low, high]: [f64; 2], width: f64) -> f64 {
+    let nearest = value.max(low).min(high);
+    if (value - nearest).abs() <= BORDER * width { nearest } else { value }
 }
 
 /// Removes the points of a figure that logarithmic axes cannot show.

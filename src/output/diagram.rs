@@ -414,11 +414,13 @@ impl Curve<'_> {
         })
     }
 
-    /// Adds the marks of the special points to a figure.
+    /// Adds the marks of the special points to a figure. Regular points that were saved on request
+    /// are not marked, because they may be many.
     fn add_marks(&self, figure: &mut Figure) {
         let Curve { plot, .. } = *self;
         let [document, branch] = self.place;
-        let marked = self.branch.special.iter().filter(|special| !self.is_bound(special));
+        let marks = |it: &&SpecialPoint| it.kind != Kind::RG && !self.is_bound(it);
+        let marked = self.branch.special.iter().filter(marks);
         figure.marks.extend(marked.filter_map(|special| {
             let at = self.at(|column| special.value(column))?;
             let (kind, meaning) = (special.kind.to_string(), special.kind.meaning().into());

@@ -240,10 +240,10 @@ pub enum UnknownPoint {
         /// The points with the requested label, as `BRANCH/LABEL`.
         candidates: Vec<String>,
     },
-    /// The name of a special point does not have the form `LABEL` or `BRANCH/LABEL`.
+    /// The name of special points is neither a label nor the kind of an existing special point.
     #[error(
         "the special point `{0}` is not of the form LABEL or BRANCH/LABEL, for example 2 or \
-         orbits/2"
+         orbits/2, and no special point is of such a kind"
     )]
     Form(String),
 }

@@ -70,7 +70,7 @@ pub use files::{SizeLimit, write_atomically, write_together};
 pub use format::Format;
 pub use histories::histories;
 #[cfg(feature = "cli")]
-pub(crate) use names::tell_apart;
+pub(crate) use names::{sort_by_number, tell_apart};
 pub use number::significant;
 pub use page::PLOTLY;
 #[cfg(feature = "live")]

@@ -4,6 +4,7 @@ use super::document::{Document, Plot};
 use super::number::significant;
 use super::sweeps::Sweeps;
 use super::units::with_prefix;
+use std::cmp::Ordering;
 
 /// The largest number of settings in the name of a document.
 const MOST_SETTINGS: usize = 3;
@@ -97,6 +98,37 @@ pub(super) fn differing<'a>(documents: &[(&str, &'a Document)]) -> Vec<&'a str> 
     };
     let keys = first.settings.iter().map(|(key, _)| key.as_str());
     keys.filter(|key| !varies(key) && differs(key)).collect()
+}
+
+/// Sorts documents by the values of the given settings; numbers precede words, and equal values
+/// keep their order.
+pub(super) fn sort<T>(documents: &mut [T], of: impl Fn(&T) -> &Document, keys: &[String]) {
+    let order = |a: &str, b: &str| match (a.parse::<f64>(), b.parse::<f64>()) {
+        (Ok(a), Ok(b)) => a.total_cmp(&b),
+        (Ok(_), Err(_)) => Ordering::Less,
+        (Err(_), Ok(_)) => Ordering::Greater,
+        (Err(_), Err(_)) => a.cmp(b),
+    };
+    let value = |it: &T, key: &str| setting(of(it), key).unwrap_or_default().to_owned();
+    documents.sort_by(|a, b| {
+        let mut orders = keys.iter().map(|key| order(&value(a, key), &value(b, key)));
+        orders.find(|order| order.is_ne()).unwrap_or(Ordering::Equal)
+    });
+}
+
+/// Sorts documents that differ in a single setting by the number that is the value of this setting;
+/// other documents keep their order.
+#[cfg(feature = "cli")]
+pub(crate) fn sort_by_number<T>(files: &mut [(T, Document)]) {
+    let documents: Vec<(&str, &Document)> = files.iter().map(|(_, it)| ("", it)).collect();
+    let [key] = differing(&documents)[..] else { return };
+    let is_number = |(_, it): &(&str, &Document)| {
+        setting(it, key).is_some_and(|value| value.parse::<f64>().is_ok())
+    };
+    if documents.iter().all(is_number) {
+        let keys = [key.to_owned()];
+        sort(files, |(_, document)| document, &keys);
+    }
 }
 
 /// Returns the value of a document's setting.

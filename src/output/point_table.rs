@@ -1,13 +1,12 @@
 //! Special points of many documents in one table, as in the command `tangency table`.
 
 use super::document::Document;
-use super::names::{differing, setting};
+use super::names::{differing, setting, sort};
 use super::number::significant;
 use super::table::{count, quoted};
 use crate::core::continuation::{Branch, Sensitivity, SpecialPoint};
 use crate::core::problem::{UnknownName, distinct};
 use crate::core::system::Kind;
-use std::cmp::Ordering;
 
 /// A table of the special points of several documents, restricted to given kinds, with one row for
 /// each point. The rows are sorted by the settings in which the documents differ.
@@ -182,10 +181,16 @@ impl PointTable {
             }
             Columns::Usual => usual(documents, &found),
             Columns::Named(names) => {
-                let mut known = known(documents);
-                known.extend(derivatives.iter().map(String::as_str));
-                if let Some(wanted) = names.iter().find(|column| !known.contains(column)) {
-                    return Err(UnknownName::new("column", *wanted, known.iter().copied()));
+                let known = known(documents);
+                let is_known = |column: &&&str| {
+                    known.contains(*column) || derivatives.iter().any(|name| name == **column)
+                };
+                if let Some(wanted) = names.iter().find(|column| !is_known(column)) {
+                    // Only the existing derivatives resemble a derivative.
+                    let only = is_derivative(wanted) && !derivatives.is_empty();
+                    let others = known.into_iter().filter(|_| !only);
+                    let all = others.chain(derivatives.iter().map(String::as_str));
+                    return Err(UnknownName::new("column", *wanted, all));
                 }
                 let mut wanted: Vec<&str> = Vec::new();
                 for name in names {
@@ -288,19 +293,8 @@ fn found<'a>(
 /// Returns the special points of documents, either of the given kinds or of all kinds.
 fn chosen<'a>(documents: &[(&'a str, &'a Document)], kinds: &[Kind]) -> Vec<Found<'a>> {
     let mut documents = documents.to_vec();
-    let keys = differing(&documents);
-    // Numbers are sorted before words.
-    let order = |a: &str, b: &str| match (a.parse::<f64>(), b.parse::<f64>()) {
-        (Ok(a), Ok(b)) => a.total_cmp(&b),
-        (Ok(_), Err(_)) => Ordering::Less,
-        (Err(_), Ok(_)) => Ordering::Greater,
-        (Err(_), Err(_)) => a.cmp(b),
-    };
-    let of = |document: &'a Document, key: &str| setting(document, key).unwrap_or_default();
-    documents.sort_by(|(_, a), (_, b)| {
-        let mut orders = keys.iter().map(|key| order(of(a, key), of(b, key)));
-        orders.find(|order| order.is_ne()).unwrap_or(Ordering::Equal)
-    });
+    let keys: Vec<String> = differing(&documents).into_iter().map(String::from).collect();
+    sort(&mut documents, |(_, document)| document, &keys);
     let branches = documents.into_iter().flat_map(|(file, document)| {
         document.branches.iter().flat_map(move |branch| found(file, Some(document), branch))
     });
@@ -320,6 +314,11 @@ fn known<'a>(documents: &[(&str, &'a Document)]) -> Vec<&'a str> {
     let mut known: Vec<&str> = [&[FILE], &PLACE[..], &QUALITY].concat();
     known.extend(distinct(settings.chain(differences).chain(columns).chain(numbers)));
     known
+}
+
+/// Returns whether a name has the form `dA/dB` of a sensitivity.
+fn is_derivative(name: &str) -> bool {
+    name.split_once('/').is_some_and(|(of, by)| of.starts_with('d') && by.starts_with('d'))
 }
 
 /// Returns the names of all sensitivities of special points of the given kinds.

@@ -475,8 +475,8 @@ fn interesting(branch: &Branch) -> Vec<&SpecialPoint> {
     }
 }
 
-/// Returns the special points named as `LABEL` or `BRANCH/LABEL`, in all documents that contain
-/// them, or all points with profiles.
+/// Returns the special points named as `LABEL`, `BRANCH/LABEL`, `KIND` or `BRANCH/KIND`, in all
+/// documents that contain them, or all points with profiles.
 pub(super) fn named<'a>(
     documents: &[(&str, &'a Document)],
     names: &[String],
@@ -504,19 +504,21 @@ pub(super) fn named<'a>(
             Some((branch, label)) => (Some(branch), label),
             None => (None, wanted.as_str()),
         };
-        let label = label.trim().parse().map_err(|_| UnknownPoint::Form(wanted.clone()))?;
+        let (branch, label) = (branch.map(str::trim), label.trim());
         let before = shown.len();
         let mut missing = None;
         for named in documents {
-            match named.1.special_point(branch.map(str::trim), label) {
-                Ok((branch, point)) => {
-                    let place = place(documents, named.0, branch);
-                    let name = name(&named.1.plot, &place, branch, point);
-                    if shown.iter().all(|known: &Shown| known.name != name) {
-                        shown.push(Shown { name, place, branch, point });
-                    }
+            let found = match label.parse() {
+                Ok(label) => named.1.special_point(branch, label).map(|found| vec![found]),
+                Err(_) => of_kind(named.1, branch, label, wanted),
+            };
+            missing = missing.or(found.as_ref().err().cloned());
+            for (branch, point) in found.into_iter().flatten() {
+                let place = place(documents, named.0, branch);
+                let name = name(&named.1.plot, &place, branch, point);
+                if shown.iter().all(|known: &Shown| known.name != name) {
+                    shown.push(Shown { name, place, branch, point });
                 }
-                Err(error) => missing = missing.or(Some(error)),
             }
         }
         if let (Some(error), true) = (missing, shown.len() == before) {
@@ -524,6 +526,26 @@ pub(super) fn named<'a>(
         }
     }
     Ok(shown)
+}
+
+/// Returns all special points of a document, or of one of its branches, whose kind has the given
+/// letters.
+fn of_kind<'a>(
+    document: &'a Document,
+    branch: Option<&str>,
+    letters: &str,
+    wanted: &str,
+) -> Result<Vec<(&'a Branch, &'a SpecialPoint)>, UnknownPoint> {
+    let branches = match branch {
+        Some(name) => vec![document.branch(name)?],
+        None => document.branches.iter().collect::<Vec<&Branch>>(),
+    };
+    let points = branches.into_iter();
+    let points = points.flat_map(|it| it.special.iter().map(move |point| (it, point)));
+    let meant =
+        |(_, point): &(&Branch, &SpecialPoint)| point.kind.letters().eq_ignore_ascii_case(letters);
+    let found: Vec<_> = points.filter(meant).collect();
+    if found.is_empty() { Err(UnknownPoint::Form(wanted.into())) } else { Ok(found) }
 }
 
 /// Returns the name of the branch of a special point, preceded by the name of its document if

@@ -105,7 +105,10 @@ impl Resolved {
         // Orbits may emanate from Hopf points of equilibria, and have other settings.
         let explores = purpose == Purpose::Exploration && self.problem.solution().is_some();
         if let Some((under, value)) = self.problem.model().without_effect(name) {
-            let refused = SceneError::no_effect_under(name, &under, &value);
+            let refused = match under == SOLUTION {
+                true => SceneError::no_effect_at(name, &value),
+                false => SceneError::no_effect_under(name, &under, &value),
+            };
             return (!explores || under != SOLUTION).then_some(refused);
         }
         if self.run.local.is_some() {
@@ -117,7 +120,7 @@ impl Resolved {
         let (_, need) = NEEDS.into_iter().find(|(known, _)| *known == name)?;
         let at_rest = self.problem.solution().filter(|it| *it == Solution::Equilibrium);
         (!explores && self.lacks(need)).then(|| match at_rest.filter(|_| need != Need::Dynamics) {
-            Some(value) => SceneError::no_effect_under(name, SOLUTION, &written(&value)),
+            Some(value) => SceneError::no_effect_at(name, &written(&value)),
             None => SceneError::idle(name, need.without()),
         })
     }

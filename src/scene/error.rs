@@ -1,6 +1,8 @@
 //! The errors of scenes: invalid statements, and runs that failed.
 
+use super::discretisation::{SOLUTION, Solution};
 use super::expansion::ExpansionError;
+use super::notation::written;
 use crate::core::attractor::{CycleSearchError, StroboscopicError};
 use crate::core::continuation::TraceError;
 use crate::core::failure::debug_is_message;
@@ -10,6 +12,7 @@ use crate::core::manifold::ManifoldError;
 use crate::core::problem::UnknownName;
 use crate::core::spelling::shown;
 use crate::core::sweep::PlanError;
+use crate::core::system::Kind;
 use crate::language::ModelError;
 use crate::output::{Chosen, FigureError, TableDifference};
 use miette::Diagnostic;
@@ -194,10 +197,7 @@ pub enum SceneError {
          ({ends})",
         nth + 1, counted(*found, kind)
     )]
-    #[diagnostic(help(
-        "change the range, the start or the varied parameter of `{from}` so that the branch passes through a \
-         point of the kind {kind}; the first `--along` names the parameter that varies along the branch"
-    ))]
+    #[diagnostic(help("{}", to_pass_through(kind, from)))]
     NoSuchPoint {
         /// The name of the run that cannot start because the special point is missing.
         run: String,
@@ -326,6 +326,19 @@ impl SceneError {
         SceneError::NoEffect { name: name.into(), reason, help }
     }
 
+    /// Returns the error for a setting that has no effect on solutions of the kind that the scene
+    /// states, given this kind; the orbits that emanate from equilibria may use the setting.
+    pub(super) fn no_effect_at(name: &str, value: &str) -> Self {
+        let error = SceneError::no_effect_under(name, SOLUTION, value);
+        match value == written(&Solution::Equilibrium) {
+            false => error,
+            true => error.with_help(format!(
+                "omit `{name}`, set `{SOLUTION}` to another value, or also trace the orbits that \
+                 emanate from Hopf points with `--switch HB`"
+            )),
+        }
+    }
+
     /// Returns the error for an invalid text of a scene, with the given message.
     pub(super) fn invalid(message: impl Into<String>) -> Self {
         SceneError::Invalid { message: message.into(), help: None }
@@ -356,6 +369,23 @@ impl SceneError {
             None => self,
         }
     }
+}
+
+/// Returns the remedy for a branch without special points of a given kind.
+fn to_pass_through(kind: &str, from: &str) -> String {
+    let on_orbits = [Kind::PD, Kind::TR, Kind::HOM].iter().any(|it| it.letters() == kind);
+    let orbits = match on_orbits {
+        false => String::new(),
+        true => format!(
+            "; if `{from}` is a branch of equilibria, first trace the orbits that emanate from Hopf \
+             points with `--switch HB`, and then start at their {kind} point with `--start FILE:LABEL`"
+        ),
+    };
+    format!(
+        "change the range, the start or the varied parameter of `{from}` so that the branch passes \
+         through a point of the kind {kind}; the first `--along` names the parameter that varies \
+         along the branch{orbits}"
+    )
 }
 
 /// Formats the number of special points of a given kind, for example `no HB` or `1 HB`.

@@ -34,6 +34,19 @@ const COUNT: &str = "count";
 /// which each run starts where the previous run ended.
 const STRANDS: &str = "strands";
 
+/// Returns a title without its parts, separated by commas, that state one of the given values of
+/// parameters, as in `V = 0.2`.
+fn without_values(title: &str, values: &[f64]) -> String {
+    let states = |part: &&str| {
+        let numbers = part.split("= ").skip(1).filter_map(|rest| {
+            let end = rest.find(|letter: char| !"0123456789.-−e".contains(letter));
+            rest[..end.unwrap_or(rest.len())].replace('−', "-").parse::<f64>().ok()
+        });
+        numbers.into_iter().any(|number| values.contains(&number))
+    };
+    title.split(", ").filter(|part| !states(part)).collect::<Vec<_>>().join(", ")
+}
+
 /// Returns whether a setting with this name belongs to sweeps.
 pub(super) fn is_of_sweeps(name: &str) -> bool {
     OF_SEARCHES.contains(&name) || OF_SWEEPS.contains(&name)
@@ -127,7 +140,8 @@ impl Scene {
         self.set_all(&[(name.into(), value.into())])
     }
 
-    /// Changes several values of the scene together. If the ranges of several values depend on each
+    /// Changes several values of the scene together. The title of the scene no longer states the
+    /// values that were changed. If the ranges of several values depend on each
     /// other, as for `min_step` and `max_step`, the ranges are checked after all values have been
     /// changed.
     ///
@@ -152,6 +166,11 @@ impl Scene {
         } else {
             changed.check()?;
         }
+        let before = |(name, _): &(String, String)| {
+            self.value(name).filter(|before| changed.value(name) != Some(*before))
+        };
+        let before: Vec<f64> = values.iter().filter_map(before).collect();
+        changed.title = without_values(&changed.title, &before);
         *self = changed;
         Ok(())
     }

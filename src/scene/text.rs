@@ -116,9 +116,7 @@ fn of_text(path: &Path, text: &str, given: &[String]) -> Result<Stated, SceneErr
     stated.file = file;
     let without = [&read.ignored[..], &read.of_simulations()].concat();
     if !without.is_empty() {
-        let instead: String =
-            substitutes(&without).into_iter().map(|instead| format!("; {instead}")).collect();
-        stated.notes.push(format!("without effect: {}{instead}", without.join(", ")));
+        stated.notes.push(of_options(&without));
     }
     let renamed = read.renamed.iter().map(|(old, new)| format!("`{old}` is called `{new}` here"));
     stated.notes.extend(renamed);
@@ -127,25 +125,35 @@ fn of_text(path: &Path, text: &str, given: &[String]) -> Result<Stated, SceneErr
     Ok(stated)
 }
 
-/// Returns suggestions of settings by which the XPPAUT options that have no effect can be replaced.
+/// The number of options and lines without effect that a note names.
+const NAMED: usize = 3;
+
+/// Returns the note about the XPPAUT options and lines that have no effect: their number, the first
+/// of them, and the settings to use instead.
+fn of_options(without: &[String]) -> String {
+    let (count, more) = (without.len(), if without.len() > NAMED { ", …" } else { "" });
+    let named = without.iter().take(NAMED).cloned().collect::<Vec<_>>().join(", ");
+    let instead = match &substitutes(without)[..] {
+        [] => String::new(),
+        instead => format!("; use {} instead", instead.join(", ")),
+    };
+    let s = if count == 1 { "" } else { "s" };
+    format!("the file has {count} option{s} or line{s} without effect: {named}{more}{instead}")
+}
+
+/// Returns the settings by which the XPPAUT options that have no effect can be replaced.
 fn substitutes(options: &[String]) -> Vec<&'static str> {
     let begins = |option: &String, names: &[&str]| {
         let name = option.split_once("option `").map(|(_, option)| option.to_lowercase());
         name.is_some_and(|option| names.iter().any(|name| option.starts_with(name)))
     };
     let known = [
-        (&["dt", "meth", "tol", "atol"][..], "the steps and the method follow `flow_tolerance`"),
-        (
-            &["t0", "total", "trans"],
-            "the times of simulations are set by `--time` and `--transient`",
-        ),
-        (
-            &["xlo", "xhi", "ylo", "yhi"],
-            "the ranges of pictures are set by `plot --x-range` and `--y-range`",
-        ),
-        (&["ds"], "the steps of branches are set by `initial_step`, `min_step` and `max_step`"),
-        (&["nmx"], "the length of branches is set by `max_points`"),
-        (&["parmin", "parmax"], "the ranges of branches are set by `--along NAME=LOW..HIGH`"),
+        (&["dt", "meth", "tol", "atol"][..], "`flow_tolerance`"),
+        (&["t0", "total", "trans"], "`--time`, `--transient`"),
+        (&["xlo", "xhi", "ylo", "yhi"], "`plot --x-range`, `plot --y-range`"),
+        (&["ds"], "`initial_step`, `min_step`, `max_step`"),
+        (&["nmx"], "`max_points`"),
+        (&["parmin", "parmax"], "`--along NAME=LOW..HIGH`"),
     ];
     let used = known.into_iter().filter(|(names, _)| options.iter().any(|it| begins(it, names)));
     used.map(|(_, instead)| instead).collect()

@@ -82,7 +82,7 @@ fn a_grid_of_another_scene_is_refused() {
         (&["--wide"], "cannot be combined with --wide"),
         (
             &["--set", "b=2"],
-            "cannot be combined with the option --set for a setting that --grid varies",
+            "the options `--set b` and `--grid b` give the same setting\nhelp: omit one",
         ),
         (
             &["--grid", "r=1..1:2"],

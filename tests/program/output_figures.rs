@@ -277,6 +277,16 @@ fn profiles_and_points_are_chosen_by_name() {
     let error = figures(&[("a", &document)], &[], None, &[]).unwrap_err();
     assert!(matches!(error, FigureError::UnknownProfile(_)), "{error:?}");
     assert!(one_line(&error).contains("`z along x`"), "{error}");
+    // A kind selects all points of this kind.
+    document.plot.profiles = vec![("x".into(), "y".into())];
+    for kind in ["EP", "plate/ep"] {
+        document.plot.points = vec![kind.into()];
+        let drawn = figures(&[("a", &document)], &[], None, &[]).unwrap();
+        assert_eq!(drawn[1].names(), ["plate/1 EP, load = 0", "plate/4 EP, load = 0.032"]);
+    }
+    document.plot.points = vec!["HOM".into()];
+    let error = figures(&[("a", &document)], &[], None, &[]).unwrap_err();
+    assert!(one_line(&error).contains("`HOM` is not of the form LABEL"), "{error}");
     document.plot.points = vec!["9".into()];
     let error = figures(&[("a", &document)], &[], None, &[]).unwrap_err();
     assert!(matches!(error, FigureError::UnknownPoint(_)), "{error:?}");

@@ -137,20 +137,77 @@ fn labels_have_the_units_of_axes() {
     assert_eq!(figure.names()[0], "plate (load − 120)");
 }
 
-/// Labels of regular points give way to curves and to each other; other labels do not.
+/// Regular points that were saved on request are in the data, but have no marks in pictures.
 #[test]
-fn regular_points_have_labels_where_there_is_room() {
-    let count = |label: &str| {
-        let line = Series::new("", Style::Solid, [[0.0, 0.0], [1.0, 1.0]]);
-        let mut figure = Figure::new("", "", "").with(line);
-        figure.marks = (0..12).map(|_| mark(label, Symbol::Ring)).collect();
-        for (k, mark) in figure.marks.iter_mut().enumerate() {
-            mark.at = [k as f64 / 11.0; 2];
-        }
-        draw(&[figure], COLUMN).unwrap().matches(&format!("\n{label}\n")).count()
+fn regular_points_have_no_marks() {
+    let mut document = Document::new("Pull-in", vec![example_branch()]);
+    let count = |document: &Document| diagram(&[("a", document)], None, &[]).unwrap().marks.len();
+    let before = count(&document);
+    document.branches[0].special[1].kind = Kind::RG;
+    let figure = diagram(&[("a", &document)], None, &[]).unwrap();
+    assert_eq!(figure.marks.len(), before - 1);
+    assert!(figure.marks.iter().all(|mark| mark.label != "RG"));
+}
+
+/// A mark within a thousandth of a chosen range lies on the border of the range.
+#[test]
+fn marks_on_the_border_are_drawn() {
+    let mut document = Document::new("Pull-in", vec![example_branch()]);
+    let count = |document: &Document| {
+        let figure = diagram(&[("a", document)], None, &[]).unwrap();
+        figure.marks.iter().filter(|mark| mark.label == "LP").count()
     };
-    let (regular, others) = (count("RG"), count("EP"));
-    assert!((1..others).contains(&regular), "{regular} {others}");
+    let fold = 1.0 / 3.0;
+    for (low, marks) in [(fold + 1e-5, 1), (fold + 0.1, 0)] {
+        document.plot.ranges = vec![("deflection".into(), low, f64::INFINITY)];
+        assert_eq!(count(&document), marks, "{low}");
+    }
+}
+
+/// Documents that differ in one number are sorted by this number in the legend.
+#[test]
+fn legends_are_sorted_by_numbers() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let model = "Equations(states: [(\"x\", \"a - c*x\")], parameters: [(\"a\", 0), (\"c\", 1)])";
+    std::fs::write(at.join("m.ron"), model).unwrap();
+    let mut plot = vec!["plot".to_string()];
+    for c in ["10", "2.5", "3"] {
+        let set = format!("c={c}");
+        succeeds(at, &["trace", "m.ron", "--along", "a=0..1", "--set", &set, "--out", &set]);
+        plot.push(format!("{set}/m.ron"));
+    }
+    plot.extend(["--out", "all.svg"].map(String::from));
+    succeeds(at, &plot.iter().map(String::as_str).collect::<Vec<_>>());
+    let svg = std::fs::read_to_string(at.join("all.svg")).unwrap();
+    let place = |c: &str| svg.rfind(&format!("c = {c}\n")).unwrap();
+    assert!(place("2.5") < place("3") && place("3") < place("10"));
+}
+
+/// The title of a scene does not state values that were changed.
+#[test]
+fn titles_do_not_state_changed_values() {
+    let text = "Scene(title: \"Fold, a = 0.5, b = −2\", problem: Equations(states: [(\"x\", \"a - b*x^2\")]),
+        parameters: [(\"a\", 0.5), (\"b\", -2)], runs: [(name: \"r\", along: [(name: \"a\", low: 0, high: 1)])])";
+    let titled = |name: &str, value: &str| {
+        let mut scene = Scene::parse(text).unwrap();
+        scene.set(name, value).unwrap();
+        scene.title
+    };
+    assert_eq!(titled("b", "-3"), "Fold, a = 0.5");
+    assert_eq!(titled("a", "0.7"), "Fold, b = −2");
+    assert_eq!(titled("a", "0.5"), "Fold, a = 0.5, b = −2");
+}
+
+/// The unit of a monitor is the unit of the monitor's extremes along orbits.
+#[test]
+fn extremes_of_monitors_have_units() {
+    let text = "Scene(title: \"t\", problem: Equations(states: [(\"x\", \"a*cos(t) - x\")], parameters: [(\"a\", 0.5)],
+        monitors: [(\"depth\", \"1 - x\")], period: \"2*pi\", labels: [(\"depth\", \"depth\")], units: [(\"depth\", \"m\")]),
+        runs: [(name: \"r\", along: [(name: \"a\", low: 0.5, high: 1)])])";
+    let document = execute(&Scene::parse(text).unwrap(), None, &mut ()).document;
+    assert_eq!(document.plot.label("max_depth"), "largest depth (m)");
+    assert_eq!(document.plot.label("min_depth"), "smallest depth (m)");
 }
 
 /// The axis of a boundary-value problem has the name of its variable, and pictures of sweeps have the

@@ -648,6 +648,32 @@ fn a_start_that_was_moved_away_is_replaced_by_a_mark() {
     refused(at, &moved, &["replace `--set voltage=0.5` by `--mark voltage=0.5`"]);
 }
 
+/// Messages about values with units, settings of orbits, and points of orbits state the remedy.
+#[test]
+fn remedies_name_what_to_type() {
+    let folder = folder();
+    let at = folder.path();
+    let model = r#"Equations(states: [("x", "y"), ("y", "a*y - x - x^2*y")], parameters: [("a", -1), ("b", 1)])"#;
+    std::fs::write(at.join("m.ron"), model).unwrap();
+    let trace = ["trace", "m.ron", "--along", "a=-1..-0.5"];
+    for (more, said) in [
+        (&["--set", "b=1.5um"][..], "a number is written without a unit (1.5 µm is 1.5e-6"),
+        (&["--set", "b=0,004"], "its decimal sign is a point"),
+        (&["--set", "intervals=50"], "orbits that emanate from Hopf points with `--switch HB`"),
+        (
+            &["--along", "b=1..2", "--hold", "HOM"],
+            "`--switch HB`, and then start at their HOM point with `--start FILE:LABEL`",
+        ),
+    ] {
+        refused(at, &[&trace[..], more].concat(), &[said]);
+    }
+    // A branch that ends in the middle names its limit.
+    let said = succeeds(at, &[&trace[..], &["--set", "max_points=3"]].concat());
+    assert!(said.contains("as many as `max_points` allows"), "{said}");
+    let table = ["table", "out/m.ron", "--columns", "da/dc"];
+    refused(at, &table, &["unknown column `da/dc`"]);
+}
+
 /// The names of settings in AUTO, XPPAUT and MatCont lead to the names of the same settings.
 #[test]
 fn settings_of_other_programs_are_named() {
@@ -662,6 +688,13 @@ fn settings_of_other_programs_are_named() {
         let said = format!("`{name}` of other programs is called `{own}` here");
         refused(at, &["trace", "m.ron", "--along", "a=0..1", "--set", &set], &[&said]);
     }
+    for (name, option) in [("STOP", "--bound"), ("ISW", "--switch"), ("UZR", "--mark")] {
+        let set = format!("{name}=-1");
+        let said = format!("`{name}` of other programs is the option `{option} ");
+        refused(at, &["trace", "m.ron", "--along", "a=0..1", "--set", &set], &[&said]);
+    }
+    let said = "`IPS` of other programs follows from the kind of the model";
+    refused(at, &["trace", "m.ron", "--along", "a=0..1", "--set", "IPS=2"], &[said]);
     let output = tangency(at, &["trace", "m.ron", "--along", "a=0..1", "--hold", "NS"]);
     assert!(failure(&output, 2).contains("are called `TR` here"));
 }

@@ -240,6 +240,7 @@ fn bad_input_is_explained() {
     fails(&["trace", "mita-lyapunov"], "has no branches to trace");
     fails(&["sweep", "chaos.ron", "--set", "count=0"], "the count of an axis is 0");
     fails(&["sweep", "chaos.ron", "--set", "transiemt=5"], "did you mean `transient`?");
+    fails(&["sweep", "chaos.ron", "--set", "transient_periods=5"], "did you mean `transient`?");
     let smooth =
         SCENE.replace("Mita()", "Lure()").replace("frequency", "alpha").replace("voltage", "alpha");
     let smooth = smooth.replace("displacement_range", "max_x");
@@ -270,6 +271,26 @@ fn bad_input_is_explained() {
     }
     let contradiction = MergeError::Contradiction { number: 2, sweep: "up".into(), run: 3 };
     assert_eq!(merge(vec![whole, wrong]), Err(contradiction));
+}
+
+/// A sweep warns of runs whose transients have not decayed, unless their motion is chaotic.
+#[test]
+fn runs_that_do_not_settle_are_counted() {
+    let folder = tempfile::tempdir().unwrap();
+    let model = "Equations(states: [(\"x\", \"v\"), (\"v\", \"f*cos(t) - c*v - 4*x\")], parameters: [(\"f\", 1), (\"c\", 0.01)],
+        period: \"2*pi\")";
+    std::fs::write(folder.path().join("m.ron"), model).unwrap();
+    let said = |transient: &str| {
+        let search = ["--set", "recorded_periods=4", "--set", "lyapunov_periods=0", "--set"];
+        let sweep = ["sweep", "m.ron", "--over", "x=1..2:3", "--out", transient];
+        let output =
+            tangency(folder.path(), &[&sweep[..], &search, &[transient, "--quiet"]].concat());
+        assert!(output.status.success(), "{output:?}");
+        String::from_utf8(output.stderr).unwrap()
+    };
+    let warning = "3 of 3 runs did not settle on a cycle: increase `transient` or `max_period`";
+    assert!(said("transient=2").contains(warning));
+    assert!(!said("transient=1000").contains("settle"));
 }
 
 /// What the bifurcation diagram at ω = 0.5 shows, by branches to their digits, by brute force to

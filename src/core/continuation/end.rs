@@ -57,7 +57,10 @@ pub enum End {
         points: usize,
     },
     /// The maximal number of points was reached.
-    #[error("{points} points, as many as `max_points` allows")]
+    #[error(
+        "a direction of the branch has {points} points, as many as `max_points` allows: increase \
+         `max_points` to trace the rest"
+    )]
     PointLimit {
         /// The number of points on the branch.
         points: usize,

@@ -7,9 +7,6 @@ pub(super) type Rectangle = [f64; 4];
 const ADVANCE: f64 = 13.0;
 /// The distance between marks of the same kind below which the marks share one label.
 const CROWDED: f64 = 16.0;
-/// The distance between marks of the same kind below which the marks share one label, if the label
-/// is optional.
-const LONELY: f64 = 60.0;
 /// The number of points along a curve beside which the name of the curve may be placed.
 const TRIED: usize = 40;
 /// The distance between a curve and its name, and the distance from the name within which other
@@ -36,8 +33,6 @@ pub(super) struct Wanted<'a> {
     pub label: &'a str,
     /// The width and height of the label.
     pub size: [f64; 2],
-    /// Whether the label is optional: it is omitted where it would cover a curve.
-    pub spare: bool,
 }
 
 /// The free space in a panel, in which labels can be placed.
@@ -67,23 +62,18 @@ impl Room {
         self.curves = curves;
         self.taken.extend(marks.iter().map(|wanted| around(wanted.at, [11.0, 11.0])));
         let mut centres: Vec<Option<[f64; 2]>> = vec![None; marks.len()];
-        // Labels that may be left out are placed last.
-        let mut order: Vec<usize> = (0..marks.len()).collect();
-        order.sort_by_key(|index| marks[*index].spare);
-        for index in order {
-            let Wanted { at, label, size, spare } = &marks[index];
-            let crowded = if *spare { LONELY } else { CROWDED };
+        for (index, Wanted { at, label, size }) in marks.iter().enumerate() {
             // A cluster of marks of the same kind would repeat the same label.
             let repeated = marks.iter().zip(&centres).any(|(other, centre)| {
                 let distance = (other.at[0] - at[0]).hypot(other.at[1] - at[1]);
-                other.label == *label && Option::is_some(centre) && distance < crowded
+                other.label == *label && Option::is_some(centre) && distance < CROWDED
             });
             let best = directions().filter_map(|(preference, direction)| {
                 let reach = [ADVANCE + size[0] / 2.0 - 5.0, ADVANCE + size[1] / 2.0 - 5.0];
                 let centre = [at[0] + direction[0] * reach[0], at[1] + direction[1] * reach[1]];
                 let wide = around(centre, [size[0] + 4.0, size[1] + 2.0]);
                 let on_curves = count(&self.curves, wide) as f64;
-                let is_free = self.is_free(around(centre, *size)) && !(*spare && on_curves > 0.0);
+                let is_free = self.is_free(around(centre, *size));
                 is_free.then_some((preference + on_curves, centre))
             });
             let best =

@@ -6,7 +6,6 @@ use super::labels::{Room, Wanted, sampled};
 use super::pen::{colour, curve, darker, is_spots, mark, pale, spot_sizes, tint};
 use super::smooth::{CORNER, SLIGHT, smooth};
 use super::ticks::Ticks;
-use crate::core::system::Kind;
 use crate::output::error::FigureError;
 use crate::output::figure::{Beside, Figure, Mark, Series, Style, Wall};
 
@@ -135,12 +134,8 @@ impl<'a> Panel<'a> {
         let curves = series.flat_map(|series| self.sampled(series)).collect();
         let marks: Vec<&Mark> = figure.marks.iter().filter(|mark| self.sees(&mark.at)).collect();
         let size = |mark: &Mark| [text_width(&mark.label, TEXT), TEXT];
-        // The legend explains the marks of regular points, which may be many.
-        let spare = |mark: &Mark| mark.label == Kind::RG.letters();
-        let wanted = |it: &&'a Mark| {
-            let (at, size, spare) = (self.pixel(it.at), size(it), spare(it));
-            Wanted { at, label: &it.label, size, spare }
-        };
+        let wanted =
+            |it: &&'a Mark| Wanted { at: self.pixel(it.at), label: &it.label, size: size(it) };
         let wanted: Vec<Wanted> = marks.iter().map(wanted).collect();
         let places = self.room.place_labels(&wanted, curves);
         self.marks = marks.into_iter().zip(places).collect();

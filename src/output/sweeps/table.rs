@@ -170,6 +170,21 @@ impl SweepTable {
         self.run_columns.get(error.checked_sub(1)?).map(String::as_str)
     }
 
+    /// Returns the number of runs that did not settle on a cycle, although no positive Lyapunov
+    /// exponent shows that the motion is chaotic. A run that searches for a crisis does not count.
+    pub fn unsettled(&self) -> usize {
+        if self.crisis().is_some() {
+            return 0;
+        }
+        let value =
+            |row: &Row, name: &str| self.run_column(name).map_or(f64::NAN, |k| row.values[k]);
+        let unsettled = |row: &&Row| {
+            let chaotic = value(row, "exponent") > value(row, "exponent_error");
+            row.failure.is_none() && value(row, "periods") == 0.0 && !chaotic
+        };
+        self.rows.values().filter(unsettled).count()
+    }
+
     /// Returns whether all runs of the sweep are finished.
     pub fn is_complete(&self) -> bool {
         self.rows.len() == self.total
