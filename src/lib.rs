@@ -124,6 +124,8 @@
 //! project's book (`docs` in the repository) contains tutorials, the reference of scenes and
 //! commands, the mathematics (`docs/concepts`), and measurements (`docs/evidence`).
 
+#![cfg_attr(docsrs, feature(doc_cfg))]
+
 #[cfg(feature = "cli")]
 pub mod cli;
 pub mod core;

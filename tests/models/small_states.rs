@@ -102,3 +102,18 @@ fn a_state_that_begins_at_zero_with_a_slope_of_zero_has_a_scale() {
         }
     }
 }
+
+/// `u = c V²/(1 − u)²` from `V = 0`: without a stated scale the branch takes about as many points as with its scale.
+#[test]
+fn a_state_that_grows_as_a_square_needs_no_scale() {
+    let count = |scales: &str| {
+        let text = format!(
+            "Scene(title: \"t\", problem: Residual(unknowns: [(\"u\", \"V^2/900/(1 - u)^2 - u\")]{scales}),
+                parameters: [(\"V\", 0)], runs: [(name: \"r\", along: [(name: \"V\", low: 0, high: 15)],
+                    bounds: [(name: \"u\", low: 0, high: 0.9)])])"
+        );
+        traced(&text)[0].points.len()
+    };
+    let [with, without] = [", scales: [(\"u\", 1)]", ""].map(count);
+    assert!(without <= 2 * with, "{without} points, but {with} with a scale");
+}

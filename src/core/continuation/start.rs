@@ -39,9 +39,10 @@ const EQUAL: f64 = 1e-4;
 const AT_LIMIT: f64 = 1e-2;
 
 /// Heuristic: the steps along the parameter's range, as fractions of the range ahead, after which
-/// unknowns that are zero at the start are measured to find their sizes. The second step is tried if
-/// no solution exists after the first step.
-const FURTHER: [f64; 2] = [1e-2, 1e-3];
+/// unknowns that are zero at the start are measured to find their sizes. Shorter steps are tried if
+/// no solution is found after a longer step. After a short step, an unknown that grows as the square
+/// of the parameter is much smaller than on most of the branch.
+const FURTHER: [f64; 4] = [0.3, 0.1, 1e-2, 1e-3];
 
 /// Heuristic: the maximal number of times that mesh intervals are added at the start of a curve.
 /// Each addition of mesh intervals may double their number.
