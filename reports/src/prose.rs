@@ -72,13 +72,12 @@ pub fn paragraphs(root: &Path) -> io::Result<Vec<Paragraph>> {
     files.sort();
     let mut all = Vec::new();
     for path in files {
-        let text = std::fs::read_to_string(&path)?;
-        let file = path.strip_prefix(root).unwrap_or(&path);
-        match path.extension().and_then(|extension| extension.to_str()) {
-            Some("md") => markdown(file, &text, &mut all),
-            Some("rs") => rust(file, &text, &mut all),
-            _ => {}
-        }
+        let read = match path.extension().and_then(|extension| extension.to_str()) {
+            Some("md") => markdown,
+            Some("rs") => rust,
+            _ => continue,
+        };
+        read(path.strip_prefix(root).unwrap_or(&path), &std::fs::read_to_string(&path)?, &mut all);
     }
     Ok(all)
 }
