@@ -62,8 +62,9 @@ impl fmt::Display for Summary<'_> {
         if let Some(stable) = self.stability() {
             write!(f, "; {stable}")?;
         }
-        let different = if ends[0] == ends[1] { &ends[1..] } else { &ends[..] };
-        let mut unasked = different.iter().filter(|end| !end.is_expected());
+        // The number of points is stated above.
+        let told = |end: &End| end.is_expected() || matches!(end, End::PointLimit { .. });
+        let mut unasked = ends.iter().filter(|end| !told(end));
         unasked.try_for_each(|end| write!(f, "; {end}"))?;
         self.turned_back().map_or(Ok(()), |note| write!(f, "; {note}"))
     }

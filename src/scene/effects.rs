@@ -106,7 +106,7 @@ impl Resolved {
         let explores = purpose == Purpose::Exploration && self.problem.solution().is_some();
         if let Some((under, value)) = self.problem.model().without_effect(name) {
             let refused = match under == SOLUTION {
-                true => SceneError::no_effect_at(name, &value),
+                true => no_effect_at(name, &value),
                 false => SceneError::no_effect_under(name, &under, &value),
             };
             return (!explores || under != SOLUTION).then_some(refused);
@@ -120,7 +120,7 @@ impl Resolved {
         let (_, need) = NEEDS.into_iter().find(|(known, _)| *known == name)?;
         let at_rest = self.problem.solution().filter(|it| *it == Solution::Equilibrium);
         (!explores && self.lacks(need)).then(|| match at_rest.filter(|_| need != Need::Dynamics) {
-            Some(value) => SceneError::no_effect_at(name, &written(&value)),
+            Some(value) => no_effect_at(name, &written(&value)),
             None => SceneError::idle(name, need.without()),
         })
     }
@@ -154,6 +154,19 @@ impl ResolvedSweep {
         let of_motion = self.problem.parameter_names().iter().any(|known| known == name);
         let has_effect = of_motion || is_of_sweeps(name) || self.sweep.local.is_some();
         (!has_effect).then(|| SceneError::idle(name, "on sweeps of motion"))
+    }
+}
+
+/// Returns the error for a setting that has no effect on solutions of the kind that the scene states,
+/// given this kind; the orbits that emanate from equilibria may use the setting.
+fn no_effect_at(name: &str, value: &str) -> SceneError {
+    let error = SceneError::no_effect_under(name, SOLUTION, value);
+    match value == written(&Solution::Equilibrium) {
+        false => error,
+        true => error.with_help(format!(
+            "omit `{name}`, set `{SOLUTION}` to another value, or also trace the orbits that emanate \
+             from Hopf points with `--switch HB`"
+        )),
     }
 }
 

@@ -1,8 +1,6 @@
 //! The errors of scenes: invalid statements, and runs that failed.
 
-use super::discretisation::{SOLUTION, Solution};
 use super::expansion::ExpansionError;
-use super::notation::written;
 use crate::core::attractor::{CycleSearchError, StroboscopicError};
 use crate::core::continuation::TraceError;
 use crate::core::failure::debug_is_message;
@@ -324,19 +322,6 @@ impl SceneError {
         let reason = format!("where `{under}` is `{value}`");
         let help = Some(format!("omit `{name}`, or also set `{under}` to another value"));
         SceneError::NoEffect { name: name.into(), reason, help }
-    }
-
-    /// Returns the error for a setting that has no effect on solutions of the kind that the scene
-    /// states, given this kind; the orbits that emanate from equilibria may use the setting.
-    pub(super) fn no_effect_at(name: &str, value: &str) -> Self {
-        let error = SceneError::no_effect_under(name, SOLUTION, value);
-        match value == written(&Solution::Equilibrium) {
-            false => error,
-            true => error.with_help(format!(
-                "omit `{name}`, set `{SOLUTION}` to another value, or also trace the orbits that \
-                 emanate from Hopf points with `--switch HB`"
-            )),
-        }
     }
 
     /// Returns the error for an invalid text of a scene, with the given message.

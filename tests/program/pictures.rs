@@ -76,7 +76,7 @@ fn the_legend_explains_all_marks() {
 /// Kinds that share a symbol elsewhere have different ones in one picture, the same in all panels.
 #[test]
 fn every_kind_has_its_own_symbol() {
-    let kinds = [Kind::CP, Kind::GH, Kind::EP, Kind::RG, Kind::BT, Kind::ZH, Kind::HOM];
+    let kinds = [Kind::CP, Kind::GH, Kind::EP, Kind::BT, Kind::ZH, Kind::HOM];
     let mut document = Document::new("Pull-in", vec![example_branch()]);
     let special = document.branches[0].special[2].clone();
     let points = kinds.iter().enumerate().map(|(k, kind)| {

@@ -668,8 +668,10 @@ fn remedies_name_what_to_type() {
         refused(at, &[&trace[..], more].concat(), &[said]);
     }
     // A branch that ends in the middle names its limit.
-    let said = succeeds(at, &[&trace[..], &["--set", "max_points=3"]].concat());
-    assert!(said.contains("as many as `max_points` allows"), "{said}");
+    let limited = [&trace[..], &["--set", "max_points=3"]].concat();
+    assert!(succeeds(at, &limited).contains("(max_points)"));
+    let output = tangency(at, &[&limited[..], &["--strict"]].concat());
+    assert!(failure(&output, 3).contains("allows: increase `max_points` to trace the rest"));
     let table = ["table", "out/m.ron", "--columns", "da/dc"];
     refused(at, &table, &["unknown column `da/dc`"]);
 }
