@@ -50,7 +50,7 @@ pub struct Sweep {
     /// The initial values of some states, by name; all other states start at 0
     #[arg(long, value_name = "NAME=VALUE,…", value_parser = states, requires = "over")]
     from: Option<States>,
-    /// The event at which the motion of a model without forcing is sampled, just after each event
+    /// The event whose every occurrence takes a sample of a model without forcing, just after the event
     #[arg(long, value_name = "EVENT", requires = "over")]
     at: Option<String>,
     /// Record the named monitors, such as max_x, in every period, and draw the first of these
@@ -286,8 +286,8 @@ fn divided(scene: &Scene, part: Part, out: &mut impl Write) -> Result<(), Comman
     if let Some((strands, largest)) = scene.better_strands(part.of) {
         writeln!(
             out,
-            "with `--set strands={strands}` in the commands of all parts, the largest part has \
-             only {largest} runs; the results may change, because each strand begins at the \
+            "to reduce the largest part to {largest} runs, add `--set strands={strands}` to the \
+             commands of all parts; the results may change, because each strand begins at the \
              initial state"
         )?;
     }

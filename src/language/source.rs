@@ -372,7 +372,7 @@ pub enum Fault {
     Undefined {
         /// The operation or the formula whose value is not finite.
         what: String,
-        /// The values of the arguments or names on which the value that is not finite depends.
+        /// The arguments or names from which the non-finite value was computed, with their values.
         values: String,
     },
     /// A period of a forcing or a length of an interval that is not positive.

@@ -119,7 +119,7 @@ impl Shown<'_> {
 
     /// Returns the reset that leads from the end of an orbit with events to its start, as a line in
     /// a phase portrait. A line is returned only if the horizontal coordinate does not change at
-    /// the reset, because winding angles are not reset.
+    /// the reset: jumps of winding angles are not resets.
     fn closing(&self, profile: &Profile) -> Option<[[f64; 2]; 2]> {
         let [first, last] = [*profile.points.first()?, *profile.points.last()?];
         let is_orbit = self.is_orbit() && !self.branch.itinerary.is_empty();

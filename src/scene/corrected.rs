@@ -168,8 +168,8 @@ fn corrected(
     Some(Point { unstable, undetermined, ..corrected })
 }
 
-/// Expresses slopes in the direction and arclength of the slopes at the same point of an earlier
-/// branch.
+/// Converts slopes to the direction and the unit of arclength of an earlier branch; `earlier` are the
+/// slopes at the same point of the earlier branch.
 fn align(slopes: &mut Slopes, earlier: &Slopes) {
     let both = slopes.columns.iter().zip(&earlier.columns);
     let both: Vec<(f64, f64)> = both.filter_map(|(now, then)| now.zip(*then)).collect();

@@ -320,7 +320,7 @@ impl SceneError {
     /// value.
     pub(super) fn no_effect_under(name: &str, under: &str, value: &str) -> Self {
         let reason = format!("where `{under}` is `{value}`");
-        let help = Some(format!("omit `{name}`, or also set `{under}` to another value"));
+        let help = Some(format!("omit `{name}`, or keep it and change `{under}`"));
         SceneError::NoEffect { name: name.into(), reason, help }
     }
 

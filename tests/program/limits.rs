@@ -292,7 +292,7 @@ fn settings_without_effect_are_refused() {
         ("plate-clamped", "modes=10000", "`modes` has no effect where `model` is `ritz`"),
     ] {
         let message = refused(folder.path(), &["trace", scene, "--set", setting]);
-        assert!(message.contains(said) && message.contains("or also set"), "{message}");
+        assert!(message.contains(said) && message.contains("or keep it and change"), "{message}");
     }
     let both = ["show", "bratu", "--set", "segments=10", "--set", "method=shooting"];
     assert!(tangency(folder.path(), &both).status.success());

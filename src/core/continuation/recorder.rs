@@ -27,7 +27,7 @@ pub(super) struct Recorded {
     pub spectrum: Option<Spectrum>,
     /// The eigenvalues, without the eigenvalues that are critical at all points of the curve.
     pub others: Option<Spectrum>,
-    /// The numbers of unstable eigenvalues among `others`.
+    /// The number of unstable eigenvalues in `others`: real, complex and in total.
     pub stability: Option<Stability>,
 }
 

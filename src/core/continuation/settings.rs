@@ -147,8 +147,7 @@ impl Settings {
         }
     }
 
-    /// Returns the target for the discretisation error on a curve of special points, or on another
-    /// branch.
+    /// Returns the target for the discretisation error, which is smaller on curves of special points.
     pub(super) fn mesh_target(&self, of_special_points: bool) -> f64 {
         self.target_mesh_error * if of_special_points { AT_SPECIAL_POINTS } else { 1.0 }
     }

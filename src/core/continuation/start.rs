@@ -32,8 +32,9 @@ use crate::core::system::{Kind, Representation, Site, Solution, Start};
 /// count as equal in size: the two halves of a doubled orbit differ by the discretisation error.
 const EQUAL: f64 = 1e-4;
 
-/// Discretisation: if a curve emanates at a limit of admissible solutions, levels closer to the
-/// start than this threshold, in scaled arclength, are identified with that limit. The bound is the
+/// Discretisation: if a curve emanates from a limit of admissible solutions, a level of a parameter or
+/// monitor whose distance from the start, in scaled arclength, is below this threshold counts as
+/// that limit. The bound is the
 /// square root of the discretisation error, because the maximum of an orbit depends quadratically
 /// on arclength.
 const AT_LIMIT: f64 = 1e-2;

@@ -176,9 +176,9 @@ impl<'a, F: FieldIn<T>, T: Scalar> Step<'a, F, T> {
         x.copy_from_slice(&self.buffers.partial.end);
     }
 
-    /// Calls `visit` for each node of a Gauss rule for the integral over time from the start of the
-    /// step to a fraction of it, with the weight (in units of time), the time and the state of the
-    /// node.
+    /// Calls `visit` for each node of a Gauss rule for the integral over the first part of
+    /// the step, up to the fraction `end`, with the weight (in units of time), the time and the state
+    /// of the node.
     pub fn quadrature(&mut self, end: f64, mut visit: impl FnMut(T, T, &[T])) {
         let mut x = self.buffers.x.clone();
         for [place, weight] in GAUSS.iter() {

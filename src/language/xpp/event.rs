@@ -21,7 +21,7 @@ use super::trial::{TRIALS, Trial};
 use crate::core::hybrid::HybridSystem;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// The maximum number of conditions for which an additional mode is created.
+/// The maximum number of conditions that have a mode of their own.
 const PASSED: usize = 3;
 
 /// The absolute value below which the function of a `global` condition counts as zero.

@@ -85,7 +85,7 @@ impl<'a> Slice<'a> {
         Some((self.part(0..at), letter, self.from(at + letter.len_utf8())))
     }
 
-    /// Copies the slice into a separate derived text.
+    /// Copies the slice into a text of its own, with the positions of its letters in the original text.
     pub fn to_text(self) -> Text {
         Text { text: self.text.into(), at: self.at.into(), end: self.end }
     }

@@ -10,7 +10,7 @@ use plotters::style::RGBColor;
 const ROW: f64 = 19.0;
 const SAMPLE: f64 = 30.0;
 const GAP: f64 = 22.0;
-/// The smallest factor by which a text that is too wide is reduced in size.
+/// The smallest size of a text that is too wide, as a fraction of its usual size.
 const LEAST: f64 = 0.4;
 /// The maximum number of curves listed in the legend; the legend gives only the number of the
 /// remaining curves.

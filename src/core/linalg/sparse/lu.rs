@@ -540,7 +540,7 @@ impl SparseShiftedLu {
     /// imaginary parts. The bordered matrix contains the complex conjugates of the given rows.
     ///
     /// # Errors
-    /// The errors are the same as in the factorisation of real matrices.
+    /// Returns the same errors as the factorisation of real matrices.
     pub fn factor(
         &mut self,
         elimination: &Arc<Elimination>,
