@@ -13,6 +13,8 @@ import { Sweep } from "./sweep.js";
 
 /** A trace that is out of date may still end within this time, in milliseconds. */
 const PATIENCE = 250;
+/** If a full trace takes longer than this time, in milliseconds, the next one may be preceded by a draft. */
+const SLOW = 400;
 /** The interval at which the server is asked whether it is there, in milliseconds. */
 const ALIVE = 2000;
 
@@ -23,6 +25,8 @@ let turn = 0;
 let current = null;
 let pending = null;
 let last = null;
+// The durations of the last full trace and of the last draft, in milliseconds.
+const durations = { full: 0, draft: 0 };
 let selected = null;
 // The setup of the last complete result.
 let traced = null;
@@ -41,9 +45,11 @@ const details = new Details($("#details"), run => state.edit({ runs: [...state.s
 
 const say = text => { $("#status .text").textContent = text; };
 
-// Traces. While a control is dragged, a trace that is soon complete is not cancelled.
+// Traces. While a control is dragged, drafts are traced, and a trace that is soon complete is not cancelled. In slow
+// scenes, a full trace is preceded by a draft if drafts are much faster, so that the diagram is soon complete.
 const request = live => {
-  pending = { live, begun: performance.now() };
+  const worthwhile = durations.full > SLOW && durations.draft < durations.full / 2;
+  pending = { live, draft: live || worthwhile, begun: performance.now() };
   document.body.dataset.busy = "true";
   sweep.changed();
   if (!current) return start();
@@ -58,14 +64,14 @@ const start = () => {
     clearTimeout(current.timer);
     current.abort.abort();
   }
-  const { live, begun } = pending;
+  const { live, draft, begun } = pending;
   pending = null;
   turn += 1;
-  const own = { turn, live, input: begun, begun: performance.now(), abort: new AbortController(), setup: state.setup, timer: 0 };
+  const own = { turn, live, draft, input: begun, begun: performance.now(), abort: new AbortController(), setup: state.setup, timer: 0 };
   current = own;
   $("#stop").hidden = false;
   document.body.dataset.busy = "true";
-  const call = { trace: { page: id, turn, setup: { ...own.setup, draft: live } } };
+  const call = { trace: { page: id, turn, setup: { ...own.setup, draft } } };
   follow(call, own.abort.signal, message => { if (current === own) take(own, message); })
     .then(ended => { if (!ended) throw new TypeError("the connection was lost"); })
     .catch(error => { if (current === own && error.name !== "AbortError") lost(); })
@@ -73,6 +79,7 @@ const start = () => {
       if (current !== own) return;
       clearTimeout(own.timer);
       current = null;
+      if (own.draft && !own.live && own.setup === traced && !last.stopped) pending ??= { live: false, draft: false, begun: own.input };
       $("#stop").hidden = true;
       document.body.dataset.busy = "false";
       document.body.dataset.turn = String(own.turn);
@@ -125,7 +132,12 @@ const finish = (own, done) => {
   if (described) asked.show(described, done.drawing.columns);
   document.body.dataset.first = String(Math.round(own.first ?? performance.now() - own.input));
   document.body.dataset.millis = String(Math.round(done.millis));
-  document.body.dataset.latency = String(Math.round(performance.now() - own.input));
+  if (!done.stopped) durations[own.draft ? "draft" : "full"] = done.millis;
+  // A trace after a draft does not change the diagram visibly.
+  if (own.draft || document.body.dataset.input !== String(own.input)) {
+    document.body.dataset.latency = String(Math.round(performance.now() - own.input));
+  }
+  document.body.dataset.input = String(own.input);
   if (selected) refresh();
   if (!own.live && $("#settings").open) showSettings();
 };
