@@ -40,9 +40,10 @@ const EQUAL: f64 = 1e-4;
 const AT_LIMIT: f64 = 1e-2;
 
 /// Heuristic: the steps along the parameter's range, as fractions of the range ahead, after which
-/// unknowns that are zero at the start are measured to find their sizes. Shorter steps are tried if
-/// no solution is found after a longer step. After a short step, an unknown that grows as the square
-/// of the parameter is much smaller than on most of the branch.
+/// the slopes of unknowns that are zero at the start are measured to find the sizes of the unknowns.
+/// Shorter steps are tried if no solution is found after a longer step. After a short step, the slope
+/// of an unknown that grows as the square of the parameter is much smaller than on most of the
+/// branch.
 const FURTHER: [f64; 4] = [0.3, 0.1, 1e-2, 1e-3];
 
 /// Heuristic: the maximal number of times that mesh intervals are added at the start of a curve.
@@ -279,8 +280,8 @@ fn leave(
         };
         let mut metric = scaling(&corrector.equations, &point, &direction, reach);
         if metric.is_uncertain() && is_exact && beginning.is_anew() {
-            let further = further_along(corrector, &point, beginning.range);
-            let further = further.map(|at| scaling(&corrector.equations, &at[0], &at[1], None));
+            let slope = slope_further_along(corrector, &point, beginning.range);
+            let further = slope.map(|slope| scaling(&corrector.equations, &point, &slope, None));
             metric = further.map_or(metric.clone(), |further| metric.with_unknown_from(&further));
         }
         let is_rough =
@@ -296,14 +297,14 @@ fn leave(
     }
 }
 
-/// Returns the point and the tangent of the curve a small step further along the parameter's range.
-/// At this point, unknowns that vanish at the start to first order in the parameter have nonzero
-/// sizes. The result is `None` if the range is infinite or the correction fails.
-fn further_along(
+/// Returns the tangent of the curve a step further along the parameter's range. There, unknowns
+/// that grow from zero as a higher power of the parameter have slopes, which over the whole range
+/// lead to their sizes. The result is `None` if the range is infinite or the correction fails.
+fn slope_further_along(
     corrector: &mut Corrector,
     start: &[f64],
     [low, high]: [f64; 2],
-) -> Option<[Vec<f64>; 2]> {
+) -> Option<Vec<f64>> {
     if (high - low).is_infinite() {
         return None;
     }
@@ -315,7 +316,8 @@ fn further_along(
         point[parameter] += fraction * (end - p);
         let tangent = first_tangent(corrector, &mut point, None).ok()?;
         let cleared = corrector.without_rounding(&point, &tangent);
-        Some(corrector.norm.without_residue(cleared, start))
+        let [_, tangent] = corrector.norm.without_residue(cleared, start);
+        Some(tangent)
     })
 }
 
