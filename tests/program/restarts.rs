@@ -297,3 +297,30 @@ fn a_start_on_a_motion_of_several_periods_is_announced() {
         assert_eq!(found, said, "{force}: {warnings:?}");
     }
 }
+
+/// A fold or Hopf point in one parameter is a fold or Hopf point in every other: a branch lists the special point at
+/// which it starts. (The heat loss at the second fold of this reactor has a slope of exactly zero.)
+#[test]
+fn a_branch_lists_the_special_point_at_its_start() {
+    let folder = folder();
+    let at = folder.path();
+    let reactor = r#"Equations(
+        states: [("x", "-x + D*(1 - x)*exp(y)"), ("y", "-y + B*D*(1 - x)*exp(y) - beta*y")],
+        parameters: [("D", 0), ("B", 14), ("beta", 2)])"#;
+    std::fs::write(at.join("reactor.ron"), reactor).unwrap();
+    succeeds(at, &["trace", "reactor.ron", "--along", "D=0..0.4", "--out", "a"]);
+    for (label, kind) in [(2, Kind::LP), (3, Kind::LP), (4, Kind::HB)] {
+        for (along, name, value) in [("beta=1..3", "beta", 2.0), ("B=10..18", "B", 14.0)] {
+            let start = format!("a/reactor.ron:{label}");
+            succeeds(
+                at,
+                &["trace", "reactor.ron", "--start", &start, "--along", along, "--out", "b"],
+            );
+            let document = read(&at.join("b/reactor.ron"));
+            let branch = &document.branches[0];
+            let column = branch.column(name).unwrap();
+            let here = |it: &&SpecialPoint| (it.value(column).unwrap() - value).abs() < 1e-9;
+            assert_eq!(branch.of_kind(kind).filter(here).count(), 1, "{label} {along}");
+        }
+    }
+}

@@ -36,7 +36,12 @@ pub(super) fn events_between(
     for index in 0..locator.curve.detector.events.len() {
         let event = &locator.curve.detector.events[index];
         let terminal = event.terminal;
-        let ends = [from, to].map(|place| locator.curve.reading(index, place));
+        let reported = at_start.is_some_and(|it| it.reported.contains(&event.kind));
+        let mut ends = [from, to].map(|place| locator.curve.reading(index, place));
+        if reported && !backward && ends[0].value == Some(0.0) {
+            // The first half of the branch passes the event at the start.
+            ends[0].value = ends[1].value.map(|after| -f64::EPSILON * after);
+        }
         let ends = [&ends[0], &ends[1]];
         if !event.passed(ends, backward) {
             continue;
@@ -54,7 +59,6 @@ pub(super) fn events_between(
         }
         // At a pitchfork the parameter has an extremum, too.
         let turns = at_start.is_some_and(|it| it.from_branch_point) && event.kind == Kind::LP;
-        let reported = at_start.is_some_and(|it| it.reported.contains(&event.kind));
         // A flat fold changes stability; rounding on a vertical branch does not. At a start on a
         // fold, rounding determines in which of the two directions stability changes.
         let (doubtful, counted) = (event.test.is_doubtful(ends), event.test.counts(ends));
