@@ -1,7 +1,7 @@
 //! Summarises a branch in one sentence.
 
 use super::number::significant;
-use crate::core::continuation::{Branch, End};
+use crate::core::continuation::{Branch, End, SpecialPoint};
 use crate::core::system::Kind;
 use std::fmt;
 
@@ -66,7 +66,8 @@ impl fmt::Display for Summary<'_> {
         let told = |end: &End| end.is_expected() || matches!(end, End::PointLimit { .. });
         let mut unasked = ends.iter().filter(|end| !told(end));
         unasked.try_for_each(|end| write!(f, "; {end}"))?;
-        self.turned_back().map_or(Ok(()), |note| write!(f, "; {note}"))
+        let mut notes = self.turned_back().into_iter().chain(self.halved());
+        notes.try_for_each(|note| write!(f, "; {note}"))
     }
 }
 
@@ -127,6 +128,20 @@ impl Summary<'_> {
              with a {beyond} shows more of it",
             number(*value)
         ))
+    }
+
+    /// Returns a note for each end at which the two halves of the cycles become equal.
+    fn halved(&self) -> impl Iterator<Item = String> {
+        let Branch { name, special, .. } = self.0;
+        let halves =
+            |it: &&SpecialPoint| End::Event { event: it.event.clone() }.halves_the_period();
+        special.iter().filter(halves).map(move |it| {
+            format!(
+                "cycles of half the period go on from the label {0}: `--start FILE:{name}/{0} \
+                 --switch PD`",
+                it.label
+            )
+        })
     }
 
     /// Returns the value of the continuation parameter at a point.

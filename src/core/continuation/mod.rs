@@ -99,6 +99,7 @@ mod steps;
 mod stretch;
 mod stretches;
 mod trace;
+mod turns;
 mod unexplained;
 
 pub use extended::{Closing, Extended};

@@ -8,7 +8,7 @@ use super::curve::Curve;
 use super::curve_point::{CurvePoint, Interval};
 use super::double_crossing::double_crossing;
 use super::early_end::stopping_growth;
-use super::end::End;
+use super::end::{End, HALVED};
 use super::events_between::{AtStart, events_between};
 use super::fitting::{restate_determinant, return_to_mesh, settle};
 use super::half::Half;
@@ -25,6 +25,7 @@ use super::slopes::Slopes;
 use super::snaking::PERIOD;
 use super::step_control::{Step, StepControl};
 use super::stretches::{between_changes, divides};
+use super::turns;
 use super::unexplained::{LEAST_UNEXPLAINED, ends_on_special_point};
 use crate::core::failure::one_line;
 use crate::core::system::{Kind, Solution};
@@ -172,7 +173,9 @@ impl Steps<'_> {
         let [behind, mut ahead] =
             [self.behind.take(), self.ahead.take()].map(|half| half.unwrap_or_else(missing));
         ahead.special.splice(..0, self.marked);
-        behind.join(start, ahead, self.log.branch)
+        let mut branch = behind.join(start, ahead, self.log.branch);
+        branch.warnings.extend(turns::unexplained(&branch));
+        branch
     }
 
     /// Traces the whole branch, and reports its points to an observer.
@@ -574,7 +577,7 @@ impl Steps<'_> {
         if let Some(k) = returns_to_parent(&mut corrector.equations, found, from) {
             found.truncate(k + 1);
             let mut at = found.pop()?;
-            let event = "period doubling of the orbit of half the period".to_string();
+            let event = HALVED.to_string();
             (at.special.kind, at.special.event) = (Kind::PD, event.clone());
             return Some((End::Event { event }, Some(at)));
         }
