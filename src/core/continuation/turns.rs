@@ -25,7 +25,8 @@ pub(super) fn unexplained(branch: &Branch) -> Option<String> {
         let near = |after: usize| after + 1 == k || after == k;
         is_start || branch.special.iter().any(|it| explains(it.kind) && near(it.after))
     };
-    let turns = (1..values.len().saturating_sub(1)).filter(|&k| {
+    // The two ends of a branch are refined, and may therefore lie beside the curve through its points.
+    let turns = (2..values.len().saturating_sub(2)).filter(|&k| {
         let changes = [values[k] - values[k - 1], values[k + 1] - values[k]];
         let turns = changes[0] * changes[1] < 0.0;
         turns && changes.iter().all(|change| change.abs() > least) && !is_explained(k)
