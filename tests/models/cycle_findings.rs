@@ -195,3 +195,33 @@ fn folds_of_cycles_near_homoclinic_orbits_have_fine_meshes() {
     assert!(column("I").windows(2).all(|pair| pair[1] < pair[0]));
     assert!(column("period").windows(2).all(|pair| pair[1] > pair[0]));
 }
+
+/// Hindmarsh and Rose's neuron: at i = 1.831356 a fold and a period doubling of the cycles lie 1.7e-7 apart, closer
+/// than the errors of the default mesh. A turn of the parameter without a fold is reported; on 100 intervals both
+/// points are found.
+#[test]
+fn turns_without_a_located_fold_are_reported() {
+    let text = |intervals: usize| {
+        format!(
+            "Scene(title: \"t\", problem: Equations(
+                states: [(\"x\", \"y - x^3 + 3*x^2 - z + i\"), (\"y\", \"1 - 5*x^2 - y\"), (\"z\", \"0.01*(4*(x + 1.6) - z)\")],
+                initial: [(\"x\", -1.6), (\"y\", -11.8)], method: collocation(intervals: {intervals})),
+             parameters: [(\"i\", 0)], runs: [
+                (name: \"rest\", set: [(\"solution\", \"equilibrium\")], along: [(name: \"i\", low: 0, high: 4)]),
+                (name: \"cycles\", start: From(run: \"rest\", kind: HB), along: [(name: \"i\", low: 0, high: 4)]),
+             ])"
+        )
+    };
+    for intervals in [20, 100] {
+        let cycles = &traced(&text(intervals))[1];
+        let column = cycles.column("i").unwrap();
+        let near = |kind: Kind, at: f64| {
+            let found = cycles.converged_points(kind);
+            found.filter(|it| (it.value(column).unwrap() - at).abs() < 1e-8).count()
+        };
+        let said = cycles.warnings.iter().any(|warning| warning.contains("turns near 1.8313"));
+        let found = [near(Kind::LP, 1.831_356_241_3), near(Kind::PD, 1.831_356_408_8)];
+        assert!(said == (found[0] == 0), "{intervals}: {found:?} {:?}", cycles.warnings);
+        assert!(intervals == 20 || found == [1, 1], "{found:?}");
+    }
+}
