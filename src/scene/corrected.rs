@@ -113,12 +113,12 @@ impl Correctable {
         }
         let changed = changed(&self.scene.resolved(run)?, &now);
         let mut system = now.system()?;
-        let mut points = Vec::new();
+        let (mut points, extents) = (Vec::new(), extents(earlier));
         for point in &earlier.points {
             if Instant::now() > until || now.settings.cancel.is_cancelled() {
                 return Ok(None);
             }
-            points.extend(corrected(point, &now, &mut *system, &changed));
+            points.extend(corrected((point, &extents), &now, &mut *system, &changed));
         }
         Ok(Some(bare(earlier, points)))
     }
@@ -140,10 +140,23 @@ fn changed(before: &Resolved, now: &Resolved) -> Vec<(String, f64)> {
     changed.map(|(_, changed)| changed).collect()
 }
 
+/// Returns the lengths of the ranges of all columns along a branch.
+fn extents(branch: &Branch) -> Vec<f64> {
+    let columns = branch.parameters.len() + branch.monitors.len();
+    let extent = |column: usize| {
+        let values = branch.points.iter().filter_map(|point| point.value(column));
+        let [low, high] = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
+            [low.min(value), high.max(value)]
+        });
+        high - low
+    };
+    (0..columns).map(extent).collect()
+}
+
 /// Corrects a point of a branch for changed parameter values; returns `None` if Newton's method
-/// does not converge.
+/// does not converge. `extents` are the lengths of the ranges of all columns along the branch.
 fn corrected(
-    point: &Point,
+    (point, extents): (&Point, &[f64]),
     run: &Resolved,
     system: &mut dyn System,
     changed: &[(String, f64)],
@@ -162,18 +175,23 @@ fn corrected(
         return None;
     };
     if let (Some(slopes), Some(earlier)) = (&mut corrected.slopes, &point.slopes) {
-        align(slopes, earlier);
+        align(slopes, earlier, extents);
     }
     let Point { unstable, undetermined, .. } = point.clone();
     Some(Point { unstable, undetermined, ..corrected })
 }
 
 /// Converts slopes to the direction and the unit of arclength of an earlier branch; `earlier` are the
-/// slopes at the same point of the earlier branch.
-fn align(slopes: &mut Slopes, earlier: &Slopes) {
-    let both = slopes.columns.iter().zip(&earlier.columns);
-    let both: Vec<(f64, f64)> = both.filter_map(|(now, then)| now.zip(*then)).collect();
-    let [product, now, then] = both.iter().fold([0.0; 3], |[product, now, then], (a, b)| {
+/// slopes at the same point of the earlier branch, and `extents` the lengths of the ranges of all
+/// columns along the branch, by which slopes in different units are compared.
+fn align(slopes: &mut Slopes, earlier: &Slopes, extents: &[f64]) {
+    let both = slopes.columns.iter().zip(&earlier.columns).zip(extents);
+    let varied = both.filter(|(_, extent)| **extent > 0.0 && extent.is_finite());
+    let scaled = varied.filter_map(|((now, then), extent)| {
+        let (now, then) = now.zip(*then)?;
+        Some((now / extent, then / extent))
+    });
+    let [product, now, then] = scaled.fold([0.0; 3], |[product, now, then], (a, b)| {
         [product + a * b, now + a * a, then + b * b]
     });
     let factor = if now > 0.0 { (then / now).sqrt().copysign(product) } else { 1.0 };

@@ -179,7 +179,7 @@ fn parts_are_even_or_say_why_not() {
     );
     assert!(
         said.contains(
-            "with `--set strands=4` in the commands of all parts, the largest part has only 2 runs;"
+            "to reduce the largest part to 2 runs, add `--set strands=4` to the commands of all parts;"
         ),
         "{said}"
     );
