@@ -62,8 +62,9 @@ fn drawn(scene: &Scene, random: &mut Random) -> (Scene, String) {
 
 /// Traces scenes at as many sets of parameters, each under its own settings and under a variant.
 pub fn sweep(catalogue: &Catalogue, sets: usize, table: &mut Table) {
-    let mut random = Random::new(16);
     for count in 0..sets {
+        // A new parameter of one scene does not change the values of the others.
+        let mut random = Random::new(16 + count as u64);
         let (name, round) = (SCENES[count % SCENES.len()], count / SCENES.len());
         let named = catalogue.scenes().iter().find(|scene| scene.name == name);
         let text = &named.expect("it is built in").text;
