@@ -62,7 +62,8 @@ impl Correctable {
     /// let scene = |b: f64| {
     ///     let mut scene = Scene::parse(&format!("Scene(
     ///         title: \"Fold\",
-    ///         problem: Equations(states: [(\"x\", \"a + b*x - x^3\")], initial: [(\"x\", -2)]),
+    ///         problem: Equations(states: [(\"x\", \"a + b*x - x^3\")], initial: [(\"x\", -2)],
+    ///             solution: equilibrium),
     ///         parameters: [(\"a\", -2), (\"b\", {b})],
     ///         runs: [Run(name: \"rest\", along: [(name: \"a\", low: -2, high: 2)])],
     ///     )"))?;
@@ -78,7 +79,7 @@ impl Correctable {
     ///     let [a, x] = [point.parameters[0], point.monitors[0]];
     ///     assert!((a + 1.2 * x - x.powi(3)).abs() < 1e-9);
     /// }
-    /// assert_eq!(corrected.branches()[0].points.len(), few.branches()[0].points.len());
+    /// assert!(corrected.branches()[0].points.len() > 5);
     /// # Ok::<(), tangency::scene::SceneError>(())
     /// ```
     pub fn corrected(&self, resolution: &Resolution, until: Instant) -> Option<Self> {
