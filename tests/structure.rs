@@ -263,3 +263,22 @@ fn a_type_has_few_methods() {
         assert!(count <= MOST_METHODS, "{name} has {count} methods; {MOST_METHODS} are the most");
     }
 }
+
+/// The packed crate contains every page of the book that a source file includes.
+#[test]
+fn included_pages_are_packed() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let list = fs::read_to_string(root.join("Cargo.toml")).unwrap();
+    let mut pages = 0;
+    for (file, code) in sources(&root.join("src"))
+        .iter()
+        .filter(|(file, _)| file.extension().is_some_and(|extension| extension == "rs"))
+    {
+        let included = code.split("include_str!(\"").skip(1).filter_map(|it| it.split('"').next());
+        for page in included.filter_map(|path| path.find("docs/").map(|at| &path[at..])) {
+            assert!(list.contains(&format!("\"/{page}\"")), "{page} in {}", file.display());
+            pages += 1;
+        }
+    }
+    assert!(pages > 3, "{pages}");
+}
