@@ -324,3 +324,25 @@ fn a_branch_lists_the_special_point_at_its_start() {
         }
     }
 }
+
+/// A curve that starts from a file follows the device of the file: a linear plate, for which the pull-in voltage is
+/// proportional to `gap^1.5`.
+#[test]
+fn a_start_from_a_file_keeps_the_settings_of_the_device() {
+    let folder = folder();
+    let at = folder.path();
+    let linear = ["--set", "theory=linear", "--set", "gap=1.5e-6", "--out", "a"];
+    succeeds(at, &[&["trace", "plate-device"][..], &linear].concat());
+    let start = ["--start", "a/plate-device.ron:plate/3", "--hold", "LP", "--out", "b"];
+    let along = ["--along", "voltage=0..200", "--along", "gap=1.5e-6..3e-6"];
+    succeeds(at, &[&["trace", "plate-device"][..], &start, &along].concat());
+    let document = read(&at.join("b/plate-device.ron"));
+    assert_eq!(document.setting("theory"), Some("linear"));
+    let branch = &document.branches[0];
+    let voltage = branch.column("voltage").unwrap();
+    let mut ends: Vec<f64> =
+        branch.of_kind(Kind::EP).map(|end| end.value(voltage).unwrap()).collect();
+    ends.sort_by(f64::total_cmp);
+    assert_eq!(ends.len(), 2);
+    assert!((ends[1] / ends[0] - 2.0_f64.powf(1.5)).abs() < 1e-6, "{ends:?}");
+}
