@@ -50,7 +50,7 @@ pub struct Sweep {
     /// The initial values of some states, by name; all other states start at 0
     #[arg(long, value_name = "NAME=VALUE,…", value_parser = states, requires = "over")]
     from: Option<States>,
-    /// The event whose every occurrence takes a sample of a model without forcing, just after the event
+    /// The event just after which the motion of a model without forcing is sampled
     #[arg(long, value_name = "EVENT", requires = "over")]
     at: Option<String>,
     /// Record the named monitors, such as max_x, in every period, and draw the first of these

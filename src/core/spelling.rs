@@ -88,8 +88,8 @@ pub(crate) fn listed<S: AsRef<str>>(names: &[S]) -> String {
 }
 
 /// The names of settings in AUTO, XPPAUT and MatCont, in lower case, with the names of the same
-/// settings, or the options of commands, in this program.
-const OF_OTHER_PROGRAMS: [(&str, &str); 33] = [
+/// settings in this program.
+const OF_OTHER_PROGRAMS: [(&str, &str); 21] = [
     ("ntst", "intervals"),
     ("ncol", "degree"),
     ("ds", "initial_step"),
@@ -110,23 +110,10 @@ const OF_OTHER_PROGRAMS: [(&str, &str); 33] = [
     ("testtolerance", "event_tolerance"),
     ("itnw", "max_iterations"),
     ("itmx", "max_iterations"),
-    ("rl0", "--along NAME=LOW..HIGH"),
-    ("rl1", "--along NAME=LOW..HIGH"),
-    ("parmin", "--along NAME=LOW..HIGH"),
-    ("parmax", "--along NAME=LOW..HIGH"),
-    ("icp", "--along NAME=LOW..HIGH"),
-    ("stop", "--bound NAME=LOW..HIGH"),
-    ("uzstop", "--bound NAME=LOW..HIGH"),
-    ("uzr", "--mark NAME=VALUE"),
-    ("isw", "--switch KIND"),
-    ("mxbf", "--depth NUMBER"),
-    ("irs", "--start FILE:LABEL"),
-    ("total", "--time TIME"),
     ("singularities", "detect"),
 ];
 
-/// Returns this program's name of a setting, or the option of commands, given the name of the
-/// setting in AUTO, XPPAUT or MatCont.
+/// Returns this program's name of a setting, given its name in AUTO, XPPAUT or MatCont.
 pub(crate) fn of_other_programs(name: &str) -> Option<&'static str> {
     let name = name.to_lowercase();
     OF_OTHER_PROGRAMS.iter().find(|(other, _)| *other == name).map(|(_, own)| *own)

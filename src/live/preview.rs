@@ -49,24 +49,28 @@ impl<'a> Preview<'a> {
         corrected: Vec<Branch>,
         (out, cancel): (&'a Sender<Message>, &'a CancelToken),
     ) -> Self {
-        let any = !corrected.is_empty();
         let mut document = Document::new("", corrected);
         // Deviations and enlargements need special points, which come later.
         document.plot = Plot { deviations: Vec::new(), ranges: Vec::new(), ..plot };
-        let next = Instant::now() + if any { Duration::ZERO } else { FIRST };
+        let next = Instant::now() + FIRST;
         let (traced, shown, backward) = (None, true, false);
         let mut preview =
             Preview { document, traced, axes, out, shown, backward, next, points: 0, cancel };
-        if any {
-            preview.send();
+        if !preview.document.branches.is_empty() {
+            preview.draw();
         }
         preview
     }
 
+    /// Sends a picture of the branches, if the last picture was sent long enough ago.
     fn send(&mut self) {
-        if Instant::now() < self.next {
-            return;
+        if Instant::now() >= self.next {
+            self.draw();
         }
+    }
+
+    /// Sends a picture of the branches.
+    fn draw(&mut self) {
         let [x, y] = self.axes;
         let figure = diagram(&[("", &self.document)], x, y.as_slice());
         if let Ok(figure) = figure.and_then(|figure| figure.extent().map(|_| figure)) {

@@ -1,7 +1,7 @@
 //! Summarises a branch in one sentence.
 
 use super::number::significant;
-use crate::core::continuation::{Branch, End, SpecialPoint};
+use crate::core::continuation::{Branch, End};
 use crate::core::system::Kind;
 use std::fmt;
 
@@ -133,9 +133,7 @@ impl Summary<'_> {
     /// Returns a note for each end at which the two halves of the cycles become equal.
     fn halved(&self) -> impl Iterator<Item = String> {
         let Branch { name, special, .. } = self.0;
-        let halves =
-            |it: &&SpecialPoint| End::Event { event: it.event.clone() }.halves_the_period();
-        special.iter().filter(halves).map(move |it| {
+        special.iter().filter(|it| it.halves_the_period()).map(move |it| {
             format!(
                 "cycles of half the period go on from the label {0}: `--start FILE:{name}/{0} \
                  --switch PD`",

@@ -35,6 +35,7 @@ mod fidelity;
 mod find;
 mod follow_up;
 mod forecast;
+mod foreign;
 mod identity;
 mod join;
 mod kinds;

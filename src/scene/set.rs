@@ -3,6 +3,7 @@
 use super::by_name::{assign, settings};
 use super::catalogue::Catalogue;
 use super::error::SceneError;
+use super::foreign;
 use super::notation::options;
 use super::statement::{Run, Scene, Sweep};
 use crate::core::continuation::Settings;
@@ -141,9 +142,8 @@ impl Scene {
     }
 
     /// Changes several values of the scene together. The title of the scene no longer states the
-    /// values that were changed. If the ranges of several values depend on each
-    /// other, as for `min_step` and `max_step`, the ranges are checked after all values have been
-    /// changed.
+    /// values that were changed. If the ranges of several values depend on each other, as for
+    /// `min_step` and `max_step`, the ranges are checked after all values have been changed.
     ///
     /// # Errors
     /// As [`set`](Self::set).
@@ -323,7 +323,11 @@ impl Scene {
             known => return known,
         }
         let known = [self.problem.parameter_names(), self.setting_names()].concat();
-        Err(UnknownName::new("parameter or setting", name, known).into())
+        let unknown = UnknownName::new("parameter or setting", name, known);
+        match foreign::remedy(name) {
+            Some(remedy) => Err(SceneError::invalid(unknown.to_string()).with_help(remedy)),
+            None => Err(unknown.into()),
+        }
     }
 
     /// Returns the names of all settings, including settings of methods that are not selected.

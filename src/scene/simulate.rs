@@ -186,7 +186,8 @@ fn several_periods(system: &dyn HybridEquations, itinerary: &Itinerary) -> Optio
         false => format!(" ({})", events.join(", ")),
     };
     Some(format!(
-        "the branch starts from a motion of {periods} forcing periods{events}: other motions may be          reached from another parameter value or another state"
+        "the branch starts from a motion of {periods} forcing periods{events}: other motions may be \
+         reached from another parameter value or another state"
     ))
 }
 

@@ -4,7 +4,7 @@
 use super::traced;
 use crate::common::{close, first, values};
 use tangency::core::continuation::{Branch, End, Number};
-use tangency::output::example_branch;
+use tangency::output::{Summary, example_branch};
 use tangency::prelude::*;
 
 /// The cycles from the second Hopf point of the model of J. L. Hindmarsh and R. M. Rose, with
@@ -223,5 +223,9 @@ fn turns_without_a_located_fold_are_reported() {
         let found = [near(Kind::LP, 1.831_356_241_3), near(Kind::PD, 1.831_356_408_8)];
         assert!(said == (found[0] == 0), "{intervals}: {found:?} {:?}", cycles.warnings);
         assert!(intervals == 20 || found == [1, 1], "{found:?}");
+        // The last cycles are two equal ones of half the period.
+        let last = cycles.special.iter().find(|it| it.halves_the_period()).expect("an end");
+        let command = format!("`--start FILE:cycles/{} --switch PD`", last.label);
+        assert!(Summary(cycles).to_string().ends_with(&command), "{}", Summary(cycles));
     }
 }

@@ -692,10 +692,10 @@ fn settings_of_other_programs_are_named() {
     }
     for (name, option) in [("STOP", "--bound"), ("ISW", "--switch"), ("UZR", "--mark")] {
         let set = format!("{name}=-1");
-        let said = format!("`{name}` of other programs is the option `{option} ");
+        let said = format!("instead of `{name}` of other programs, use the option `{option} ");
         refused(at, &["trace", "m.ron", "--along", "a=0..1", "--set", &set], &[&said]);
     }
-    let said = "`IPS` of other programs follows from the kind of the model";
+    let said = "instead of `IPS` of other programs, use the kind of the model";
     refused(at, &["trace", "m.ron", "--along", "a=0..1", "--set", "IPS=2"], &[said]);
     let output = tangency(at, &["trace", "m.ron", "--along", "a=0..1", "--hold", "NS"]);
     assert!(failure(&output, 2).contains("are called `TR` here"));

@@ -59,6 +59,9 @@ fn is_one(count: &usize) -> bool {
     *count == 1
 }
 
+/// The event at which the two halves of a cycle become equal.
+pub(super) const HALVED: &str = "period doubling of the orbit of half the period";
+
 /// A special point of a branch: a point at which a defining system holds, or an end of the branch.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -372,6 +375,12 @@ impl Point {
 impl SpecialPoint {
     /// The maximal number of eigenvalues stored with a special point.
     pub const EIGENVALUES: usize = 10;
+
+    /// Whether the two halves of the cycle are equal at this special point, which is the end of the
+    /// branch: the branch emanates here from cycles of half the period.
+    pub fn halves_the_period(&self) -> bool {
+        self.event == HALVED
+    }
 
     /// Creates a special point whose values are not yet set.
     pub(crate) fn new(kind: Kind, event: impl Into<String>) -> Self {

@@ -206,21 +206,7 @@ fn numbers(values: &[f64]) -> String {
     values.iter().map(|value| format!("{value:.6}")).collect::<Vec<_>>().join(", ")
 }
 
-/// The event at which the two halves of a cycle become equal.
-pub(super) const HALVED: &str = "period doubling of the orbit of half the period";
-
 impl End {
-    /// Whether the branch ends because the two halves of its cycles become equal: the branch
-    /// emanates there from cycles of half the period.
-    ///
-    /// ```
-    /// use tangency::core::continuation::End;
-    /// assert!(!End::Closed { points: 40 }.halves_the_period());
-    /// ```
-    pub fn halves_the_period(&self) -> bool {
-        matches!(self, End::Event { event } if event == HALVED)
-    }
-
     /// Whether the end is expected: the branch reached a bound, a grazing, an event or a point to
     /// which it converges, the curve is closed, or the user limited the branch to one direction or
     /// interrupted it. Summaries explain all other ends, and the option `--strict` turns other ends

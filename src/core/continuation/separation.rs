@@ -38,12 +38,10 @@ pub(super) struct Parts<'s, 'a> {
     pub log: &'s mut Log,
     pub bounds: &'s Bounds,
     pub backward: bool,
-    pub from_branch_point: bool,
+    pub start: AtStart<'s>,
     /// The kind of the special point at which the step starts, and the kind of the curve on which
     /// the point lies.
     pub origin: &'s [Kind],
-    /// The kinds of events that are reported at the start of the curve.
-    pub reported: &'s [Kind],
     /// The number of cuts by which the step has been divided so far.
     pub cuts: usize,
 }
@@ -59,10 +57,9 @@ impl Parts<'_, '_> {
     ) -> (Vec<Located>, Option<isize>) {
         let interval = step.since(from);
         let places = (&mut *self.curve, &mut *self.log, self.bounds);
-        let Parts { from_branch_point, reported, .. } = *self;
-        let at_start = at_start.then_some(AtStart { from_branch_point, reported });
-        let found = events_between(places, interval, self.backward, at_start);
-        let (detector, origin) = (&self.curve.detector, self.origin(at_start.is_some()));
+        let start = at_start.then_some(self.start);
+        let found = events_between(places, interval, self.backward, start);
+        let (detector, origin) = (&self.curve.detector, self.origin(at_start));
         let found = without_doubtful_counts(detector, from, step, found, origin);
         let change = unexplained(detector, from, step, &found, origin);
         (found, change)

@@ -27,16 +27,16 @@ use crate::core::bifurcation::Quantity;
 use crate::core::failure::Failure;
 use crate::core::linalg::{dot, generic, largest};
 use crate::core::system::{Kind, Representation, Site, Solution, Start};
+use std::iter::repeat_n;
 
 /// Discretisation: unknowns whose sizes differ by less than this threshold, relative to their size,
 /// count as equal in size: the two halves of a doubled orbit differ by the discretisation error.
 const EQUAL: f64 = 1e-4;
 
-/// Discretisation: if a curve emanates from a limit of admissible solutions, a level of a parameter or
-/// monitor whose distance from the start, in scaled arclength, is below this threshold counts as
-/// that limit. The bound is the
-/// square root of the discretisation error, because the maximum of an orbit depends quadratically
-/// on arclength.
+/// Discretisation: if a curve emanates from a limit of admissible solutions, a level of a parameter
+/// or monitor whose distance from the start, in scaled arclength, is below this threshold counts as
+/// that limit. The bound is the square root of the discretisation error, because the maximum of an
+/// orbit depends quadratically on arclength.
 const AT_LIMIT: f64 = 1e-2;
 
 /// Heuristic: the steps along the parameter's range, as fractions of the range ahead, after which
@@ -78,8 +78,8 @@ fn branch(stated: &mut Continuation, held: &[MakeCondition]) -> Branch {
     }
 }
 
-/// The kinds of special points that a solution keeps if other parameters vary along the branch: the
-/// kinds that are determined by a critical eigenvalue or multiplier. At a branch point, other
+/// The kinds of special points that a solution keeps if other parameters vary along the branch:
+/// these kinds depend only on critical eigenvalues or multipliers. At a branch point, other
 /// parameters separate the branches.
 const KEPT: [Kind; 4] = [Kind::LP, Kind::HB, Kind::PD, Kind::TR];
 
@@ -149,17 +149,11 @@ pub(super) fn begin<'a>(
     let departure = parent.map(|parent| Departure::new(&curve.corrector.norm, &place, parent));
     let home = curve.corrector.solution_at(&place);
     let directions = if one_sided { [false, true] } else { [stated.backward, stated.forward] };
-    let origin_kinds: Vec<Kind> = origin
-        .as_ref()
-        .map(|it| vec![it.kind; it.multiplicity.max(1)])
-        .into_iter()
-        .flatten()
-        .chain(condition)
-        .collect();
+    let at_start = origin.iter().flat_map(|it| repeat_n(it.kind, it.multiplicity.max(1)));
+    let at_start: Vec<Kind> = at_start.chain(condition).collect();
     // A start that is an end of the branch is reported as an end.
     let inside = directions == [true; 2] && !from_branch_point && curve.recorder.solutions;
-    let reported = origin_kinds.iter().filter(|kind| inside && KEPT.contains(kind));
-    let reported = reported.copied().collect();
+    let reported = at_start.iter().copied().filter(|kind| inside && KEPT.contains(kind)).collect();
     Ok(Steps {
         home: (home, curve.corrector.norm.metric.clone()),
         control: StepControl::new(&settings, departure),
@@ -170,7 +164,7 @@ pub(super) fn begin<'a>(
         directions,
         from_branch_point,
         error: origin.as_ref().map_or(0.0, |it| it.error),
-        origin: origin_kinds,
+        origin: at_start,
         reported,
         marked: Vec::new(),
         current: None,
@@ -297,9 +291,10 @@ fn leave(
     }
 }
 
-/// Returns the tangent of the curve a step further along the parameter's range. There, unknowns
-/// that grow from zero as a higher power of the parameter have slopes, which over the whole range
-/// lead to their sizes. The result is `None` if the range is infinite or the correction fails.
+/// Returns the tangent of the curve a step further along the parameter's range. There, an unknown
+/// that grows from zero as a higher power of the parameter has a slope, and the slope multiplied by
+/// the length of the range estimates the size of the unknown. The result is `None` if the range is
+/// infinite or the correction fails.
 fn slope_further_along(
     corrector: &mut Corrector,
     start: &[f64],

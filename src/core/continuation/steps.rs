@@ -2,13 +2,13 @@
 
 use super::admissible::{is_within, subkind};
 use super::bounds::{AT_START, Bounds, end_at};
-use super::branch::{Branch, Point, SpecialPoint, Traced};
+use super::branch::{Branch, HALVED, Point, SpecialPoint, Traced};
 use super::closing::{Reference, returns_to_parent};
 use super::curve::Curve;
 use super::curve_point::{CurvePoint, Interval};
 use super::double_crossing::double_crossing;
 use super::early_end::stopping_growth;
-use super::end::{End, HALVED};
+use super::end::End;
 use super::events_between::{AtStart, events_between};
 use super::fitting::{restate_determinant, return_to_mesh, settle};
 use super::half::Half;
@@ -495,9 +495,8 @@ impl Steps<'_> {
         at_start: bool,
     ) -> Option<Vec<Located>> {
         let Steps { curve, log, bounds, from_branch_point, origin, reported, .. } = self;
-        let from_branch_point = *from_branch_point;
-        let mut parts =
-            Parts { curve, log, bounds, backward, from_branch_point, origin, reported, cuts: 0 };
+        let start = AtStart { from_branch_point: *from_branch_point, reported };
+        let mut parts = Parts { curve, log, bounds, backward, start, origin, cuts: 0 };
         match parts.events(from, step, at_start) {
             (found, None) => Some(found),
             _ if step.length > LEAST_UNEXPLAINED => None,

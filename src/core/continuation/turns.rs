@@ -3,7 +3,7 @@
 use super::branch::Branch;
 use crate::core::system::Kind;
 
-/// Rounding: a turn of the parameter counts if the parameter changes on both sides by more than this
+/// Heuristic: a turn of the parameter counts if the parameter changes on both sides by more than this
 /// fraction of its largest value.
 const LEAST: f64 = 1e-6;
 
@@ -11,8 +11,8 @@ const LEAST: f64 = 1e-6;
 const NAMED: usize = 3;
 
 /// Returns a warning if the continued parameter of a branch of solutions turns between points
-/// without a special point there, which would be a fold: for example, a fold and a period doubling
-/// very close together on a mesh that is too coarse to tell both from its own errors.
+/// and no special point was located there. The turn is a fold that was missed, for example because a
+/// period doubling is so close that the fold cannot be distinguished from errors of the mesh.
 pub(super) fn unexplained(branch: &Branch) -> Option<String> {
     let [name] = &branch.released[..] else { return None };
     let column = branch.column(name)?;

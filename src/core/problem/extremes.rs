@@ -121,11 +121,11 @@ impl<P: Copy + Default> Extremes<P> {
     /// Returns the local minima that count as distances from the surface: the minima inside the
     /// leg, and the end of the leg. The flags `vanishes` state whether the scalar vanishes in the
     /// event that begins the leg, and in the event that ends the leg. If the scalar vanishes in one
-    /// of these events, the end of the leg does not count. A minimum also does not count if the scalar is monotonic
-    /// between the beginning of the leg and the minimum, or between the minimum and the end of the
-    /// leg, since such a minimum is the event itself. If the reset of the event moves the state away from the surface, as in a
-    /// spiking neuron, the scalar does not vanish at the beginning of the leg, and its minima there
-    /// count.
+    /// of these events, the end of the leg does not count. A minimum also does not count if the
+    /// scalar is monotonic between the beginning of the leg and the minimum, or between the minimum
+    /// and the end of the leg, since such a minimum is the event itself. If the reset of the event
+    /// moves the state away from the surface, as in a spiking neuron, the scalar does not vanish at
+    /// the beginning of the leg, and its minima there count.
     fn dips(&self, vanishes: [bool; 2]) -> impl Iterator<Item = Sighting<P>> {
         let [begins, ends] = vanishes;
         let begins = begins && self.first.is_none_or(|first| first.abs() <= ON * self.scale);

@@ -289,11 +289,6 @@ impl UnknownName {
         UnknownName { what: what.into(), name: name.into(), available }
     }
 
-    /// Returns whether the name should refer to a setting.
-    fn is_of_settings(&self) -> bool {
-        self.what.ends_with("setting")
-    }
-
     /// Returns the help text: the name that was probably intended, and all existing names.
     pub fn remedy(&self) -> String {
         let UnknownName { name, available, .. } = self;
@@ -301,15 +296,6 @@ impl UnknownName {
         let foreign = of_other_programs(name);
         if let Some(own) = foreign.filter(|own| available.iter().any(|name| name == own)) {
             return format!("`{name}` of other programs is called `{own}` here. Known: {known}");
-        }
-        if let Some(own) = foreign.filter(|own| own.starts_with("--") && self.is_of_settings()) {
-            return format!("`{name}` of other programs is the option `{own}` here");
-        }
-        if name.eq_ignore_ascii_case("ips") && self.is_of_settings() {
-            return format!(
-                "`{name}` of other programs follows from the kind of the model here, such as \
-                 `Equations` or `Boundary`"
-            );
         }
         match suggest(name, available.iter().map(String::as_str)) {
             Some(meant) => format!("did you mean `{}`? Known: {known}", shown(meant)),

@@ -341,7 +341,6 @@ impl<'a> Panel<'a> {
     }
 }
 
-/// Returns whether a curve is drawn as spots that are too small to be recognised as a line.
 /// Returns the letter size at which a text fits into a given length.
 fn fitting(text: &str, size: f64, room: f64) -> f64 {
     size * (room / text_width(text, size).max(1.0)).min(1.0)

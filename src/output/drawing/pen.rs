@@ -81,6 +81,7 @@ pub(super) fn tint(hue: Hue, shade: usize) -> RGBColor {
 const DASHES: [f64; 2] = [7.0, 4.5];
 const DOTS: [f64; 2] = [1.5, 2.5];
 
+/// Returns whether a curve is drawn as spots that are too small to be recognised as a line.
 pub(super) fn is_spots(style: Style) -> bool {
     matches!(style, Style::Specks | Style::Blots)
 }

@@ -61,8 +61,8 @@ pub(super) fn smooth(
 
 /// The distance below which two points are one point, relative to the extent of the curve: at an
 /// event, the states before and after the event may differ by rounding errors, and a refined special
-/// point differs from a point on the mesh by the discretisation error; then the direction
-/// between the two points is meaningless.
+/// point differs from a point on the mesh by the discretisation error. The direction between two such
+/// points is meaningless.
 const SAME: f64 = 1e-5;
 
 /// Returns the points, except for points that equal the preceding point; the two ends are kept.
