@@ -26,5 +26,6 @@ mod root_search;
 mod rounding;
 mod sides;
 mod sparse;
+mod sparse_orbits;
 mod special_points;
 mod strangers;

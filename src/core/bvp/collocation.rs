@@ -18,6 +18,7 @@
 mod basis;
 mod linearise;
 
+use super::colored::ColoredField;
 use super::erased::Number;
 use super::interval::{Block, Interval, MonitoredFunctions, placed, weighted};
 use crate::core::cancel::CancelToken;
@@ -25,9 +26,9 @@ use crate::core::failure::Failure;
 use crate::core::linalg::refill;
 use crate::core::numerics::{Limits, bracketed_zero, lagrange};
 use crate::core::problem::{FieldIn, Observable, WatchIn};
-use crate::core::scalar::Scalar;
+use crate::core::scalar::{CHUNK, Scalar};
 use basis::{Basis, combine};
-use linearise::{Passes, linearise_in};
+use linearise::{Passes, linearise_colored, linearise_in, mark_dependences};
 use num_dual::Dual2_64;
 
 /// The collocation method with `m` Gauss points in each interval, `m` from 2 to 7.
@@ -199,6 +200,12 @@ impl Collocation {
         &self.basis.values
     }
 
+    /// Returns the weights of the nodes in the derivatives of the interpolating polynomials at the
+    /// Gauss points.
+    pub(super) fn slopes(&self) -> &[f64] {
+        &self.basis.slopes
+    }
+
     /// Computes `−h L wᵀf` at a Gauss point, plus the contribution of this Gauss point to the
     /// integral conditions.
     pub(super) fn nonlinear<T: Number>(
@@ -245,6 +252,29 @@ impl Collocation {
         } else {
             linearise_in(&self.basis, &mut self.wide, interval, active, block)
         }
+    }
+
+    /// Marks, for each component of the vector field, the states of a chunk on which the component
+    /// depends at a Gauss point of an interval; the chunk begins at state `start`.
+    pub(super) fn mark_dependences(
+        &mut self,
+        interval: Interval<f64>,
+        start: usize,
+        seen: &mut [[bool; CHUNK]],
+    ) -> Result<(), Failure> {
+        mark_dependences(&self.basis, &mut self.wide, interval, start, seen)
+    }
+
+    /// Computes the residual and the derivatives of an interval whose vector field has a sparse
+    /// Jacobian; `block.nodes` receives, for each Gauss point, the entries of `h L f_x`. Returns
+    /// whether the Jacobian agrees with its pattern.
+    pub(super) fn linearise_colored(
+        &mut self,
+        interval: Interval<f64>,
+        of: (&[usize], &ColoredField),
+        block: Block,
+    ) -> Result<bool, Failure> {
+        linearise_colored(&self.basis, &mut self.wide, interval, of, block)
     }
 
     /// Visits the monitored functions in an interval: calls `visit` with the function's number, a

@@ -22,6 +22,7 @@
 //! ```
 
 mod collocation;
+mod colored;
 mod derivatives;
 mod erased;
 mod error;

@@ -47,5 +47,5 @@ pub(in crate::core) use lu::{differ, solved, unit};
 pub use pencil::multipliers;
 pub(in crate::core) use pencil::undetermined;
 pub(in crate::core) use sparse::{
-    Elimination, Leading, Pattern, Rightmost, SparseLu, SparseShiftedLu,
+    Elimination, Lanes, Largest, Leading, Pattern, Rightmost, SparseLu, SparseShiftedLu,
 };

@@ -6,6 +6,7 @@ use super::layout::{UnknownLayout, span};
 use super::local::{Arguments, Dependence, Passes};
 use super::monitors::Monitors;
 use super::phase::Phase;
+use super::sparse_orbit::Structure;
 use super::work::Work;
 use crate::core::bvp::interval::{Block, Interval, MonitoredFunctions};
 use crate::core::cancel::CancelToken;
@@ -19,8 +20,11 @@ pub(super) struct AssembledJacobian {
     /// The residual, in the order of the equations.
     pub residual: Vec<f64>,
     /// The derivatives of the interval equations with respect to the values at nodes: for each
-    /// interval of a segment, `m·n` rows of `(m + 1)·n` entries.
+    /// interval of a segment, `m·n` rows of `(m + 1)·n` entries; empty for sparse equations.
     pub blocks: Vec<Vec<f64>>,
+    /// How the derivatives with respect to the values at nodes are stored: in `blocks`, or as sparse
+    /// matrices.
+    pub structure: Structure,
     /// The derivatives of the interval equations with respect to the active entries of `q`: for
     /// each segment, one row for each equation of its intervals.
     pub numbers: Vec<Vec<f64>>,
@@ -119,7 +123,10 @@ impl AssembledJacobian {
             self.blocks.iter_mut().zip(&mut self.numbers).zip(&layout.segments)
         {
             let rows = s.intervals * layout.degree * s.states;
-            blocks.resize(rows * (layout.degree + 1) * s.states, 0.0);
+            match self.structure {
+                Structure::Sparse(_) => blocks.clear(),
+                _ => blocks.resize(rows * (layout.degree + 1) * s.states, 0.0),
+            }
             numbers.resize(rows * active, 0.0);
         }
         if layout.cycle.is_none() {
@@ -139,10 +146,13 @@ impl AssembledJacobian {
         passes: &mut Passes<Chunk>,
     ) -> Result<(), Failure> {
         self.count += 1;
+        self.structure.choose(equations, work)?;
         self.resize(equations);
         equations.unknown_scales(&work.q, &mut self.units);
         self.arrange_units(&equations.layout);
-        self.intervals(equations, monitors, work)?;
+        if !self.sparse_intervals(equations, work)? {
+            self.intervals(equations, monitors, work)?;
+        }
         match equations.layout.cycle {
             Some(_) => self.assemble_joints(equations, x, work, passes),
             None => self.boundary(equations, x, passes),
@@ -166,6 +176,41 @@ impl AssembledJacobian {
         };
         self.units.extend_from_within(..states);
         self.units[states..].rotate_right(states);
+    }
+
+    /// Computes the derivatives of the interval equations as sparse matrices. Returns false if the
+    /// equations are dense, also because their sparsity pattern cannot be determined.
+    fn sparse_intervals(
+        &mut self,
+        equations: &mut DiscretisedProblem,
+        work: &Work<f64>,
+    ) -> Result<bool, Failure> {
+        let active = self.active.len();
+        while let Structure::Sparse(sparse) = &mut self.structure {
+            let mut agrees = true;
+            let DiscretisedProblem { problem, method, meshes, layout, .. } = &mut *equations;
+            for (s, j) in layout.intervals() {
+                self.cancel.check()?;
+                let rows = layout.degree * layout.segments[s].states;
+                let block = Block {
+                    residual: &mut self.residual[layout.equations(s, j)],
+                    nodes: &mut [],
+                    numbers: &mut self.numbers[s][j * rows * active..(j + 1) * rows * active],
+                };
+                let (span, nodes) = (span(meshes, s, j), &work.nodes[layout.interval(s, j)]);
+                let q = &work.numbers[layout.local(s)];
+                let interval = Interval { problem: &**problem, span, nodes, q };
+                agrees &= sparse.linearise((method, j), interval, &self.active, block)?;
+            }
+            if agrees {
+                return Ok(true);
+            }
+            if !sparse.widen(equations, work)? {
+                self.structure = Structure::Dense;
+                self.resize(equations);
+            }
+        }
+        Ok(false)
     }
 
     fn intervals(
@@ -325,6 +370,11 @@ impl AssembledJacobian {
             Some(k) => Err(equations.refusal(first + k / width, entries[k], q)),
             None => Ok(()),
         };
+        if let Some(sparse) = self.structure.sparse()
+            && let Some(k) = not_finite(sparse.slopes())
+        {
+            return Err(equations.refusal(sparse.equation_of(k), sparse.slopes()[k], q));
+        }
         for ((s, blocks), numbers) in layout.segments.iter().zip(&self.blocks).zip(&self.numbers) {
             check(blocks, (layout.degree + 1) * s.states, s.equations)?;
             check(numbers, self.active.len(), s.equations)?;

@@ -90,12 +90,16 @@ impl System for BoundarySystem {
         if self.layout.is_periodic() { Dynamics::Periodic } else { Dynamics::None }
     }
 
-    fn spectrum(&mut self, _: &[f64], _: SpectrumRequest) -> Result<Option<Spectrum>, Failure> {
+    fn spectrum(
+        &mut self,
+        _: &[f64],
+        request: SpectrumRequest,
+    ) -> Result<Option<Spectrum>, Failure> {
         if !self.layout.is_periodic() {
             return Ok(None);
         }
         let (floquet, mut orbit) = self.0.multipliers();
-        floquet.deciding(&mut orbit).map(Some)
+        floquet.deciding(&mut orbit, request.count).map(Some)
     }
 
     fn expand(

@@ -5,6 +5,7 @@ use super::discretisation::DiscretisedProblem;
 use super::factorisation::{Condensation, form_of, singular_by_growth};
 use super::floquet::Floquet;
 use super::layout::UnknownLayout;
+use super::sparse_orbit::SparseOrbitLu;
 use crate::core::failure::Failure;
 use crate::core::linalg::{Border, CondensedLu, Factors, Form, RotatedLu};
 use std::sync::Arc;
@@ -28,6 +29,19 @@ pub(super) fn factor(
                 .into(),
         ));
     }
+    let (kept, mu) = match form {
+        Form::Antiperiodic => (form_of(layout), -1.0),
+        _ => (Kept::Jacobian, 1.0),
+    };
+    if let Some(sparse) = assembled.structure.sparse() {
+        if let Form::Oscillation(_) = form {
+            let reason = "complex Floquet multipliers are not supported for orbits with sparse \
+                          matrices: a torus point cannot be refined";
+            return Err(Failure::Unsupported(reason.into()));
+        }
+        let of = Bordered { layout, assembled, form: kept, border };
+        return into.reuse(|_| true, SparseOrbitLu::default).factor(sparse, of, mu);
+    }
     let outcome = if let Form::Oscillation(omega) = form {
         if border.width != 1 {
             let reason = "the complex linearisation of a periodic orbit needs a border of exactly \
@@ -42,11 +56,7 @@ pub(super) fn factor(
     } else {
         let fits = |known: &CondensedLu<Condensation>| Arc::ptr_eq(&known.condensed.layout, shared);
         let factors = into.reuse(fits, || CondensedLu::new(Condensation::new(shared)));
-        let (form, mu) = match form {
-            Form::Antiperiodic => (form_of(layout), -1.0),
-            _ => (Kept::Jacobian, 1.0),
-        };
-        let of = Bordered { layout, assembled, form, border };
+        let of = Bordered { layout, assembled, form: kept, border };
         let outcome = factors.factor(of, mu, &assembled.units);
         if layout.closes() {
             floquet.keep(&factors.condensed, assembled);

@@ -16,6 +16,7 @@
 use super::assembly::{AssembledJacobian, Bordered, Form};
 use super::factorisation::{Condensation, form_of, singular_by_growth};
 use super::layout::UnknownLayout;
+use super::leading_multipliers::LeadingMultipliers;
 use super::liouville::{Orbit, accuracy_of_multipliers, by_liouville};
 use crate::core::bvp::erased::Number;
 use crate::core::bvp::terms::Return;
@@ -38,6 +39,8 @@ pub(super) struct Floquet {
     /// system.
     returned: Vec<f64>,
     right: Vec<f64>,
+    /// The largest multipliers of orbits with sparse matrices.
+    leading: LeadingMultipliers,
 }
 
 impl Floquet {
@@ -49,6 +52,7 @@ impl Floquet {
             pencil_of: 0,
             returned: Vec::new(),
             right: Vec::new(),
+            leading: LeadingMultipliers::default(),
         }
     }
 
@@ -73,6 +77,13 @@ impl Floquet {
                     .into(),
             ));
         }
+        if assembled.structure.sparse().is_some() {
+            return Err(Failure::Unsupported(format!(
+                "only the largest of {} Floquet multipliers are computed for an orbit with sparse \
+                 matrices",
+                layout.states
+            )));
+        }
         if self.pencil_of != assembled.count {
             let (form, border) = (Form::Jacobian, Border::NONE);
             let condensation = &mut self.condensed.condensed;
@@ -95,8 +106,14 @@ impl Floquet {
     /// Computes the Floquet multipliers that decide stability, which are all multipliers except the
     /// trivial multiplier of an autonomous orbit. The pencil is deflated by the known vector of the
     /// trivial multiplier, which is the vector field `f(x(0))`: near a fold or a branch point, the
-    /// trivial multiplier could not be distinguished from another multiplier that passes 1.
-    pub fn deciding(&mut self, of: &mut Orbit) -> Result<Spectrum, Failure> {
+    /// trivial multiplier could not be distinguished from another multiplier that passes 1. With sparse
+    /// matrices, only the multipliers outside the unit circle and the `least` largest others are
+    /// computed.
+    pub fn deciding(&mut self, of: &mut Orbit, least: usize) -> Result<Spectrum, Failure> {
+        if let (Some(sparse), false) = (of.assembled.structure.sparse(), of.assembled.at.is_empty())
+        {
+            return self.leading.deciding(of, sparse, least);
+        }
         let found = self.nontrivial_multipliers(of);
         if !of.equations.layout.closes() || of.assembled.at.is_empty() {
             return found;
@@ -240,7 +257,7 @@ fn fast_multipliers(of: &Orbit, least: f64) -> Result<Option<Spectrum>, Failure>
 }
 
 /// Returns the vector field at a node of the orbit that was assembled last.
-fn motion_at(of: &Orbit, node: usize) -> Vec<f64> {
+pub(super) fn motion_at(of: &Orbit, node: usize) -> Vec<f64> {
     let (layout, at) = (&of.equations.layout, &of.assembled.at);
     let s = &layout.segments[0];
     let x: Vec<f64> = (0..s.states).map(|i| at[s.values + i * s.nodes + node]).collect();

@@ -104,7 +104,7 @@ pub(super) fn response_of(cycles: &mut Meshed, x: &[f64]) -> Result<Vec<Profile>
     }
     cycles.assemble(x)?;
     let (floquet, mut orbit) = cycles.multipliers();
-    require_simple(&floquet.deciding(&mut orbit)?)?;
+    require_simple(&floquet.deciding(&mut orbit, 1)?)?;
     let (equations, assembled) = (orbit.equations, orbit.assembled);
     let mut factors = Factors::default();
     factor((equations, assembled), floquet, Form::Jacobian, Border::NONE, &mut factors)?;
@@ -214,7 +214,14 @@ impl PhaseResponse<'_> {
         let layout = &self.equations.layout;
         let n = layout.segments[segment].states;
         let (rows, width) = (layout.degree * n, (layout.degree + 1) * n);
-        let block = &self.assembled.blocks[segment][interval * rows * width..][..rows * width];
+        let mut expanded = Vec::new();
+        let block = match self.assembled.structure.sparse() {
+            Some(sparse) => {
+                sparse.block(interval, &mut expanded);
+                &expanded
+            }
+            None => &self.assembled.blocks[segment][interval * rows * width..][..rows * width],
+        };
         let mut ends = [vec![0.0; n], vec![0.0; n]];
         let adjoint = &self.adjoint[layout.equations(segment, interval)];
         for (lambda, row) in adjoint.iter().zip(block.chunks_exact(width)) {

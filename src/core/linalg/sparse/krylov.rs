@@ -96,7 +96,13 @@ impl<'l> Krylov<'l> {
     }
 
     /// Multiplies the next basis vectors by the inverse matrix.
-    pub fn grow(&mut self, lu: &mut SparseLu) {
+    pub fn grow_by_inverse(&mut self, lu: &mut SparseLu) {
+        self.grow(&mut |block| lu.solve_lanes(block));
+    }
+
+    /// Extends the space by the products of the next basis vectors with a matrix; `apply` replaces
+    /// the vectors of a block by their products.
+    pub fn grow(&mut self, apply: &mut impl FnMut(&mut Block)) {
         let count = LANES.min(self.vectors.len().min(self.most) - self.images);
         let mut block = block_of(&self.vectors[self.images..][..count]);
         let scaled = |block: &mut Block, factor: fn(f64) -> f64| {
@@ -105,7 +111,7 @@ impl<'l> Krylov<'l> {
             }
         };
         scaled(&mut block, |d| d);
-        lu.solve_lanes(&mut block);
+        apply(&mut block);
         scaled(&mut block, |d| d.recip());
         let parts = self.extend(&mut block, count);
         for lane in 0..count {

@@ -272,7 +272,7 @@ impl Leading {
         let mut space = Krylov::new(starts, (&locked.basis, scales), n);
         let mut next_look = wanted + 2;
         while !space.vectors.is_empty() {
-            space.grow(&mut self.lu);
+            space.grow_by_inverse(&mut self.lu);
             if !space.is_complete() && space.images < next_look {
                 continue;
             }

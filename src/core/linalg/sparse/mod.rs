@@ -3,12 +3,14 @@
 
 mod front;
 mod krylov;
+mod largest;
 mod leading;
 mod lu;
 mod pattern;
 mod symmetry;
 mod tree;
 
+pub(in crate::core) use largest::{Lanes, Largest};
 pub(in crate::core) use leading::{Leading, Rightmost};
 pub(in crate::core) use lu::{Elimination, SparseLu, SparseShiftedLu};
 pub(in crate::core) use pattern::Pattern;

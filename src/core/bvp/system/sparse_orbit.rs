@@ -1,0 +1,419 @@
+//! The linearisation about a periodic orbit of a vector field with a sparse Jacobian, as one sparse
+//! matrix.
+//!
+//! The matrix contains the collocation equations of all intervals and the return conditions; the
+//! derivatives with respect to the period, and the phase condition, are part of its border:
+//!
+//! ```text
+//!     ⎡ ℓ'(ρ_c) I − ℓ(ρ_c) h L f_x │  ∂/∂L   B ⎤
+//!     ⎢ μ x(0) − x(1)              │           ⎥
+//!     ⎢ phase condition            │           ⎥
+//!     ⎣ C                          │         D ⎦
+//! ```
+//!
+//! Row `k` of the matrix is the equation that determines unknown number `k`: collocation equation `c`
+//! of an interval determines the interval's node `c + 1`, and the return conditions determine the
+//! first node.
+
+use super::assembly::{AssembledJacobian, Bordered, Form};
+use super::discretisation::DiscretisedProblem;
+use super::layout::UnknownLayout;
+use super::work::Work;
+use crate::core::bvp::collocation::Collocation;
+use crate::core::bvp::colored::ColoredField;
+use crate::core::bvp::interval::{Block, Interval};
+use crate::core::bvp::method::Method;
+use crate::core::failure::Failure;
+use crate::core::linalg::{Border, Elimination, Factorisation, Lanes, Pattern, SparseLu, refill};
+use crate::core::scalar::CHUNK;
+use std::sync::Arc;
+
+/// Heuristic: the number of states below which dense matrices are always at least as fast as sparse
+/// ones.
+const LEAST: usize = 48;
+
+/// Heuristic: a sparse matrix is used if its factorisation takes at most this fraction of the
+/// multiplications of a condensation of dense intervals.
+const PAYS: f64 = 0.25;
+
+/// How the equations of intervals are stored.
+#[derive(Clone, Default)]
+pub(super) enum Structure {
+    /// Not yet determined.
+    #[default]
+    Unknown,
+    /// As dense blocks.
+    Dense,
+    /// As the sparse Jacobian of the vector field at all Gauss points.
+    Sparse(Box<SparseOrbit>),
+}
+
+impl Structure {
+    /// The sparse Jacobians, if the structure is sparse.
+    pub fn sparse(&self) -> Option<&SparseOrbit> {
+        match self {
+            Structure::Sparse(sparse) => Some(sparse),
+            _ => None,
+        }
+    }
+
+    /// Chooses the structure at the first point, from the numbers of multiplications.
+    pub fn choose(
+        &mut self,
+        equations: &mut DiscretisedProblem,
+        work: &Work<f64>,
+    ) -> Result<(), Failure> {
+        if !matches!(self, Structure::Unknown) {
+            return Ok(());
+        }
+        *self = Structure::Dense;
+        let states = equations.layout.segments[0].states;
+        if equations.layout.closes() && states >= LEAST {
+            let known = Pattern::of_places(states, &[]);
+            let sparse = SparseOrbit::about(equations, work, &known)?;
+            if let Some(sparse) = sparse.filter(|sparse| sparse.pays(&equations.layout)) {
+                *self = Structure::Sparse(Box::new(sparse));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The sparse Jacobians of the vector field along a periodic orbit.
+#[derive(Clone)]
+pub(super) struct SparseOrbit {
+    field: ColoredField,
+    /// The entries of `h L f_x` at each Gauss point of each interval.
+    slopes: Vec<f64>,
+    /// The weights of the nodes of an interval in the derivative and in the value of the polynomial at
+    /// the Gauss points.
+    weights: [Vec<f64>; 2],
+    /// The order of elimination of the matrix of the whole orbit.
+    elimination: Arc<Elimination>,
+    /// The row of the matrix for each interval equation, then for each return condition.
+    rows: Arc<[usize]>,
+    /// The positions, in the matrix of the whole orbit, of the entries of the interval equations: for
+    /// each Gauss point and each node of its interval, the entries of the field's pattern.
+    places: Arc<[usize]>,
+    /// The positions of the derivatives of the return conditions with respect to `x(0)` and `x(1)`.
+    ends: Arc<[[usize; 2]]>,
+}
+
+impl SparseOrbit {
+    /// Determines the sparsity pattern of the vector field along an orbit, in addition to a `known`
+    /// pattern; `None` for shooting.
+    fn about(
+        equations: &mut DiscretisedProblem,
+        work: &Work<f64>,
+        known: &Pattern,
+    ) -> Result<Option<Self>, Failure> {
+        let DiscretisedProblem { problem, method, meshes, layout, .. } = equations;
+        let Method::Collocation(method) = method else { return Ok(None) };
+        let n = layout.segments[0].states;
+        let mut places: Vec<[usize; 2]> = (0..known.count()).map(|k| known.place(k)).collect();
+        for start in (0..n).step_by(CHUNK) {
+            let mut seen = vec![[false; CHUNK]; n];
+            for (s, j) in layout.intervals() {
+                let (span, nodes) =
+                    (super::layout::span(meshes, s, j), &work.nodes[layout.interval(s, j)]);
+                let q = &work.numbers[layout.local(s)];
+                let interval = Interval { problem: &**problem, span, nodes, q };
+                method.mark_dependences(interval, start, &mut seen)?;
+            }
+            for (i, seen) in seen.iter().enumerate() {
+                let own = seen.iter().enumerate().filter(|(_, seen)| **seen);
+                places.extend(own.map(|(k, _)| [i, start + k]));
+            }
+        }
+        Ok(Some(Self::of(layout, method, Pattern::of_places(n, &places))))
+    }
+
+    fn of(layout: &UnknownLayout, method: &Collocation, field: Pattern) -> Self {
+        let (s, m, order) = (&layout.segments[0], layout.degree, &layout.order);
+        let n = s.states;
+        let at = |node: usize, i: usize| order[node * n + i];
+        let mut all = Vec::new();
+        for j in 0..s.intervals {
+            for (c, k) in (0..m).flat_map(|c| (0..=m).map(move |k| (c, k))) {
+                let entries = (0..field.count()).map(|e| field.place(e));
+                all.extend(entries.map(|[i, l]| [at(j * m + c + 1, i), at(j * m + k, l)]));
+            }
+        }
+        let intervals = all.len();
+        let last = s.nodes - 1;
+        all.extend((0..n).flat_map(|i| [[at(0, i), at(0, i)], [at(0, i), at(last, i)]]));
+        let pattern = Pattern::of_places(layout.values(), &all);
+        let position = |&[i, j]: &[usize; 2]| {
+            let found = pattern.column(j).binary_search(&i);
+            pattern.start(j) + found.unwrap_or_else(|_| unreachable!("the entry was added above"))
+        };
+        let rows = (n..s.nodes * n).chain(0..n).map(|value| order[value]);
+        SparseOrbit {
+            slopes: vec![0.0; s.intervals * m * field.count()],
+            weights: [method.slopes(), method.arguments()].map(<[f64]>::to_vec),
+            rows: rows.collect(),
+            places: all[..intervals].iter().map(position).collect(),
+            ends: all[intervals..]
+                .as_chunks::<2>()
+                .0
+                .iter()
+                .map(|ends| ends.each_ref().map(position))
+                .collect(),
+            elimination: Arc::new(Elimination::of(pattern)),
+            field: ColoredField::of(field),
+        }
+    }
+
+    /// Whether the sparse factorisation takes far fewer multiplications than the condensation of
+    /// dense intervals.
+    fn pays(&self, layout: &UnknownLayout) -> bool {
+        let s = &layout.segments[0];
+        let (n, m) = (s.states as f64, layout.degree as f64);
+        let dense = s.intervals as f64 * (m.powi(3) / 3.0 + 2.0) * n.powi(3);
+        self.elimination.products() <= PAYS * dense
+    }
+
+    /// Extends the pattern of the vector field by the entries that differ from zero at another
+    /// solution; returns whether the pattern was extended.
+    pub fn widen(
+        &mut self,
+        equations: &mut DiscretisedProblem,
+        work: &Work<f64>,
+    ) -> Result<bool, Failure> {
+        let before = self.field.pattern.count();
+        let wider = Self::about(equations, work, &self.field.pattern)?;
+        let wider = wider.filter(|wider| wider.field.pattern.count() > before);
+        let extended = wider.is_some();
+        if let Some(wider) = wider {
+            *self = wider;
+        }
+        Ok(extended)
+    }
+
+    /// Computes the residual and the derivatives of an interval, given the storage of a dense
+    /// interval without its `nodes`. Returns whether the Jacobian agrees with its pattern.
+    pub fn linearise(
+        &mut self,
+        (method, j): (&mut Method, usize),
+        interval: Interval<f64>,
+        active: &[usize],
+        block: Block,
+    ) -> Result<bool, Failure> {
+        let Method::Collocation(method) = method else { return Ok(false) };
+        let length = method.places().len() - 1;
+        let length = length * self.field.pattern.count();
+        let nodes = &mut self.slopes[j * length..(j + 1) * length];
+        method.linearise_colored(interval, (active, &self.field), Block { nodes, ..block })
+    }
+
+    /// The entries of `h L f_x` at all Gauss points.
+    pub fn slopes(&self) -> &[f64] {
+        &self.slopes
+    }
+
+    /// The component of the vector field to which an entry of [`slopes`](Self::slopes) belongs, as a
+    /// position among the interval equations.
+    pub fn equation_of(&self, entry: usize) -> usize {
+        let count = self.field.pattern.count();
+        entry / count * self.field.pattern.size() + self.field.pattern.place(entry % count)[0]
+    }
+
+    /// Writes the equations of an interval as a dense block.
+    pub fn block(&self, interval: usize, out: &mut Vec<f64>) {
+        let [slopes, values] = &self.weights;
+        let (n, count) = (self.field.pattern.size(), self.field.pattern.count());
+        let gauss = self.weights[0].len().isqrt();
+        let nodes = slopes.len() / gauss;
+        refill(out, std::iter::repeat_n(0.0, gauss * n * nodes * n));
+        for c in 0..gauss {
+            let own = &self.slopes[(interval * gauss + c) * count..][..count];
+            for (k, weight) in (0..nodes).zip(&values[c * nodes..]) {
+                for (e, slope) in own.iter().enumerate() {
+                    let [i, l] = self.field.pattern.place(e);
+                    let diagonal = if i == l { slopes[c * nodes + k] } else { 0.0 };
+                    out[((c * n + i) * nodes + k) * n + l] = diagonal - weight * slope;
+                }
+            }
+        }
+    }
+
+    /// Writes the entries of the matrix of the whole orbit, whose return conditions are `start x(0) +
+    /// end x(1)`.
+    fn fill(&self, [start, end]: [f64; 2], entries: &mut Vec<f64>) {
+        let pattern = &self.field.pattern;
+        let [slopes, values] = &self.weights;
+        refill(entries, std::iter::repeat_n(0.0, self.elimination.pattern.count()));
+        let mut places = self.places.iter();
+        let gauss = slopes.len().isqrt();
+        let nodes = slopes.len() / gauss;
+        for (g, own) in self.slopes.chunks_exact(pattern.count()).enumerate() {
+            let first = g % gauss * nodes;
+            for (slope, value) in slopes[first..first + nodes].iter().zip(&values[first..]) {
+                for j in 0..pattern.size() {
+                    let column = own[pattern.start(j)..].iter().zip(pattern.column(j));
+                    for ((entry, &i), &place) in column.zip(&mut places) {
+                        let diagonal = if i == j { *slope } else { 0.0 };
+                        entries[place] += diagonal - value * entry;
+                    }
+                }
+            }
+        }
+        for [first, last] in &*self.ends {
+            entries[*first] += start;
+            entries[*last] += end;
+        }
+    }
+}
+
+/// The factors of the sparse matrix of a periodic orbit, for a real Floquet multiplier `μ`.
+#[derive(Default)]
+pub(super) struct SparseOrbitLu {
+    lu: SparseLu,
+    rows: Arc<[usize]>,
+    /// The positions of the return conditions among the equations, and of `x(0)` among the unknowns.
+    first: Vec<[usize; 2]>,
+    mu: f64,
+    entries: Vec<f64>,
+    border: [Vec<f64>; 3],
+    right: Vec<f64>,
+    lanes: Vec<[f64; 4]>,
+}
+
+impl SparseOrbitLu {
+    /// Factors the bordered matrix for a multiplier.
+    ///
+    /// # Errors
+    /// [`Failure::Singular`] if the matrix is singular to working accuracy.
+    pub fn factor(&mut self, sparse: &SparseOrbit, of: Bordered, mu: f64) -> Result<(), Failure> {
+        self.mu = mu;
+        self.factor_with(sparse, of, [mu, -1.0])
+    }
+
+    /// Factors the matrix of the initial-value problem: the return conditions are replaced by `x(0) =
+    /// v`.
+    ///
+    /// # Errors
+    /// [`Failure::Singular`] if the matrix is singular to working accuracy.
+    pub fn factor_flow(
+        &mut self,
+        sparse: &SparseOrbit,
+        (layout, assembled): (&UnknownLayout, &AssembledJacobian),
+    ) -> Result<(), Failure> {
+        let of = Bordered { layout, assembled, form: Form::Twisted, border: Border::NONE };
+        self.factor_with(sparse, of, [1.0, 0.0])
+    }
+
+    fn factor_with(
+        &mut self,
+        sparse: &SparseOrbit,
+        of: Bordered,
+        ends: [f64; 2],
+    ) -> Result<(), Failure> {
+        let layout = of.layout;
+        self.rows = sparse.rows.clone();
+        let conditions = (0..layout.states).map(|i| [layout.conditions() + i, layout.order[i]]);
+        refill(&mut self.first, conditions);
+        sparse.fill(ends, &mut self.entries);
+        let width = self.fill_border(of);
+        let [columns, rows, corner] = &self.border;
+        let border = Border { width, columns, rows, corner, units: &[] };
+        self.lu.factor(&sparse.elimination, (&self.entries, 0.0), border)
+    }
+
+    /// Fills the border: the extra unknowns and closing conditions, then the given border. Returns the
+    /// border's width.
+    fn fill_border(&mut self, Bordered { layout, assembled, form, border }: Bordered) -> usize {
+        let (values, extras, active) = (layout.values(), layout.extras, assembled.active.len());
+        let (dimension, below) = (layout.dimension, layout.conditions() + layout.boundary);
+        let (width, twisted) = (extras + border.width, form == Form::Twisted);
+        let [columns, rows, corner] = &mut self.border;
+        [&mut *columns, &mut *rows]
+            .into_iter()
+            .for_each(|part| refill(part, std::iter::repeat_n(0.0, width * values)));
+        refill(corner, std::iter::repeat_n(0.0, width * width));
+        for c in 0..width {
+            let column = &mut columns[c * values..(c + 1) * values];
+            match c.checked_sub(extras) {
+                None if twisted => {}
+                None => {
+                    let numbers = assembled.numbers[0].chunks_exact(active);
+                    numbers.zip(&*self.rows).for_each(|(row, &at)| column[at] = row[c]);
+                }
+                Some(k) => {
+                    let given = border.columns[k * dimension..].iter().zip(&*self.rows);
+                    given.for_each(|(entry, &at)| column[at] = *entry);
+                }
+            }
+        }
+        for r in 0..width {
+            let row = &mut rows[r * values..(r + 1) * values];
+            match r.checked_sub(extras) {
+                None if twisted => corner[r * width + r] = 1.0,
+                None => {
+                    let own = assembled.closing[r * values..].iter().zip(&layout.order);
+                    own.for_each(|(entry, &at)| row[at] = *entry);
+                    corner[r * width..][..extras]
+                        .copy_from_slice(&assembled.closing_numbers[r * active..][..extras]);
+                }
+                Some(k) => {
+                    let given = &border.rows[k * dimension..(k + 1) * dimension];
+                    row.copy_from_slice(&given[..values]);
+                    corner[r * width..][..extras].copy_from_slice(&given[values..]);
+                    corner[r * width + extras..][..border.width]
+                        .copy_from_slice(&border.corner[k * border.width..][..border.width]);
+                }
+            }
+            for c in 0..border.width * usize::from(r < extras) {
+                corner[r * width + extras + c] = border.columns[c * dimension + below + r];
+            }
+        }
+        width
+    }
+
+    /// Replaces the states `x(0)`, several vectors side by side, by the states `x(1)` of the
+    /// linearised flow; the matrix of the initial-value problem must be factored.
+    pub fn flow(&mut self, layout: &UnknownLayout, states: &mut Lanes) {
+        refill(&mut self.lanes, std::iter::repeat_n([0.0; 4], layout.dimension));
+        let last = layout.values() - layout.states;
+        for (x, &at) in states.iter().zip(&layout.order) {
+            self.lanes[at] = *x;
+        }
+        self.lu.solve_lanes(&mut self.lanes);
+        for (x, &at) in states.iter_mut().zip(&layout.order[last..]) {
+            *x = self.lanes[at];
+        }
+    }
+}
+
+impl Factorisation for SparseOrbitLu {
+    fn solve(&mut self, right: &mut [f64]) {
+        self.right.clear();
+        self.right.extend_from_slice(right);
+        right.iter().zip(&*self.rows).for_each(|(value, &at)| self.right[at] = *value);
+        self.lu.solve(&mut self.right);
+        right.copy_from_slice(&self.right);
+    }
+
+    fn solve_transposed(&mut self, right: &mut [f64]) {
+        self.right.clear();
+        self.right.extend_from_slice(right);
+        self.lu.solve_transposed(&mut self.right);
+        right.copy_from_slice(&self.right);
+        right.iter_mut().zip(&*self.rows).for_each(|(value, &at)| *value = self.right[at]);
+    }
+
+    fn determinant_sign(&self) -> f64 {
+        self.lu.determinant_sign()
+    }
+
+    /// Computes the product of `v` with the part of the matrix that is proportional to `μ = e^σ`.
+    fn growth_derivative(&self, v: &[f64], out: &mut [f64]) {
+        out.fill(0.0);
+        self.first.iter().for_each(|&[equation, unknown]| out[equation] = self.mu * v[unknown]);
+    }
+
+    fn growth_derivative_transposed(&self, w: &[f64], out: &mut [f64]) {
+        out.fill(0.0);
+        self.first.iter().for_each(|&[equation, unknown]| out[unknown] = self.mu * w[equation]);
+    }
+}

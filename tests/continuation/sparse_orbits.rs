@@ -1,0 +1,154 @@
+//! Promises of sparse matrices for periodic orbits: the same orbits and multipliers as by multiple
+//! shooting, factors that solve the linearised equations, and patterns that follow the orbit.
+
+use crate::common::close;
+use tangency::core::bvp::{BoundarySystem, Collocation, Method, Shooting};
+use tangency::core::continuation::{Branch, Continuation, Settings};
+use tangency::core::failure::Failure;
+use tangency::core::linalg::{Border, Factors, Form, SpectrumRequest};
+use tangency::core::orbit::periodic_orbits;
+use tangency::core::problem::{Equilibria, Group, Names, VectorField};
+use tangency::core::scalar::Scalar;
+use tangency::core::system::{Kind, Sparse, System};
+
+/// The Brusselator in one dimension (Dₓ = 0.008, D_y = 0.004) with `2n` states, and its equilibrium at
+/// the ends. If `valve` is positive, the second state also enters the last equation where the first
+/// state exceeds `valve`.
+struct Brusselator {
+    n: usize,
+    valve: f64,
+}
+
+impl VectorField for Brusselator {
+    fn names(&self) -> Names {
+        let elements = |s: &'static str| (1..=self.n).map(move |i| format!("{s}[{i}]"));
+        let all: Vec<String> = elements("u").chain(elements("v")).collect();
+        Names::new(Group::of_states(&all), ["L", "A", "B"])
+    }
+    fn field<T: Scalar>(&self, _t: T, z: &[T], p: &[T], f: &mut [T]) {
+        let n = self.n;
+        let (u, v) = z.split_at(n);
+        let ends = [p[1], p[2] / p[1]];
+        let bent = |w: &[T], end: T, i: usize| {
+            let at = |i: usize| if i == 0 || i > n { end } else { w[i - 1] };
+            let second = at(i - 1) - at(i) * 2.0 + at(i + 1);
+            second * ((n + 1) * (n + 1)) as f64 / (p[0] * p[0])
+        };
+        for i in 1..=n {
+            let (u_i, v_i) = (u[i - 1], v[i - 1]);
+            let reaction = u_i * u_i * v_i;
+            f[i - 1] = bent(u, ends[0], i) * 0.008 + p[1] - (p[2] + 1.0) * u_i + reaction;
+            f[n + i - 1] = bent(v, ends[1], i) * 0.004 + p[2] * u_i - reaction;
+        }
+        if self.valve > 0.0 && u[0].re() > self.valve {
+            f[2 * n - 1] += (u[1] - 2.0) * 1e-3;
+        }
+    }
+}
+
+/// The cycles from the first Hopf point of the Brusselator with `2n` states, up to the length 0.55.
+fn cycles(n: usize, method: impl Into<Method>, intervals: usize) -> (BoundarySystem, Branch) {
+    let mut start = vec![2.0; n];
+    start.extend(vec![5.45 / 2.0; n]);
+    let field = || Brusselator { n, valve: 0.0 };
+    let mut rest = Sparse::new(Equilibria(field()));
+    let stated = Continuation::new(&mut rest).at("L", 0.45).at("A", 2.0).at("B", 5.45);
+    let rest = stated.from(&start[..]).along("L", 0.45..=0.6).trace().unwrap();
+    let hopf = rest.of_kind(Kind::HB).next().unwrap();
+    let mut orbits = periodic_orbits(field(), intervals, method).unwrap();
+    let settings = Settings { eigenvalues: 4, ..Settings::default() };
+    let branch = Continuation::new(&mut orbits)
+        .restart(&rest, hopf.label)
+        .settings(settings)
+        .along("L", 0.45..=0.55)
+        .trace()
+        .unwrap();
+    (orbits, branch)
+}
+
+#[test]
+fn orbits_of_many_states_are_those_of_multiple_shooting() {
+    let (_, collocated) = cycles(30, Collocation::new(4).unwrap(), 20);
+    let (_, shot) = cycles(30, Shooting::default(), 40);
+    let [found, expected] = [&collocated, &shot].map(|branch| branch.points.last().unwrap());
+    // The period is the first monitor.
+    close(found.parameters[0], 0.55, 1e-15);
+    close(found.monitors[0], expected.monitors[0], 1e-8);
+    assert_eq!((found.unstable, expected.unstable), (Some(0), Some(0)));
+    // A real multiplier and a complex pair; the mesh of collocation moves the pair by 1e-6.
+    for (found, expected) in found.eigenvalues.iter().zip(&expected.eigenvalues).take(3) {
+        close(found.0, expected.0, 1e-5);
+        close(found.1, expected.1, 1e-5);
+    }
+    assert!(collocated.warnings.is_empty(), "{:?}", collocated.warnings);
+}
+
+#[test]
+fn factors_solve_the_linearised_equations() {
+    let (mut orbits, branch) = cycles(30, Collocation::new(4).unwrap(), 10);
+    let end = branch.special.last().unwrap();
+    let x = [&end.state[..], &end.parameters].concat();
+    let n = orbits.names().dimension();
+    let vector = |seed: f64| -> Vec<f64> { (0..n).map(|i| (seed + i as f64).sin()).collect() };
+    orbits.assemble(&x).unwrap();
+    let mut solved = vector(1.0);
+    let mut factors = Factors::default();
+    orbits.factor(Form::Jacobian, Border::NONE, &mut factors).unwrap();
+    factors.solve(&mut solved);
+    // The product of the Jacobian with the solution is the right-hand side.
+    let direction: Vec<f64> = solved.iter().copied().chain(vec![0.0; x.len() - n]).collect();
+    let mut product = vec![0.0; n];
+    orbits.derivative(&x, &[&direction], &mut product).unwrap();
+    let size = solved.iter().fold(1.0, |most: f64, s| most.max(s.abs()));
+    product.iter().zip(vector(1.0)).for_each(|(found, right)| close(*found, right, 1e-9 * size));
+    // The same number by the transposed system, with one column in the border, for both real forms.
+    let (column, row) = (vector(5.0), vector(6.0));
+    let border = Border { width: 1, columns: &column, rows: &row, corner: &[0.5], units: &[] };
+    for form in [Form::Jacobian, Form::Antiperiodic] {
+        orbits.factor(form, border, &mut factors).unwrap();
+        let (mut forward, mut backward) = (vector(2.0), vector(3.0));
+        forward.push(0.7);
+        backward.push(-0.4);
+        let (right, weights) = (forward.clone(), backward.clone());
+        factors.solve(&mut forward);
+        factors.solve_transposed(&mut backward);
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let (one, other) = (dot(&weights, &forward), dot(&backward, &right));
+        close(one, other, 1e-9 * one.abs().max(1.0));
+    }
+    let complex = [vector(1.0), vector(2.0)].concat();
+    let border = Border { width: 1, columns: &complex, rows: &complex, ..border };
+    let refused = orbits.factor(Form::Oscillation(0.3), border, &mut factors);
+    assert!(matches!(refused, Err(Failure::Unsupported(_))), "{refused:?}");
+}
+
+#[test]
+fn a_dependence_that_begins_on_the_branch_extends_the_pattern() {
+    let n = 30;
+    let field = Brusselator { n, valve: 2.5 };
+    let mut orbits = periodic_orbits(field, 10, Collocation::new(4).unwrap()).unwrap();
+    // Before the valve opens, and after: an assembly with the old pattern would miss the entry.
+    for amplitude in [0.1, 1.0] {
+        let mut z = orbits.sampled(&[3.0], |_, tau, x| {
+            for (i, x) in x.iter_mut().enumerate() {
+                let mean = if i < n { 2.0 } else { 2.725 };
+                *x = mean + amplitude * (std::f64::consts::TAU * tau).sin();
+            }
+        });
+        z.extend([0.55, 2.0, 5.45]);
+        orbits.assemble(&z).unwrap();
+        let mut factors = Factors::default();
+        orbits.factor(Form::Jacobian, Border::NONE, &mut factors).unwrap();
+        let count = orbits.names().dimension();
+        let right: Vec<f64> = (0..count).map(|i| (i as f64).cos()).collect();
+        let mut solved = right.clone();
+        factors.solve(&mut solved);
+        let size = solved.iter().fold(1.0, |most: f64, s| most.max(s.abs()));
+        solved.extend([0.0; 3]);
+        let mut product = vec![0.0; count];
+        orbits.derivative(&z, &[&solved], &mut product).unwrap();
+        product.iter().zip(&right).for_each(|(found, right)| close(*found, *right, 1e-9 * size));
+        let spectrum = orbits.spectrum(&z, SpectrumRequest { count: 4 }).unwrap().unwrap();
+        assert!(spectrum.len() >= 4 && spectrum.len() < 2 * n, "{}", spectrum.len());
+    }
+}
