@@ -238,6 +238,28 @@ pub(super) fn motion(
     Ok(Motion { space, rates })
 }
 
+/// Appends to the coefficients of the center manifold `W` the coefficients of the rates `DW(ξ) R(ξ)`
+/// below the given degree. For a flow with a mass matrix that depends on `z`, the terms of the
+/// degree itself are multiplied by the mass matrix of the equilibrium, and are treated separately.
+fn with_rates(
+    manifold: &[Vec<c64>],
+    rates: &[Coefficients],
+    (space, degree): (&Space, usize),
+) -> Vec<Vec<c64>> {
+    let images = derivation(space, rates);
+    let highest = space.of_degree(degree);
+    let rate = |monomial: usize| {
+        let mut sum = vec![ZERO; manifold[monomial].len()];
+        if !highest.contains(&monomial) {
+            for (w, image) in manifold.iter().zip(&images) {
+                sum.iter_mut().zip(w).for_each(|(sum, w)| *sum += image[monomial] * w);
+            }
+        }
+        sum
+    };
+    (0..manifold.len()).map(|k| [&manifold[k][..], &rate(k)].concat()).collect()
+}
+
 /// Adds to the center manifold, and to the motion on it, the terms of the highest degree of a space
 /// of polynomials.
 fn add_degree(
@@ -249,9 +271,14 @@ fn add_degree(
 ) -> Result<(), Failure> {
     let n = forms.n;
     let changes = Changes::new(space, &critical.variables);
-    let images = forms.expand(space, &changes.to_real(manifold, n))?;
-    let images = changes.to_complex(&images, n);
     let known: Vec<Coefficients> = rates.iter().map(|rate| rate[..space.len()].to_vec()).collect();
+    let moving = forms.at.system.dynamics() == Dynamics::Implicit;
+    let terms = match moving {
+        true => changes.to_real(&with_rates(manifold, &known, (space, degree)), 2 * n),
+        false => changes.to_real(manifold, n),
+    };
+    let images = forms.expand(space, &terms)?;
+    let images = changes.to_complex(&images, n);
     let advanced = critical.advanced(space, &known);
     for monomial in space.of_degree(degree) {
         // Terms of the same degree that Jordan blocks mix in come first in the space.

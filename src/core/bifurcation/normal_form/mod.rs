@@ -128,7 +128,7 @@ pub(crate) type ComputeNormalForm = fn(&mut At) -> Result<NormalForm, Failure>;
 /// Whether the equations define rates of change. The equilibrium equations of potentials and of
 /// second-order motion do not define rates of change, because they do not contain the mass.
 fn has_rates(at: &At) -> bool {
-    matches!(at.system.dynamics(), Dynamics::Flow | Dynamics::Periodic)
+    at.system.dynamics().is_flow() || at.system.dynamics() == Dynamics::Periodic
 }
 
 /// A function that computes the real part of the cubic coefficient of a normal form; its sign

@@ -95,8 +95,9 @@ impl<'l> Krylov<'l> {
         self.images == self.most.min(self.vectors.len())
     }
 
-    /// Multiplies the next basis vectors by the inverse matrix.
-    pub fn grow(&mut self, lu: &mut SparseLu) {
+    /// Multiplies the next basis vectors by the inverse matrix, after a multiplication by the mass
+    /// matrix, if there is one.
+    pub fn grow(&mut self, lu: &mut SparseLu, times_mass: impl Fn(&mut Block)) {
         let count = LANES.min(self.vectors.len().min(self.most) - self.images);
         let mut block = block_of(&self.vectors[self.images..][..count]);
         let scaled = |block: &mut Block, factor: fn(f64) -> f64| {
@@ -105,6 +106,7 @@ impl<'l> Krylov<'l> {
             }
         };
         scaled(&mut block, |d| d);
+        times_mass(&mut block);
         lu.solve_lanes(&mut block);
         scaled(&mut block, |d| d.recip());
         let parts = self.extend(&mut block, count);
