@@ -167,11 +167,22 @@ pub(super) struct Formula {
     pub nodes: Vec<Node>,
 }
 
+/// The help for an equation in place of a formula.
+const SEPARATED: &str = "`==` compares two values; equations with left-hand sides, such as `0 = g(x, y)` or \
+                         `2*x' + y' = f(x, y)`, belong to the unknowns of a `Residual` with \
+                         `dynamics: flow`";
+
 impl Formula {
     /// Parses a formula.
     pub fn read(source: &Source, phrase: &Phrase) -> Result<Formula, ModelError> {
         let nodes = nodes(&phrase.text, Dialect::Own);
-        let nodes = nodes.map_err(|(part, fault)| source.fault(phrase, part, fault))?;
+        let nodes = nodes.map_err(|(part, fault)| {
+            let error = source.fault(phrase, part.clone(), fault);
+            match &phrase.text[part] {
+                "=" => error.with_help(SEPARATED),
+                _ => error,
+            }
+        })?;
         Ok(Formula { phrase: phrase.clone(), nodes })
     }
 }

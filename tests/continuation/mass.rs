@@ -9,68 +9,126 @@ use tangency::core::problem::{Dynamics, Names, ZeroProblem};
 use tangency::core::scalar::Scalar;
 use tangency::core::system::{Dense, Kind, Sparse, System};
 
-/// A flow of three states, multiplied by a mass matrix.
+/// A flow, and a matrix by which it is multiplied.
+#[derive(Clone, Copy, Debug)]
+struct Multiplied {
+    flow: Flow,
+    by: Matrix,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Flow {
+    /// CO oxidation, with cusps, Bogdanov–Takens points and generalised Hopf points.
+    Oxidation,
+    /// A fold–Hopf point at `p = q = 0`.
+    FoldHopf,
+    /// A double Hopf point at `p = q = 0`.
+    DoubleHopf,
+}
+
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Multiplied {
-    Not,
-    /// By a matrix that depends on the parameters.
+enum Matrix {
+    Identity,
+    /// Depends on the parameters.
     Constant,
-    /// By a matrix that depends on the states, too.
+    /// Depends on the states, too.
     Varying,
 }
 
-fn rates<T: Scalar>(z: &[T], p: &[T]) -> [T; 3] {
-    let [x, y, w, a, b] = [z[0], z[1], z[2], p[0], p[1]];
-    let cubic = x.powi(3) * 0.4 + w * x * 0.3;
-    [
-        a * x - y + x * y * 0.7 - cubic + b * w,
-        x + a * y + y * x * x * 0.5 - w * y - x.powi(5) * 0.2,
-        b * x - w * 1.3 + x * x + y * 0.2 + x * y * w + a * 0.1,
-    ]
+impl Flow {
+    fn dimension(self) -> usize {
+        if let Flow::DoubleHopf = self { 4 } else { 3 }
+    }
+
+    /// The equilibrium where the branch begins, and the values of the parameters `q` and `p`.
+    fn start(self) -> (Vec<f64>, [f64; 2]) {
+        match self {
+            Flow::Oxidation => (vec![0.001137, 0.891483, 0.062345], [2.0, 0.4]),
+            Flow::FoldHopf => (vec![-1.0, 0.0, 0.0], [0.0, 1.0]),
+            Flow::DoubleHopf => (vec![0.0; 4], [-1.0, -0.5]),
+        }
+    }
+
+    fn rates<T: Scalar>(self, z: &[T], parameters: &[T]) -> Vec<T> {
+        let [q, p] = [parameters[0], parameters[1]];
+        match self {
+            Flow::Oxidation => {
+                let [x, y, s] = [z[0], z[1], z[2]];
+                let free = T::one() - x - y - s;
+                vec![
+                    free * free * 5.0 - x * x * 2.0 - x * y * 10.0,
+                    q * free - y * 0.1 - x * y * 10.0,
+                    (free - p * s) * 0.0675,
+                ]
+            }
+            Flow::FoldHopf => {
+                let [v, x, y] = [z[0], z[1], z[2]];
+                let square = x * x + y * y;
+                vec![
+                    v * v - p + square * 0.5 + x * v * x * 0.2,
+                    (q + v) * x - y * 1.3 + x * y * 0.4 - x * square * 0.3,
+                    x * 1.3 + (q + v) * y + x * x * 0.25 + v * y * 0.1,
+                ]
+            }
+            Flow::DoubleHopf => {
+                let [a, b, c, d] = [z[0], z[1], z[2], z[3]];
+                vec![
+                    q * a - b + a * c * 0.3 - a * (a * a + b * b) - a * c * c * 0.5,
+                    a + q * b + c * c * 0.15,
+                    p * c - d * 1.7 + a * a * 0.2 - c * (c * c + d * d) * 0.7 + c * b * b * 0.4,
+                    c * 1.7 + p * d - a * d * 0.1,
+                ]
+            }
+        }
+    }
 }
 
-impl Multiplied {
-    fn times<T: Scalar>(self, z: &[T], p: &[T], v: &[T]) -> [T; 3] {
-        let s = T::from(if self == Multiplied::Varying { 1.0 } else { 0.0 });
-        let one = T::one();
-        [
-            v[0] * (p[0] + 2.0) + v[1] * (z[0] * s + 0.3) + v[2] * 0.1,
-            v[0] * (z[1] * z[2] * s + 1.0) * 0.5 + v[1] * (one + z[1] * z[0] * s),
-            v[2] * ((z[2] * 0.5 + z[0]) * s + 3.0) - v[0] * (p[1] + z[1] * s),
-        ]
+impl Matrix {
+    fn times<T: Scalar>(self, z: &[T], p: &[T], v: &[T], products: &mut [T]) {
+        let n = v.len();
+        for (i, product) in products.iter_mut().enumerate() {
+            *product = v[i];
+            if self == Matrix::Identity {
+                continue;
+            }
+            *product *= p[1] * 0.1 + 1.5 + 0.2 * i as f64;
+            for (j, v) in v.iter().enumerate() {
+                *product += *v * (0.2 * (1.0 + (3 * i + 5 * j) as f64).sin());
+                if self == Matrix::Varying {
+                    let (first, second) = (z[(i + j) % n], z[(i + 2 * j + 1) % n]);
+                    *product += *v * (first * 0.15 + first * second * 0.1 + p[0] * first * 0.05);
+                }
+            }
+        }
     }
 }
 
 impl ZeroProblem for Multiplied {
     fn names(&self) -> Names {
-        Names::new(["x", "y", "w"], ["a", "b"])
+        let states = ["a", "b", "c", "d"].into_iter().take(self.flow.dimension());
+        Names::new(states, ["q", "p"])
     }
     fn residual<T: Scalar>(&self, z: &[T], p: &[T], r: &mut [T]) {
-        let rates = rates(z, p);
-        match self {
-            Multiplied::Not => r.copy_from_slice(&rates),
-            _ => r.copy_from_slice(&self.times(z, p, &rates)),
-        }
+        self.by.times(z, p, &self.flow.rates(z, p), r);
     }
     fn dynamics(&self) -> Dynamics {
-        if *self == Multiplied::Not { Dynamics::Flow } else { Dynamics::Implicit }
+        if self.by == Matrix::Identity { Dynamics::Flow } else { Dynamics::Implicit }
     }
     fn mass_product<T: Scalar>(&self, z: &[T], p: &[T], rates: &[T], products: &mut [T]) {
-        products.copy_from_slice(&self.times(z, p, rates));
+        self.by.times(z, p, rates, products);
     }
 }
 
-/// The branch of equilibria in `a`, the curve of its Hopf points and the curve of its folds.
-fn curves(system: &mut dyn System) -> Vec<Branch> {
-    let start = Continuation::new(&mut *system).from(&[0.0; 3]).at("a", -1.0).at("b", 0.1);
-    let rest = start.along("a", -1.0..=1.0).trace().unwrap();
-    let mut all = vec![rest];
+/// The branch of equilibria in `q`, and the curves of its Hopf points and its folds.
+fn curves(flow: Flow, system: &mut dyn System) -> Vec<Branch> {
+    let (z, [q, p]) = flow.start();
+    let start = Continuation::new(&mut *system).from(&z).at("q", q).at("p", p);
+    let mut all = vec![start.along("q", -1.0..=2.0).trace().unwrap()];
     for kind in [Kind::HB, Kind::LP] {
         let Some(point) = all[0].of_kind(kind).next() else { continue };
-        let (state, a) = (point.state.clone(), point.parameters[0]);
-        let settings = Settings { max_points: 120, ..Settings::default() };
-        let start = Continuation::new(&mut *system).from(&state).at("a", a).at("b", 0.1);
-        let curve = start.hold(kind).along("b", -2.0..=2.0).along("a", -3.0..=3.0);
+        let settings = Settings { max_points: 200, ..Settings::default() };
+        let start = Continuation::new(&mut *system).restart(&all[0], point.label);
+        let curve = start.hold(kind).along("p", -1.0..=2.0).along("q", -2.0..=3.0);
         all.push(curve.settings(settings).trace().unwrap());
     }
     all
@@ -78,7 +136,8 @@ fn curves(system: &mut dyn System) -> Vec<Branch> {
 
 /// Compares the special points of two branches: their parameters, eigenvalues and numbers.
 fn compare(found: &Branch, expected: &Branch, tolerance: f64) {
-    let kinds = |branch: &Branch| -> Vec<Kind> { branch.special.iter().map(|it| it.kind).collect() };
+    let kinds =
+        |branch: &Branch| -> Vec<Kind> { branch.special.iter().map(|it| it.kind).collect() };
     assert_eq!(kinds(found), kinds(expected));
     for (found, expected) in found.special.iter().zip(&expected.special) {
         for (a, b) in found.parameters.iter().zip(&expected.parameters) {
@@ -104,22 +163,42 @@ fn compare(found: &Branch, expected: &Branch, tolerance: f64) {
     }
 }
 
-#[test]
-fn a_regular_mass_matrix_changes_nothing() {
-    let expected = curves(&mut Dense::new(Multiplied::Not));
-    let hopf = first(&expected[0], Kind::HB);
-    assert!(hopf.number("l1").is_some() && hopf.number("growth_slope").is_some());
-    for problem in [Multiplied::Constant, Multiplied::Varying] {
+/// Traces the curves of a flow, and compares them with the curves of the multiplied flow; the flow
+/// must have special points of the given kinds.
+fn changes_nothing(flow: Flow, kinds: &[Kind]) {
+    let of = |by: Matrix| Multiplied { flow, by };
+    let expected = curves(flow, &mut Dense::new(of(Matrix::Identity)));
+    for kind in kinds {
+        let points = expected.iter().flat_map(|branch| branch.of_kind(*kind));
+        let counts: Vec<usize> = points.map(|point| point.numbers.len()).collect();
+        assert!(!counts.is_empty() && !counts.contains(&0), "{kind:?}: {counts:?}");
+    }
+    for by in [Matrix::Constant, Matrix::Varying] {
         let systems: [Box<dyn System>; 2] =
-            [Box::new(Dense::new(problem)), Box::new(Sparse::new(problem))];
+            [Box::new(Dense::new(of(by))), Box::new(Sparse::new(of(by)))];
         for mut system in systems {
-            let found = curves(&mut *system);
+            let found = curves(flow, &mut *system);
             assert_eq!(found.len(), expected.len());
             for (found, expected) in found.iter().zip(&expected) {
                 compare(found, expected, 1e-10);
             }
         }
     }
+}
+
+#[test]
+fn a_regular_mass_matrix_does_not_change_bogdanov_takens_and_generalised_hopf_points() {
+    changes_nothing(Flow::Oxidation, &[Kind::LP, Kind::HB, Kind::CP, Kind::BT, Kind::GH]);
+}
+
+#[test]
+fn a_regular_mass_matrix_does_not_change_fold_hopf_points() {
+    changes_nothing(Flow::FoldHopf, &[Kind::HB, Kind::ZH]);
+}
+
+#[test]
+fn a_regular_mass_matrix_does_not_change_double_hopf_points() {
+    changes_nothing(Flow::DoubleHopf, &[Kind::HB, Kind::HH]);
 }
 
 /// The pendulum in Cartesian coordinates, an index-3 system: `x' = u`, `y' = v`, `u' = −λ x − c u`,
@@ -149,8 +228,11 @@ impl ZeroProblem for Pendulum {
 fn infinite_eigenvalues_of_index_three_are_left_out() {
     for (y, l, stiffness) in [(-1.0, 1.0, 1.0), (1.0, -1.0, -1.0)] {
         for sparse in [false, true] {
-            let mut system: Box<dyn System> =
-                if sparse { Box::new(Sparse::new(Pendulum)) } else { Box::new(Dense::new(Pendulum)) };
+            let mut system: Box<dyn System> = if sparse {
+                Box::new(Sparse::new(Pendulum))
+            } else {
+                Box::new(Dense::new(Pendulum))
+            };
             let x = [0.0, y, 0.0, 0.0, l, 0.3];
             system.assemble(&x).unwrap();
             let request = SpectrumRequest { count: usize::MAX };
@@ -253,6 +335,9 @@ fn algebraic_unknowns_in_every_cell() {
             close(hopf.number("l1").unwrap().value * cells as f64, -0.5, 1e-9);
             close(hopf.number("growth_slope").unwrap().value, 0.5, 1e-9);
             assert_eq!(branch.points.last().unwrap().unstable, Some(2));
+            let doubts = system.doubts();
+            let uncertain = doubts.is_some_and(|doubts| doubts.contains("uncertain"));
+            assert_eq!(uncertain, algebraic && cells == 120);
         }
     }
 }

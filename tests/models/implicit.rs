@@ -64,22 +64,29 @@ fn a_rate_alone_is_a_plain_flow() {
 
 /// An error with its help, and the part of the text that the error quotes.
 fn refused(equation: &str, dynamics: &str) -> (String, String) {
-    let text = format!("Residual(dynamics: {dynamics}, unknowns: [(\"x\", \"{equation}\"), (\"y\", \"x - y\")])");
-    let error = read(&text).err().expect("an error");
+    let text = format!(
+        "Residual(dynamics: {dynamics}, unknowns: [(\"x\", \"{equation}\"), (\"y\", \"x - y\")])"
+    );
+    let error = read(&text).expect_err("an error");
     let begin = error.place.column - 1;
     (one_line(&error), text[begin..begin + error.place.width].to_string())
 }
 
 #[test]
 fn other_left_hand_sides_are_refused() {
-    for equation in ["x'^2 = y", "x' - y = 1", "x'*y' = 1", "1/x' = y", "sin(x') = 0", "y + 2 - y' = 0"] {
+    for equation in
+        ["x'^2 = y", "x' - y = 1", "x'*y' = 1", "1/x' = y", "sin(x') = 0", "y + 2 - y' = 0"]
+    {
         let (message, quoted) = refused(equation, "flow");
         assert!(message.contains("must all be linear in the rates"), "{message}");
         assert!(message.contains("write each equation as `0 = g(x, y)`"), "{message}");
         assert_eq!(quoted, equation.split(" =").next().unwrap());
     }
     let (message, quoted) = refused("x = y'", "flow");
-    assert!(message.contains("the rate `y'`: rates occur only on the left-hand sides"), "{message}");
+    assert!(
+        message.contains("the rate `y'`: rates occur only on the left-hand sides"),
+        "{message}"
+    );
     assert_eq!(quoted, "y'");
     let (message, _) = refused("z' = y", "flow");
     assert!(message.contains("unknown name `z'`"), "{message}");
@@ -128,7 +135,8 @@ fn the_brusselator_with_an_algebraic_equation() {
 /// Computations that need the rates of states are refused.
 #[test]
 fn motions_are_refused() {
-    let problem = "Residual(dynamics: flow, unknowns: [(\"x\", \"x' = y\"), (\"y\", \"0 = b - x - y\")],
+    let problem =
+        "Residual(dynamics: flow, unknowns: [(\"x\", \"x' = y\"), (\"y\", \"0 = b - x - y\")],
         parameters: [(\"b\", 1)])";
     let runs = [
         "Run(name: \"r\", start: Simulated(transient: 1, duration: 1), along: [(name: \"b\", low: 0, high: 1)])",

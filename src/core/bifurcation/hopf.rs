@@ -24,7 +24,7 @@ impl Kind {
 /// unknown. For periodic orbits, the same equations define a torus point, where an orbit has the
 /// multiplier `e^{iω}`.
 ///
-/// The complex matrix `L(ω)` ([`Form::Oscillation`]; `F_z − iω` for an equilibrium) is bordered in
+/// The complex matrix `L(ω)` ([`Form::Oscillation`]; `F_z − iω M` for an equilibrium with the mass matrix `M`) is bordered in
 /// the same way as `F_z` at a fold. The border's multiplier `g = −w* L v` is complex, so the
 /// defining system consists of two equations, `Re g = Im g = 0`, with `δg = −w* δF_z v − w* (∂L/∂ω)
 /// v δω`.

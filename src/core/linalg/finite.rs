@@ -18,9 +18,15 @@ use faer::{Mat, MatRef};
 /// entries of scaled rows and columns, which are 1.
 const NO_RANK: f64 = 1e-12;
 
+/// Rounding: an algebraic equation counts as zero if it is smaller than this, relative to `A`.
+const ROUNDING: f64 = 1e-15;
+
 /// Heuristic: the eigenvalues of `M⁻¹ A` are accurate if the condition number of the scaled matrix
 /// `M` is at most this.
 const WELL_CONDITIONED: f64 = 1e6;
+
+/// The matrices `A` and `M` of a pencil.
+type Pencil = (Mat<f64>, Mat<f64>);
 
 /// Computes the finite eigenvalues `λ` of `A v = λ M v` for `n × n` matrices that are stored column
 /// by column, each as (real part, imaginary part), starting with the rightmost.
@@ -42,7 +48,7 @@ pub fn finite_eigenvalues(a: &[f64], m: &[f64], n: usize) -> Result<Spectrum, Fa
         finite(entries, |_| "an entry of a pencil".into(), "all entries must be finite")?;
     }
     let matrix = |entries| MatRef::from_column_major_slice(entries, n, n).to_owned();
-    let (mut a, mut m): (Mat<f64>, Mat<f64>) = (matrix(a), matrix(m));
+    let (mut a, mut m): Pencil = (matrix(a), matrix(m));
     scale(&mut a, &mut m);
     while let Some(smaller) = reduced(&a, &m)? {
         (a, m) = smaller;
@@ -78,7 +84,7 @@ fn scale(a: &mut Mat<f64>, m: &mut Mat<f64>) {
 }
 
 /// Removes the algebraic equations of a pencil, with as many unknowns; `None` if `M` is regular.
-fn reduced(a: &Mat<f64>, m: &Mat<f64>) -> Result<Option<(Mat<f64>, Mat<f64>)>, Failure> {
+fn reduced(a: &Mat<f64>, m: &Mat<f64>) -> Result<Option<Pencil>, Failure> {
     let n = m.nrows();
     let not_converged = |_| Failure::Eigenvalues("singular values of a mass matrix");
     let of_m = m.svd().map_err(not_converged)?;
@@ -90,7 +96,7 @@ fn reduced(a: &Mat<f64>, m: &Mat<f64>) -> Result<Option<(Mat<f64>, Mat<f64>)>, F
     let mut algebraic = turned.subrows(rank, n - rank).to_owned();
     for i in 0..n - rank {
         let size = algebraic.row(i).norm_l2();
-        if size > 0.0 {
+        if size > ROUNDING * a.norm_l2() {
             (0..n).for_each(|j| algebraic[(i, j)] /= size);
         }
     }

@@ -83,7 +83,13 @@ pub trait TracedEquations: ZeroEquations {
     fn traced_residual(&self, z: &[Traced], p: &[Traced], r: &mut [Traced]);
 
     /// Computes the products of the mass matrix with the rates and writes them into `products`.
-    fn traced_mass_product(&self, z: &[Traced], p: &[Traced], rates: &[Traced], products: &mut [Traced]);
+    fn traced_mass_product(
+        &self,
+        z: &[Traced],
+        p: &[Traced],
+        rates: &[Traced],
+        products: &mut [Traced],
+    );
 
     /// Computes the monitors of the zero problem and writes them into `values`.
     fn traced_monitors(&self, z: &[Traced], p: &[Traced], values: &mut [Traced]);
@@ -94,7 +100,13 @@ impl<P: ZeroProblem> TracedEquations for P {
         self.residual(z, p, r);
     }
 
-    fn traced_mass_product(&self, z: &[Traced], p: &[Traced], rates: &[Traced], products: &mut [Traced]) {
+    fn traced_mass_product(
+        &self,
+        z: &[Traced],
+        p: &[Traced],
+        rates: &[Traced],
+        products: &mut [Traced],
+    ) {
         self.mass_product(z, p, rates, products);
     }
 

@@ -4,14 +4,14 @@
 //! manifold `z = z₀ + W(ξ)` and the motion `R` on the manifold satisfy
 //!
 //! ```text
-//!     equilibria:  F(z₀ + W(ξ)) = DW(ξ) R(ξ),                  ξ' = R(ξ)
+//!     equilibria:  F(z₀ + W(ξ)) = M DW(ξ) R(ξ),                ξ' = R(ξ)
 //!     orbits:      F(z₀ + W(ξ)) + K (W(R(ξ)) − W(ξ)) = 0,      ξ → R(ξ) in a period
 //! ```
 //!
 //! where `K` selects the initial states in the closing condition: the next period begins at
 //! `W(R(ξ))`. The equations for equilibria and for orbits have the common form `F + K Δ W = 0`,
-//! with `K = −1` for equilibria. Deviations of equilibria change like `e^{σt}`, and `L(σ) = F_z + σ
-//! K`; deviations of orbits change by the factor `e^σ` in a period, and `L(σ) = F_z + (e^σ − 1) K`.
+//! with `K = −M` for equilibria, where `M` is the mass matrix. Deviations of equilibria change like
+//! `e^{σt}`, and `L(σ) = F_z + σ K`; deviations of orbits change by the factor `e^σ` in a period, and `L(σ) = F_z + (e^σ − 1) K`.
 //! The coefficients of each monomial `ξ^α` are computed order by order from
 //!
 //! ```text
@@ -25,7 +25,7 @@
 //! 2005). Only monomials with `e^{σ·α} = 1` change the period of an orbit: for all other monomials,
 //! the period and the phase condition are omitted from `L`.
 //!
-//! The map `R` of orbits commutes with its linear part `M`; `R = M exp(T V)` defines the rates `V`.
+//! The map `R` of orbits commutes with its linear part `R₁`; `R = R₁ exp(T V)` defines the rates `V`.
 
 use super::eigenvalue::Eigenvalue;
 use super::forms::{Forms, inner};
