@@ -67,7 +67,8 @@ pub struct Refinement {
 /// A scalar function of `x` whose gradient a [`System`] computes.
 #[derive(Clone, Copy, Debug)]
 pub enum Functional<'a> {
-    /// `wᵀ F_x[v]`, given `w` (one weight for each equation) and `v` (of the same length as `x`).
+    /// `wᵀ F_x[v]`, given `w` (one weight for each equation) and `v` (of the same length as `x`, or
+    /// followed by rates as in [`derivative`](System::derivative)).
     First(&'a [f64], &'a [f64]),
     /// `wᵀ F_xx[v, v]`, given `w` (one weight for each equation) and `v` (of the same length as
     /// `x`).
@@ -110,7 +111,9 @@ pub trait System: Send {
     fn factor(&mut self, form: Form, border: Border, into: &mut Factors) -> Result<(), Failure>;
 
     /// Computes the derivative `F_x[d]`, `F_xx[d, e]` or `F_xxx[d, e, f]` at `x` along one to three
-    /// directions (each of the same length as `x`) and writes it into `out`.
+    /// directions (each of the same length as `x`) and writes it into `out`. For a flow with a mass
+    /// matrix ([`Dynamics::Implicit`]), each direction can also contain, after its other components,
+    /// the derivatives of the rates `z'`; `F − M z'` then replaces `F`, at `z' = 0`.
     ///
     /// # Errors
     /// [`Failure`] if `x` is outside the domain, the derivative is not finite, or the number of
@@ -178,7 +181,9 @@ pub trait System: Send {
 
     /// Returns the Taylor coefficients of `F(z + W(ξ), p)` for a polynomial `W` with the
     /// coefficients `terms` (each of the same length as `z`); the coefficients are in the order of
-    /// the monomials in `ξ`. The constant term of the polynomial `W` is zero. The default
+    /// the monomials in `ξ`. The constant term of the polynomial `W` is zero. For a flow with a mass
+    /// matrix, the coefficients can also contain, after the coefficients of `W`, the coefficients of
+    /// the rates `z'`; `F − M z'` then replaces `F`. The default
     /// implementation uses [`derivative`](System::derivative), so the order is at most 3.
     ///
     /// # Errors

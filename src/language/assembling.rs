@@ -290,9 +290,31 @@ impl<'s> Assembling<'s> {
             "e" => Ok(Value::number(std::f64::consts::E)),
             _ => {
                 let phrase = &self.phrases[origin.phrase];
+                let state = name.split_once('\'').map(|(name, indices)| format!("{name}{indices}"));
+                if state.is_some_and(|state| self.scope.is_state(&state)) {
+                    return Err(self.misplaced_rate(name, origin));
+                }
                 Err(self.scope.unknown("name", name, phrase, origin.part.clone()))
             }
         }
+    }
+
+    /// Returns the error for a rate in a formula that is not a left-hand side of an equation.
+    fn misplaced_rate(&self, name: &str, origin: &Origin) -> ModelError {
+        let what = format!("the rate `{name}`");
+        let reason = "rates occur only on the left-hand sides of equations".into();
+        self.fault(origin, Fault::Misplaced { what, reason }).with_help(
+            "only a `Residual` with `dynamics: flow` has equations with left-hand sides, such as \
+             `2*x' + y' = f`; `=` separates the two sides",
+        )
+    }
+
+    /// Returns the difference of two values that are computed from a formula.
+    pub fn difference(&mut self, formula: &Formula, values: [Value; 2]) -> Value {
+        let known = self.phrases.iter().position(|known| known.is(&formula.phrase));
+        let part = 0..formula.phrase.text.len();
+        let origin = Origin { phrase: known.unwrap_or(0), part };
+        self.assembly.apply(Operation::Subtract, &values, &origin)
     }
 
     fn definition(&mut self, name: &str, k: usize, origin: &Origin) -> Result<Value, ModelError> {

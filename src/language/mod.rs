@@ -29,6 +29,7 @@ mod elements;
 mod events;
 mod filippov;
 mod hybrid;
+mod implicit;
 mod kinds;
 mod layout;
 mod map;

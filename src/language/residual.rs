@@ -3,8 +3,9 @@
 use super::assembling::{Assembling, Program};
 use super::basis::{Basis, Kind, recorded, values_of};
 use super::duration::Duration;
-use super::source::{ModelError, Source};
-use super::statement::Residual;
+use super::implicit::Sides;
+use super::source::{Fault, ModelError, Phrase, Source};
+use super::statement::{Residual, Static};
 use super::tape::Tape;
 use crate::core::problem::{Dynamics, Names, ZeroProblem};
 use crate::core::scalar::Scalar;
@@ -16,6 +17,9 @@ pub struct Zero {
     basis: Basis,
     names: Names,
     residual: Program,
+    /// The products of the mass matrix with the rates, as functions of the unknowns and their rates;
+    /// `None` for the identity matrix.
+    mass: Option<Tape>,
     /// The unknowns that are shown in columns of their own, and the long arrays whose norms are
     /// shown in columns.
     recorded: (Vec<usize>, Vec<Range<usize>>),
@@ -29,11 +33,19 @@ pub(super) fn understood(
     statement: &Residual,
     given: &[String],
 ) -> Result<Zero, ModelError> {
-    let (common, unknowns) = (statement.common(), (&statement.unknowns, "unknown"));
+    let (common, sides) = (statement.common(), Sides::of(source, &statement.unknowns));
+    let unknowns = (&sides.right, "unknown");
     let (mut basis, scope, rows) = Basis::of_rates(source, common, unknowns, given)?;
     let mut assembling = Assembling::new(&scope);
     assembling.check_named()?;
-    let residual = values_of(&mut assembling, &rows)?;
+    let mut residual = values_of(&mut assembling, &rows)?;
+    if let Some(first) = sides.first().filter(|_| statement.dynamics != Static::Flow) {
+        return Err(without_rates(source, first));
+    }
+    let left = sides.assemble(&scope, &rows)?;
+    if let Some(left) = &left {
+        left.subtract(&mut assembling, &mut residual)?;
+    }
     // The equations are checked one by one and evaluated together.
     basis.finish(common, &[&scope], Duration::default(), false)?;
     let (single, arrays) = recorded(&basis.states);
@@ -45,9 +57,19 @@ pub(super) fn understood(
     let tape = assembling.tape(&stated);
     scope.refuse_time("equations without dynamics cannot contain the time")?;
     let names = Names::new(basis.groups.clone(), basis.parameters.clone()).with_monitors(monitors);
-    let (residual, dynamics) = (assembling.program(residual), statement.dynamics.into());
-    let recorded = (single, arrays);
-    Ok(Zero { basis, names, residual, recorded, monitors: tape, dynamics })
+    let residual = assembling.program(residual);
+    let dynamics = if left.is_some() { Dynamics::Implicit } else { statement.dynamics.into() };
+    let (mass, recorded) = (left.map(|left| left.mass), (single, arrays));
+    Ok(Zero { basis, names, residual, mass, recorded, monitors: tape, dynamics })
+}
+
+/// Returns the error for the left-hand side of an equation that does not describe a flow.
+fn without_rates(source: &Source, left: &Phrase) -> ModelError {
+    let what = format!("the left-hand side `{}`", left.text.trim());
+    let reason = "only the equations of a flow have left-hand sides".into();
+    source.fault_of(left, Fault::Misplaced { what, reason }).with_help(
+        "set `dynamics: flow`, or write a formula that is zero at a solution; `==` compares two values",
+    )
 }
 
 impl Kind for Zero {
@@ -93,5 +115,12 @@ impl ZeroProblem for Zero {
 
     fn dynamics(&self) -> Dynamics {
         self.dynamics
+    }
+
+    fn mass_product<T: Scalar>(&self, z: &[T], p: &[T], rates: &[T], products: &mut [T]) {
+        match &self.mass {
+            Some(mass) => mass.evaluate(T::zero(), &[z, rates].concat(), p, products),
+            None => products.copy_from_slice(rates),
+        }
     }
 }

@@ -159,6 +159,19 @@ impl Phrase {
         Phrase { text, span: self.span.clone() }
     }
 
+    /// Returns a part of the phrase; the part of a rewritten phrase has the position of the whole
+    /// original.
+    pub(super) fn part(&self, source: &Source, part: Range<usize>) -> Phrase {
+        let text = self.text[part.clone()].to_string();
+        let span = match &self.span {
+            Some(whole) if source.text.get(whole.clone()) == Some(&self.text) => {
+                Some(whole.start + part.start..whole.start + part.end)
+            }
+            whole => whole.clone(),
+        };
+        Phrase { text, span }
+    }
+
     /// Returns whether two phrases have the same text at the same position.
     pub(super) fn is(&self, other: &Phrase) -> bool {
         self.span == other.span && self.text == other.text

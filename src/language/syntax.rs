@@ -167,11 +167,22 @@ pub(super) struct Formula {
     pub nodes: Vec<Node>,
 }
 
+/// The help for an equation in place of a formula.
+const SEPARATED: &str = "`==` compares two values; equations with left-hand sides, such as `0 = g(x, y)` or \
+                         `2*x' + y' = f(x, y)`, belong to the unknowns of a `Residual` with \
+                         `dynamics: flow`";
+
 impl Formula {
     /// Parses a formula.
     pub fn read(source: &Source, phrase: &Phrase) -> Result<Formula, ModelError> {
         let nodes = nodes(&phrase.text, Dialect::Own);
-        let nodes = nodes.map_err(|(part, fault)| source.fault(phrase, part, fault))?;
+        let nodes = nodes.map_err(|(part, fault)| {
+            let error = source.fault(phrase, part.clone(), fault);
+            match &phrase.text[part] {
+                "=" => error.with_help(SEPARATED),
+                _ => error,
+            }
+        })?;
         Ok(Formula { phrase: phrase.clone(), nodes })
     }
 }
@@ -289,7 +300,7 @@ fn symbol<'a>(
 }
 
 /// Parses a name, which consists of letters, digits and underscores and does not start with a
-/// digit. The only name with a prime is the index `i'` of a sum in XPPAUT's notation.
+/// digit. The index `i'` of a sum in XPPAUT's notation has a prime.
 fn name(input: &mut Input) -> ModalResult<String> {
     let (dialect, _) = input.state;
     let inner = move |c: char| dialect.is_letter(c) || dialect.is_digit(c);
@@ -407,10 +418,12 @@ fn operand(input: &mut Input) -> ModalResult<Vec<Node>> {
         expected(symbol(")"), "an operator or `)`").parse_next(input)?;
         return Ok(nodes);
     }
-    let name = expected(name, "a number, a name or `(`").parse_next(input)?;
+    let mut name = expected(name, "a number, a name or `(`").parse_next(input)?;
+    prime(&mut name, input)?;
     if dialect == Dialect::Own && opt(symbol("[")).parse_next(input)?.is_some() {
         let (mut nodes, indices) = list(input)?;
         expected(symbol("]"), "an operator or `]`").parse_next(input)?;
+        prime(&mut name, input)?;
         if opt(symbol("(")).parse_next(input)?.is_none() {
             nodes.push(node(Step::Element(name, indices), input));
             return Ok(nodes);
@@ -433,6 +446,15 @@ fn operand(input: &mut Input) -> ModalResult<Vec<Node>> {
             Ok(nodes)
         }
     }
+}
+
+/// Parses the prime of a rate, such as `x'` or `u[i]'`, and adds it to the name.
+fn prime(name: &mut String, input: &mut Input) -> ModalResult<()> {
+    let is_own = input.state.0 == Dialect::Own && !name.ends_with('\'');
+    if is_own && opt(symbol("'")).parse_next(input)?.is_some() {
+        name.push('\'');
+    }
+    Ok(())
 }
 
 /// Parses a list of formulas separated by commas, and returns their number.

@@ -7,7 +7,7 @@ use super::discretisation::{
 use super::error::SceneError;
 use super::local::Local;
 use super::plane::PlaneMap;
-use super::problem::{Configured, Model, Parameters, Profiles};
+use super::problem::{Configured, LUMPED, Model, Parameters, Profiles, SIMULATED};
 use super::simulate::{Simulated, rested, stated};
 use crate::core::bvp::{ErasedProblem, Guess};
 use crate::core::cancel::CancelToken;
@@ -18,7 +18,7 @@ use crate::core::local_map::{self, LocalMap};
 use crate::core::manifold::{Manifold, ManifoldError, ManifoldSettings, Side, manifold};
 use crate::core::orbit::{HybridOrbit, Itinerary, ItineraryError, MapCycle, PeriodicOrbit, Smooth};
 use crate::core::problem::DiscreteMap;
-use crate::core::problem::{Equilibria, VectorField, ZeroProblem};
+use crate::core::problem::{Dynamics, Equilibria, VectorField, ZeroProblem};
 use crate::core::system::{Matrices, System, ZeroSystem};
 use std::sync::Arc;
 
@@ -41,10 +41,18 @@ fn refuse_large(unknowns: usize) -> Result<(), SceneError> {
     )))
 }
 
+/// The remedy for flows with a mass matrix, which cannot be simulated.
+const EXPLICIT: &str = "branches of equilibria and of Hopf points support a mass matrix; for a simulation \
+                        or a periodic orbit, solve the algebraic equations by hand and write the rates \
+                        as formulas, as in `Equations(states: [(\"x\", \"-x + y\"), …])`";
+
 /// A zero problem in a scene; it needs no discretisation.
 impl<P: ZeroProblem + 'static> Model for Configured<Arc<P>, ZeroSettings> {
     fn kind(&self) -> &'static str {
-        "a zero problem"
+        match self.problem.dynamics() {
+            Dynamics::Implicit => "a flow with a mass matrix",
+            _ => "a zero problem",
+        }
     }
 
     fn parameters(&self) -> Parameters {
@@ -53,6 +61,13 @@ impl<P: ZeroProblem + 'static> Model for Configured<Arc<P>, ZeroSettings> {
 
     fn system(&self, _p: &[f64], _reach: &[f64]) -> Result<Box<dyn System>, SceneError> {
         Ok(Box::new(ZeroSystem::structured(self.problem.clone(), self.settings.matrices)))
+    }
+
+    fn motion(&self) -> Result<Arc<dyn HybridEquations>, SceneError> {
+        Err(match self.problem.dynamics() {
+            Dynamics::Implicit => self.lacks(SIMULATED, EXPLICIT),
+            _ => self.lacks(SIMULATED, LUMPED),
+        })
     }
 }
 

@@ -29,7 +29,8 @@ use std::sync::Arc;
 /// without a default value.
 pub(super) type Parameters = Vec<(String, Option<f64>)>;
 
-const SIMULATED: &str = "only vector fields and hybrid systems can be simulated";
+/// The requirement of simulations.
+pub(super) const SIMULATED: &str = "only vector fields and hybrid systems can be simulated";
 
 /// The remedy for problems that cannot be simulated.
 pub(super) const LUMPED: &str = "static equations have no motion to simulate: write a lumped model of the motion, such \

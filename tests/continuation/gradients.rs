@@ -6,19 +6,21 @@ use proptest::prelude::*;
 use tangency::core::bifurcation::{
     At, BranchPoint, DefiningSystem, DegenerateFold, Fold, Hopf, Level, NullSpace, Quantity,
 };
-use tangency::core::problem::{Names, ZeroProblem};
+use tangency::core::problem::{Dynamics, Names, ZeroProblem};
 use tangency::core::scalar::Scalar;
-use tangency::core::system::{Dense, Functional, Kind, System};
+use tangency::core::system::{Dense, Functional, Kind, Sparse, System};
 
 const N: usize = 3;
 const LENGTH: usize = 5;
 
-/// `Fᵢ = Σⱼ aᵢⱼ xⱼ + bᵢ (cᵢ·x)² + dᵢ (eᵢ·x)³`, in three unknowns and two parameters.
+/// `Fᵢ = Σⱼ aᵢⱼ xⱼ + bᵢ (cᵢ·x)² + dᵢ (eᵢ·x)³`, in three unknowns and two parameters; a flow, with a
+/// mass matrix that depends on the unknowns and parameters if `implicit`.
 #[derive(Clone, Debug)]
 struct Polynomial {
     linear: Vec<f64>,
     quadratic: Vec<f64>,
     cubic: Vec<f64>,
+    implicit: bool,
 }
 
 fn form<T: Scalar>(coefficients: &[f64], i: usize, z: &[T], p: &[T]) -> T {
@@ -37,6 +39,18 @@ impl ZeroProblem for Polynomial {
                 + form(&self.cubic, i, z, p).powi(3);
         }
     }
+    fn dynamics(&self) -> Dynamics {
+        if self.implicit { Dynamics::Implicit } else { Dynamics::Flow }
+    }
+    fn mass_product<T: Scalar>(&self, z: &[T], p: &[T], rates: &[T], products: &mut [T]) {
+        for (i, product) in products.iter_mut().enumerate() {
+            *product = rates[i] * 1.5;
+            for (j, rate) in rates.iter().enumerate() {
+                let entry = form(&self.cubic, (i + j) % N, z, p) * 0.3;
+                *product += *rate * (entry + form(&self.linear, j, z, p).powi(2) * 0.1);
+            }
+        }
+    }
     fn monitors<T: Scalar>(&self, z: &[T], p: &[T], values: &mut [T]) {
         values[0] = form(&self.linear, 0, z, p).powi(3);
     }
@@ -48,8 +62,9 @@ fn numbers(length: usize) -> impl Strategy<Value = Vec<f64>> {
 
 fn polynomial() -> impl Strategy<Value = Polynomial> {
     let size = N * LENGTH;
-    (numbers(size), numbers(size), numbers(size))
-        .prop_map(|(linear, quadratic, cubic)| Polynomial { linear, quadratic, cubic })
+    (numbers(size), numbers(size), numbers(size), any::<bool>()).prop_map(
+        |(linear, quadratic, cubic, implicit)| Polynomial { linear, quadratic, cubic, implicit },
+    )
 }
 
 /// The step of differences.
@@ -127,10 +142,48 @@ proptest! {
         }
     }
 
+    /// Derivatives of `F − M z'` along directions with rates, and their gradients, against differences
+    /// of first derivatives, for dense and sparse matrices.
+    #[test]
+    fn derivatives_with_rates(
+        problem in polynomial(),
+        x in numbers(LENGTH),
+        d in numbers(LENGTH + N),
+        e in numbers(LENGTH + N),
+        w in numbers(N),
+    ) {
+        let systems: [Box<dyn System>; 2] =
+            [Box::new(Dense::new(problem.clone())), Box::new(Sparse::new(problem))];
+        for mut system in systems {
+            system.assemble(&x).unwrap();
+            let at_rest = [&[0.0; LENGTH][..], &d[LENGTH..]].concat();
+            let [mut out, mut first] = [vec![0.0; N], vec![0.0; N]];
+            system.derivative(&x, &[&d, &e], &mut out).unwrap();
+            let mut slope = |along: &[f64], of: &[f64]| {
+                difference(&x, &along[..LENGTH], H, |x| {
+                    system.derivative(x, &[of], &mut first).unwrap();
+                    first.clone()
+                })
+            };
+            let [one, other] = [slope(&d, &e), slope(&e, &at_rest)];
+            let sum: Vec<f64> = one.iter().zip(other).map(|(one, other)| one + other).collect();
+            agree(&out, &sum, 1e-9);
+            let expected: Vec<f64> = (0..LENGTH).map(|i| dot(&w, &slope(&unit(i), &d))).collect();
+            let mut gradient = vec![0.0; LENGTH];
+            system.gradient(&x, Functional::First(&w, &d), &[0, 1], &mut gradient).unwrap();
+            agree(&gradient, &expected, 1e-9);
+        }
+    }
+
     /// Gradients of every condition against differences of its values, by `x` and by its own
     /// unknowns.
     #[test]
-    fn gradients_of_conditions(problem in polynomial(), x in numbers(LENGTH), y in 0.2..2.0_f64) {
+    fn gradients_of_conditions(
+        problem in polynomial(),
+        x in numbers(LENGTH),
+        y in 0.2..2.0_f64,
+        sparse in any::<bool>(),
+    ) {
         let conditions: Vec<Box<dyn DefiningSystem>> = vec![
             Box::<Fold>::default(),
             Box::new(DegenerateFold::cusp()),
@@ -140,10 +193,11 @@ proptest! {
             Box::new(Level::new(Quantity::Monitor(0), 0.3, Kind::UZ)),
             Box::new(Level::new(Quantity::Parameter(1), 0.3, Kind::UZ)),
         ];
-        let mut system = Dense::new(problem);
+        let mut system: Box<dyn System> =
+            if sparse { Box::new(Sparse::new(problem)) } else { Box::new(Dense::new(problem)) };
         for mut condition in conditions {
             let (k, mut null) = (condition.unknowns(), NullSpace::default());
-            let at = At { system: &mut system, x: &x, released: &[0, 1], held: &[], null: &mut null };
+            let at = At { system: &mut *system, x: &x, released: &[0, 1], held: &[], null: &mut null };
             // No complex pair: not near a Hopf point, and refused as such.
             if condition.start(at, &mut vec![0.0; k]).is_err() {
                 continue;
@@ -151,7 +205,7 @@ proptest! {
             let own = vec![y; k];
             let mut evaluate = |x: &[f64], own: &[f64]| {
                 let mut values = vec![0.0; k + 1];
-                let at = At { system: &mut system, x, released: &[0, 1], held: &[], null: &mut null };
+                let at = At { system: &mut *system, x, released: &[0, 1], held: &[], null: &mut null };
                 condition.values(at, own, &mut values).unwrap();
                 values
             };
@@ -171,7 +225,7 @@ proptest! {
             let by_y = (k == 1).then(|| by(&own, &[1.0], &mut |y| evaluate(&x, y)));
             evaluate(&x, &own);
             let (mut rows, mut own_rows) = (vec![0.0; (k + 1) * LENGTH], vec![0.0; (k + 1) * k]);
-            let at = At { system: &mut system, x: &x, released: &[0, 1], held: &[], null: &mut null };
+            let at = At { system: &mut *system, x: &x, released: &[0, 1], held: &[], null: &mut null };
             condition.gradients(at, &mut rows, &mut own_rows).unwrap();
             let check = |found: f64, (expected, doubt): (f64, f64)| {
                 close(found, expected, 1e-6 * expected.abs().max(1.0) + doubt);

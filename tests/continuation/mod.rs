@@ -13,6 +13,7 @@ mod flow;
 mod flow_failures;
 mod gradients;
 mod linear;
+mod mass;
 mod mixed;
 mod multiple_branch_points;
 mod newton;

@@ -48,7 +48,9 @@ fn formulas() {
     says(&of("(x + 1»«"), "expected an operator or `)`");
     says(&of("x »x«"), "expected an operator, as in `2*x`, or the end of the formula");
     says(&of("2»x«"), "expected an operator, as in `2*x`");
-    says(&of("x»'« + 1"), "expected an operator");
+    says(&of("»x'« + 1"), "the rate `x'`: rates occur only on the left-hand sides of equations");
+    says(&of("»z'« + 1"), "unknown name `z'`");
+    says(&of("x' »=« 1"), "expected an operator, as in `2*x`, or the end of the formula");
     says(&of("x + »§« 2"), "expected a number, a name or `(`");
     says(&of("if(x, 1»)«"), "expected an operator, `,` or `)`");
     says(

@@ -9,6 +9,7 @@ mod hybrid_equilibria;
 mod hybrid_findings;
 mod hybrid_invariance;
 mod hybrid_jumps;
+mod implicit;
 mod language;
 mod lasting_sliding;
 mod library;

@@ -104,7 +104,7 @@ impl Solutions {
     pub fn are(self, dynamics: Dynamics) -> bool {
         match self {
             Solutions::Any => true,
-            Solutions::Equilibria => dynamics == Dynamics::Flow,
+            Solutions::Equilibria => dynamics.is_flow(),
             Solutions::Orbits => dynamics == Dynamics::Periodic,
         }
     }

@@ -18,6 +18,7 @@ use super::defining_system::DefiningSystem;
 use super::null::NullVectors;
 use crate::core::failure::Failure;
 use crate::core::linalg::{Form, dot};
+use crate::core::problem::Dynamics;
 use crate::core::system::{Functional, Kind};
 
 impl Kind {
@@ -29,8 +30,8 @@ impl Kind {
 
 /// A degenerate point of a curve of folds: a cusp, where `a = wᵀ F_zz[v, v] = 0`, or a
 /// Bogdanov–Takens point, where `c = wᵀ L' v = 0` and the eigenvalue zero is double. For
-/// equilibria, `L' = −1` is the derivative of the linearisation `L(σ) = F_z − σ` with respect to
-/// the exponent `σ` of deviations. With the `L'` of periodic orbits, `c = 0` defines a resonance
+/// equilibria, `L' = −M` is the derivative of the linearisation `L(σ) = F_z − σ M` with respect to
+/// the exponent `σ` of deviations; the mass matrix `M` is the identity matrix for most flows. With the `L'` of periodic orbits, `c = 0` defines a resonance
 /// 1:1 on curves of folds, and a resonance 1:2 on curves of period doublings.
 pub struct DegenerateFold {
     kind: Kind,
@@ -137,7 +138,14 @@ impl DefiningSystem for DegenerateFold {
             self.adjoint[..n].iter_mut().zip(&self.gradient).for_each(|(q, form)| *q = 2.0 * form);
             self.direct[..n].copy_from_slice(&self.second);
         } else {
-            rows.fill(0.0);
+            match system.dynamics() {
+                // The mass matrix in L' = −M can depend on x.
+                Dynamics::Implicit => {
+                    let at_rest = [&vec![0.0; x.len()], &right[..n]].concat();
+                    system.gradient(x, Functional::First(left, &at_rest), released, rows)?;
+                }
+                _ => rows.fill(0.0),
+            }
             factors.growth_derivative_transposed(left, &mut self.adjoint[..n]);
             self.direct[..n].copy_from_slice(&self.growth);
         }

@@ -11,7 +11,7 @@ use super::test_function::{
 use crate::core::failure::Failure;
 use crate::core::linalg::{Form, SpectrumRequest, dot};
 use crate::core::problem::Dynamics;
-use crate::core::system::{Functional, Kind};
+use crate::core::system::{Functional, Kind, System};
 
 impl Kind {
     /// `HB`: a Hopf point.
@@ -24,7 +24,7 @@ impl Kind {
 /// unknown. For periodic orbits, the same equations define a torus point, where an orbit has the
 /// multiplier `e^{iω}`.
 ///
-/// The complex matrix `L(ω)` ([`Form::Oscillation`]; `F_z − iω` for an equilibrium) is bordered in
+/// The complex matrix `L(ω)` ([`Form::Oscillation`]; `F_z − iω M` for an equilibrium with the mass matrix `M`) is bordered in
 /// the same way as `F_z` at a fold. The border's multiplier `g = −w* L v` is complex, so the
 /// defining system consists of two equations, `Re g = Im g = 0`, with `δg = −w* δF_z v − w* (∂L/∂ω)
 /// v δω`.
@@ -136,6 +136,7 @@ impl DefiningSystem for Hopf {
         let NullVectors { left, right, factors, .. } =
             null.of(system, x, Form::Oscillation(self.omega), None)?;
         let (left_real, left_imaginary) = left[0].split_at(n);
+        let motions = motions(system, x, [&right[0], &right[1]], self.omega);
         rows.fill(0.0);
         // w* δF v = (wᵣ − i wᵢ)ᵀ δF (vᵣ + i vᵢ); the gradient of g is its negative.
         for (w, v, row, sign) in [
@@ -144,7 +145,7 @@ impl DefiningSystem for Hopf {
             (left_real, 1, length, -1.0),
             (left_imaginary, 0, length, 1.0),
         ] {
-            system.gradient(x, Functional::First(w, &right[v]), released, &mut self.form)?;
+            system.gradient(x, Functional::First(w, &motions[v]), released, &mut self.form)?;
             rows[row..row + length].iter_mut().zip(&self.form).for_each(|(r, f)| *r += sign * f);
         }
         self.vector[..n].copy_from_slice(&right[0][..n]);
@@ -162,6 +163,23 @@ impl DefiningSystem for Hopf {
             own.adapt();
         }
     }
+}
+
+/// Returns the real and imaginary parts of a complex direction that changes like `e^{iωt}`; for a
+/// flow with a mass matrix, each part is followed by its rates.
+pub(super) fn motions(
+    system: &dyn System,
+    x: &[f64],
+    [re, im]: [&[f64]; 2],
+    omega: f64,
+) -> [Vec<f64>; 2] {
+    if system.dynamics() != Dynamics::Implicit {
+        return [re.to_vec(), im.to_vec()];
+    }
+    let n = system.names().dimension();
+    let rates = |of: &[f64], factor: f64| of[..n].iter().map(move |v| factor * v).collect();
+    let (re_rates, im_rates): (Vec<f64>, Vec<f64>) = (rates(im, -omega), rates(re, omega));
+    [[&re[..x.len()], &re_rates].concat(), [&im[..x.len()], &im_rates].concat()]
 }
 
 /// Returns the imaginary part of the complex pair nearest to the imaginary axis, or the angle of

@@ -72,7 +72,7 @@ impl Stability {
 /// since the number of other such pairs is even. Neutral eigenvalues and multipliers are excluded.
 fn has_odd_pairs(dynamics: Dynamics, spectrum: &[(f64, f64)], neutral: f64) -> bool {
     let grows = |a: f64, b: f64| match dynamics {
-        Dynamics::Flow => a + b > 0.0,
+        Dynamics::Flow | Dynamics::Implicit => a + b > 0.0,
         Dynamics::Periodic => a * b > 1.0,
         _ => false,
     };

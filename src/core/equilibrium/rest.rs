@@ -143,6 +143,10 @@ impl<T: EventNumber> ZeroFunctions<T> for RestInMode {
     fn residual_in(&self, z: &[T], p: &[T], r: &mut [T]) {
         left_sides((self.system(), self.mode), z, p, r);
     }
+
+    fn mass_product_in(&self, _z: &[T], _p: &[T], rates: &[T], products: &mut [T]) {
+        products.copy_from_slice(rates);
+    }
 }
 
 impl<T: GuardNumber + MeasureNumber> ZeroMonitors<T> for RestInMode {

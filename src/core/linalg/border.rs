@@ -37,7 +37,8 @@ pub enum Form {
     /// The matrix `F_z` of periodic orbits with the Floquet multiplier −1: the boundary conditions
     /// are replaced by `x(1) = −x(0)`, and extra unknowns, such as the period, are zero.
     Antiperiodic,
-    /// A complex matrix: `F_z − iω` about an equilibrium, or `F_z` of periodic orbits with the
+    /// A complex matrix: `F_z − iω M` about an equilibrium (`M` is the mass matrix, or the identity
+    /// matrix), or `F_z` of periodic orbits with the
     /// Floquet multiplier `e^{iω}`.
     ///
     /// Complex vectors are given as the real parts of all components, followed by the imaginary
@@ -57,7 +58,7 @@ pub struct SpectrumRequest {
 }
 
 /// The eigenvalues of the linearised motion, each as (real part, imaginary part). For an
-/// equilibrium, the spectrum consists of the eigenvalues of `z' = F_z z` for a flow, or of `−∇²Π`
+/// equilibrium, the spectrum consists of the finite eigenvalues of `M z' = F_z z` for a flow, or of `−∇²Π`
 /// (with the mass matrix, if the system defines one) for a potential, starting with the rightmost.
 /// For a periodic orbit, the spectrum consists of the Floquet multipliers except the trivial
 /// multiplier, starting with the largest.

@@ -147,20 +147,26 @@ impl ComplexFactors for BorderedLu<c64> {
 }
 
 impl ShiftedLu {
-    /// Factors the bordered matrix `A − iω` (`A` stored column by column), whose border consists of
-    /// complex columns and rows, each given as real parts followed by imaginary parts, and a zero
-    /// corner. The rows of the border enter as their complex conjugates.
-    pub fn factor(&mut self, matrix: &[f64], omega: f64, border: Border) -> Result<(), Failure> {
-        let outcome = self.factor_in_units(matrix, omega, border, &[]);
+    /// Factors the bordered matrix `A − iω M` (`A` and `M` stored column by column; without `M`,
+    /// the identity matrix), whose border consists of complex columns and rows, each given as real
+    /// parts followed by imaginary parts, and a zero corner. The rows of the border enter as their
+    /// complex conjugates.
+    pub fn factor(
+        &mut self,
+        pencil: (&[f64], Option<&[f64]>),
+        omega: f64,
+        border: Border,
+    ) -> Result<(), Failure> {
+        let outcome = self.factor_in_units(pencil, omega, border, &[]);
         match differ(border.units) {
-            true => outcome.or_else(|_| self.factor_in_units(matrix, omega, border, border.units)),
+            true => outcome.or_else(|_| self.factor_in_units(pencil, omega, border, border.units)),
             false => outcome,
         }
     }
 
     fn factor_in_units(
         &mut self,
-        matrix: &[f64],
+        (matrix, mass): (&[f64], Option<&[f64]>),
         omega: f64,
         border: Border,
         units: &[f64],
@@ -174,7 +180,13 @@ impl ShiftedLu {
             for (entry, real) in column.iter_mut().zip(&matrix[j * n..(j + 1) * n]) {
                 *entry = c64::new(*real, 0.0);
             }
-            column[j].im = -omega;
+            match mass {
+                None => column[j].im = -omega,
+                Some(mass) => {
+                    let mass = &mass[j * n..(j + 1) * n];
+                    column.iter_mut().zip(mass).for_each(|(entry, m)| entry.im = -omega * m);
+                }
+            }
         }
         for k in 0..m {
             let [column, row] =

@@ -24,8 +24,10 @@ mod chain;
 mod condensed;
 mod cycle;
 mod factors;
+mod finite;
 mod front;
 mod lu;
+mod mass;
 mod pencil;
 mod sparse;
 mod vector;
@@ -42,10 +44,12 @@ pub(in crate::core) use condensed::{Condensed, CondensedLu, RotatedLu};
 pub(in crate::core) use cycle::{Blocks, Cycle};
 pub(crate) use factors::ShiftedLu;
 pub use factors::{Factorisation, Factors};
+pub use finite::finite_eigenvalues;
 pub use lu::BorderedLu;
 pub(in crate::core) use lu::{differ, solved, unit};
+pub(in crate::core) use mass::{MassMatrix, factors_with_mass};
 pub use pencil::multipliers;
 pub(in crate::core) use pencil::undetermined;
 pub(in crate::core) use sparse::{
-    Elimination, Lanes, Largest, Leading, Pattern, Rightmost, SparseLu, SparseShiftedLu,
+    Elimination, Lanes, Largest, Leading, Pattern, Pencil, Rightmost, SparseLu, SparseShiftedLu,
 };

@@ -16,6 +16,11 @@ pub enum Dynamics {
     /// negative real part.
     #[default]
     Flow,
+    /// The flow `M(z, p) z' = F(z, p)`, whose mass matrix `M` is given by
+    /// [`ZeroProblem::mass_product`] and can be singular: an equilibrium is stable if every finite
+    /// eigenvalue `λ` of `F_z v = λ M v` has a negative real part. Infinite eigenvalues, which
+    /// belong to algebraic equations, are left out.
+    Implicit,
     /// The gradient of a potential, `F = ∇Π`: an equilibrium is stable if the Hessian `F_z` is
     /// positive definite.
     Potential,
@@ -28,6 +33,19 @@ pub enum Dynamics {
     Periodic,
     /// The residual does not represent any dynamics, so that stability is not reported.
     None,
+}
+
+impl Dynamics {
+    /// Whether the residual contains the rates of a flow, with or without a mass matrix.
+    ///
+    /// ```
+    /// use tangency::core::problem::Dynamics;
+    /// assert!(Dynamics::Flow.is_flow() && Dynamics::Implicit.is_flow());
+    /// assert!(!Dynamics::Potential.is_flow());
+    /// ```
+    pub fn is_flow(self) -> bool {
+        matches!(self, Dynamics::Flow | Dynamics::Implicit)
+    }
 }
 
 /// A zero problem `F(z, p) = 0` as users define it, written once for all scalar types; derivatives
@@ -87,6 +105,43 @@ pub trait ZeroProblem: Send + Sync {
     /// Returns the dynamics that the residual represents near an equilibrium.
     fn dynamics(&self) -> Dynamics {
         Dynamics::Flow
+    }
+
+    /// Computes the products `M(z, p) z'` of the mass matrix with the rates `z'` and writes them
+    /// into `products`, for [`Dynamics::Implicit`]. The products must be linear in the rates. An
+    /// algebraic equation has the product 0. By default, `M` is the identity matrix.
+    ///
+    /// ```
+    /// use tangency::prelude::*;
+    /// use tangency::core::problem::Dynamics;
+    /// use tangency::core::scalar::Scalar;
+    /// /// `2 x' = a x − y − x³`, `y' + x' = x`, `0 = s − x − y`.
+    /// struct Circuit;
+    /// impl ZeroProblem for Circuit {
+    ///     fn names(&self) -> Names {
+    ///         Names::new(["x", "y", "s"], ["a"])
+    ///     }
+    ///     fn residual<T: Scalar>(&self, z: &[T], p: &[T], r: &mut [T]) {
+    ///         let [x, y, s] = *z else { return };
+    ///         r.copy_from_slice(&[p[0] * x - y - x.powi(3), x, s - x - y]);
+    ///     }
+    ///     fn dynamics(&self) -> Dynamics {
+    ///         Dynamics::Implicit
+    ///     }
+    ///     fn mass_product<T: Scalar>(&self, _z: &[T], _p: &[T], rates: &[T], products: &mut [T]) {
+    ///         products.copy_from_slice(&[rates[0] * 2.0, rates[1] + rates[0], T::zero()]);
+    ///     }
+    /// }
+    /// // The eigenvalues of `2 λ² − (a + 1) λ + 1 = 0` are ±i/√2 at a = −1.
+    /// let mut circuit = Dense::new(Circuit);
+    /// let start = Continuation::new(&mut circuit).from(&[0.0; 3]).at("a", -2.0);
+    /// let branch = start.along("a", -2.0..=0.0).trace()?;
+    /// let hopf = branch.of_kind(Kind::HB).next().expect("a Hopf point");
+    /// assert!((hopf.parameters[0] + 1.0).abs() < 1e-12);
+    /// # Ok::<(), tangency::core::continuation::TraceError>(())
+    /// ```
+    fn mass_product<T: Scalar>(&self, _z: &[T], _p: &[T], rates: &[T], products: &mut [T]) {
+        products.copy_from_slice(rates);
     }
 
     /// Returns the curves that are stored with special points and drawn for them.

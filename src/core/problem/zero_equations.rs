@@ -29,10 +29,15 @@ pub trait MonitorNumber: Scalar {
 }
 
 erased! {
-    /// The residual of a zero problem, evaluated in one scalar type.
+    /// The residual and the mass matrix of a zero problem, evaluated in one scalar type.
     pub trait ZeroFunctions<T> of ZeroProblem by ZeroNumber::functions of ZeroEquations {
         /// Computes the residual of the zero problem and writes it into `r`.
         fn residual as residual_in(z: &[T], p: &[T], r: &mut [T]) -> ();
+        /// Computes the products of the mass matrix with the rates and writes them into
+        /// `products`.
+        fn mass_product as mass_product_in(
+            z: &[T], p: &[T], rates: &[T], products: &mut [T]
+        ) -> ();
     }
 }
 
@@ -77,6 +82,15 @@ pub trait TracedEquations: ZeroEquations {
     /// Computes the residual of the zero problem and writes it into `r`.
     fn traced_residual(&self, z: &[Traced], p: &[Traced], r: &mut [Traced]);
 
+    /// Computes the products of the mass matrix with the rates and writes them into `products`.
+    fn traced_mass_product(
+        &self,
+        z: &[Traced],
+        p: &[Traced],
+        rates: &[Traced],
+        products: &mut [Traced],
+    );
+
     /// Computes the monitors of the zero problem and writes them into `values`.
     fn traced_monitors(&self, z: &[Traced], p: &[Traced], values: &mut [Traced]);
 }
@@ -84,6 +98,16 @@ pub trait TracedEquations: ZeroEquations {
 impl<P: ZeroProblem> TracedEquations for P {
     fn traced_residual(&self, z: &[Traced], p: &[Traced], r: &mut [Traced]) {
         self.residual(z, p, r);
+    }
+
+    fn traced_mass_product(
+        &self,
+        z: &[Traced],
+        p: &[Traced],
+        rates: &[Traced],
+        products: &mut [Traced],
+    ) {
+        self.mass_product(z, p, rates, products);
     }
 
     fn traced_monitors(&self, z: &[Traced], p: &[Traced], values: &mut [Traced]) {

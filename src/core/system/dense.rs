@@ -1,7 +1,7 @@
 //! Implements [`System`] for zero problems, with dense or sparse matrices.
 
 use super::zero_system::{Matrices, ZeroSystem};
-use super::{Functional, Representation, System};
+use super::{Deviation, Functional, Representation, System};
 use crate::core::failure::Failure;
 use crate::core::linalg::{Border, Factors, Form, Spectrum, SpectrumRequest};
 use crate::core::problem::{Dynamics, Names, Profile, ZeroProblem};
@@ -183,6 +183,10 @@ macro_rules! delegated {
                 terms: &[Vec<f64>],
             ) -> Result<Vec<Vec<f64>>, Failure> {
                 self.system.expand(x, space, terms)
+            }
+
+            fn deviation(&mut self, x: &[f64], d: &[f64]) -> Result<Deviation, Failure> {
+                self.system.deviation(x, d)
             }
 
             fn monitors(

@@ -11,6 +11,8 @@ pub(in crate::core) struct Expansion<'a> {
     space: &'static Space,
     x: &'a [f64],
     terms: &'a [Vec<f64>],
+    /// The number of unknowns.
+    unknowns: usize,
 }
 
 impl<'a> Expansion<'a> {
@@ -25,16 +27,31 @@ impl<'a> Expansion<'a> {
         terms: &'a [Vec<f64>],
     ) -> Result<Self, Failure> {
         jet_of::<ROOM>(space, |_| 0.0).map_err(|cause| Failure::Unsupported(one_line(&cause)))?;
-        Ok(Expansion { space, x, terms })
+        let unknowns = terms.first().map_or(0, Vec::len);
+        Ok(Expansion { space, x, terms, unknowns })
     }
 
-    /// Returns component number `i` of the argument `x = (z, p)`, as a jet.
+    /// Sets the number of unknowns. If the coefficients of the polynomial are longer than `z`, their
+    /// further components are the coefficients of the rates `z'`.
+    pub fn of_unknowns(self, unknowns: usize) -> Self {
+        Expansion { unknowns, ..self }
+    }
+
+    /// Whether the arguments contain the rates of the unknowns.
+    pub fn moves(&self) -> bool {
+        self.terms.first().is_some_and(|term| term.len() > self.unknowns)
+    }
+
+    /// Returns component number `i` of the argument `x = (z, p)`, as a jet; the rates follow `x`.
     pub fn argument(&self, i: usize) -> Jet<ROOM> {
-        let Expansion { space, x, terms } = self;
-        if terms.first().is_none_or(|term| i >= term.len()) {
-            return Jet::constant(x[i]);
-        }
-        jet_of(space, |k| if k == 0 { x[i] } else { terms[k][i] })
+        let Expansion { space, x, terms, unknowns } = self;
+        let place = match i.checked_sub(x.len()) {
+            Some(rate) => unknowns + rate,
+            None if i < *unknowns && !terms.is_empty() => i,
+            None => return Jet::constant(x[i]),
+        };
+        let start = x.get(i).copied().unwrap_or(0.0);
+        jet_of(space, |k| if k == 0 { start } else { terms[k][place] })
             .unwrap_or_else(|_| Jet::constant(f64::NAN))
     }
 

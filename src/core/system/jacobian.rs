@@ -4,7 +4,8 @@ use super::sparse_jacobian::SparseJacobian;
 use super::work::Work;
 use crate::core::failure::Failure;
 use crate::core::linalg::{
-    Border, BorderedLu, Factors, Form, ShiftedLu, Spectrum, SpectrumRequest, balanced,
+    Border, BorderedLu, Factors, Form, MassMatrix, ShiftedLu, Spectrum, SpectrumRequest, balanced,
+    factors_with_mass, finite_eigenvalues,
 };
 use crate::core::problem::{Dynamics, ZeroEquations};
 use crate::core::scalar::{CHUNK, Chunk, seeded};
@@ -31,6 +32,17 @@ impl Jacobian {
         }
     }
 
+    /// The mass matrix at the point of the last assembly; `None` for the identity matrix.
+    pub fn mass(&self, n: usize) -> Option<MassMatrix> {
+        let mass = match self {
+            Jacobian::Unknown => None,
+            Jacobian::Dense(dense) => dense.mass.as_deref(),
+            Jacobian::Sparse(sparse) => sparse.mass(),
+        };
+        let entries = mass?.iter().enumerate().map(|(k, m)| (self.place(k, n), *m));
+        Some(MassMatrix::new(n, entries))
+    }
+
     /// The row and column of entry number `k` of the matrix.
     pub fn place(&self, k: usize, n: usize) -> [usize; 2] {
         match self {
@@ -42,36 +54,33 @@ impl Jacobian {
     /// Writes the matrix, column by column.
     pub fn write(&self, out: &mut [f64]) {
         match self {
-            Jacobian::Sparse(sparse) => {
-                let n = out.len().isqrt();
-                out.fill(0.0);
-                for (k, a) in sparse.entries().iter().enumerate() {
-                    let [i, j] = sparse.place(k);
-                    out[j * n + i] = *a;
-                }
-            }
+            Jacobian::Sparse(sparse) => out.copy_from_slice(&sparse.dense(sparse.entries())),
             _ => out.copy_from_slice(self.entries()),
         }
     }
 
     /// Factors the matrix, or the variant of it that `form` selects, bordered by additional rows
     /// and columns.
-    pub fn factor(&self, form: Form, border: Border, into: &mut Factors) -> Result<(), Failure> {
+    pub fn factor(
+        &self,
+        n: usize,
+        form: Form,
+        border: Border,
+        into: &mut Factors,
+    ) -> Result<(), Failure> {
+        let mass = self.mass(n);
         match (form, self) {
             (Form::Antiperiodic, _) => Err(Failure::Unsupported(
                 "the unknowns of a `ZeroProblem` do not describe a periodic orbit, so orbits of \
                  twice the period are not defined"
                     .into(),
             )),
-            (_, Jacobian::Sparse(sparse)) => sparse.factor(form, border, into),
-            (Form::Oscillation(omega), _) => {
-                let lu = into.reuse(|_: &ShiftedLu| true, ShiftedLu::default);
-                lu.factor(self.entries(), omega, border)
+            (_, Jacobian::Sparse(sparse)) => sparse.factor(form, border, (mass, into)),
+            (Form::Oscillation(omega), Jacobian::Dense(dense)) => {
+                let pencil = (&dense.entries[..], dense.mass.as_deref());
+                factors_with_mass::<ShiftedLu>(into, mass).factor(pencil, omega, border)
             }
-            (Form::Jacobian, _) => {
-                let lu = into.reuse(|_: &BorderedLu| true, BorderedLu::default);
-                lu.factor(self.entries(), border)
-            }
+            _ => factors_with_mass::<BorderedLu>(into, mass).factor(self.entries(), border),
         }
     }
 
@@ -92,13 +101,15 @@ impl Jacobian {
 /// A dense matrix `F_z`, stored column by column.
 pub(super) struct DenseJacobian {
     entries: Vec<f64>,
+    /// The mass matrix, stored column by column; `None` for the identity matrix.
+    mass: Option<Vec<f64>>,
     tabulated: Option<Tabulated>,
 }
 
 impl DenseJacobian {
     /// Creates a dense matrix for `n` unknowns.
     pub fn new(n: usize) -> Self {
-        DenseJacobian { entries: vec![0.0; n * n], tabulated: None }
+        DenseJacobian { entries: vec![0.0; n * n], mass: None, tabulated: None }
     }
 
     /// Creates a dense matrix for `n` unknowns, whose entries are computed by a function.
@@ -106,7 +117,8 @@ impl DenseJacobian {
         DenseJacobian { tabulated: Some(function), ..Self::new(n) }
     }
 
-    /// Computes `F_z` by the problem's function, or by dual numbers if the problem has no function.
+    /// Computes `F_z` by the problem's function, or by dual numbers if the problem has no function,
+    /// and the mass matrix of a flow.
     pub fn differentiate(
         &mut self,
         chunk: &mut Work<Chunk>,
@@ -114,22 +126,30 @@ impl DenseJacobian {
         x: &[f64],
     ) {
         let n = self.entries.len().isqrt();
+        if problem.dynamics() == Dynamics::Implicit {
+            let mass = self.mass.get_or_insert_with(|| vec![0.0; n * n]);
+            let argument = |i: usize| Chunk::from(x[i]);
+            for start in (0..n).step_by(CHUNK) {
+                let seed = |j: usize| seeded(0.0, j, start);
+                let columns = chunk.products(problem, argument, seed);
+                scatter(columns, start, mass);
+            }
+        }
         if let Some(jacobian) = &self.tabulated {
             return jacobian(&x[..n], &x[n..], &mut self.entries);
         }
         for start in (0..n).step_by(CHUNK) {
             let r = chunk.evaluate(problem, |i| seeded(x[i], i, start));
-            for (i, r) in r.iter().enumerate() {
-                for (j, part) in (start..n).zip(r.eps) {
-                    self.entries[j * n + i] = part;
-                }
-            }
+            scatter(r, start, &mut self.entries);
         }
     }
 
     /// Computes all eigenvalues that decide the stability of the solution.
     fn spectrum(&self, dynamics: Dynamics) -> Result<Spectrum, Failure> {
         let n = self.entries.len().isqrt();
+        if let Some(mass) = &self.mass {
+            return finite_eigenvalues(&self.entries, mass, n);
+        }
         let unknown = Failure::Eigenvalues("eigenvalues");
         let self_adjoint = match dynamics {
             Dynamics::Potential => true,
@@ -151,6 +171,17 @@ impl DenseJacobian {
         }
         eigenvalues.sort_by(|a, b| b.0.total_cmp(&a.0).then(b.1.total_cmp(&a.1)));
         Ok(eigenvalues)
+    }
+}
+
+/// Writes the derivatives of all equations in a chunk of directions as columns of a matrix, from the
+/// column `start`.
+fn scatter(equations: &[Chunk], start: usize, matrix: &mut [f64]) {
+    let n = equations.len();
+    for (i, r) in equations.iter().enumerate() {
+        for (j, part) in (start..n).zip(r.eps) {
+            matrix[j * n + i] = part;
+        }
     }
 }
 

@@ -3,8 +3,8 @@
 use super::work::Work;
 use crate::core::failure::Failure;
 use crate::core::linalg::{
-    Border, Elimination, Factors, Form, Leading, Pattern, Rightmost, SparseLu, SparseShiftedLu,
-    Spectrum, SpectrumRequest, generic,
+    Border, Elimination, Factors, Form, Leading, MassMatrix, Pattern, Pencil, Rightmost, SparseLu,
+    SparseShiftedLu, Spectrum, SpectrumRequest, factors_with_mass, finite_eigenvalues, generic,
 };
 use crate::core::problem::{Dynamics, TracedEquations, ZeroEquations};
 use crate::core::scalar::{CHUNK, Chunk, Traced, seeded};
@@ -25,6 +25,8 @@ pub(super) struct SparseJacobian {
     colors: Vec<usize>,
     count: usize,
     entries: Vec<f64>,
+    /// The entries of the mass matrix, in the same pattern; `None` for the identity matrix.
+    mass: Option<Vec<f64>>,
     /// A generic direction.
     probe: Vec<f64>,
     /// The product of the matrix with the probe direction, and the sizes of the summed terms.
@@ -53,6 +55,7 @@ impl SparseJacobian {
             colors,
             count,
             entries: vec![0.0; pattern.count()],
+            mass: None,
             probe: generic(n, 3),
             products: [vec![0.0; n], vec![0.0; n]],
             leading: Leading::default(),
@@ -71,6 +74,11 @@ impl SparseJacobian {
         self.elimination.products() <= PAYS * n * n * n / 3.0
     }
 
+    /// The entries of the mass matrix in the order of the pattern; `None` for the identity matrix.
+    pub fn mass(&self) -> Option<&[f64]> {
+        self.mass.as_deref()
+    }
+
     pub fn entries(&self) -> &[f64] {
         &self.entries
     }
@@ -80,27 +88,41 @@ impl SparseJacobian {
         self.pattern().place(k)
     }
 
-    /// Computes `F_z` by dual numbers, all columns of a color together.
+    /// Computes `F_z`, and the mass matrix of a flow, by dual numbers, all columns of a color
+    /// together.
     pub fn differentiate(
         &mut self,
         chunk: &mut Work<Chunk>,
         problem: &dyn ZeroEquations,
         x: &[f64],
     ) {
-        let n = self.colors.len();
+        let implicit = problem.dynamics() == Dynamics::Implicit;
+        let count = self.entries.len();
+        let mut mass = implicit.then(|| self.mass.take().unwrap_or_else(|| vec![0.0; count]));
+        let mut entries = std::mem::take(&mut self.entries);
         for start in (0..self.count).step_by(CHUNK) {
             let color = |i: usize| self.colors.get(i).copied().unwrap_or(usize::MAX);
             let r = chunk.evaluate(problem, |i| seeded(x[i], color(i), start));
-            let pattern = &self.elimination.pattern;
-            for j in 0..n {
-                let part = self.colors[j].wrapping_sub(start);
-                if part < CHUNK {
-                    let entries = &mut self.entries[pattern.start(j)..];
-                    entries
-                        .iter_mut()
-                        .zip(pattern.column(j))
-                        .for_each(|(a, &i)| *a = r[i].eps[part]);
-                }
+            self.scatter(r, start, &mut entries);
+            if let Some(mass) = &mut mass {
+                let seed = |i: usize| seeded(0.0, color(i), start);
+                let products = chunk.products(problem, |i| Chunk::from(x[i]), seed);
+                self.scatter(products, start, mass);
+            }
+        }
+        (self.entries, self.mass) = (entries, mass);
+    }
+
+    /// Writes the derivatives of all equations in a chunk of directions as entries of a matrix; the
+    /// chunk begins at the color `start`.
+    fn scatter(&self, equations: &[Chunk], start: usize, entries: &mut [f64]) {
+        let pattern = &self.elimination.pattern;
+        for (j, color) in self.colors.iter().enumerate() {
+            let part = color.wrapping_sub(start);
+            if part < CHUNK {
+                let entries = &mut entries[pattern.start(j)..];
+                let column = entries.iter_mut().zip(pattern.column(j));
+                column.for_each(|(a, &i)| *a = equations[i].eps[part]);
             }
         }
     }
@@ -111,14 +133,15 @@ impl SparseJacobian {
     }
 
     /// Whether directional derivatives along the probe agree with the products of the matrix with
-    /// the probe.
-    pub fn agrees(&mut self, derivatives: impl Iterator<Item = f64>) -> bool {
+    /// the probe: the derivatives of `F`, or the products of the mass matrix with rates.
+    pub fn agrees(&mut self, derivatives: impl Iterator<Item = f64>, of_mass: bool) -> bool {
+        let entries = self.mass.as_ref().filter(|_| of_mass).unwrap_or(&self.entries);
         let [products, sizes] = &mut self.products;
         products.fill(0.0);
         sizes.fill(0.0);
         let pattern = &self.elimination.pattern;
         for (j, x) in self.probe.iter().enumerate() {
-            for (a, &i) in self.entries[pattern.start(j)..].iter().zip(pattern.column(j)) {
+            for (a, &i) in entries[pattern.start(j)..].iter().zip(pattern.column(j)) {
                 products[i] += a * x;
                 sizes[i] += (a * x).abs();
             }
@@ -147,15 +170,21 @@ impl SparseJacobian {
 
     /// Factors the matrix, or the variant of it that `form` selects, bordered by additional rows
     /// and columns.
-    pub fn factor(&self, form: Form, border: Border, into: &mut Factors) -> Result<(), Failure> {
+    pub fn factor(
+        &self,
+        form: Form,
+        border: Border,
+        (mass, into): (Option<MassMatrix>, &mut Factors),
+    ) -> Result<(), Failure> {
+        let pencil = Pencil { entries: &self.entries, mass: self.mass() };
         match form {
             Form::Oscillation(omega) => {
-                let lu = into.reuse(|_: &SparseShiftedLu| true, SparseShiftedLu::default);
-                lu.factor(&self.elimination, (&self.entries, omega), border)
+                let lu: &mut SparseShiftedLu = factors_with_mass(into, mass);
+                lu.factor(&self.elimination, (pencil, omega), border)
             }
             _ => {
-                let lu = into.reuse(|_: &SparseLu| true, SparseLu::default);
-                lu.factor(&self.elimination, (&self.entries, 0.0), border)
+                let lu: &mut SparseLu = factors_with_mass(into, mass);
+                lu.factor(&self.elimination, (pencil, 0.0), border)
             }
         }
     }
@@ -167,12 +196,29 @@ impl SparseJacobian {
         dynamics: Dynamics,
         request: SpectrumRequest,
     ) -> Result<Spectrum, Failure> {
-        let sign = if dynamics == Dynamics::Flow { 1.0 } else { -1.0 };
+        let n = self.colors.len();
+        if let Some(mass) = self.mass.as_ref().filter(|_| n <= Self::LEAST) {
+            let [a, m] = [&self.entries, mass].map(|entries| self.dense(entries));
+            return finite_eigenvalues(&a, &m, n);
+        }
+        let sign = if dynamics.is_flow() { 1.0 } else { -1.0 };
         let entries: Vec<f64> = self.entries.iter().map(|a| sign * a).collect();
-        let found = self.leading.rightmost(&self.elimination, &entries, request.count)?;
+        let pencil = Pencil { entries: &entries, mass: self.mass.as_deref() };
+        let found = self.leading.rightmost(&self.elimination, pencil, request.count)?;
         let Rightmost { spectrum, certain } = found;
         self.uncertain += usize::from(!certain);
         Ok(spectrum)
+    }
+
+    /// Returns a matrix with this pattern as a dense matrix, column by column.
+    pub fn dense(&self, entries: &[f64]) -> Vec<f64> {
+        let n = self.colors.len();
+        let mut dense = vec![0.0; n * n];
+        for (k, a) in entries.iter().enumerate() {
+            let [i, j] = self.place(k);
+            dense[j * n + i] = *a;
+        }
+        dense
     }
 
     /// A message if the counts of unstable eigenvalues are uncertain at any point.
@@ -232,13 +278,24 @@ impl SparseJacobian {
     }
 }
 
-/// Determines the sparsity pattern of `F_z` at `x`: the equations that depend on each unknown.
+/// Determines the sparsity pattern of `F_z` at `x`: the equations that depend on each unknown. For a
+/// flow with a mass matrix, an equation also depends on the unknowns and the rates in the products
+/// of the mass matrix with the rates.
 fn places(problem: &dyn TracedEquations, x: &[f64], most: usize) -> Option<Vec<[usize; 2]>> {
     let n = problem.names().dimension();
     Traced::begin();
     let inputs: Vec<Traced> = x[..n].iter().map(|x| Traced::input(*x)).collect();
     let parameters: Vec<Traced> = x[n..].iter().map(|p| Traced::from(*p)).collect();
     let mut residual = vec![Traced::from(0.0); n];
+    if problem.dynamics() != Dynamics::Implicit {
+        problem.traced_residual(&inputs, &parameters, &mut residual);
+        return Traced::places(&residual, n, most);
+    }
+    let rates: Vec<Traced> = generic(n, 5).into_iter().map(Traced::input).collect();
+    let mut products = residual.clone();
     problem.traced_residual(&inputs, &parameters, &mut residual);
-    Traced::places(&residual, n, most)
+    problem.traced_mass_product(&inputs, &parameters, &rates, &mut products);
+    let sums: Vec<Traced> = residual.iter().zip(products).map(|(r, m)| *r - m).collect();
+    let both = Traced::places(&sums, 2 * n, most)?;
+    Some(both.into_iter().map(|[equation, input]| [equation, input % n]).collect())
 }

@@ -3,7 +3,7 @@
 use super::jacobian::{DenseJacobian, Jacobian, Tabulated};
 use super::sparse_jacobian::SparseJacobian;
 use super::work::Work;
-use super::{Expansion, Functional, Representation, System, mixed, moving, third};
+use super::{Deviation, Expansion, Functional, Representation, System, mixed, moving, third};
 use crate::core::failure::{DIFFERENTIABLE, Failure, finite, finite_gradient, unknown_order};
 use crate::core::linalg::{Border, Factors, Form, Spectrum, SpectrumRequest};
 use crate::core::problem::{
@@ -103,32 +103,6 @@ impl ZeroSystem {
         self.jacobian.write(out);
     }
 
-    /// Chooses dense or sparse matrices at the first point.
-    fn choose(&mut self, x: &[f64]) -> Result<(), Failure> {
-        let n = self.names.dimension();
-        let traced = self.traced.as_ref().filter(|_| match self.matrices {
-            Matrices::Dense => false,
-            Matrices::Sparse => true,
-            Matrices::Cheaper => n >= SparseJacobian::LEAST,
-        });
-        let most = if self.matrices == Matrices::Sparse { usize::MAX } else { n * n / 4 };
-        let sparse = traced.and_then(|traced| SparseJacobian::traced(&**traced, x, most));
-        let worth = |sparse: &SparseJacobian| self.matrices == Matrices::Sparse || sparse.pays();
-        self.jacobian = match sparse.filter(worth) {
-            Some(sparse) => Jacobian::Sparse(Box::new(sparse)),
-            None if n <= Matrices::LARGEST_DENSE => Jacobian::Dense(DenseJacobian::new(n)),
-            None => {
-                return Err(Failure::Unsupported(format!(
-                    "a dense matrix of {n} unknowns does not fit into memory (at most {} \
-                     unknowns): use fewer unknowns, or sparse equations, in which each equation \
-                     depends on few unknowns",
-                    Matrices::LARGEST_DENSE
-                )));
-            }
-        };
-        Ok(())
-    }
-
     /// Adds missing entries to the pattern of the sparse matrix, if at this point the directional
     /// derivative along `probe` differs from the product of the matrix and `probe`.
     fn complete(&mut self, x: &[f64]) -> Result<(), Failure> {
@@ -141,7 +115,14 @@ impl ZeroSystem {
             let probe = sparse.probe();
             let along = |i: usize| Dual64::new(x[i], probe.get(i).copied().unwrap_or(0.0));
             let slopes = self.first.evaluate(&*self.problem, along);
-            if sparse.agrees(slopes.iter().map(|r| r.eps)) {
+            let mut agrees = sparse.agrees(slopes.iter().map(|r| r.eps), false);
+            if sparse.mass().is_some() {
+                let rates = sparse.probe().to_vec();
+                let (at, rate) = (|i: usize| x[i], |i: usize| rates[i]);
+                let products = self.plain.products(&*self.problem, at, rate);
+                agrees &= sparse.agrees(products.iter().copied(), true);
+            }
+            if agrees {
                 return Ok(());
             }
             if attempt == 0 && !sparse.widen(&**traced, x) {
@@ -155,16 +136,43 @@ impl ZeroSystem {
     }
 }
 
+/// Chooses dense or sparse matrices at the first point.
+fn chosen(
+    traced: Option<&dyn TracedEquations>,
+    matrices: Matrices,
+    x: &[f64],
+    n: usize,
+) -> Result<Jacobian, Failure> {
+    let traced = traced.filter(|_| match matrices {
+        Matrices::Dense => false,
+        Matrices::Sparse => true,
+        Matrices::Cheaper => n >= SparseJacobian::LEAST,
+    });
+    let most = if matrices == Matrices::Sparse { usize::MAX } else { n * n / 4 };
+    let sparse = traced.and_then(|traced| SparseJacobian::traced(traced, x, most));
+    let worth = |sparse: &SparseJacobian| matrices == Matrices::Sparse || sparse.pays();
+    match sparse.filter(worth) {
+        Some(sparse) => Ok(Jacobian::Sparse(Box::new(sparse))),
+        None if n <= Matrices::LARGEST_DENSE => Ok(Jacobian::Dense(DenseJacobian::new(n))),
+        None => Err(Failure::Unsupported(format!(
+            "a dense matrix of {n} unknowns does not fit into memory (at most {} unknowns): use \
+             fewer unknowns, or sparse equations, in which each equation depends on few unknowns",
+            Matrices::LARGEST_DENSE
+        ))),
+    }
+}
+
 impl ZeroSystem {
     /// Computes the gradient of a functional, one chunk of components at a time.
     fn chunked_gradient(&mut self, x: &[f64], of: Functional, out: &mut [f64]) {
         let (problem, zero) = (&*self.problem, Chunk::from(0.0));
         for start in (0..x.len()).step_by(CHUNK) {
-            let (seed, out) = (|i: usize| seeded(x[i], i, start), &mut out[start..]);
+            let at = |i: usize| x.get(i).copied().unwrap_or(0.0);
+            let (seed, out) = (|i: usize| seeded(at(i), i, start), &mut out[start..]);
             match of {
                 Functional::First(w, v) => {
                     let argument = |i| Dual::new(seed(i), Chunk::from(v[i]));
-                    let r = self.nested.evaluate(problem, argument);
+                    let r = self.nested.left(problem, v.len() > x.len(), argument);
                     weighted(r.iter().map(|r| &r.eps), w, out);
                 }
                 Functional::Second(w, v) => {
@@ -188,11 +196,12 @@ impl ZeroSystem {
         let Jacobian::Sparse(sparse) = &self.jacobian else { return };
         let (problem, zero) = (&*self.problem, Chunk::from(0.0));
         for start in (0..sparse.seeds(released)).step_by(CHUNK) {
-            let seed = |i: usize| seeded(x[i], sparse.seed(i, released), start);
+            let at = |i: usize| x.get(i).copied().unwrap_or(0.0);
+            let seed = |i: usize| seeded(at(i), sparse.seed(i, released), start);
             match of {
                 Functional::First(w, v) => {
                     let argument = |i| Dual::new(seed(i), Chunk::from(v[i]));
-                    let r = self.nested.evaluate(problem, argument);
+                    let r = self.nested.left(problem, v.len() > x.len(), argument);
                     sparse.weigh(|i| &r[i].eps, (w, released, start), out);
                 }
                 Functional::Second(w, v) => {
@@ -255,12 +264,12 @@ impl System for ZeroSystem {
             return Ok(());
         }
         self.assembled.clear();
-        let (z, p) = x.split_at(self.names.dimension());
+        let n = self.names.dimension();
+        let (z, p) = x.split_at(n);
         self.problem.domain(z, p)?;
         if let Jacobian::Unknown = self.jacobian {
-            self.choose(x)?;
+            self.jacobian = chosen(self.traced.as_deref(), self.matrices, x, n)?;
         }
-        let n = self.names.dimension();
         match &mut self.jacobian {
             Jacobian::Dense(dense) => dense.differentiate(&mut self.chunk, &*self.problem, x),
             _ => self.complete(x)?,
@@ -270,12 +279,15 @@ impl System for ZeroSystem {
             format!("derivative of component {i} with respect to unknown {j}")
         };
         finite(self.jacobian.entries(), name, DIFFERENTIABLE)?;
+        if let Some(mass) = self.jacobian.mass(n) {
+            finite(&mass.entries(), |_| "an entry of the mass matrix".into(), DIFFERENTIABLE)?;
+        }
         self.assembled.extend_from_slice(x);
         Ok(())
     }
 
     fn factor(&mut self, form: Form, border: Border, into: &mut Factors) -> Result<(), Failure> {
-        self.jacobian.factor(form, border, into)
+        self.jacobian.factor(self.names.dimension(), form, border, into)
     }
 
     fn derivative(
@@ -284,17 +296,20 @@ impl System for ZeroSystem {
         directions: &[&[f64]],
         out: &mut [f64],
     ) -> Result<(), Failure> {
+        let problem = &*self.problem;
+        let moves = directions.iter().any(|d| d.len() > x.len());
+        let at = |i: usize| x.get(i).copied().unwrap_or(0.0);
         match *directions {
             [d] => {
-                let r = self.first.evaluate(&*self.problem, |i| Dual64::new(x[i], d[i]));
+                let r = self.first.left(problem, moves, |i| Dual64::new(at(i), d[i]));
                 out.iter_mut().zip(r).for_each(|(out, r)| *out = r.eps);
             }
             [d, e] => {
-                let r = self.nested.evaluate(&*self.problem, |i| moving(x[i], d[i], e[i]));
+                let r = self.nested.left(problem, moves, |i| moving(at(i), d[i], e[i]));
                 out.iter_mut().zip(r).for_each(|(out, r)| *out = mixed(r));
             }
             [d, e, f] => third([d, e, f], out, |v, w, out| {
-                let r = self.nested_twice.evaluate(&*self.problem, |i| moving(x[i], v[i], w[i]));
+                let r = self.nested_twice.left(problem, moves, |i| moving(at(i), v[i], w[i]));
                 out.iter_mut().zip(r).for_each(|(out, r)| *out = mixed(r));
                 Ok(())
             })?,
@@ -309,10 +324,11 @@ impl System for ZeroSystem {
         space: &'static Space,
         terms: &[Vec<f64>],
     ) -> Result<Vec<Vec<f64>>, Failure> {
-        let expansion = Expansion::new(x, space, terms)?;
         let names = &self.names;
+        let expansion = Expansion::new(x, space, terms)?.of_unknowns(names.dimension());
         let work = self.jets.get_or_insert_with(|| Work::new(names));
-        expansion.images(work.evaluate(&*self.problem, |i| expansion.argument(i)))
+        let left = work.left(&*self.problem, expansion.moves(), |i| expansion.argument(i));
+        expansion.images(left)
     }
 
     fn gradient(
@@ -373,6 +389,16 @@ impl System for ZeroSystem {
             )),
             _ => self.jacobian.spectrum(dynamics, request).map(Some),
         }
+    }
+
+    /// Returns the size of a deviation, without unknowns whose rates the equations do not contain:
+    /// their values follow from the other unknowns.
+    fn deviation(&mut self, _x: &[f64], d: &[f64]) -> Result<Deviation, Failure> {
+        let n = self.names.dimension();
+        let mass = self.jacobian.mass(n);
+        let moving = mass.map_or(vec![true; n], |mass| mass.moving());
+        let square = d.iter().zip(moving).filter(|(_, moves)| *moves).map(|(d, _)| d * d).sum();
+        Ok(Deviation { square, ..Deviation::default() })
     }
 
     fn monitors(&mut self, x: &[f64], first: usize, values: &mut [f64]) -> Result<(), Failure> {

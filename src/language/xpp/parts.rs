@@ -112,7 +112,10 @@ impl Parts {
     fn assignment(&mut self, source: &Source, name: Slice, value: Slice) -> Result<(), ModelError> {
         if name.text == "0" {
             let reason = "only differential equations and maps can be converted to models";
-            return Err(name.unsupported(source, "an algebraic equation", reason));
+            return Err(name.unsupported(source, "an algebraic equation", reason).with_help(
+                "write the equations as text: the unknowns of a `Residual` with `dynamics: flow` have \
+                 equations such as `x' = f(x, y)` and `0 = g(x, y)`",
+            ));
         }
         let formula = value.trim().to_text();
         if name.text.starts_with('!') {

@@ -6,7 +6,8 @@ use super::manifold::motion;
 use super::{NormalForm, has_rates};
 use crate::core::bifurcation::at::At;
 use crate::core::failure::Failure;
-use crate::core::linalg::{Form, dot, norm};
+use crate::core::linalg::{Form, dot};
+use crate::core::problem::Dynamics;
 use faer::c64;
 
 /// The normal form of a cusp: `v' = β₁ + β₂ v + c v³` with `⟨q, q⟩ = 1`. For periodic orbits, `⟨q,
@@ -23,26 +24,33 @@ pub(in crate::core::bifurcation) fn cusp(at: &mut At) -> Result<NormalForm, Fail
 }
 
 /// The normal form of a Bogdanov–Takens point: `w₀' = w₁`, `w₁' = β₁ + β₂ w₁ + a w₀² + b w₀ w₁`,
-/// with `F_z q₀ = 0`, `F_z q₁ = q₀`, `F_zᵀ p₁ = 0`, `F_zᵀ p₀ = p₁`, `⟨q₀, q₀⟩ = ⟨p₀, q₀⟩ = ⟨p₁, q₁⟩
-/// = 1`, `⟨q₁, q₀⟩ = ⟨p₀, q₁⟩ = 0`: `a = ½ ⟨p₁, B(q₀, q₀)⟩`, `b = ⟨p₀, B(q₀, q₀)⟩ + ⟨p₁, B(q₀,
-/// q₁)⟩`. The sign of `q₀` is chosen such that its largest component is positive; the ratio `a/b`
+/// with `F_z q₀ = 0`, `F_z q₁ = M q₀`, `F_zᵀ p₁ = 0`, `F_zᵀ p₀ = Mᵀ p₁`, `⟨q₀, q₀⟩ = ⟨p₀, M q₀⟩ =
+/// ⟨p₁, M q₁⟩ = 1`, `⟨q₁, q₀⟩ = ⟨p₀, M q₁⟩ = 0`: `a = ½ ⟨p₁, B(q₀, q₀)⟩`, `b = ⟨p₀, B(q₀, q₀)⟩ + ⟨p₁,
+/// B(q₀, q₁)⟩`, where the deviation `q₁` has the rate `q₀`. The sign of `q₀` is chosen such that its largest component is positive; the ratio `a/b`
 /// does not depend on the size of `q₀`.
 pub(in crate::core::bifurcation) fn bogdanov_takens(at: &mut At) -> Result<NormalForm, Failure> {
     let mut forms = Forms::new(at);
     let n = forms.n;
     let critical = forms.real(Form::Jacobian)?;
     let (v, w) = (&critical.right[..n], &critical.left);
-    let size = norm(v) * leading(v).signum();
+    let size = forms.deviation(&[&critical.right], 0.0)?.square.sqrt() * leading(v).signum();
     let mut q0: Vec<f64> = v.iter().map(|c| c / size).collect();
-    let mut q1 = forms.solve_within_border(q0.clone())?;
-    let along = dot(&q1[..n], &q0);
+    let minus = |v: Vec<f64>| v.into_iter().map(|c| -c).collect::<Vec<f64>>();
+    let right = minus(forms.growth(&q0)?);
+    let mut q1 = forms.solve_within_border(right)?;
+    let along = dot(&q1[..n], &q0) / dot(&q0, &q0);
     q1.iter_mut().zip(&q0).for_each(|(c, q)| *c -= along * q);
-    let scale = dot(w, &q1[..n]);
+    let of_q1 = minus(forms.growth(&q1)?);
+    let scale = dot(w, &of_q1);
     let p1: Vec<f64> = w.iter().map(|c| c / scale).collect();
-    let mut p0 = forms.solve_within_border_transposed(p1.clone())?;
-    let along = dot(&p0, &q1[..n]);
+    let right = minus(forms.growth_transposed(&p1)?);
+    let mut p0 = forms.solve_within_border_transposed(right)?;
+    let along = dot(&p0, &of_q1);
     p0.iter_mut().zip(&p1).for_each(|(c, p)| *c -= along * p);
     q0.resize(forms.at.x.len(), 0.0);
+    if forms.at.system.dynamics() == Dynamics::Implicit {
+        q1.extend_from_slice(&q0[..n]);
+    }
     let second = forms.of(&[&q0, &q0])?;
     let a = 0.5 * dot(&p1, &second);
     let b = dot(&p0, &second) + dot(&p1, &forms.of(&[&q0, &q1])?);

@@ -5,7 +5,6 @@ use super::polynomials::{Variable, ZERO};
 use crate::core::bifurcation::null::{NullSpace, NullVectors};
 use crate::core::failure::Failure;
 use crate::core::linalg::Form;
-use crate::core::problem::Dynamics;
 use faer::c64;
 
 /// A critical exponent `σ = iω`: `σ` is an eigenvalue of an equilibrium, or `e^σ` is a multiplier
@@ -104,10 +103,8 @@ impl Eigenvalue {
             self.by_period = true;
             return Ok(lengthening / deviation.period);
         }
-        let sign = match forms.at.system.dynamics() {
-            Dynamics::Flow if self.form == Form::Jacobian => leading(&re[..forms.n]).signum(),
-            _ => 1.0,
-        };
+        let of_flow = forms.at.system.dynamics().is_flow() && self.form == Form::Jacobian;
+        let sign = if of_flow { leading(&re[..forms.n]).signum() } else { 1.0 };
         Ok(sign * deviation.square.sqrt())
     }
 

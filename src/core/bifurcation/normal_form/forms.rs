@@ -2,6 +2,7 @@
 //! its linearisations, and the solution of linear systems with these linearisations.
 
 use crate::core::bifurcation::at::At;
+use crate::core::bifurcation::hopf::motions;
 use crate::core::failure::Failure;
 use crate::core::linalg::{Border, Factors, Form, dot, generic};
 use crate::core::scalar::Space;
@@ -116,6 +117,14 @@ impl<'f, 'a> Forms<'f, 'a> {
         self.at.system.expand(self.at.x, space, terms)
     }
 
+    /// Returns the real and the imaginary part of a complex deviation that changes like `e^{iωt}`,
+    /// as directions in which derivatives are taken: directions of `x`, followed by rates for a flow
+    /// with a mass matrix.
+    pub fn parts(&self, q: &[c64], omega: f64) -> [Vec<f64>; 2] {
+        let [re, im] = [self.direction(q, |c| c.re), self.direction(q, |c| c.im)];
+        motions(&*self.at.system, self.at.x, [&re, &im], omega)
+    }
+
     /// Returns the real or imaginary part of a complex vector as a direction of `x`.
     pub fn direction(&self, q: &[c64], part: impl Fn(&c64) -> f64) -> Vec<f64> {
         let mut direction: Vec<f64> = q.iter().map(part).collect();
@@ -123,25 +132,34 @@ impl<'f, 'a> Forms<'f, 'a> {
         direction
     }
 
-    /// Computes the mixed directional derivative of `F` along one or more real directions of `x`.
+    /// Computes the mixed directional derivative of `F` along one or more real directions of `x`. If
+    /// directions contain rates, `F − M z'` replaces `F`, and the rates of other directions are zero.
     pub fn of(&mut self, directions: &[&Vec<f64>]) -> Result<Vec<f64>, Failure> {
-        let directions: Vec<&[f64]> = directions.iter().map(|d| &d[..]).collect();
+        let length = directions.iter().map(|d| d.len()).max().unwrap_or(0);
+        let mut all: Vec<Vec<f64>> = directions.iter().map(|d| d.to_vec()).collect();
+        all.iter_mut().for_each(|d| d.resize(length, 0.0));
+        let directions: Vec<&[f64]> = all.iter().map(|d| &d[..]).collect();
         self.at.system.derivative(self.at.x, &directions, &mut self.room)?;
         Ok(self.room.clone())
     }
 
-    /// Computes `F_xx[a, b]` for complex directions of `z`.
-    pub fn bilinear(&mut self, a: &[c64], b: &[c64]) -> Result<Vec<c64>, Failure> {
-        let [(ar, ai), (br, bi)] =
-            [a, b].map(|c| (self.direction(c, |c| c.re), self.direction(c, |c| c.im)));
+    /// Computes `F_xx[a, b]` for complex directions of `z`, each with the frequency at which it
+    /// changes.
+    pub fn bilinear(
+        &mut self,
+        (a, of_a): (&[c64], f64),
+        (b, of_b): (&[c64], f64),
+    ) -> Result<Vec<c64>, Failure> {
+        let ([ar, ai], [br, bi]) = (self.parts(a, of_a), self.parts(b, of_b));
         let [rr, ii] = [self.of(&[&ar, &br])?, self.of(&[&ai, &bi])?];
         let [ri, ir] = [self.of(&[&ar, &bi])?, self.of(&[&ai, &br])?];
         Ok((0..rr.len()).map(|i| c64::new(rr[i] - ii[i], ri[i] + ir[i])).collect())
     }
 
-    /// Computes `F_xx[a, d]` for a complex direction of `z` and a real direction of `x`.
-    pub fn along(&mut self, a: &[c64], d: &Vec<f64>) -> Result<Vec<c64>, Failure> {
-        let (re, im) = (self.direction(a, |c| c.re), self.direction(a, |c| c.im));
+    /// Computes `F_xx[a, d]` for a complex direction of `z` with its frequency and a real direction
+    /// of `x`.
+    pub fn along(&mut self, (a, omega): (&[c64], f64), d: &Vec<f64>) -> Result<Vec<c64>, Failure> {
+        let [re, im] = self.parts(a, omega);
         let [re, im] = [self.of(&[&re, d])?, self.of(&[&im, d])?];
         Ok(re.iter().zip(im).map(|(re, im)| c64::new(*re, im)).collect())
     }
@@ -176,6 +194,14 @@ impl<'f, 'a> Forms<'f, 'a> {
         let At { system, x, null, .. } = &mut *self.at;
         let null = null.of(&mut **system, x, Form::Jacobian, None)?;
         null.factors.growth_derivative(&v[..self.n], &mut self.room);
+        Ok(self.room.clone())
+    }
+
+    /// Computes the product of `L'` with a left vector, for the linearisation with the exponent 0.
+    pub fn growth_transposed(&mut self, w: &[f64]) -> Result<Vec<f64>, Failure> {
+        let At { system, x, null, .. } = &mut *self.at;
+        let null = null.of(&mut **system, x, Form::Jacobian, None)?;
+        null.factors.growth_derivative_transposed(&w[..self.n], &mut self.room);
         Ok(self.room.clone())
     }
 

@@ -4,14 +4,14 @@
 //! manifold `z = z₀ + W(ξ)` and the motion `R` on the manifold satisfy
 //!
 //! ```text
-//!     equilibria:  F(z₀ + W(ξ)) = DW(ξ) R(ξ),                  ξ' = R(ξ)
+//!     equilibria:  F(z₀ + W(ξ)) = M DW(ξ) R(ξ),                ξ' = R(ξ)
 //!     orbits:      F(z₀ + W(ξ)) + K (W(R(ξ)) − W(ξ)) = 0,      ξ → R(ξ) in a period
 //! ```
 //!
 //! where `K` selects the initial states in the closing condition: the next period begins at
 //! `W(R(ξ))`. The equations for equilibria and for orbits have the common form `F + K Δ W = 0`,
-//! with `K = −1` for equilibria. Deviations of equilibria change like `e^{σt}`, and `L(σ) = F_z + σ
-//! K`; deviations of orbits change by the factor `e^σ` in a period, and `L(σ) = F_z + (e^σ − 1) K`.
+//! with `K = −M` for equilibria, where `M` is the mass matrix. Deviations of equilibria change like
+//! `e^{σt}`, and `L(σ) = F_z + σ K`; deviations of orbits change by the factor `e^σ` in a period, and `L(σ) = F_z + (e^σ − 1) K`.
 //! The coefficients of each monomial `ξ^α` are computed order by order from
 //!
 //! ```text
@@ -25,7 +25,7 @@
 //! 2005). Only monomials with `e^{σ·α} = 1` change the period of an orbit: for all other monomials,
 //! the period and the phase condition are omitted from `L`.
 //!
-//! The map `R` of orbits commutes with its linear part `M`; `R = M exp(T V)` defines the rates `V`.
+//! The map `R` of orbits commutes with its linear part `R₁`; `R = R₁ exp(T V)` defines the rates `V`.
 
 use super::eigenvalue::Eigenvalue;
 use super::forms::{Forms, inner};
@@ -238,6 +238,28 @@ pub(super) fn motion(
     Ok(Motion { space, rates })
 }
 
+/// Appends to the coefficients of the center manifold `W` the coefficients of the rates `DW(ξ) R(ξ)`
+/// below the given degree. For a flow with a mass matrix that depends on `z`, the terms of the
+/// degree itself are multiplied by the mass matrix of the equilibrium, and are treated separately.
+fn with_rates(
+    manifold: &[Vec<c64>],
+    rates: &[Coefficients],
+    (space, degree): (&Space, usize),
+) -> Vec<Vec<c64>> {
+    let images = derivation(space, rates);
+    let highest = space.of_degree(degree);
+    let rate = |monomial: usize| {
+        let mut sum = vec![ZERO; manifold[monomial].len()];
+        if !highest.contains(&monomial) {
+            for (w, image) in manifold.iter().zip(&images) {
+                sum.iter_mut().zip(w).for_each(|(sum, w)| *sum += image[monomial] * w);
+            }
+        }
+        sum
+    };
+    (0..manifold.len()).map(|k| [&manifold[k][..], &rate(k)].concat()).collect()
+}
+
 /// Adds to the center manifold, and to the motion on it, the terms of the highest degree of a space
 /// of polynomials.
 fn add_degree(
@@ -249,9 +271,14 @@ fn add_degree(
 ) -> Result<(), Failure> {
     let n = forms.n;
     let changes = Changes::new(space, &critical.variables);
-    let images = forms.expand(space, &changes.to_real(manifold, n))?;
-    let images = changes.to_complex(&images, n);
     let known: Vec<Coefficients> = rates.iter().map(|rate| rate[..space.len()].to_vec()).collect();
+    let moving = forms.at.system.dynamics() == Dynamics::Implicit;
+    let terms = match moving {
+        true => changes.to_real(&with_rates(manifold, &known, (space, degree)), 2 * n),
+        false => changes.to_real(manifold, n),
+    };
+    let images = forms.expand(space, &terms)?;
+    let images = changes.to_complex(&images, n);
     let advanced = critical.advanced(space, &known);
     for monomial in space.of_degree(degree) {
         // Terms of the same degree that Jordan blocks mix in come first in the space.

@@ -11,8 +11,13 @@
 //! Notation: `L(σ)` is the linearisation for deviations that change like `e^{σt}` (deviations of
 //! orbits change by the factor `e^σ` in a period). At the critical exponent `σ₀`, `L(σ₀) q = 0` and
 //! `p* L(σ₀) = 0`. `B = F_zz` and `C = F_zzz`. With `N = p* L'(σ₀) q`, the rate of `ξ` is `−1/N`
-//! times the projection by `p*` of the higher-order terms. For an equilibrium `L(σ) = F_z − σ` and
-//! `N = −⟨p, q⟩`.
+//! times the projection by `p*` of the higher-order terms. For an equilibrium `L(σ) = F_z − σ M` and
+//! `N = −⟨p, M q⟩` with the mass matrix `M`, which is the identity matrix for most flows.
+//!
+//! A mass matrix `M(z)` also contributes to the higher-order terms: derivatives of `F(z) − M(z) z'`
+//! replace derivatives of `F`, and a deviation `w` that changes like `e^{σt}` has the rate `σ w`. In
+//! `⟨q, q⟩`, unknowns whose rates do not occur are left out, so that an algebraic equation that
+//! defines a further unknown does not change the coefficients.
 
 mod codimension_two;
 mod crossing;
@@ -128,7 +133,7 @@ pub(crate) type ComputeNormalForm = fn(&mut At) -> Result<NormalForm, Failure>;
 /// Whether the equations define rates of change. The equilibrium equations of potentials and of
 /// second-order motion do not define rates of change, because they do not contain the mass.
 fn has_rates(at: &At) -> bool {
-    matches!(at.system.dynamics(), Dynamics::Flow | Dynamics::Periodic)
+    at.system.dynamics().is_flow() || at.system.dynamics() == Dynamics::Periodic
 }
 
 /// A function that computes the real part of the cubic coefficient of a normal form; its sign

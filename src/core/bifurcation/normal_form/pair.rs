@@ -4,7 +4,6 @@ use super::forms::{Forms, inner};
 use super::{NormalForm, criticality};
 use crate::core::bifurcation::at::At;
 use crate::core::failure::Failure;
-use crate::core::problem::Dynamics;
 use crate::core::system::Deviation;
 use faer::c64;
 
@@ -18,15 +17,16 @@ struct Pair {
     /// The integral over the period of the squared norm `⟨q, q⟩` of the eigenvector `q`.
     square: f64,
     period: f64,
+    omega: f64,
     q: Vec<c64>,
     p: Vec<c64>,
 }
 
 /// Computes the real part of the coefficient of `(λ − λ₀) ξ` in the rate of `ξ`.
-fn slope(at: &mut At, Pair { q, p, .. }: &Pair) -> Result<Option<f64>, Failure> {
+fn slope(at: &mut At, Pair { q, p, omega, .. }: &Pair) -> Result<Option<f64>, Failure> {
     let mut forms = Forms::new(at);
     let Some(along) = forms.along_branch()? else { return Ok(None) };
-    Ok(Some(inner(p, &forms.along(q, &along)?).re))
+    Ok(Some(inner(p, &forms.along((q, *omega), &along)?).re))
 }
 
 /// Computes the normal-form coefficients of a critical pair. For `N = −1`, these coefficients are
@@ -39,7 +39,7 @@ fn pair(at: &mut At, omega: f64) -> Result<Pair, Failure> {
     let mut forms = Forms::new(at);
     let [q, p] = forms.complex(omega)?;
     let n = forms.n;
-    let (u, v) = (forms.direction(&q, |c| c.re), forms.direction(&q, |c| c.im));
+    let [u, v] = forms.parts(&q, omega);
     let [uu, uv, vv] = [[&u, &u], [&u, &v], [&v, &v]];
     let [uu, uv, vv] = [forms.of(&uu)?, forms.of(&uv)?, forms.of(&vv)?];
     let b_qq: Vec<c64> = (0..n).map(|i| c64::new(vv[i] - uu[i], -2.0 * uv[i])).collect();
@@ -51,8 +51,8 @@ fn pair(at: &mut At, omega: f64) -> Result<Pair, Failure> {
     let [uuv, vvv] = [forms.of(&[&u, &u, &v])?, forms.of(&[&v, &v, &v])?];
     let third: Vec<c64> = (0..n).map(|i| c64::new(uuu[i] + uvv[i], uuv[i] + vvv[i])).collect();
     let conjugate: Vec<c64> = q.iter().map(c64::conj).collect();
-    let with_h20 = forms.bilinear(&conjugate, &h20)?;
-    let with_h11 = forms.along(&q, &h11)?;
+    let with_h20 = forms.bilinear((&conjugate, -omega), (&h20, 2.0 * omega))?;
+    let with_h11 = forms.along((&q, omega), &h11)?;
     let terms = [0.5 * inner(&p, &third), 0.5 * inner(&p, &with_h20), inner(&p, &with_h11)];
     let Deviation { square, period, .. } = forms.deviation(&[&u, &v], omega)?;
     Ok(Pair {
@@ -60,6 +60,7 @@ fn pair(at: &mut At, omega: f64) -> Result<Pair, Failure> {
         size: terms.iter().map(|term| term.re.abs()).sum(),
         square,
         period,
+        omega,
         q,
         p,
     })
@@ -71,7 +72,7 @@ const CASES: [&str; 2] = ["supercritical", "subcritical"];
 /// with `⟨q, q⟩ = ⟨p, q⟩ = 1`, and the first Lyapunov coefficient `l₁ = Re c₁/ω`. (MatCont prints
 /// `Re c₁`.)
 pub(in crate::core::bifurcation) fn hopf(at: &mut At) -> Result<NormalForm, Failure> {
-    let Some(&omega) = at.held.first().filter(|_| at.system.dynamics() == Dynamics::Flow) else {
+    let Some(&omega) = at.held.first().filter(|_| at.system.dynamics().is_flow()) else {
         return Ok(NormalForm::default());
     };
     let pair = pair(at, omega)?;

@@ -72,7 +72,7 @@ pub(in crate::core::bifurcation) fn of_pairs(at: &mut At) -> Result<Option<Divis
     let [q, p] = forms.complex(omega)?;
     let normal = gradient(&mut forms, |forms, direction| {
         let along = forms.along_solutions(direction)?;
-        Ok(inner(&p, &forms.along(&q, &along)?).re)
+        Ok(inner(&p, &forms.along((&q, omega), &along)?).re)
     })?;
     Ok(Some(Division { normal, positive: &[2], negative: &[0] }))
 }

@@ -24,7 +24,9 @@ use crate::core::bvp::colored::ColoredField;
 use crate::core::bvp::interval::{Block, Interval};
 use crate::core::bvp::method::Method;
 use crate::core::failure::Failure;
-use crate::core::linalg::{Border, Elimination, Factorisation, Lanes, Pattern, SparseLu, refill};
+use crate::core::linalg::{
+    Border, Elimination, Factorisation, Lanes, Pattern, Pencil, SparseLu, refill,
+};
 use crate::core::scalar::CHUNK;
 use std::sync::Arc;
 
@@ -317,7 +319,8 @@ impl SparseOrbitLu {
         let width = self.fill_border(of);
         let [columns, rows, corner] = &self.border;
         let border = Border { width, columns, rows, corner, units: &[] };
-        self.lu.factor(&sparse.elimination, (&self.entries, 0.0), border)
+        let pencil = Pencil { entries: &self.entries, mass: None };
+        self.lu.factor(&sparse.elimination, (pencil, 0.0), border)
     }
 
     /// Fills the border: the extra unknowns and closing conditions, then the given border. Returns the

@@ -1,7 +1,6 @@
 //! Krylov spaces of the inverse of a sparse matrix, and the eigenvalues of the inverse that are
 //! computed from these spaces.
 
-use super::SparseLu;
 use crate::core::failure::Failure;
 use crate::core::linalg::{dot, norm, normalise, orthogonalise};
 use faer::{MatRef, Side, c64};
@@ -93,11 +92,6 @@ impl<'l> Krylov<'l> {
     /// Whether the space cannot grow, because it is invariant or has the largest allowed dimension.
     pub fn is_complete(&self) -> bool {
         self.images == self.most.min(self.vectors.len())
-    }
-
-    /// Multiplies the next basis vectors by the inverse matrix.
-    pub fn grow_by_inverse(&mut self, lu: &mut SparseLu) {
-        self.grow(&mut |block| lu.solve_lanes(block));
     }
 
     /// Extends the space by the products of the next basis vectors with a matrix; `apply` replaces

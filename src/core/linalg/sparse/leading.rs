@@ -2,9 +2,9 @@
 //! certificate of the number of unstable eigenvalues.
 
 use super::krylov::{Krylov, LANES, Locked};
-use super::{Elimination, SparseLu};
+use super::{Elimination, Pencil, SparseLu};
 use crate::core::failure::Failure;
-use crate::core::linalg::{Border, Spectrum};
+use crate::core::linalg::{Border, Spectrum, largest};
 use faer::c64;
 use std::mem::swap;
 use std::sync::Arc;
@@ -32,6 +32,10 @@ const ASIDE: f64 = 1e-10;
 /// Rounding: the rounding error of eigenvalues of the inverse matrix, relative to the largest
 /// eigenvalue.
 const ROUNDING: f64 = 1e-14;
+
+/// Rounding: with a mass matrix, an eigenvalue of the inverse counts as zero, and the eigenvalue
+/// as infinite, if it is smaller than this, relative to the largest eigenvalue of the inverse.
+const INFINITE: f64 = 1e-7;
 
 /// Heuristic: an eigenvalue near the shift hides the digits of the other eigenvalues if its
 /// distance from the shift is smaller than the next eigenvalue's distance by this factor.
@@ -91,16 +95,19 @@ pub(in crate::core) struct Rightmost {
 }
 
 impl Leading {
-    /// Computes the eigenvalues of the matrix with the given entries: all unstable eigenvalues (at
-    /// most [`MOST`]), and the `least` other eigenvalues nearest to zero.
+    /// Computes the eigenvalues of a pencil: all unstable eigenvalues (at most [`MOST`]), and the
+    /// `least` other eigenvalues nearest to zero. The number of unstable eigenvalues is certified
+    /// only without a mass matrix.
     pub fn rightmost(
         &mut self,
         elimination: &Arc<Elimination>,
-        entries: &[f64],
+        pencil: Pencil,
         least: usize,
     ) -> Result<Rightmost, Failure> {
-        let scales = elimination.pattern.symmetrising(entries);
-        let matrix = Matrix { elimination, entries, scales: scales.as_deref() };
+        let entries = pencil.entries;
+        let of_matrix = || elimination.pattern.symmetrising(entries);
+        let scales = if pencil.mass.is_some() { None } else { of_matrix() };
+        let matrix = Matrix { elimination, pencil, scales: scales.as_deref() };
         let mut shift = self.factor_near_zero(&matrix)?;
         let n = matrix.size();
         let negative = matrix.scales.and_then(|_| self.lu.negative_pivots());
@@ -122,10 +129,11 @@ impl Leading {
             };
             let certain = match positive {
                 Some(positive) => self.is_counted(&matrix, positive, &mut circle)?,
+                None if pencil.mass.is_some() => false,
                 None => count == n || circle.contains(elimination.pattern.unstable_corner(entries)),
             };
             let enough = if certain { (least + circle.unstable()).min(n) } else { MOST };
-            if count >= enough.min(MOST) {
+            if count >= enough.min(MOST).min(n) {
                 return Ok(Rightmost { spectrum: circle.spectrum, certain });
             }
             self.factor(&matrix, shift)?;
@@ -134,7 +142,7 @@ impl Leading {
     }
 
     fn factor(&mut self, matrix: &Matrix, shift: f64) -> Result<(), Failure> {
-        let shifted = (matrix.entries, shift);
+        let shifted = (matrix.pencil, shift);
         match matrix.scales {
             Some(_) => self.lu.factor_symmetric(matrix.elimination, shifted),
             None => self.lu.factor(matrix.elimination, shifted, Border::NONE),
@@ -147,7 +155,8 @@ impl Leading {
         if self.factor(matrix, 0.0).is_ok() {
             return Ok(0.0);
         }
-        let shift = ASIDE * matrix.entries.iter().fold(0.0, |most: f64, a| most.max(a.abs()));
+        let Pencil { entries, mass } = matrix.pencil;
+        let shift = ASIDE * largest(entries) / mass.map_or(1.0, largest).max(f64::MIN_POSITIVE);
         self.factor(matrix, shift).map(|()| shift)
     }
 
@@ -198,7 +207,7 @@ impl Leading {
 
     /// Computes the `count` eigenvalues nearest to the shift.
     fn nearest(&mut self, matrix: &Matrix, (shift, count): (f64, usize)) -> Result<Found, Failure> {
-        let (n, scales) = (matrix.size(), matrix.scales);
+        let n = matrix.size();
         let mut locked = Locked::default();
         let mut starts = self.starts(n);
         for number in 0.. {
@@ -206,11 +215,11 @@ impl Leading {
             let unknown = count.saturating_sub(before).max(1);
             // Values smaller than the known ones need no digits.
             let least = if before < count { 0.0 } else { locked.least(count) };
-            let mut run = self.run(&starts, (unknown, least, scales), &mut locked);
+            let mut run = self.run(&starts, (unknown, least, matrix), &mut locked);
             if run.is_err() {
                 // The space of a single vector contains higher powers.
                 seeds = 1;
-                run = self.run(&starts[..1], (unknown, least, scales), &mut locked);
+                run = self.run(&starts[..1], (unknown, least, matrix), &mut locked);
             }
             if let Some(distance) = run? {
                 return Ok(Found::Alone(distance));
@@ -225,7 +234,10 @@ impl Leading {
             }
             starts = (0..LANES).map(|k| random(n, (number + 2) * LANES + k)).collect();
         }
-        let least = locked.least(count);
+        let mut least = locked.least(count);
+        if matrix.pencil.mass.is_some() {
+            least = least.max(INFINITE * locked.least(1));
+        }
         let radius = 1.0 / least.max(f64::MIN_POSITIVE);
         let value = |value: &c64| match value.im {
             0.0 => (shift + value.re.recip(), 0.0),
@@ -265,14 +277,17 @@ impl Leading {
     fn run(
         &mut self,
         starts: &[Vec<f64>],
-        (wanted, least, scales): (usize, f64, Option<&[f64]>),
+        (wanted, least, matrix): (usize, f64, &Matrix),
         locked: &mut Locked,
     ) -> Result<Option<f64>, Failure> {
         let n = starts.first().map_or(0, Vec::len);
-        let mut space = Krylov::new(starts, (&locked.basis, scales), n);
+        let mut space = Krylov::new(starts, (&locked.basis, matrix.scales), n);
         let mut next_look = wanted + 2;
         while !space.vectors.is_empty() {
-            space.grow_by_inverse(&mut self.lu);
+            space.grow(&mut |block| {
+                matrix.times_mass(block);
+                self.lu.solve_lanes(block);
+            });
             if !space.is_complete() && space.images < next_look {
                 continue;
             }
@@ -329,7 +344,7 @@ fn random(n: usize, seed: usize) -> Vec<f64> {
 /// A sparse matrix.
 struct Matrix<'a> {
     elimination: &'a Arc<Elimination>,
-    entries: &'a [f64],
+    pencil: Pencil<'a>,
     /// The diagonal scales that make the matrix symmetric; `None` if no such scales are known.
     scales: Option<&'a [f64]>,
 }
@@ -337,6 +352,18 @@ struct Matrix<'a> {
 impl Matrix<'_> {
     fn size(&self) -> usize {
         self.elimination.pattern.size()
+    }
+
+    /// Multiplies the vectors of a block by the mass matrix.
+    fn times_mass(&self, block: &mut [[f64; LANES]]) {
+        let (Some(mass), pattern) = (self.pencil.mass, &self.elimination.pattern) else { return };
+        let mut products = vec![[0.0; LANES]; block.len()];
+        for (j, row) in block.iter().enumerate() {
+            for (m, &i) in mass[pattern.start(j)..].iter().zip(pattern.column(j)) {
+                products[i].iter_mut().zip(row).for_each(|(sum, v)| *sum += m * v);
+            }
+        }
+        block.copy_from_slice(&products);
     }
 }
 

@@ -87,13 +87,34 @@ pub(in crate::core) struct SparseLu<E = f64> {
     sign: f64,
 }
 
-/// A bordered sparse matrix `M = A − shift`, where `A` is given by its entries.
+/// The matrices `A` and `M` of a pencil `A − σ M`, given by their entries in the order of a common
+/// pattern; without `M`, the identity matrix.
+#[derive(Clone, Copy)]
+pub(in crate::core) struct Pencil<'a> {
+    pub entries: &'a [f64],
+    pub mass: Option<&'a [f64]>,
+}
+
+/// A bordered sparse matrix `A − shift M`.
 struct Matrix<'a, E> {
-    entries: &'a [f64],
+    pencil: Pencil<'a>,
     shift: E,
     border: Bordering<'a, E>,
     /// Whether pivots are taken from the diagonal if possible.
     diagonal: bool,
+}
+
+impl<E: Entry> Matrix<'_, E> {
+    /// Returns entry number `k` of the pattern without the share of an identity matrix `M`.
+    fn entry(&self, k: usize) -> E {
+        let own = E::from_real(self.pencil.entries[k]);
+        self.pencil.mass.map_or(own, |mass| own - self.shift * E::from_real(mass[k]))
+    }
+
+    /// Returns the number that an identity matrix `M` subtracts from the diagonal.
+    fn on_diagonal(&self) -> E {
+        if self.pencil.mass.is_some() { E::default() } else { self.shift }
+    }
 }
 
 /// The entries of a border: columns with one entry for each equation, rows with one entry for each
@@ -106,15 +127,14 @@ struct Bordering<'a, E> {
 }
 
 impl SparseLu {
-    /// Factors the bordered matrix `A − shift`, where the entries of `A` are in the order of the
-    /// pattern.
+    /// Factors the bordered matrix `A − shift M`.
     ///
     /// # Errors
     /// [`Failure`] if a pivot vanishes to working accuracy or is not finite.
     pub fn factor(
         &mut self,
         elimination: &Arc<Elimination>,
-        (entries, shift): (&[f64], f64),
+        (pencil, shift): (Pencil, f64),
         border: Border,
     ) -> Result<(), Failure> {
         let (n, m) = (elimination.pattern.size(), border.width);
@@ -124,7 +144,7 @@ impl SparseLu {
             row: &|k, j| border.rows[k * n + j],
             corner: &|i, k| border.corner[i * m + k],
         };
-        self.factor_matrix(elimination, &Matrix { entries, shift, border, diagonal: false })
+        self.factor_matrix(elimination, &Matrix { pencil, shift, border, diagonal: false })
     }
 
     /// Factors an unbordered matrix that becomes symmetric by a diagonal scaling. Pivots are taken
@@ -136,11 +156,11 @@ impl SparseLu {
     pub fn factor_symmetric(
         &mut self,
         elimination: &Arc<Elimination>,
-        (entries, shift): (&[f64], f64),
+        (pencil, shift): (Pencil, f64),
     ) -> Result<(), Failure> {
         let none = |_, _| 0.0;
         let border = Bordering { width: 0, column: &none, row: &none, corner: &none };
-        self.factor_matrix(elimination, &Matrix { entries, shift, border, diagonal: true })
+        self.factor_matrix(elimination, &Matrix { pencil, shift, border, diagonal: true })
     }
 }
 
@@ -185,12 +205,12 @@ impl<E: Entry> SparseLu<E> {
             scales.clear();
             scales.resize(n + m, 0.0);
         }
-        let Matrix { entries, shift, border, .. } = matrix;
+        let (border, shift) = (&matrix.border, matrix.on_diagonal());
         let each = |visit: &mut dyn FnMut(usize, usize, f64)| {
             for j in 0..n {
-                for (a, &i) in entries[pattern.start(j)..].iter().zip(pattern.column(j)) {
-                    let shift = if i == j { *shift } else { E::default() };
-                    visit(i, j, (E::from_real(*a) - shift).modulus());
+                for (k, &i) in (pattern.start(j)..).zip(pattern.column(j)) {
+                    let shift = if i == j { shift } else { E::default() };
+                    visit(i, j, (matrix.entry(k) - shift).modulus());
                 }
                 for k in 0..m {
                     visit(n + k, j, (border.row)(k, j).modulus());
@@ -265,7 +285,7 @@ impl<E: Entry> SparseLu<E> {
             self.front[j * size + i] +=
                 a * E::from_real(row_scales[rows[i]] * column_scales[columns[j]]);
         };
-        let Matrix { entries, shift, border, .. } = matrix;
+        let (border, shift) = (&matrix.border, matrix.on_diagonal());
         let first = size - m;
         let Some(node) = node else {
             for i in 0..m {
@@ -276,10 +296,10 @@ impl<E: Entry> SparseLu<E> {
         let own = node.own.len();
         let place = |at: u32| if (at as usize) < own { at as usize } else { at as usize + delayed };
         for &[k, i, j] in &node.entries {
-            put(place(i), place(j), E::from_real(entries[k as usize]));
+            put(place(i), place(j), matrix.entry(k as usize));
         }
         for (at, &v) in node.own.iter().enumerate() {
-            put(at, at, -*shift);
+            put(at, at, -shift);
             for k in 0..m {
                 put(first + k, at, (border.row)(k, v));
                 put(at, first + k, (border.column)(v, k));
@@ -535,7 +555,7 @@ impl ComplexFactors for SparseLu<c64> {
 pub(in crate::core) type SparseShiftedLu = Shifted<SparseLu<c64>>;
 
 impl SparseShiftedLu {
-    /// Factors the bordered matrix `A − iω`; the border consists of complex columns and rows, and a
+    /// Factors the bordered matrix `A − iω M`; the border consists of complex columns and rows, and a
     /// zero corner. All columns and rows of the border are given as real parts, followed by
     /// imaginary parts. The bordered matrix contains the complex conjugates of the given rows.
     ///
@@ -544,7 +564,7 @@ impl SparseShiftedLu {
     pub fn factor(
         &mut self,
         elimination: &Arc<Elimination>,
-        (entries, omega): (&[f64], f64),
+        (pencil, omega): (Pencil, f64),
         border: Border,
     ) -> Result<(), Failure> {
         let n = elimination.pattern.size();
@@ -559,6 +579,6 @@ impl SparseShiftedLu {
             corner: &|_, _| c64::new(0.0, 0.0),
         };
         let shift = c64::new(0.0, omega);
-        self.lu.factor_matrix(elimination, &Matrix { entries, shift, border, diagonal: false })
+        self.lu.factor_matrix(elimination, &Matrix { pencil, shift, border, diagonal: false })
     }
 }

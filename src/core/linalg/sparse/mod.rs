@@ -12,7 +12,7 @@ mod tree;
 
 pub(in crate::core) use largest::{Lanes, Largest};
 pub(in crate::core) use leading::{Leading, Rightmost};
-pub(in crate::core) use lu::{Elimination, SparseLu, SparseShiftedLu};
+pub(in crate::core) use lu::{Elimination, Pencil, SparseLu, SparseShiftedLu};
 pub(in crate::core) use pattern::Pattern;
 
 /// Returns the sign of the permutation that maps one order of the numbers 0, 1, 2, … to another
