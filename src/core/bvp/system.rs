@@ -34,6 +34,7 @@ mod refinement;
 mod residual;
 mod rest;
 mod solutions;
+mod sparse_factors;
 mod sparse_orbit;
 mod start;
 mod takens;

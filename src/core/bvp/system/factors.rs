@@ -5,7 +5,7 @@ use super::discretisation::DiscretisedProblem;
 use super::factorisation::{Condensation, form_of, singular_by_growth};
 use super::floquet::Floquet;
 use super::layout::UnknownLayout;
-use super::sparse_orbit::SparseOrbitLu;
+use super::sparse_factors::SparseOrbitLu;
 use crate::core::failure::Failure;
 use crate::core::linalg::{Border, CondensedLu, Factors, Form, RotatedLu};
 use std::sync::Arc;

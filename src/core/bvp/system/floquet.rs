@@ -18,14 +18,12 @@ use super::factorisation::{Condensation, form_of, singular_by_growth};
 use super::layout::UnknownLayout;
 use super::leading_multipliers::LeadingMultipliers;
 use super::liouville::{Orbit, accuracy_of_multipliers, by_liouville};
-use crate::core::bvp::erased::Number;
 use crate::core::bvp::terms::Return;
 use crate::core::failure::Failure;
 use crate::core::linalg::{
     Border, Chain, Condensed, CondensedLu, Factorisation, Spectrum, dot, largest, multipliers,
     refill, undetermined,
 };
-use crate::core::problem::FieldIn;
 use std::sync::Arc;
 
 /// The Floquet multipliers of periodic solutions.
@@ -136,7 +134,7 @@ impl Floquet {
         // At a Hopf point the motion at the start vanishes; the reference contains the motion of the
         // emanating orbits.
         let reference = of.phase.row.iter().take(n).copied().collect();
-        let mut motions = [motion_at(of, 0), reference];
+        let mut motions = [of.motion_at(0), reference];
         let mut units = of.assembled.units.clone();
         units.resize(n.max(units.len()), 1.0);
         for motion in &mut motions {
@@ -235,13 +233,13 @@ fn fast_multipliers(of: &Orbit, least: f64) -> Result<Option<Spectrum>, Failure>
     let speed = |motion: &[f64]| {
         motion.iter().zip(&sizes).map(|(f, size)| (f / size).powi(2)).sum::<f64>().sqrt()
     };
-    let speeds: Vec<f64> = (0..s.intervals).map(|j| speed(&motion_at(of, j * m))).collect();
+    let speeds: Vec<f64> = (0..s.intervals).map(|j| speed(&of.motion_at(j * m))).collect();
     let by_speed = |a: &usize, b: &usize| speeds[*a].total_cmp(&speeds[*b]);
     let fastest = (0..s.intervals).max_by(by_speed).unwrap_or(0);
     if speeds[0] >= SLOW * speeds[fastest] {
         return Ok(None);
     }
-    let (n, motion) = (s.states, motion_at(of, fastest * m));
+    let (n, motion) = (s.states, of.motion_at(fastest * m));
     let length = m * n * (m + 1) * n;
     let mut blocks = assembled.blocks[0].clone();
     blocks.rotate_left(fastest * length);
@@ -254,18 +252,6 @@ fn fast_multipliers(of: &Orbit, least: f64) -> Result<Option<Spectrum>, Failure>
     let motion: Vec<f64> = motion.iter().zip(&sizes).map(|(f, size)| f / size).collect();
     let reduced = deflated(&p, &q, &motion, least)?;
     reduced.map(|(p, q)| multipliers(&p, &q, n - 1)).transpose()
-}
-
-/// Returns the vector field at a node of the orbit that was assembled last.
-pub(super) fn motion_at(of: &Orbit, node: usize) -> Vec<f64> {
-    let (layout, at) = (&of.equations.layout, &of.assembled.at);
-    let s = &layout.segments[0];
-    let x: Vec<f64> = (0..s.states).map(|i| at[s.values + i * s.nodes + node]).collect();
-    let q: Vec<f64> = (0..layout.numbers()).map(|k| at[layout.number(k)]).collect();
-    let field = f64::residual(&*of.equations.problem).on_segment(0, &q);
-    let mut motion = vec![0.0; s.states];
-    field.slope(0.0, &x, &q, &mut motion);
-    motion
 }
 
 /// Heuristic: if the speed at the start is smaller than this fraction of the largest speed on the

@@ -1,8 +1,8 @@
 //! The largest Floquet multipliers of periodic orbits with sparse matrices.
 
-use super::floquet::motion_at;
 use super::liouville::Orbit;
-use super::sparse_orbit::{SparseOrbit, SparseOrbitLu};
+use super::sparse_factors::SparseOrbitLu;
+use super::sparse_orbit::SparseOrbit;
 use crate::core::failure::Failure;
 use crate::core::linalg::{Lanes, Largest, Spectrum, dot, norm};
 
@@ -55,7 +55,7 @@ impl LeadingMultipliers {
         // At a Hopf point the motion at the start vanishes; the reference contains the motion of the
         // emanating orbits.
         let reference = of.phase.row.iter().take(n).copied().collect();
-        for mut motion in [motion_at(of, 0), reference] {
+        for mut motion in [of.motion_at(0), reference] {
             motion.iter_mut().zip(&units).for_each(|(x, unit)| *x /= unit);
             let square = dot(&motion, &motion);
             let mut image: Vec<[f64; 4]> = motion.iter().map(|x| [*x, 0.0, 0.0, 0.0]).collect();

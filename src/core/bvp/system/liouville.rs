@@ -45,6 +45,20 @@ pub(super) struct Orbit<'a> {
     pub plain: &'a mut Work<f64>,
 }
 
+impl Orbit<'_> {
+    /// Returns the vector field at a node of the orbit that was assembled last.
+    pub fn motion_at(&self, node: usize) -> Vec<f64> {
+        let (layout, at) = (&self.equations.layout, &self.assembled.at);
+        let s = &layout.segments[0];
+        let x: Vec<f64> = (0..s.states).map(|i| at[s.values + i * s.nodes + node]).collect();
+        let q: Vec<f64> = (0..layout.numbers()).map(|k| at[layout.number(k)]).collect();
+        let field = f64::residual(&*self.equations.problem).on_segment(0, &q);
+        let mut motion = vec![0.0; s.states];
+        field.slope(0.0, &x, &q, &mut motion);
+        motion
+    }
+}
+
 /// Returns the nontrivial Floquet multipliers of a smooth orbit, checked by Liouville's formula. A
 /// multiplier that is lost in rounding errors, or that the mesh does not resolve, is replaced by
 /// its value from Liouville's formula if the formula determines it.
