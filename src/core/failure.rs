@@ -182,6 +182,23 @@ pub enum Failure {
         /// The largest pivot.
         largest: f64,
     },
+    /// A Krylov method did not solve a linear system.
+    #[error(
+        "the Krylov method did not solve a linear system: after {iterations} iterations, the \
+         relative residual is {residual:.1e}, but at most {allowed:.0e} is usable"
+    )]
+    #[diagnostic(help(
+        "use a preconditioner that is closer to the inverse of F_z, or factor F_z with `Sparse` or \
+         `Dense`"
+    ))]
+    Unsolved {
+        /// The number of iterations.
+        iterations: usize,
+        /// The residual, relative to the right-hand side.
+        residual: f64,
+        /// The largest relative residual of a usable solution.
+        allowed: f64,
+    },
     /// A trajectory ended early.
     #[error(transparent)]
     #[diagnostic(transparent)]

@@ -3,8 +3,8 @@
 //!
 //! A **[`System`]** is the object-safe `f64` interface of a zero problem. Continuation, defining
 //! systems and the location of events use only this interface, so a problem with structure
-//! (condensed unknowns, collocation blocks) implements the trait directly; [`Dense`] and [`Sparse`]
-//! implement the trait for any [`ZeroProblem`](crate::core::problem::ZeroProblem), by forward-mode
+//! (condensed unknowns, collocation blocks) implements the trait directly; [`Dense`], [`Sparse`] and
+//! [`MatrixFree`] implement the trait for any [`ZeroProblem`](crate::core::problem::ZeroProblem), by
 //! dual numbers.
 //!
 //! Throughout this module, `x = (z, p)` is one vector: the `n` unknowns, then *all* parameters,
@@ -30,6 +30,7 @@
 
 mod dense;
 mod expansion;
+mod free_jacobian;
 mod jacobian;
 mod kind;
 mod mixed;
@@ -40,8 +41,9 @@ mod system_ref;
 mod work;
 mod zero_system;
 
-pub use dense::{Dense, Sparse};
+pub use dense::{Dense, MatrixFree, Sparse};
 pub(in crate::core) use expansion::Expansion;
+pub use free_jacobian::Preconditioner;
 pub use kind::Kind;
 pub(in crate::core) use mixed::{mixed, moving, third};
 pub use orbit_events::{Across, Emanating, Jump, Limit, OrbitEvents};

@@ -14,6 +14,7 @@ mod flow_failures;
 mod gradients;
 mod linear;
 mod mass;
+mod matrix_free;
 mod mixed;
 mod multiple_branch_points;
 mod newton;

@@ -1,9 +1,9 @@
-//! Promises of sparse matrices for periodic orbits: the same orbits and multipliers as by multiple
+//! Promises of sparse matrices for periodic orbits: orbits and multipliers that agree with multiple
 //! shooting, factors that solve the linearised equations, and patterns that follow the orbit.
 
 use crate::common::close;
-use tangency::core::bvp::{BoundarySystem, Collocation, Method, Shooting};
-use tangency::core::continuation::{Branch, Continuation, Settings};
+use tangency::core::bvp::{BoundarySystem, Collocation, Shooting};
+use tangency::core::continuation::{Branch, Continuation};
 use tangency::core::failure::Failure;
 use tangency::core::linalg::{Border, Factors, Form, SpectrumRequest};
 use tangency::core::orbit::periodic_orbits;
@@ -46,64 +46,100 @@ impl VectorField for Brusselator {
     }
 }
 
-/// The cycles from the first Hopf point of the Brusselator with `2n` states, up to the length 0.55.
-fn cycles(n: usize, method: impl Into<Method>, intervals: usize) -> (BoundarySystem, Branch) {
+/// The cycles from the first Hopf point of the Brusselator with `2n` states, up to a length.
+fn cycles(n: usize, last: f64) -> (BoundarySystem, Branch) {
     let mut start = vec![2.0; n];
     start.extend(vec![5.45 / 2.0; n]);
     let field = || Brusselator { n, valve: 0.0 };
     let mut rest = Sparse::new(Equilibria(field()));
-    let stated = Continuation::new(&mut rest).at("L", 0.45).at("A", 2.0).at("B", 5.45);
-    let rest = stated.from(&start[..]).along("L", 0.45..=0.6).trace().unwrap();
+    let stated = Continuation::new(&mut rest).at("L", 0.5).at("A", 2.0).at("B", 5.45);
+    let rest = stated.from(&start[..]).along("L", 0.5..=last).trace().unwrap();
     let hopf = rest.of_kind(Kind::HB).next().unwrap();
-    let mut orbits = periodic_orbits(field(), intervals, method).unwrap();
-    let settings = Settings { eigenvalues: 4, ..Settings::default() };
+    let mut orbits = periodic_orbits(field(), 20, Collocation::new(4).unwrap()).unwrap();
     let branch = Continuation::new(&mut orbits)
         .restart(&rest, hopf.label)
-        .settings(settings)
-        .along("L", 0.45..=0.55)
+        .along("L", 0.5..=last)
         .trace()
         .unwrap();
     (orbits, branch)
 }
 
+/// A motion near the equilibrium, as unknowns of a discretised orbit.
+fn wave(orbits: &BoundarySystem, n: usize, amplitude: f64) -> Vec<f64> {
+    let mut x = orbits.sampled(&[3.0], |_, tau, x| {
+        for (i, x) in x.iter_mut().enumerate() {
+            let mean = if i < n { 2.0 } else { 2.725 };
+            *x = mean + amplitude * (std::f64::consts::TAU * tau + i as f64 / n as f64).sin();
+        }
+    });
+    x.extend([0.55, 2.0, 5.45]);
+    x
+}
+
+/// Asserts that factors solve the linearised equations: the directional derivative along the solution
+/// is the right-hand side.
+fn assert_solves(orbits: &mut BoundarySystem, x: &[f64]) {
+    orbits.assemble(x).unwrap();
+    let mut factors = Factors::default();
+    orbits.factor(Form::Jacobian, Border::NONE, &mut factors).unwrap();
+    let count = orbits.names().dimension();
+    let right: Vec<f64> = (0..count).map(|i| (i as f64).cos()).collect();
+    let mut solved = right.clone();
+    factors.solve(&mut solved);
+    let size = solved.iter().fold(1.0, |most: f64, s| most.max(s.abs()));
+    solved.extend(vec![0.0; x.len() - count]);
+    let mut product = vec![0.0; count];
+    orbits.derivative(x, &[&solved], &mut product).unwrap();
+    product.iter().zip(&right).for_each(|(found, right)| close(*found, *right, 1e-9 * size));
+}
+
 #[test]
-fn orbits_of_many_states_are_those_of_multiple_shooting() {
-    let (_, collocated) = cycles(30, Collocation::new(4).unwrap(), 20);
-    let (_, shot) = cycles(30, Shooting::default(), 40);
-    let [found, expected] = [&collocated, &shot].map(|branch| branch.points.last().unwrap());
-    // The period is the first monitor.
-    close(found.parameters[0], 0.55, 1e-15);
-    close(found.monitors[0], expected.monitors[0], 1e-8);
-    assert_eq!((found.unstable, expected.unstable), (Some(0), Some(0)));
-    // A real multiplier and a complex pair; the mesh of collocation moves the pair by 1e-6.
-    for (found, expected) in found.eigenvalues.iter().zip(&expected.eigenvalues).take(3) {
-        close(found.0, expected.0, 1e-5);
-        close(found.1, expected.1, 1e-5);
+fn orbits_of_many_states_close_and_have_the_multipliers_of_shooting() {
+    let n = 60;
+    let (mut collocated, branch) = cycles(n, 0.514);
+    let end = branch.special.last().unwrap();
+    close(end.parameters[0], 0.514, 1e-15);
+    assert_eq!(end.unstable, Some(0));
+    assert!(branch.warnings.is_empty(), "{:?}", branch.warnings);
+    let x = [&end.state[..], &end.parameters].concat();
+    collocated.assemble(&x).unwrap();
+    let found = collocated.spectrum(&x, SpectrumRequest { count: 3 }).unwrap().unwrap();
+    assert!(found.len() < 2 * n - 1, "a Krylov space yields only the largest multipliers");
+    // The same orbit on the nodes of multiple shooting.
+    let field = Brusselator { n, valve: 0.0 };
+    let mut shot = periodic_orbits(field, 40, Shooting::default()).unwrap();
+    let (period, layout) = (end.state[end.state.len() - 1], &collocated);
+    let mut y = shot.sampled(&[period], |_, tau, out| {
+        out.copy_from_slice(&layout.states(&x, 0, tau).unwrap());
+    });
+    y.extend(&end.parameters);
+    let mut residual = vec![0.0; shot.names().dimension()];
+    shot.residual(&y, &mut residual).unwrap();
+    // The flow leads from node to node, and closes. Between the nodes of collocation, the polynomial has
+    // an error of about 1e-5.
+    residual.iter().for_each(|r| close(*r, 0.0, 3e-5));
+    shot.assemble(&y).unwrap();
+    let expected = shot.spectrum(&y, SpectrumRequest { count: 3 }).unwrap().unwrap();
+    // A real multiplier and a complex pair, as accurate as the nodes.
+    for (found, expected) in found.iter().zip(&expected).take(3) {
+        close(found.0, expected.0, 1e-4);
+        close(found.1.abs(), expected.1.abs(), 1e-4);
     }
-    assert!(collocated.warnings.is_empty(), "{:?}", collocated.warnings);
 }
 
 #[test]
 fn factors_solve_the_linearised_equations() {
-    let (mut orbits, branch) = cycles(30, Collocation::new(4).unwrap(), 10);
-    let end = branch.special.last().unwrap();
-    let x = [&end.state[..], &end.parameters].concat();
-    let n = orbits.names().dimension();
-    let vector = |seed: f64| -> Vec<f64> { (0..n).map(|i| (seed + i as f64).sin()).collect() };
-    orbits.assemble(&x).unwrap();
-    let mut solved = vector(1.0);
-    let mut factors = Factors::default();
-    orbits.factor(Form::Jacobian, Border::NONE, &mut factors).unwrap();
-    factors.solve(&mut solved);
-    // The product of the Jacobian with the solution is the right-hand side.
-    let direction: Vec<f64> = solved.iter().copied().chain(vec![0.0; x.len() - n]).collect();
-    let mut product = vec![0.0; n];
-    orbits.derivative(&x, &[&direction], &mut product).unwrap();
-    let size = solved.iter().fold(1.0, |most: f64, s| most.max(s.abs()));
-    product.iter().zip(vector(1.0)).for_each(|(found, right)| close(*found, right, 1e-9 * size));
+    let n = 80;
+    let field = Brusselator { n, valve: 0.0 };
+    let mut orbits = periodic_orbits(field, 10, Collocation::new(4).unwrap()).unwrap();
+    let x = wave(&orbits, n, 0.5);
+    assert_solves(&mut orbits, &x);
     // The same number by the transposed system, with one column in the border, for both real forms.
+    let count = orbits.names().dimension();
+    let vector = |seed: f64| -> Vec<f64> { (0..count).map(|i| (seed + i as f64).sin()).collect() };
     let (column, row) = (vector(5.0), vector(6.0));
     let border = Border { width: 1, columns: &column, rows: &row, corner: &[0.5], units: &[] };
+    let mut factors = Factors::default();
     for form in [Form::Jacobian, Form::Antiperiodic] {
         orbits.factor(form, border, &mut factors).unwrap();
         let (mut forward, mut backward) = (vector(2.0), vector(3.0));
@@ -124,31 +160,12 @@ fn factors_solve_the_linearised_equations() {
 
 #[test]
 fn a_dependence_that_begins_on_the_branch_extends_the_pattern() {
-    let n = 30;
+    let n = 80;
     let field = Brusselator { n, valve: 2.5 };
     let mut orbits = periodic_orbits(field, 10, Collocation::new(4).unwrap()).unwrap();
     // Before the valve opens, and after: an assembly with the old pattern would miss the entry.
     for amplitude in [0.1, 1.0] {
-        let mut z = orbits.sampled(&[3.0], |_, tau, x| {
-            for (i, x) in x.iter_mut().enumerate() {
-                let mean = if i < n { 2.0 } else { 2.725 };
-                *x = mean + amplitude * (std::f64::consts::TAU * tau).sin();
-            }
-        });
-        z.extend([0.55, 2.0, 5.45]);
-        orbits.assemble(&z).unwrap();
-        let mut factors = Factors::default();
-        orbits.factor(Form::Jacobian, Border::NONE, &mut factors).unwrap();
-        let count = orbits.names().dimension();
-        let right: Vec<f64> = (0..count).map(|i| (i as f64).cos()).collect();
-        let mut solved = right.clone();
-        factors.solve(&mut solved);
-        let size = solved.iter().fold(1.0, |most: f64, s| most.max(s.abs()));
-        solved.extend([0.0; 3]);
-        let mut product = vec![0.0; count];
-        orbits.derivative(&z, &[&solved], &mut product).unwrap();
-        product.iter().zip(&right).for_each(|(found, right)| close(*found, *right, 1e-9 * size));
-        let spectrum = orbits.spectrum(&z, SpectrumRequest { count: 4 }).unwrap().unwrap();
-        assert!(spectrum.len() >= 4 && spectrum.len() < 2 * n, "{}", spectrum.len());
+        let x = wave(&orbits, n, amplitude);
+        assert_solves(&mut orbits, &x);
     }
 }

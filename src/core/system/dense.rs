@@ -1,5 +1,7 @@
-//! Implements [`System`] for zero problems, with dense or sparse matrices.
+//! Implements [`System`] for zero problems, with dense or sparse matrices, or without a matrix.
 
+use super::free_jacobian::{FreeJacobian, Preconditioner};
+use super::jacobian::Jacobian;
 use super::zero_system::{Matrices, ZeroSystem};
 use super::{Deviation, Functional, Representation, System};
 use crate::core::failure::Failure;
@@ -116,6 +118,83 @@ impl<P: ZeroProblem + 'static> Sparse<P> {
     }
 }
 
+/// A [`ZeroProblem`] as a [`System`] without a matrix: `F_z` is neither stored nor factored. Linear
+/// systems are solved by a Krylov method from products `F_z v`, which are directional derivatives
+/// of the residual by dual numbers. A [`Preconditioner`] approximates the inverse of `F_z`; with a
+/// good preconditioner, a linear system takes about ten to thirty evaluations of the residual.
+///
+/// Branches are continued past folds, and folds are located, because the bordered `F_z` is regular
+/// at folds. The gradients in the last corrections of a fold take `n/8` evaluations of the residual.
+/// Without a matrix, eigenvalues and the sign of the determinant are not computed: the stability of
+/// solutions is unknown, and branch points and Hopf points are not detected. A warning of the branch
+/// reports this.
+///
+/// ```
+/// use tangency::core::continuation::{Continuation, Settings};
+/// use tangency::core::problem::{Names, ZeroProblem};
+/// use tangency::core::scalar::Scalar;
+/// use tangency::core::system::{Kind, MatrixFree, Preconditioner};
+/// /// Bratu's problem u'' + λ eᵘ = 0, u(0) = u(1) = 0, by finite differences.
+/// struct Bratu(usize);
+/// impl ZeroProblem for Bratu {
+///     fn names(&self) -> Names {
+///         Names::new([("u", self.0)], ["lambda"])
+///     }
+///     fn residual<T: Scalar>(&self, u: &[T], p: &[T], r: &mut [T]) {
+///         let h = 1.0 / (self.0 + 1) as f64;
+///         let at = |i: usize| u.get(i.wrapping_sub(1)).copied().unwrap_or(T::zero());
+///         for i in 1..=self.0 {
+///             r[i - 1] = (at(i - 1) - at(i) * 2.0 + at(i + 1)) / (h * h) + p[0] * at(i).exp();
+///         }
+///     }
+/// }
+/// /// The inverse of u'', by two sums: v'' = f, v(0) = v(1) = 0.
+/// struct Inverse;
+/// impl Preconditioner for Inverse {
+///     fn apply(&self, _z: &[f64], _p: &[f64], v: &mut [f64]) {
+///         let h = 1.0 / (v.len() + 1) as f64;
+///         let (mut slope, mut sum) = (0.0, 0.0);
+///         for v in v.iter_mut() {
+///             sum += h * slope;
+///             slope += h * *v;
+///             *v = sum;
+///         }
+///         let end = sum + h * slope;
+///         for (i, v) in v.iter_mut().enumerate() {
+///             *v -= (i + 1) as f64 * h * end;
+///         }
+///     }
+/// }
+/// let mut system = MatrixFree::new(Bratu(99), Inverse);
+/// let settings = Settings { max_points: 30, ..Settings::default() };
+/// let solutions = Continuation::new(&mut system).settings(settings);
+/// let branch = solutions.along("lambda", 0.0..=4.0).trace()?;
+/// let fold = branch.of_kind(Kind::LP).next().unwrap();
+/// assert!((fold.parameters[0] - 3.513647904).abs() < 1e-8);
+/// assert!(fold.unstable.is_none() && branch.warnings[0].contains("without a matrix"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct MatrixFree<P> {
+    problem: Arc<P>,
+    system: ZeroSystem,
+}
+
+impl<P: ZeroProblem + 'static> MatrixFree<P> {
+    /// Creates the system, without a matrix, of a zero problem.
+    pub fn new(problem: P, preconditioner: impl Preconditioner) -> Self {
+        let problem = Arc::new(problem);
+        let mut system = ZeroSystem::structured(problem.clone(), Matrices::Dense);
+        let free = FreeJacobian::new(problem.clone(), Arc::new(preconditioner));
+        system.jacobian = Jacobian::Free(free);
+        MatrixFree { system, problem }
+    }
+
+    /// The problem itself.
+    pub fn problem(&self) -> &P {
+        &self.problem
+    }
+}
+
 /// Delegates all methods of [`System`] to the inner system.
 macro_rules! delegated {
     ($system:ident) => {
@@ -223,3 +302,4 @@ macro_rules! delegated {
 
 delegated!(Dense);
 delegated!(Sparse);
+delegated!(MatrixFree);

@@ -1,5 +1,6 @@
-//! The assembled `F_z` of a zero problem, dense or sparse.
+//! The assembled `F_z` of a zero problem: dense, sparse or without a matrix.
 
+use super::free_jacobian::FreeJacobian;
 use super::sparse_jacobian::SparseJacobian;
 use super::work::Work;
 use crate::core::failure::Failure;
@@ -20,13 +21,15 @@ pub(super) enum Jacobian {
     Unknown,
     Dense(DenseJacobian),
     Sparse(Box<SparseJacobian>),
+    /// No matrix: only products with vectors are computed.
+    Free(FreeJacobian),
 }
 
 impl Jacobian {
     /// The entries of the matrix, in storage order.
     pub fn entries(&self) -> &[f64] {
         match self {
-            Jacobian::Unknown => &[],
+            Jacobian::Unknown | Jacobian::Free(_) => &[],
             Jacobian::Dense(dense) => &dense.entries,
             Jacobian::Sparse(sparse) => sparse.entries(),
         }
@@ -35,7 +38,7 @@ impl Jacobian {
     /// The mass matrix at the point of the last assembly; `None` for the identity matrix.
     pub fn mass(&self, n: usize) -> Option<MassMatrix> {
         let mass = match self {
-            Jacobian::Unknown => None,
+            Jacobian::Unknown | Jacobian::Free(_) => None,
             Jacobian::Dense(dense) => dense.mass.as_deref(),
             Jacobian::Sparse(sparse) => sparse.mass(),
         };
@@ -75,6 +78,7 @@ impl Jacobian {
                  twice the period are not defined"
                     .into(),
             )),
+            (_, Jacobian::Free(free)) => free.factor(form, border, into),
             (_, Jacobian::Sparse(sparse)) => sparse.factor(form, border, (mass, into)),
             (Form::Oscillation(omega), Jacobian::Dense(dense)) => {
                 let pencil = (&dense.entries[..], dense.mass.as_deref());
@@ -94,6 +98,7 @@ impl Jacobian {
             Jacobian::Unknown => Ok(Spectrum::new()),
             Jacobian::Dense(dense) => dense.spectrum(dynamics),
             Jacobian::Sparse(sparse) => sparse.spectrum(dynamics, request),
+            Jacobian::Free(_) => Err(FreeJacobian::undetermined()),
         }
     }
 }

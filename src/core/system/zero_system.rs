@@ -1,5 +1,6 @@
 //! The system of a zero problem as a trait object; its code is compiled once for all problems.
 
+use super::free_jacobian::FreeJacobian;
 use super::jacobian::{DenseJacobian, Jacobian, Tabulated};
 use super::sparse_jacobian::SparseJacobian;
 use super::work::Work;
@@ -42,7 +43,7 @@ pub(crate) struct ZeroSystem {
     traced: Option<Arc<dyn TracedEquations>>,
     matrices: Matrices,
     names: Names,
-    jacobian: Jacobian,
+    pub(super) jacobian: Jacobian,
     /// The point at which the Jacobian was assembled last; empty after a failed assembly.
     assembled: Vec<f64>,
     plain: Work<f64>,
@@ -248,6 +249,9 @@ impl System for ZeroSystem {
     }
 
     fn residual(&mut self, x: &[f64], r: &mut [f64]) -> Result<(), Failure> {
+        if let Jacobian::Free(free) = &self.jacobian {
+            free.check(x)?;
+        }
         let (z, p) = x.split_at(self.names.dimension());
         self.problem.domain(z, p)?;
         r.copy_from_slice(self.plain.evaluate(&*self.problem, |i| x[i]));
@@ -272,6 +276,7 @@ impl System for ZeroSystem {
         }
         match &mut self.jacobian {
             Jacobian::Dense(dense) => dense.differentiate(&mut self.chunk, &*self.problem, x),
+            Jacobian::Free(free) => free.move_to(x),
             _ => self.complete(x)?,
         }
         let name = |k: usize| {
@@ -414,10 +419,11 @@ impl System for ZeroSystem {
     }
 
     /// Adds the use of sparse matrices to the description of the method, because with sparse
-    /// matrices only the rightmost eigenvalues are computed.
+    /// matrices only the rightmost eigenvalues are computed, and without a matrix no eigenvalues.
     fn representation(&self) -> Representation {
         let method = match self.jacobian {
             Jacobian::Sparse(_) => "sparse matrices",
+            Jacobian::Free(_) => "matrix-free",
             _ => "",
         };
         Representation { method: method.into(), ..Representation::default() }
@@ -430,6 +436,7 @@ impl System for ZeroSystem {
     fn doubts(&self) -> Option<String> {
         match &self.jacobian {
             Jacobian::Sparse(sparse) => sparse.doubts(),
+            Jacobian::Free(_) => Some(FreeJacobian::doubts()),
             _ => None,
         }
     }
