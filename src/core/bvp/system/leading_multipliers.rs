@@ -4,7 +4,7 @@ use super::liouville::Orbit;
 use super::sparse_factors::SparseOrbitLu;
 use super::sparse_orbit::SparseOrbit;
 use crate::core::failure::Failure;
-use crate::core::linalg::{Lanes, Largest, Spectrum, dot, norm};
+use crate::core::linalg::{LANES, Lanes, Largest, Spectrum, dot, norm};
 
 /// Discretisation: a vector counts as an eigenvector of the multiplier 1 if it satisfies the equation
 /// of eigenvectors to this relative accuracy.
@@ -58,14 +58,14 @@ impl LeadingMultipliers {
         for mut motion in [of.motion_at(0), reference] {
             motion.iter_mut().zip(&units).for_each(|(x, unit)| *x /= unit);
             let square = dot(&motion, &motion);
-            let mut image: Vec<[f64; 4]> = motion.iter().map(|x| [*x, 0.0, 0.0, 0.0]).collect();
+            let mut image: Vec<[f64; LANES]> = motion.iter().map(|x| [*x; LANES]).collect();
             apply(&mut image);
             let deviation: Vec<f64> = image.iter().zip(&motion).map(|(a, x)| a[0] - x).collect();
             if square == 0.0 || norm(&deviation) > TRIVIAL * square.sqrt() {
                 continue;
             }
             return largest.outside((n, least), |states| {
-                for lane in 0..4 {
+                for lane in 0..LANES {
                     let along = motion.iter().zip(&*states).map(|(v, x)| v * x[lane]).sum::<f64>();
                     let part = along / square;
                     states.iter_mut().zip(&motion).for_each(|(x, v)| x[lane] -= part * v);

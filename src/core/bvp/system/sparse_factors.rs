@@ -4,7 +4,7 @@ use super::assembly::{AssembledJacobian, Bordered, Form};
 use super::layout::UnknownLayout;
 use super::sparse_orbit::SparseOrbit;
 use crate::core::failure::Failure;
-use crate::core::linalg::{Border, Factorisation, Lanes, Pencil, SparseLu, refill};
+use crate::core::linalg::{Border, Factorisation, LANES, Lanes, Pencil, SparseLu, refill};
 use std::sync::Arc;
 
 /// The factors of the sparse matrix of a periodic orbit, for a real Floquet multiplier `μ`.
@@ -18,7 +18,7 @@ pub(super) struct SparseOrbitLu {
     entries: Vec<f64>,
     border: [Vec<f64>; 3],
     right: Vec<f64>,
-    lanes: Vec<[f64; 4]>,
+    lanes: Vec<[f64; LANES]>,
 }
 
 impl SparseOrbitLu {
@@ -116,7 +116,7 @@ impl SparseOrbitLu {
     /// Replaces the states `x(0)`, several vectors side by side, by the states `x(1)` of the
     /// linearised flow; the matrix of the initial-value problem must be factored.
     pub fn flow(&mut self, layout: &UnknownLayout, states: &mut Lanes) {
-        refill(&mut self.lanes, std::iter::repeat_n([0.0; 4], layout.dimension));
+        refill(&mut self.lanes, std::iter::repeat_n([0.0; LANES], layout.dimension));
         let last = layout.values() - layout.states;
         for (x, &at) in states.iter().zip(&layout.order) {
             self.lanes[at] = *x;

@@ -16,7 +16,7 @@
 //! first node.
 
 use super::discretisation::DiscretisedProblem;
-use super::layout::UnknownLayout;
+use super::layout::{UnknownLayout, span};
 use super::work::Work;
 use crate::core::bvp::collocation::Collocation;
 use crate::core::bvp::colored::ColoredField;
@@ -100,7 +100,7 @@ pub(super) struct SparseOrbit {
 
 impl SparseOrbit {
     /// Determines the sparsity pattern of the vector field along an orbit, in addition to a `known`
-    /// pattern; `None` for shooting.
+    /// pattern; `None` for shooting, and for a pattern that is not sparse.
     fn about(
         equations: &mut DiscretisedProblem,
         work: &Work<f64>,
@@ -113,8 +113,7 @@ impl SparseOrbit {
         for start in (0..n).step_by(CHUNK) {
             let mut seen = vec![[false; CHUNK]; n];
             for (s, j) in layout.intervals() {
-                let (span, nodes) =
-                    (super::layout::span(meshes, s, j), &work.nodes[layout.interval(s, j)]);
+                let (span, nodes) = (span(meshes, s, j), &work.nodes[layout.interval(s, j)]);
                 let q = &work.numbers[layout.local(s)];
                 let interval = Interval { problem: &**problem, span, nodes, q };
                 method.mark_dependences(interval, start, &mut seen)?;
@@ -124,7 +123,9 @@ impl SparseOrbit {
                 places.extend(own.map(|(k, _)| [i, start + k]));
             }
         }
-        Ok(Some(Self::of(layout, method, Pattern::of_places(n, &places))))
+        let pattern = Pattern::of_places(n, &places);
+        let is_sparse = pattern.count() <= n * n / 4;
+        Ok(is_sparse.then(|| Self::of(layout, method, pattern)))
     }
 
     fn of(layout: &UnknownLayout, method: &Collocation, field: Pattern) -> Self {
@@ -199,8 +200,8 @@ impl SparseOrbit {
         block: Block,
     ) -> Result<bool, Failure> {
         let Method::Collocation(method) = method else { return Ok(false) };
-        let length = method.places().len() - 1;
-        let length = length * self.field.pattern.count();
+        let gauss = method.places().len() - 1;
+        let length = gauss * self.field.pattern.count();
         let nodes = &mut self.slopes[j * length..(j + 1) * length];
         method.linearise_colored(interval, (active, &self.field), Block { nodes, ..block })
     }

@@ -6,7 +6,7 @@ use crate::core::linalg::{dot, norm, normalise, orthogonalise};
 use faer::{MatRef, Side, c64};
 
 /// Heuristic: the number of vectors that are multiplied by the inverse and orthogonalised together.
-pub(super) const LANES: usize = 4;
+pub(in crate::core) const LANES: usize = 4;
 
 /// Heuristic: the largest number of basis vectors of a Krylov space.
 const DIMENSION: usize = 240;

@@ -10,6 +10,7 @@ mod pattern;
 mod symmetry;
 mod tree;
 
+pub(in crate::core) use krylov::LANES;
 pub(in crate::core) use largest::{Lanes, Largest};
 pub(in crate::core) use leading::{Leading, Rightmost};
 pub(in crate::core) use lu::{Elimination, Pencil, SparseLu, SparseShiftedLu};
