@@ -31,8 +31,9 @@ impl Kind {
 /// A degenerate point of a curve of folds: a cusp, where `a = wᵀ F_zz[v, v] = 0`, or a
 /// Bogdanov–Takens point, where `c = wᵀ L' v = 0` and the eigenvalue zero is double. For
 /// equilibria, `L' = −M` is the derivative of the linearisation `L(σ) = F_z − σ M` with respect to
-/// the exponent `σ` of deviations; the mass matrix `M` is the identity matrix for most flows. With the `L'` of periodic orbits, `c = 0` defines a resonance
-/// 1:1 on curves of folds, and a resonance 1:2 on curves of period doublings.
+/// the exponent `σ` of deviations; the mass matrix `M` is the identity matrix for most flows. With
+/// the `L'` of periodic orbits, `c = 0` defines a resonance 1:1 on curves of folds, and a resonance
+/// 1:2 on curves of period doublings.
 pub struct DegenerateFold {
     kind: Kind,
     form: Form,

@@ -12,6 +12,7 @@ use crate::core::failure::Failure;
 use crate::core::linalg::{Form, SpectrumRequest, dot};
 use crate::core::problem::Dynamics;
 use crate::core::system::{Functional, Kind, System};
+use std::borrow::Cow;
 
 impl Kind {
     /// `HB`: a Hopf point.
@@ -24,8 +25,8 @@ impl Kind {
 /// unknown. For periodic orbits, the same equations define a torus point, where an orbit has the
 /// multiplier `e^{iω}`.
 ///
-/// The complex matrix `L(ω)` ([`Form::Oscillation`]; `F_z − iω M` for an equilibrium with the mass matrix `M`) is bordered in
-/// the same way as `F_z` at a fold. The border's multiplier `g = −w* L v` is complex, so the
+/// The complex matrix `L(ω)` ([`Form::Oscillation`]; `F_z − iω M` for an equilibrium with the mass
+/// matrix `M`) is bordered in the same way as `F_z` at a fold. The border's multiplier `g = −w* L v` is complex, so the
 /// defining system consists of two equations, `Re g = Im g = 0`, with `δg = −w* δF_z v − w* (∂L/∂ω)
 /// v δω`.
 pub struct Hopf {
@@ -167,19 +168,21 @@ impl DefiningSystem for Hopf {
 
 /// Returns the real and imaginary parts of a complex direction that changes like `e^{iωt}`; for a
 /// flow with a mass matrix, each part is followed by its rates.
-pub(super) fn motions(
+pub(super) fn motions<'a>(
     system: &dyn System,
     x: &[f64],
-    [re, im]: [&[f64]; 2],
+    [re, im]: [&'a [f64]; 2],
     omega: f64,
-) -> [Vec<f64>; 2] {
+) -> [Cow<'a, [f64]>; 2] {
     if system.dynamics() != Dynamics::Implicit {
-        return [re.to_vec(), im.to_vec()];
+        return [re, im].map(Cow::Borrowed);
     }
     let n = system.names().dimension();
-    let rates = |of: &[f64], factor: f64| of[..n].iter().map(move |v| factor * v).collect();
-    let (re_rates, im_rates): (Vec<f64>, Vec<f64>) = (rates(im, -omega), rates(re, omega));
-    [[&re[..x.len()], &re_rates].concat(), [&im[..x.len()], &im_rates].concat()]
+    let followed = |part: &[f64], other: &[f64], factor: f64| {
+        let rates = other[..n].iter().map(|v| factor * v);
+        part[..x.len()].iter().copied().chain(rates).collect()
+    };
+    [Cow::Owned(followed(re, im, -omega)), Cow::Owned(followed(im, re, omega))]
 }
 
 /// Returns the imaginary part of the complex pair nearest to the imaginary axis, or the angle of

@@ -8,6 +8,7 @@ use crate::core::linalg::{Border, Factors, Form, dot, generic};
 use crate::core::scalar::Space;
 use crate::core::system::Deviation;
 use faer::c64;
+use std::borrow::Cow;
 
 /// The inner product `⟨p, q⟩ = p* q` of complex vectors.
 pub(super) fn inner(p: &[c64], q: &[c64]) -> c64 {
@@ -122,7 +123,7 @@ impl<'f, 'a> Forms<'f, 'a> {
     /// with a mass matrix.
     pub fn parts(&self, q: &[c64], omega: f64) -> [Vec<f64>; 2] {
         let [re, im] = [self.direction(q, |c| c.re), self.direction(q, |c| c.im)];
-        motions(&*self.at.system, self.at.x, [&re, &im], omega)
+        motions(&*self.at.system, self.at.x, [&re, &im], omega).map(Cow::into_owned)
     }
 
     /// Returns the real or imaginary part of a complex vector as a direction of `x`.
