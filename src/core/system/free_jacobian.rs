@@ -310,7 +310,9 @@ impl KrylovSolver {
             matrix.product(solution, residual);
             residual.iter_mut().zip(&*right).for_each(|(r, b)| *r = b - *r);
             let now = norm(residual) / whole;
-            if !(now < 0.5 * left) {
+            // False for NaN.
+            let falls = now < 0.5 * left;
+            if !falls {
                 solution.iter_mut().zip(&*correction).for_each(|(x, d)| *x -= d);
                 break;
             }
@@ -322,8 +324,9 @@ impl KrylovSolver {
         let lost = norm(residual) / norm(&self.given).max(f64::MIN_POSITIVE);
         let (least, allowed) =
             if whole == 0.0 || lost > LOST { (lost, LOST) } else { (left, USABLE) };
-        // Written so that NaN counts as unusable.
-        if !(least <= allowed) {
+        // False for NaN.
+        let usable = least <= allowed;
+        if !usable {
             right.fill(f64::NAN);
             let failure = Failure::Unsolved { iterations, residual: least, allowed };
             *self.outcome.lock().unwrap_or_else(PoisonError::into_inner) = Some(failure);
