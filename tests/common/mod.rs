@@ -1,6 +1,7 @@
 //! Problems with known answers, and what tests do with them.
 
 pub mod counted;
+pub mod diffusive_brusselator;
 mod orders;
 mod problems;
 pub mod random;

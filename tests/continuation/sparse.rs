@@ -1,13 +1,14 @@
 //! Promises of sparse matrices: the same factors, derivatives, gradients and eigenvalues as dense ones,
 //! whatever the pattern; discretised fields of any size at a cost of O(n) and with the same points.
 
+use crate::common::diffusive_brusselator::DiffusiveBrusselator;
 use crate::common::{Bratu, agree, close};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, TestRunner};
 use std::f64::consts::PI;
 use tangency::core::continuation::{Branch, Continuation, Settings};
 use tangency::core::linalg::{Border, Factors, Form, SpectrumRequest};
-use tangency::core::problem::{Names, ZeroProblem};
+use tangency::core::problem::{Equilibria, Names, ZeroProblem};
 use tangency::core::scalar::Scalar;
 use tangency::core::system::{Dense, Functional, Kind, Sparse, System};
 
@@ -183,36 +184,11 @@ fn the_number_of_points_does_not_depend_on_the_mesh() {
     }
 }
 
-/// The Brusselator in one dimension (Dₓ = 0.008, D_y = 0.004), with its equilibrium at the ends.
-struct Brusselator(usize);
-
-impl ZeroProblem for Brusselator {
-    fn names(&self) -> Names {
-        Names::new([("u", self.0), ("v", self.0)], ["L", "A", "B"])
-    }
-    fn residual<T: Scalar>(&self, z: &[T], p: &[T], r: &mut [T]) {
-        let n = self.0;
-        let (u, v) = z.split_at(n);
-        let ends = [p[1], p[2] / p[1]];
-        let bent = |w: &[T], end: T, i: usize| {
-            let at = |i: usize| if i == 0 || i > n { end } else { w[i - 1] };
-            let second = at(i - 1) - at(i) * 2.0 + at(i + 1);
-            second * ((n + 1) * (n + 1)) as f64 / (p[0] * p[0])
-        };
-        for i in 1..=n {
-            let (u_i, v_i) = (u[i - 1], v[i - 1]);
-            let reaction = u_i * u_i * v_i;
-            r[i - 1] = bent(u, ends[0], i) * 0.008 + p[1] - (p[2] + 1.0) * u_i + reaction;
-            r[n + i - 1] = bent(v, ends[1], i) * 0.004 + p[2] * u_i - reaction;
-        }
-    }
-}
-
 /// Hopf points of the Brusselator with `2n` unknowns, in the lengths up to 1.2.
 fn hopf_points(n: usize) -> (Branch, Vec<f64>) {
     let mut start = vec![2.0; n];
     start.extend(vec![5.45 / 2.0; n]);
-    let mut system = Sparse::new(Brusselator(n));
+    let mut system = Sparse::new(Equilibria(DiffusiveBrusselator::new(n)));
     let stated = Continuation::new(&mut system).at("L", 0.3).at("A", 2.0).at("B", 5.45);
     let branch = stated.from(&start[..]).along("L", 0.3..=1.2).trace().unwrap();
     let lengths = branch.of_kind(Kind::HB).map(|point| point.parameters[0]).collect();
@@ -240,7 +216,10 @@ fn the_rightmost_eigenvalues_are_those_of_the_dense_matrix() {
     let mut x = vec![2.0; n];
     x.extend(vec![5.45 / 2.0; n]);
     x.extend([1.1, 2.0, 5.45]);
-    let (mut dense, mut sparse) = (Dense::new(Brusselator(n)), Sparse::new(Brusselator(n)));
+    let (mut dense, mut sparse) = (
+        Dense::new(Equilibria(DiffusiveBrusselator::new(n))),
+        Sparse::new(Equilibria(DiffusiveBrusselator::new(n))),
+    );
     let systems: [&mut dyn System; 2] = [&mut dense, &mut sparse];
     let [all, some] = systems.map(|system| {
         system.assemble(&x).unwrap();

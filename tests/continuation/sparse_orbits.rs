@@ -2,60 +2,25 @@
 //! linearised equations, and patterns that follow the orbit.
 
 use crate::common::close;
-use tangency::core::bvp::{BoundarySystem, Collocation};
+use crate::common::diffusive_brusselator::DiffusiveBrusselator;
+use tangency::core::bvp::{BoundarySystem, Collocation, Shooting};
 use tangency::core::continuation::{Branch, Continuation};
 use tangency::core::failure::Failure;
 use tangency::core::linalg::{Border, Factors, Form, SpectrumRequest};
 use tangency::core::orbit::periodic_orbits;
-use tangency::core::problem::{Equilibria, Group, Names, VectorField};
-use tangency::core::scalar::Scalar;
-use tangency::core::system::{Kind, Sparse, System};
-
-/// The Brusselator in one dimension (Dₓ = 0.008, D_y = 0.004) with `2n` states, and its equilibrium at
-/// the ends. If `valve` is positive, the second state also enters the last equation where the first
-/// state exceeds `valve`.
-struct Brusselator {
-    n: usize,
-    valve: f64,
-}
-
-impl VectorField for Brusselator {
-    fn names(&self) -> Names {
-        let elements = |s: &'static str| (1..=self.n).map(move |i| format!("{s}[{i}]"));
-        let all: Vec<String> = elements("u").chain(elements("v")).collect();
-        Names::new(Group::of_states(&all), ["L", "A", "B"])
-    }
-    fn field<T: Scalar>(&self, _t: T, z: &[T], p: &[T], f: &mut [T]) {
-        let n = self.n;
-        let (u, v) = z.split_at(n);
-        let ends = [p[1], p[2] / p[1]];
-        let bent = |w: &[T], end: T, i: usize| {
-            let at = |i: usize| if i == 0 || i > n { end } else { w[i - 1] };
-            let second = at(i - 1) - at(i) * 2.0 + at(i + 1);
-            second * ((n + 1) * (n + 1)) as f64 / (p[0] * p[0])
-        };
-        for i in 1..=n {
-            let (u_i, v_i) = (u[i - 1], v[i - 1]);
-            let reaction = u_i * u_i * v_i;
-            f[i - 1] = bent(u, ends[0], i) * 0.008 + p[1] - (p[2] + 1.0) * u_i + reaction;
-            f[n + i - 1] = bent(v, ends[1], i) * 0.004 + p[2] * u_i - reaction;
-        }
-        if self.valve > 0.0 && u[0].re() > self.valve {
-            f[2 * n - 1] += (u[1] - 2.0) * 1e-3;
-        }
-    }
-}
+use tangency::core::problem::Equilibria;
+use tangency::core::system::{Kind, Solution, Sparse, System};
 
 /// The cycles from the first Hopf point of the Brusselator with `2n` states, up to a length.
 fn cycles(n: usize, last: f64) -> (BoundarySystem, Branch) {
     let mut start = vec![2.0; n];
     start.extend(vec![5.45 / 2.0; n]);
-    let field = || Brusselator { n, valve: 0.0 };
-    let mut rest = Sparse::new(Equilibria(field()));
+    let mut rest = Sparse::new(Equilibria(DiffusiveBrusselator::new(n)));
     let stated = Continuation::new(&mut rest).at("L", 0.5).at("A", 2.0).at("B", 5.45);
     let rest = stated.from(&start[..]).along("L", 0.5..=last).trace().unwrap();
     let hopf = rest.of_kind(Kind::HB).next().unwrap();
-    let mut orbits = periodic_orbits(field(), 20, Collocation::new(4).unwrap()).unwrap();
+    let mut orbits =
+        periodic_orbits(DiffusiveBrusselator::new(n), 20, Collocation::new(4).unwrap()).unwrap();
     let branch = Continuation::new(&mut orbits)
         .restart(&rest, hopf.label)
         .along("L", 0.5..=last)
@@ -93,24 +58,74 @@ fn assert_solves(orbits: &mut BoundarySystem, x: &[f64]) {
     product.iter().zip(&right).for_each(|(found, right)| close(*found, *right, 1e-9 * size));
 }
 
-#[test]
-fn orbits_of_many_states_are_followed_from_a_hopf_point() {
-    let n = 60;
-    let (mut collocated, branch) = cycles(n, 0.514);
+/// The solution at the end of a branch, on its own mesh.
+fn end_of(branch: &Branch) -> Solution {
     let end = branch.special.last().unwrap();
-    close(end.parameters[0], 0.514, 1e-15);
+    Solution {
+        kind: end.kind,
+        condition: None,
+        itinerary: String::new(),
+        method: branch.method.clone(),
+        mesh: end.mesh.clone(),
+        state: end.state.clone(),
+        parameters: end.parameters.clone(),
+        tangent: None,
+        mesh_shift: None,
+        multiplicity: 0,
+        frequency: None,
+        error: 0.0,
+        switch: None,
+        beside: None,
+    }
+}
+
+/// Solves the equations at fixed parameters by Newton's method, from `x`.
+fn solve(orbits: &mut BoundarySystem, x: &mut [f64]) {
+    let count = orbits.names().dimension();
+    let mut factors = Factors::default();
+    for _ in 0..3 {
+        let mut step = vec![0.0; count];
+        orbits.residual(x, &mut step).unwrap();
+        orbits.assemble(x).unwrap();
+        orbits.factor(Form::Jacobian, Border::NONE, &mut factors).unwrap();
+        factors.solve(&mut step);
+        x.iter_mut().zip(&step).for_each(|(x, step)| *x -= step);
+    }
+}
+
+#[test]
+fn orbits_of_many_states_have_the_period_and_the_multipliers_of_shooting() {
+    let n = 60;
+    let (mut collocated, branch) = cycles(n, 0.6);
+    let end = branch.special.last().unwrap();
+    close(end.parameters[0], 0.6, 1e-15);
     assert_eq!(end.unstable, Some(0));
     assert!(branch.warnings.is_empty(), "{:?}", branch.warnings);
-    let x = [&end.state[..], &end.parameters].concat();
-    collocated.assemble(&x).unwrap();
+    let solution = end_of(&branch);
+    let start = collocated.resume_from(&solution).unwrap();
+    let mut x = [&start.z[..], &end.parameters].concat();
+    solve(&mut collocated, &mut x);
     let found = collocated.spectrum(&x, SpectrumRequest { count: 3 }).unwrap().unwrap();
     assert!(found.len() < 2 * n - 1, "a Krylov space yields only the largest multipliers");
+    // The same orbit by multiple shooting.
+    let mut shot = periodic_orbits(DiffusiveBrusselator::new(n), 20, Shooting::default()).unwrap();
+    let start = shot.resume_from(&solution).unwrap();
+    let mut y = [&start.z[..], &end.parameters].concat();
+    solve(&mut shot, &mut y);
+    let expected = shot.spectrum(&y, SpectrumRequest { count: 3 }).unwrap().unwrap();
+    let [period, exact] = [&x, &y].map(|x| x[x.len() - 4]);
+    println!("{period} {exact} {:?} {:?}", &found[..3], &expected[..3]);
+    close(period, exact, 1e-7);
+    for (found, expected) in found.iter().zip(&expected).take(3) {
+        close(found.0, expected.0, 1e-6);
+        close(found.1.abs(), expected.1.abs(), 1e-6);
+    }
 }
 
 #[test]
 fn factors_solve_the_linearised_equations() {
     let n = 80;
-    let field = Brusselator { n, valve: 0.0 };
+    let field = DiffusiveBrusselator::new(n);
     let mut orbits = periodic_orbits(field, 10, Collocation::new(4).unwrap()).unwrap();
     let x = wave(&orbits, n, 0.5);
     assert_solves(&mut orbits, &x);
@@ -141,7 +156,7 @@ fn factors_solve_the_linearised_equations() {
 #[test]
 fn a_dependence_that_begins_on_the_branch_extends_the_pattern() {
     let n = 80;
-    let field = Brusselator { n, valve: 2.5 };
+    let field = DiffusiveBrusselator { n, valve: 2.5 };
     let mut orbits = periodic_orbits(field, 10, Collocation::new(4).unwrap()).unwrap();
     // Before the valve opens, and after: an assembly with the old pattern would miss the entry.
     for amplitude in [0.1, 1.0] {

@@ -51,6 +51,6 @@ pub(in crate::core) use mass::{MassMatrix, factors_with_mass};
 pub use pencil::multipliers;
 pub(in crate::core) use pencil::undetermined;
 pub(in crate::core) use sparse::{
-    Elimination, LANES, Lanes, Largest, Leading, Pattern, Pencil, Rightmost, SparseLu,
+    Coloring, Elimination, LANES, Lanes, Largest, Leading, Pattern, Pencil, Rightmost, SparseLu,
     SparseShiftedLu,
 };

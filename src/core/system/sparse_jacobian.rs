@@ -3,8 +3,9 @@
 use super::work::Work;
 use crate::core::failure::Failure;
 use crate::core::linalg::{
-    Border, Elimination, Factors, Form, Leading, MassMatrix, Pattern, Pencil, Rightmost, SparseLu,
-    SparseShiftedLu, Spectrum, SpectrumRequest, factors_with_mass, finite_eigenvalues, generic,
+    Border, Coloring, Elimination, Factors, Form, Leading, MassMatrix, Pattern, Pencil, Rightmost,
+    SparseLu, SparseShiftedLu, Spectrum, SpectrumRequest, factors_with_mass, finite_eigenvalues,
+    generic,
 };
 use crate::core::problem::{Dynamics, TracedEquations, ZeroEquations};
 use crate::core::scalar::{CHUNK, Chunk, Traced, seeded};
@@ -14,23 +15,15 @@ use std::sync::Arc;
 /// multiplications of a dense factorisation.
 const PAYS: f64 = 0.25;
 
-/// Rounding: the directional derivative of the residual must agree with the product of the matrix
-/// and the probe direction, up to this fraction of the sizes of the summed terms.
-const AGREES: f64 = 1e-9;
-
 /// A sparse `F_z`.
 pub(super) struct SparseJacobian {
     elimination: Arc<Elimination>,
-    /// The color of each column: no equation depends on two unknowns of the same color.
-    colors: Vec<usize>,
-    count: usize,
+    coloring: Coloring,
     entries: Vec<f64>,
     /// The entries of the mass matrix, in the same pattern; `None` for the identity matrix.
     mass: Option<Vec<f64>>,
-    /// A generic direction.
-    probe: Vec<f64>,
-    /// The product of the matrix with the probe direction, and the sizes of the summed terms.
-    products: [Vec<f64>; 2],
+    /// Scratch space: the products of the matrix with the probe, and the sizes of their terms.
+    products: Vec<[f64; 2]>,
     leading: Leading,
     /// The number of points at which the count of unstable eigenvalues is uncertain.
     uncertain: usize,
@@ -49,15 +42,11 @@ impl SparseJacobian {
     }
 
     fn of(pattern: Pattern) -> Self {
-        let n = pattern.size();
-        let (colors, count) = pattern.colors();
         SparseJacobian {
-            colors,
-            count,
+            coloring: Coloring::of(&pattern),
             entries: vec![0.0; pattern.count()],
             mass: None,
-            probe: generic(n, 3),
-            products: [vec![0.0; n], vec![0.0; n]],
+            products: Vec::new(),
             leading: Leading::default(),
             uncertain: 0,
             elimination: Arc::new(Elimination::of(pattern)),
@@ -70,7 +59,7 @@ impl SparseJacobian {
 
     /// Whether the factorisation of the sparse matrix costs less than a dense factorisation.
     pub fn pays(&self) -> bool {
-        let n = self.colors.len() as f64;
+        let n = self.coloring.size() as f64;
         self.elimination.products() <= PAYS * n * n * n / 3.0
     }
 
@@ -100,8 +89,8 @@ impl SparseJacobian {
         let count = self.entries.len();
         let mut mass = implicit.then(|| self.mass.take().unwrap_or_else(|| vec![0.0; count]));
         let mut entries = std::mem::take(&mut self.entries);
-        for start in (0..self.count).step_by(CHUNK) {
-            let color = |i: usize| self.colors.get(i).copied().unwrap_or(usize::MAX);
+        for start in (0..self.coloring.count).step_by(CHUNK) {
+            let color = |i: usize| self.coloring.color(i).unwrap_or(usize::MAX);
             let r = chunk.evaluate(problem, |i| seeded(x[i], color(i), start));
             self.scatter(r, start, &mut entries);
             if let Some(mass) = &mut mass {
@@ -116,41 +105,21 @@ impl SparseJacobian {
     /// Writes the derivatives of all equations in a chunk of directions as entries of a matrix; the
     /// chunk begins at the color `start`.
     fn scatter(&self, equations: &[Chunk], start: usize, entries: &mut [f64]) {
-        let pattern = &self.elimination.pattern;
-        for (j, color) in self.colors.iter().enumerate() {
-            let part = color.wrapping_sub(start);
-            if part < CHUNK {
-                let entries = &mut entries[pattern.start(j)..];
-                let column = entries.iter_mut().zip(pattern.column(j));
-                column.for_each(|(a, &i)| *a = equations[i].eps[part]);
-            }
-        }
+        let derivative = |i: usize, part: usize| equations[i].eps[part];
+        self.coloring.scatter(self.pattern(), (start, CHUNK), derivative, entries);
     }
 
     /// The probe: a direction along which the matrix is compared with a directional derivative.
     pub fn probe(&self) -> &[f64] {
-        &self.probe
+        &self.coloring.probe
     }
 
     /// Whether directional derivatives along the probe agree with the products of the matrix with
     /// the probe: the derivatives of `F`, or the products of the mass matrix with rates.
     pub fn agrees(&mut self, derivatives: impl Iterator<Item = f64>, of_mass: bool) -> bool {
         let entries = self.mass.as_ref().filter(|_| of_mass).unwrap_or(&self.entries);
-        let [products, sizes] = &mut self.products;
-        products.fill(0.0);
-        sizes.fill(0.0);
-        let pattern = &self.elimination.pattern;
-        for (j, x) in self.probe.iter().enumerate() {
-            for (a, &i) in entries[pattern.start(j)..].iter().zip(pattern.column(j)) {
-                products[i] += a * x;
-                sizes[i] += (a * x).abs();
-            }
-        }
-        let pairs = derivatives.zip(&*products).zip(&*sizes);
-        // Numbers that are not finite are reported later, with their places.
-        pairs.into_iter().all(|((d, product), size)| {
-            (d - product).abs() <= AGREES * size.max(d.abs()) || !d.is_finite()
-        })
+        let matrix = (&self.elimination.pattern, &entries[..]);
+        self.coloring.agrees(matrix, derivatives, &mut self.products)
     }
 
     /// Extends the pattern by the entries on which the residual depends at `x`. Returns whether any
@@ -160,7 +129,7 @@ impl SparseJacobian {
         let Some(mut all) = places(problem, x, usize::MAX) else { return false };
         let before = self.entries.len();
         all.extend(own);
-        let pattern = Pattern::of_places(self.colors.len(), &all);
+        let pattern = Pattern::of_places(self.coloring.size(), &all);
         let wider = pattern.count() > before;
         if wider {
             *self = Self::of(pattern);
@@ -196,7 +165,7 @@ impl SparseJacobian {
         dynamics: Dynamics,
         request: SpectrumRequest,
     ) -> Result<Spectrum, Failure> {
-        let n = self.colors.len();
+        let n = self.coloring.size();
         if let Some(mass) = self.mass.as_ref().filter(|_| n <= Self::LEAST) {
             let [a, m] = [&self.entries, mass].map(|entries| self.dense(entries));
             return finite_eigenvalues(&a, &m, n);
@@ -212,7 +181,7 @@ impl SparseJacobian {
 
     /// Returns a matrix with this pattern as a dense matrix, column by column.
     pub fn dense(&self, entries: &[f64]) -> Vec<f64> {
-        let n = self.colors.len();
+        let n = self.coloring.size();
         let mut dense = vec![0.0; n * n];
         for (k, a) in entries.iter().enumerate() {
             let [i, j] = self.place(k);
@@ -236,18 +205,18 @@ impl SparseJacobian {
     /// The number of directions in which a gradient is computed: one for each color, and one for
     /// each released parameter.
     pub fn seeds(&self, released: &[usize]) -> usize {
-        self.count + released.len()
+        self.coloring.count + released.len()
     }
 
     /// The index of the direction in which a component of `x` varies; `usize::MAX` for a component
     /// that is constant in all directions.
     pub fn seed(&self, i: usize, released: &[usize]) -> usize {
-        let n = self.colors.len();
-        match self.colors.get(i) {
-            Some(color) => *color,
+        let n = self.coloring.size();
+        match self.coloring.color(i) {
+            Some(color) => color,
             None => {
                 let at = released.iter().position(|parameter| n + parameter == i);
-                at.map_or(usize::MAX, |at| self.count + at)
+                at.map_or(usize::MAX, |at| self.coloring.count + at)
             }
         }
     }
@@ -261,15 +230,12 @@ impl SparseJacobian {
         (weights, released, start): (&[f64], &[usize], usize),
         out: &mut [f64],
     ) {
-        let (n, pattern) = (self.colors.len(), self.pattern());
-        for (j, color) in self.colors.iter().enumerate() {
-            let part = color.wrapping_sub(start);
-            if part < CHUNK {
-                out[j] = pattern.column(j).iter().map(|&i| weights[i] * number(i).eps[part]).sum();
-            }
+        let (n, pattern) = (self.coloring.size(), self.pattern());
+        for (j, part) in self.coloring.columns(start, CHUNK) {
+            out[j] = pattern.column(j).iter().map(|&i| weights[i] * number(i).eps[part]).sum();
         }
         for (at, parameter) in released.iter().enumerate() {
-            let part = (self.count + at).wrapping_sub(start);
+            let part = (self.coloring.count + at).wrapping_sub(start);
             if part < CHUNK {
                 let parts = weights.iter().enumerate().map(|(i, w)| w * number(i).eps[part]);
                 out[n + parameter] = parts.sum();

@@ -1,6 +1,7 @@
 //! Sparse matrices: sparsity patterns, the order of elimination, and LU factorisation of bordered
 //! matrices.
 
+mod coloring;
 mod front;
 mod krylov;
 mod largest;
@@ -10,6 +11,7 @@ mod pattern;
 mod symmetry;
 mod tree;
 
+pub(in crate::core) use coloring::Coloring;
 pub(in crate::core) use krylov::LANES;
 pub(in crate::core) use largest::{Lanes, Largest};
 pub(in crate::core) use leading::{Leading, Rightmost};
