@@ -202,7 +202,8 @@ pub struct FieldSettings {
     pub solution: Solution,
     /// The method that discretises periodic orbits; the default is collocation.
     pub method: Discretisation,
-    /// The type of matrices for equilibria: `cheaper`, `dense` or `sparse`.
+    /// The type of matrices for equilibria, and for orbits by collocation: `cheaper`, `dense` or
+    /// `sparse`.
     pub matrices: Matrices,
 }
 
@@ -265,8 +266,12 @@ impl ProblemSettings for FieldSettings {
     fn without_effect(&self, name: &str) -> Option<(&'static str, String)> {
         let idle = match self.solution {
             Solution::Equilibrium => name != SOLUTION && name != MATRICES,
-            Solution::Orbit => name == MATRICES,
+            Solution::Orbit => false,
         };
+        let by_shooting = matches!(self.method, Discretisation::Shooting(_));
+        if name == MATRICES && self.solution == Solution::Orbit && by_shooting {
+            return Some(("method", "shooting".to_string()));
+        }
         idle.then(|| (SOLUTION, written(&self.solution)))
     }
 }
@@ -372,45 +377,58 @@ impl Discretisation {
         }
     }
 
+    /// Returns the method of discretisation, and the number of mesh intervals on each segment of a
+    /// solution.
+    pub(super) fn method(&self) -> Result<OnIntervals, SceneError> {
+        Ok(match *self {
+            Discretisation::Collocation(CollocationSettings { intervals, degree }) => {
+                OnIntervals { method: built(Collocation::new(degree))?.into(), intervals }
+            }
+            Discretisation::Shooting(ShootingSettings { segments, scheme, flow_tolerance }) => {
+                let method = built(Shooting::new(scheme, flow_tolerance))?.into();
+                OnIntervals { method, intervals: segments }
+            }
+        })
+    }
+}
+
+impl FieldSettings {
+    /// Returns the method of discretisation of orbits, and the number of mesh intervals.
+    pub(super) fn orbits(&self) -> Result<OnIntervals, SceneError> {
+        let OnIntervals { method, intervals } = self.method.method()?;
+        Ok(OnIntervals { method: method.with_matrices(self.matrices), intervals })
+    }
+}
+
+/// A method of discretisation, and the number of mesh intervals on each segment of a solution.
+pub(super) struct OnIntervals {
+    pub method: Method,
+    pub intervals: usize,
+}
+
+impl OnIntervals {
     /// Builds the system of equations whose solutions a problem traces.
-    pub fn system(&self, problem: impl IntoEquations) -> Result<Box<dyn System>, SceneError> {
+    pub fn system(self, problem: impl IntoEquations) -> Result<Box<dyn System>, SceneError> {
         Ok(Box::new(self.boundary(problem)?))
     }
 
     /// Discretises the equations of a boundary-value problem.
-    pub(super) fn boundary(
-        &self,
-        problem: impl IntoEquations,
-    ) -> Result<BoundarySystem, SceneError> {
+    pub fn boundary(self, problem: impl IntoEquations) -> Result<BoundarySystem, SceneError> {
         let problem = problem.into_equations();
-        let (method, intervals) = self.method()?;
-        let meshes = vec![Mesh::uniform(intervals); problem.segments().len()];
-        built(BoundarySystem::new(problem, method, meshes))
+        let meshes = vec![Mesh::uniform(self.intervals); problem.segments().len()];
+        built(BoundarySystem::new(problem, self.method, meshes))
     }
 
     /// Builds the system of equations for orbits that have the same sequence of modes and events as
     /// a simulated orbit; returns the system and the simulated orbit as its unknowns.
     pub fn start(
-        &self,
+        self,
         simulated: Guess<impl IntoEquations>,
         p: &[f64],
     ) -> Result<Started, SceneError> {
-        let (method, intervals) = self.method()?;
+        let OnIntervals { method, intervals } = self;
         let (system, z) = simulated.discretised(p, method, intervals).map_err(no_start)?;
         Ok((Box::new(system), z))
-    }
-
-    /// Returns the method of discretisation, and the number of mesh intervals on each segment of a
-    /// solution.
-    pub(super) fn method(&self) -> Result<(Method, usize), SceneError> {
-        Ok(match *self {
-            Discretisation::Collocation(CollocationSettings { intervals, degree }) => {
-                (built(Collocation::new(degree))?.into(), intervals)
-            }
-            Discretisation::Shooting(ShootingSettings { segments, scheme, flow_tolerance }) => {
-                (built(Shooting::new(scheme, flow_tolerance))?.into(), segments)
-            }
-        })
     }
 }
 

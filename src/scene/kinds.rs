@@ -93,7 +93,7 @@ impl<F: VectorField + 'static> Model for Configured<Arc<F>, FieldSettings> {
             Solution::Orbit => {
                 refuse_large(self.problem.names().dimension())?;
                 let orbits = PeriodicOrbit::new(self.problem.clone(), 1);
-                self.settings.method.system(orbits)
+                self.settings.orbits()?.system(orbits)
             }
             Solution::Equilibrium if self.problem.forcing().is_periodic() => {
                 Err(no_equilibrium(FORCED))
@@ -115,7 +115,7 @@ impl<F: VectorField + 'static> Model for Configured<Arc<F>, FieldSettings> {
         let periods = problem.itinerary().periods;
         let problem = PeriodicOrbit::new(self.problem.clone(), periods);
         let simulated = Guess { problem, trajectories, extras, beside };
-        self.settings.method.start(simulated, p)
+        self.settings.orbits()?.start(simulated, p)
     }
 
     fn settled(
@@ -219,13 +219,13 @@ impl Model for Configured<Boundary, BoundarySettings> {
 
     fn system(&self, _p: &[f64], _reach: &[f64]) -> Result<Box<dyn System>, SceneError> {
         refuse_large(self.problem.0.segments().concat().len())?;
-        self.settings.method.system(self.problem.0.clone())
+        self.settings.method.method()?.system(self.problem.0.clone())
     }
 
     fn sampled(&self, profiles: Profiles) -> Result<Option<Vec<f64>>, SceneError> {
         let problem = &self.problem.0;
         let (segments, extras) = (problem.segments(), vec![0.0; problem.extras().len()]);
-        let system = self.settings.method.boundary(problem.clone())?;
+        let system = self.settings.method.method()?.boundary(problem.clone())?;
         let z = system.sampled(&extras, |segment, tau, x| {
             let values = profiles(tau);
             for (x, state) in x.iter_mut().zip(&segments[segment]) {
@@ -318,7 +318,7 @@ impl Model for Configured<Hybrid, HybridOrbitSettings> {
         };
         let orbits = HybridOrbit::of(self.problem.clone(), itinerary).map_err(unusable)?;
         let orbits = self.watched(orbits);
-        self.settings.method.system(orbits)
+        self.settings.method.method()?.system(orbits)
     }
 
     fn motion(&self) -> Result<Hybrid, SceneError> {
@@ -328,7 +328,7 @@ impl Model for Configured<Hybrid, HybridOrbitSettings> {
 
     fn started(&self, simulated: Guess<HybridOrbit>, p: &[f64]) -> Result<Started, SceneError> {
         let problem = self.watched(simulated.problem);
-        self.settings.method.start(Guess { problem, ..simulated }, p)
+        self.settings.method.method()?.start(Guess { problem, ..simulated }, p)
     }
 
     fn settled(

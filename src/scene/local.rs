@@ -1,6 +1,6 @@
 //! Runs that trace fixed and periodic points of a local map near a grazing.
 
-use super::discretisation::Discretisation;
+use super::discretisation::{Discretisation, OnIntervals};
 use super::expansion::{ExpansionCurve, ExpansionError, expanded};
 use crate::core::bvp::{BoundarySystem, Mesh, Method};
 use crate::core::continuation::{Branch, SpecialPoint};
@@ -44,7 +44,7 @@ impl Local {
         settings: MapSettings,
         (branch, special): (&Branch, &SpecialPoint),
     ) -> Result<LocalMap, GrazingError> {
-        let (method, intervals) =
+        let OnIntervals { method, intervals } =
             discretisation.method().map_err(|cause| Failure::Mismatch(one_line(&cause)))?;
         let point = grazing_point(system, method, intervals, branch, special)?;
         touches(&**system, &point)?;

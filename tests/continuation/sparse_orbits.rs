@@ -9,18 +9,18 @@ use tangency::core::failure::Failure;
 use tangency::core::linalg::{Border, Factors, Form, SpectrumRequest};
 use tangency::core::orbit::periodic_orbits;
 use tangency::core::problem::Equilibria;
-use tangency::core::system::{Kind, Solution, Sparse, System};
+use tangency::core::system::{Kind, Matrices, Solution, Sparse, System};
 
 /// The cycles from the first Hopf point of the Brusselator with `2n` states, up to a length.
-fn cycles(n: usize, last: f64) -> (BoundarySystem, Branch) {
+fn cycles(n: usize, last: f64, matrices: Matrices) -> (BoundarySystem, Branch) {
     let mut start = vec![2.0; n];
     start.extend(vec![5.45 / 2.0; n]);
     let mut rest = Sparse::new(Equilibria(DiffusiveBrusselator::new(n)));
     let stated = Continuation::new(&mut rest).at("L", 0.5).at("A", 2.0).at("B", 5.45);
     let rest = stated.from(&start[..]).along("L", 0.5..=last).trace().unwrap();
     let hopf = rest.of_kind(Kind::HB).next().unwrap();
-    let mut orbits =
-        periodic_orbits(DiffusiveBrusselator::new(n), 20, Collocation::new(4).unwrap()).unwrap();
+    let collocation = Collocation::new(4).unwrap().with_matrices(matrices);
+    let mut orbits = periodic_orbits(DiffusiveBrusselator::new(n), 20, collocation).unwrap();
     let branch = Continuation::new(&mut orbits)
         .restart(&rest, hopf.label)
         .along("L", 0.5..=last)
@@ -96,7 +96,7 @@ fn solve(orbits: &mut BoundarySystem, x: &mut [f64]) {
 #[test]
 fn orbits_of_many_states_have_the_period_and_the_multipliers_of_shooting() {
     let n = 60;
-    let (mut collocated, branch) = cycles(n, 0.6);
+    let (mut collocated, branch) = cycles(n, 0.6, Matrices::Cheaper);
     let end = branch.special.last().unwrap();
     close(end.parameters[0], 0.6, 1e-15);
     assert_eq!(end.unstable, Some(0));
@@ -119,6 +119,24 @@ fn orbits_of_many_states_have_the_period_and_the_multipliers_of_shooting() {
     for (found, expected) in found.iter().zip(&expected).take(3) {
         close(found.0, expected.0, 1e-6);
         close(found.1.abs(), expected.1.abs(), 1e-6);
+    }
+}
+
+#[test]
+fn dense_and_sparse_matrices_yield_the_same_orbits() {
+    let n = 12;
+    let orbit = |matrices| cycles(n, 0.6, matrices).1;
+    let [dense, sparse, cheaper] =
+        [Matrices::Dense, Matrices::Sparse, Matrices::Cheaper].map(orbit);
+    assert_eq!(dense.method, "collocation(4)");
+    assert_eq!(sparse.method, "collocation(4), sparse matrices");
+    assert_eq!(cheaper.method, dense.method);
+    let [dense, sparse] = [&dense, &sparse].map(|branch| branch.special.last().unwrap());
+    let [period, other] = [dense, sparse].map(|end| end.state[end.state.len() - 1]);
+    close(period, other, 1e-10);
+    for (own, other) in dense.eigenvalues.iter().zip(&sparse.eigenvalues).take(3) {
+        close(own.0, other.0, 1e-7);
+        close(own.1.abs(), other.1.abs(), 1e-7);
     }
 }
 

@@ -1,13 +1,15 @@
 //! Diagrams of the time that dense and sparse matrices take, against the number of unknowns:
-//! Bratu's problem on a line and in a square.
+//! Bratu's problem on a line and in a square, and cycles of the Brusselator with diffusion.
 
 use super::plan::{Answer, Method, Plan};
 use crate::Drawn;
+use tangency::core::bvp::Collocation;
 use tangency::core::continuation::{Continuation, Settings};
 use tangency::core::failure::one_line;
-use tangency::core::problem::{Names, ZeroProblem};
+use tangency::core::orbit::periodic_orbits;
+use tangency::core::problem::{Equilibria, Group, Names, VectorField, ZeroProblem};
 use tangency::core::scalar::Scalar;
-use tangency::core::system::{Dense, Kind, Sparse, System};
+use tangency::core::system::{Dense, Kind, Matrices, Sparse, System};
 
 /// Bratu's problem, `Δu + λ eᵘ = 0` with `u = 0` on the boundary, discretised by second-order
 /// differences.
@@ -83,7 +85,76 @@ fn plan(name: &str, directions: u32, exact: f64, points: [&[usize]; 2]) -> Plan 
         .with(sparse.iter().map(|points| method(true, *points)))
 }
 
-/// Plans the diagrams of time against the number of unknowns, on a line and in a square.
+/// The Brusselator with diffusion on a line (`Dₓ = 0.008`, `D_y = 0.004`), with its equilibrium at the
+/// ends.
+#[derive(Clone, Copy)]
+struct Brusselator {
+    points: usize,
+}
+
+impl VectorField for Brusselator {
+    fn names(&self) -> Names {
+        let elements = |s: &'static str| (1..=self.points).map(move |i| format!("{s}[{i}]"));
+        let all: Vec<String> = elements("u").chain(elements("v")).collect();
+        Names::new(Group::of_states(&all), ["L", "A", "B"])
+    }
+
+    fn field<T: Scalar>(&self, _t: T, z: &[T], p: &[T], f: &mut [T]) {
+        let n = self.points;
+        let ((u, v), [length, a, b]) = (z.split_at(n), [p[0], p[1], p[2]]);
+        let scale = (length * length).recip() * ((n + 1) * (n + 1)) as f64;
+        let bent = |w: &[T], end: T, i: usize| {
+            let left = if i > 0 { w[i - 1] } else { end };
+            let right = if i + 1 < n { w[i + 1] } else { end };
+            (left + right - w[i] * 2.0) * scale
+        };
+        for i in 0..n {
+            let reaction = u[i] * u[i] * v[i];
+            f[i] = bent(u, a, i) * 0.008 + a - (b + 1.0) * u[i] + reaction;
+            f[n + i] = bent(v, b / a, i) * 0.004 + b * u[i] - reaction;
+        }
+    }
+}
+
+/// Computes the period of the cycle at `L = 0.6` on the branch from the first Hopf point.
+fn period(problem: Brusselator, matrices: Matrices) -> Result<Answer, String> {
+    let rest = [vec![2.0; problem.points], vec![5.45 / 2.0; problem.points]].concat();
+    let mut equilibria = Sparse::new(Equilibria(problem));
+    let stated = Continuation::new(&mut equilibria).at("L", 0.5).at("A", 2.0).at("B", 5.45);
+    let branch =
+        stated.from(&rest[..]).along("L", 0.5..=0.7).trace().map_err(|cause| one_line(&cause))?;
+    let hopf = branch.of_kind(Kind::HB).next().ok_or("no Hopf point")?;
+    let method = Collocation::new(4).map_err(|cause| one_line(&cause))?.with_matrices(matrices);
+    let mut orbits = periodic_orbits(problem, 20, method).map_err(|cause| one_line(&cause))?;
+    let cycles = Continuation::new(&mut orbits).restart(&branch, hopf.label);
+    let cycles = cycles.along("L", 0.5..=0.6).trace().map_err(|cause| one_line(&cause))?;
+    let end = cycles.special.last().ok_or("no end")?;
+    let period = end.state.last().copied().unwrap_or(f64::NAN);
+    Ok(Answer { numbers: vec![period], work: 2.0 * problem.points as f64 })
+}
+
+/// Plans the diagram of the time to trace a branch of cycles against the number of states. The error in
+/// the diagram is the discretisation error in space.
+fn cycles() -> Plan {
+    let method = |matrices: Matrices, points: usize| {
+        let line = if matrices == Matrices::Sparse { "sparse matrices" } else { "dense matrices" };
+        Method::new(line, (2 * points).to_string(), move || {
+            period(Brusselator { points }, matrices)
+        })
+    };
+    let reference = Method::new("the cycle with 320 states", "", || {
+        period(Brusselator { points: 160 }, Matrices::Sparse)
+    });
+    Plan::of("Cycles of the Brusselator on a line", reference)
+        .counting("states")
+        .relative()
+        .drawing(Drawn::TimeAgainstWork)
+        .with([4, 8, 12, 24, 40].map(|points| method(Matrices::Dense, points)))
+        .with([4, 8, 12, 24, 40, 80].map(|points| method(Matrices::Sparse, points)))
+}
+
+/// Plans the diagrams of time against the number of unknowns, on a line and in a square, and of
+/// cycles.
 pub(super) fn plans() -> Vec<Plan> {
     // 8 (θ / cosh θ)² with θ tanh θ = 1.
     let line = plan(
@@ -99,5 +170,5 @@ pub(super) fn plans() -> Vec<Plan> {
         6.808_124_423,
         [&[5, 7, 9, 12, 18], &[5, 7, 9, 12, 18, 36, 72, 144]],
     );
-    vec![line, square]
+    vec![line, square, cycles()]
 }

@@ -27,6 +27,7 @@ use crate::core::linalg::refill;
 use crate::core::numerics::{Limits, bracketed_zero, lagrange};
 use crate::core::problem::{FieldIn, Observable, WatchIn};
 use crate::core::scalar::{CHUNK, Scalar};
+use crate::core::system::Matrices;
 use basis::{Basis, combine};
 use linearise::{Passes, linearise_colored, linearise_in, mark_dependences};
 use num_dual::Dual2_64;
@@ -43,6 +44,8 @@ use num_dual::Dual2_64;
 #[derive(Clone, Debug)]
 pub struct Collocation {
     pub(super) cancel: CancelToken,
+    /// The kind of matrices with which periodic orbits are computed.
+    pub(super) matrices: Matrices,
     basis: Basis,
     narrow: Passes<4>,
     wide: Passes<8>,
@@ -71,10 +74,28 @@ impl Collocation {
         }
         Ok(Collocation {
             cancel: CancelToken::default(),
+            matrices: Matrices::Cheaper,
             basis: Basis::new(points),
             narrow: Passes::default(),
             wide: Passes::default(),
         })
+    }
+
+    /// Chooses the kind of matrices with which periodic orbits of vector fields are computed; by
+    /// default, the cheaper kind is used. Other boundary-value problems always use dense matrices.
+    ///
+    /// ```
+    /// use tangency::core::bvp::Collocation;
+    /// use tangency::core::orbit::periodic_orbits;
+    /// use tangency::core::system::{Matrices, System};
+    /// use tangency::problems::classic::Brusselator;
+    /// let collocation = Collocation::new(4)?.with_matrices(Matrices::Sparse);
+    /// let orbits = periodic_orbits(Brusselator, 20, collocation)?;
+    /// assert_eq!(orbits.representation().method, "collocation(4)");
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn with_matrices(self, matrices: Matrices) -> Self {
+        Collocation { matrices, ..self }
     }
 
     /// The number `m` of Gauss points in each interval.

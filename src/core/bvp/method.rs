@@ -9,6 +9,7 @@ use crate::core::cancel::CancelToken;
 use crate::core::failure::{Failure, one_line};
 use crate::core::ode::Flow;
 use crate::core::scalar::Scalar;
+use crate::core::system::Matrices;
 use std::fmt;
 use std::str::FromStr;
 
@@ -45,11 +46,16 @@ impl fmt::Display for Method {
     }
 }
 
+/// The end of the text of a saved method, if the matrices are sparse.
+const SPARSE: &str = ", sparse matrices";
+
 impl FromStr for Method {
     type Err = Failure;
 
-    /// Parses the text of a saved method; the tolerances of the method have their default values.
+    /// Parses the text of a saved method; the tolerances of the method have their default values,
+    /// and the kind of matrices is chosen anew.
     fn from_str(text: &str) -> Result<Self, Failure> {
+        let text = text.strip_suffix(SPARSE).unwrap_or(text);
         let degree = text.strip_prefix("collocation(").and_then(|text| text.strip_suffix(')'));
         match (text, degree.and_then(|degree| degree.parse().ok())) {
             ("shooting", _) => Ok(Shooting::default().into()),
@@ -292,6 +298,19 @@ impl Method {
                 Some((finer.into(), parts))
             }
             Method::Shooting(method) => Some((method.finer()?.into(), 1)),
+        }
+    }
+
+    /// Returns the text with which the method is saved.
+    pub(super) fn written(&self, sparse: bool) -> String {
+        format!("{self}{}", if sparse { SPARSE } else { "" })
+    }
+
+    /// Returns the method with a choice of the kind of matrices, which has no effect on shooting.
+    pub fn with_matrices(self, matrices: Matrices) -> Self {
+        match self {
+            Method::Collocation(method) => method.with_matrices(matrices).into(),
+            Method::Shooting(_) => self,
         }
     }
 

@@ -142,7 +142,7 @@ impl System for BoundarySystem {
         let DiscretisedProblem { problem, method, meshes, .. } = &**self;
         Representation {
             itinerary: problem.itineraries().map_or_else(String::new, Itineraries::words),
-            method: method.to_string(),
+            method: method.written(self.0.assembly.structure.sparse().is_some()),
             mesh: meshes.iter().flat_map(|mesh| mesh.points().iter().copied()).collect(),
             interpolated: matches!(method, Method::Collocation(_)),
         }

@@ -25,6 +25,7 @@ use crate::core::bvp::method::Method;
 use crate::core::failure::Failure;
 use crate::core::linalg::{Elimination, Pattern, refill};
 use crate::core::scalar::CHUNK;
+use crate::core::system::Matrices;
 use std::sync::Arc;
 
 /// Heuristic: the number of states below which dense matrices are always at least as fast as sparse
@@ -67,10 +68,16 @@ impl Structure {
         }
         *self = Structure::Dense;
         let states = equations.layout.segments[0].states;
-        if equations.layout.closes() && states >= LEAST {
+        let matrices = match &equations.method {
+            Method::Collocation(method) if equations.layout.closes() => method.matrices,
+            _ => Matrices::Dense,
+        };
+        let stated = matrices == Matrices::Sparse;
+        if stated || matrices == Matrices::Cheaper && states >= LEAST {
             let known = Pattern::of_places(states, &[]);
             let sparse = SparseOrbit::about(equations, work, &known)?;
-            if let Some(sparse) = sparse.filter(|sparse| sparse.pays(&equations.layout)) {
+            let used = |sparse: &SparseOrbit| stated || sparse.pays(&equations.layout);
+            if let Some(sparse) = sparse.filter(used) {
                 *self = Structure::Sparse(Box::new(sparse));
             }
         }
@@ -124,7 +131,7 @@ impl SparseOrbit {
             }
         }
         let pattern = Pattern::of_places(n, &places);
-        let is_sparse = pattern.count() <= n * n / 4;
+        let is_sparse = method.matrices == Matrices::Sparse || pattern.count() <= n * n / 4;
         Ok(is_sparse.then(|| Self::of(layout, method, pattern)))
     }
 
