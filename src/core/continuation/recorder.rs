@@ -92,6 +92,11 @@ impl Recorder {
         self.stability && (self.solutions || self.keeps_spectra() || self.counts)
     }
 
+    /// The number of eigenvalues that are computed at least, if only some are computed.
+    fn least(&self) -> usize {
+        self.eigenvalues.max(LEAST)
+    }
+
     /// Whether eigenvalues are stored with the points of the curve.
     pub fn keeps_spectra(&self) -> bool {
         self.eigenvalues > 0
@@ -102,7 +107,7 @@ impl Recorder {
         let at = equations.at();
         let n = at.system.names().dimension();
         let (spectrum, undetermined) = match stability {
-            true => self.spectrum_of(&mut *at.system, at.x, self.eigenvalues.max(LEAST))?,
+            true => self.spectrum_of(&mut *at.system, at.x, self.least())?,
             false => (None, None),
         };
         let mut monitors = self.monitors(at, spectrum.as_ref())?;
@@ -147,7 +152,7 @@ impl Recorder {
     pub fn spectrum_at(&self, equations: &mut Extended, unknowns: &[f64]) -> Option<Spectrum> {
         equations.assemble(unknowns).ok()?;
         let At { system, x, .. } = equations.at();
-        self.spectrum_of(system, x, SpecialPoint::EIGENVALUES).ok()?.0
+        self.spectrum_of(system, x, self.least()).ok()?.0
     }
 
     /// Returns the values of the monitors of a system at the last assembled point, followed by the
@@ -217,8 +222,7 @@ impl Recorder {
         // `place` may have the spectrum of an earlier Newton iterate's matrix, or none.
         if corrector.equations.assemble(unknowns).is_ok() && self.stability {
             let At { system, x, .. } = corrector.equations.at();
-            let count = SpecialPoint::EIGENVALUES;
-            if let Ok((own, undetermined)) = self.spectrum_of(system, x, count) {
+            if let Ok((own, undetermined)) = self.spectrum_of(system, x, self.least()) {
                 point.unstable = point.unstable.filter(|_| undetermined.is_none());
                 // Barely determined multipliers may be determined with only one of the two
                 // matrices.

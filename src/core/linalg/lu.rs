@@ -6,6 +6,7 @@ use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::lu::partial_pivoting::factor::{lu_in_place, lu_in_place_scratch};
 use faer::{MatMut, Par, c64};
 use nalgebra::ComplexField;
+use std::f64::consts::SQRT_2;
 use std::iter::Sum;
 
 /// The smallest size of a matrix for which faer's blocked factorisation is faster than plain loops.
@@ -362,8 +363,17 @@ pub(in crate::core) fn unit(i: usize, j: usize) -> f64 {
     if i == j { 1.0 } else { 0.0 }
 }
 
+/// Returns the inverse of the power of two that is nearest to a positive number on a logarithmic
+/// scale; 1 for zero and for numbers that are not finite.
 pub(super) fn inverse_power_of_two(largest: f64) -> f64 {
-    if largest > 0.0 && largest.is_finite() { (-largest.log2().round()).exp2() } else { 1.0 }
+    if !(largest > 0.0 && largest.is_finite()) {
+        return 1.0;
+    }
+    // A number in the format of IEEE 754: the exponent with bias 1023, and 52 bits of the fraction.
+    // The exponent is rounded up from √2 on.
+    let one = 1 << 52;
+    let exponent = (largest.to_bits() + one - SQRT_2.to_bits() % one) / one;
+    f64::from_bits(2046_u64.saturating_sub(exponent).max(1) * one)
 }
 
 pub(super) fn largest<E: Entry>(column: &[E]) -> f64 {

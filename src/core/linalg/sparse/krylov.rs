@@ -12,8 +12,8 @@ pub(in crate::core) const LANES: usize = 4;
 const DIMENSION: usize = 240;
 
 /// Heuristic: the number of rows of a block that are processed together: the rows fit into the
-/// first-level cache, and the parts of the vectors are long enough for prefetching.
-const ROWS: usize = 4096;
+/// first-level cache, and the same rows of about fifty vectors into the second-level cache.
+const ROWS: usize = 1024;
 
 /// Heuristic: eigenvalues of a symmetric matrix form a cluster, with a common error estimate, if
 /// their relative distance is smaller than this.
@@ -285,35 +285,44 @@ fn block_of(vectors: &[Vec<f64>]) -> Vec<[f64; LANES]> {
     block
 }
 
-/// Makes the vectors of a block orthogonal to lists of orthonormal vectors, like [`orthogonalise`], but
-/// in a single pass through the lists. Returns the components of the block's vectors along the vectors
+/// Makes the vectors of a block orthogonal to lists of orthonormal vectors, by two Gram–Schmidt passes
+/// like [`orthogonalise`], but for all vectors of the block together. Returns the components of the block's vectors along the vectors
 /// of the lists.
 fn orthogonalise_block(block: &mut Block, to: &[&[Vec<f64>]]) -> Vec<[f64; LANES]> {
     let all = || to.iter().flat_map(|list| list.iter());
-    let mut parts = vec![[0.0; LANES]; all().count()];
-    for _ in 0..2 {
-        let mut along = vec![[0.0; LANES]; parts.len()];
-        for (k, rows) in block.chunks(ROWS).enumerate() {
-            for (along, vector) in along.iter_mut().zip(all()) {
-                let more = products(&vector[k * ROWS..][..rows.len()], rows);
-                along.iter_mut().zip(more).for_each(|(along, more)| *along += more);
-            }
+    let mut first = vec![[0.0; LANES]; all().count()];
+    let mut second = first.clone();
+    let add_products = |rows: &Block, from: usize, along: &mut [[f64; LANES]]| {
+        for (along, vector) in along.iter_mut().zip(all()) {
+            let more = products(&vector[from..][..rows.len()], rows);
+            along.iter_mut().zip(more).for_each(|(along, more)| *along += more);
         }
-        for (k, rows) in block.chunks_mut(ROWS).enumerate() {
-            for (along, vector) in along.iter().zip(all()) {
-                let vector = &vector[k * ROWS..][..rows.len()];
-                for i in 0..vector.len() {
-                    for lane in 0..LANES {
-                        rows[i][lane] -= along[lane] * vector[i];
-                    }
+    };
+    let subtract = |rows: &mut Block, from: usize, along: &[[f64; LANES]]| {
+        for (along, vector) in along.iter().zip(all()) {
+            let vector = &vector[from..][..rows.len()];
+            for i in 0..vector.len() {
+                for lane in 0..LANES {
+                    rows[i][lane] -= along[lane] * vector[i];
                 }
             }
         }
-        for (part, along) in parts.iter_mut().zip(along) {
-            part.iter_mut().zip(along).for_each(|(part, along)| *part += along);
-        }
+    };
+    for (k, rows) in block.chunks(ROWS).enumerate() {
+        add_products(rows, k * ROWS, &mut first);
     }
-    parts
+    // The second reading of the vectors finds them in the cache.
+    for (k, rows) in block.chunks_mut(ROWS).enumerate() {
+        subtract(rows, k * ROWS, &first);
+        add_products(rows, k * ROWS, &mut second);
+    }
+    for (k, rows) in block.chunks_mut(ROWS).enumerate() {
+        subtract(rows, k * ROWS, &second);
+    }
+    for (part, more) in first.iter_mut().zip(second) {
+        part.iter_mut().zip(more).for_each(|(part, more)| *part += more);
+    }
+    first
 }
 
 /// Returns the scalar products of a vector with the vectors of a block. Computing several scalar

@@ -23,7 +23,7 @@ const SEEDS: usize = 3;
 const REPEATED: f64 = 1e-6;
 
 /// Rounding: the relative error at which eigenvalues of the inverse matrix count as converged.
-const CONVERGED: f64 = 1e-11;
+const CONVERGED: f64 = 1e-10;
 
 /// Rounding: if a shift equals an eigenvalue, the shift is changed by this fraction of the largest
 /// entry of the matrix.
@@ -172,11 +172,22 @@ impl Leading {
         let neutral = NEUTRAL * circle.radius;
         let neutral = circle.spectrum.iter().filter(|l| l.0.abs() < neutral).count();
         let missing = positive.saturating_sub(circle.unstable()).min(MOST);
-        if missing > 0 {
-            let beyond = self.beyond(matrix, circle.center + circle.radius, missing)?;
-            circle.spectrum.splice(0..0, beyond);
+        let edge = circle.center + circle.radius;
+        // The pivots may have counted neutral eigenvalues as positive.
+        if missing > neutral || missing > 0 && self.some_lie_above(matrix, edge) {
+            circle.spectrum.splice(0..0, self.beyond(matrix, edge, missing)?);
         }
         Ok(positive.abs_diff(circle.unstable()) <= neutral)
+    }
+
+    /// Whether a matrix that a diagonal scaling makes symmetric has eigenvalues above `edge`, or this is
+    /// unknown.
+    fn some_lie_above(&mut self, matrix: &Matrix, edge: f64) -> bool {
+        let negative = match self.factor(matrix, edge) {
+            Ok(()) => self.lu.negative_pivots(),
+            Err(_) => None,
+        };
+        negative != Some(matrix.size())
     }
 
     /// Computes the `missing` largest eigenvalues above `edge` of a matrix that a diagonal scaling
