@@ -148,14 +148,7 @@ pub trait System: Send {
     /// # Errors
     /// [`Failure`] as for [`gradient`](System::gradient).
     fn slope(&mut self, x: &[f64], monitor: usize, direction: &[f64]) -> Result<f64, Failure> {
-        let n = self.names().dimension();
-        let moves: Vec<usize> =
-            (0..x.len() - n).filter(|parameter| direction[n + parameter] != 0.0).collect();
-        let mut gradient = vec![0.0; x.len()];
-        self.gradient(x, Functional::Monitor(monitor), &moves, &mut gradient)?;
-        let released =
-            moves.iter().map(|parameter| gradient[n + parameter] * direction[n + parameter]);
-        Ok(dot(&gradient[..n], &direction[..n]) + released.sum::<f64>())
+        slope_by_gradient(self, x, monitor, direction)
     }
 
     /// The type of dynamics that the residual describes.
@@ -550,4 +543,21 @@ impl Default for Traits {
             least_size: f64::INFINITY,
         }
     }
+}
+
+/// Returns the derivative of a monitor at `x` along a direction, as a product with the monitor's
+/// gradient.
+pub(in crate::core) fn slope_by_gradient(
+    system: &mut (impl System + ?Sized),
+    x: &[f64],
+    monitor: usize,
+    direction: &[f64],
+) -> Result<f64, Failure> {
+    let n = system.names().dimension();
+    let moves: Vec<usize> =
+        (0..x.len() - n).filter(|parameter| direction[n + parameter] != 0.0).collect();
+    let mut gradient = vec![0.0; x.len()];
+    system.gradient(x, Functional::Monitor(monitor), &moves, &mut gradient)?;
+    let released = moves.iter().map(|parameter| gradient[n + parameter] * direction[n + parameter]);
+    Ok(dot(&gradient[..n], &direction[..n]) + released.sum::<f64>())
 }

@@ -208,7 +208,9 @@ impl<'a> Corrector<'a> {
         match quantity {
             Quantity::Parameter(p) => Some(direction[system.names().dimension() + p]),
             Quantity::Monitor(m) if m >= system.names().monitors.len() => None,
-            Quantity::Monitor(m) => system.slope(x, m, &direction).ok(),
+            Quantity::Monitor(m) => {
+                system.slope(x, m, &direction).ok().filter(|slope| slope.is_finite())
+            }
         }
     }
 
@@ -222,11 +224,7 @@ impl<'a> Corrector<'a> {
         let parameters = self.equations.names().parameters.len();
         let parameters = (0..parameters).map(Quantity::Parameter);
         let all = parameters.chain((0..monitors).map(Quantity::Monitor));
-        all.map(|quantity| {
-            let slope = self.slope_of(quantity, [unknowns, tangent]);
-            slope.filter(|slope| slope.is_finite())
-        })
-        .collect()
+        all.map(|quantity| self.slope_of(quantity, [unknowns, tangent])).collect()
     }
 
     /// Returns the error that the tolerance of Newton's method causes in the continued parameter at

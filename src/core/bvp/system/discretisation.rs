@@ -361,7 +361,17 @@ impl DiscretisedProblem {
         &mut self,
         compute: impl FnOnce(&mut Self) -> Result<(), Failure>,
     ) -> Result<(), Failure> {
-        self.method.allow(if self.exact_gradients { 0.0 } else { GRADIENT });
+        self.allowing(GRADIENT, compute)
+    }
+
+    /// Computes a derivative; the relative error `allowed` is allowed unless exact gradients are
+    /// required.
+    pub(super) fn allowing(
+        &mut self,
+        allowed: f64,
+        compute: impl FnOnce(&mut Self) -> Result<(), Failure>,
+    ) -> Result<(), Failure> {
+        self.method.allow(if self.exact_gradients { 0.0 } else { allowed });
         let outcome = compute(self);
         self.method.allow(0.0);
         outcome

@@ -14,7 +14,7 @@ use crate::core::problem::{Dynamics, Names, Profile};
 use crate::core::scalar::Space;
 use crate::core::system::{
     Deviation, Discretised, Expansion, Functional, OrbitEvents, Representation, Solution, Start,
-    System, Traits,
+    System, Traits, slope_by_gradient,
 };
 
 impl System for BoundarySystem {
@@ -84,6 +84,13 @@ impl System for BoundarySystem {
             .equations
             .inexactly(|equations| derivatives.add_gradient(equations, &weighted, twice, out))?;
         finite_gradient(out, self.layout.dimension, released)
+    }
+
+    fn slope(&mut self, x: &[f64], monitor: usize, direction: &[f64]) -> Result<f64, Failure> {
+        match self.0.monitor_slope(monitor, x, direction)? {
+            Some(slope) => Ok(slope),
+            None => slope_by_gradient(self, x, monitor, direction),
+        }
     }
 
     fn dynamics(&self) -> Dynamics {

@@ -3,10 +3,11 @@
 
 use super::layout::UnknownLayout;
 use super::work::Local;
-use crate::core::bvp::erased::Number;
+use crate::core::bvp::erased::{Number, WatchNumber};
 use crate::core::failure::Failure;
 use crate::core::linalg::refill;
 use crate::core::scalar::{CHUNK, Chunk, Directional, seeded};
+use num_dual::Dual64;
 
 /// The arguments of a part of the equations: unknowns at nodes, and entries of `q`.
 #[derive(Clone, Copy)]
@@ -73,10 +74,26 @@ pub(super) struct Gradient<'a> {
     pub out: &'a mut [f64],
 }
 
-impl Gradient<'_> {
-    /// Adds the gradient of a function that depends on some unknowns, and on the vector `q` of a
+/// A derivative of a scalar function: its gradient, or its derivative along a direction.
+pub(super) trait Derivative {
+    /// The numbers with which the function is differentiated.
+    type Number: Number + WatchNumber;
+
+    /// Adds the derivative of a function that depends on some unknowns, and on the vector `q` of a
     /// segment or of the whole problem.
-    pub fn add(
+    fn add(
+        &mut self,
+        layout: &UnknownLayout,
+        unknowns: &[usize],
+        segment: Option<usize>,
+        function: impl FnMut(&mut Passes<Self::Number>) -> Result<Self::Number, Failure>,
+    ) -> Result<(), Failure>;
+}
+
+impl Derivative for Gradient<'_> {
+    type Number = Chunk;
+
+    fn add(
         &mut self,
         layout: &UnknownLayout,
         unknowns: &[usize],
@@ -86,6 +103,34 @@ impl Gradient<'_> {
         let numbers = if segment.is_some() { &self.numbers.local } else { &self.numbers.all };
         let dependence = Dependence { unknowns, segment, numbers };
         self.passes.add_gradient(layout, dependence, Arguments::plain(self.x), self.out, function)
+    }
+}
+
+/// The derivative of a scalar function at a point along a direction.
+pub(super) struct Slope<'a> {
+    pub at: Arguments<'a>,
+    pub passes: &'a mut Passes<Dual64>,
+    pub value: f64,
+}
+
+impl Derivative for Slope<'_> {
+    type Number = Dual64;
+
+    fn add(
+        &mut self,
+        layout: &UnknownLayout,
+        unknowns: &[usize],
+        segment: Option<usize>,
+        mut function: impl FnMut(&mut Passes<Dual64>) -> Result<Dual64, Failure>,
+    ) -> Result<(), Failure> {
+        let Arguments { x, v } = self.at;
+        let passes = &mut *self.passes;
+        refill(&mut passes.unknowns, unknowns.iter().map(|&z| Dual64::new(x[z], v[z])));
+        passes.take_numbers(layout, segment, self.at);
+        let [x, v] = &passes.real;
+        refill(&mut passes.q, x.iter().zip(v).map(|(x, v)| Dual64::new(*x, *v)));
+        self.value += function(passes)?.eps;
+        Ok(())
     }
 }
 
@@ -117,7 +162,7 @@ pub(super) struct Passes<T: Number> {
     pub slopes: Vec<f64>,
 }
 
-impl<T: Directional + Number> Passes<T> {
+impl<T: Number> Passes<T> {
     pub fn new(layout: &UnknownLayout) -> Self {
         let each = layout.segments.iter().map(|s| layout.degree * s.states).max().unwrap_or(0);
         let most = (each + 1).max(layout.boundary).max(layout.integrals);
@@ -131,6 +176,19 @@ impl<T: Directional + Number> Passes<T> {
         }
     }
 
+    /// Loads the vector `q` of a segment, or the vector `q` of the problem if no segment is given.
+    pub fn take_numbers(&mut self, layout: &UnknownLayout, segment: Option<usize>, at: Arguments) {
+        for (real, from) in self.real.iter_mut().zip([at.x, at.v]) {
+            real.clear();
+            match segment {
+                Some(segment) => layout.numbers_of(segment, from, real),
+                None => real.extend((0..layout.numbers()).map(|k| from[layout.number(k)])),
+            }
+        }
+    }
+}
+
+impl<T: Directional + Number> Passes<T> {
     /// Loads the arguments as dual numbers; the arguments in the chunk of directions that begins at
     /// `start` get unit derivatives.
     pub fn load(
@@ -145,17 +203,6 @@ impl<T: Directional + Number> Passes<T> {
         refill(&mut self.unknowns, unknowns.map(|(k, &z)| T::along(seeded(x[z], k, start), v[z])));
         self.take_numbers(layout, dependence.segment, at);
         self.seed(dependence.numbers, dependence.unknowns.len(), start);
-    }
-
-    /// Loads the vector `q` of a segment, or the vector `q` of the problem if no segment is given.
-    pub fn take_numbers(&mut self, layout: &UnknownLayout, segment: Option<usize>, at: Arguments) {
-        for (real, from) in self.real.iter_mut().zip([at.x, at.v]) {
-            real.clear();
-            match segment {
-                Some(segment) => layout.numbers_of(segment, from, real),
-                None => real.extend((0..layout.numbers()).map(|k| from[layout.number(k)])),
-            }
-        }
     }
 
     /// Creates dual numbers for the vector `q` of a segment or of the problem; the entries selected

@@ -8,7 +8,7 @@ use super::duration_bound::DurationBound;
 use super::floquet::Floquet;
 use super::layout::UnknownLayout;
 use super::liouville::Orbit;
-use super::local::{Gradient, Numbers, Passes};
+use super::local::{Arguments, Gradient, Numbers, Passes, Slope};
 use super::monitors::MESH_ERROR;
 use super::solutions::Solutions;
 use super::start::{Resumed, resumed};
@@ -20,10 +20,15 @@ use crate::core::failure::{Failure, finite_gradient};
 use crate::core::problem::{Group, Names};
 use crate::core::scalar::Chunk;
 use crate::core::system::{Solution, Start};
+use num_dual::Dual64;
 
 /// Heuristic: the largest number of intervals of a refined segment: on finer meshes, rounding
 /// errors dominate.
 pub(super) const MOST_INTERVALS: usize = 4096;
+
+/// Heuristic: the relative error allowed in derivatives of monitors along a branch, which determine the
+/// curve between two points.
+const SLOPE: f64 = 1e-6;
 
 /// A discretised problem with an adaptive mesh: the evaluation of solutions and their
 /// linearisation.
@@ -36,6 +41,8 @@ pub(super) struct Meshed {
     /// Scratch space for derivatives of parts of the equations, and the selection of the entries of
     /// `q` for gradients.
     pub chunk: Passes<Chunk>,
+    /// Scratch space for derivatives along a direction.
+    pub along: Passes<Dual64>,
     pub numbers: Numbers,
     /// The number of accepted points of the branch so far.
     pub followed: usize,
@@ -56,6 +63,7 @@ impl Meshed {
             derivatives: Derivatives::new(layout),
             floquet: Floquet::new(layout),
             chunk: Passes::new(layout),
+            along: Passes::new(layout),
             numbers: Numbers::default(),
             followed: 0,
             refinements: 0,
@@ -121,6 +129,29 @@ impl Meshed {
             monitors.add_gradient(equations, monitor, plain, gradient)
         })?;
         finite_gradient(out, equations.layout.dimension, released)
+    }
+
+    /// Computes the derivative of a monitor along a direction, with a relative error of at most
+    /// [`SLOPE`]; `None` if the derivative must be computed from the gradient.
+    pub fn monitor_slope(
+        &mut self,
+        monitor: usize,
+        x: &[f64],
+        direction: &[f64],
+    ) -> Result<Option<f64>, Failure> {
+        let Meshed { solutions, along, .. } = self;
+        let Solutions { equations, monitors, plain, .. } = solutions;
+        if !monitors.has_derivative(monitor) {
+            return Ok(None);
+        }
+        plain.load(&equations.layout, |i| x[i]);
+        monitors.watch_for(equations, monitor, plain)?;
+        let at = Arguments { x, v: direction };
+        let mut slope = Slope { at, passes: along, value: 0.0 };
+        equations.allowing(SLOPE, |equations| {
+            monitors.add_derivative(equations, monitor, plain, &mut slope)
+        })?;
+        Ok(Some(slope.value))
     }
 
     /// Makes a solution the reference of the phase condition.

@@ -4,7 +4,7 @@ use super::discretisation::DiscretisedProblem;
 use super::duration_bound::DurationBound;
 use super::extremes::{MonitoredExtremes, Place, pairs};
 use super::layout::span;
-use super::local::{Gradient, Passes};
+use super::local::{Derivative, Gradient, Passes};
 use super::mesh_error::MeshError;
 use super::phase::Phase;
 use super::residual::{residual_beside, residual_inside};
@@ -15,7 +15,7 @@ use crate::core::bvp::method::MethodWork;
 use crate::core::bvp::terms::{Ends, Monitor, Watched};
 use crate::core::failure::Failure;
 use crate::core::problem::{FieldIn, Integral, Observable, Overall, Sighting};
-use crate::core::scalar::{Chunk, Scalar};
+use crate::core::scalar::Scalar;
 use num_dual::Dual64;
 
 /// The name of the monitor that estimates the mesh error.
@@ -94,35 +94,53 @@ impl Monitors {
         work: &mut Work<f64>,
         gradient: &mut Gradient,
     ) -> Result<(), Failure> {
-        self.watch_for(equations, monitor, work)?;
         match self.all.get(monitor) {
-            Some(Monitor::Duration) => add_duration(equations, |_| true, 1.0, gradient),
+            None => self.mesh_error.add_gradient(equations, work, gradient),
             Some(Monitor::Ends(function)) => {
                 gradient.add(&equations.layout, &equations.layout.ends, None, |passes| {
                     Ok(of_ends(equations, *function, &passes.unknowns, &passes.q))
                 })
             }
-            Some(Monitor::Integral(integral, watched)) => {
-                add_integral(equations, *integral, watched, work, gradient)
+            Some(_) => self.add_derivative(equations, monitor, work, gradient),
+        }
+    }
+
+    /// Whether a derivative of a monitor can be [added](Self::add_derivative).
+    pub fn has_derivative(&self, monitor: usize) -> bool {
+        self.all.get(monitor).is_some_and(|monitor| !matches!(monitor, Monitor::Ends(_)))
+    }
+
+    /// Adds a derivative of a monitor at the point loaded in `work`.
+    pub fn add_derivative(
+        &mut self,
+        equations: &mut DiscretisedProblem,
+        monitor: usize,
+        work: &mut Work<f64>,
+        derivative: &mut impl Derivative,
+    ) -> Result<(), Failure> {
+        self.watch_for(equations, monitor, work)?;
+        match &self.all[monitor] {
+            Monitor::Duration => add_duration(equations, |_| true, 1.0, derivative),
+            Monitor::Integral(integral, watched) => {
+                add_integral(equations, *integral, watched, work, derivative)
             }
-            Some(Monitor::Rising { through, value }) => {
+            Monitor::Rising { through, value } => {
                 let Some((rise, value)) = self.rising(through, value) else { return Ok(()) };
                 let (through, place) = rise.place;
                 let value = Watched { observable: value, ..through };
                 let [height, level] = rates(equations, place, [through, value], work)?;
                 // The place of an upward crossing moves: `d v = ∂v − (v'/h') ∂h` at the fixed place.
                 let ratio = level.eps / height.eps;
-                add_term(equations, (value, place), 1.0, gradient)?;
-                add_term(equations, rise.place, -ratio, gradient)
+                add_term(equations, (value, place), 1.0, derivative)?;
+                add_term(equations, rise.place, -ratio, derivative)
             }
-            Some(monitor) => {
+            monitor => {
                 let terms = self.overall(monitor).terms(monitor);
                 let mut terms = terms.iter().flatten();
                 terms.try_for_each(|(term, factor)| {
-                    add_term(equations, term.place, *factor, gradient)
+                    add_term(equations, term.place, *factor, derivative)
                 })
             }
-            None => self.mesh_error.add_gradient(equations, work, gradient),
         }
     }
 
@@ -204,11 +222,11 @@ fn add_duration(
     equations: &DiscretisedProblem,
     counts: impl Fn(usize) -> bool,
     factor: f64,
-    gradient: &mut Gradient,
+    derivative: &mut impl Derivative,
 ) -> Result<(), Failure> {
     for (s, mesh) in equations.meshes.iter().enumerate().filter(|(s, _)| counts(*s)) {
-        gradient.add(&equations.layout, &[], Some(s), |passes| {
-            let duration = Chunk::residual(&*equations.problem).duration_in(s, &passes.q);
+        derivative.add(&equations.layout, &[], Some(s), |passes| {
+            let duration = Number::residual(&*equations.problem).duration_in(s, &passes.q);
             Ok(duration * (mesh.end() * factor))
         })?;
     }
@@ -249,26 +267,26 @@ fn share<T: Number + WatchNumber>(
     Ok(sum)
 }
 
-/// Adds the gradients of the integral and of the duration, combined by the chain rule.
+/// Adds the derivatives of the integral and of the duration, combined by the chain rule.
 fn add_integral(
     equations: &DiscretisedProblem,
     integral: Integral,
     watched: &[Vec<Watched>],
     work: &mut Work<f64>,
-    gradient: &mut Gradient,
+    derivative: &mut impl Derivative,
 ) -> Result<(), Failure> {
     let [sum, time] = sum_and_time(equations, integral, watched, work)?;
     let slope = |of: [f64; 2]| integral.of(Dual64::new(sum, of[0]), Dual64::new(time, of[1])).eps;
     let (by_sum, by_time) = (slope([1.0, 0.0]), slope([0.0, 1.0]));
     for (s, j) in equations.layout.intervals().filter(|(s, _)| on_segment(watched, *s)) {
         let unknowns = &equations.layout.order[equations.layout.interval(s, j)];
-        gradient.add(&equations.layout, unknowns, Some(s), |passes| {
+        derivative.add(&equations.layout, unknowns, Some(s), |passes| {
             let Passes { unknowns, q, local, .. } = passes;
             let interval = equations.alone((s, j), unknowns, q);
             Ok(share(equations, integral, watched, interval, &mut local.method)? * by_sum)
         })?;
     }
-    add_duration(equations, |s| on_segment(watched, s), by_time, gradient)
+    add_duration(equations, |s| on_segment(watched, s), by_time, derivative)
 }
 
 /// Computes a function of the states at the starts of all segments and at the ends of all segments.
@@ -300,24 +318,24 @@ fn rates(
     Ok(watched.map(|watched| problem.watch_in(watched, Dual64::new(t, 1.0), &moving, &q)))
 }
 
-/// Adds the gradient of an extreme value at a fixed position: at an inner extremum the derivative
+/// Adds the derivative of an extreme value at a fixed position: at an inner extremum the derivative
 /// with respect to the position vanishes, and an extremum at an end of the segment keeps its
 /// position.
-fn add_term(
+fn add_term<D: Derivative>(
     equations: &DiscretisedProblem,
     (watched, Place { interval, place }): (Watched, Place),
     factor: f64,
-    gradient: &mut Gradient,
+    derivative: &mut D,
 ) -> Result<(), Failure> {
     let (layout, segment) = (&equations.layout, watched.segment);
     let (at, n) = ((segment, interval), layout.segments[segment].states);
     let unknowns = &layout.order[layout.interval(segment, interval)];
-    gradient.add(layout, unknowns, Some(segment), |passes| {
+    derivative.add(layout, unknowns, Some(segment), |passes| {
         let Passes { unknowns, q, local, .. } = passes;
         let (interval, x) = (equations.alone(at, unknowns, q), &mut local.x[..n]);
         equations.method.value(interval, place, &mut local.method, x)?;
         let t = interval.time(place);
-        Ok(Chunk::watches(interval.problem).watch_in(watched, t, x, q) * factor)
+        Ok(D::Number::watches(interval.problem).watch_in(watched, t, x, q) * factor)
     })
 }
 
