@@ -148,7 +148,18 @@ pub trait System: Send {
     /// # Errors
     /// [`Failure`] as for [`gradient`](System::gradient).
     fn slope(&mut self, x: &[f64], monitor: usize, direction: &[f64]) -> Result<f64, Failure> {
-        slope_by_gradient(self, x, monitor, direction)
+        let discretised = self.discretised().map(|own| own.slope(x, monitor, direction));
+        if let Some(Some(slope)) = discretised.transpose()? {
+            return Ok(slope);
+        }
+        let n = self.names().dimension();
+        let moves: Vec<usize> =
+            (0..x.len() - n).filter(|parameter| direction[n + parameter] != 0.0).collect();
+        let mut gradient = vec![0.0; x.len()];
+        self.gradient(x, Functional::Monitor(monitor), &moves, &mut gradient)?;
+        let released =
+            moves.iter().map(|parameter| gradient[n + parameter] * direction[n + parameter]);
+        Ok(dot(&gradient[..n], &direction[..n]) + released.sum::<f64>())
     }
 
     /// The type of dynamics that the residual describes.
@@ -281,6 +292,20 @@ pub trait Discretised {
     /// discretisation.
     fn coarser(&mut self, _x: &[f64]) -> Option<Refinement> {
         None
+    }
+
+    /// Computes the derivative of a monitor along a direction, accurately enough for drawing the
+    /// curve between two points; `None` if the derivative must be computed from the gradient.
+    ///
+    /// # Errors
+    /// [`Failure`] as for [`gradient`](System::gradient).
+    fn slope(
+        &mut self,
+        _x: &[f64],
+        _monitor: usize,
+        _direction: &[f64],
+    ) -> Result<Option<f64>, Failure> {
+        Ok(None)
     }
 
     /// Sets the accuracy of subsequent evaluations, assemblies and factorisations.
@@ -543,21 +568,4 @@ impl Default for Traits {
             least_size: f64::INFINITY,
         }
     }
-}
-
-/// Returns the derivative of a monitor at `x` along a direction, as a product with the monitor's
-/// gradient.
-pub(in crate::core) fn slope_by_gradient(
-    system: &mut (impl System + ?Sized),
-    x: &[f64],
-    monitor: usize,
-    direction: &[f64],
-) -> Result<f64, Failure> {
-    let n = system.names().dimension();
-    let moves: Vec<usize> =
-        (0..x.len() - n).filter(|parameter| direction[n + parameter] != 0.0).collect();
-    let mut gradient = vec![0.0; x.len()];
-    system.gradient(x, Functional::Monitor(monitor), &moves, &mut gradient)?;
-    let released = moves.iter().map(|parameter| gradient[n + parameter] * direction[n + parameter]);
-    Ok(dot(&gradient[..n], &direction[..n]) + released.sum::<f64>())
 }

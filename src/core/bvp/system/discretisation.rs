@@ -16,7 +16,7 @@ use std::sync::Arc;
 
 /// Heuristic: the relative error allowed in gradients of conditions: gradients affect the
 /// convergence rate of Newton's iteration, but not its limit.
-const GRADIENT: f64 = 1e-8;
+pub(super) const GRADIENT: f64 = 1e-8;
 
 /// A discretised boundary-value problem: the problem, a method, and a mesh for each segment.
 ///
@@ -353,15 +353,6 @@ impl DiscretisedProblem {
         let spanning = itineraries.and_then(|itineraries| itineraries.spanning(end, &q));
         let (problem, q) = spanning.unwrap_or_else(|| (self.problem.clone(), q));
         Known { problem, trajectories, q }
-    }
-
-    /// Computes a gradient; the relative error [`GRADIENT`] is allowed unless exact gradients are
-    /// required.
-    pub(super) fn inexactly(
-        &mut self,
-        compute: impl FnOnce(&mut Self) -> Result<(), Failure>,
-    ) -> Result<(), Failure> {
-        self.allowing(GRADIENT, compute)
     }
 
     /// Computes a derivative; the relative error `allowed` is allowed unless exact gradients are

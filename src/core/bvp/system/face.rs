@@ -1,11 +1,12 @@
 //! The [`System`] implementation of a discretised boundary-value problem.
 
 use super::BoundarySystem;
-use super::discretisation::DiscretisedProblem;
+use super::discretisation::{DiscretisedProblem, GRADIENT};
 use super::factors::factor;
 use super::least_size::least_size;
-use super::local::{Arguments, Weighted};
+use super::local::{Arguments, Gradient, Weighted};
 use super::meshed::Meshed;
+use super::solutions::Solutions;
 use crate::core::bvp::itineraries::Itineraries;
 use crate::core::bvp::method::Method;
 use crate::core::failure::{Failure, finite_gradient};
@@ -14,7 +15,7 @@ use crate::core::problem::{Dynamics, Names, Profile};
 use crate::core::scalar::Space;
 use crate::core::system::{
     Deviation, Discretised, Expansion, Functional, OrbitEvents, Representation, Solution, Start,
-    System, Traits, slope_by_gradient,
+    System, Traits,
 };
 
 impl System for BoundarySystem {
@@ -73,24 +74,27 @@ impl System for BoundarySystem {
             Functional::First(w, v) => (w, v, false),
             Functional::Second(w, v) => (w, v, true),
             Functional::Monitor(monitor) => {
-                return self.0.monitor_gradient(monitor, x, released, out);
+                let Meshed { solutions, chunk, numbers, .. } = &mut self.0;
+                let Solutions { equations, monitors, plain, .. } = solutions;
+                numbers.release(&equations.layout, released, out);
+                plain.load(&equations.layout, |i| x[i]);
+                // The positions of extremes are as accurate as possible.
+                monitors.watch_for(equations, monitor, plain)?;
+                equations.allowing(GRADIENT, |equations| {
+                    let gradient = &mut Gradient { x, numbers, passes: chunk, out };
+                    monitors.add_gradient(equations, monitor, plain, gradient)
+                })?;
+                return finite_gradient(out, self.layout.dimension, released);
             }
         };
         self.0.solutions.refer(x)?;
         let Meshed { solutions, derivatives, numbers, .. } = &mut self.0;
         numbers.release(&solutions.equations.layout, released, out);
         let weighted = Weighted { at: Arguments { x, v }, w, numbers };
-        solutions
-            .equations
-            .inexactly(|equations| derivatives.add_gradient(equations, &weighted, twice, out))?;
+        solutions.equations.allowing(GRADIENT, |equations| {
+            derivatives.add_gradient(equations, &weighted, twice, out)
+        })?;
         finite_gradient(out, self.layout.dimension, released)
-    }
-
-    fn slope(&mut self, x: &[f64], monitor: usize, direction: &[f64]) -> Result<f64, Failure> {
-        match self.0.monitor_slope(monitor, x, direction)? {
-            Some(slope) => Ok(slope),
-            None => slope_by_gradient(self, x, monitor, direction),
-        }
     }
 
     fn dynamics(&self) -> Dynamics {

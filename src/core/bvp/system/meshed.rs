@@ -8,7 +8,7 @@ use super::duration_bound::DurationBound;
 use super::floquet::Floquet;
 use super::layout::UnknownLayout;
 use super::liouville::Orbit;
-use super::local::{Arguments, Gradient, Numbers, Passes, Slope};
+use super::local::{Numbers, Passes};
 use super::monitors::MESH_ERROR;
 use super::solutions::Solutions;
 use super::start::{Resumed, resumed};
@@ -16,7 +16,7 @@ use crate::core::bvp::erased::Equations;
 use crate::core::bvp::error::BoundaryError;
 use crate::core::bvp::mesh::Mesh;
 use crate::core::bvp::method::Method;
-use crate::core::failure::{Failure, finite_gradient};
+use crate::core::failure::Failure;
 use crate::core::problem::{Group, Names};
 use crate::core::scalar::Chunk;
 use crate::core::system::{Solution, Start};
@@ -25,10 +25,6 @@ use num_dual::Dual64;
 /// Heuristic: the largest number of intervals of a refined segment: on finer meshes, rounding
 /// errors dominate.
 pub(super) const MOST_INTERVALS: usize = 4096;
-
-/// Heuristic: the relative error allowed in derivatives of monitors along a branch, which determine the
-/// curve between two points.
-const SLOPE: f64 = 1e-6;
 
 /// A discretised problem with an adaptive mesh: the evaluation of solutions and their
 /// linearisation.
@@ -108,50 +104,6 @@ impl Meshed {
     fn forget(&mut self) {
         self.assembly.at.clear();
         self.solutions.forget();
-    }
-
-    /// Computes the gradient of a monitor.
-    pub fn monitor_gradient(
-        &mut self,
-        monitor: usize,
-        x: &[f64],
-        released: &[usize],
-        out: &mut [f64],
-    ) -> Result<(), Failure> {
-        let Meshed { solutions, chunk, numbers, .. } = self;
-        let Solutions { equations, monitors, plain, .. } = solutions;
-        numbers.release(&equations.layout, released, out);
-        plain.load(&equations.layout, |i| x[i]);
-        // The positions of extremes are as accurate as possible.
-        monitors.watch_for(equations, monitor, plain)?;
-        equations.inexactly(|equations| {
-            let gradient = &mut Gradient { x, numbers, passes: chunk, out };
-            monitors.add_gradient(equations, monitor, plain, gradient)
-        })?;
-        finite_gradient(out, equations.layout.dimension, released)
-    }
-
-    /// Computes the derivative of a monitor along a direction, with a relative error of at most
-    /// [`SLOPE`]; `None` if the derivative must be computed from the gradient.
-    pub fn monitor_slope(
-        &mut self,
-        monitor: usize,
-        x: &[f64],
-        direction: &[f64],
-    ) -> Result<Option<f64>, Failure> {
-        let Meshed { solutions, along, .. } = self;
-        let Solutions { equations, monitors, plain, .. } = solutions;
-        if !monitors.has_derivative(monitor) {
-            return Ok(None);
-        }
-        plain.load(&equations.layout, |i| x[i]);
-        monitors.watch_for(equations, monitor, plain)?;
-        let at = Arguments { x, v: direction };
-        let mut slope = Slope { at, passes: along, value: 0.0 };
-        equations.allowing(SLOPE, |equations| {
-            monitors.add_derivative(equations, monitor, plain, &mut slope)
-        })?;
-        Ok(Some(slope.value))
     }
 
     /// Makes a solution the reference of the phase condition.

@@ -5,6 +5,7 @@ use super::discretisation::DiscretisedProblem;
 use super::duration_bound::DurationBound;
 use super::halved::Halves;
 use super::homoclinic::homoclinic;
+use super::local::{Arguments, Slope};
 use super::meshed::{MOST_INTERVALS, Meshed};
 use super::phase_response::response_of;
 use super::solutions::Solutions;
@@ -25,6 +26,10 @@ const ADAPT_EVERY: usize = 3;
 /// Heuristic: the estimated error above which a mesh is redistributed immediately.
 const ADAPT_ABOVE: f64 = 1e-3;
 
+/// Heuristic: the relative error allowed in derivatives of monitors along a branch, which determine the
+/// curve between two points.
+const SLOPE: f64 = 1e-6;
+
 impl Discretised for Meshed {
     fn refined(&mut self, x: &[f64]) -> Option<Refinement> {
         let equations = &self.solutions.equations;
@@ -41,6 +46,27 @@ impl Discretised for Meshed {
         finer.refinements = self.refinements + 1;
         finer.assembly.active.clone_from(&self.assembly.active);
         Some(Refinement { system: Box::new(BoundarySystem(finer)), x })
+    }
+
+    fn slope(
+        &mut self,
+        x: &[f64],
+        monitor: usize,
+        direction: &[f64],
+    ) -> Result<Option<f64>, Failure> {
+        let Meshed { solutions, along, .. } = self;
+        let Solutions { equations, monitors, plain, .. } = solutions;
+        if !monitors.has_derivative(monitor) {
+            return Ok(None);
+        }
+        plain.load(&equations.layout, |i| x[i]);
+        monitors.watch_for(equations, monitor, plain)?;
+        let at = Arguments { x, v: direction };
+        let mut slope = Slope { at, passes: along, value: 0.0 };
+        equations.allowing(SLOPE, |equations| {
+            monitors.add_derivative(equations, monitor, plain, &mut slope)
+        })?;
+        Ok(Some(slope.value))
     }
 
     fn set_effort(&mut self, Effort { error, exact_gradients, cancel }: Effort) {
