@@ -42,6 +42,11 @@ pub(super) struct Hidden {
 /// Returns the parts of lines that are covered by later lines with other names; the lowest line
 /// comes first.
 pub(super) fn hidden(lines: &[Line]) -> Vec<Hidden> {
+    let mut names = lines.iter().filter(|line| line.hides()).map(|line| line.name);
+    let first = names.next();
+    if names.all(|name| Some(name) == first) {
+        return Vec::new();
+    }
     let cell = |at: &[f64; 2]| at.map(|x| (x / NEAR).floor() as i32);
     // The lines in each cell, with a point of each.
     let mut in_cells: HashMap<[i32; 2], Vec<(usize, [f64; 2])>> = HashMap::new();
