@@ -23,7 +23,7 @@ const SEEDS: usize = 3;
 const REPEATED: f64 = 1e-6;
 
 /// Rounding: the relative error at which eigenvalues of the inverse matrix count as converged.
-const CONVERGED: f64 = 1e-10;
+const CONVERGED: f64 = 1e-11;
 
 /// Rounding: if a shift equals an eigenvalue, the shift is changed by this fraction of the largest
 /// entry of the matrix.
