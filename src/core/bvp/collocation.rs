@@ -88,9 +88,9 @@ impl Collocation {
     /// use tangency::core::bvp::Collocation;
     /// use tangency::core::orbit::periodic_orbits;
     /// use tangency::core::system::{Matrices, System};
-    /// use tangency::problems::classic::Brusselator;
+    /// use tangency::problems::classic::Lure;
     /// let collocation = Collocation::new(4)?.with_matrices(Matrices::Sparse);
-    /// let orbits = periodic_orbits(Brusselator, 20, collocation)?;
+    /// let orbits = periodic_orbits(Lure, 20, collocation)?;
     /// assert_eq!(orbits.representation().method, "collocation(4)");
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
