@@ -54,7 +54,7 @@ impl Discretised for Meshed {
         monitor: usize,
         direction: &[f64],
     ) -> Result<Option<f64>, Failure> {
-        let Meshed { solutions, along, .. } = self;
+        let Meshed { solutions, assembly, along, .. } = self;
         let Solutions { equations, monitors, plain, .. } = solutions;
         if !monitors.has_derivative(monitor) {
             return Ok(None);
@@ -63,7 +63,9 @@ impl Discretised for Meshed {
         monitors.watch_for(equations, monitor, plain)?;
         let at = Arguments { x, v: direction };
         let mut slope = Slope { at, passes: along, value: 0.0 };
-        equations.allowing(SLOPE, |equations| {
+        // Errors of the flow grow like deviations.
+        let allowed = SLOPE / assembly.growth(equations).max(1.0);
+        equations.allowing(allowed, |equations| {
             monitors.add_derivative(equations, monitor, plain, &mut slope)
         })?;
         Ok(Some(slope.value))
