@@ -294,8 +294,8 @@ pub trait Discretised {
         None
     }
 
-    /// Computes the derivative of a monitor along a direction, accurately enough for drawing the
-    /// curve between two points; `None` if the derivative must be computed from the gradient.
+    /// Computes the derivative of a monitor along a direction, accurately enough for the curve
+    /// between two points; `None` if the derivative must be computed from the gradient.
     ///
     /// # Errors
     /// [`Failure`] as for [`gradient`](System::gradient).

@@ -3,13 +3,14 @@
 
 use crate::common::close;
 use crate::common::diffusive_brusselator::DiffusiveBrusselator;
-use tangency::core::bvp::{BoundarySystem, Collocation, Shooting};
+use tangency::core::bvp::{BoundarySystem, Collocation, Mesh, Shooting};
 use tangency::core::continuation::{Branch, Continuation};
 use tangency::core::failure::Failure;
 use tangency::core::linalg::{Border, Factors, Form, SpectrumRequest};
 use tangency::core::orbit::periodic_orbits;
 use tangency::core::problem::Equilibria;
 use tangency::core::system::{Kind, Matrices, Solution, Sparse, System};
+use tangency::problems::classic::Bratu;
 
 /// The cycles from the first Hopf point of the Brusselator with `2n` states, up to a length.
 fn cycles(n: usize, last: f64, matrices: Matrices) -> (BoundarySystem, Branch) {
@@ -114,7 +115,6 @@ fn orbits_of_many_states_have_the_period_and_the_multipliers_of_shooting() {
     solve(&mut shot, &mut y);
     let expected = shot.spectrum(&y, SpectrumRequest { count: 3 }).unwrap().unwrap();
     let [period, exact] = [&x, &y].map(|x| x[x.len() - 4]);
-    println!("{period} {exact} {:?} {:?}", &found[..3], &expected[..3]);
     close(period, exact, 1e-7);
     for (found, expected) in found.iter().zip(&expected).take(3) {
         close(found.0, expected.0, 1e-6);
@@ -138,6 +138,16 @@ fn dense_and_sparse_matrices_yield_the_same_orbits() {
         close(own.0, other.0, 1e-7);
         close(own.1.abs(), other.1.abs(), 1e-7);
     }
+}
+
+#[test]
+fn sparse_matrices_are_refused_for_other_boundary_value_problems() {
+    let collocation = Collocation::new(4).unwrap().with_matrices(Matrices::Sparse);
+    let mut bratu = BoundarySystem::new(Bratu, collocation, vec![Mesh::uniform(5)]).unwrap();
+    let mut x = bratu.sampled(&[], |_, _, x| x.fill(0.1));
+    x.push(1.0);
+    let refused = bratu.assemble(&x).unwrap_err().to_string();
+    assert!(refused.contains("only for periodic orbits"), "{refused}");
 }
 
 #[test]

@@ -3,13 +3,17 @@
 
 use super::plan::{Answer, Method, Plan};
 use crate::Drawn;
+use diffusive_brusselator::DiffusiveBrusselator;
 use tangency::core::bvp::Collocation;
 use tangency::core::continuation::{Continuation, Settings};
 use tangency::core::failure::one_line;
 use tangency::core::orbit::periodic_orbits;
-use tangency::core::problem::{Equilibria, Group, Names, VectorField, ZeroProblem};
+use tangency::core::problem::{Equilibria, Names, ZeroProblem};
 use tangency::core::scalar::Scalar;
 use tangency::core::system::{Dense, Kind, Matrices, Sparse, System};
+
+#[path = "../../../tests/common/diffusive_brusselator.rs"]
+mod diffusive_brusselator;
 
 /// Bratu's problem, `Δu + λ eᵘ = 0` with `u = 0` on the boundary, discretised by second-order
 /// differences.
@@ -85,52 +89,22 @@ fn plan(name: &str, directions: u32, exact: f64, points: [&[usize]; 2]) -> Plan 
         .with(sparse.iter().map(|points| method(true, *points)))
 }
 
-/// The Brusselator with diffusion on a line (`Dₓ = 0.008`, `D_y = 0.004`), with its equilibrium at the
-/// ends.
-#[derive(Clone, Copy)]
-struct Brusselator {
-    points: usize,
-}
-
-impl VectorField for Brusselator {
-    fn names(&self) -> Names {
-        let elements = |s: &'static str| (1..=self.points).map(move |i| format!("{s}[{i}]"));
-        let all: Vec<String> = elements("u").chain(elements("v")).collect();
-        Names::new(Group::of_states(&all), ["L", "A", "B"])
-    }
-
-    fn field<T: Scalar>(&self, _t: T, z: &[T], p: &[T], f: &mut [T]) {
-        let n = self.points;
-        let ((u, v), [length, a, b]) = (z.split_at(n), [p[0], p[1], p[2]]);
-        let scale = (length * length).recip() * ((n + 1) * (n + 1)) as f64;
-        let bent = |w: &[T], end: T, i: usize| {
-            let left = if i > 0 { w[i - 1] } else { end };
-            let right = if i + 1 < n { w[i + 1] } else { end };
-            (left + right - w[i] * 2.0) * scale
-        };
-        for i in 0..n {
-            let reaction = u[i] * u[i] * v[i];
-            f[i] = bent(u, a, i) * 0.008 + a - (b + 1.0) * u[i] + reaction;
-            f[n + i] = bent(v, b / a, i) * 0.004 + b * u[i] - reaction;
-        }
-    }
-}
-
 /// Computes the period of the cycle at `L = 0.6` on the branch from the first Hopf point.
-fn period(problem: Brusselator, matrices: Matrices) -> Result<Answer, String> {
-    let rest = [vec![2.0; problem.points], vec![5.45 / 2.0; problem.points]].concat();
-    let mut equilibria = Sparse::new(Equilibria(problem));
+fn period(points: usize, matrices: Matrices) -> Result<Answer, String> {
+    let problem = || DiffusiveBrusselator::new(points);
+    let rest = [vec![2.0; points], vec![5.45 / 2.0; points]].concat();
+    let mut equilibria = Sparse::new(Equilibria(problem()));
     let stated = Continuation::new(&mut equilibria).at("L", 0.5).at("A", 2.0).at("B", 5.45);
     let branch =
         stated.from(&rest[..]).along("L", 0.5..=0.7).trace().map_err(|cause| one_line(&cause))?;
     let hopf = branch.of_kind(Kind::HB).next().ok_or("no Hopf point")?;
     let method = Collocation::new(4).map_err(|cause| one_line(&cause))?.with_matrices(matrices);
-    let mut orbits = periodic_orbits(problem, 20, method).map_err(|cause| one_line(&cause))?;
+    let mut orbits = periodic_orbits(problem(), 20, method).map_err(|cause| one_line(&cause))?;
     let cycles = Continuation::new(&mut orbits).restart(&branch, hopf.label);
     let cycles = cycles.along("L", 0.5..=0.6).trace().map_err(|cause| one_line(&cause))?;
     let end = cycles.special.last().ok_or("no end")?;
     let period = end.state.last().copied().unwrap_or(f64::NAN);
-    Ok(Answer { numbers: vec![period], work: 2.0 * problem.points as f64 })
+    Ok(Answer { numbers: vec![period], work: 2.0 * points as f64 })
 }
 
 /// Plans the diagram of the time to trace a branch of cycles against the number of states. The error in
@@ -138,14 +112,12 @@ fn period(problem: Brusselator, matrices: Matrices) -> Result<Answer, String> {
 fn cycles() -> Plan {
     let method = |matrices: Matrices, points: usize| {
         let line = if matrices == Matrices::Sparse { "sparse matrices" } else { "dense matrices" };
-        Method::new(line, (2 * points).to_string(), move || {
-            period(Brusselator { points }, matrices)
-        })
+        Method::new(line, (2 * points).to_string(), move || period(points, matrices))
     };
     let reference = Method::new("Richardson's extrapolation", "", || {
         let [coarse, fine] = [40, 80].map(|points: usize| -> Result<_, String> {
             let squared = ((points + 1) as f64).powi(-2);
-            Ok((squared, period(Brusselator { points }, Matrices::Sparse)?.numbers[0]))
+            Ok((squared, period(points, Matrices::Sparse)?.numbers[0]))
         });
         let ((h, coarse), (k, fine)): ((f64, f64), (f64, f64)) = (coarse?, fine?);
         Ok(Answer { numbers: vec![(h * fine - k * coarse) / (h - k)], work: 0.0 })

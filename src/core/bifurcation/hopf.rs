@@ -26,9 +26,9 @@ impl Kind {
 /// multiplier `e^{iω}`.
 ///
 /// The complex matrix `L(ω)` ([`Form::Oscillation`]; `F_z − iω M` for an equilibrium with the mass
-/// matrix `M`) is bordered in the same way as `F_z` at a fold. The border's multiplier `g = −w* L v` is complex, so the
-/// defining system consists of two equations, `Re g = Im g = 0`, with `δg = −w* δF_z v − w* (∂L/∂ω)
-/// v δω`.
+/// matrix `M`) is bordered in the same way as `F_z` at a fold. The border's multiplier `g = −w* L v`
+/// is complex, so the defining system consists of two equations, `Re g = Im g = 0`, with
+/// `δg = −w* δF_z v − w* (∂L/∂ω) v δω`.
 pub struct Hopf {
     /// Whether the solutions are periodic orbits.
     periodic: bool,

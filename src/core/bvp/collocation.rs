@@ -82,7 +82,8 @@ impl Collocation {
     }
 
     /// Chooses the kind of matrices with which periodic orbits of vector fields are computed; by
-    /// default, the cheaper kind is used. Other boundary-value problems always use dense matrices.
+    /// default, the cheaper kind is used. Other boundary-value problems use dense matrices, and
+    /// refuse sparse ones when they are assembled.
     ///
     /// ```
     /// use tangency::core::bvp::Collocation;

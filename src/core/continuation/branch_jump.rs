@@ -92,12 +92,6 @@ pub(super) const MESH: f64 = 1e-3;
 /// the middle of the step, because symmetric problems may be singular in the middle.
 const MIDDLE: f64 = 0.517;
 
-/// Whether a new point lies on the same smooth part of the curve as the previous point, given the
-/// prediction error and the length of the step.
-pub(super) fn is_well_predicted(miss: f64, length: f64) -> bool {
-    miss <= WELL_PREDICTED * length.max(MESH)
-}
-
 /// Rejects a step with a large prediction error if the branch deviates from a smooth curve in the
 /// middle of the step. Examples are a narrow part of the branch with two folds, and a branch that
 /// turns back at the tip of a pitchfork.
@@ -108,7 +102,8 @@ pub(super) fn check_middle(
 ) -> Result<(), NewtonError> {
     let Curve { corrector, recorder, .. } = curve;
     let length = step.length;
-    if is_well_predicted(miss, length) || !recorder.solutions {
+    let scale = length.max(MESH);
+    if miss <= WELL_PREDICTED * scale || !recorder.solutions {
         return Ok(());
     }
     let row = corrector.norm.covector(&step.from.tangent);
@@ -124,9 +119,5 @@ pub(super) fn check_middle(
     let distance = corrector.norm.distance(&middle, &guess);
     // The assembled equations belong to the end of the step.
     corrector.equations.load(&step.to.unknowns);
-    if distance > MOST_BENT * length.max(MESH) {
-        Err(NewtonError::Far { distance, length })
-    } else {
-        Ok(())
-    }
+    if distance > MOST_BENT * scale { Err(NewtonError::Far { distance, length }) } else { Ok(()) }
 }

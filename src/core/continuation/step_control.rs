@@ -2,9 +2,7 @@
 //! adaptation of the step length.
 
 use super::arnoldi::Crossings;
-use super::branch_jump::{
-    MESH, branch_point_near, check_branch_jump, check_middle, is_well_predicted,
-};
+use super::branch_jump::{MESH, branch_point_near, check_branch_jump, check_middle};
 use super::corrector::Corrector;
 use super::crossing::Departure;
 use super::curve::Curve;
@@ -187,10 +185,10 @@ impl StepControl {
             if slope.abs() > place.vertical { slope } else { 0.0 }
         };
         let turned = match tried {
-            Ok(step) => {
-                let flips = curve.detector.passes_branch_point(step.since(from));
-                let smooth = is_well_predicted(step.miss, length);
-                slope(from) * slope(&step.place) < 0.0 && !flips && !smooth
+            Ok(Step { place, .. }) => {
+                let flips =
+                    curve.detector.passes_branch_point(Interval { from, to: place, length });
+                slope(from) * slope(place) < 0.0 && !flips
             }
             Err(
                 NewtonError::Far { .. } | NewtonError::Turned { .. } | NewtonError::Bent { .. },

@@ -355,8 +355,7 @@ impl DiscretisedProblem {
         Known { problem, trajectories, q }
     }
 
-    /// Computes a derivative; the relative error `allowed` is allowed unless exact gradients are
-    /// required.
+    /// Computes a derivative with an allowed relative error, or exactly if exact gradients are required.
     pub(super) fn allowing(
         &mut self,
         allowed: f64,

@@ -28,13 +28,17 @@ use crate::core::scalar::CHUNK;
 use crate::core::system::Matrices;
 use std::sync::Arc;
 
-/// Heuristic: the number of states below which dense matrices are always at least as fast as sparse
-/// ones.
+/// Heuristic: the smallest number of states for which sparse matrices are chosen by default. Sparse
+/// matrices are faster from about 24 states on, but torus points cannot be refined with them.
 const LEAST: usize = 48;
 
 /// Heuristic: a sparse matrix is used if its factorisation takes at most this fraction of the
 /// multiplications of a condensation of dense intervals.
 const PAYS: f64 = 0.25;
+
+/// The reason why a boundary-value problem cannot use sparse matrices.
+const NOT_PERIODIC: &str = "sparse matrices exist only for periodic orbits of vector fields: use \
+                            dense matrices for other boundary-value problems";
 
 /// How the equations of intervals are stored.
 #[derive(Clone, Default)]
@@ -66,14 +70,17 @@ impl Structure {
         if !matches!(self, Structure::Unknown) {
             return Ok(());
         }
-        *self = Structure::Dense;
         let states = equations.layout.segments[0].states;
         let matrices = match &equations.method {
-            Method::Collocation(method) if equations.layout.closes() => method.matrices,
-            _ => Matrices::Dense,
+            Method::Collocation(method) => method.matrices,
+            Method::Shooting(_) => Matrices::Dense,
         };
-        let stated = matrices == Matrices::Sparse;
-        if stated || matrices == Matrices::Cheaper && states >= LEAST {
+        let (closes, stated) = (equations.layout.closes(), matrices == Matrices::Sparse);
+        if stated && !closes {
+            return Err(Failure::Unsupported(NOT_PERIODIC.into()));
+        }
+        *self = Structure::Dense;
+        if closes && (stated || matrices == Matrices::Cheaper && states >= LEAST) {
             let known = Pattern::of_places(states, &[]);
             let sparse = SparseOrbit::about(equations, work, &known)?;
             let used = |sparse: &SparseOrbit| stated || sparse.pays(&equations.layout);

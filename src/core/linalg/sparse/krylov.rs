@@ -286,8 +286,8 @@ fn block_of(vectors: &[Vec<f64>]) -> Vec<[f64; LANES]> {
 }
 
 /// Makes the vectors of a block orthogonal to lists of orthonormal vectors, by two Gram–Schmidt passes
-/// like [`orthogonalise`], but for all vectors of the block together. Returns the components of the block's vectors along the vectors
-/// of the lists.
+/// like [`orthogonalise`], but for all vectors of the block together. Returns the components of the
+/// block's vectors along the vectors of the lists.
 fn orthogonalise_block(block: &mut Block, to: &[&[Vec<f64>]]) -> Vec<[f64; LANES]> {
     let all = || to.iter().flat_map(|list| list.iter());
     let mut first = vec![[0.0; LANES]; all().count()];

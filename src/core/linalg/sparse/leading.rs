@@ -174,15 +174,15 @@ impl Leading {
         let missing = positive.saturating_sub(circle.unstable()).min(MOST);
         let edge = circle.center + circle.radius;
         // The pivots may have counted neutral eigenvalues as positive.
-        if missing > neutral || missing > 0 && self.some_lie_above(matrix, edge) {
+        if missing > neutral || missing > 0 && self.may_have_values_above(matrix, edge) {
             circle.spectrum.splice(0..0, self.beyond(matrix, edge, missing)?);
         }
         Ok(positive.abs_diff(circle.unstable()) <= neutral)
     }
 
-    /// Whether a matrix that a diagonal scaling makes symmetric has eigenvalues above `edge`, or this is
-    /// unknown.
-    fn some_lie_above(&mut self, matrix: &Matrix, edge: f64) -> bool {
+    /// Returns false only if the pivots show that a matrix, which a diagonal scaling makes symmetric, has
+    /// no eigenvalue above `edge`.
+    fn may_have_values_above(&mut self, matrix: &Matrix, edge: f64) -> bool {
         let negative = match self.factor(matrix, edge) {
             Ok(()) => self.lu.negative_pivots(),
             Err(_) => None,
