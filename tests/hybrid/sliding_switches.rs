@@ -5,7 +5,7 @@ use super::sliding::{at, ends, simulated, switched};
 use crate::common::close;
 use crate::common::settling::settling;
 use crate::hybrid::systems::sliding::Sliding;
-use tangency::core::continuation::{Branch, End};
+use tangency::core::continuation::{Branch, Continuation, End, Settings};
 use tangency::core::hybrid::filippov::Filippov;
 use tangency::core::system::Kind;
 
@@ -43,6 +43,22 @@ fn a_relay_adds_slides_and_takes_them_away() {
     let plain = switched(&mut orbits, (&added, adding), "omega", range, [14.8, 15.66]);
     assert_eq!((slides(&plain), expected.len()), (2, 20));
     periods(&plain).iter().zip(expected).for_each(|(period, other)| close(*period, other, 1e-9));
+}
+
+/// Both halves of the relay's symmetric orbit graze at the same point, where Newton's method is
+/// singular: the point is found with all its digits, whichever steps lead there.
+#[test]
+fn symmetric_grazings_converge_from_all_steps() {
+    let range = [14.0, 17.0];
+    let (mut orbits, plain) = simulated(Sliding::Relay, ("omega", 15.2), range, [14.8, 15.66]);
+    let adding = at(&plain, "omega", 15.6734748169).label;
+    for share in 0..16 {
+        let max_step = 0.15 * (1.0 - f64::from(share) / 40.0);
+        let run = Continuation::new(&mut orbits).restart(&plain, adding).switch();
+        let run = run.settings(Settings { max_step, ..Settings::default() });
+        let added = run.along("omega", range[0]..=range[1]).trace().unwrap();
+        ends(&added, "grazing-sliding", ("omega", 16.073687913233));
+    }
 }
 
 /// A single slide of the mass on a belt.

@@ -10,7 +10,7 @@ use super::meaning::Meaning;
 use super::mesh_share::{MeshShare, Shortfall};
 use super::recorder::Recorder;
 use crate::core::bifurcation::{DefiningSystem, Hopf, Quantity, deciding, unstable_besides};
-use crate::core::linalg::Spectrum;
+use crate::core::linalg::{Spectrum, generic};
 use crate::core::numerics::error_of_last;
 use crate::core::problem::Dynamics;
 use crate::core::system::{Kind, Refinement, System};
@@ -241,7 +241,15 @@ impl Refiner {
         for condition in conditions {
             unknowns = equations.hold(condition, &unknowns).ok()?;
         }
-        converge(&mut equations, &mut unknowns, &weights, corrector.event_tolerances).ok()?;
+        let tolerances = corrector.event_tolerances;
+        let starts = DISPLACEMENTS.map(|by| displaced(&unknowns, &weights, by));
+        let mut solve = |unknowns: &mut Vec<f64>| {
+            converge(&mut equations, unknowns, &weights, tolerances).is_ok()
+        };
+        if !solve(&mut unknowns) {
+            unknowns =
+                starts.into_iter().find_map(|mut start| solve(&mut start).then_some(start))?;
+        }
         let x = equations.load(&unknowns).to_vec();
         let n = equations.dimension();
         let mut monitors = recorder.monitors(equations.at(), None).ok()?;
@@ -254,6 +262,22 @@ impl Refiner {
         let point = Point::new(x[n..].to_vec(), monitors, None);
         Some(Finer { equations, unknowns, point, x })
     }
+}
+
+/// Heuristic: the scaled distances from a solution, and the numbers of the pseudo-random directions,
+/// at which Newton's method starts after it failed at the solution itself. Of 16 branches that end at
+/// a grazing of symmetric orbits (`tests/hybrid/sliding_switches.rs`), Newton's method fails on three
+/// from the solution, and on none from these starts.
+const DISPLACEMENTS: [(f64, usize); 4] = [(1e-5, 0), (1e-4, 0), (1e-5, 2), (1e-4, 2)];
+
+/// Returns a start of Newton's method beside a solution at which the matrix is singular. If
+/// several events of a symmetric orbit become tangential at the same point, the defining system holds
+/// only one of these events: the others have double roots, from whose neighbourhood Newton's method
+/// converges linearly, while rounding errors dominate its corrections at the point itself.
+fn displaced(unknowns: &[f64], weights: &[f64], (by, seed): (f64, usize)) -> Vec<f64> {
+    let scale = |weight: f64| if weight > 0.0 { weight.sqrt().recip() } else { 0.0 };
+    let parts = unknowns.iter().zip(weights).zip(generic(unknowns.len(), seed));
+    parts.map(|((x, weight), along)| x + by * scale(*weight) * along).collect()
 }
 
 /// Replaces the multipliers of a special point, and the number of unstable multipliers, by their
