@@ -11,7 +11,8 @@ use tangency::core::scalar::Scalar;
 use tangency::core::system::{Dense, Kind};
 use tangency::problems::classic::ParallelPlate;
 
-const TOLERANCES: Tolerances = Tolerances { tolerance: 1e-12, max_iterations: 12 };
+const TOLERANCES: Tolerances =
+    Tolerances { tolerance: 1e-12, max_iterations: 12, reach: f64::INFINITY };
 
 /// A scalar equation in `x` with the parameter `p`, stated by name.
 enum Equation {
@@ -83,7 +84,7 @@ fn convergence_is_quadratic() {
         let mut unknowns = [1.0];
         let mut equations = Extended::new(&mut system, &[1.0, 2.0], vec![]);
         // Nothing is below this tolerance: so many full steps are taken.
-        let tolerances = Tolerances { tolerance: 0.0, max_iterations: iterations };
+        let tolerances = Tolerances { tolerance: 0.0, max_iterations: iterations, ..TOLERANCES };
         let stopped =
             Newton::default().solve(&mut equations, &mut unknowns, None, &[1.0], tolerances);
         assert!(matches!(stopped, Err(NewtonError::IterationLimit { .. })), "{stopped:?}");

@@ -3,12 +3,14 @@
 
 use crate::common::close;
 use crate::common::diffusive_brusselator::DiffusiveBrusselator;
+use std::f64::consts::TAU;
 use tangency::core::bvp::{BoundarySystem, Collocation, Mesh, Shooting};
 use tangency::core::continuation::{Branch, Continuation};
 use tangency::core::failure::Failure;
 use tangency::core::linalg::{Border, Factors, Form, SpectrumRequest};
 use tangency::core::orbit::periodic_orbits;
-use tangency::core::problem::Equilibria;
+use tangency::core::problem::{Equilibria, Group, Names, VectorField};
+use tangency::core::scalar::Scalar;
 use tangency::core::system::{Kind, Matrices, Solution, Sparse, System};
 use tangency::problems::classic::Bratu;
 
@@ -35,7 +37,7 @@ fn wave(orbits: &BoundarySystem, n: usize, amplitude: f64) -> Vec<f64> {
     let mut x = orbits.sampled(&[3.0], |_, tau, x| {
         for (i, x) in x.iter_mut().enumerate() {
             let mean = if i < n { 2.0 } else { 2.725 };
-            *x = mean + amplitude * (std::f64::consts::TAU * tau + i as f64 / n as f64).sin();
+            *x = mean + amplitude * (TAU * tau + i as f64 / n as f64).sin();
         }
     });
     x.extend([0.55, 2.0, 5.45]);
@@ -175,10 +177,21 @@ fn factors_solve_the_linearised_equations() {
         let (one, other) = (dot(&weights, &forward), dot(&backward, &right));
         close(one, other, 1e-9 * one.abs().max(1.0));
     }
-    let complex = [vector(1.0), vector(2.0)].concat();
-    let border = Border { width: 1, columns: &complex, rows: &complex, ..border };
-    let refused = orbits.factor(Form::Oscillation(0.3), border, &mut factors);
-    assert!(matches!(refused, Err(Failure::Unsupported(_))), "{refused:?}");
+    // A complex vector consists of its real and its imaginary part.
+    let complex = |seed: f64| [vector(seed), vector(seed + 0.5)].concat();
+    let (columns, rows) = (complex(5.0), complex(6.0));
+    let border = Border { columns: &columns, rows: &rows, corner: &[0.0], ..border };
+    orbits.factor(Form::Oscillation(0.3), border, &mut factors).unwrap();
+    let bordered = |seed: f64| -> Vec<f64> {
+        let parts = complex(seed).chunks(count).map(<[f64]>::to_vec).collect::<Vec<_>>();
+        parts.into_iter().flat_map(|part| part.into_iter().chain([seed])).collect()
+    };
+    let (mut forward, mut backward) = (bordered(2.0), bordered(3.0));
+    factors.solve(&mut forward);
+    factors.solve_transposed(&mut backward);
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let (one, other) = (dot(&bordered(3.0), &forward), dot(&backward, &bordered(2.0)));
+    close(one, other, 1e-9 * one.abs().max(1.0));
 }
 
 #[test]
@@ -191,4 +204,84 @@ fn a_dependence_that_begins_on_the_branch_extends_the_pattern() {
         let x = wave(&orbits, n, amplitude);
         assert_solves(&mut orbits, &x);
     }
+}
+
+/// Langford's system, whose cycle is a circle with a torus point (W. F. Langford, *Numerical Studies of
+/// Torus Bifurcations*, ISNM 70 (1984) 285; here without the term that breaks the symmetry of the circle).
+/// The cycle drives a chain of states with diffusion.
+struct DrivenTorus {
+    chain: usize,
+}
+
+impl DrivenTorus {
+    /// The parameters `c`, `d` and `e`.
+    const FIXED: [f64; 3] = [0.6, 3.5, 0.25];
+
+    /// The parameter `a` and the angle of the torus point, at the parameter `b`. With `z = b` and `r² (1
+    /// + e b) = c + a b − b³/3` on the cycle, deviations satisfy `δr' = r δz` and `δz' = (a − b² − e r²)
+    /// δz − 2 r (1 + e b) δr`: they neither grow nor decay if `a = b² + e r²`.
+    fn torus_point(b: f64) -> [f64; 2] {
+        let [c, d, e] = Self::FIXED;
+        let slope = 1.0 + e * b;
+        let a = (b * b + e * (c - b.powi(3) / 3.0) / slope) / (1.0 - e * b / slope);
+        let squared = (c + a * b - b.powi(3) / 3.0) / slope;
+        [a, (2.0 * squared * slope).sqrt() * TAU / d]
+    }
+}
+
+impl VectorField for DrivenTorus {
+    fn names(&self) -> Names {
+        let chain = (1..=self.chain).map(|i| format!("w[{i}]"));
+        let all: Vec<String> = ["x", "y", "z"].map(String::from).into_iter().chain(chain).collect();
+        Names::new(Group::of_states(&all), ["a", "b"])
+    }
+    fn field<T: Scalar>(&self, _t: T, u: &[T], p: &[T], f: &mut [T]) {
+        let ([c, d, e], (x, y, z), squares) =
+            (Self::FIXED, (u[0], u[1], u[2]), u[0] * u[0] + u[1] * u[1]);
+        f[0] = (z - p[1]) * x - y * d;
+        f[1] = x * d + (z - p[1]) * y;
+        f[2] = p[0] * z + c - z * z * z / 3.0 - squares * (z * e + 1.0);
+        let w = &u[3..];
+        for i in 0..self.chain {
+            let before = if i == 0 { x } else { w[i - 1] };
+            let after = w.get(i + 1).copied().unwrap_or(w[i]);
+            f[3 + i] = (before - w[i] * 2.0 + after) * 20.0 - w[i];
+        }
+    }
+}
+
+#[test]
+fn torus_points_of_many_states_are_found_and_continued() {
+    let collocation = Collocation::new(4).unwrap().with_matrices(Matrices::Sparse);
+    let mut orbits = periodic_orbits(DrivenTorus { chain: 21 }, 30, collocation).unwrap();
+    let [_, d, e] = DrivenTorus::FIXED;
+    let (a, b) = (0.6, 0.7_f64);
+    let radius = ((0.6 + a * b - b.powi(3) / 3.0) / (1.0 + e * b)).sqrt();
+    let start = orbits.sampled(&[TAU / d], |_, tau, x| {
+        let (sine, cosine) = (TAU * tau).sin_cos();
+        x.fill(0.0);
+        x[..3].copy_from_slice(&[radius * cosine, radius * sine, b]);
+    });
+    let run = Continuation::new(&mut orbits).from(&start[..]).at("a", a).at("b", b);
+    let branch = run.along("a", 0.6..=0.75).trace().unwrap();
+    assert_eq!(branch.method, "collocation(4), sparse matrices");
+    let exact = DrivenTorus::torus_point(b);
+    let torus = branch.of_kind(Kind::TR).next().expect("a torus point");
+    close(torus.parameters[0], exact[0], 1e-9);
+    assert!(torus.converged && torus.error < 1e-8, "{}", torus.error);
+    // The curve of torus points.
+    let label = torus.label;
+    let curve = Continuation::new(&mut orbits).restart(&branch, label).hold(Kind::TR);
+    let curve = curve.along("b", 0.6..=0.8).along("a", 0.0..=2.0).trace().unwrap();
+    let [a, b] = ["a", "b"].map(|name| curve.column(name).unwrap());
+    assert!(curve.points.len() > 3);
+    for point in &curve.points {
+        let exact = DrivenTorus::torus_point(point.value(b).unwrap());
+        close(point.value(a).unwrap(), exact[0], 1e-7);
+    }
+    let angle = curve.column("torus_angle").unwrap();
+    let wrapped = |angle: f64| angle.sin().abs();
+    let last = curve.points.last().unwrap();
+    let expected = DrivenTorus::torus_point(last.value(b).unwrap())[1];
+    close(wrapped(last.value(angle).unwrap()), wrapped(expected), 1e-6);
 }

@@ -33,6 +33,7 @@ mod profiles;
 mod refinement;
 mod residual;
 mod rest;
+mod rotated_sparse;
 mod solutions;
 mod sparse_factors;
 mod sparse_orbit;

@@ -14,6 +14,11 @@ use super::newton::NewtonError;
 /// 1e-7 on usual meshes and larger on coarse meshes.
 const CROSSING: f64 = 3e-4;
 
+/// Heuristic: the largest first correction of Newton's method towards a branch point near a step, in
+/// units of the step. A branch point within the step is at most one step away from the guess, and
+/// nearly linear equations lead there directly.
+const REACH: f64 = 4.0;
+
 /// A branch point near a continuation step, or a nearly crossing branch.
 pub(super) struct Near {
     /// The distance of the branch point from the first point of the step.
@@ -45,7 +50,10 @@ pub(super) fn branch_point_near(
     let Some(index) = detector.branch_points() else { return Ok(None) };
     let start = &from.unknowns;
     let row = corrector.norm.covector(&from.tangent);
+    let all = corrector.event_tolerances;
+    corrector.event_tolerances.reach = REACH * length;
     let solved = solve(corrector, &detector.events[index], guess, (&row, start));
+    corrector.event_tolerances = all;
     // If the defining system does not converge, the event locator handles the point.
     let Ok(Located { along, unknowns: point, .. }) = solved else { return Ok(None) };
     if !(0.0..=length).contains(&along) {

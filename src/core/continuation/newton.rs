@@ -25,6 +25,9 @@ pub struct Tolerances {
     pub tolerance: f64,
     /// The maximal number of factorisations.
     pub max_iterations: usize,
+    /// The largest scaled length of the first correction: if the first correction is longer, the
+    /// solution is too far away, and the iteration fails. Infinity allows all corrections.
+    pub reach: f64,
 }
 
 /// Convergence data of Newton's method at one point.
@@ -51,7 +54,7 @@ pub struct Convergence {
 /// // No parameter released and no closing equation: one equation for u, at this load.
 /// let mut equations = Extended::new(&mut system, &[0.2, 0.140625], vec![]);
 /// let mut u = [0.2];
-/// let tolerances = Tolerances { tolerance: 1e-12, max_iterations: 12 };
+/// let tolerances = Tolerances { tolerance: 1e-12, max_iterations: 12, reach: f64::INFINITY };
 /// let report = Newton::default().solve(&mut equations, &mut u, None, &[1.0], tolerances)?;
 /// assert!((u[0] - 0.25).abs() < 1e-14 && report.iterations <= 5);
 /// # Ok::<(), tangency::core::continuation::NewtonError>(())
@@ -130,7 +133,7 @@ impl Newton {
         tolerances: Tolerances,
     ) -> Result<Convergence, NewtonError> {
         self.resize(unknowns.len());
-        let Tolerances { tolerance, max_iterations } = tolerances;
+        let Tolerances { tolerance, max_iterations, reach } = tolerances;
         let mut problem = Problem { equations, closing, weights, tolerance };
         let mut report = Convergence::default();
         let mut previous = f64::INFINITY;
@@ -150,6 +153,9 @@ impl Newton {
             problem.equations.factors.solve(&mut self.correction);
             let size = problem.size(&self.correction);
             report.correction = size;
+            if size > reach && iteration == 1 {
+                return Err(NewtonError::Far { distance: size, length: reach });
+            }
             let ratio = size / previous;
             if iteration > 1 && self.is_last(ratio, unknowns, tolerance, &mut report) {
                 return Ok(report);

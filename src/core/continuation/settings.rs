@@ -154,7 +154,7 @@ impl Settings {
 
     /// Returns the stopping criteria of Newton's method for the given tolerance.
     pub(super) fn until(&self, tolerance: f64) -> Tolerances {
-        Tolerances { tolerance, max_iterations: self.max_iterations }
+        Tolerances { tolerance, max_iterations: self.max_iterations, reach: f64::INFINITY }
     }
 
     /// Checks all settings.

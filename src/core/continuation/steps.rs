@@ -455,7 +455,8 @@ impl Steps<'_> {
     fn outruns_mesh(&mut self, from: &CurvePoint, step: &Step) -> bool {
         let limit = self.settings.max_mesh_error;
         let mut error = |place: &CurvePoint| self.curve.corrector.mesh_error(&place.unknowns);
-        step.length > LEAST_UNEXPLAINED && error(from) <= limit && error(&step.place) > limit
+        // The error at the end of the step is known already.
+        step.length > LEAST_UNEXPLAINED && error(&step.place) > limit && error(from) <= limit
     }
 
     /// Returns the end of a branch at which no step succeeds; its message states if the mesh is too

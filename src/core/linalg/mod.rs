@@ -35,7 +35,8 @@ mod vector;
 pub(crate) use balance::{balance, balanced};
 pub(crate) use certain::clear_rounding;
 pub(crate) use vector::{
-    advanced, along, difference, dot, generic, largest, norm, normalise, orthogonalise, refill,
+    advanced, along, are_joined, difference, dot, generic, largest, norm, normalise, orthogonalise,
+    refill,
 };
 
 pub use border::{Border, Form, Spectrum, SpectrumRequest};

@@ -5,6 +5,7 @@ use super::layout::UnknownLayout;
 use crate::core::bvp::erased::Equations;
 use crate::core::bvp::interval::MonitoredFunctions;
 use crate::core::bvp::terms::{Monitor, Watched};
+use crate::core::linalg::are_joined;
 use crate::core::problem::{Extremes, Measure, Observable, Sighting, larger};
 
 /// A position on a segment.
@@ -95,7 +96,7 @@ impl MonitoredExtremes {
     /// Whether the extrema are known for the given values at nodes and the given vector `q`;
     /// `rough` also accepts extrema with a larger error.
     pub fn known(&self, nodes: &[f64], q: &[f64], rough: bool) -> bool {
-        (rough || !self.rough) && self.at.iter().eq(nodes.iter().chain(q))
+        (rough || !self.rough) && are_joined(&self.at, nodes, q)
     }
 
     /// Starts the evaluation of a solution with the given vector `q` of parameters and extra

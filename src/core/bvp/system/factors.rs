@@ -5,6 +5,7 @@ use super::discretisation::DiscretisedProblem;
 use super::factorisation::{Condensation, form_of, singular_by_growth};
 use super::floquet::Floquet;
 use super::layout::UnknownLayout;
+use super::rotated_sparse::RotatedSparseLu;
 use super::sparse_factors::SparseOrbitLu;
 use crate::core::failure::Failure;
 use crate::core::linalg::{Border, CondensedLu, Factors, Form, RotatedLu};
@@ -34,10 +35,9 @@ pub(super) fn factor(
         _ => (Kept::Jacobian, 1.0),
     };
     if let Some(sparse) = assembled.structure.sparse() {
-        if let Form::Oscillation(_) = form {
-            let reason = "complex Floquet multipliers are not supported for orbits with sparse \
-                          matrices: a torus point cannot be refined";
-            return Err(Failure::Unsupported(reason.into()));
+        if let Form::Oscillation(omega) = form {
+            let rotated = into.reuse(|_| true, RotatedSparseLu::default);
+            return rotated.factor(sparse, layout, omega, border);
         }
         let of = Bordered { layout, assembled, form: kept, border };
         return into.reuse(|_| true, SparseOrbitLu::default).factor(sparse, of, mu);

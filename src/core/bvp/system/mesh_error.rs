@@ -18,7 +18,7 @@ use super::local::{Arguments, Dependence, Gradient};
 use super::work::Work;
 use crate::core::bvp::method::Method;
 use crate::core::failure::Failure;
-use crate::core::linalg::{largest, refill};
+use crate::core::linalg::{are_joined, largest, refill};
 use crate::core::numerics::highest_derivative;
 use crate::core::scalar::{Chunk, Scalar};
 
@@ -58,6 +58,8 @@ pub(super) struct LargestError {
 pub(super) struct MeshError {
     /// The weights of the values at the nodes in the `m`-th derivative of the polynomial.
     highest: Vec<f64>,
+    /// The factor `m!/(2m)!` of the last term of a Legendre series.
+    legendre: f64,
     /// The last estimated error, with the values at nodes and the vectors `q` for which it was
     /// estimated; empty before the first estimate.
     largest: Option<LargestError>,
@@ -69,7 +71,9 @@ pub(super) struct MeshError {
 impl MeshError {
     pub fn new(method: &Method) -> Self {
         let highest = highest_derivative(method.places());
-        MeshError { highest, largest: None, at: Vec::new(), positions: Vec::new() }
+        let m = highest.len() - 1;
+        let legendre = (m + 1..=2 * m).map(|k| 1.0 / k as f64).product();
+        MeshError { highest, legendre, largest: None, at: Vec::new(), positions: Vec::new() }
     }
 
     /// Discards the last estimate when the mesh changes.
@@ -108,10 +112,9 @@ impl MeshError {
         numbers: &[f64],
     ) -> Option<LargestError> {
         equations.method.error_constant()?;
-        let at = nodes.iter().chain(numbers);
-        if !self.at.iter().eq(at.clone()) {
+        if !are_joined(&self.at, nodes, numbers) {
             self.largest = self.estimate(equations, nodes, numbers);
-            refill(&mut self.at, at.copied());
+            refill(&mut self.at, nodes.iter().chain(numbers).copied());
         }
         self.largest
     }
@@ -167,8 +170,7 @@ impl MeshError {
         let h = span.end - span.start;
         let power = h.powi(m as i32);
         let constant = 2.0 * equations.method.error_constant().unwrap_or(0.0) * power * h;
-        let legendre: f64 = (m + 1..=2 * m).map(|k| 1.0 / k as f64).product();
-        let last_term = highest(interval) * (power * legendre) / size;
+        let last_term = highest(interval) * (power * self.legendre) / size;
         next_derivative(equations, (segment, interval), highest) * constant / size
             + last_term * last_term
     }

@@ -13,7 +13,7 @@ pub(super) struct SparseOrbitLu {
     lu: SparseLu,
     rows: Arc<[usize]>,
     /// The positions of the return conditions among the equations, and of `x(0)` among the unknowns.
-    first: Vec<[usize; 2]>,
+    returns: Vec<[usize; 2]>,
     mu: f64,
     entries: Vec<f64>,
     border: [Vec<f64>; 3],
@@ -53,8 +53,7 @@ impl SparseOrbitLu {
     ) -> Result<(), Failure> {
         let layout = of.layout;
         self.rows = sparse.rows.clone();
-        let conditions = (0..layout.states).map(|i| [layout.conditions() + i, layout.order[i]]);
-        refill(&mut self.first, conditions);
+        refill(&mut self.returns, sparse.returns(layout));
         sparse.fill(ends, &mut self.entries);
         let width = self.fill_border(of);
         let [columns, rows, corner] = &self.border;
@@ -152,11 +151,11 @@ impl Factorisation for SparseOrbitLu {
     /// Computes the product of `v` with the part of the matrix that is proportional to `μ = e^σ`.
     fn growth_derivative(&self, v: &[f64], out: &mut [f64]) {
         out.fill(0.0);
-        self.first.iter().for_each(|&[equation, unknown]| out[equation] = self.mu * v[unknown]);
+        self.returns.iter().for_each(|&[equation, unknown]| out[equation] = self.mu * v[unknown]);
     }
 
     fn growth_derivative_transposed(&self, w: &[f64], out: &mut [f64]) {
         out.fill(0.0);
-        self.first.iter().for_each(|&[equation, unknown]| out[unknown] = self.mu * w[equation]);
+        self.returns.iter().for_each(|&[equation, unknown]| out[unknown] = self.mu * w[equation]);
     }
 }

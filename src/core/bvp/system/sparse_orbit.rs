@@ -28,9 +28,10 @@ use crate::core::scalar::CHUNK;
 use crate::core::system::Matrices;
 use std::sync::Arc;
 
-/// Heuristic: the smallest number of states for which sparse matrices are chosen by default. Sparse
-/// matrices are faster from about 24 states on, but torus points cannot be refined with them.
-const LEAST: usize = 48;
+/// Heuristic: the smallest number of states for which sparse matrices are chosen by default: cycles of
+/// the Brusselator with diffusion take less time with sparse matrices from 24 states on
+/// (`docs/evidence/speed-and-accuracy.md`).
+const LEAST: usize = 24;
 
 /// Heuristic: a sparse matrix is used if its factorisation takes at most this fraction of the
 /// multiplications of a condensation of dense intervals.
@@ -276,5 +277,18 @@ impl SparseOrbit {
             entries[*first] += start;
             entries[*last] += end;
         }
+    }
+
+    /// Writes a matrix whose only entries are the derivatives of the return conditions with respect to
+    /// `x(0)`, all with the same value.
+    pub fn fill_returns(&self, value: f64, entries: &mut Vec<f64>) {
+        refill(entries, std::iter::repeat_n(0.0, self.elimination.pattern.count()));
+        self.ends.iter().for_each(|[first, _]| entries[*first] = value);
+    }
+
+    /// Returns, for each return condition, its position among the equations, and the position of its
+    /// component of `x(0)` among the unknowns.
+    pub fn returns(&self, layout: &UnknownLayout) -> impl Iterator<Item = [usize; 2]> {
+        (0..layout.states).map(|i| [layout.conditions() + i, layout.order[i]])
     }
 }
