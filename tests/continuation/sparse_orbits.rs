@@ -6,7 +6,6 @@ use crate::common::diffusive_brusselator::DiffusiveBrusselator;
 use std::f64::consts::TAU;
 use tangency::core::bvp::{BoundarySystem, Collocation, Mesh, Shooting};
 use tangency::core::continuation::{Branch, Continuation};
-use tangency::core::failure::Failure;
 use tangency::core::linalg::{Border, Factors, Form, SpectrumRequest};
 use tangency::core::orbit::periodic_orbits;
 use tangency::core::problem::{Equilibria, Group, Names, VectorField};
@@ -217,9 +216,9 @@ impl DrivenTorus {
     /// The parameters `c`, `d` and `e`.
     const FIXED: [f64; 3] = [0.6, 3.5, 0.25];
 
-    /// The parameter `a` and the angle of the torus point, at the parameter `b`. With `z = b` and `r² (1
-    /// + e b) = c + a b − b³/3` on the cycle, deviations satisfy `δr' = r δz` and `δz' = (a − b² − e r²)
-    /// δz − 2 r (1 + e b) δr`: they neither grow nor decay if `a = b² + e r²`.
+    /// The parameter `a` and the angle of the torus point, at the parameter `b`. On the cycle, `z = b` and
+    /// `r² (1 + e b) = c + a b − b³/3`. Deviations satisfy `δr' = r δz` and
+    /// `δz' = (a − b² − e r²) δz − 2 r (1 + e b) δr`: if `a = b² + e r²`, they neither grow nor decay.
     fn torus_point(b: f64) -> [f64; 2] {
         let [c, d, e] = Self::FIXED;
         let slope = 1.0 + e * b;

@@ -265,9 +265,9 @@ impl Refiner {
 }
 
 /// Heuristic: the scaled distances from a solution, and the numbers of the pseudo-random directions,
-/// at which Newton's method starts after it failed at the solution itself. Of 16 branches that end at
-/// a grazing of symmetric orbits (`tests/hybrid/sliding_switches.rs`), Newton's method fails on three
-/// from the solution, and on none from these starts.
+/// at which Newton's method starts after it failed at the solution itself. Of 16 branches of symmetric
+/// orbits that end where two events become tangential (`tests/hybrid/sliding_switches.rs`), Newton's
+/// method fails on three from the solution, and on none from these starts.
 const DISPLACEMENTS: [(f64, usize); 4] = [(1e-5, 0), (1e-4, 0), (1e-5, 2), (1e-4, 2)];
 
 /// Returns a start of Newton's method beside a solution at which the matrix is singular. If

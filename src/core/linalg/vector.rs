@@ -63,8 +63,8 @@ pub(crate) fn orthogonalise(
     overlaps
 }
 
-/// Whether a vector consists of two parts, one after the other. Whole slices are compared, which
-/// takes a fifth of the time of an iterator over both parts.
+/// Whether a vector is the concatenation of two others. Whole slices are compared, which takes less
+/// time than a comparison with an iterator over both parts.
 pub(crate) fn are_joined(whole: &[f64], first: &[f64], second: &[f64]) -> bool {
     whole.split_at_checked(first.len()).is_some_and(|parts| parts == (first, second))
 }
