@@ -398,6 +398,12 @@ impl FieldSettings {
         let OnIntervals { method, intervals } = self.method.method()?;
         Ok(OnIntervals { method: method.with_matrices(self.matrices), intervals })
     }
+
+    /// Whether the settings select sparse matrices for orbits.
+    pub(super) fn has_sparse_orbits(&self) -> bool {
+        let collocation = matches!(self.method, Discretisation::Collocation(_));
+        collocation && self.matrices == Matrices::Sparse
+    }
 }
 
 /// A method of discretisation, and the number of mesh intervals on each segment of a solution.

@@ -35,8 +35,8 @@ fn refuse_large(unknowns: usize) -> Result<(), SceneError> {
         return Ok(());
     }
     Err(SceneError::invalid(format!(
-        "the equations have {unknowns} unknowns, but simulations and orbits require dense \
-         matrices, which have at most {} rows",
+        "the equations have {unknowns} unknowns, but simulations, and orbits with dense matrices, are \
+         limited to {} unknowns; for orbits by collocation, set `matrices: sparse`",
         Matrices::LARGEST_DENSE
     )))
 }
@@ -91,7 +91,9 @@ impl<F: VectorField + 'static> Model for Configured<Arc<F>, FieldSettings> {
     fn system(&self, _p: &[f64], _reach: &[f64]) -> Result<Box<dyn System>, SceneError> {
         match self.settings.solution {
             Solution::Orbit => {
-                refuse_large(self.problem.names().dimension())?;
+                if !self.settings.has_sparse_orbits() {
+                    refuse_large(self.problem.names().dimension())?;
+                }
                 let orbits = PeriodicOrbit::new(self.problem.clone(), 1);
                 self.settings.orbits()?.system(orbits)
             }

@@ -125,13 +125,16 @@ fn orbits_of_many_states_have_the_period_and_the_multipliers_of_shooting() {
 
 #[test]
 fn dense_and_sparse_matrices_yield_the_same_orbits() {
-    let n = 12;
+    // Fewer states than the smallest number for which sparse matrices are chosen.
+    let n = 11;
     let orbit = |matrices| cycles(n, 0.6, matrices).1;
     let [dense, sparse, cheaper] =
         [Matrices::Dense, Matrices::Sparse, Matrices::Cheaper].map(orbit);
     assert_eq!(dense.method, "collocation(4)");
     assert_eq!(sparse.method, "collocation(4), sparse matrices");
     assert_eq!(cheaper.method, dense.method);
+    // Enough states, and few enough multiplications.
+    assert_eq!(cycles(20, 0.52, Matrices::Cheaper).1.method, sparse.method);
     let [dense, sparse] = [&dense, &sparse].map(|branch| branch.special.last().unwrap());
     let [period, other] = [dense, sparse].map(|end| end.state[end.state.len() - 1]);
     close(period, other, 1e-10);
@@ -176,20 +179,65 @@ fn factors_solve_the_linearised_equations() {
         let (one, other) = (dot(&weights, &forward), dot(&backward, &right));
         close(one, other, 1e-9 * one.abs().max(1.0));
     }
+}
+
+/// The bordered matrix of the Floquet multiplier `e^{iω}` is built from the derivatives of the orbit's
+/// equations, in which the return conditions are `x(0) − x(1)`.
+#[test]
+fn complex_factors_solve_the_linearised_equations() {
+    let (n, nodes, omega) = (80, 41, 0.3);
+    let field = DiffusiveBrusselator::new(n);
+    let mut orbits = periodic_orbits(field, 10, Collocation::new(4).unwrap()).unwrap();
+    let x = wave(&orbits, n, 0.5);
+    orbits.assemble(&x).unwrap();
+    let (count, values) = (orbits.names().dimension(), 2 * n * nodes);
+    let vector = |seed: f64| -> Vec<f64> { (0..count).map(|i| (seed + i as f64).sin()).collect() };
     // A complex vector consists of its real and its imaginary part.
-    let complex = |seed: f64| [vector(seed), vector(seed + 0.5)].concat();
-    let (columns, rows) = (complex(5.0), complex(6.0));
-    let border = Border { columns: &columns, rows: &rows, corner: &[0.0], ..border };
-    orbits.factor(Form::Oscillation(0.3), border, &mut factors).unwrap();
-    let bordered = |seed: f64| -> Vec<f64> {
-        let parts = complex(seed).chunks(count).map(<[f64]>::to_vec).collect::<Vec<_>>();
-        parts.into_iter().flat_map(|part| part.into_iter().chain([seed])).collect()
+    let [column, row, right] = [5.0, 6.0, 2.0].map(|seed| [vector(seed), vector(seed + 0.5)]);
+    let (columns, rows) = (column.concat(), row.concat());
+    let border = Border { width: 1, columns: &columns, rows: &rows, corner: &[0.0], units: &[] };
+    let mut factors = Factors::default();
+    orbits.factor(Form::Oscillation(omega), border, &mut factors).unwrap();
+    let last = [0.7, -0.4];
+    let bordered = |part: usize| right[part].iter().copied().chain([last[part]]);
+    let mut solved: Vec<f64> = bordered(0).chain(bordered(1)).collect();
+    factors.solve(&mut solved);
+    let parts: Vec<&[f64]> = solved.chunks(count + 1).collect();
+    let (v, g) = (parts.clone(), [parts[0][count], parts[1][count]]);
+    let mut products = [vec![0.0; count], vec![0.0; count]];
+    for part in 0..2 {
+        // The period, an extra unknown, is zero in the complex linearisation.
+        let mut direction = v[part][..values].to_vec();
+        direction.resize(x.len(), 0.0);
+        orbits.derivative(&x, &[&direction], &mut products[part]).unwrap();
+    }
+    let size = solved.iter().fold(1.0, |most: f64, s| most.max(s.abs()));
+    let turned = [omega.cos() - 1.0, omega.sin()];
+    for i in 0..values {
+        let [mut re, mut im] = [products[0][i], products[1][i]];
+        if let Some(state) = i.checked_sub(values - 2 * n) {
+            let start = [v[0][state * nodes], v[1][state * nodes]];
+            re += turned[0] * start[0] - turned[1] * start[1];
+            im += turned[0] * start[1] + turned[1] * start[0];
+        }
+        re += column[0][i] * g[0] - column[1][i] * g[1];
+        im += column[0][i] * g[1] + column[1][i] * g[0];
+        close(re, right[0][i], 1e-9 * size);
+        close(im, right[1][i], 1e-9 * size);
+    }
+    // The row enters as its complex conjugate, without the period.
+    let product = |a: usize, b: usize| -> f64 {
+        row[a][..values].iter().zip(&v[b][..values]).map(|(a, b)| a * b).sum()
     };
-    let (mut forward, mut backward) = (bordered(2.0), bordered(3.0));
-    factors.solve(&mut forward);
+    close(product(0, 0) + product(1, 1), last[0], 1e-9 * size * count as f64);
+    close(product(0, 1) - product(1, 0), last[1], 1e-9 * size * count as f64);
+    // The adjoint solution.
+    let mut backward: Vec<f64> = solved.iter().map(|x| x.cos()).collect();
+    let weights = backward.clone();
     factors.solve_transposed(&mut backward);
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-    let (one, other) = (dot(&bordered(3.0), &forward), dot(&backward, &bordered(2.0)));
+    let right: Vec<f64> = bordered(0).chain(bordered(1)).collect();
+    let (one, other) = (dot(&weights, &solved), dot(&backward, &right));
     close(one, other, 1e-9 * one.abs().max(1.0));
 }
 

@@ -73,6 +73,16 @@ const LAMBDA: &str = r#"(name: "lam", low: 0, high: 2)"#;
 const CURVE: &str = r#"(name: "homoclinic", hold: HOM, start: From(run: "cycles", kind: HOM),
     along: [(name: "lam", low: 0, high: 2), (name: "a", low: 0.01, high: 2)], marks: [("a", 0.1), ("a", 1)])"#;
 
+/// Homoclinic orbits are boundary-value problems with dense matrices, also if the cycles have sparse ones.
+#[test]
+fn cycles_with_sparse_matrices_end_at_homoclinic_orbits() {
+    let scene = scene(PERTURBED, r#"("lam", 1.2), ("a", 0.5)"#, LAMBDA, CURVE);
+    let document = traced(scene, "matrices=sparse");
+    assert_eq!(branch(&document, "cycles").method, "collocation(4), sparse matrices");
+    ending(&document, 0.429505848877, 1e-11);
+    assert!(branch(&document, "homoclinic").of_kind(Kind::UZ).count() == 2);
+}
+
 #[test]
 fn perturbed_loops_break_where_the_reference_says() {
     let scene = scene(PERTURBED, r#"("lam", 1.2), ("a", 0.5)"#, LAMBDA, CURVE);

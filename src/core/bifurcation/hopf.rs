@@ -185,14 +185,35 @@ pub(super) fn motions<'a>(
     [Cow::Owned(followed(re, im, -omega)), Cow::Owned(followed(im, re, omega))]
 }
 
+/// Heuristic: the number of eigenvalues, in addition to the unstable ones, among which a critical pair
+/// is looked for first.
+const LEADING: SpectrumRequest = SpectrumRequest { count: 10 };
+
+/// All eigenvalues that the system can compute.
+const ALL: SpectrumRequest = SpectrumRequest { count: usize::MAX };
+
 /// Returns the imaginary part of the complex pair nearest to the imaginary axis, or the angle of
 /// the pair of multipliers nearest to the unit circle. If a frequency `near` is given, returns the
 /// frequency or angle of the pair nearest to `near`, or `near` itself if no pair is closer to
 /// `near` than the eigenvalue 0 (for orbits, than the multipliers 1 and −1). The critical pair with
 /// the frequency or angle `held` is excluded.
 fn crossing_frequency(at: &mut At, near: Option<f64>, held: Option<f64>) -> Result<f64, Failure> {
-    let mut spectrum =
-        at.system.spectrum(at.x, SpectrumRequest { count: usize::MAX })?.unwrap_or_default();
+    for request in [LEADING, ALL] {
+        if let Some(found) = crossing_among(at, request, (near, held))? {
+            return Ok(found);
+        }
+    }
+    near.ok_or(Failure::NoComplexPair)
+}
+
+/// Returns the frequency or angle of [`crossing_frequency`] among the requested eigenvalues; `None` if no
+/// complex pair is near enough.
+fn crossing_among(
+    at: &mut At,
+    request: SpectrumRequest,
+    (near, held): (Option<f64>, Option<f64>),
+) -> Result<Option<f64>, Failure> {
+    let mut spectrum = at.system.spectrum(at.x, request)?.unwrap_or_default();
     let dynamics = at.system.dynamics();
     if let Some(held) = held {
         let (re, im) = match dynamics {
@@ -212,11 +233,11 @@ fn crossing_frequency(at: &mut At, near: Option<f64>, held: Option<f64>) -> Resu
     let reach = near.map_or(f64::INFINITY, |_| reach);
     let near_enough = |l: &(f64, f64)| l.1 > 0.0 && distance(l) <= reach;
     let pairs = spectrum.into_iter().filter(near_enough);
-    match pairs.min_by(|a, b| distance(a).total_cmp(&distance(b))) {
-        Some((real, imaginary)) if dynamics == Dynamics::Periodic => Ok(imaginary.atan2(real)),
-        Some((_, omega)) => Ok(omega),
-        None => near.ok_or(Failure::NoComplexPair),
-    }
+    let nearest = pairs.min_by(|a, b| distance(a).total_cmp(&distance(b)));
+    Ok(nearest.map(|(real, imaginary)| match dynamics {
+        Dynamics::Periodic => imaginary.atan2(real),
+        _ => imaginary,
+    }))
 }
 
 /// Heuristic: a frequency counts as nonzero if its ratio to the frequencies of nearby pairs exceeds

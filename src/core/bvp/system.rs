@@ -139,8 +139,8 @@ impl BoundarySystem {
     ///
     /// # Errors
     /// [`Failure::Singular`] if the equations of some interval do not determine the unknowns inside
-    /// it, [`Failure::Mismatch`] if no point is assembled, and the errors of
-    /// [`multipliers`](crate::core::linalg::multipliers).
+    /// it, [`Failure::Mismatch`] if no point is assembled, [`Failure::Unsupported`] for orbits with
+    /// sparse matrices, and the errors of [`multipliers`](crate::core::linalg::multipliers).
     pub fn multipliers(&mut self) -> Result<Spectrum, Failure> {
         let (floquet, orbit) = self.0.multipliers();
         floquet.all(&orbit)

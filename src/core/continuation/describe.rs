@@ -89,8 +89,10 @@ fn doubt_multipliers(
     sides: [Option<usize>; 2],
 ) {
     let all = &special.eigenvalues;
-    let complete = !all.is_empty() && all.len() < SpecialPoint::EIGENVALUES;
-    if dynamics != Dynamics::Periodic || !special.converged || !complete || critical.count() != 1 {
+    // Unless the list is full, the leading multipliers include the critical one.
+    let includes_critical = !all.is_empty() && all.len() < SpecialPoint::EIGENVALUES;
+    let single = critical.count() == 1;
+    if dynamics != Dynamics::Periodic || !special.converged || !includes_critical || !single {
         return;
     }
     let distances = all.iter().map(|multiplier| critical.distance(dynamics, multiplier));

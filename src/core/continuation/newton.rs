@@ -154,7 +154,7 @@ impl Newton {
             let size = problem.size(&self.correction);
             report.correction = size;
             if size > reach && iteration == 1 {
-                return Err(NewtonError::Far { distance: size, length: reach });
+                return Err(NewtonError::OutOfReach { correction: size, reach });
             }
             let ratio = size / previous;
             if iteration > 1 && self.is_last(ratio, unknowns, tolerance, &mut report) {

@@ -10,7 +10,7 @@ use super::meaning::Meaning;
 use super::mesh_share::{MeshShare, Shortfall};
 use super::recorder::Recorder;
 use crate::core::bifurcation::{DefiningSystem, Hopf, Quantity, deciding, unstable_besides};
-use crate::core::linalg::{Spectrum, generic};
+use crate::core::linalg::{Spectrum, generic, normalise};
 use crate::core::numerics::error_of_last;
 use crate::core::problem::Dynamics;
 use crate::core::system::{Kind, Refinement, System};
@@ -268,7 +268,7 @@ impl Refiner {
 /// at which Newton's method starts after it failed at the solution itself. Of 16 branches of symmetric
 /// orbits that end where two events become tangential (`tests/hybrid/sliding_switches.rs`), Newton's
 /// method fails on three from the solution, and on none from these starts.
-const DISPLACEMENTS: [(f64, usize); 4] = [(1e-5, 0), (1e-4, 0), (1e-5, 2), (1e-4, 2)];
+const DISPLACEMENTS: [(f64, usize); 4] = [(5e-5, 0), (5e-4, 0), (5e-5, 2), (5e-4, 2)];
 
 /// Returns a start of Newton's method beside a solution at which the matrix is singular. If
 /// several events of a symmetric orbit become tangential at the same point, the defining system holds
@@ -276,7 +276,9 @@ const DISPLACEMENTS: [(f64, usize); 4] = [(1e-5, 0), (1e-4, 0), (1e-5, 2), (1e-4
 /// converges linearly, while rounding errors dominate its corrections at the point itself.
 fn displaced(unknowns: &[f64], weights: &[f64], (by, seed): (f64, usize)) -> Vec<f64> {
     let scale = |weight: f64| if weight > 0.0 { weight.sqrt().recip() } else { 0.0 };
-    let parts = unknowns.iter().zip(weights).zip(generic(unknowns.len(), seed));
+    let mut direction = generic(unknowns.len(), seed);
+    normalise(&mut direction);
+    let parts = unknowns.iter().zip(weights).zip(direction);
     parts.map(|((x, weight), along)| x + by * scale(*weight) * along).collect()
 }
 

@@ -237,7 +237,7 @@ impl<'f, 'a> Forms<'f, 'a> {
     }
 
     /// Solves a linear system with the complex matrix `L(iω)`. The complex linearisation of
-    /// periodic orbits can be factored only with a border of width 1, so the solution of `L h = r`
+    /// periodic orbits with dense matrices can be factored only with a border of width 1, so the solution of `L h = r`
     /// is combined from the solutions of two bordered systems:
     ///
     /// ```text

@@ -78,7 +78,8 @@ impl Floquet {
         if assembled.structure.sparse().is_some() {
             return Err(Failure::Unsupported(format!(
                 "only the largest of {} Floquet multipliers are computed for an orbit with sparse \
-                 matrices",
+                 matrices: select dense matrices by `Collocation::with_matrices`, or by `matrices: \
+                 dense` in a scene",
                 layout.states
             )));
         }

@@ -5,7 +5,7 @@ use super::discretisation::{DiscretisedProblem, Known};
 use super::start::{discretisation_of, in_words, most_intervals};
 use crate::core::bvp::homoclinic::{self, Cycle};
 use crate::core::failure::Failure;
-use crate::core::system::{Emanating, Kind, Solution};
+use crate::core::system::{Emanating, Kind, Matrices, Solution};
 
 /// Creates the system of homoclinic orbits together with a first orbit, from a saved cycle of this
 /// problem near the homoclinic orbit, or from a saved homoclinic orbit of the curve to be continued.
@@ -43,7 +43,9 @@ pub(super) fn homoclinic(
     };
     let guess = homoclinic::from_cycle(problem, &cycle, radius)?;
     let intervals = most_intervals(&of_solution).max(most_intervals(cycles));
-    let (system, z) = guess.distributed(p, &cycles.method, intervals)?;
+    // Only the matrices of periodic orbits can be sparse.
+    let method = cycles.method.clone().with_matrices(Matrices::Dense);
+    let (system, z) = guess.distributed(p, &method, intervals)?;
     Ok(Emanating { system: Box::new(system), z, along: None })
 }
 

@@ -28,14 +28,15 @@ use crate::core::scalar::CHUNK;
 use crate::core::system::Matrices;
 use std::sync::Arc;
 
-/// Heuristic: the smallest number of states for which sparse matrices are chosen by default: cycles of
-/// the Brusselator with diffusion take less time with sparse matrices from 24 states on
-/// (`docs/evidence/speed-and-accuracy.md`).
+/// Heuristic: the smallest number of states for which sparse matrices are chosen by default, if they
+/// also [pay](PAYS).
 const LEAST: usize = 24;
 
 /// Heuristic: a sparse matrix is used if its factorisation takes at most this fraction of the
-/// multiplications of a condensation of dense intervals.
-const PAYS: f64 = 0.25;
+/// multiplications of a condensation of dense intervals. Branches of cycles of the Brusselator with
+/// diffusion take 0.9 of the time with sparse matrices at a fraction of 0.77 (24 states), and 0.56 of the
+/// time at a fraction of 0.39 (48 states; `docs/evidence/speed-and-accuracy.md`).
+const PAYS: f64 = 0.75;
 
 /// The reason why a boundary-value problem cannot use sparse matrices.
 const NOT_PERIODIC: &str = "sparse matrices exist only for periodic orbits of vector fields: use \
@@ -179,8 +180,8 @@ impl SparseOrbit {
         }
     }
 
-    /// Whether the sparse factorisation takes far fewer multiplications than the condensation of
-    /// dense intervals.
+    /// Whether the sparse factorisation takes fewer multiplications than the condensation of dense
+    /// intervals.
     fn pays(&self, layout: &UnknownLayout) -> bool {
         let s = &layout.segments[0];
         let (n, m) = (s.states as f64, layout.degree as f64);

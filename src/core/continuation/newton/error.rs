@@ -44,6 +44,19 @@ pub enum NewtonError {
         /// The ratio of the norms of the last two corrections.
         contraction: f64,
     },
+    /// The first correction of Newton's method is longer than the allowed
+    /// [`reach`](super::Tolerances::reach).
+    #[error(
+        "the first correction of Newton's method has the scaled length {correction:.1e}, more than the \
+         allowed {reach:.1e}: no solution is near the start"
+    )]
+    #[diagnostic(help("start closer to a solution, or raise `reach`"))]
+    OutOfReach {
+        /// The scaled norm of the first correction.
+        correction: f64,
+        /// The largest allowed norm.
+        reach: f64,
+    },
     /// The angle between the tangents at both ends of a step is too large.
     #[error(
         "the tangent turned by {angle:.2} in one step, more than the limit of {largest:.2}: the curve \
