@@ -69,7 +69,7 @@ fn time(states: usize, matrices: Matrices, points: usize) -> Result<f64, Box<dyn
         .forward()
         .trace()?;
     let elapsed = begin.elapsed().as_secs_f64() * 1e3;
-    let period = branch.points.last().map(|point| point.value(branch.column("period")?)).flatten();
+    let period = branch.points.last().and_then(|point| point.value(branch.column("period")?));
     let frequency = branch.points.last().map(|point| point.parameters[0]).unwrap_or_default();
     assert!(period.is_some_and(|period| (period * frequency / TAU - 1.0).abs() < 1e-8));
     Ok(elapsed)
