@@ -17,8 +17,7 @@ const DIMENSION: usize = 240;
 const ROWS: usize = 1024;
 
 /// Heuristic: the number of basis vectors that are read together with the rows of a block, so that each
-/// row is read once for all of them. Groups of four take 0.6 of the time of single vectors, for 2000
-/// rows as well as for 100 000; larger groups take no less.
+/// row is read once for all of them. Larger groups take no less time.
 const GROUP: usize = 4;
 
 /// Heuristic: eigenvalues of a symmetric matrix form a cluster, with a common error estimate, if
