@@ -71,11 +71,4 @@ subroutine pvls(ndim, u, par)
 #endif
 end subroutine pvls
 
-subroutine bcnd
-end subroutine bcnd
-
-subroutine icnd
-end subroutine icnd
-
-subroutine fopt
-end subroutine fopt
+#include "unused.inc"

@@ -18,6 +18,7 @@ subroutine func(ndim, u, icp, par, ijac, f, dfdu, dfdp)
 
   m = ndim/2
   k = par(2)
+  if (ijac /= 0) dfdu = 0
   do i = 1, m
     before = modulo(i - 2, m) + 1
     after = modulo(i, m) + 1
@@ -26,16 +27,7 @@ subroutine func(ndim, u, icp, par, ijac, f, dfdu, dfdp)
     square = x*x + y*y
     f(i) = x - par(1)*y - x*square + k*(u(before) - 2*x + u(after))
     f(m + i) = par(1)*x + y - y*square + k*(u(m + before) - 2*y + u(m + after))
-  end do
-  if (ijac == 0) return
-
-  dfdu = 0
-  do i = 1, m
-    before = modulo(i - 2, m) + 1
-    after = modulo(i, m) + 1
-    x = u(i)
-    y = u(m + i)
-    square = x*x + y*y
+    if (ijac == 0) cycle
     dfdu(i, i) = 1 - square - 2*x*x - 2*k
     dfdu(i, m + i) = -par(1) - 2*x*y
     dfdu(m + i, i) = par(1) - 2*x*y
@@ -45,6 +37,7 @@ subroutine func(ndim, u, icp, par, ijac, f, dfdu, dfdp)
     dfdu(m + i, m + before) = dfdu(m + i, m + before) + k
     dfdu(m + i, m + after) = dfdu(m + i, m + after) + k
   end do
+  if (ijac == 0) return
   if (ijac == 1) return
 
   do i = 1, m
@@ -73,11 +66,4 @@ subroutine pvls(ndim, u, par)
   double precision, intent(in) :: u(ndim), par(*)
 end subroutine pvls
 
-subroutine bcnd
-end subroutine bcnd
-
-subroutine icnd
-end subroutine icnd
-
-subroutine fopt
-end subroutine fopt
+#include "unused.inc"

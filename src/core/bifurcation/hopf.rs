@@ -185,8 +185,7 @@ pub(super) fn motions<'a>(
     [Cow::Owned(followed(re, im, -omega)), Cow::Owned(followed(im, re, omega))]
 }
 
-/// Heuristic: the number of eigenvalues, in addition to the unstable ones, among which a critical pair
-/// is looked for first.
+/// Heuristic: a critical pair is first sought among the unstable eigenvalues and this many others.
 const LEADING: SpectrumRequest = SpectrumRequest { count: 10 };
 
 /// All eigenvalues that the system can compute.

@@ -242,13 +242,13 @@ impl Refiner {
             unknowns = equations.hold(condition, &unknowns).ok()?;
         }
         let tolerances = corrector.event_tolerances;
-        let starts = DISPLACEMENTS.map(|by| displaced(&unknowns, &weights, by));
+        let start = unknowns.clone();
         let mut solve = |unknowns: &mut Vec<f64>| {
             converge(&mut equations, unknowns, &weights, tolerances).is_ok()
         };
         if !solve(&mut unknowns) {
-            unknowns =
-                starts.into_iter().find_map(|mut start| solve(&mut start).then_some(start))?;
+            let mut starts = DISPLACEMENTS.iter().map(|by| displaced(&start, &weights, *by));
+            unknowns = starts.find_map(|mut start| solve(&mut start).then_some(start))?;
         }
         let x = equations.load(&unknowns).to_vec();
         let n = equations.dimension();

@@ -262,12 +262,21 @@ impl<C: Condensed> Factorisation for RotatedLu<C> {
     /// proportional to `μ`, which is the derivative of the matrix with respect to `σ` for `μ =
     /// e^σ`.
     fn growth_derivative(&self, v: &[f64], out: &mut [f64]) {
-        let (length, (sine, cosine)) = (v.len() / 2, self.omega.sin_cos());
         out.fill(0.0);
-        self.condensed.visit_returns(&mut |_, [equation, unknown]| {
-            let (re, im) = (v[unknown], v[length + unknown]);
-            out[equation] = cosine * re - sine * im;
-            out[length + equation] = sine * re + cosine * im;
-        });
+        self.condensed.visit_returns(&mut |_, place| rotate(self.omega, place, v, out));
     }
+}
+
+/// Writes `e^{iω}` times the component `unknown` of a complex vector to the component `equation` of
+/// another one.
+pub(in crate::core) fn rotate(
+    omega: f64,
+    [equation, unknown]: [usize; 2],
+    v: &[f64],
+    out: &mut [f64],
+) {
+    let (length, (sine, cosine)) = (v.len() / 2, omega.sin_cos());
+    let (re, im) = (v[unknown], v[length + unknown]);
+    out[equation] = cosine * re - sine * im;
+    out[length + equation] = sine * re + cosine * im;
 }

@@ -41,7 +41,7 @@ pub(crate) use vector::{
 
 pub use border::{Border, Form, Spectrum, SpectrumRequest};
 pub use chain::Chain;
-pub(in crate::core) use condensed::{Condensed, CondensedLu, RotatedLu};
+pub(in crate::core) use condensed::{Condensed, CondensedLu, RotatedLu, rotate};
 pub(in crate::core) use cycle::{Blocks, Cycle};
 pub(crate) use factors::ShiftedLu;
 pub use factors::{Factorisation, Factors};

@@ -236,9 +236,9 @@ impl<'f, 'a> Forms<'f, 'a> {
         Ok(factors)
     }
 
-    /// Solves a linear system with the complex matrix `L(iω)`. The complex linearisation of
-    /// periodic orbits with dense matrices can be factored only with a border of width 1, so the solution of `L h = r`
-    /// is combined from the solutions of two bordered systems:
+    /// Solves a linear system with the complex matrix `L(iω)`. With dense matrices, the complex
+    /// linearisation of periodic orbits can be factored only with a border of width 1, so the
+    /// solution of `L h = r` is combined from the solutions of two bordered systems:
     ///
     /// ```text
     ///     L h₁ + b g₁ = r,  c* h₁ = 0,      L h₂ + b g₂ = 0,  c* h₂ = 1,      h = h₁ − (g₁/g₂) h₂

@@ -4,7 +4,7 @@
 use super::layout::UnknownLayout;
 use super::sparse_orbit::SparseOrbit;
 use crate::core::failure::Failure;
-use crate::core::linalg::{Border, Factorisation, Pencil, SparseShiftedLu, refill};
+use crate::core::linalg::{Border, Factorisation, Pencil, SparseShiftedLu, refill, rotate};
 use std::sync::Arc;
 
 /// The factors of the sparse matrix of a periodic orbit with the return conditions `x(1) = e^{iω}
@@ -110,12 +110,7 @@ impl Factorisation for RotatedSparseLu {
     /// Computes the product of a complex vector `v` with the part of the matrix that is proportional
     /// to `μ = e^{iω}`.
     fn growth_derivative(&self, v: &[f64], out: &mut [f64]) {
-        let (length, (sine, cosine)) = (v.len() / 2, self.omega.sin_cos());
         out.fill(0.0);
-        for &[equation, unknown] in &self.returns {
-            let (re, im) = (v[unknown], v[length + unknown]);
-            out[equation] = cosine * re - sine * im;
-            out[length + equation] = sine * re + cosine * im;
-        }
+        self.returns.iter().for_each(|place| rotate(self.omega, *place, v, out));
     }
 }
