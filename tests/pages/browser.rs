@@ -84,6 +84,11 @@ impl Browser {
 
     /// The result of a method of the protocol.
     pub fn call(&mut self, method: &str, parameters: Value) -> Value {
+        self.answer(method, parameters).unwrap_or_else(|error| panic!("{method}: {error}"))
+    }
+
+    /// The result of a method of the protocol, or its error.
+    fn answer(&mut self, method: &str, parameters: Value) -> Result<Value, Value> {
         self.last += 1;
         let mut message = json!({ "id": self.last, "method": method, "params": parameters });
         if let (Some(session), false) = (&self.session, method.starts_with("Browser.")) {
@@ -100,8 +105,12 @@ impl Browser {
                 self.requests.extend(address.map(String::from));
             }
             if answer["id"] == self.last {
-                assert!(answer["error"].is_null(), "{method}: {answer}");
-                return answer["result"].clone();
+                let error = &answer["error"];
+                return if error.is_null() {
+                    Ok(answer["result"].clone())
+                } else {
+                    Err(error.clone())
+                };
             }
         }
     }
@@ -130,16 +139,21 @@ impl Browser {
 
     /// The value of an expression on the page.
     pub fn evaluate(&mut self, expression: &str) -> Value {
-        let parameters =
-            json!({ "expression": expression, "returnByValue": true, "awaitPromise": true });
-        let answer = self.call("Runtime.evaluate", parameters);
-        assert!(answer["exceptionDetails"].is_null(), "{expression}: {answer}");
-        answer["result"]["value"].clone()
+        self.evaluated(expression).unwrap_or_else(|error| panic!("{expression}: {error}"))
     }
 
-    /// Waits until an expression is true.
+    /// The value of an expression, or the error of a page that is left meanwhile.
+    fn evaluated(&mut self, expression: &str) -> Result<Value, Value> {
+        let parameters =
+            json!({ "expression": expression, "returnByValue": true, "awaitPromise": true });
+        let answer = self.answer("Runtime.evaluate", parameters)?;
+        assert!(answer["exceptionDetails"].is_null(), "{expression}: {answer}");
+        Ok(answer["result"]["value"].clone())
+    }
+
+    /// Waits until an expression is true, on the next page if a click has left this page.
     pub fn wait(&mut self, expression: &str) {
-        patiently(expression, || (self.evaluate(expression) == json!(true)).then_some(()));
+        patiently(expression, || (self.evaluated(expression) == Ok(json!(true))).then_some(()));
     }
 
     /// The values of a list of numbers.
