@@ -115,6 +115,24 @@ impl<E: Entry> Matrix<'_, E> {
     fn on_diagonal(&self) -> E {
         if self.pencil.mass.is_some() { E::default() } else { self.shift }
     }
+
+    /// Visits the row, the column and the size of every entry, including the entries of the border.
+    fn for_each_size(&self, pattern: &Pattern, mut visit: impl FnMut(usize, usize, f64)) {
+        let (n, border, shift) = (pattern.size(), &self.border, self.on_diagonal());
+        for j in 0..n {
+            for (k, &i) in (pattern.start(j)..).zip(pattern.column(j)) {
+                let shift = if i == j { shift } else { E::default() };
+                visit(i, j, (self.entry(k) - shift).modulus());
+            }
+            for k in 0..border.width {
+                visit(n + k, j, (border.row)(k, j).modulus());
+                visit(j, n + k, (border.column)(j, k).modulus());
+            }
+        }
+        for i in 0..border.width {
+            (0..border.width).for_each(|k| visit(n + i, n + k, (border.corner)(i, k).modulus()));
+        }
+    }
 }
 
 /// The entries of a border: columns with one entry for each equation, rows with one entry for each
@@ -199,31 +217,14 @@ impl<E: Entry> SparseLu<E> {
     /// column is near 1.
     fn equilibrate(&mut self, matrix: &Matrix<E>) {
         let pattern = &self.elimination.pattern;
-        let (n, m) = (pattern.size(), self.width);
         let [rows, columns] = &mut self.scales;
         for scales in [&mut *rows, &mut *columns] {
             scales.clear();
-            scales.resize(n + m, 0.0);
+            scales.resize(pattern.size() + self.width, 0.0);
         }
-        let (border, shift) = (&matrix.border, matrix.on_diagonal());
-        let each = |visit: &mut dyn FnMut(usize, usize, f64)| {
-            for j in 0..n {
-                for (k, &i) in (pattern.start(j)..).zip(pattern.column(j)) {
-                    let shift = if i == j { shift } else { E::default() };
-                    visit(i, j, (matrix.entry(k) - shift).modulus());
-                }
-                for k in 0..m {
-                    visit(n + k, j, (border.row)(k, j).modulus());
-                    visit(j, n + k, (border.column)(j, k).modulus());
-                }
-            }
-            for i in 0..m {
-                (0..m).for_each(|k| visit(n + i, n + k, (border.corner)(i, k).modulus()));
-            }
-        };
-        each(&mut |_, j, size| columns[j] = size.max(columns[j]));
+        matrix.for_each_size(pattern, |_, j, size| columns[j] = size.max(columns[j]));
         columns.iter_mut().for_each(|scale| *scale = inverse_power_of_two(*scale));
-        each(&mut |i, j, size| rows[i] = (size * columns[j]).max(rows[i]));
+        matrix.for_each_size(pattern, |i, j, size| rows[i] = (size * columns[j]).max(rows[i]));
         rows.iter_mut().for_each(|scale| *scale = inverse_power_of_two(*scale));
     }
 
