@@ -6,7 +6,10 @@ use crate::orbits::cycles::{
     Bautin, ForcedSpiral, PitchforkOfCycles, collocated, equilibria, label, precisely_shot, shot,
 };
 use std::f64::consts::TAU;
+use tangency::core::bvp::Shooting;
 use tangency::core::continuation::{Branch, Continuation, End, Settings};
+use tangency::core::ode::Scheme;
+use tangency::core::orbit::periodic_orbits;
 use tangency::core::problem::{Forcing, Names, VectorField};
 use tangency::core::scalar::Scalar;
 use tangency::core::system::{Kind, System};
@@ -267,5 +270,35 @@ fn folds_of_cycles() {
         }
         close(first(&curve, Kind::UZ).parameters[0], -0.25, 1e-10);
         assert!(curve.ends.iter().all(|end| matches!(end, End::ParameterBound { .. })));
+    }
+}
+
+/// On curves of special points, the target for the error is 1e-6. A flow with a tolerance of 1e-5 has a
+/// larger error, which shorter intervals do not reduce: the orbits keep their one interval.
+#[test]
+fn rough_flows_keep_their_intervals() {
+    let rest = equilibria(Bautin, &[0.0; 2], &[0.5, 1.0], [-2.0, 1.0]);
+    let method = Shooting::new(Scheme::DormandPrince8, 1e-5).unwrap();
+    let mut system = periodic_orbits(Bautin, 1, method).unwrap();
+    let settings = Settings { refinement: 0.0, ..settings() };
+    let branch = Continuation::new(&mut system)
+        .restart(&rest, label(&rest, Kind::HB))
+        .along("mu", -2.0..=1.0)
+        .settings(settings.clone())
+        .trace()
+        .unwrap();
+    let curve = Continuation::new(&mut system)
+        .restart(&branch, label(&branch, Kind::LP))
+        .hold(Kind::LP)
+        .along("mu", -2.0..=1.0)
+        .along("kappa", 0.2..=1.2)
+        .settings(settings)
+        .trace()
+        .unwrap();
+    for point in &curve.points {
+        close(point.parameters[0], -point.parameters[1].powi(2), 1e-4);
+    }
+    for special in &curve.special {
+        assert_eq!(special.mesh, [0.0, 1.0]);
     }
 }

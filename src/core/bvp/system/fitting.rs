@@ -116,13 +116,18 @@ impl Meshed {
     }
 }
 
+/// Heuristic: if deviations grow over an interval by at most this factor, halving the interval does
+/// not reduce the error of the flow.
+const SLOW_GROWTH: f64 = 10.0;
+
 /// Returns the meshes of shooting with every interval halved, if errors of the flow grow beyond the
-/// target over a segment of the solution that was assembled last.
+/// target over a segment of the solution that was assembled last, and if shorter intervals would
+/// reduce this growth.
 fn divided_meshes(meshed: &Meshed, target: f64) -> Option<Vec<Mesh>> {
     let equations = &meshed.solutions.equations;
     let known = !meshed.assembly.at.is_empty();
-    let sensitive =
-        known && meshed.assembly.growth(equations) * equations.method.flow_error() > target;
+    let allowed = (target / equations.method.flow_error()).max(SLOW_GROWTH);
+    let sensitive = known && meshed.assembly.growth(equations) > allowed;
     let few = equations.meshes.iter().all(|mesh| 2 * mesh.intervals() <= MOST_FITTED);
     let divided = || equations.meshes.iter().map(|mesh| mesh.divided(2)).collect();
     (sensitive && few).then(divided)
