@@ -64,6 +64,19 @@ pub(super) fn is_within(system: &mut dyn System, p: &[f64], monitors: &[f64]) ->
     are_above(&limits(system, p), monitors, -BEYOND)
 }
 
+/// Whether the solution at an end of a branch is admissible. Where a branch ends at a limit of
+/// admissible solutions, a symmetric orbit reaches a second limit, which it crosses at a double root:
+/// the monitor of the second limit has an error of the square root of rounding errors.
+pub(super) fn is_within_at_end(
+    system: &mut dyn System,
+    kind: Kind,
+    p: &[f64],
+    monitors: &[f64],
+) -> bool {
+    let beyond = if kind == AT_LIMIT { VANISHES } else { BEYOND };
+    are_above(&limits(system, p), monitors, -beyond)
+}
+
 /// Whether an event marks a limit of admissible solutions and its monitor vanishes at both of two
 /// given solutions, up to the numerical error of computed points. The signs of the monitor at these
 /// solutions are then random.

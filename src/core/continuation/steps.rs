@@ -1,6 +1,6 @@
 //! The iterator over the points of a branch, which computes the points one after another.
 
-use super::admissible::{is_within, subkind};
+use super::admissible::{is_within_at_end, subkind};
 use super::bounds::{AT_START, Bounds, end_at};
 use super::branch::{Branch, HALVED, Point, SpecialPoint, Traced};
 use super::closing::{Reference, returns_to_parent};
@@ -607,7 +607,12 @@ impl Steps<'_> {
         let equations = &mut self.curve.corrector.equations;
         // A wrong order of events at the preceding point persists.
         let admissible = half.last.point.admissible
-            && is_within(equations.system(), &special.parameters, &special.monitors);
+            && is_within_at_end(
+                equations.system(),
+                special.kind,
+                &special.parameters,
+                &special.monitors,
+            );
         let keep = self.settings.keep_solutions;
         let solution = keep.then(|| Arc::new(self.log.branch.solution(&special)));
         let last = Point { admissible, solution, ..special.point() };
