@@ -3,15 +3,10 @@
 
 use super::work::Work;
 use crate::core::failure::Failure;
-use crate::core::linalg::{Border, Factorisation, Factors, Form, norm};
+use crate::core::linalg::{Border, Factorisation, Factors, Form, Gmres, norm};
 use crate::core::problem::TracedEquations;
 use crate::core::scalar::Traced;
-use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
-use faer::matrix_free::bicgstab::{BicgParams, bicgstab, bicgstab_scratch};
-use faer::matrix_free::{IdentityPrecond, InitialGuessStatus, LinOp};
-use faer::{MatMut, MatRef, Par};
 use num_dual::Dual64;
-use std::fmt::{Debug, Formatter};
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Rounding: the relative residual at which a linear system counts as solved.
@@ -28,9 +23,13 @@ const LOST: f64 = 1e-3;
 /// begins with the true residual, which removes the rounding errors of the previous run.
 const REDUCTION: f64 = 1e-8;
 
-/// Heuristic: the largest number of runs of the Krylov method, and of iterations in each run.
-const RUNS: usize = 6;
-const ITERATIONS: usize = 500;
+/// Heuristic: the largest number of runs of the Krylov method, and of iterations in each run. The
+/// method stores one vector for each iteration of a run.
+const RUNS: usize = 30;
+const ITERATIONS: usize = 100;
+
+/// Heuristic: the method has failed if a run does not reduce the residual to this fraction.
+const PROGRESS: f64 = 0.9;
 
 /// An approximate inverse of `F_z`, for problems whose `F_z` is not factored (see
 /// [`MatrixFree`](super::MatrixFree)).
@@ -192,9 +191,8 @@ impl Operator {
     }
 }
 
-/// Solves linear systems with a bordered `F_z`, or with its transpose, by the stabilised
-/// biconjugate gradient method (H. A. van der Vorst, SIAM J. Sci. Stat. Comput. 13 (1992) 631). The
-/// bordered matrix is regular at folds, where `F_z` is singular. Both sides of the equations are
+/// Solves linear systems with a bordered `F_z`, or with its transpose, by the restarted generalised
+/// minimal residual method. The bordered matrix is regular at folds, where `F_z` is singular. Both sides of the equations are
 /// multiplied by the preconditioner, so that residuals measure the error of the solution.
 struct KrylovSolver {
     operator: Operator,
@@ -206,7 +204,7 @@ struct KrylovSolver {
     correction: Vec<f64>,
     /// The right-hand side before it is multiplied by the preconditioner.
     given: Vec<f64>,
-    memory: MemBuffer,
+    gmres: Gmres,
 }
 
 /// The preconditioned bordered matrix, or its transpose.
@@ -232,39 +230,6 @@ impl Preconditioned<'_> {
     }
 }
 
-impl Debug for Preconditioned<'_> {
-    fn fmt(&self, f: &mut Formatter) -> std::fmt::Result {
-        write!(f, "a bordered matrix with {} rows", self.size)
-    }
-}
-
-impl LinOp<f64> for Preconditioned<'_> {
-    fn apply_scratch(&self, _: usize, _: Par) -> StackReq {
-        StackReq::EMPTY
-    }
-
-    fn nrows(&self) -> usize {
-        self.size
-    }
-
-    fn ncols(&self) -> usize {
-        self.size
-    }
-
-    fn apply(&self, out: MatMut<f64>, right: MatRef<f64>, _: Par, _: &mut MemStack) {
-        for (out, v) in out.col_iter_mut().zip(right.col_iter()) {
-            // Vectors of the Krylov method are stored contiguously.
-            if let (Some(out), Some(v)) = (out.try_as_col_major_mut(), v.try_as_col_major()) {
-                self.product(v.as_slice(), out.as_slice_mut());
-            }
-        }
-    }
-
-    fn conj_apply(&self, out: MatMut<f64>, right: MatRef<f64>, par: Par, stack: &mut MemStack) {
-        self.apply(out, right, par, stack);
-    }
-}
-
 impl KrylovSolver {
     fn new(jacobian: &FreeJacobian, size: usize) -> Self {
         let FreeJacobian { problem, preconditioner, x, outcome } = jacobian;
@@ -274,9 +239,6 @@ impl KrylovSolver {
             problem: problem.clone(),
             preconditioner: preconditioner.clone(),
         };
-        let identity = IdentityPrecond { dim: size };
-        // The identity has the same size as the bordered matrix.
-        let scratch = bicgstab_scratch::<f64>(identity, identity, identity, 1, Par::Seq);
         let vector = || vec![0.0; size];
         KrylovSolver {
             operator,
@@ -286,13 +248,13 @@ impl KrylovSolver {
             residual: vector(),
             correction: vector(),
             given: vector(),
-            memory: MemBuffer::new(scratch),
+            gmres: Gmres::default(),
         }
     }
 
     /// Solves in place; the solution is not a number if the iteration does not converge.
     fn solve_either(&mut self, transposed: bool, right: &mut [f64]) {
-        let KrylovSolver { operator, border, solution, residual, correction, memory, .. } = self;
+        let KrylovSolver { operator, border, solution, residual, correction, gmres, .. } = self;
         let size = right.len();
         self.given.copy_from_slice(right);
         let matrix = Preconditioned { operator, border, transposed, size };
@@ -305,13 +267,14 @@ impl KrylovSolver {
             if left <= SOLVED || whole == 0.0 {
                 break;
             }
-            iterations += run(&matrix, residual, correction, memory);
+            let product = |v: &[f64], out: &mut [f64]| matrix.product(v, out);
+            iterations += gmres.run(product, residual, correction, (REDUCTION, ITERATIONS));
             solution.iter_mut().zip(&*correction).for_each(|(x, d)| *x += d);
             matrix.product(solution, residual);
             residual.iter_mut().zip(&*right).for_each(|(r, b)| *r = b - *r);
             let now = norm(residual) / whole;
             // False for NaN.
-            let falls = now < 0.5 * left;
+            let falls = now < PROGRESS * left;
             if !falls {
                 solution.iter_mut().zip(&*correction).for_each(|(x, d)| *x -= d);
                 break;
@@ -332,32 +295,6 @@ impl KrylovSolver {
             *self.outcome.lock().unwrap_or_else(PoisonError::into_inner) = Some(failure);
         }
     }
-}
-
-/// Runs the Krylov method once, and returns the number of iterations.
-fn run(matrix: &Preconditioned, right: &[f64], out: &mut [f64], memory: &mut MemBuffer) -> usize {
-    let size = right.len();
-    let identity = IdentityPrecond { dim: size };
-    out.fill(0.0);
-    let params = BicgParams {
-        // With `InitialGuessStatus::Zero`, faer 0.24.4 leaves the first residual uninitialised.
-        initial_guess: InitialGuessStatus::MaybeNonZero,
-        rel_tolerance: REDUCTION,
-        max_iters: ITERATIONS,
-        ..BicgParams::default()
-    };
-    let solved = bicgstab(
-        MatMut::from_column_major_slice_mut(out, size, 1),
-        identity,
-        identity,
-        matrix,
-        MatRef::from_column_major_slice(right, size, 1),
-        params,
-        |_| {},
-        Par::Seq,
-        MemStack::new(memory),
-    );
-    solved.map_or(ITERATIONS, |info| info.iter_count)
 }
 
 impl Factorisation for KrylovSolver {
