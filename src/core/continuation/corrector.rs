@@ -124,8 +124,7 @@ impl<'a> Corrector<'a> {
     /// Returns the tangent at a corrected point, of scaled length 1. The tangent is computed from
     /// the last factored matrix, which has the same last row `row`, and which differs from the
     /// matrix at the point by the relative error `matrix_error`. If the tangent is not accurate
-    /// enough, the tangent is corrected if factors are [kept](Self::keep_factors); otherwise the matrix
-    /// at the point is factored.
+    /// enough and cannot be corrected, the matrix at the point is factored.
     pub fn tangent(
         &mut self,
         unknowns: &[f64],
@@ -136,8 +135,7 @@ impl<'a> Corrector<'a> {
             self.equations.load(unknowns);
             let mut tangent = self.factored_tangent();
             let is_certain = matrix_error <= MATRIX_ERROR && self.slope(&tangent).abs() > UNCERTAIN;
-            let is_kept = self.tolerances.matrix_change > MATRIX_ERROR;
-            if is_certain || is_kept && self.correct_tangent(&mut tangent) {
+            if is_certain || self.correct_tangent(&mut tangent) {
                 self.matrix_error = matrix_error;
                 return Ok(tangent);
             }
@@ -153,7 +151,10 @@ impl<'a> Corrector<'a> {
     /// corrected tangent is small in comparison with its component along the parameter, or smaller
     /// than the error of other tangents if this component is not small.
     fn correct_tangent(&mut self, tangent: &mut [f64]) -> bool {
-        let (n, mut previous) = (self.equations.dimension(), None);
+        if !self.equations.conditions.is_empty() {
+            return false;
+        }
+        let (n, mut previous) = (self.equations.dimension(), 1.0);
         let mut change = vec![0.0; tangent.len()];
         for _ in 0..CORRECTIONS {
             let along = self.equations.direction_of(tangent);
@@ -164,17 +165,17 @@ impl<'a> Corrector<'a> {
             }
             self.equations.factors.solve(&mut change);
             let size = scaled_norm(&change, &self.norm.weights);
-            // Corrections shrink by a constant factor, which two corrections measure.
-            let rate = previous.map_or(1.0, |previous: f64| size / previous);
-            if rate.is_nan() || rate > 1.0 {
+            // Corrections shrink by a constant factor.
+            let error = size * size / previous;
+            if error.is_nan() || error > previous {
                 return false;
             }
             tangent.iter_mut().zip(&change).for_each(|(t, d)| *t -= d);
             self.norm.rescale(tangent);
-            if size * rate <= MATRIX_ERROR * self.slope(tangent).abs() {
+            if error <= MATRIX_ERROR * self.slope(tangent).abs() {
                 return true;
             }
-            previous = Some(size);
+            previous = size;
         }
         false
     }
