@@ -9,8 +9,6 @@
 //!
 //! Each point of a branch typically costs one assembly and one factorisation: the matrix of the
 //! last correction also gives the tangent if the matrix was evaluated close enough to the solution.
-//! While the matrix changes little, its factors are kept for all corrections (the simplified Newton
-//! iteration: Deuflhard, section 2.1.2).
 
 mod error;
 
@@ -21,12 +19,6 @@ use crate::core::linalg::generic;
 pub use error::NewtonError;
 
 /// The stopping criteria of Newton's method.
-///
-/// ```
-/// use tangency::core::continuation::Tolerances;
-/// let fast = Tolerances { matrix_change: 0.02, ..Tolerances::new(1e-8, 6) };
-/// assert_eq!((fast.tolerance, fast.max_iterations, fast.reach), (1e-8, 6, f64::INFINITY));
-/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tolerances {
     /// The largest scaled correction and scaled residual of a converged point.
@@ -36,18 +28,6 @@ pub struct Tolerances {
     /// The largest scaled length of the first correction: if the first correction is longer, the
     /// solution is too far away, and the iteration fails. Infinity allows all corrections.
     pub reach: f64,
-    /// The largest relative change of the matrix between the start and the solution for which the
-    /// factors of the first iteration are kept. A larger value saves factorisations, and costs
-    /// evaluations of the equations and the accuracy of the factors.
-    pub matrix_change: f64,
-}
-
-impl Tolerances {
-    /// Returns stopping criteria that allow first corrections of any length, and keep the factors of
-    /// a matrix only while the equations are nearly linear.
-    pub const fn new(tolerance: f64, max_iterations: usize) -> Self {
-        Tolerances { tolerance, max_iterations, reach: f64::INFINITY, matrix_change: NEARLY_LINEAR }
-    }
 }
 
 /// Convergence data of Newton's method at one point.
@@ -74,7 +54,7 @@ pub struct Convergence {
 /// // No parameter released and no closing equation: one equation for u, at this load.
 /// let mut equations = Extended::new(&mut system, &[0.2, 0.140625], vec![]);
 /// let mut u = [0.2];
-/// let tolerances = Tolerances::new(1e-12, 12);
+/// let tolerances = Tolerances { tolerance: 1e-12, max_iterations: 12, reach: f64::INFINITY };
 /// let report = Newton::default().solve(&mut equations, &mut u, None, &[1.0], tolerances)?;
 /// assert!((u[0] - 0.25).abs() < 1e-14 && report.iterations <= 5);
 /// # Ok::<(), tangency::core::continuation::NewtonError>(())
@@ -89,15 +69,13 @@ pub struct Newton {
     curvature: f64,
 }
 
-/// Heuristic: equations are nearly linear if the matrix changes by less than this threshold,
-/// relative to the matrix.
-const NEARLY_LINEAR: f64 = 1e-4;
 /// The smallest damping factor; the iteration fails if a smaller damping factor would be needed.
 const LEAST_DAMPING: f64 = 1.0 / 256.0;
 /// The contraction below which the corrections are assumed to converge quadratically.
 const GOOD_CONTRACTION: f64 = 0.25;
-/// The largest number of corrections that are computed with the factors of an earlier iteration.
-const KEPT: i32 = 4;
+/// A correction is expected to be the last correction if it changes the matrix by less than this
+/// threshold, relative to the matrix.
+const NEARLY_LINEAR: f64 = 1e-4;
 /// The fraction of the tolerance below which a correction is not applied.
 const NEGLIGIBLE: f64 = 1e-3;
 /// The error allowed in evaluations of the equations at the start of Newton's iteration, as a
@@ -155,7 +133,7 @@ impl Newton {
         tolerances: Tolerances,
     ) -> Result<Convergence, NewtonError> {
         self.resize(unknowns.len());
-        let Tolerances { tolerance, max_iterations, reach, matrix_change } = tolerances;
+        let Tolerances { tolerance, max_iterations, reach } = tolerances;
         let mut problem = Problem { equations, closing, weights, tolerance };
         let mut report = Convergence::default();
         let mut previous = f64::INFINITY;
@@ -188,38 +166,23 @@ impl Newton {
             }
             previous = size;
             let change = self.curvature * size;
-            if self.curvature > 0.0
-                && change <= matrix_change
-                && let Some(contraction) = self.keep_factors(&mut problem, unknowns, matrix_change)
-            {
-                // `ω‖Δ‖`, with the curvature of this correction if it is long enough to be measured.
-                report.matrix_error = if size > MEASURABLE { 2.0 * contraction } else { change };
-                self.measure(iteration, (contraction, size), tolerance, &mut report);
-                return Ok(report);
+            if self.curvature > 0.0 && change <= NEARLY_LINEAR {
+                report.matrix_error = change;
+                if self.simplified_step(&mut problem, unknowns) {
+                    return Ok(report);
+                }
             }
             let contraction = self.damped_step(&mut problem, unknowns, iteration)?;
-            self.measure(iteration, (contraction, size), tolerance, &mut report);
+            if iteration == 1 {
+                // The ratio of two numbers near rounding is meaningless.
+                report.contraction = if size > tolerance { contraction } else { 0.0 };
+                if size > MEASURABLE {
+                    self.curvature = 2.0 * contraction / size;
+                }
+            }
         }
         let Convergence { correction, contraction, .. } = report;
         Err(NewtonError::IterationLimit { iterations: max_iterations, correction, contraction })
-    }
-
-    /// Stores the contraction of the first correction, and the curvature if the correction is long
-    /// enough to determine the curvature.
-    fn measure(
-        &mut self,
-        iteration: usize,
-        (contraction, size): (f64, f64),
-        tolerance: f64,
-        report: &mut Convergence,
-    ) {
-        if iteration == 1 {
-            // The ratio of two numbers near rounding is meaningless.
-            report.contraction = if size > tolerance { contraction } else { 0.0 };
-            if size > MEASURABLE {
-                self.curvature = 2.0 * contraction / size;
-            }
-        }
     }
 
     /// Whether a correction is the last correction, given its ratio to the preceding correction. A
@@ -315,43 +278,29 @@ impl Newton {
         }
     }
 
-    /// Applies the correction and further corrections with the same factors, as long as these
-    /// corrections are expected to converge. Returns the contraction of the first of them; `None`,
-    /// with the unknowns unchanged, if a new matrix is needed.
-    fn keep_factors(
-        &mut self,
-        problem: &mut Problem,
-        unknowns: &mut [f64],
-        matrix_change: f64,
-    ) -> Option<f64> {
-        let negligible = NEGLIGIBLE * problem.tolerance;
-        let (mut size, mut first) = (problem.size(&self.correction), None);
+    /// Whether the residual at the new point shows that Newton's iteration converges. The residual
+    /// test is used only for equations that are so nearly linear that the first correction is
+    /// expected to be the last correction.
+    fn simplified_step(&mut self, problem: &mut Problem, unknowns: &mut [f64]) -> bool {
         self.try_correction(unknowns, 1.0);
-        for remaining in (0..KEPT).rev() {
-            problem.equations.residual(&self.trial, problem.closing, &mut self.next).ok()?;
-            problem.equations.factors.solve(&mut self.next);
-            let left = problem.size(&self.next);
-            let contraction = left / size;
-            // After a correction `Δ`, the matrix has changed by `ω‖Δ‖`, twice the first contraction.
-            let rate = if first.is_none() { 2.0 * contraction } else { contraction };
-            let first = *first.get_or_insert(contraction);
-            if left <= negligible {
-                // The data computed with the residual belong to this point.
-                unknowns.copy_from_slice(&self.trial);
-                return Some(first);
-            }
-            let converges = rate <= matrix_change && left * rate.powi(remaining + 1) <= negligible;
-            if !converges {
-                return None;
-            }
-            self.trial.iter_mut().zip(&self.next).for_each(|(x, d)| *x -= d);
-            if left * rate <= negligible {
-                unknowns.copy_from_slice(&self.trial);
-                return Some(first);
-            }
-            size = left;
+        let evaluated = problem.equations.residual(&self.trial, problem.closing, &mut self.next);
+        if evaluated.is_err() {
+            return false;
         }
-        None
+        problem.equations.factors.solve(&mut self.next);
+        let (left, negligible) = (problem.size(&self.next), NEGLIGIBLE * problem.tolerance);
+        let contraction = left / problem.size(&self.correction);
+        if left <= negligible {
+            // The data computed with the residual belong to this point.
+            unknowns.copy_from_slice(&self.trial);
+            return true;
+        }
+        let nearly_linear = contraction <= NEARLY_LINEAR && left * contraction <= negligible;
+        if nearly_linear {
+            let last = self.trial.iter().zip(&self.next).map(|(x, d)| x - d);
+            unknowns.iter_mut().zip(last).for_each(|(x, last)| *x = last);
+        }
+        nearly_linear
     }
 
     /// Applies the correction with the necessary damping, evaluates the residual at the new point,
