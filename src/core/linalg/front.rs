@@ -11,15 +11,11 @@ use wide::f64x4;
 /// whole SIMD lanes.
 const LANES: usize = 4;
 
-/// A lane of a row.
-type Lane = [f64; LANES];
+/// Heuristic: the smallest number of eliminated columns for which elimination proceeds by panels,
+/// and all other columns are updated by matrix products.
+const BLOCKED: usize = 96;
 
-/// Heuristic: the smallest number of eliminated columns for which elimination proceeds by groups of
-/// as many columns as a lane has.
-const GROUPED: usize = 8;
-
-/// Heuristic: the number of columns of a panel, which is a multiple of the number of lanes. After
-/// each panel, all other columns are updated by matrix products.
+/// Heuristic: the number of columns of a panel, which is a multiple of the number of lanes.
 const PANEL: usize = 32;
 
 /// Several fronts of the same shape. In each front, the leading columns are eliminated with pivots
@@ -129,25 +125,27 @@ impl Fronts {
         for (row, scale) in a.chunks_exact(w).zip(&mut self.row_scales) {
             *scale = 1.0 / largest(row, &self.scales);
         }
-        let group = if self.eliminated < GROUPED { PANEL } else { LANES };
-        let own = &mut self.exchanges[i * self.eliminated..][..self.eliminated];
-        let mut columns =
-            Columns { a, w, row_scales: &mut self.row_scales, exchanges: own, pivots };
-        for start in (0..self.eliminated).step_by(PANEL) {
-            let end = (start + PANEL).min(self.eliminated);
+        let panel = if self.eliminated < BLOCKED { self.eliminated } else { PANEL };
+        for start in (0..self.eliminated).step_by(panel.max(1)) {
+            let end = (start + panel).min(self.eliminated);
             // The range of updated columns: no columns follow the last panel.
             let width = if end == self.eliminated { w } else { end };
-            for first in (start..end).step_by(group) {
-                let last = first + group;
-                // The rest of an incomplete group is updated with its own columns.
-                let within = if last <= end { last } else { width };
-                columns.eliminate(first..last.min(end), within, &self.scales)?;
-                if within < width {
-                    update_by_group(&mut columns.a[first * w..], w, first / LANES, width / LANES);
+            for c in start..end {
+                let (pivot, relative) = pivot_of(a, w, &self.row_scales, c);
+                self.exchanges[i * self.eliminated + c] = pivot;
+                if pivot != c {
+                    let (above, below) = a.split_at_mut(pivot * w);
+                    above[c * w..(c + 1) * w].swap_with_slice(&mut below[..w]);
+                    self.row_scales.swap(c, pivot);
+                    pivots.sign = -pivots.sign;
                 }
+                let (above, below) = a.split_at_mut((c + 1) * w);
+                let top = &above[c * w..];
+                pivots.record(top[c], relative * self.scales[c])?;
+                update(below, top, (c, width));
             }
             if width < w {
-                update_beyond(&mut columns.a[start * w..], w, start..end);
+                update_beyond(&mut a[start * w..], w, start..end);
             }
         }
         Ok(())
@@ -207,43 +205,6 @@ impl Fronts {
     }
 }
 
-/// A front during its elimination.
-struct Columns<'a> {
-    a: &'a mut [f64],
-    /// The length of a row.
-    w: usize,
-    row_scales: &'a mut [f64],
-    exchanges: &'a mut [usize],
-    pivots: &'a mut Pivots,
-}
-
-impl Columns<'_> {
-    /// Eliminates columns one by one, and updates the columns before `width`.
-    fn eliminate(
-        &mut self,
-        columns: Range<usize>,
-        width: usize,
-        scales: &[f64],
-    ) -> Result<(), Failure> {
-        let Columns { a, w, row_scales, exchanges, pivots } = self;
-        for c in columns {
-            let (pivot, relative) = pivot_of(a, *w, row_scales, c);
-            exchanges[c] = pivot;
-            if pivot != c {
-                let (above, below) = a.split_at_mut(pivot * *w);
-                above[c * *w..(c + 1) * *w].swap_with_slice(&mut below[..*w]);
-                row_scales.swap(c, pivot);
-                pivots.sign = -pivots.sign;
-            }
-            let (above, below) = a.split_at_mut((c + 1) * *w);
-            let top = &above[c * *w..];
-            pivots.record(top[c], relative * scales[c])?;
-            update(below, top, (c, width));
-        }
-        Ok(())
-    }
-}
-
 /// Returns the pivot row of column `c` and the scaled magnitude of its entry. The rows have length
 /// `w`.
 fn pivot_of(a: &[f64], w: usize, scales: &[f64], c: usize) -> (usize, f64) {
@@ -277,57 +238,6 @@ fn update(below: &mut [f64], top: &[f64], (c, width): (usize, usize)) {
             }
         }
         row[c] = multiplier;
-    }
-}
-
-/// Updates the lanes between the lane `group`, whose columns have been eliminated, and the lane
-/// `end`; `rows` begins at the pivot row of the group's first column. Every entry is loaded and
-/// stored once for the whole group.
-fn update_by_group(rows: &mut [f64], w: usize, group: usize, end: usize) {
-    let split = |row| split_lanes(row, group, end);
-    let (top, below) = rows.split_at_mut(LANES * w);
-    let mut tops = top.chunks_exact_mut(w).map(split);
-    let mut tops: [_; LANES] = std::array::from_fn(|_| tops.next().unwrap_or_default());
-    for c in 1..LANES {
-        let (done, rest) = tops.split_at_mut(c);
-        let (multipliers, row) = &mut rest[0];
-        for ((_, top), multiplier) in done.iter().zip(multipliers) {
-            for (target, entries) in row.iter_mut().zip(&**top) {
-                *target = (f64x4::from(*target) - f64x4::from(*entries) * *multiplier).to_array();
-            }
-        }
-    }
-    let tops = tops.map(|(_, top)| &*top);
-    let mut pairs = below.chunks_exact_mut(2 * w);
-    for pair in &mut pairs {
-        let (first, second) = pair.split_at_mut(w);
-        subtract_products([split(first), split(second)], tops);
-    }
-    for row in pairs.into_remainder().chunks_exact_mut(w) {
-        subtract_products([split(row)], tops);
-    }
-}
-
-/// Returns the lane `at` of a row, and the lanes that follow, before the lane `end`.
-fn split_lanes(row: &mut [f64], at: usize, end: usize) -> (Lane, &mut [Lane]) {
-    let lanes = row.as_chunks_mut::<LANES>().0;
-    (lanes[at], &mut lanes[at + 1..end])
-}
-
-/// Subtracts multiples of the rows `tops` from rows given with their multipliers.
-#[inline(always)]
-fn subtract_products<const R: usize>(rows: [(Lane, &mut [Lane]); R], tops: [&[Lane]; LANES]) {
-    let count = tops[0].len();
-    let tops = tops.map(|top| &top[..count]);
-    let mut rows = rows.map(|(multipliers, row)| (multipliers, &mut row[..count]));
-    for j in 0..count {
-        for (multipliers, row) in &mut rows {
-            let mut entries = f64x4::from(row[j]);
-            for (top, multiplier) in tops.iter().zip(multipliers) {
-                entries -= f64x4::from(top[j]) * *multiplier;
-            }
-            row[j] = entries.to_array();
-        }
     }
 }
 
