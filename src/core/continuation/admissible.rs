@@ -65,8 +65,9 @@ pub(super) fn is_within(system: &mut dyn System, p: &[f64], monitors: &[f64]) ->
 }
 
 /// Whether the solution at an end of a branch is admissible. Where a branch ends at a limit of
-/// admissible solutions, a symmetric orbit reaches a second limit, which it crosses at a double root:
-/// the monitor of the second limit has an error of the square root of rounding errors.
+/// admissible solutions, a symmetric orbit also reaches a second limit. The monitor of the second
+/// limit has a double root there, so that the error of the monitor is the square root of the
+/// rounding error.
 pub(super) fn is_within_at_end(
     system: &mut dyn System,
     kind: Kind,

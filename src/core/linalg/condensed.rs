@@ -267,8 +267,8 @@ impl<C: Condensed> Factorisation for RotatedLu<C> {
     }
 }
 
-/// Writes `e^{iω}` times the component `unknown` of a complex vector to the component `equation` of
-/// another one.
+/// Multiplies the component `unknown` of the complex vector `v` by `e^{iω}`, and writes the product
+/// to the component `equation` of `out`.
 pub(in crate::core) fn rotate(
     omega: f64,
     [equation, unknown]: [usize; 2],

@@ -10,6 +10,7 @@ use super::vector::{dot, norm, orthogonalise};
 /// Hessenberg matrix `H_k` to the triangular matrix `R`, so that `R y = Q ‖b‖ e₁` and `x = V_k y`.
 #[derive(Default)]
 pub(in crate::core) struct Gmres {
+    /// The basis `V`; vectors of earlier runs are overwritten.
     basis: Vec<Vec<f64>>,
     /// The columns of `R`.
     triangle: Vec<Vec<f64>>,
@@ -32,42 +33,43 @@ impl Gmres {
     ) -> usize {
         let Gmres { basis, triangle, rotations, rotated } = self;
         let size = norm(b);
-        basis.clear();
         triangle.clear();
         rotations.clear();
         rotated.clear();
         rotated.push(size);
-        let mut next: Vec<f64> = b.to_vec();
         let mut length = size;
-        // False for NaN.
-        while length > 0.0 && rotated[basis.len()].abs() > reduction * size && basis.len() < most {
-            next.iter_mut().for_each(|v| *v /= length);
-            basis.push(next);
-            next = vec![0.0; b.len()];
-            product(&basis[basis.len() - 1], &mut next);
-            let mut column = orthogonalise(&mut next, basis, dot);
-            length = norm(&next);
-            for (k, [cosine, sine]) in rotations.iter().enumerate() {
-                let [upper, lower] = [column[k], column[k + 1]];
-                column[k] = cosine * upper + sine * lower;
-                column[k + 1] = cosine * lower - sine * upper;
+        vector(basis, 0, b.len()).copy_from_slice(b);
+        for k in 0..most {
+            if length == 0.0 || length.is_nan() || rotated[k].abs() <= reduction * size {
+                break;
             }
-            let last = column.len() - 1;
-            let diagonal = column[last].hypot(length);
+            basis[k].iter_mut().for_each(|v| *v /= length);
+            vector(basis, k + 1, b.len());
+            let (space, rest) = basis.split_at_mut(k + 1);
+            let next = &mut rest[0];
+            product(&space[k], next);
+            let mut column = orthogonalise(next, space, dot);
+            length = norm(next);
+            for (j, [cosine, sine]) in rotations.iter().enumerate() {
+                let [upper, lower] = [column[j], column[j + 1]];
+                column[j] = cosine * upper + sine * lower;
+                column[j + 1] = cosine * lower - sine * upper;
+            }
+            let diagonal = column[k].hypot(length);
             // The matrix is singular, or a product is not finite: the space does not grow further.
             if diagonal.is_nan() || diagonal == 0.0 {
                 break;
             }
-            let [cosine, sine] = [column[last] / diagonal, length / diagonal];
-            column[last] = diagonal;
+            let [cosine, sine] = [column[k] / diagonal, length / diagonal];
+            column[k] = diagonal;
             triangle.push(column);
             rotations.push([cosine, sine]);
-            let before = rotated[last];
-            rotated[last] = cosine * before;
+            let before = rotated[k];
+            rotated[k] = cosine * before;
             rotated.push(-sine * before);
         }
         self.combine(x);
-        self.basis.len()
+        self.triangle.len()
     }
 
     /// Solves `R y = Q ‖b‖ e₁`, and computes `x = V y`.
@@ -80,4 +82,14 @@ impl Gmres {
             x.iter_mut().zip(v).for_each(|(x, v)| *x += y * *v);
         }
     }
+}
+
+/// Returns the basis vector number `k`, with room for `n` components; `k` is at most the number of
+/// vectors.
+fn vector(basis: &mut Vec<Vec<f64>>, k: usize, n: usize) -> &mut [f64] {
+    if k == basis.len() {
+        basis.push(Vec::new());
+    }
+    basis[k].resize(n, 0.0);
+    &mut basis[k]
 }

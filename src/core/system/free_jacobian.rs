@@ -28,7 +28,7 @@ const REDUCTION: f64 = 1e-8;
 const RUNS: usize = 30;
 const ITERATIONS: usize = 100;
 
-/// Heuristic: the method has failed if a run does not reduce the residual to this fraction.
+/// Heuristic: no further run begins if a run does not reduce the residual below this fraction.
 const PROGRESS: f64 = 0.9;
 
 /// An approximate inverse of `F_z`, for problems whose `F_z` is not factored (see
@@ -192,8 +192,9 @@ impl Operator {
 }
 
 /// Solves linear systems with a bordered `F_z`, or with its transpose, by the restarted generalised
-/// minimal residual method. The bordered matrix is regular at folds, where `F_z` is singular. Both sides of the equations are
-/// multiplied by the preconditioner, so that residuals measure the error of the solution.
+/// minimal residual method. The bordered matrix is regular at folds, where `F_z` is singular. Both
+/// sides of the equations are multiplied by the preconditioner, so that residuals measure the error
+/// of the solution.
 struct KrylovSolver {
     operator: Operator,
     border: Edge,
