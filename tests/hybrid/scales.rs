@@ -45,31 +45,33 @@ struct Rescaled<S> {
     system: S,
     time: f64,
     length: f64,
-    /// Whether the scale of time is stated, or that of the forcing.
+    /// Whether the scale of time is stated, or the scale of the forcing.
     timed: bool,
+    /// The sizes of the states of each mode.
+    units: Vec<Vec<f64>>,
 }
 
 impl<S: HybridSystem> Rescaled<S> {
-    /// The size of a state that was 1.
-    fn unit(&self, state: &str) -> f64 {
-        if state.contains("velocity") { self.length / self.time } else { self.length }
-    }
-
-    /// The sizes of the states of a mode.
-    fn units(&self, mode: usize) -> Vec<f64> {
-        let states = self.system.modes().swap_remove(mode).states;
-        states.iter().map(|state| self.unit(state)).collect()
+    fn new(system: S, [time, length]: [f64; 2], timed: bool) -> Self {
+        let of = |mode: Mode| mode.states.iter().map(|it| unit(it, [time, length])).collect();
+        let units = system.modes().into_iter().map(of).collect();
+        Rescaled { system, time, length, timed, units }
     }
 
     /// A state in the units of the system.
     fn inner<T: Scalar>(&self, mode: usize, x: &[T]) -> Vec<T> {
-        x.iter().zip(self.units(mode)).map(|(x, unit)| *x / unit).collect()
+        x.iter().zip(&self.units[mode]).map(|(x, unit)| *x / *unit).collect()
     }
 
     /// A state in these units.
     fn outer(&self, mode: usize, x: &[f64]) -> Vec<f64> {
-        x.iter().zip(self.units(mode)).map(|(x, unit)| x * unit).collect()
+        x.iter().zip(&self.units[mode]).map(|(x, unit)| x * unit).collect()
     }
+}
+
+/// The size of a state that was 1, if the units of time and length are these.
+fn unit(state: &str, [time, length]: [f64; 2]) -> f64 {
+    if state.contains("velocity") { length / time } else { length }
 }
 
 impl<S: HybridSystem> HybridSystem for Rescaled<S> {
@@ -84,7 +86,7 @@ impl<S: HybridSystem> HybridSystem for Rescaled<S> {
     }
     fn field<T: Scalar>(&self, mode: usize, t: T, x: &[T], p: &[T], f: &mut [T]) {
         self.system.field(mode, t / self.time, &self.inner(mode, x), p, f);
-        f.iter_mut().zip(self.units(mode)).for_each(|(f, unit)| *f *= unit / self.time);
+        f.iter_mut().zip(&self.units[mode]).for_each(|(f, unit)| *f *= *unit / self.time);
     }
     fn guard<T: Scalar>(&self, guard: usize, mode: usize, t: T, x: &[T], p: &[T]) -> T {
         self.system.guard(guard, mode, t / self.time, &self.inner(mode, x), p) * self.length
@@ -99,7 +101,7 @@ impl<S: HybridSystem> HybridSystem for Rescaled<S> {
         after: &mut [T],
     ) {
         self.system.reset(guard, modes, t / self.time, &self.inner(modes.0, x), p, after);
-        after.iter_mut().zip(self.units(modes.1)).for_each(|(x, unit)| *x *= unit);
+        after.iter_mut().zip(&self.units[modes.1]).for_each(|(x, unit)| *x *= *unit);
     }
     fn next_mode(&self, guard: usize, mode: usize, t: f64, x: &[f64], p: &[f64]) -> usize {
         self.system.next_mode(guard, mode, t / self.time, &self.inner(mode, x), p)
@@ -125,7 +127,7 @@ impl<S: HybridSystem> HybridSystem for Rescaled<S> {
         let states = self.modes().into_iter().flat_map(|mode| mode.states);
         let time = self.timed.then_some(self.time);
         states.fold(Scales { time, ..Scales::default() }, |scales, state| {
-            let unit = self.unit(&state);
+            let unit = unit(&state, [self.time, self.length]);
             scales.state(state, unit)
         })
     }
@@ -136,8 +138,7 @@ impl<S: HybridSystem> HybridSystem for Rescaled<S> {
 
 /// A system in all units.
 fn rescaled<S: HybridSystem + Clone>(system: &S, timed: bool) -> impl Iterator<Item = Rescaled<S>> {
-    let rescale =
-        |[time, length]: [f64; 2]| Rescaled { system: system.clone(), time, length, timed };
+    let rescale = |units: [f64; 2]| Rescaled::new(system.clone(), units, timed);
     UNITS.map(rescale).into_iter()
 }
 
@@ -170,7 +171,7 @@ fn moves_alike<S: HybridSystem + Clone>(
     duration: f64,
     p: &[f64],
 ) {
-    let usual = Rescaled { system: system.clone(), time: 1.0, length: 1.0, timed: true };
+    let usual = Rescaled::new(system.clone(), [1.0; 2], true);
     let expected = events(&usual, start, duration, p);
     assert!(expected.iter().any(|event| event.accumulation), "{expected:?}");
     for scaled in rescaled(system, true) {
@@ -225,7 +226,7 @@ fn settle_alike<S: HybridSystem + Clone>(system: &S, (mode, x): (usize, &[f64]),
         let start = HybridState { mode, time: 0.0, x: scaled.outer(mode, x) };
         search.follow(&mut map, start, p).unwrap()
     };
-    let usual = Rescaled { system: system.clone(), time: 1.0, length: 1.0, timed: true };
+    let usual = Rescaled::new(system.clone(), [1.0; 2], true);
     let expected = found(&usual, (mode, x));
     assert!(expected.periods.is_some(), "{expected:?}");
     let exponent = expected.exponent.expect("an exponent").value;
@@ -322,7 +323,7 @@ fn branches_and_local_maps_do_not_depend_on_units() {
             _ => form.amplitude(form.doubling()),
         };
         let mut growth = None;
-        let usual = Rescaled { system: ImpactOscillator, time: 1.0, length: 1.0, timed: false };
+        let usual = Rescaled::new(ImpactOscillator, [1.0; 2], false);
         for scaled in std::iter::once(usual).chain(rescaled(&ImpactOscillator, false)) {
             let units = format!("time {:e}, length {:e}", scaled.time, scaled.length);
             let orbit = HybridOrbit::of(scaled.clone(), Itinerary::smooth(0, 1)).unwrap();
