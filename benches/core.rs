@@ -18,7 +18,7 @@ fn newton(c: &mut Criterion) {
         x[n] = 2.0;
         let mut equations = Extended::new(&mut system, &x, vec![]);
         let (mut solver, weights) = (Newton::default(), vec![1.0; n]);
-        let tolerances = Tolerances { tolerance: 1e-12, max_iterations: 12, reach: f64::INFINITY };
+        let tolerances = Tolerances::new(1e-12, 12);
         group.bench_function(BenchmarkId::from_parameter(n), |b| {
             b.iter(|| {
                 let mut z = vec![0.0; n];

@@ -1,6 +1,7 @@
 //! CPU time for a step of a branch of periodic orbits of coupled oscillators: a ring of oscillators with
 //! 20, 40 and 80 states, by collocation on 100 intervals with 4 points each, with dense and with sparse
-//! matrices. Neither stability nor special points are computed.
+//! matrices. Neither stability nor special points are computed, apart from folds, whose detection costs
+//! nothing.
 //!
 //! `benches/peers/coupled.py` runs this program beside AUTO-07p and puts both into one table.
 
@@ -12,7 +13,7 @@ use tangency::core::continuation::{Continuation, Settings};
 use tangency::core::orbit::periodic_orbits;
 use tangency::core::problem::{Group, Names, VectorField};
 use tangency::core::scalar::Scalar;
-use tangency::core::system::Matrices;
+use tangency::core::system::{Kind, Matrices};
 
 /// A ring of oscillators, with diffusion between neighbours. The oscillators move together on the unit
 /// circle, with the period `2π/w`.
@@ -56,7 +57,7 @@ fn time(states: usize, matrices: Matrices, points: usize) -> Result<f64, Box<dyn
         max_points: points,
         tolerance: 1e-5,
         stability: false,
-        detect: Vec::new(),
+        detect: vec![Kind::LP],
         ..Settings::default()
     };
     let begin = ProcessTime::now();

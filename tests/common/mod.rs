@@ -54,7 +54,7 @@ pub fn difference(x: &[f64], d: &[f64], h: f64, mut f: impl FnMut(&[f64]) -> Vec
 pub fn solved(system: &mut dyn System, z: &[f64], p: &[f64]) -> Result<Vec<f64>, NewtonError> {
     let x = [z, p].concat();
     let mut equations = Extended::new(system, &x, vec![]);
-    let tolerances = Tolerances { tolerance: 1e-13, max_iterations: 20, reach: f64::INFINITY };
+    let tolerances = Tolerances::new(1e-13, 20);
     let weights = vec![1.0 / z.len() as f64; z.len()];
     let mut unknowns = z.to_vec();
     Newton::default().solve(&mut equations, &mut unknowns, None, &weights, tolerances)?;

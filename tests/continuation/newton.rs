@@ -1,9 +1,9 @@
 //! Promise: Newton's iteration converges quadratically, and where it fails it says why, with the
 //! numbers that decide.
 
-use crate::common::{close, falls_with_order, first};
+use crate::common::{Circle, close, falls_with_order, first};
 use tangency::core::continuation::{
-    Continuation, Convergence, End, Extended, Newton, NewtonError, Tolerances, TraceError,
+    Continuation, Convergence, End, Extended, Newton, NewtonError, Settings, Tolerances, TraceError,
 };
 use tangency::core::failure::{Failure, OutOfDomain, one_line};
 use tangency::core::problem::{Names, ZeroProblem};
@@ -11,8 +11,7 @@ use tangency::core::scalar::Scalar;
 use tangency::core::system::{Dense, Kind};
 use tangency::problems::classic::ParallelPlate;
 
-const TOLERANCES: Tolerances =
-    Tolerances { tolerance: 1e-12, max_iterations: 12, reach: f64::INFINITY };
+const TOLERANCES: Tolerances = Tolerances::new(1e-12, 12);
 
 /// A scalar equation in `x` with the parameter `p`, stated by name.
 enum Equation {
@@ -96,6 +95,62 @@ fn convergence_is_quadratic() {
     falls_with_order("Newton's method", &pairs, 2.0);
 }
 
+/// From `ln 2 + 0.01` the matrix `eˣ` changes by 1 % up to the solution: with its factors kept, one
+/// factorisation suffices, and the reported error is the change of the matrix.
+#[test]
+fn factors_are_kept_while_the_matrix_changes_little() {
+    let mut system = Dense::new(Equation::Exponential);
+    let mut equations = Extended::new(&mut system, &[1.0, 2.0], vec![]);
+    let mut newton = Newton::default();
+    let mut solve = |start: f64, matrix_change: f64| {
+        let (mut x, tolerances) =
+            ([start], Tolerances { matrix_change, ..Tolerances::new(1e-8, 12) });
+        let report = newton.solve(&mut equations, &mut x, None, &[1.0], tolerances).unwrap();
+        close(x[0], 2.0_f64.ln(), 1e-11);
+        report
+    };
+    // The first solution measures the curvature.
+    solve(1.0, 0.05);
+    let kept = solve(2.0_f64.ln() + 0.01, 0.05);
+    assert_eq!(kept.iterations, 1);
+    close(kept.matrix_error, 0.01_f64.exp_m1(), 1e-3);
+    close(kept.contraction, 0.005, 1e-4);
+    let fresh = solve(2.0_f64.ln() + 0.01, 1e-4);
+    assert!(fresh.iterations > 1 && fresh.matrix_error < 1e-4, "{fresh:?}");
+    // A matrix that changes by more than 5 % is factored again.
+    assert!(solve(2.0_f64.ln() + 0.2, 0.05).iterations > 1);
+}
+
+/// Where neither stability nor branch points are computed, points and folds are as accurate as with
+/// new matrices; in a wide range, in which every tangent is nearly vertical, they are so, too.
+#[test]
+fn branches_with_kept_factors_are_the_same_branches() {
+    let settings = Settings {
+        stability: false,
+        detect: vec![Kind::LP],
+        keep_solutions: true,
+        ..Settings::default()
+    };
+    for range in [-2.0..=2.0, -500.0..=500.0] {
+        let mut system = Dense::new(Circle { radius: 1.0 });
+        let branch = Continuation::new(&mut system)
+            .settings(settings.clone())
+            .from(&[1.0])
+            .at("p", 0.0)
+            .along("p", range)
+            .trace()
+            .unwrap();
+        assert!(matches!(branch.ends[1], End::Closed { .. }), "{:?}", branch.ends);
+        for point in &branch.points {
+            let [x, p] = [point.solution.as_ref().unwrap().state[0], point.parameters[0]];
+            close(x * x + p * p, 1.0, 1e-9);
+        }
+        let folds: Vec<f64> = branch.of_kind(Kind::LP).map(|it| it.parameters[0]).collect();
+        assert_eq!(folds.len(), 2, "{folds:?}");
+        folds.iter().for_each(|p| close(p.abs(), 1.0, 1e-14));
+    }
+}
+
 /// From x = 3 undamped Newton on atan x diverges: the first corrections have to be damped.
 #[test]
 fn damping_reaches_what_plain_newton_does_not() {
@@ -104,6 +159,25 @@ fn damping_reaches_what_plain_newton_does_not() {
     let (x, report) = solve(Equation::Arctangent, 3.0, 0.0, TOLERANCES).unwrap();
     close(x, 0.0, 1e-13);
     assert!(report.iterations <= 8, "{report:?}");
+}
+
+/// In a bracket, a bisection costs less than an iteration that needs strong damping.
+#[test]
+fn damping_has_a_limit() {
+    let tolerances = Tolerances { least_damping: 1.0, ..TOLERANCES };
+    let error = solve(Equation::Arctangent, 3.0, 0.0, tolerances).unwrap_err();
+    let NewtonError::Stagnation { iterations: 1, damping: 0.5, .. } = &error else {
+        panic!("{error}")
+    };
+}
+
+/// Each correction halves the distance from the double root of x² = 0, at which the matrix is
+/// singular: after 19 corrections, the distance is 2⁻¹⁹.
+#[test]
+fn double_roots_are_approached() {
+    let tolerances = Tolerances { max_iterations: 30, ..TOLERANCES };
+    let (x, report) = solve(Equation::Square, 1.0, 0.0, tolerances).unwrap();
+    assert_eq!((x, report.iterations), (2.0_f64.powi(-19), 19));
 }
 
 /// x² + 1 has no root: the iteration stagnates, or runs into the singular point x = 0.

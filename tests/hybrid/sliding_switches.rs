@@ -46,7 +46,7 @@ fn a_relay_adds_slides_and_takes_them_away() {
 }
 
 /// Both halves of the relay's symmetric orbit graze at the same point, where Newton's method is
-/// singular: the point is found with all its digits, whichever steps lead there.
+/// singular: the points at both ends are found with all their digits, whichever steps lead there.
 #[test]
 fn symmetric_grazings_converge_from_all_steps() {
     let range = [14.0, 17.0];
@@ -54,10 +54,20 @@ fn symmetric_grazings_converge_from_all_steps() {
     let adding = at(&plain, "omega", 15.6734748169).label;
     for share in 0..16 {
         let max_step = 0.15 * (1.0 - f64::from(share) / 40.0);
+        let settings = Settings { max_step, ..Settings::default() };
         let run = Continuation::new(&mut orbits).restart(&plain, adding).switch();
-        let run = run.settings(Settings { max_step, ..Settings::default() });
+        let run = run.settings(settings.clone()).mark("omega", 15.9);
         let added = run.along("omega", range[0]..=range[1]).trace().unwrap();
         ends(&added, "grazing-sliding", ("omega", 16.073687913233));
+        let middle = added.of_kind(Kind::UZ).next().unwrap().label;
+        let run = Continuation::new(&mut orbits).restart(&added, middle).settings(settings);
+        let both = run.along("omega", range[0]..=range[1]).trace().unwrap();
+        // Near double roots, rounding errors may be estimated as large as 1e-6.
+        let end = at(&both, "omega", 15.673474816905);
+        let column = both.column("omega").unwrap();
+        close(end.value(column).unwrap(), 15.673474816905, 1e-11);
+        assert_eq!(end.subkind.as_deref(), Some("adding-sliding"));
+        assert!(end.converged && end.error < 1e-5, "{}", end.error);
     }
 }
 

@@ -57,8 +57,7 @@ fn plain(share: f64, guess: f64) -> Found {
     Found::reported("iteration limit", format!("no convergence in {} steps", LIMITS.max_iterations))
 }
 
-const LIMITS: Tolerances =
-    Tolerances { tolerance: 1e-12, max_iterations: 30, reach: f64::INFINITY };
+const LIMITS: Tolerances = Tolerances::new(1e-12, 30);
 
 fn failed(cause: &NewtonError) -> Found {
     let name = match cause {

@@ -5,7 +5,7 @@ use super::curve_point::CurvePoint;
 use super::event::MakeCondition;
 use super::extended::{Closing, Extended};
 use super::metric::{Metric, ScaledNorm, has_small_group};
-use super::newton::{Convergence, Newton, NewtonError, Tolerances};
+use super::newton::{Convergence, Newton, NewtonError, Tolerances, scaled_norm};
 use super::settings::Settings;
 use crate::core::bifurcation::{At, Quantity, VERTICAL};
 use crate::core::failure::Failure;
@@ -17,11 +17,18 @@ use crate::core::system::{Kind, Representation, Solution};
 /// tangent serves only to predict the next point.
 pub(super) const MATRIX_ERROR: f64 = 1e-4;
 
+/// Heuristic: the largest relative error of the matrix for which Newton's method keeps its factors
+/// if nothing but the tangent is computed from the matrix.
+const KEPT_MATRIX_ERROR: f64 = 0.05;
+
 /// Heuristic: if the component of the tangent along the parameter is smaller than this threshold,
-/// the tangent is computed again from the matrix at the point itself, because the sign of the
-/// component detects folds. With an older matrix, the error of the tangent is `MATRIX_ERROR` times
-/// the condition number of the matrix.
+/// the tangent is computed more accurately, because the sign of the component detects folds. With
+/// an older matrix, the error of the tangent is `MATRIX_ERROR` times the condition number of the
+/// matrix.
 const UNCERTAIN: f64 = 0.05;
+
+/// The largest number of corrections of a tangent from an older matrix.
+const CORRECTIONS: usize = 4;
 
 /// Discretisation: the error of the parameters is estimated as this power of the error of the
 /// solution, since collocation converges faster at the mesh nodes. The exponent is the smallest
@@ -106,20 +113,31 @@ impl<'a> Corrector<'a> {
         self.newton.solve(equations, unknowns, Some(closing), &norm.weights, *tolerances)
     }
 
+    /// Keeps the factors of a matrix for several corrections, if nothing but points and tangents is
+    /// computed from the matrices of the curve.
+    pub fn keep_factors(&mut self) {
+        if self.equations.conditions.is_empty() {
+            self.tolerances.matrix_change = KEPT_MATRIX_ERROR;
+        }
+    }
+
     /// Returns the tangent at a corrected point, of scaled length 1. The tangent is computed from
     /// the last factored matrix, which has the same last row `row`, and which differs from the
-    /// matrix at the point by the relative error `matrix_error`. If the relative error of the last
-    /// factored matrix is too large, the matrix at the point is factored.
+    /// matrix at the point by the relative error `matrix_error`. If the tangent is not accurate
+    /// enough, the tangent is corrected if factors are [kept](Self::keep_factors); otherwise the matrix
+    /// at the point is factored.
     pub fn tangent(
         &mut self,
         unknowns: &[f64],
         row: &[f64],
         matrix_error: f64,
     ) -> Result<Vec<f64>, Failure> {
-        if matrix_error <= MATRIX_ERROR {
+        if matrix_error <= MATRIX_ERROR.max(self.tolerances.matrix_change) {
             self.equations.load(unknowns);
-            let tangent = self.factored_tangent();
-            if self.slope(&tangent).abs() > UNCERTAIN {
+            let mut tangent = self.factored_tangent();
+            let is_certain = matrix_error <= MATRIX_ERROR && self.slope(&tangent).abs() > UNCERTAIN;
+            let is_kept = self.tolerances.matrix_change > MATRIX_ERROR;
+            if is_certain || is_kept && self.correct_tangent(&mut tangent) {
                 self.matrix_error = matrix_error;
                 return Ok(tangent);
             }
@@ -128,6 +146,37 @@ impl<'a> Corrector<'a> {
         self.equations.assemble(unknowns)?;
         self.factor_at(unknowns, row)?;
         Ok(self.factored_tangent())
+    }
+
+    /// Corrects a tangent `t` from an older matrix `M` by iterative refinement: `t ← t − M⁻¹ F'(X) t`,
+    /// where `F'(X) t` is a derivative along `t` at the loaded point. Returns whether the error of the
+    /// corrected tangent is small in comparison with its component along the parameter, or smaller
+    /// than the error of other tangents if this component is not small.
+    fn correct_tangent(&mut self, tangent: &mut [f64]) -> bool {
+        let (n, mut previous) = (self.equations.dimension(), None);
+        let mut change = vec![0.0; tangent.len()];
+        for _ in 0..CORRECTIONS {
+            let along = self.equations.direction_of(tangent);
+            change.fill(0.0);
+            let At { system, x, .. } = self.equations.at();
+            if system.derivative(x, &[&along], &mut change[..n]).is_err() {
+                return false;
+            }
+            self.equations.factors.solve(&mut change);
+            let size = scaled_norm(&change, &self.norm.weights);
+            // Corrections shrink by a constant factor, which two corrections measure.
+            let rate = previous.map_or(1.0, |previous: f64| size / previous);
+            if rate.is_nan() || rate > 1.0 {
+                return false;
+            }
+            tangent.iter_mut().zip(&change).for_each(|(t, d)| *t -= d);
+            self.norm.rescale(tangent);
+            if size * rate <= MATRIX_ERROR * self.slope(tangent).abs() {
+                return true;
+            }
+            previous = Some(size);
+        }
+        false
     }
 
     /// Returns the component of a direction along the continued parameter, in units of its scale.

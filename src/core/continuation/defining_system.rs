@@ -56,6 +56,10 @@ struct Solved {
     error: f64,
 }
 
+/// Heuristic: the smallest damping factor of Newton's method in a bracket. An iteration that needs
+/// stronger damping converges slowly if at all, and a bisection costs less.
+const LEAST_DAMPING_IN_BRACKET: f64 = 0.125;
+
 /// Solves the equations of the curve with additional defining systems held.
 fn solve_with<'m>(
     corrector: &mut Corrector,
@@ -75,7 +79,8 @@ fn solve_with<'m>(
     let mut all = weights[..measured.max(n)].to_vec();
     all.resize(equations.parameters_at(), 0.0);
     all.extend(&weights[parameters..]);
-    let error = converge(equations, &mut unknowns, &all, *event_tolerances)?;
+    let tolerances = Tolerances { least_damping: LEAST_DAMPING_IN_BRACKET, ..*event_tolerances };
+    let error = converge(equations, &mut unknowns, &all, tolerances)?;
     let mut meaning = Meaning::of(equations, event, &unknowns);
     // If the mesh is refined, the finest mesh gives the derivatives.
     if *sensitivities && !(*refines && equations.system().representation().is_on_mesh()) {

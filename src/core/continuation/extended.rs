@@ -38,7 +38,7 @@ pub struct Closing<'a> {
 /// let (mut system, near) = (Dense::new(ParallelPlate), [0.3, 0.14]);
 /// let mut equations = Extended::new(&mut system, &near, vec![0]);
 /// let mut unknowns = equations.hold(Box::<Fold>::default(), &near)?;
-/// let tolerances = Tolerances { tolerance: 1e-12, max_iterations: 12, reach: f64::INFINITY };
+/// let tolerances = Tolerances::new(1e-12, 12);
 /// Newton::default().solve(&mut equations, &mut unknowns, None, &[1.0; 2], tolerances)?;
 /// assert!((unknowns[0] - 1.0 / 3.0).abs() < 1e-14);
 /// # Ok::<(), NewtonError>(())

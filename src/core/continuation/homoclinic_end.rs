@@ -25,6 +25,10 @@ use crate::core::system::{
 /// approximations serves as an estimate of the truncation error of the homoclinic orbit.
 const WIDER: f64 = 10.0;
 
+/// Heuristic: the truncation distances that are tried, in units of the usual distance. From other
+/// distances, Newton's method starts with other orbits.
+const RADII: [f64; 4] = [1.0, 0.5, 0.25, 2.0];
+
 /// Heuristic: the largest allowed difference between the parameter at the end of a branch and the
 /// parameter of the homoclinic orbit, relative to the range or to the value of the parameter.
 const FAR_OFF: f64 = 1e-3;
@@ -104,8 +108,14 @@ pub(super) fn locate(
         let Emanating { system, z, .. } = guess(corrector, radius)?;
         settle(corrector, &cycle, (system, z))
     };
-    let wide = settled(WIDER * HOMOCLINIC_RADIUS)?.found;
-    let Settled { found, coarser, mesh_error } = settled(HOMOCLINIC_RADIUS)?;
+    let mut both = |factor: f64| -> Result<(Found, Settled), NotFound> {
+        let wide = settled(WIDER * factor * HOMOCLINIC_RADIUS)?.found;
+        Ok((wide, settled(factor * HOMOCLINIC_RADIUS)?))
+    };
+    let [usual, others @ ..] = RADII;
+    let first = both(usual);
+    let another = |first| others.into_iter().find_map(|factor| both(factor).ok()).ok_or(first);
+    let (wide, Settled { found, coarser, mesh_error }) = first.or_else(another)?;
     let truncation = |narrow: f64, wide: f64| (narrow - wide).abs() / (WIDER * WIDER - 1.0);
     let continued = corrector.equations.released[0];
     let (value, end) = (found.parameter, special.parameters[continued]);

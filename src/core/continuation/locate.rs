@@ -14,7 +14,7 @@ use super::metric::ScaledNorm;
 use super::newton::NewtonError;
 use crate::core::bifurcation::Critical;
 use crate::core::failure::Failure;
-use crate::core::system::Kind;
+use crate::core::system::{HOMOCLINIC_TESTS, Kind};
 
 /// Heuristic: the largest distance of a located event from the interpolated branch, in units of the
 /// length of its bracket. In steps that turn by less than `LARGEST_ANGLE`, the distance of the
@@ -38,6 +38,12 @@ const CUTS: [f64; 3] = [0.5, 0.37, 0.71];
 /// bracket counts as inside.
 const BEYOND: f64 = 1e-9;
 
+/// Heuristic: a test function jumps, and has no zero, if its values at the ends of a bracket whose
+/// length is of the size of rounding errors are larger than this fraction of its values at the ends
+/// of the step. The share of the leading direction in a homoclinic orbit jumps where two leading
+/// eigenvalues coincide.
+const JUMP: f64 = 0.1;
+
 /// Rounding: the number of bisections after which the length of a bracket is of the size of
 /// rounding errors.
 const MOST_HALVINGS: usize = 40;
@@ -52,11 +58,11 @@ impl Locator<'_, '_> {
     pub fn locate(&mut self, index: usize) -> Result<Option<Located>, Failure> {
         let event = self.curve.detector.events[index].clone();
         let mut bracket = Bracket::new(&mut self.curve.corrector, self.interval, (index, &event));
+        let least = |tests: [f64; 2]| tests[0].abs().min(tests[1].abs());
+        let before = least(bracket.tests);
         let located = if event.mirror {
             limit(self, &event).unwrap_or_else(|| self.middle((event.kind, &event.name)))
         } else if event.condition.is_none() {
-            let least = |tests: [f64; 2]| tests[0].abs().min(tests[1].abs());
-            let before = least(bracket.tests);
             let mut located = self.bisect(&event, &mut bracket);
             if event.test.has_poles() && least(bracket.tests) > before {
                 return Ok(None);
@@ -70,7 +76,11 @@ impl Locator<'_, '_> {
                 .give_to(&mut located.special);
             located
         } else {
+            let may_jump = HOMOCLINIC_TESTS.iter().any(|(_, kind)| *kind == event.kind);
             match self.solve(&event, &mut bracket) {
+                Ok(located) if located.special.converged || !may_jump => located,
+                // Near a zero, the values at the ends of the bracket are small.
+                Ok(_) if least(bracket.tests) > JUMP * before => return Ok(None),
                 Ok(located) => located,
                 Err(Failure::NoComplexPair) => return Ok(None),
                 Err(cause) => return Err(cause),
@@ -95,31 +105,14 @@ impl Locator<'_, '_> {
         let parameter = self.curve.corrector.equations.parameters_at();
         let (mut inapplicable, mut outside) = (None, None);
         for _ in 0..MOST_HALVINGS {
-            let guess = bracket.guess(&*event.test, parameter);
-            let at = (&self.row[..], &self.interval.from.unknowns[..]);
-            match solve(&mut self.curve.corrector, event, guess, at) {
-                Ok(located) => {
-                    let Located { along, unknowns, .. } = &located;
-                    let inside = (bracket.low - slack..=bracket.high + slack).contains(along);
-                    let near = is_near(&self.curve.corrector.norm, bracket, *along, unknowns);
-                    if inside
-                        && near
-                        && self.is_on_curve(event, bracket, &located)
-                        && self.is_confirmed(event, bracket, &located)
-                    {
-                        let beyond = (bracket.low - along).max(along - bracket.high);
-                        if beyond <= BEYOND * (bracket.high - bracket.low) {
-                            return Ok(located);
-                        }
-                        // The bracket may contain another event of the same kind: halve it first.
-                        outside.get_or_insert((beyond, located));
-                    }
+            match self.solution_in(event, bracket, slack) {
+                Ok(Some((beyond, located))) if beyond <= BEYOND * (bracket.high - bracket.low) => {
+                    return Ok(located);
                 }
-                Err(NewtonError::Evaluation {
-                    cause: cause @ (Failure::NoComplexPair | Failure::Unsupported(_)),
-                    ..
-                }) => inapplicable = Some(cause),
-                Err(_) => {}
+                // The bracket may contain another event of the same kind: halve it first.
+                Ok(Some(other)) => _ = outside.get_or_insert(other),
+                Ok(None) => {}
+                Err(cause) => inapplicable = Some(cause),
             }
             let (low, high) = (bracket.low, bracket.high);
             if outside.as_ref().is_some_and(|(beyond, _)| high - low < *beyond) {
@@ -144,6 +137,39 @@ impl Locator<'_, '_> {
         let error = error + self.curve.corrector.mesh_share(&unknowns);
         let along = 0.5 * (bracket.low + bracket.high);
         Ok(Located::new((event.kind, &event.name), along, unknowns, error).converged(false))
+    }
+
+    /// Returns the solution to which Newton's method converges from the bracket, and the distance of
+    /// the solution from the bracket; `None` if Newton's method fails, or if the solution is not the
+    /// event. The distance is at most `slack`.
+    ///
+    /// # Errors
+    /// [`Failure::NoComplexPair`] and [`Failure::Unsupported`], as [`solve`](Self::solve).
+    fn solution_in(
+        &mut self,
+        event: &Event,
+        bracket: &Bracket,
+        slack: f64,
+    ) -> Result<Option<(f64, Located)>, Failure> {
+        let parameter = self.curve.corrector.equations.parameters_at();
+        let guess = bracket.guess(&*event.test, parameter);
+        let at = (&self.row[..], &self.interval.from.unknowns[..]);
+        let located = match solve(&mut self.curve.corrector, event, guess, at) {
+            Ok(located) => located,
+            Err(NewtonError::Evaluation {
+                cause: cause @ (Failure::NoComplexPair | Failure::Unsupported(_)),
+                ..
+            }) => return Err(cause),
+            Err(_) => return Ok(None),
+        };
+        let Located { along, unknowns, .. } = &located;
+        let beyond = (bracket.low - along).max(along - bracket.high);
+        let near = is_near(&self.curve.corrector.norm, bracket, *along, unknowns);
+        let is_event = beyond <= slack
+            && near
+            && self.is_on_curve(event, bracket, &located)
+            && self.is_confirmed(event, bracket, &located);
+        Ok(is_event.then_some((beyond, located)))
     }
 
     /// Whether a solution of the defining system of an event lies on the curve. At a point with

@@ -9,6 +9,8 @@
 //!
 //! Each point of a branch typically costs one assembly and one factorisation: the matrix of the
 //! last correction also gives the tangent if the matrix was evaluated close enough to the solution.
+//! While the matrix changes little, its factors are kept for all corrections (the simplified Newton
+//! iteration: Deuflhard, section 2.1.2).
 
 mod error;
 
@@ -17,8 +19,15 @@ use crate::core::bifurcation::At;
 use crate::core::failure::Failure;
 use crate::core::linalg::generic;
 pub use error::NewtonError;
+use std::ops::RangeInclusive;
 
 /// The stopping criteria of Newton's method.
+///
+/// ```
+/// use tangency::core::continuation::Tolerances;
+/// let fast = Tolerances { matrix_change: 0.02, ..Tolerances::new(1e-8, 6) };
+/// assert_eq!((fast.tolerance, fast.max_iterations, fast.reach), (1e-8, 6, f64::INFINITY));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tolerances {
     /// The largest scaled correction and scaled residual of a converged point.
@@ -28,6 +37,26 @@ pub struct Tolerances {
     /// The largest scaled length of the first correction: if the first correction is longer, the
     /// solution is too far away, and the iteration fails. Infinity allows all corrections.
     pub reach: f64,
+    /// The largest relative change of the matrix between the start and the solution for which the
+    /// factors of the first iteration are kept. A larger value saves factorisations, and costs
+    /// evaluations of the equations and the accuracy of the factors.
+    pub matrix_change: f64,
+    /// The smallest damping factor: if a correction requires a smaller factor, the iteration fails.
+    pub least_damping: f64,
+}
+
+impl Tolerances {
+    /// Returns stopping criteria that allow first corrections of any length, and keep the factors of
+    /// a matrix only while the equations are nearly linear.
+    pub const fn new(tolerance: f64, max_iterations: usize) -> Self {
+        Tolerances {
+            tolerance,
+            max_iterations,
+            reach: f64::INFINITY,
+            matrix_change: NEARLY_LINEAR,
+            least_damping: LEAST_DAMPING,
+        }
+    }
 }
 
 /// Convergence data of Newton's method at one point.
@@ -54,7 +83,7 @@ pub struct Convergence {
 /// // No parameter released and no closing equation: one equation for u, at this load.
 /// let mut equations = Extended::new(&mut system, &[0.2, 0.140625], vec![]);
 /// let mut u = [0.2];
-/// let tolerances = Tolerances { tolerance: 1e-12, max_iterations: 12, reach: f64::INFINITY };
+/// let tolerances = Tolerances::new(1e-12, 12);
 /// let report = Newton::default().solve(&mut equations, &mut u, None, &[1.0], tolerances)?;
 /// assert!((u[0] - 0.25).abs() < 1e-14 && report.iterations <= 5);
 /// # Ok::<(), tangency::core::continuation::NewtonError>(())
@@ -69,13 +98,24 @@ pub struct Newton {
     curvature: f64,
 }
 
-/// The smallest damping factor; the iteration fails if a smaller damping factor would be needed.
+/// Heuristic: equations are nearly linear if the matrix changes by less than this threshold,
+/// relative to the matrix.
+const NEARLY_LINEAR: f64 = 1e-4;
+/// The smallest damping factor of iterations from starts that are not in a bracket.
 const LEAST_DAMPING: f64 = 1.0 / 256.0;
 /// The contraction below which the corrections are assumed to converge quadratically.
 const GOOD_CONTRACTION: f64 = 0.25;
-/// A correction is expected to be the last correction if it changes the matrix by less than this
-/// threshold, relative to the matrix.
-const NEARLY_LINEAR: f64 = 1e-4;
+/// Heuristic: the scaled distance from a double root of a defining system at which the iteration
+/// stops. The root changes the continued parameter by the square of the distance; nearer to the
+/// root, where the matrix is singular, rounding errors dominate the corrections.
+const DOUBLE_ROOT: f64 = 2e-6;
+/// The ratios of two corrections near double roots: each correction halves the distance to a double
+/// root, and several double roots slow down the convergence.
+const HALVING: RangeInclusive<f64> = 0.45..=0.75;
+/// The contractions near double roots: the residual is a quarter of the residual before.
+const QUARTER: RangeInclusive<f64> = 0.2..=0.35;
+/// The largest number of corrections that are computed with the factors of an earlier iteration.
+const KEPT: i32 = 4;
 /// The fraction of the tolerance below which a correction is not applied.
 const NEGLIGIBLE: f64 = 1e-3;
 /// The error allowed in evaluations of the equations at the start of Newton's iteration, as a
@@ -119,7 +159,9 @@ impl Problem<'_, '_> {
 
 impl Newton {
     /// Solves the equations for `X`, which contains the start on entry and the solution on success.
-    /// `weights` define the scaled norm `‖Δ‖² = Σ wᵢ Δᵢ²`.
+    /// `weights` define the scaled norm `‖Δ‖² = Σ wᵢ Δᵢ²`. Without a closing equation, the iteration
+    /// stops at a scaled distance of about 1e-6 from a double root if the released parameter has
+    /// converged, because rounding errors dominate the corrections nearer to the root.
     ///
     /// # Errors
     /// [`NewtonError`] if the iteration fails; after an error, `X` is the point at which the
@@ -133,7 +175,8 @@ impl Newton {
         tolerances: Tolerances,
     ) -> Result<Convergence, NewtonError> {
         self.resize(unknowns.len());
-        let Tolerances { tolerance, max_iterations, reach } = tolerances;
+        let Tolerances { tolerance, max_iterations, reach, matrix_change, least_damping } =
+            tolerances;
         let mut problem = Problem { equations, closing, weights, tolerance };
         let mut report = Convergence::default();
         let mut previous = f64::INFINITY;
@@ -166,23 +209,47 @@ impl Newton {
             }
             previous = size;
             let change = self.curvature * size;
-            if self.curvature > 0.0 && change <= NEARLY_LINEAR {
+            if self.curvature > 0.0 && change <= matrix_change {
                 report.matrix_error = change;
-                if self.simplified_step(&mut problem, unknowns) {
+                let kept = self.keep_factors(&mut problem, unknowns, matrix_change);
+                if let Some(contraction) = kept {
+                    if matrix_change > NEARLY_LINEAR && size > MEASURABLE {
+                        // `ω‖Δ‖`, with the curvature that this correction determines.
+                        report.matrix_error = 2.0 * contraction;
+                        self.measure(iteration, (contraction, size), tolerance, &mut report);
+                    }
                     return Ok(report);
                 }
             }
-            let contraction = self.damped_step(&mut problem, unknowns, iteration)?;
-            if iteration == 1 {
-                // The ratio of two numbers near rounding is meaningless.
-                report.contraction = if size > tolerance { contraction } else { 0.0 };
-                if size > MEASURABLE {
-                    self.curvature = 2.0 * contraction / size;
-                }
+            let contraction =
+                self.damped_step(&mut problem, unknowns, (iteration, least_damping))?;
+            self.measure(iteration, (contraction, size), tolerance, &mut report);
+            let halves = HALVING.contains(&ratio) && QUARTER.contains(&contraction);
+            if closing.is_none() && halves && size <= DOUBLE_ROOT && self.is_settled(&problem) {
+                // The matrix at the root is singular: the last factored matrix is kept.
+                return Ok(report);
             }
         }
         let Convergence { correction, contraction, .. } = report;
         Err(NewtonError::IterationLimit { iterations: max_iterations, correction, contraction })
+    }
+
+    /// Stores the contraction of the first correction, and the curvature if the correction is long
+    /// enough to determine the curvature.
+    fn measure(
+        &mut self,
+        iteration: usize,
+        (contraction, size): (f64, f64),
+        tolerance: f64,
+        report: &mut Convergence,
+    ) {
+        if iteration == 1 {
+            // The ratio of two numbers near rounding is meaningless.
+            report.contraction = if size > tolerance { contraction } else { 0.0 };
+            if size > MEASURABLE {
+                self.curvature = 2.0 * contraction / size;
+            }
+        }
     }
 
     /// Whether a correction is the last correction, given its ratio to the preceding correction. A
@@ -206,6 +273,13 @@ impl Newton {
             report.matrix_error = 2.0 * ratio * ratio;
         }
         last
+    }
+
+    /// Whether the correction changes the first released parameter by less than the tolerance.
+    fn is_settled(&self, problem: &Problem) -> bool {
+        let parameter = problem.equations.parameters_at();
+        let both = self.correction.get(parameter).zip(problem.weights.get(parameter));
+        both.is_none_or(|(change, weight)| change.abs() * weight.sqrt() <= problem.tolerance)
     }
 
     /// Whether the correction consists only of rounding errors, so that the point is as accurate as
@@ -278,29 +352,45 @@ impl Newton {
         }
     }
 
-    /// Whether the residual at the new point shows that Newton's iteration converges. The residual
-    /// test is used only for equations that are so nearly linear that the first correction is
-    /// expected to be the last correction.
-    fn simplified_step(&mut self, problem: &mut Problem, unknowns: &mut [f64]) -> bool {
+    /// Applies the correction and further corrections with the same factors, as long as these
+    /// corrections are expected to converge. Returns the contraction of the first of them; `None`,
+    /// with the unknowns unchanged, if a new matrix is needed.
+    fn keep_factors(
+        &mut self,
+        problem: &mut Problem,
+        unknowns: &mut [f64],
+        matrix_change: f64,
+    ) -> Option<f64> {
+        let negligible = NEGLIGIBLE * problem.tolerance;
+        let (mut size, mut first) = (problem.size(&self.correction), None);
+        // If the equations are nearly linear, the next correction is expected to be the last.
+        let (most, turn) = if matrix_change > NEARLY_LINEAR { (KEPT, 2.0) } else { (1, 1.0) };
         self.try_correction(unknowns, 1.0);
-        let evaluated = problem.equations.residual(&self.trial, problem.closing, &mut self.next);
-        if evaluated.is_err() {
-            return false;
+        for remaining in (0..most).rev() {
+            problem.equations.residual(&self.trial, problem.closing, &mut self.next).ok()?;
+            problem.equations.factors.solve(&mut self.next);
+            let left = problem.size(&self.next);
+            let contraction = left / size;
+            // After a correction `Δ`, the matrix has changed by `ω‖Δ‖`, twice the first contraction.
+            let rate = if first.is_none() { turn * contraction } else { contraction };
+            let first = *first.get_or_insert(contraction);
+            if left <= negligible {
+                // The data computed with the residual belong to this point.
+                unknowns.copy_from_slice(&self.trial);
+                return Some(first);
+            }
+            let converges = rate <= matrix_change && left * rate.powi(remaining + 1) <= negligible;
+            if !converges {
+                return None;
+            }
+            self.trial.iter_mut().zip(&self.next).for_each(|(x, d)| *x -= d);
+            if left * rate <= negligible {
+                unknowns.copy_from_slice(&self.trial);
+                return Some(first);
+            }
+            size = left;
         }
-        problem.equations.factors.solve(&mut self.next);
-        let (left, negligible) = (problem.size(&self.next), NEGLIGIBLE * problem.tolerance);
-        let contraction = left / problem.size(&self.correction);
-        if left <= negligible {
-            // The data computed with the residual belong to this point.
-            unknowns.copy_from_slice(&self.trial);
-            return true;
-        }
-        let nearly_linear = contraction <= NEARLY_LINEAR && left * contraction <= negligible;
-        if nearly_linear {
-            let last = self.trial.iter().zip(&self.next).map(|(x, d)| x - d);
-            unknowns.iter_mut().zip(last).for_each(|(x, last)| *x = last);
-        }
-        nearly_linear
+        None
     }
 
     /// Applies the correction with the necessary damping, evaluates the residual at the new point,
@@ -309,7 +399,7 @@ impl Newton {
         &mut self,
         problem: &mut Problem,
         unknowns: &mut [f64],
-        iteration: usize,
+        (iteration, least_damping): (usize, f64),
     ) -> Result<f64, NewtonError> {
         let size = problem.size(&self.correction);
         let mut damping = 1.0;
@@ -329,7 +419,7 @@ impl Newton {
                 return Ok(0.0);
             }
             damping *= 0.5;
-            if damping < LEAST_DAMPING {
+            if damping < least_damping {
                 let At { system, x, .. } = problem.equations.at();
                 let growth = system.traits(x).growth;
                 return Err(hopeless(outcome, iteration, (size, growth), damping));

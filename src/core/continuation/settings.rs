@@ -69,7 +69,8 @@ pub struct Settings {
     pub detect: Vec<Kind>,
     /// Whether eigenvalues or multipliers are computed along branches of solutions. Eigenvalues and
     /// multipliers are needed to determine stability and to detect Hopf points, period doublings
-    /// and torus points.
+    /// and torus points. If neither stability is computed nor branch points are detected, Newton's
+    /// method keeps the factors of a matrix for several corrections.
     pub stability: bool,
     /// The number of points after which a point is saved with its state, as a regular point (`RG`)
     /// at which a branch can start; 0 if no regular points are saved with their states.
@@ -154,7 +155,7 @@ impl Settings {
 
     /// Returns the stopping criteria of Newton's method for the given tolerance.
     pub(super) fn until(&self, tolerance: f64) -> Tolerances {
-        Tolerances { tolerance, max_iterations: self.max_iterations, reach: f64::INFINITY }
+        Tolerances::new(tolerance, self.max_iterations)
     }
 
     /// Checks all settings.

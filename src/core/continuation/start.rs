@@ -128,9 +128,13 @@ pub(super) fn begin<'a>(
     let tangent = oriented(&corrector, tangent, to_one_side);
     let kinds: Vec<Kind> = held.iter().map(|make| make().kind()).collect();
     let recorder = Recorder::new(attached, &kinds, &events, &settings);
+    let detector = Detector::new(events);
+    if !settings.stability && detector.branch_points().is_none() {
+        corrector.keep_factors();
+    }
     let mut curve = Curve {
         corrector,
-        detector: Detector::new(events),
+        detector,
         recorder,
         refiner: Refiner {
             held,

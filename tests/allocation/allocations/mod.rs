@@ -4,8 +4,7 @@ use tangency::core::bifurcation::DefiningSystem;
 use tangency::core::continuation::{Extended, Newton, Tolerances};
 use tangency::core::system::System;
 
-const TOLERANCES: Tolerances =
-    Tolerances { tolerance: 1e-12, max_iterations: 12, reach: f64::INFINITY };
+const TOLERANCES: Tolerances = Tolerances::new(1e-12, 12);
 
 /// Solves four times from the same start, in which everything beyond the held condition is square,
 /// and counts what the last solve allocates.

@@ -184,7 +184,8 @@ fn curves_through_points_of_codimension_two_are_followed() {
             at(&branches[5], Kind::GH, "q2", 0.891318980774, 1e-8);
             // Homoclinic orbits to a saddle–node: the curves end before their steps crawl.
             for homoclinic in &branches[3..5] {
-                assert!(matches!(homoclinic.ends[1], End::WeakSaddle { .. }));
+                let end = &homoclinic.ends[1];
+                assert!(matches!(end, End::WeakSaddle { .. }), "{end:?}");
                 assert!(homoclinic.points.len() < 200, "{}", homoclinic.points.len());
             }
         }
