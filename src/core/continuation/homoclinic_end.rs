@@ -25,9 +25,9 @@ use crate::core::system::{
 /// approximations serves as an estimate of the truncation error of the homoclinic orbit.
 const WIDER: f64 = 10.0;
 
-/// Heuristic: the truncation distances that are tried, in units of the usual distance. From other
-/// distances, Newton's method starts with other orbits.
-const RADII: [f64; 4] = [1.0, 0.5, 0.25, 2.0];
+/// Heuristic: the truncation distances, in units of the usual distance, to try if Newton's method
+/// fails at the usual distance. Each distance gives Newton's method another start.
+const OTHER_RADII: [f64; 3] = [0.5, 0.25, 2.0];
 
 /// Heuristic: the largest allowed difference between the parameter at the end of a branch and the
 /// parameter of the homoclinic orbit, relative to the range or to the value of the parameter.
@@ -112,10 +112,9 @@ pub(super) fn locate(
         let wide = settled(WIDER * factor * HOMOCLINIC_RADIUS)?.found;
         Ok((wide, settled(factor * HOMOCLINIC_RADIUS)?))
     };
-    let [usual, others @ ..] = RADII;
-    let first = both(usual);
-    let another = |first| others.into_iter().find_map(|factor| both(factor).ok()).ok_or(first);
-    let (wide, Settled { found, coarser, mesh_error }) = first.or_else(another)?;
+    let (wide, Settled { found, coarser, mesh_error }) = both(1.0).or_else(|cause| {
+        OTHER_RADII.into_iter().find_map(|factor| both(factor).ok()).ok_or(cause)
+    })?;
     let truncation = |narrow: f64, wide: f64| (narrow - wide).abs() / (WIDER * WIDER - 1.0);
     let continued = corrector.equations.released[0];
     let (value, end) = (found.parameter, special.parameters[continued]);

@@ -78,9 +78,13 @@ impl Locator<'_, '_> {
         } else {
             let may_jump = HOMOCLINIC_TESTS.iter().any(|(_, kind)| *kind == event.kind);
             match self.solve(&event, &mut bracket) {
-                Ok(located) if located.special.converged || !may_jump => located,
-                // Near a zero, the values at the ends of the bracket are small.
-                Ok(_) if least(bracket.tests) > JUMP * before => return Ok(None),
+                Ok(located)
+                    if may_jump
+                        && !located.special.converged
+                        && least(bracket.tests) > JUMP * before =>
+                {
+                    return Ok(None);
+                }
                 Ok(located) => located,
                 Err(Failure::NoComplexPair) => return Ok(None),
                 Err(cause) => return Err(cause),

@@ -101,7 +101,7 @@ pub struct Newton {
 /// Heuristic: equations are nearly linear if the matrix changes by less than this threshold,
 /// relative to the matrix.
 const NEARLY_LINEAR: f64 = 1e-4;
-/// The smallest damping factor of iterations from starts that are not in a bracket.
+/// The usual smallest damping factor.
 const LEAST_DAMPING: f64 = 1.0 / 256.0;
 /// The contraction below which the corrections are assumed to converge quadratically.
 const GOOD_CONTRACTION: f64 = 0.25;
@@ -364,7 +364,7 @@ impl Newton {
         let negligible = NEGLIGIBLE * problem.tolerance;
         let (mut size, mut first) = (problem.size(&self.correction), None);
         // If the equations are nearly linear, the next correction is expected to be the last.
-        let (most, turn) = if matrix_change > NEARLY_LINEAR { (KEPT, 2.0) } else { (1, 1.0) };
+        let (most, factor) = if matrix_change > NEARLY_LINEAR { (KEPT, 2.0) } else { (1, 1.0) };
         self.try_correction(unknowns, 1.0);
         for remaining in (0..most).rev() {
             problem.equations.residual(&self.trial, problem.closing, &mut self.next).ok()?;
@@ -372,7 +372,7 @@ impl Newton {
             let left = problem.size(&self.next);
             let contraction = left / size;
             // After a correction `Δ`, the matrix has changed by `ω‖Δ‖`, twice the first contraction.
-            let rate = if first.is_none() { turn * contraction } else { contraction };
+            let rate = if first.is_none() { factor * contraction } else { contraction };
             let first = *first.get_or_insert(contraction);
             if left <= negligible {
                 // The data computed with the residual belong to this point.

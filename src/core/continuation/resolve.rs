@@ -177,7 +177,7 @@ fn homoclinic(curve: &mut Continuation, mut solution: Solution) -> Result<Start,
 /// Heuristic: the sizes of homoclinic orbits that are tried near a Bogdanov–Takens point, in units
 /// of the first size. Larger orbits deviate more from the normal form; smaller orbits are dominated
 /// by rounding.
-const LOOPS: [f64; 8] = [1.0, 0.5, 0.25, 4.0, 0.0625, 16.0, 0.015625, 0.00390625];
+const LOOPS: [f64; 7] = [1.0, 0.25, 4.0, 0.0625, 16.0, 0.015625, 0.00390625];
 
 /// Returns a homoclinic orbit near a Bogdanov–Takens point, and its parameters. Several sizes of
 /// the orbit are tried. The first size is used for which the parameters lie within the ranges of
