@@ -59,3 +59,4 @@ pub mod spelling;
 #[cfg(feature = "scene")]
 pub mod sweep;
 pub mod system;
+mod threads;

@@ -180,16 +180,17 @@ proptest! {
     }
 }
 
-/// Blocks so large that panels of columns are eliminated, the last one narrower than the others.
+/// Blocks so large that panels of columns are eliminated, the last one narrower than the others; and
+/// chains so large that threads eliminate groups of intervals, the last one shorter than the others.
 #[test]
 fn large_blocks_are_solved_accurately() {
-    for [nodes, states] in [[4, 32], [4, 37], [2, 110]] {
+    for [intervals, nodes, states] in [[3, 4, 32], [3, 4, 37], [3, 2, 110], [21, 4, 16]] {
         let mut state = 1_u64;
         let mut entry = || {
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
             (state >> 11) as f64 / 2.0_f64.powi(52) - 1.0
         };
-        let problem = Problem::new([3, nodes, states, 2], &mut entry);
+        let problem = Problem::new([intervals, nodes, states, 2], &mut entry);
         let right: Vec<f64> = (0..problem.size()).map(|_| entry()).collect();
         let mut chain = problem.chain();
         problem.factor(&mut chain).unwrap();

@@ -151,6 +151,90 @@ fn patterns_grow_where_equations_choose() {
     }
 }
 
+/// Couplings of neighbours in a square, with pseudo-random factors. Every third equation does not
+/// contain its own unknown, so that pivots lie outside the diagonal.
+#[derive(Clone)]
+struct Grid(usize);
+
+impl Grid {
+    /// A number from −1 to 1 for each pair of unknowns.
+    fn factor(i: usize, j: usize) -> f64 {
+        (12.9898 * i as f64 + 78.233 * j as f64).sin()
+    }
+}
+
+impl ZeroProblem for Grid {
+    fn names(&self) -> Names {
+        Names::new([("z", self.0 * self.0)], ["p"])
+    }
+    fn residual<T: Scalar>(&self, z: &[T], p: &[T], r: &mut [T]) {
+        let m = self.0;
+        for k in 0..m * m {
+            let (row, column) = (k / m, k % m);
+            let own = if k % 3 == 0 { 0.0 } else { 1.5 + Grid::factor(k, k) };
+            r[k] = z[k] * own - p[0];
+            let beside = [(row > 0, k.wrapping_sub(m)), (row + 1 < m, k + m)];
+            let others = [(column > 0, k.wrapping_sub(1)), (column + 1 < m, k + 1)];
+            for (_, other) in beside.into_iter().chain(others).filter(|(exists, _)| *exists) {
+                r[k] += z[other] * Grid::factor(k, other);
+            }
+        }
+    }
+}
+
+/// The largest difference of two vectors, relative to the largest entry.
+fn difference(a: &[f64], b: &[f64]) -> f64 {
+    let largest = a.iter().fold(0.0_f64, |most, a| most.max(a.abs()));
+    a.iter().zip(b).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs())) / largest
+}
+
+/// Matrices so large that threads eliminate parts side by side: the solutions satisfy their equations,
+/// however the threads are scheduled the results are bit-identical, and the determinant changes sign
+/// where the border says so.
+#[test]
+fn parts_are_eliminated_side_by_side() {
+    let m = 120;
+    let (n, mut sparse) = (m * m, Sparse::new(Grid(m)));
+    let x = vec![0.5; n + 1];
+    let wave = |speed: f64| (0..n).map(|i| (speed * i as f64).sin()).collect::<Vec<f64>>();
+    let [column, row, right, test] = [0.31, 0.17, 0.73, 1.9].map(wave);
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let mut times = |v: &[f64]| {
+        let (direction, mut out) = ([v, &[0.0]].concat(), vec![0.0; n]);
+        sparse.derivative(&x, &[&direction], &mut out).unwrap();
+        out
+    };
+    let image = times(&test);
+    let mut solutions = Vec::new();
+    for corner in [-1e3, 1e3, 1e3] {
+        let border =
+            Border { width: 1, columns: &column, rows: &row, corner: &[corner], units: &[] };
+        let mut factors = Factors::default();
+        let mut system = Sparse::new(Grid(m));
+        system.assemble(&x).unwrap();
+        // The second factorisation uses the memory of the first.
+        system.factor(Form::Jacobian, Border { corner: &[0.7], ..border }, &mut factors).unwrap();
+        system.factor(Form::Jacobian, border, &mut factors).unwrap();
+        let [mut plain, mut transposed] = [0, 1].map(|_| [&right[..], &[0.4]].concat());
+        factors.solve(&mut plain);
+        factors.solve_transposed(&mut transposed);
+        let (z, y) = plain.split_at(n);
+        let mut left = times(z);
+        left.iter_mut().zip(&column).for_each(|(left, c)| *left += c * y[0]);
+        assert!(difference(&right, &left) < 1e-9, "{:.1e}", difference(&right, &left));
+        close(dot(&row, z) + corner * y[0], 0.4, 1e-9);
+        // ⟨w, A v⟩ + η ⟨r, v⟩ = ⟨b, v⟩ for the transposed equations.
+        let (w, eta) = transposed.split_at(n);
+        let scale = dot(w, w).sqrt() * dot(&image, &image).sqrt();
+        let both = dot(w, &image) + eta[0] * dot(&row, &test);
+        assert!((both - dot(&right, &test)).abs() < 1e-12 * scale);
+        solutions.push((plain, transposed, factors.determinant_sign()));
+    }
+    assert_eq!(solutions[1], solutions[2]);
+    // det [A b; cᵀ d] = det A (d − cᵀ A⁻¹ b), and cᵀ A⁻¹ b lies between the two values of d.
+    assert_eq!(solutions[0].2, -solutions[1].2);
+}
+
 /// The branch of a discretised field through its fold.
 fn through_fold(system: &mut dyn System, most: f64) -> Branch {
     let settings = Settings { max_points: 60, ..Settings::default() };

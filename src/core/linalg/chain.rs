@@ -27,7 +27,8 @@
 //! The caller adds the equations of the ends (boundary conditions, the corner) to `R` and solves
 //! linear systems with the result.
 
-use super::front::{Fronts, Pivots};
+use super::front::Fronts;
+use super::grouped_fronts::GroupedFronts;
 use crate::core::cancel::CancelToken;
 use crate::core::failure::Failure;
 
@@ -56,14 +57,10 @@ use crate::core::failure::Failure;
 /// ```
 #[derive(Default)]
 pub struct Chain {
-    intervals: usize,
-    nodes: usize,
-    states: usize,
-    columns: usize,
-    rows: usize,
+    shape: Shape,
     /// Fronts of intervals. The matrix of an interval, with columns `[inner nodes | right node |
     /// left node | k]`, and with the interval's equations and the border's rows as its rows.
-    inner: Fronts,
+    inner: GroupedFronts,
     /// The matrices in which shared nodes are eliminated (fronts). The columns of a front are
     /// `[left node | right node | x_0 | k]`; its rows are the remaining equations of the previous
     /// intervals, the remaining equations of this interval, and the border's rows.
@@ -84,11 +81,58 @@ pub struct Chain {
     equations: Vec<f64>,
 }
 
+/// The numbers of intervals, of nodes beyond the left node of an interval, of states at a node, and of
+/// columns and rows of the border.
+#[derive(Clone, Copy, Default)]
+struct Shape {
+    intervals: usize,
+    nodes: usize,
+    states: usize,
+    columns: usize,
+    rows: usize,
+}
+
+impl Shape {
+    /// Returns the number of equations of an interval.
+    fn each(&self) -> usize {
+        self.nodes * self.states
+    }
+
+    /// Returns the number of inner values of an interval.
+    fn inner(&self) -> usize {
+        self.each() - self.states
+    }
+
+    /// Returns the distance in memory from the start of a row to the start of the next row, in a
+    /// front of an interval with the given number of entries.
+    fn stride(&self, front: &[f64]) -> usize {
+        front.len() / (self.each() + self.rows)
+    }
+
+    fn fill_inner(&self, i: usize, front: &mut [f64], [blocks, columns, rows]: [&[f64]; 3]) {
+        let (n, k, each) = (self.states, self.columns, self.each());
+        let stride = self.stride(front);
+        let (equations, border) = front.split_at_mut(each * stride);
+        for (r, row) in equations.chunks_exact_mut(stride).enumerate() {
+            let source = &blocks[(i * each + r) * (each + n)..][..each + n];
+            row[..each].copy_from_slice(&source[n..]);
+            row[each..each + n].copy_from_slice(&source[..n]);
+            row[each + n..each + n + k].copy_from_slice(&columns[(i * each + r) * k..][..k]);
+        }
+        let nodes = (self.intervals * self.nodes + 1) * n;
+        for (r, row) in border.chunks_exact_mut(stride).enumerate() {
+            row.fill(0.0);
+            row[..each].copy_from_slice(&rows[r * nodes + i * each + n..][..each]);
+        }
+    }
+}
+
 impl Chain {
     /// Creates a chain of `intervals` intervals (N), with `nodes` nodes (m) beyond the left node in
     /// each interval and `states` states (n) at each node; all three numbers are at least 1.
     pub fn new(intervals: usize, nodes: usize, states: usize) -> Self {
-        Chain { intervals, nodes, states, ..Chain::default() }
+        let shape = Shape { intervals, nodes, states, ..Shape::default() };
+        Chain { shape, ..Chain::default() }
     }
 
     /// Factors the bordered chain.
@@ -112,20 +156,20 @@ impl Chain {
     ) -> Result<(), Failure> {
         self.resize(k, l);
         self.scale(blocks);
-        let mut pivots = Pivots::new();
-        for i in 0..self.intervals {
+        let (shape, cancel) = (self.shape, &self.cancel);
+        let mut pivots = self.inner.eliminate(|i, front| {
+            cancel.check()?;
+            shape.fill_inner(i, front, [blocks, columns, rows]);
+            Ok(())
+        })?;
+        self.begin(rows);
+        for i in 1..shape.intervals {
             self.cancel.check()?;
-            self.fill_inner(i, blocks, columns, rows);
-            self.inner.eliminate(i, &mut pivots)?;
-            if i == 0 {
-                self.begin(rows);
-            } else {
-                self.fill_shared(i);
-                self.shared.eliminate(i - 1, &mut pivots)?;
-                self.keep_shared(i);
-            }
+            self.fill_shared(i);
+            self.shared.eliminate(i - 1, &mut pivots)?;
+            self.keep_shared(i);
         }
-        let reordered = self.states * (self.intervals * self.nodes - 1);
+        let reordered = self.shape.states * (self.shape.intervals * self.shape.nodes - 1);
         self.sign = if reordered.is_multiple_of(2) { pivots.sign } else { -pivots.sign };
         Ok(())
     }
@@ -151,10 +195,11 @@ impl Chain {
     /// of the `l` border rows; on exit, `reduced_right` contains the right-hand side of the system
     /// with the matrix `R`.
     pub fn forward(&mut self, right: &mut [f64], reduced_right: &mut [f64]) {
-        let (n, each, inner) = (self.states, self.equations_each(), self.inner.eliminated);
+        let (n, each, inner) = (self.shape.states, self.shape.each(), self.shape.inner());
         let (left_over, border) = reduced_right.split_at_mut(n);
         for (i, right) in right.chunks_exact_mut(each).enumerate() {
-            self.inner.forward(i, right, border);
+            let (fronts, own) = self.inner.at(i);
+            fronts.forward(own, right, border);
             if i == 0 {
                 left_over.copy_from_slice(&right[inner..]);
                 continue;
@@ -178,24 +223,25 @@ impl Chain {
         y: &[f64],
         nodes_out: &mut [f64],
     ) {
-        let (n, each, inner) = (self.states, self.equations_each(), self.inner.eliminated);
+        let (n, each, inner) = (self.shape.states, self.shape.each(), self.shape.inner());
         nodes_out[..n].copy_from_slice(x_0);
-        nodes_out[self.intervals * each..].copy_from_slice(x_n);
+        nodes_out[self.shape.intervals * each..].copy_from_slice(x_n);
         for (i, right) in right.chunks_exact(each).enumerate().rev() {
             let nodes = &mut nodes_out[i * each..(i + 1) * each + n];
             if i > 0 {
-                let z = &mut self.unknowns[..3 * n + self.columns];
+                let z = &mut self.unknowns[..3 * n + self.shape.columns];
                 z[n..2 * n].copy_from_slice(&nodes[each..]);
                 z[2 * n..3 * n].copy_from_slice(x_0);
                 z[3 * n..].copy_from_slice(y);
                 self.shared.back(i - 1, &right[inner..], z);
                 nodes[..n].copy_from_slice(&z[..n]);
             }
-            let z = &mut self.unknowns[..each + n + self.columns];
+            let z = &mut self.unknowns[..each + n + self.shape.columns];
             z[inner..each].copy_from_slice(&nodes[each..]);
             z[each..each + n].copy_from_slice(&nodes[..n]);
             z[each + n..].copy_from_slice(y);
-            self.inner.back(i, right, z);
+            let (fronts, own) = self.inner.at(i);
+            fronts.back(own, right, z);
             nodes[n..each].copy_from_slice(&z[..inner]);
         }
     }
@@ -212,16 +258,17 @@ impl Chain {
         right_columns: &[f64],
         reduced_right: &mut [f64],
     ) {
-        let (n, each, inner) = (self.states, self.equations_each(), self.inner.eliminated);
+        let (n, each, inner) = (self.shape.states, self.shape.each(), self.shape.inner());
         reduced_right[..n].copy_from_slice(&right_nodes[..n]);
         reduced_right[n..2 * n].fill(0.0);
         reduced_right[2 * n..].copy_from_slice(right_columns);
         for (i, kept) in self.transposed.chunks_exact_mut(each).enumerate() {
             let nodes = &right_nodes[i * each..(i + 1) * each + n];
-            let z = &mut self.unknowns[..each + n + self.columns];
+            let z = &mut self.unknowns[..each + n + self.shape.columns];
             z[..each].copy_from_slice(&nodes[n..]);
             z[each..].fill(0.0);
-            self.inner.forward_transposed(i, z);
+            let (fronts, own) = self.inner.at(i);
+            fronts.forward_transposed(own, z);
             kept[..inner].copy_from_slice(&z[..inner]);
             let (right, left, k) = (&z[inner..each], &z[each..each + n], &z[each + n..]);
             add(&mut reduced_right[2 * n..], k);
@@ -233,7 +280,7 @@ impl Chain {
             add(&mut reduced_right[n..2 * n], left);
             // The right sides by x_0, node i and the k columns, with the interval's contribution to
             // node i + 1, become right sides with node i + 1 in place of node i.
-            let front = &mut self.equations[..3 * n + self.columns];
+            let front = &mut self.equations[..3 * n + self.shape.columns];
             place(front, reduced_right, n);
             front[n..2 * n].copy_from_slice(right);
             self.shared.forward_transposed(i - 1, front);
@@ -246,7 +293,7 @@ impl Chain {
     /// `reduced_left` (`n + l` entries) of the system with `Rᵀ`; the last `l` entries of
     /// `reduced_left` are the other components of `w`.
     pub fn back_transposed(&mut self, reduced_left: &[f64], equations_out: &mut [f64]) {
-        let (n, each, inner) = (self.states, self.equations_each(), self.inner.eliminated);
+        let (n, each, inner) = (self.shape.states, self.shape.each(), self.shape.inner());
         let (left_over, border) = reduced_left.split_at(n);
         equations_out.copy_from_slice(&self.transposed);
         let y = &mut self.equations[..2 * n];
@@ -260,21 +307,18 @@ impl Chain {
             } else {
                 out[inner..].copy_from_slice(&y[n..]);
             }
-            self.inner.back_transposed(i, out, border);
+            let (fronts, own) = self.inner.at(i);
+            fronts.back_transposed(own, out, border);
         }
-    }
-
-    fn equations_each(&self) -> usize {
-        self.nodes * self.states
     }
 
     fn resize(&mut self, k: usize, l: usize) {
-        if !self.reduced.is_empty() && (k, l) == (self.columns, self.rows) {
+        if !self.reduced.is_empty() && (k, l) == (self.shape.columns, self.shape.rows) {
             return;
         }
-        (self.columns, self.rows) = (k, l);
-        let (n, each, intervals) = (self.states, self.equations_each(), self.intervals);
-        self.inner = Fronts::new(intervals, each - n, each, l, each + n + k);
+        (self.shape.columns, self.shape.rows) = (k, l);
+        let (n, each, intervals) = (self.shape.states, self.shape.each(), self.shape.intervals);
+        self.inner = GroupedFronts::new(intervals, [each - n, each, l, each + n + k]);
         self.shared = Fronts::new(intervals - 1, n, 2 * n, l, 3 * n + k);
         self.reduced = vec![0.0; (n + l) * (2 * n + k)];
         self.state_scales = vec![0.0; each + n];
@@ -286,7 +330,7 @@ impl Chain {
     /// Computes one scale for each state, the inverse of the largest derivative with respect to
     /// that state, so that the choice of pivots does not depend on the units of the states.
     fn scale(&mut self, blocks: &[f64]) {
-        let (n, each) = (self.states, self.equations_each());
+        let (n, each) = (self.shape.states, self.shape.each());
         self.state_scales.fill(0.0);
         for row in blocks.chunks_exact(each + n) {
             for (largest, entry) in self.state_scales.iter_mut().zip(row) {
@@ -296,34 +340,19 @@ impl Chain {
         for state in 0..n {
             let largest = self.state_scales.iter().skip(state).step_by(n);
             let scale = 1.0 / largest.fold(0.0, |a: f64, b| a.max(*b));
-            let inner = self.inner.scales[..each + n].iter_mut().skip(state).step_by(n);
-            inner.for_each(|column| *column = scale);
+            self.inner.set_scales(|scales| {
+                let inner = scales[..each + n].iter_mut().skip(state).step_by(n);
+                inner.for_each(|column| *column = scale);
+            });
             let shared = self.shared.scales[..3 * n].iter_mut().skip(state).step_by(n);
             shared.for_each(|column| *column = scale);
-        }
-    }
-
-    fn fill_inner(&mut self, i: usize, blocks: &[f64], columns: &[f64], rows: &[f64]) {
-        let (n, k, each) = (self.states, self.columns, self.equations_each());
-        let stride = self.inner.stride;
-        let (equations, border) = self.inner.front_mut(i).split_at_mut(each * stride);
-        for (r, row) in equations.chunks_exact_mut(stride).enumerate() {
-            let source = &blocks[(i * each + r) * (each + n)..][..each + n];
-            row[..each].copy_from_slice(&source[n..]);
-            row[each..each + n].copy_from_slice(&source[..n]);
-            row[each + n..each + n + k].copy_from_slice(&columns[(i * each + r) * k..][..k]);
-        }
-        let nodes = (self.intervals * self.nodes + 1) * n;
-        for (r, row) in border.chunks_exact_mut(stride).enumerate() {
-            row.fill(0.0);
-            row[..each].copy_from_slice(&rows[r * nodes + i * each + n..][..each]);
         }
     }
 
     /// Stores the rows of the chain that remain after the elimination up to the end of interval
     /// `i`.
     fn keep_shared(&mut self, i: usize) {
-        let (n, k) = (self.states, self.columns);
+        let (n, k) = (self.shape.states, self.shape.columns);
         let rows = self.shared.front(i - 1).chunks_exact(self.shared.stride).skip(n);
         for (reduced, row) in self.reduced.chunks_exact_mut(2 * n + k).zip(rows) {
             unplace(reduced, &row[..3 * n + k], n);
@@ -333,16 +362,18 @@ impl Chain {
     /// Stores the rows of the first interval that remain after its elimination, with columns for
     /// both ends of the interval.
     fn begin(&mut self, rows: &[f64]) {
-        let (n, k, each) = (self.states, self.columns, self.equations_each());
-        let (inner, stride) = (self.inner.eliminated, self.inner.stride);
-        let left = self.inner.front(0).chunks_exact(stride).skip(inner);
+        let (n, k, each) = (self.shape.states, self.shape.columns, self.shape.each());
+        let (inner, front) = (self.shape.inner(), self.inner.front(0));
+        let left = front.chunks_exact(self.shape.stride(front)).skip(inner);
         for (reduced, row) in self.reduced.chunks_exact_mut(2 * n + k).zip(left) {
             reduced[..n].copy_from_slice(&row[each..each + n]);
             reduced[n..2 * n].copy_from_slice(&row[inner..each]);
             reduced[2 * n..].copy_from_slice(&row[each + n..each + n + k]);
         }
         let border = self.reduced.chunks_exact_mut(2 * n + k).skip(n);
-        for (reduced, row) in border.zip(rows.chunks_exact((self.intervals * self.nodes + 1) * n)) {
+        for (reduced, row) in
+            border.zip(rows.chunks_exact((self.shape.intervals * self.shape.nodes + 1) * n))
+        {
             add(&mut reduced[..n], &row[..n]);
         }
     }
@@ -350,8 +381,8 @@ impl Chain {
     /// Assembles the remaining rows of the chain up to node `i` and the rows of interval `i`,
     /// ordered by nodes.
     fn fill_shared(&mut self, i: usize) {
-        let (n, k, each) = (self.states, self.columns, self.equations_each());
-        let (inner, stride) = (self.inner.eliminated, self.inner.stride);
+        let (n, k, each) = (self.shape.states, self.shape.columns, self.shape.each());
+        let (inner, front) = (self.shape.inner(), self.inner.front(i));
         let wide = self.shared.stride;
         let a = self.shared.front_mut(i - 1);
         a.fill(0.0);
@@ -361,7 +392,7 @@ impl Chain {
         for (row, reduced) in before.chunks_exact_mut(wide).chain(border).zip(carried) {
             place(row, reduced, n);
         }
-        let left = self.inner.front(i).chunks_exact(stride).skip(inner);
+        let left = front.chunks_exact(self.shape.stride(front)).skip(inner);
         for (row, left) in others.chunks_exact_mut(wide).zip(left) {
             add(&mut row[..n], &left[each..each + n]);
             add(&mut row[n..2 * n], &left[inner..each]);

@@ -62,6 +62,12 @@ impl Pivots {
         Pivots { sign: 1.0, largest: 0.0 }
     }
 
+    /// Adds pivots that were found separately.
+    pub(super) fn join(&mut self, others: &Pivots) {
+        self.sign *= others.sign;
+        self.largest = self.largest.max(others.largest);
+    }
+
     /// Records a pivot. [`Failure`] if a pivot vanishes to working accuracy or is not finite.
     fn record(&mut self, pivot: f64, relative: f64) -> Result<(), Failure> {
         self.sign *= pivot.signum();

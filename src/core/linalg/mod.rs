@@ -27,6 +27,7 @@ mod factors;
 mod finite;
 mod front;
 mod gmres;
+mod grouped_fronts;
 mod lu;
 mod mass;
 mod pencil;

@@ -2,6 +2,7 @@
 //! summed.
 
 use super::super::lu::{Entry, largest};
+use crate::core::threads::side_by_side;
 use faer::linalg::matmul::matmul;
 use faer::linalg::triangular_solve::solve_unit_lower_triangular_in_place;
 use faer::{Accum, MatMut, MatRef, Par};
@@ -21,6 +22,13 @@ const PANEL: usize = 32;
 
 /// Heuristic: the number of multiplications below which an update is faster with plain loops.
 const SMALL: usize = 4096;
+
+/// Heuristic: the number of multiplications from which on an update is divided into blocks of columns
+/// that several threads update.
+const LARGE: usize = 2_000_000;
+
+/// Heuristic: the number of blocks of columns of a large update.
+const BLOCKS: usize = 4;
 
 /// A front: a dense matrix whose first `summed` rows and columns are fully summed, so that they can
 /// be eliminated. Each row of a front is labelled by the index of its equation, and each column by
@@ -165,13 +173,21 @@ impl<E: Entry> Front<'_, E> {
             return;
         }
         let left = MatRef::from_column_major_slice(&left[start * size..end * size], size, width);
-        let right = MatMut::from_column_major_slice_mut(right, size, count);
-        let (_, right) = right.split_at_row_mut(start);
-        let (mut top, bottom) = right.split_at_row_mut(width);
         let unit = left.subrows(start, width);
-        solve_unit_lower_triangular_in_place(unit, top.as_mut(), Par::Seq);
         let (lower, factor) = (left.subrows(end, size - end), E::from_real(-1.0));
-        matmul(bottom, Accum::Add, lower, top.as_ref(), factor, Par::Seq);
+        let apply = |block: &mut [E]| {
+            let count = block.len() / size;
+            let block = MatMut::from_column_major_slice_mut(block, size, count);
+            let (_, block) = block.split_at_row_mut(start);
+            let (mut top, bottom) = block.split_at_row_mut(width);
+            solve_unit_lower_triangular_in_place(unit, top.as_mut(), Par::Seq);
+            matmul(bottom, Accum::Add, lower, top.as_ref(), factor, Par::Seq);
+        };
+        if width * (size - start) * count < LARGE {
+            return apply(right);
+        }
+        let mut blocks: Vec<_> = right.chunks_mut(size * count.div_ceil(BLOCKS)).collect();
+        side_by_side(&mut blocks, |_, block| apply(block));
     }
 }
 

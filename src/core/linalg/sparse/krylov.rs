@@ -1,24 +1,14 @@
 //! Krylov spaces of the inverse of a sparse matrix, and the eigenvalues of the inverse that are
 //! computed from these spaces.
 
+use super::block::{Block, LANES, block_of, dot, orthogonalise_block};
 use crate::core::failure::Failure;
-use crate::core::linalg::{dot, norm, normalise, orthogonalise};
+use crate::core::linalg::{normalise, orthogonalise};
 use faer::{MatRef, Side, c64};
-use std::array::{from_mut, from_ref};
-
-/// Heuristic: the number of vectors that are multiplied by the inverse and orthogonalised together.
-pub(in crate::core) const LANES: usize = 4;
+use std::iter::repeat_n;
 
 /// Heuristic: the largest number of basis vectors of a Krylov space.
 const DIMENSION: usize = 240;
-
-/// Heuristic: the number of rows of a block that are processed together: the rows fit into the
-/// first-level cache, and the same rows of about fifty vectors into the second-level cache.
-const ROWS: usize = 1024;
-
-/// Heuristic: the number of basis vectors that are read together with the rows of a block, so that each
-/// row is read once for all of them. Larger groups take no less time.
-const GROUP: usize = 4;
 
 /// Heuristic: eigenvalues of a symmetric matrix form a cluster, with a common error estimate, if
 /// their relative distance is smaller than this.
@@ -27,9 +17,6 @@ const TOGETHER: f64 = 0.01;
 /// Rounding: a vector is orthogonalised again if the remainder after orthogonalisation is shorter
 /// than this fraction of the vector's original length.
 const CANCELLED: f64 = 0.1;
-
-/// Several vectors of the same length, stored row by row.
-type Block = [[f64; LANES]];
 
 /// Converged eigenvalues of the inverse matrix, with an orthonormal basis of the space that their
 /// eigenvectors span.
@@ -72,6 +59,9 @@ pub(super) struct Krylov<'l> {
     projected: Vec<f64>,
     /// The number of rows of the matrix `projected`.
     rows: usize,
+    /// For each basis vector that has been multiplied by the inverse, the number of basis vectors
+    /// whose span contains the product.
+    reach: Vec<usize>,
     /// The largest number of products with the inverse.
     most: usize,
 }
@@ -86,10 +76,10 @@ impl<'l> Krylov<'l> {
         let most = DIMENSION.min(n - locked.len());
         let rows = most + starts.len();
         let projected = vec![0.0; rows * most];
-        let vectors = Vec::new();
-        let mut space = Krylov { locked, scales, vectors, images: 0, projected, rows, most };
+        let (vectors, reach) = (Vec::new(), Vec::new());
+        let mut space = Krylov { locked, scales, vectors, images: 0, projected, rows, reach, most };
         for some in starts.chunks(LANES) {
-            space.extend(&mut block_of(some), some.len());
+            space.extend(&mut block_of(some), some.len(), 0);
         }
         space
     }
@@ -112,7 +102,9 @@ impl<'l> Krylov<'l> {
         scaled(&mut block, |d| d);
         apply(&mut block);
         scaled(&mut block, |d| d.recip());
-        let parts = self.extend(&mut block, count);
+        let near = self.first_coupled();
+        let parts = self.extend(&mut block, count, near);
+        self.reach.extend(repeat_n(self.vectors.len(), count));
         for lane in 0..count {
             let column = &mut self.projected[(self.images + lane) * self.rows..][..parts.len()];
             column.iter_mut().zip(&parts).for_each(|(entry, part)| *entry = part[lane]);
@@ -120,11 +112,24 @@ impl<'l> Krylov<'l> {
         self.images += count;
     }
 
+    /// Returns the position, among the locked vectors and the basis, of the first vector along which
+    /// the products of the next basis vectors can have components. If the matrix is symmetric, no
+    /// product has a component along a basis vector whose own product lies in the span of earlier
+    /// vectors (C. Lanczos, J. Res. Nat. Bur. Standards 45 (1950) 255), or along an eigenvector.
+    fn first_coupled(&self) -> usize {
+        match self.scales {
+            Some(_) => self.locked.len() + self.reach.partition_point(|end| *end <= self.images),
+            None => 0,
+        }
+    }
+
     /// Orthogonalises the first vectors of a block, adds them to the basis, and returns their components
-    /// along the basis.
-    fn extend(&mut self, block: &mut Block, count: usize) -> Vec<[f64; LANES]> {
+    /// along the basis. The components along the locked vectors and the basis vectors before the
+    /// position `near` consist of rounding errors.
+    fn extend(&mut self, block: &mut Block, count: usize, near: usize) -> Vec<[f64; LANES]> {
         let before = self.vectors.len();
-        let mut parts = orthogonalise_block(block, &[self.locked, &self.vectors]);
+        let all: Vec<&[f64]> = self.locked.iter().chain(&self.vectors).map(Vec::as_slice).collect();
+        let mut parts = orthogonalise_block(block, &all, near);
         let mut sizes = [0.0; LANES];
         for part in &parts {
             sizes.iter_mut().zip(part).for_each(|(size, part)| *size = part.abs().max(*size));
@@ -132,7 +137,7 @@ impl<'l> Krylov<'l> {
         parts.drain(..self.locked.len());
         for lane in 0..count {
             let mut vector: Vec<f64> = block.iter().map(|row| row[lane]).collect();
-            let whole = norm(&vector);
+            let whole = dot(&vector, &vector).sqrt();
             let (own, mut rest) = orthonormalise(&mut vector, &[&self.vectors[before..]]);
             for (part, own) in parts[before..].iter_mut().zip(own) {
                 part[lane] = own;
@@ -281,109 +286,12 @@ impl RitzPairs {
     }
 }
 
-/// Arranges vectors side by side in lanes; unused lanes are zero.
-fn block_of(vectors: &[Vec<f64>]) -> Vec<[f64; LANES]> {
-    let mut block = vec![[0.0; LANES]; vectors.first().map_or(0, Vec::len)];
-    for (lane, vector) in vectors.iter().enumerate() {
-        block.iter_mut().zip(vector).for_each(|(row, v)| row[lane] = *v);
-    }
-    block
-}
-
-/// Makes the vectors of a block orthogonal to lists of orthonormal vectors, by two Gram–Schmidt passes
-/// like [`orthogonalise`], but for all vectors of the block together. Returns the components of the
-/// block's vectors along the vectors of the lists.
-fn orthogonalise_block(block: &mut Block, to: &[&[Vec<f64>]]) -> Vec<[f64; LANES]> {
-    let all: Vec<&[f64]> = to.iter().flat_map(|list| list.iter().map(Vec::as_slice)).collect();
-    let mut first = vec![[0.0; LANES]; all.len()];
-    let mut second = first.clone();
-    for (k, rows) in block.chunks(ROWS).enumerate() {
-        add_products(&all, (rows, k * ROWS), &mut first);
-    }
-    // The second reading of the vectors finds them in the cache.
-    for (k, rows) in block.chunks_mut(ROWS).enumerate() {
-        subtract(&all, (rows, k * ROWS), &first);
-        add_products(&all, (rows, k * ROWS), &mut second);
-    }
-    for (k, rows) in block.chunks_mut(ROWS).enumerate() {
-        subtract(&all, (rows, k * ROWS), &second);
-    }
-    for (part, more) in first.iter_mut().zip(second) {
-        part.iter_mut().zip(more).for_each(|(part, more)| *part += more);
-    }
-    first
-}
-
-/// Adds the scalar products of vectors with the vectors of a block to `sums`; `rows` are the rows of
-/// the block from the row number `from` on.
-fn add_products(vectors: &[&[f64]], (rows, from): (&Block, usize), sums: &mut [[f64; LANES]]) {
-    let ((groups, last), (of_groups, of_last)) =
-        (vectors.as_chunks::<GROUP>(), sums.as_chunks_mut::<GROUP>());
-    for (group, sums) in groups.iter().zip(of_groups) {
-        add_products_of(group, (rows, from), sums);
-    }
-    for (vector, sums) in last.iter().zip(of_last) {
-        add_products_of(from_ref(vector), (rows, from), from_mut(sums));
-    }
-}
-
-/// Adds the scalar products of a group of vectors with the vectors of a block.
-fn add_products_of<const N: usize>(
-    vectors: &[&[f64]; N],
-    (rows, from): (&Block, usize),
-    sums: &mut [[f64; LANES]; N],
-) {
-    let vectors = vectors.map(|vector| &vector[from..][..rows.len()]);
-    let mut own = [[0.0; LANES]; N];
-    for i in 0..rows.len() {
-        for k in 0..N {
-            for lane in 0..LANES {
-                own[k][lane] += vectors[k][i] * rows[i][lane];
-            }
-        }
-    }
-    for (sums, own) in sums.iter_mut().zip(own) {
-        sums.iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
-    }
-}
-
-/// Subtracts from the vectors of a block their components `along` vectors; `rows` are the rows of the
-/// block from the row number `from` on.
-fn subtract(vectors: &[&[f64]], (rows, from): (&mut Block, usize), along: &[[f64; LANES]]) {
-    let ((groups, last), (of_groups, of_last)) =
-        (vectors.as_chunks::<GROUP>(), along.as_chunks::<GROUP>());
-    for (group, along) in groups.iter().zip(of_groups) {
-        subtract_from(rows, (group, from), along);
-    }
-    for (vector, along) in last.iter().zip(of_last) {
-        subtract_from(rows, (from_ref(vector), from), from_ref(along));
-    }
-}
-
-/// Subtracts from the vectors of a block their components along a group of vectors.
-fn subtract_from<const N: usize>(
-    rows: &mut Block,
-    (vectors, from): (&[&[f64]; N], usize),
-    along: &[[f64; LANES]; N],
-) {
-    let vectors = vectors.map(|vector| &vector[from..][..rows.len()]);
-    for i in 0..rows.len() {
-        let mut row = rows[i];
-        for k in 0..N {
-            for lane in 0..LANES {
-                row[lane] -= along[k][lane] * vectors[k][i];
-            }
-        }
-        rows[i] = row;
-    }
-}
-
 /// Makes a vector orthogonal to lists of orthonormal vectors, and scales the remainder to length 1.
 /// Returns the components of the vector along the vectors of the lists, and the length of the
 /// remainder before scaling.
 fn orthonormalise(vector: &mut [f64], to: &[&[Vec<f64>]]) -> (Vec<f64>, f64) {
     let parts = to.iter().flat_map(|list| orthogonalise(vector, list, dot)).collect();
-    let rest = norm(vector);
+    let rest = dot(vector, vector).sqrt();
     normalise(vector);
     (parts, rest)
 }

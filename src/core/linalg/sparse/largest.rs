@@ -1,6 +1,7 @@
 //! The largest eigenvalues of a matrix that is given by its products with vectors.
 
-use super::krylov::{Krylov, LANES, RitzPairs};
+use super::block::LANES;
+use super::krylov::{Krylov, RitzPairs};
 use crate::core::failure::Failure;
 use crate::core::linalg::{Spectrum, generic};
 use std::mem::take;

@@ -1,7 +1,8 @@
 //! The rightmost eigenvalues of a sparse matrix, from a Krylov space of the inverse matrix, and a
 //! certificate of the number of unstable eigenvalues.
 
-use super::krylov::{Krylov, LANES, Locked};
+use super::block::LANES;
+use super::krylov::{Krylov, Locked};
 use super::{Elimination, Pencil, SparseLu};
 use crate::core::failure::Failure;
 use crate::core::linalg::{Border, Spectrum, largest};
@@ -52,6 +53,10 @@ const FARTHER: f64 = 1.25;
 /// Heuristic: the largest number of changes of the shift.
 const MOVES: usize = 3;
 
+/// Heuristic: the eigenvalues of a Krylov space are computed for the first time when the space is
+/// smaller, by one part of this number, than the converged Krylov space of the previous matrix.
+const EARLIER: usize = 8;
+
 /// The description of the requested eigenvalues in error messages.
 const NEAREST: &str = "eigenvalues nearest to zero";
 
@@ -77,11 +82,19 @@ const NEUTRAL: f64 = 1e-8;
 #[derive(Default)]
 pub(in crate::core) struct Leading {
     lu: SparseLu,
-    /// The eigenvectors of the previous matrix.
-    start: Vec<Vec<f64>>,
-    /// The eigenvectors of the largest eigenvalues of the previous matrix, and the largest eigenvalue.
-    farthest: Vec<Vec<f64>>,
+    /// The results for the previous matrix.
+    previous: Previous,
+    /// The results for the largest eigenvalues of the previous matrix, and the largest eigenvalue.
+    farthest: Previous,
     largest: f64,
+}
+
+/// The results for the previous matrix, from which the next search starts.
+#[derive(Default)]
+struct Previous {
+    vectors: Vec<Vec<f64>>,
+    /// The number of products with the inverse after which the first Krylov space had converged.
+    products: usize,
 }
 
 /// The rightmost eigenvalues.
@@ -203,9 +216,9 @@ impl Leading {
                 None => return Ok(Spectrum::new()),
             }
         }
-        swap(&mut self.start, &mut self.farthest);
+        swap(&mut self.previous, &mut self.farthest);
         let found = self.nearest(matrix, (top, missing));
-        swap(&mut self.start, &mut self.farthest);
+        swap(&mut self.previous, &mut self.farthest);
         let found = match found {
             Ok(Found::All(far)) => far.spectrum,
             Ok(Found::Alone(_)) | Err(Failure::Eigenvalues(_)) => Spectrum::new(),
@@ -262,8 +275,8 @@ impl Leading {
         spectrum.sort_by(|a, b| b.0.total_cmp(&a.0).then(b.1.total_cmp(&a.1)));
         let Locked { basis, others, .. } = locked;
         let missing = WARM.saturating_sub(basis.len());
-        self.start = basis;
-        self.start.extend(others.into_iter().take(missing));
+        self.previous.vectors = basis;
+        self.previous.vectors.extend(others.into_iter().take(missing));
         Ok(Found::All(Circle { spectrum, center: shift, radius }))
     }
 
@@ -271,10 +284,11 @@ impl Leading {
     /// and random vectors, which find eigenvectors that the sums lack.
     fn starts(&self, n: usize) -> Vec<Vec<f64>> {
         let mut starts: Vec<Vec<f64>> = (0..WARM + SEEDS).map(|k| random(n, k)).collect();
-        if self.start.first().is_some_and(|it| it.len() == n) {
-            let known = self.start.len().min(WARM);
+        let previous = &self.previous.vectors;
+        if previous.first().is_some_and(|it| it.len() == n) {
+            let known = previous.len().min(WARM);
             starts[..known].iter_mut().for_each(|it| it.fill(0.0));
-            for (k, vector) in self.start.iter().enumerate() {
+            for (k, vector) in previous.iter().enumerate() {
                 starts[k % WARM].iter_mut().zip(vector).for_each(|(sum, v)| *sum += v);
             }
         }
@@ -293,7 +307,10 @@ impl Leading {
     ) -> Result<Option<f64>, Failure> {
         let n = starts.first().map_or(0, Vec::len);
         let mut space = Krylov::new(starts, (&locked.basis, matrix.scales), n);
-        let mut next_look = wanted + 2;
+        let (is_first, mut next_look) = (least == 0.0 && locked.values.is_empty(), wanted + 2);
+        if is_first {
+            next_look = next_look.max(self.previous.products - self.previous.products / EARLIER);
+        }
         while !space.vectors.is_empty() {
             space.grow(&mut |block| {
                 matrix.times_mass(block);
@@ -315,7 +332,10 @@ impl Leading {
             }
             let allowed = |size: f64| (ROUNDING * first).max(CONVERGED * size);
             if open.iter().all(|k| ritz.errors[*k] <= allowed(ritz.size(*k))) {
-                let Krylov { vectors, .. } = space;
+                let Krylov { vectors, images, .. } = space;
+                if is_first {
+                    self.previous.products = images;
+                }
                 ritz.lock(&open, &vectors, locked);
                 let others = ritz.order.iter().filter(|k| !open.contains(k));
                 let others = others.take(WARM.saturating_sub(open.len()));

@@ -3,13 +3,16 @@
 use super::super::border::Border;
 use super::super::factors::{ComplexFactors, Factorisation, Shifted};
 use super::super::lu::{Entry, inverse_power_of_two};
-use super::front::Front;
+use super::matrix::{Bordering, Matrix, Pencil};
+use super::part::{Job, Part};
 use super::tree::{Node, Tree};
+use super::triangles::{Side, Triangles};
 use super::{Pattern, parity};
 use crate::core::failure::{Failure, SINGULAR, unusable};
+use crate::core::linalg::refill;
+use crate::core::threads::side_by_side;
 use faer::c64;
-use std::mem::take;
-use std::ops::Range;
+use std::iter::repeat_n;
 use std::sync::Arc;
 
 /// The order of elimination for matrices with the same sparsity pattern, computed once.
@@ -27,35 +30,8 @@ impl Elimination {
 
     /// Returns the number of multiplications in an elimination without a border.
     pub fn products(&self) -> f64 {
-        let products = |node: &Node| {
-            let (own, size) = (node.own.len(), node.own.len() + node.pattern.len());
-            (own * size * size) as f64
-        };
-        self.tree.nodes.iter().map(products).sum()
+        self.tree.nodes.iter().map(Node::products).sum()
     }
-}
-
-/// The Schur complement of a node's front, which is added to the front of the node's parent.
-#[derive(Clone, Debug, Default)]
-struct Rest<E> {
-    entries: Vec<E>,
-    /// The indices of the rows and columns of the Schur complement.
-    lists: [Vec<usize>; 2],
-    /// The number of leading rows and columns that are fully summed but were not eliminated,
-    /// because their pivots were too small.
-    delayed: usize,
-}
-
-/// The eliminated part of a front.
-#[derive(Clone, Debug)]
-struct Eliminated {
-    pivots: usize,
-    /// The range of this front's rows and columns in the lists that hold the rows and columns of
-    /// all fronts.
-    place: Range<usize>,
-    /// The position of the node's factors among all factors: first `L` (all rows of the pivot
-    /// columns), then `U` (the pivot rows of all other columns).
-    factors: usize,
 }
 
 /// The LU factorisation of a bordered sparse matrix.
@@ -66,82 +42,18 @@ struct Eliminated {
 /// to the front of the parent; the border is part of every front and is eliminated last. Hence a
 /// singular matrix with a border that makes it regular is factored as accurately as a dense
 /// bordered matrix. Refactoring reuses the storage of the previous factorisation.
+///
+/// Parts of the elimination tree of a large matrix are factored, and used for the solution of linear
+/// systems, on several threads.
 #[derive(Default)]
 pub(in crate::core) struct SparseLu<E = f64> {
     elimination: Arc<Elimination>,
-    width: usize,
+    /// The factors by which rows and columns are scaled.
     scales: [Vec<f64>; 2],
-    /// The position of each row and of each column in the current front.
-    local: [Vec<usize>; 2],
-    /// Runs of consecutive rows of a child's Schur complement, with their positions in the current
-    /// front.
-    runs: Vec<Range<usize>>,
-    /// The Schur complements of the children of each node.
-    rests: Vec<Vec<Rest<E>>>,
-    pool: Vec<Rest<E>>,
-    front: Vec<E>,
-    lists: [Vec<usize>; 2],
-    eliminated: Vec<Eliminated>,
-    factors: Vec<E>,
+    /// The parts of the elimination tree; the last part comes after all others.
+    parts: Vec<Part<E>>,
     work: Vec<E>,
     sign: f64,
-}
-
-/// The matrices `A` and `M` of a pencil `A − σ M`, given by their entries in the order of a common
-/// pattern; without `M`, the identity matrix.
-#[derive(Clone, Copy)]
-pub(in crate::core) struct Pencil<'a> {
-    pub entries: &'a [f64],
-    pub mass: Option<&'a [f64]>,
-}
-
-/// A bordered sparse matrix `A − shift M`.
-struct Matrix<'a, E> {
-    pencil: Pencil<'a>,
-    shift: E,
-    border: Bordering<'a, E>,
-    /// Whether pivots are taken from the diagonal if possible.
-    diagonal: bool,
-}
-
-impl<E: Entry> Matrix<'_, E> {
-    /// Returns entry number `k` of the pattern without the share of an identity matrix `M`.
-    fn entry(&self, k: usize) -> E {
-        let own = E::from_real(self.pencil.entries[k]);
-        self.pencil.mass.map_or(own, |mass| own - self.shift * E::from_real(mass[k]))
-    }
-
-    /// Returns the number that an identity matrix `M` subtracts from the diagonal.
-    fn on_diagonal(&self) -> E {
-        if self.pencil.mass.is_some() { E::default() } else { self.shift }
-    }
-
-    /// Visits the row, the column and the size of every entry, including the entries of the border.
-    fn for_each_size(&self, pattern: &Pattern, mut visit: impl FnMut(usize, usize, f64)) {
-        let (n, border, shift) = (pattern.size(), &self.border, self.on_diagonal());
-        for j in 0..n {
-            for (k, &i) in (pattern.start(j)..).zip(pattern.column(j)) {
-                let shift = if i == j { shift } else { E::default() };
-                visit(i, j, (self.entry(k) - shift).modulus());
-            }
-            for k in 0..border.width {
-                visit(n + k, j, (border.row)(k, j).modulus());
-                visit(j, n + k, (border.column)(j, k).modulus());
-            }
-        }
-        for i in 0..border.width {
-            (0..border.width).for_each(|k| visit(n + i, n + k, (border.corner)(i, k).modulus()));
-        }
-    }
-}
-
-/// The entries of a border: columns with one entry for each equation, rows with one entry for each
-/// unknown, and the corner.
-struct Bordering<'a, E> {
-    width: usize,
-    column: &'a dyn Fn(usize, usize) -> E,
-    row: &'a dyn Fn(usize, usize) -> E,
-    corner: &'a dyn Fn(usize, usize) -> E,
 }
 
 impl SparseLu {
@@ -191,11 +103,14 @@ impl<E: Entry> SparseLu<E> {
     ) -> Result<(), Failure> {
         self.prepare(elimination, matrix.border.width);
         self.equilibrate(matrix);
-        let elimination = elimination.clone();
-        for (k, node) in elimination.tree.nodes.iter().enumerate() {
-            self.eliminate(&elimination, k, Some(node), matrix);
+        let (tree, size, scales) = (&elimination.tree, elimination.pattern.size(), &self.scales);
+        let job = Job { tree, matrix, size, scales };
+        if let Some((last, others)) = self.parts.split_last_mut() {
+            side_by_side(others, |k, part| part.factor(job, &tree.parts[k], false));
+            last.take_rests(others);
+            last.factor(job, &tree.parts[others.len()], true);
+            last.give_memory(others);
         }
-        self.eliminate(&elimination, elimination.tree.nodes.len(), None, matrix);
         self.judge()
     }
 
@@ -203,14 +118,10 @@ impl<E: Entry> SparseLu<E> {
         if !Arc::ptr_eq(&self.elimination, elimination) {
             *self = SparseLu { elimination: elimination.clone(), ..Self::default() };
         }
-        self.width = width;
-        let size = elimination.pattern.size() + width;
-        self.local.iter_mut().for_each(|local| local.resize(size, 0));
-        self.work.resize(size, E::default());
-        self.lists.iter_mut().for_each(Vec::clear);
-        self.eliminated.clear();
-        self.factors.clear();
-        self.rests.resize_with(elimination.tree.nodes.len() + 1, Vec::new);
+        let (size, tree) = (elimination.pattern.size() + width, &elimination.tree);
+        self.scales.iter_mut().for_each(|scales| refill(scales, repeat_n(0.0, size)));
+        self.parts.resize_with(tree.parts.len(), Part::default);
+        self.parts.iter_mut().for_each(|part| part.prepare(size, tree.nodes.len()));
     }
 
     /// Computes powers of two that scale rows and columns, so that the largest entry of each row and
@@ -218,164 +129,18 @@ impl<E: Entry> SparseLu<E> {
     fn equilibrate(&mut self, matrix: &Matrix<E>) {
         let pattern = &self.elimination.pattern;
         let [rows, columns] = &mut self.scales;
-        for scales in [&mut *rows, &mut *columns] {
-            scales.clear();
-            scales.resize(pattern.size() + self.width, 0.0);
-        }
         matrix.for_each_size(pattern, |_, j, size| columns[j] = size.max(columns[j]));
         columns.iter_mut().for_each(|scale| *scale = inverse_power_of_two(*scale));
         matrix.for_each_size(pattern, |i, j, size| rows[i] = (size * columns[j]).max(rows[i]));
         rows.iter_mut().for_each(|scale| *scale = inverse_power_of_two(*scale));
     }
 
-    /// Assembles the frontal matrix (the front) of a node of the elimination tree, eliminates
-    /// columns with acceptable pivots, and passes the remaining columns to the front of the parent
-    /// node. If no node is given, eliminates all remaining columns: the columns of the border, and
-    /// columns that were delayed because they had no acceptable pivot.
-    fn eliminate(
-        &mut self,
-        elimination: &Elimination,
-        k: usize,
-        node: Option<&Node>,
-        matrix: &Matrix<E>,
-    ) {
-        let (n, m) = (elimination.pattern.size(), self.width);
-        let children = take(&mut self.rests[k]);
-        let (own, pattern) = node.map_or((&[][..], &[][..]), |node| (&node.own, &node.pattern));
-        let from = self.lists[0].len();
-        for (side, list) in self.lists.iter_mut().enumerate() {
-            list.extend(own);
-            children.iter().for_each(|child| list.extend(&child.lists[side][..child.delayed]));
-            list.extend(pattern);
-            list.extend(n..n + m);
-        }
-        let size = self.lists[0].len() - from;
-        let summed = if node.is_some() { size - m - pattern.len() } else { size };
-        self.assemble(from, summed - own.len(), node, matrix);
-        if !children.is_empty() {
-            for (local, list) in self.local.iter_mut().zip(&self.lists) {
-                list[from..].iter().enumerate().for_each(|(at, &v)| local[v] = at);
-            }
-        }
-        for child in children {
-            self.add(size, &child);
-            self.pool.push(child);
-        }
-        let [rows, columns] = &mut self.lists;
-        let (rows, columns) = (&mut rows[from..], &mut columns[from..]);
-        let entries = &mut self.front[..size * size];
-        let diagonal = matrix.diagonal;
-        let pivots = Front { entries, rows, columns, summed, width: m, diagonal }.eliminate();
-        self.keep(from, pivots);
-        if let Some(node) = node {
-            self.leave(from, [pivots, summed], node.parent);
-        }
-    }
-
-    /// Clears a front (frontal matrix) whose row and column lists begin at `from`, and adds the
-    /// matrix entries of a node and of the border. In the row and column lists of the front,
-    /// delayed columns come after the node's own columns and before the node's pattern.
-    fn assemble(&mut self, from: usize, delayed: usize, node: Option<&Node>, matrix: &Matrix<E>) {
-        let [rows, columns] = &self.lists;
-        let (rows, columns) = (&rows[from..], &columns[from..]);
-        let (size, m) = (rows.len(), self.width);
-        self.front.clear();
-        self.front.resize(size * size, E::default());
-        let [row_scales, column_scales] = &self.scales;
-        let mut put = |i: usize, j: usize, a: E| {
-            self.front[j * size + i] +=
-                a * E::from_real(row_scales[rows[i]] * column_scales[columns[j]]);
-        };
-        let (border, shift) = (&matrix.border, matrix.on_diagonal());
-        let first = size - m;
-        let Some(node) = node else {
-            for i in 0..m {
-                (0..m).for_each(|k| put(first + i, first + k, (border.corner)(i, k)));
-            }
-            return;
-        };
-        let own = node.own.len();
-        let place = |at: u32| if (at as usize) < own { at as usize } else { at as usize + delayed };
-        for &[k, i, j] in &node.entries {
-            put(place(i), place(j), matrix.entry(k as usize));
-        }
-        for (at, &v) in node.own.iter().enumerate() {
-            put(at, at, -shift);
-            for k in 0..m {
-                put(first + k, at, (border.row)(k, v));
-                put(at, first + k, (border.column)(v, k));
-            }
-        }
-    }
-
-    /// Adds the Schur complement of a child node to the parent's front (frontal matrix), which has
-    /// the given size; `local` contains the positions of rows and columns in this front.
-    fn add(&mut self, size: usize, child: &Rest<E>) {
-        let [rows, columns] = &child.lists;
-        self.runs.clear();
-        for &row in rows {
-            let at = self.local[0][row];
-            match self.runs.last_mut() {
-                Some(run) if run.end == at => run.end += 1,
-                _ => self.runs.push(at..at + 1),
-            }
-        }
-        let entries = child.entries.chunks_exact(rows.len().max(1));
-        for (&column, mut entries) in columns.iter().zip(entries) {
-            let target = &mut self.front[self.local[1][column] * size..][..size];
-            for run in &self.runs {
-                let (own, rest) = entries.split_at(run.len());
-                let target = &mut target[run.clone()];
-                for i in 0..own.len() {
-                    target[i] += own[i];
-                }
-                entries = rest;
-            }
-        }
-    }
-
-    /// Stores the factors of the eliminated columns, which are the first columns of the front
-    /// (frontal matrix); the row and column lists of the front begin at `from`.
-    fn keep(&mut self, from: usize, pivots: usize) {
-        let size = self.lists[0].len() - from;
-        let factors = self.factors.len();
-        if pivots > 0 {
-            self.eliminated.push(Eliminated { pivots, place: from..from + size, factors });
-        }
-        self.factors.extend_from_slice(&self.front[..pivots * size]);
-        for column in self.front[pivots * size..].chunks_exact(size.max(1)) {
-            self.factors.extend_from_slice(&column[..pivots]);
-        }
-    }
-
-    /// Passes the rows and columns that were not eliminated in a front (frontal matrix) to the
-    /// parent's front; the lists of the front begin at `from`.
-    fn leave(&mut self, from: usize, [pivots, summed]: [usize; 2], parent: usize) {
-        let size = self.lists[0].len() - from;
-        if pivots == size {
-            return;
-        }
-        let mut rest = self.pool.pop().unwrap_or_default();
-        rest.delayed = summed - pivots;
-        for (to, list) in rest.lists.iter_mut().zip(&self.lists) {
-            to.clear();
-            to.extend_from_slice(&list[from + pivots..]);
-        }
-        rest.entries.clear();
-        for column in self.front[pivots * size..].chunks_exact(size) {
-            rest.entries.extend_from_slice(&column[pivots..]);
-        }
-        self.rests[parent].push(rest);
-    }
-
     /// Computes the sign of the determinant. [`Failure`] if a pivot vanishes to working accuracy.
     fn judge(&mut self) -> Result<(), Failure> {
         let (mut least, mut largest, mut sign) = (f64::INFINITY, 0.0_f64, 1.0);
         let mut order: [Vec<usize>; 2] = Default::default();
-        for Eliminated { pivots, place, factors } in &self.eliminated {
-            let size = place.len();
-            for k in 0..*pivots {
-                let pivot = self.factors[factors + k * size + k];
+        for triangles in self.parts.iter().map(|part| &part.triangles) {
+            for pivot in triangles.pivots() {
                 sign *= pivot.signum().real();
                 let modulus = pivot.modulus();
                 if modulus.is_nan() {
@@ -384,9 +149,8 @@ impl<E: Entry> SparseLu<E> {
                 least = least.min(modulus);
                 largest = largest.max(modulus);
             }
-            for (order, list) in order.iter_mut().zip(&self.lists) {
-                order.extend_from_slice(&list[place.start..][..*pivots]);
-            }
+            order[0].extend(triangles.eliminated(Side::Rows));
+            order[1].extend(triangles.eliminated(Side::Columns));
         }
         self.sign = sign * parity(&order);
         let regular = order[0].is_empty() || least > SINGULAR * largest;
@@ -398,14 +162,11 @@ impl<E: Entry> SparseLu<E> {
     /// the diagonal.
     pub fn negative_pivots(&self) -> Option<usize> {
         let mut negative = 0;
-        for Eliminated { pivots, place, factors } in &self.eliminated {
-            let [rows, columns] = &self.lists;
-            for k in 0..*pivots {
-                if rows[place.start + k] != columns[place.start + k] {
-                    return None;
-                }
-                negative += usize::from(self.factors[factors + k * place.len() + k].real() < 0.0);
+        for triangles in self.parts.iter().map(|part| &part.triangles) {
+            if triangles.eliminated(Side::Rows) != triangles.eliminated(Side::Columns) {
+                return None;
             }
+            negative += triangles.pivots().filter(|pivot| pivot.real() < 0.0).count();
         }
         Some(negative)
     }
@@ -419,43 +180,17 @@ impl<E: Entry> SparseLu<E> {
     /// lane of a vector register, because reading the factors from memory takes longer than
     /// multiplying by them.
     pub fn solve_lanes<const W: usize>(&mut self, right: &mut [[E; W]]) {
-        let ([rows, columns], [row_scales, column_scales]) = (&self.lists, &self.scales);
-        for (row, scale) in right.iter_mut().zip(row_scales) {
+        for (row, scale) in right.iter_mut().zip(&self.scales[0]) {
             *row = scaled(*row, *scale);
         }
-        // `right` is indexed by equations, `work` by unknowns; each front gathers its own part.
-        if self.work.len() < W * right.len() {
-            self.work.resize(W * right.len(), E::default());
-        }
-        let (work, mut part) = (self.work.as_chunks_mut::<W>().0, Vec::new());
-        for Eliminated { pivots, place, factors } in &self.eliminated {
-            let (size, rows) = (place.len(), &rows[place.clone()]);
-            gather(&mut part, rows, right);
-            let lower = self.factors[*factors..][..pivots * size].chunks_exact(size);
-            for (k, column) in lower.enumerate() {
-                let x = part[k];
-                reduce(&mut part[k + 1..], &column[k + 1..], x);
-            }
-            rows.iter().zip(&part).for_each(|(&row, x)| right[row] = *x);
-        }
-        for Eliminated { pivots, place, factors } in self.eliminated.iter().rev() {
-            let size = place.len();
-            let [rows, columns] = [rows, columns].map(|list| &list[place.clone()]);
-            let (lower, upper) = self.factors[*factors..].split_at(pivots * size);
-            gather(&mut part, &rows[..*pivots], right);
-            for (column, &unknown) in upper.chunks_exact(*pivots).zip(&columns[*pivots..]) {
-                reduce(&mut part, column, work[unknown]);
-            }
-            for (k, column) in lower.chunks_exact(size).enumerate().rev() {
-                let mut x = part[k];
-                for lane in 0..W {
-                    x[lane] /= column[k];
-                }
-                work[columns[k]] = x;
-                reduce(&mut part[..k], column, x);
-            }
-        }
-        for ((row, solved), scale) in right.iter_mut().zip(&*work).zip(column_scales) {
+        self.solve_parts(
+            right,
+            [Side::Rows, Side::Columns],
+            Triangles::forward,
+            Triangles::backward::<W>,
+        );
+        let solved = self.work.as_chunks().0.iter().zip(&self.scales[1]);
+        for (row, (solved, scale)) in right.iter_mut().zip(solved) {
             *row = scaled(*solved, *scale);
         }
     }
@@ -463,41 +198,44 @@ impl<E: Entry> SparseLu<E> {
     /// Solves a linear system with the transpose (for a complex matrix, the conjugate transpose),
     /// in place.
     pub fn solve_transposed(&mut self, right: &mut [E]) {
-        let ([rows, columns], [row_scales, column_scales]) = (&self.lists, &self.scales);
-        for (x, scale) in right.iter_mut().zip(column_scales) {
+        for (x, scale) in right.iter_mut().zip(&self.scales[1]) {
             *x *= E::from_real(*scale);
         }
-        let (work, part) = (&mut self.work, &mut self.front);
-        let product = |column: &[E], part: &[E]| -> E {
-            column.iter().zip(part).map(|(a, x)| a.conjugate() * *x).sum()
-        };
-        for Eliminated { pivots, place, factors } in &self.eliminated {
-            let size = place.len();
-            let [rows, columns] = [rows, columns].map(|list| &list[place.clone()]);
-            let (lower, upper) = self.factors[*factors..].split_at(pivots * size);
-            gather(part, &columns[..*pivots], right);
-            for (k, column) in lower.chunks_exact(size).enumerate() {
-                let sum = product(&column[..k], part);
-                part[k] = (part[k] - sum) / column[k].conjugate();
-                work[rows[k]] = part[k];
-            }
-            for (column, &unknown) in upper.chunks_exact(*pivots).zip(&columns[*pivots..]) {
-                right[unknown] -= product(column, part);
-            }
-        }
-        for Eliminated { pivots, place, factors } in self.eliminated.iter().rev() {
-            let (size, rows) = (place.len(), &rows[place.clone()]);
-            gather(part, rows, work);
-            let lower = self.factors[*factors..][..pivots * size].chunks_exact(size);
-            for (k, column) in lower.enumerate().rev() {
-                let sum = product(&column[k + 1..], &part[k + 1..]);
-                part[k] -= sum;
-                work[rows[k]] = part[k];
-            }
-        }
-        for ((x, solved), scale) in right.iter_mut().zip(&*work).zip(row_scales) {
+        self.solve_parts(
+            right.as_chunks_mut::<1>().0,
+            [Side::Columns, Side::Rows],
+            Triangles::forward_transposed,
+            Triangles::backward_transposed,
+        );
+        for ((x, solved), scale) in right.iter_mut().zip(&self.work).zip(&self.scales[0]) {
             *x = *solved * E::from_real(*scale);
         }
+    }
+
+    /// Solves two triangular linear systems, one after the other, given the side of the factors to
+    /// which the right-hand sides and the solution belong. The solution is stored in `work`.
+    fn solve_parts<const W: usize>(
+        &mut self,
+        right: &mut [[E; W]],
+        [from, to]: [Side; 2],
+        forward: impl Fn(&mut Triangles<E>, &[[E; W]]) + Sync,
+        backward: impl Fn(&mut Triangles<E>) + Sync,
+    ) {
+        self.work.resize(W * right.len(), E::default());
+        let work = self.work.as_chunks_mut::<W>().0;
+        let Some((last, others)) = self.parts.split_last_mut() else { return };
+        let known = &*right;
+        side_by_side(others, |_, part| forward(&mut part.triangles, known));
+        others.iter().for_each(|part| part.triangles.add_changes(from, right));
+        forward(&mut last.triangles, right);
+        backward(&mut last.triangles);
+        last.triangles.store(to, work);
+        let known = &*work;
+        side_by_side(others, |_, part| {
+            part.triangles.load_others(to, known);
+            backward(&mut part.triangles);
+        });
+        others.iter().for_each(|part| part.triangles.store(to, work));
     }
 }
 
@@ -508,24 +246,6 @@ fn scaled<E: Entry, const W: usize>(mut row: [E; W], scale: f64) -> [E; W] {
         row[lane] *= E::from_real(scale);
     }
     row
-}
-
-/// Subtracts a multiple of one column of the factors from the right-hand side in each lane.
-#[inline]
-fn reduce<E: Entry, const W: usize>(part: &mut [[E; W]], column: &[E], multiples: [E; W]) {
-    let column = &column[..part.len()];
-    for i in 0..column.len() {
-        for lane in 0..W {
-            part[i][lane] -= column[i] * multiples[lane];
-        }
-    }
-}
-
-/// Copies those components of a vector that belong to a front (frontal matrix) to contiguous
-/// memory.
-fn gather<T: Copy>(part: &mut Vec<T>, places: &[usize], vector: &[T]) {
-    part.clear();
-    part.extend(places.iter().map(|&place| vector[place]));
 }
 
 impl Factorisation for SparseLu {

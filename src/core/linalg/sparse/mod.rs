@@ -1,21 +1,28 @@
 //! Sparse matrices: sparsity patterns, the order of elimination, and LU factorisation of bordered
 //! matrices.
 
+mod block;
 mod coloring;
+mod dissection;
 mod front;
 mod krylov;
 mod largest;
 mod leading;
 mod lu;
+mod matrix;
+mod part;
+mod partition;
 mod pattern;
 mod symmetry;
 mod tree;
+mod triangles;
 
+pub(in crate::core) use block::LANES;
 pub(in crate::core) use coloring::Coloring;
-pub(in crate::core) use krylov::LANES;
 pub(in crate::core) use largest::{Lanes, Largest};
 pub(in crate::core) use leading::{Leading, Rightmost};
-pub(in crate::core) use lu::{Elimination, Pencil, SparseLu, SparseShiftedLu};
+pub(in crate::core) use lu::{Elimination, SparseLu, SparseShiftedLu};
+pub(in crate::core) use matrix::Pencil;
 pub(in crate::core) use pattern::Pattern;
 
 /// Returns the sign of the permutation that maps one order of the numbers 0, 1, 2, … to another

@@ -2,7 +2,10 @@
 //! order of the groups.
 
 use super::Pattern;
+use super::dissection::Graph;
+use super::partition::{LEAST_PRODUCTS, Partition, partition};
 use faer::Side;
+use faer::perm::PermRef;
 use faer::sparse::SymbolicSparseColMatRef;
 use faer::sparse::linalg::cholesky::{
     CholeskySymbolicParams, SymbolicCholeskyRaw, SymmetricOrdering, factorize_symbolic_cholesky,
@@ -21,6 +24,10 @@ const BLOCK: usize = 12;
 /// be zero.
 const RELAX: &[(usize, f64)] = &[(8, 0.9), (24, 0.5), (64, 0.1), (usize::MAX, 0.02)];
 
+/// Heuristic: a matrix is not dissected if this takes more multiplications by this factor than the
+/// minimum degree order.
+const MOST_WORK: f64 = 1.2;
+
 /// A node of the elimination tree: columns that are eliminated together.
 #[derive(Clone, Debug)]
 pub(super) struct Node {
@@ -37,25 +44,37 @@ pub(super) struct Node {
     pub entries: Vec<[u32; 3]>,
 }
 
+impl Node {
+    /// Returns the number of multiplications at this node.
+    pub fn products(&self) -> f64 {
+        let (own, size) = (self.own.len(), self.own.len() + self.pattern.len());
+        (own * size * size) as f64
+    }
+}
+
 /// The elimination tree, in which nodes come before their parents.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Tree {
     pub nodes: Vec<Node>,
+    /// The nodes in parts that can be eliminated side by side; the last part comes after all others.
+    pub parts: Vec<Vec<usize>>,
 }
 
 impl Tree {
     /// Computes the elimination tree of a sparsity pattern, which is made symmetric first. The
     /// columns of a band matrix keep their order; for other patterns, the order is the approximate
     /// minimum degree order (P. R. Amestoy, T. A. Davis and I. S. Duff, SIAM J. Matrix Anal. Appl.
-    /// 17 (1996) 886), and a node consists of several columns.
+    /// 17 (1996) 886), and a node consists of several columns. A large matrix is
+    /// [dissected](Graph::dissected_order) first, if this reduces the work that must be done one
+    /// piece after another.
     pub fn of(pattern: &Pattern) -> Tree {
         let n = pattern.size();
         let band = (0..n)
             .flat_map(|j| pattern.column(j).iter().map(move |&i| i.abs_diff(j)))
             .fold(0, usize::max);
-        let mut nodes = if band <= BAND { banded(n, band) } else { minimum_degree(pattern) };
+        let mut nodes = if band <= BAND { banded(n, band) } else { ordered(pattern) };
         place_entries(pattern, &mut nodes);
-        Tree { nodes }
+        Tree { parts: partition(&nodes).parts, nodes }
     }
 }
 
@@ -70,17 +89,38 @@ fn banded(n: usize, band: usize) -> Vec<Node> {
     (0..count).map(node).collect()
 }
 
-/// Returns the nodes of the elimination tree for columns in the approximate minimum degree order.
-fn minimum_degree(pattern: &Pattern) -> Vec<Node> {
+/// Returns the nodes of the elimination tree of a matrix that is not a band matrix.
+fn ordered(pattern: &Pattern) -> Vec<Node> {
     let n = pattern.size();
     let (starts, rows) = upper(pattern);
     let symbolic = SymbolicSparseColMatRef::new_checked(n, n, &starts, None, &rows);
+    let nodes = nodes(symbolic, SymmetricOrdering::Amd);
+    let Partition { products, total, critical, .. } = partition(&nodes);
+    if products < LEAST_PRODUCTS {
+        return nodes;
+    }
+
+    let Some(order) = Graph::of(&starts, &rows).dissected_order() else { return nodes };
+    let mut inverse = vec![0; n];
+    order.iter().enumerate().for_each(|(at, &v)| inverse[v] = at);
+    let order = PermRef::new_checked(&order, &inverse, n);
+    let dissected = self::nodes(symbolic, SymmetricOrdering::Custom(order));
+    let found = partition(&dissected);
+
+    let is_better = found.critical < critical && found.total < MOST_WORK * total;
+    if is_better { dissected } else { nodes }
+}
+
+/// Returns the nodes of the elimination tree for columns in a given order; the upper triangle of the
+/// pattern is given.
+fn nodes(symbolic: SymbolicSparseColMatRef<usize>, order: SymmetricOrdering<usize>) -> Vec<Node> {
+    let n = symbolic.ncols();
     let params = CholeskySymbolicParams {
         supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
         supernodal_params: SymbolicSupernodalParams { relax: Some(RELAX) },
         ..CholeskySymbolicParams::default()
     };
-    let found = factorize_symbolic_cholesky(symbolic, Side::Upper, SymmetricOrdering::Amd, params);
+    let found = factorize_symbolic_cholesky(symbolic, Side::Upper, order, params);
     let Ok(found) = found else { return banded(n, n) };
     let (SymbolicCholeskyRaw::Supernodal(tree), Some(order)) = (found.raw(), found.perm()) else {
         return banded(n, n);
