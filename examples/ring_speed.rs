@@ -1,13 +1,13 @@
-//! CPU time for a step of a branch of periodic orbits of coupled oscillators: a ring of oscillators with
+//! Time for a step of a branch of periodic orbits of coupled oscillators: a ring of oscillators with
 //! 20, 40 and 80 states, by collocation on 100 intervals with 4 points each, with dense and with sparse
 //! matrices. Neither stability nor special points are computed, apart from folds, whose detection costs
 //! nothing.
 //!
 //! `benches/peers/coupled.py` runs this program beside AUTO-07p and puts both into one table.
 
-use cpu_time::ProcessTime;
 use std::error::Error;
 use std::f64::consts::TAU;
+use std::time::Instant;
 use tangency::core::bvp::Collocation;
 use tangency::core::continuation::{Continuation, Settings};
 use tangency::core::orbit::periodic_orbits;
@@ -41,7 +41,7 @@ impl VectorField for Ring {
     }
 }
 
-/// CPU time in ms for the first `points` points of the branch.
+/// Elapsed time in ms for the first `points` points of the branch.
 fn time(states: usize, matrices: Matrices, points: usize) -> Result<f64, Box<dyn Error>> {
     let collocation = Collocation::new(4)?.with_matrices(matrices);
     let mut orbits = periodic_orbits(Ring { oscillators: states / 2 }, 100, collocation)?;
@@ -60,7 +60,7 @@ fn time(states: usize, matrices: Matrices, points: usize) -> Result<f64, Box<dyn
         detect: vec![Kind::LP],
         ..Settings::default()
     };
-    let begin = ProcessTime::now();
+    let begin = Instant::now();
     let branch = Continuation::new(&mut orbits)
         .settings(settings)
         .from(&start)
@@ -77,7 +77,7 @@ fn time(states: usize, matrices: Matrices, points: usize) -> Result<f64, Box<dyn
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    println!("| CPU ms for a step | 20 states | 40 states | 80 states |");
+    println!("| ms for a step | 20 states | 40 states | 80 states |");
     println!("|---|---|---|---|");
     for (name, matrices) in [("dense", Matrices::Dense), ("sparse", Matrices::Sparse)] {
         let mut row = format!("| tangency, {name} matrices |");

@@ -16,6 +16,7 @@ import subprocess
 import sys
 import tarfile
 import tempfile
+import time
 
 from common import machine, one_core, table
 
@@ -79,14 +80,17 @@ class Auto:
             call("gfortran", *options, *define, HERE / equations, *objects, "-o", self.directory / program)
 
     def run(self, program, **constants):
-        """One run in the program's directory: its CPU time (user and system) in ms, and what it printed."""
+        """One run in the program's directory: its CPU time (user and system) in ms, and what it printed; the elapsed
+        time in ms is kept."""
         lines = (f"{name} = {value!r}\n" for name, value in (self.constants | constants).items())
         (self.directory / "fort.2").write_text("".join(lines))
+        begin = time.perf_counter()
         with open(self.directory / "log", "w") as log:
             process = subprocess.Popen([self.directory / program], cwd=self.directory, stdout=log,
                                        stderr=subprocess.STDOUT)  # fmt: skip
             _, status, usage = os.wait4(process.pid, 0)
             process.returncode = os.waitstatus_to_exitcode(status)
+        self.elapsed = 1e3 * (time.perf_counter() - begin)
         if process.returncode != 0:
             raise SystemExit(f"AUTO ended with exit code {process.returncode} in {self.directory}")
         return 1e3 * (usage.ru_utime + usage.ru_stime), (self.directory / "log").read_text()

@@ -24,6 +24,11 @@ def machine():
 
 def one_core():
     """This process and all it starts from now on: one thread, and on Linux one core."""
-    os.environ |= {"OMP_NUM_THREADS": "1", "RAYON_NUM_THREADS": "1"}
+    pin(1)
+
+
+def pin(cores):
+    """This process and all it starts from now on: as many threads, and on Linux cores."""
+    os.environ |= {"OMP_NUM_THREADS": str(cores), "RAYON_NUM_THREADS": str(cores)}
     if hasattr(os, "sched_setaffinity"):
-        os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
+        os.sched_setaffinity(0, sorted(os.sched_getaffinity(0))[-cores:])

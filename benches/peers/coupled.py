@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """AUTO-07p and tangency on periodic orbits of a ring of coupled oscillators with 20, 40 and 80 states, by
-collocation on 100 intervals with 4 points each: CPU time for a step of the branch, on one core.
+collocation on 100 intervals with 4 points each: elapsed time for a step of the branch, on one core or on several.
 
 Prints Markdown. What it needs and what it measures is in README.md beside it.
 """
@@ -13,7 +13,7 @@ import sys
 import tempfile
 
 from auto import AUTO, CONSTANTS, FORMULATIONS, Auto, build, call, tangency
-from common import machine, one_core, table
+from common import machine, pin, table
 
 SIZES = (20, 40, 80)
 STEPS = 10
@@ -25,21 +25,25 @@ RING = CONSTANTS | {
 
 
 def step(auto, states, runs):
-    """The CPU time of AUTO for a step, in ms: the median difference of two runs of different lengths."""
+    """The elapsed time of AUTO for a step, in ms: the median difference of two runs of different lengths."""
     times = []
     for _ in range(runs):
-        short, long = (auto.run("measured", NDIM=states, NMX=points)[0] for points in (2, 2 + STEPS))
-        times.append((long - short) / STEPS)
+        both = []
+        for points in (2, 2 + STEPS):
+            auto.run("measured", NDIM=states, NMX=points)
+            both.append(auto.elapsed)
+        times.append((both[1] - both[0]) / STEPS)
     return statistics.median(times)
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--runs", type=int, default=1, help="runs of AUTO-07p (1)")
+    parser.add_argument("--cores", type=int, default=1, help="cores; with several, AUTO-07p also uses OpenMP (1)")
     parser.add_argument("--tangency", default="cargo run --release --locked --quiet --example ring_speed",
                         help="command that prints tangency's rows")  # fmt: skip
     arguments = parser.parse_args()
-    if arguments.tangency.startswith("cargo run"):  # compile on all cores, before the pinning to one
+    if arguments.tangency.startswith("cargo run"):  # compile on all cores, before the pinning
         call(*arguments.tangency.replace("cargo run", "cargo build", 1).split(), cwd=pathlib.Path(__file__).parents[2])
 
     rows = []
@@ -48,19 +52,20 @@ def main():
         call(sys.executable, "-m", "pip", "download", "--no-deps", "--no-binary", "bifpy", "-d", directory, AUTO)
         (sources,) = directory.glob("*.tar.gz")
         FORMULATIONS["ring"] = ("ring.F90", RING)
-        for options in (["-O2"], ["-O3"]):
-            auto = Auto("ring", directory / options[0], build(sources, directory / f"objects{options[0]}", options), options)
-            one_core()
-            rows.append([f"AUTO-07p, {options[0]}", *(step(auto, states, arguments.runs) for states in SIZES)])
+        builds = [["-O2"], ["-O3"]] + [["-O3", "-fopenmp"]] * (arguments.cores > 1)
+        for options in builds:
+            auto = Auto("ring", directory / "".join(options), build(sources, directory / f"objects{''.join(options)}", options), options)
+            pin(arguments.cores)
+            rows.append([f"AUTO-07p, {' '.join(options)}", *(step(auto, states, arguments.runs) for states in SIZES)])
         rows += [[name, *map(float, times)] for name, *times in tangency(arguments.tangency)]
 
     versions = [call("gfortran", "--version").splitlines()[0], call("rustc", "--version").strip()]
-    print(f"{machine()}, one core; {'; '.join(versions)}; {AUTO}; {datetime.date.today()}.\n")
-    table(["CPU ms for a step", *(f"{states} states" for states in SIZES)],
+    print(f"{machine()}, {arguments.cores} core(s); {'; '.join(versions)}; {AUTO}; {datetime.date.today()}.\n")
+    table(["ms for a step", *(f"{states} states" for states in SIZES)],
           [[row[0], *(f"{time:.1f}" for time in row[1:])] for row in rows])  # fmt: skip
     fastest = [min(times) for times in zip(*(row[1:] for row in rows if row[0].startswith("AUTO")))]
     own = [row for row in rows if not row[0].startswith("AUTO")]
-    table(["CPU time of the fastest AUTO-07p divided by the CPU time of", *(f"{states} states" for states in SIZES)],
+    table(["time of the fastest AUTO-07p divided by the time of", *(f"{states} states" for states in SIZES)],
           [[row[0], *(f"{auto / time:.1f}" for auto, time in zip(fastest, row[1:]))] for row in own])  # fmt: skip
 
 

@@ -1,14 +1,23 @@
 //! Threads for independent pieces of a computation.
 
+use std::env;
 use std::num::NonZero;
 use std::sync::{Mutex, OnceLock, PoisonError};
 use std::thread;
 
-/// Returns the number of threads that can run at the same time.
+/// The environment variable that limits the number of threads, also of sweeps.
+const LIMIT: &str = "RAYON_NUM_THREADS";
+
+/// Returns the number of threads that may run at the same time: the number of processors, or a
+/// smaller number in the environment variable [`LIMIT`].
 fn available() -> usize {
     // The operating system is asked once, because the answer takes longer than short computations.
     static AVAILABLE: OnceLock<usize> = OnceLock::new();
-    *AVAILABLE.get_or_init(|| thread::available_parallelism().map_or(1, NonZero::get))
+    *AVAILABLE.get_or_init(|| {
+        let processors = thread::available_parallelism().map_or(1, NonZero::get);
+        let limit = env::var(LIMIT).ok().and_then(|limit| limit.trim().parse().ok());
+        limit.filter(|limit| *limit > 0).map_or(processors, |limit: usize| limit.min(processors))
+    })
 }
 
 /// Calls a function for each item and its position, on as many threads as there are items and

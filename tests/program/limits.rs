@@ -1,7 +1,7 @@
 //! Sizes that no machine has, and tables that no scene writes, are refused before anything is
 //! allocated.
 
-use crate::program::command::{failure, signal, succeeds, tangency};
+use crate::program::command::{bytes, failure, signal, succeeds, tangency};
 use std::path::Path;
 use std::process::Command;
 use tangency::core::failure::one_line;
@@ -68,6 +68,31 @@ fn threads_are_no_more_than_the_work_there_is() {
         let output = tangency(folder.path(), &["sweep", "a.ron", "--afresh", "--threads", threads]);
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     }
+}
+
+/// A matrix so large that threads eliminate its parts: the file is the same, byte for byte.
+#[test]
+fn results_do_not_depend_on_the_number_of_threads() {
+    let (folder, m) = (folder(), 105);
+    let model = format!(
+        r#"Residual(unknowns: [("u[i=1..m, j=1..m]",
+            "(u[i-1,j] + u[i+1,j] + u[i,j-1] + u[i,j+1] - 4*u[i,j])*(m+1)^2 + lambda*exp(u[i,j])")],
+        definitions: [("m", {m}), ("u[i=0..m+1, j=0..m+1]", 0)], parameters: [("lambda", 0)],
+        monitors: [("middle", "u[(m+1)/2, (m+1)/2]")], dynamics: flow)"#
+    );
+    std::fs::write(folder.path().join("plane.ron"), model).unwrap();
+    let traced = |threads: &str| {
+        let output = Command::new(env!("CARGO_BIN_EXE_tangency"))
+            .env("RAYON_NUM_THREADS", threads)
+            .current_dir(folder.path())
+            .args(["trace", "plane.ron", "--along", "lambda=0..8", "--out", threads])
+            .args(["--set", "eigenvalues=4", "--set", "max_points=3"])
+            .output()
+            .unwrap();
+        assert!(output.status.success(), "{output:?}");
+        bytes(folder.path(), &format!("{threads}/plane.ron"))
+    };
+    assert_eq!(traced("1"), traced("4"));
 }
 
 #[test]

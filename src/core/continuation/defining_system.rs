@@ -118,7 +118,7 @@ fn clear_rounding(equations: &mut Extended, unknowns: &mut [f64], weights: &[f64
 const SMALL: f64 = 1e-9;
 
 /// Solves a defining system, and estimates the error of the first released parameter. The estimated
-/// error is a multiple of the second of two additional Newton corrections.
+/// error is a multiple of a second additional Newton correction.
 pub(super) fn converge(
     equations: &mut Extended,
     unknowns: &mut [f64],
@@ -128,18 +128,9 @@ pub(super) fn converge(
     // A separate Newton iteration, because the curvature estimated earlier belongs to other
     // equations.
     let mut newton = Newton::default();
-    let report = newton.solve(equations, unknowns, None, weights, tolerances)?;
+    let mut left = finish(&mut newton, equations, unknowns, weights, tolerances)?;
     let parameter = equations.parameters_at();
     let rounding = 4.0 * f64::EPSILON * unknowns[parameter].abs();
-    // The first correction completes Newton's iteration; the second estimates the remaining error.
-    let refactor = report.matrix_error > MATRIX_ERROR;
-    let first = newton.residual_correction(equations, unknowns, refactor)?;
-    let mut left = first[parameter].abs();
-    unknowns.iter_mut().zip(first).for_each(|(x, d)| *x -= d);
-    let is_small = |(x, w): (&f64, &f64)| *x != 0.0 && x.abs() * w.sqrt() <= SMALL;
-    if unknowns[..parameter].iter().zip(weights).any(is_small) {
-        clear_rounding(equations, unknowns, weights);
-    }
     if left > rounding {
         // The second correction is not applied, so that the assembled data belong to the point.
         equations.assemble(unknowns)?;
@@ -148,11 +139,42 @@ pub(super) fn converge(
         // The remaining error of a converged point is amplified rounding: one correction may be
         // small by chance.
         if left > 100.0 * rounding {
-            for sample in 0..SAMPLES {
-                let noise = newton.rounding(equations, None, unknowns, sample)?;
-                left = left.max(noise[parameter].abs());
-            }
+            let samples = newton.rounding(equations, None, unknowns, SAMPLES)?;
+            left = samples.iter().fold(left, |left, noise| left.max(noise[parameter].abs()));
         }
     }
     Ok(4.0 * left + rounding)
+}
+
+/// Solves a defining system without an estimate of the error.
+pub(super) fn solve_accurately(
+    equations: &mut Extended,
+    unknowns: &mut [f64],
+    weights: &[f64],
+    tolerances: Tolerances,
+) -> Result<(), NewtonError> {
+    finish(&mut Newton::default(), equations, unknowns, weights, tolerances)?;
+    Ok(equations.assemble(unknowns)?)
+}
+
+/// Solves a defining system and applies an additional correction, which completes Newton's
+/// iteration. Returns the change of the first released parameter due to the additional correction.
+fn finish(
+    newton: &mut Newton,
+    equations: &mut Extended,
+    unknowns: &mut [f64],
+    weights: &[f64],
+    tolerances: Tolerances,
+) -> Result<f64, NewtonError> {
+    let report = newton.solve(equations, unknowns, None, weights, tolerances)?;
+    let parameter = equations.parameters_at();
+    let refactor = report.matrix_error > MATRIX_ERROR;
+    let correction = newton.residual_correction(equations, unknowns, refactor)?;
+    let change = correction[parameter].abs();
+    unknowns.iter_mut().zip(correction).for_each(|(x, d)| *x -= d);
+    let is_small = |(x, w): (&f64, &f64)| *x != 0.0 && x.abs() * w.sqrt() <= SMALL;
+    if unknowns[..parameter].iter().zip(weights).any(is_small) {
+        clear_rounding(equations, unknowns, weights);
+    }
+    Ok(change)
 }

@@ -161,12 +161,13 @@ fn rounding(
     unknowns: &[f64],
     values: &[(&'static str, f64)],
 ) -> Vec<f64> {
-    let (mut newton, mut spreads) = (Newton::default(), vec![0.0_f64; values.len()]);
-    for sample in 0..SAMPLES {
-        let noise = newton.rounding(equations, None, unknowns, sample).map(<[f64]>::to_vec);
-        let beside = noise.map(|noise| unknowns.iter().zip(noise).map(|(x, d)| x + d).collect());
-        let others = beside.map(|beside: Vec<f64>| numbers(equations, event, &beside).0);
-        let others = others.unwrap_or_default();
+    let mut spreads = vec![0.0_f64; values.len()];
+    let Ok(samples) = Newton::default().rounding(equations, None, unknowns, SAMPLES) else {
+        return values.iter().map(|(_, value)| value.abs()).collect();
+    };
+    for noise in samples {
+        let beside: Vec<f64> = unknowns.iter().zip(noise).map(|(x, d)| x + d).collect();
+        let others = numbers(equations, event, &beside).0;
         for (spread, (name, value)) in spreads.iter_mut().zip(values) {
             // A number that is not found again has no accurate digit.
             let other = others.iter().find(|(other, _)| other == name);

@@ -289,12 +289,12 @@ impl Newton {
         let Problem { equations, closing, weights, .. } = problem;
         size <= MOST_NOISE
             && self
-                .rounding(equations, *closing, unknowns, 0)
-                .is_ok_and(|noise| size <= NOISE * scaled_norm(noise, weights))
+                .rounding(equations, *closing, unknowns, 1)
+                .is_ok_and(|noise| size <= NOISE * scaled_norm(&noise[0], weights))
     }
 
-    /// Returns a sample of the rounding error of a solution. The sampled residual is the change of
-    /// the equations when the last digit of each unknown changes, with a random sign in each
+    /// Returns samples of the rounding error of a solution. For each sample, a sampled residual is the
+    /// change of the equations when the last digit of each unknown changes, with a random sign in each
     /// equation. The sample is Newton's correction for this residual (up to signs, a sum over
     /// `|M⁻¹| |M| |X| ε`: R. D. Skeel, J. ACM 26:494, 1979). The last factored matrix is used. On
     /// return, the assembled data of the equations belong to the point whose rounding error was
@@ -304,22 +304,28 @@ impl Newton {
         equations: &mut Extended,
         closing: Option<Closing>,
         unknowns: &[f64],
-        sample: usize,
-    ) -> Result<&[f64], Failure> {
+        samples: usize,
+    ) -> Result<Vec<Vec<f64>>, Failure> {
         self.resize(unknowns.len());
-        let (ups, signs) = (generic(unknowns.len(), sample), generic(unknowns.len(), sample + 7));
-        for ((trial, x), up) in self.trial.iter_mut().zip(unknowns).zip(ups) {
-            *trial = if up > 0.0 { x.next_up() } else { x.next_down() };
+        let mut all = vec![vec![0.0; unknowns.len()]; samples];
+        for (sample, noise) in all.iter_mut().enumerate() {
+            let ups = generic(unknowns.len(), sample);
+            for ((trial, x), up) in self.trial.iter_mut().zip(unknowns).zip(ups) {
+                *trial = if up > 0.0 { x.next_up() } else { x.next_down() };
+            }
+            equations.assemble(&self.trial)?;
+            equations.residual(&self.trial, closing, noise)?;
         }
-        equations.assemble(&self.trial)?;
-        equations.residual(&self.trial, closing, &mut self.next)?;
         equations.assemble(unknowns)?;
         equations.residual(unknowns, closing, &mut self.residual)?;
-        for ((next, r), sign) in self.next.iter_mut().zip(&self.residual).zip(signs) {
-            *next = (*next - r) * sign.signum();
+        for (sample, noise) in all.iter_mut().enumerate() {
+            let signs = generic(unknowns.len(), sample + 7);
+            for ((change, r), sign) in noise.iter_mut().zip(&self.residual).zip(signs) {
+                *change = (*change - r) * sign.signum();
+            }
+            equations.factors.solve(noise);
         }
-        equations.factors.solve(&mut self.next);
-        Ok(&self.next)
+        Ok(all)
     }
 
     /// Returns Newton's next correction at a solution, which estimates the remaining error

@@ -3,7 +3,7 @@
 
 use super::branch::{Point, SpecialPoint};
 use super::corrector::Corrector;
-use super::defining_system::converge;
+use super::defining_system::solve_accurately;
 use super::event::{Event, MakeCondition};
 use super::extended::Extended;
 use super::meaning::Meaning;
@@ -13,7 +13,7 @@ use crate::core::bifurcation::{DefiningSystem, Hopf, Quantity, deciding, unstabl
 use crate::core::linalg::{Spectrum, generic, normalise};
 use crate::core::numerics::error_of_last;
 use crate::core::problem::Dynamics;
-use crate::core::system::{Kind, Refinement, System};
+use crate::core::system::{Kind, Refinement, System, SystemRef};
 
 /// Heuristic: the factor by which a discretisation error may exceed the requested error without a
 /// warning, because the error is only estimated.
@@ -75,11 +75,9 @@ impl Refiner {
         let mut refinement = at.system.discretised().and_then(|system| system.refined(at.x));
         let (mut found, mut share) = (None, MeshShare::Sufficient);
         let mut coarser = vec![Meaning::taken_from(special)];
-        let wanted = !special.eigenvalues.is_empty() && special.undetermined.is_none();
-        let mut finest: Option<Spectrum> = None;
         for rung in 1.. {
-            let Some(Refinement { mut system, x }) = refinement else { break };
-            let converged = self.converge(corrector, recorder, (&mut *system, &x), event);
+            let Some(Refinement { system, x }) = refinement else { break };
+            let converged = self.converge(corrector, recorder, (system, &x), event);
             let Some(Finer { mut equations, unknowns, point, x }) = converged else { break };
             let values = self.settling(&released, &point);
             series.iter_mut().zip(values).for_each(|(all, value)| all.push(value));
@@ -92,35 +90,30 @@ impl Refiner {
             };
             let finer = equations.system().discretised().filter(|_| !settled);
             let next = finer.and_then(|system| system.refined(&x));
-            let mut meaning = Meaning::of(&mut equations, event, &unknowns);
-            // The first discretisation may be the only one that converges.
-            if corrector.sensitivities && (rung == 1 || next.is_none()) {
-                meaning.differentiate(&mut equations, event, &unknowns);
-            }
-            coarser.push(meaning);
-            if wanted {
-                finest = recorder.spectrum_at(&mut equations, &unknowns).or(finest);
-            }
-            found = Some((point, errors[0]));
+            coarser.push(Meaning::of(&mut equations, event, &unknowns));
+            found = Some((Finer { equations, unknowns, point, x }, errors[0]));
             refinement = next;
         }
-        let Some((Point { parameters, monitors, .. }, error)) = found else {
+        let Some((Finer { mut equations, unknowns, point, .. }, error)) = found else {
             return self.compare(corrector, recorder, event, (special, &sizes));
         };
+        let Point { parameters, monitors, .. } = point;
         let shift = |p: &usize| special.parameters[*p] - parameters[*p];
         special.mesh_shift = released.iter().map(shift).collect();
         (special.parameters, special.monitors) = (parameters, monitors);
         special.error += error;
-        if let Some(finest) = finest {
-            let dynamics = corrector.equations.system().dynamics();
-            take_spectrum(special, event, dynamics, &finest);
-        }
         let mut meaning = coarser.pop().unwrap_or_default();
-        if meaning.sensitivities.is_empty() {
-            let known = coarser.iter().rev().find(|it| !it.sensitivities.is_empty());
-            meaning.sensitivities = known.map(|it| it.sensitivities.clone()).unwrap_or_default();
+        if corrector.sensitivities {
+            meaning.differentiate(&mut equations, event, &unknowns);
         }
         meaning.after(&coarser).give_to(special);
+        if !special.eigenvalues.is_empty()
+            && special.undetermined.is_none()
+            && let Some(spectrum) = recorder.spectrum_at(&mut equations, &unknowns)
+        {
+            let dynamics = corrector.equations.system().dynamics();
+            take_spectrum(special, event, dynamics, &spectrum);
+        }
         share
     }
 
@@ -137,11 +130,11 @@ impl Refiner {
         let released = corrector.equations.released.to_vec();
         let at = corrector.equations.at();
         let coarser = at.system.discretised().and_then(|system| system.coarser(at.x));
-        let Some(Refinement { mut system, x }) = coarser else {
+        let Some(Refinement { system, x }) = coarser else {
             let on_mesh = corrector.equations.system().representation().is_on_mesh();
             return if on_mesh { MeshShare::Unknown } else { MeshShare::Sufficient };
         };
-        let converged = self.converge(corrector, recorder, (&mut *system, &x), event);
+        let converged = self.converge(corrector, recorder, (system, &x), event);
         let Some(Finer { mut equations, unknowns, point, .. }) = converged else {
             return MeshShare::Unknown;
         };
@@ -194,8 +187,8 @@ impl Refiner {
     ) -> Option<f64> {
         let event = Event::level("point on a finer mesh", Quantity::Parameter(parameter), value);
         let at = corrector.equations.at();
-        let Refinement { mut system, x } = at.system.discretised()?.refined(at.x)?;
-        let mut finer = self.converge(corrector, recorder, (&mut *system, &x), &event)?;
+        let Refinement { system, x } = at.system.discretised()?.refined(at.x)?;
+        let mut finer = self.converge(corrector, recorder, (system, &x), &event)?;
         finer.equations.system().traits(&finer.x).free_period
     }
 
@@ -207,13 +200,13 @@ impl Refiner {
     }
 
     /// Solves the defining system of an event on a finer discretisation.
-    fn converge<'s>(
+    fn converge(
         &self,
         corrector: &Corrector,
         recorder: &Recorder,
-        (system, x): (&'s mut dyn System, &[f64]),
+        (system, x): (Box<dyn System>, &[f64]),
         event: &Event,
-    ) -> Option<Finer<'s>> {
+    ) -> Option<Finer> {
         let curve = event.instead.as_ref().map_or(&self.held[..], std::slice::from_ref);
         // If two pairs are critical, the pair of the curve is the one it had so far.
         let (known, periodic) = (corrector.equations.recorded().next(), system.dynamics());
@@ -235,7 +228,7 @@ impl Refiner {
         let place = weights.len() - released.len();
         let measured = place - system.names().dimension();
         weights.splice(place..place, std::iter::repeat_n(0.0, own - measured.min(own)));
-        let mut equations = Extended::new(system, x, released.to_vec());
+        let mut equations = Extended::of(SystemRef::Owned(system), x, released.to_vec());
         equations.cancel.clone_from(&corrector.equations.cancel);
         let mut unknowns = equations.unload(x);
         for condition in conditions {
@@ -244,7 +237,7 @@ impl Refiner {
         let tolerances = corrector.event_tolerances;
         let start = unknowns.clone();
         let mut solve = |unknowns: &mut Vec<f64>| {
-            converge(&mut equations, unknowns, &weights, tolerances).is_ok()
+            solve_accurately(&mut equations, unknowns, &weights, tolerances).is_ok()
         };
         if !solve(&mut unknowns) {
             let mut starts = DISPLACEMENTS.iter().map(|by| displaced(&start, &weights, *by));
@@ -299,8 +292,8 @@ fn take_spectrum(
 }
 
 /// A special point on a finer discretisation.
-struct Finer<'s> {
-    equations: Extended<'s>,
+struct Finer {
+    equations: Extended<'static>,
     unknowns: Vec<f64>,
     point: Point,
     x: Vec<f64>,

@@ -4,8 +4,9 @@ use super::super::border::Border;
 use super::super::factors::{ComplexFactors, Factorisation, Shifted};
 use super::super::lu::{Entry, inverse_power_of_two};
 use super::matrix::{Bordering, Matrix, Pencil};
+use super::node::Node;
 use super::part::{Job, Part};
-use super::tree::{Node, Tree};
+use super::tree::Tree;
 use super::triangles::{Side, Triangles};
 use super::{Pattern, parity};
 use crate::core::failure::{Failure, SINGULAR, unusable};
@@ -212,7 +213,7 @@ impl<E: Entry> SparseLu<E> {
         }
     }
 
-    /// Solves two triangular linear systems, one after the other, given the side of the factors to
+    /// Solves two triangular linear systems in turn, given the side of the factors to
     /// which the right-hand sides and the solution belong. The solution is stored in `work`.
     fn solve_parts<const W: usize>(
         &mut self,

@@ -10,6 +10,7 @@ mod largest;
 mod leading;
 mod lu;
 mod matrix;
+mod node;
 mod part;
 mod partition;
 mod pattern;

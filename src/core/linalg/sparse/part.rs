@@ -3,7 +3,8 @@
 use super::super::lu::Entry;
 use super::front::Front;
 use super::matrix::Matrix;
-use super::tree::{Node, Tree};
+use super::node::Node;
+use super::tree::Tree;
 use super::triangles::Triangles;
 use std::mem::take;
 use std::ops::Range;

@@ -1,6 +1,6 @@
 //! Division of an elimination tree into parts that threads eliminate side by side.
 
-use super::tree::Node;
+use super::node::Node;
 
 /// Heuristic: the number of multiplications from which on an elimination is divided. Below this
 /// number, starting threads takes a noticeable part of the time.
