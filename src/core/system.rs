@@ -143,23 +143,13 @@ pub trait System: Send {
         out: &mut [f64],
     ) -> Result<(), Failure>;
 
-    /// Returns the derivative of a monitor at `x` along a direction of the length of `x`.
-    ///
-    /// # Errors
-    /// [`Failure`] as for [`gradient`](System::gradient).
-    fn slope(&mut self, x: &[f64], monitor: usize, direction: &[f64]) -> Result<f64, Failure> {
-        let discretised = self.discretised().map(|own| own.slope(x, monitor, direction));
-        if let Some(Some(slope)) = discretised.transpose()? {
-            return Ok(slope);
+    /// Writes the derivatives of monitors at `x` along a direction of the length of `x` into `out`,
+    /// beginning with monitor number `first`. The derivative of a monitor that is not
+    /// differentiable is NaN.
+    fn slopes(&mut self, x: &[f64], first: usize, direction: &[f64], out: &mut [f64]) {
+        for (monitor, slope) in (first..).zip(out) {
+            *slope = slope_of(self, x, monitor, direction).unwrap_or(f64::NAN);
         }
-        let n = self.names().dimension();
-        let moves: Vec<usize> =
-            (0..x.len() - n).filter(|parameter| direction[n + parameter] != 0.0).collect();
-        let mut gradient = vec![0.0; x.len()];
-        self.gradient(x, Functional::Monitor(monitor), &moves, &mut gradient)?;
-        let released =
-            moves.iter().map(|parameter| gradient[n + parameter] * direction[n + parameter]);
-        Ok(dot(&gradient[..n], &direction[..n]) + released.sum::<f64>())
     }
 
     /// The type of dynamics that the residual describes.
@@ -276,6 +266,29 @@ pub trait System: Send {
     fn events(&mut self) -> Option<&mut dyn OrbitEvents> {
         None
     }
+}
+
+/// Returns the derivative of a monitor at `x` along a direction.
+///
+/// # Errors
+/// [`Failure`] as for [`gradient`](System::gradient).
+fn slope_of(
+    system: &mut (impl System + ?Sized),
+    x: &[f64],
+    monitor: usize,
+    direction: &[f64],
+) -> Result<f64, Failure> {
+    let discretised = system.discretised().map(|own| own.slope(x, monitor, direction));
+    if let Some(Some(slope)) = discretised.transpose()? {
+        return Ok(slope);
+    }
+    let n = system.names().dimension();
+    let moves: Vec<usize> =
+        (0..x.len() - n).filter(|parameter| direction[n + parameter] != 0.0).collect();
+    let mut gradient = vec![0.0; x.len()];
+    system.gradient(x, Functional::Monitor(monitor), &moves, &mut gradient)?;
+    let released = moves.iter().map(|parameter| gradient[n + parameter] * direction[n + parameter]);
+    Ok(dot(&gradient[..n], &direction[..n]) + released.sum::<f64>())
 }
 
 /// A system that discretises equations, with refinement and a mesh that can adapt along a branch.

@@ -4,6 +4,7 @@
 use super::error::SceneError;
 use super::local::Local;
 use super::problem::Problem;
+use super::reach::Ends;
 use super::simulate::Simulated;
 use super::statement::{Run, Scene, Start, Sweep};
 use crate::core::attractor::StroboscopicError;
@@ -59,8 +60,9 @@ impl Scene {
         if let Ok(motion) = self.problem.model().motion() {
             motion.check_measures()?;
         }
+        let ends = Ends::of(&self.runs);
         for (index, run) in self.runs.iter().enumerate() {
-            self.check_run(run, &self.runs[..index])?;
+            self.check_run((run, &ends), &self.runs[..index])?;
         }
         self.sweeps.iter().try_for_each(|sweep| self.check_sweep(sweep))?;
         self.check_accuracy()
@@ -140,8 +142,8 @@ impl Scene {
         check_map(local, &format!("sweep `{}`", sweep.name), &self.runs, parameters)
     }
 
-    fn check_run(&self, run: &Run, earlier: &[Run]) -> Result<(), SceneError> {
-        let resolved = self.resolved(run)?;
+    fn check_run(&self, (run, ends): (&Run, &Ends), earlier: &[Run]) -> Result<(), SceneError> {
+        let resolved = self.resolved_among(run, ends)?;
         check_durations(&resolved.problem, &resolved.values)?;
         let place = |what: &str| format!("run `{}`, {what}", run.name);
         for range in run.along.iter().chain(&run.bounds) {

@@ -14,7 +14,8 @@
 use super::error::SceneError;
 use super::observer::SceneObserver;
 use super::problem::Problem;
-use super::resolve::{Resolution, Resolved, reach};
+use super::reach::Ends;
+use super::resolve::{Resolution, Resolved};
 use super::statement::{Run, Scene};
 use super::trace::{Outcome, traced};
 use crate::core::continuation::{Branch, End, Observer, Point, Settings, SpecialPoint};
@@ -185,7 +186,7 @@ impl Scene {
     /// all runs of the scene.
     fn ladder(&self) -> Result<Vec<Problem>, SceneError> {
         let values = self.values()?;
-        self.problem.ladder(&values, &reach(&self.problem, &self.runs, &values))
+        self.problem.ladder(&values, &Ends::of(&self.runs).reach(&self.problem, &values))
     }
 
     /// Returns the scene with one of the discretisations; in this scene, special points are not

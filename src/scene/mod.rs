@@ -48,6 +48,7 @@ mod phase;
 mod plane;
 mod problem;
 mod profile;
+mod reach;
 mod request;
 mod resolve;
 mod sampling;

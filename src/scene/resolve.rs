@@ -4,6 +4,7 @@
 use super::discretisation::{SOLUTION, Solution};
 use super::error::SceneError;
 use super::problem::Problem;
+use super::reach::Ends;
 use super::statement::{Run, Scene, Start, Sweep};
 use crate::core::bifurcation::catalogue;
 use crate::core::cancel::CancelToken;
@@ -209,7 +210,8 @@ impl Scene {
             scene.set(&name, &here)?;
             inherited.push(overridden(&name, &here, &in_scene));
         }
-        let all = scene.runs.iter().map(|run| scene.resolved(run));
+        let ends = Ends::of(&scene.runs);
+        let all = scene.runs.iter().map(|run| scene.resolved_among(run, &ends));
         let runs: Vec<Resolved> = all.collect::<Result<_, _>>()?;
         let runs = match start {
             Some(point) => going_on(&scene, runs, point)?,
@@ -225,6 +227,12 @@ impl Scene {
     /// branch of solutions, a run along a curve of special orbits, and a run along a curve of
     /// special cycles that starts at a special point of equilibria.
     pub(super) fn resolved(&self, run: &Run) -> Result<Resolved, SceneError> {
+        self.resolved_among(run, &Ends::of(&self.runs))
+    }
+
+    /// Resolves a run in the same way as [`resolved`](Self::resolved), given the ends of the ranges of
+    /// all runs.
+    pub(super) fn resolved_among(&self, run: &Run, ends: &Ends) -> Result<Resolved, SceneError> {
         let mut seen = self.with(&run.set)?;
         let at_hopf = matches!(run.start, Start::From { kind: Kind::HB, .. });
         let holds = run.hold.is_some() || run.hold_level.is_some();
@@ -237,7 +245,7 @@ impl Scene {
             seen.problem.follow(Solution::Orbit);
         }
         let values = seen.values()?;
-        let reach = reach(&seen.problem, &self.runs, &values);
+        let reach = ends.reach(&seen.problem, &values);
         let own = run.set.iter().filter_map(|(name, _)| Some((name.clone(), seen.value(name)?)));
         let changed = own.collect();
         let Scene { problem, settings, .. } = seen;
@@ -379,7 +387,7 @@ fn going_on(
         let here = point.value(name).filter(|_| !point.changed.contains(name));
         *value = here.unwrap_or(*value);
     }
-    going.reach = reach(&going.problem, &scene.runs, &going.values);
+    going.reach = Ends::of(&scene.runs).reach(&going.problem, &going.values);
     going.from = Some(point.clone());
     let names = going.run.local.as_ref().map_or(Vec::new(), |local| leading(&runs, &local.run));
     let before = runs.iter().filter(|run| names.contains(&run.name())).cloned();
@@ -444,25 +452,4 @@ fn leading<'a>(runs: &'a [Resolved], name: &'a str) -> Vec<&'a str> {
         last = from;
     }
     names
-}
-
-/// Returns, for each parameter, how far the parameter varies from its start in any run of the
-/// scene; with this information, a discretisation can be chosen that is suitable for all these
-/// values. All runs of a scene use the same range of parameters to choose the discretisation, so
-/// that a run can start where another run ended.
-pub(super) fn reach(problem: &Problem, runs: &[Run], values: &[f64]) -> Vec<f64> {
-    let names = problem.parameter_names();
-    let mut reach = values.to_vec();
-    for ((reach, value), name) in reach.iter_mut().zip(values).zip(&names) {
-        let ranges = runs.iter().flat_map(|run| &run.along).filter(|range| range.name == *name);
-        for end in ranges.flat_map(|range| [range.low, range.high]).flatten() {
-            // Ratios suit parameters such as aspect ratios; a parameter that starts at zero is
-            // measured by its size.
-            let far = |end: f64| if *value == 0.0 { end.abs() } else { (end / value).ln().abs() };
-            if far(end).is_finite() && far(end) > far(*reach) {
-                *reach = end;
-            }
-        }
-    }
-    reach
 }

@@ -31,6 +31,7 @@ use crate::core::system::Matrices;
 use basis::{Basis, combine};
 use linearise::{Passes, linearise_colored, linearise_in, mark_dependences};
 use num_dual::Dual2_64;
+use std::iter::repeat_n;
 
 /// The collocation method with `m` Gauss points in each interval, `m` from 2 to 7.
 ///
@@ -119,28 +120,10 @@ impl<T> Default for CollocationWork<T> {
     }
 }
 
-/// The number of samples per node, in each interval, in the search for extrema of functions of the
-/// states.
-const PLACES: usize = 4;
 /// The largest number of iterations in the search for the position of an extremum.
 const ROUNDS: usize = 60;
 
 impl Collocation {
-    /// Evaluates a scalar function of the interpolating polynomials at a point of an interval, with
-    /// the first and second derivative of the scalar.
-    fn sight(&self, interval: &Interval<f64>, observable: Observable, place: f64) -> Dual2_64 {
-        let (nodes, place) = (&self.basis.nodes, Dual2_64::new(place, 1.0, 0.0));
-        let n = interval.nodes.len() / nodes.len();
-        let mut x = vec![Dual2_64::from(0.0); n];
-        for (j, values) in interval.nodes.chunks_exact(n).enumerate() {
-            let weight = lagrange(nodes, j, place);
-            x.iter_mut().zip(values).for_each(|(x, value)| *x += weight * *value);
-        }
-        let t = (place * interval.length() + interval.span.start) * interval.duration();
-        let q: Vec<Dual2_64> = interval.q.iter().map(|q| Dual2_64::from(*q)).collect();
-        interval.watching(observable).value_in(t, &x, &q)
-    }
-
     /// Visits the ends of a mesh interval, and the times in the interval at which a function of the
     /// state has a local extremum; the extrema are located by sign changes of the derivative
     /// between samples.
@@ -151,17 +134,17 @@ impl Collocation {
         observable: Observable,
         visit: &mut dyn FnMut(usize, f64, f64),
     ) {
-        let count = PLACES * self.basis.nodes.len();
-        let mut left = (0.0, self.sight(interval, observable, 0.0));
+        let (mut sight, basis) = (Sight::new(interval, observable), &self.basis);
+        let mut left = (0.0, sight.at(0.0, basis.sampled_weights(0)));
         visit(k, 0.0, left.1.re);
-        for right in (1..=count).map(|c| c as f64 / count as f64) {
-            let right = (right, self.sight(interval, observable, right));
+        for (c, place) in basis.sampled_places().enumerate().skip(1) {
+            let right = (place, sight.at(place, basis.sampled_weights(c)));
             if left.1.v1 * right.1.v1 < 0.0 {
                 let place = zero([left.0, right.0], left.1.v1, |place| {
-                    let slope = self.sight(interval, observable, place);
+                    let slope = sight.at(place, basis.weights_at(place));
                     [slope.v1, slope.v2]
                 });
-                visit(k, place, self.sight(interval, observable, place).re);
+                visit(k, place, sight.at(place, basis.weights_at(place)).re);
             }
             left = right;
         }
@@ -169,9 +152,38 @@ impl Collocation {
     }
 }
 
+/// A scalar function of the interpolating polynomials of an interval.
+struct Sight<'i> {
+    interval: &'i Interval<'i, f64>,
+    observable: Observable,
+    q: Vec<Dual2_64>,
+    x: Vec<Dual2_64>,
+}
+
+impl<'i> Sight<'i> {
+    fn new(interval: &'i Interval<'i, f64>, observable: Observable) -> Self {
+        let q = interval.q.iter().map(|q| Dual2_64::from(*q)).collect();
+        Sight { interval, observable, q, x: Vec::new() }
+    }
+
+    /// Evaluates the function at a place, with its first and second derivative, given the weights of
+    /// the nodes.
+    fn at(&mut self, place: f64, weights: impl ExactSizeIterator<Item = Dual2_64>) -> Dual2_64 {
+        let interval = self.interval;
+        let n = interval.nodes.len() / weights.len();
+        refill(&mut self.x, repeat_n(Dual2_64::from(0.0), n));
+        for (weight, values) in weights.zip(interval.nodes.chunks_exact(n)) {
+            self.x.iter_mut().zip(values).for_each(|(x, value)| *x += weight * *value);
+        }
+        let place = Dual2_64::new(place, 1.0, 0.0);
+        let t = (place * interval.length() + interval.span.start) * interval.duration();
+        interval.watching(self.observable).value_in(t, &self.x, &self.q)
+    }
+}
+
 /// Finds the zero of a function between two points of an interval, given the sign of the function
 /// at the first point.
-fn zero(places: [f64; 2], sign: f64, of: impl Fn(f64) -> [f64; 2]) -> f64 {
+fn zero(places: [f64; 2], sign: f64, of: impl FnMut(f64) -> [f64; 2]) -> f64 {
     let limits = Limits { rounds: ROUNDS, moved: 1e-14 };
     bracketed_zero(places, sign, 0.5 * (places[0] + places[1]), limits, of)
 }
@@ -322,13 +334,17 @@ impl Collocation {
             visit(k, 1.0, at(m));
         }
         for (k, &[through, value]) in (watched.extrema.len()..).zip(watched.rises) {
-            let ends = [0.0, 1.0].map(|place| self.sight(&interval, through, place).re);
+            let mut sight = Sight::new(&interval, through);
+            let last = basis.sampled_places().count() - 1;
+            let ends = [(0.0, 0), (1.0, last)];
+            let ends = ends.map(|(place, c)| sight.at(place, basis.sampled_weights(c)).re);
             if ends[0] <= 0.0 && ends[1] > 0.0 {
                 let place = zero([0.0, 1.0], -1.0, |place| {
-                    let height = self.sight(&interval, through, place);
+                    let height = sight.at(place, basis.weights_at(place));
                     [height.re, height.v1]
                 });
-                visit(k, place, self.sight(&interval, value, place).re);
+                let mut sight = Sight::new(&interval, value);
+                visit(k, place, sight.at(place, basis.weights_at(place)).re);
             }
         }
     }

@@ -258,7 +258,9 @@ impl<'a> Corrector<'a> {
             Quantity::Parameter(p) => Some(direction[system.names().dimension() + p]),
             Quantity::Monitor(m) if m >= system.names().monitors.len() => None,
             Quantity::Monitor(m) => {
-                system.slope(x, m, &direction).ok().filter(|slope| slope.is_finite())
+                let mut slope = [f64::NAN];
+                system.slopes(x, m, &direction, &mut slope);
+                Some(slope[0]).filter(|slope| slope.is_finite())
             }
         }
     }
@@ -270,10 +272,16 @@ impl<'a> Corrector<'a> {
         [unknowns, tangent]: [&[f64]; 2],
         monitors: usize,
     ) -> Vec<Option<f64>> {
-        let parameters = self.equations.names().parameters.len();
-        let parameters = (0..parameters).map(Quantity::Parameter);
-        let all = parameters.chain((0..monitors).map(Quantity::Monitor));
-        all.map(|quantity| self.slope_of(quantity, [unknowns, tangent])).collect()
+        let direction = self.equations.direction_of(tangent);
+        self.equations.load(unknowns);
+        let At { system, x, .. } = self.equations.at();
+        let first = system.names().dimension();
+        let mut own = vec![f64::NAN; system.names().monitors.len()];
+        system.slopes(x, 0, &direction, &mut own);
+        let mut all: Vec<_> = direction[first..].iter().copied().map(Some).collect();
+        all.extend(own.into_iter().map(|slope| Some(slope).filter(|slope| slope.is_finite())));
+        all.resize(direction.len() - first + monitors, None);
+        all
     }
 
     /// Returns the error that the tolerance of Newton's method causes in the continued parameter at

@@ -148,8 +148,8 @@ impl System for HybridEquilibria {
         self.matrix.gradient(x, of, released, out)
     }
 
-    fn slope(&mut self, x: &[f64], monitor: usize, direction: &[f64]) -> Result<f64, Failure> {
-        self.matrix.slope(x, monitor, direction)
+    fn slopes(&mut self, x: &[f64], first: usize, direction: &[f64], out: &mut [f64]) {
+        self.matrix.slopes(x, first, direction, out);
     }
 
     fn expand(

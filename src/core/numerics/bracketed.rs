@@ -17,7 +17,7 @@ pub(crate) fn bracketed_zero(
     sign: f64,
     guess: f64,
     limits: Limits,
-    of: impl Fn(f64) -> [f64; 2],
+    mut of: impl FnMut(f64) -> [f64; 2],
 ) -> f64 {
     let mut place = guess;
     for _ in 0..limits.rounds {

@@ -240,8 +240,8 @@ macro_rules! delegated {
                 self.system.gradient(x, of, released, out)
             }
 
-            fn slope(&mut self, x: &[f64], monitor: usize, along: &[f64]) -> Result<f64, Failure> {
-                self.system.slope(x, monitor, along)
+            fn slopes(&mut self, x: &[f64], first: usize, along: &[f64], out: &mut [f64]) {
+                self.system.slopes(x, first, along, out);
             }
 
             fn dynamics(&self) -> Dynamics {

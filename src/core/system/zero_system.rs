@@ -363,7 +363,7 @@ impl System for ZeroSystem {
         finite_gradient(out, self.names.dimension(), released)
     }
 
-    fn slope(&mut self, x: &[f64], monitor: usize, direction: &[f64]) -> Result<f64, Failure> {
+    fn slopes(&mut self, x: &[f64], first: usize, direction: &[f64], out: &mut [f64]) {
         let moving = |i: usize| {
             let mut moving = Chunk::from(x[i]);
             moving.eps[0] = direction[i];
@@ -371,7 +371,8 @@ impl System for ZeroSystem {
         };
         let (z, p, _) = self.chunk.arguments(moving);
         self.problem.monitors(z, p, &mut self.monitors.1);
-        Ok(self.monitors.1[monitor].eps[0])
+        let moving = self.monitors.1[first..].iter();
+        out.iter_mut().zip(moving).for_each(|(slope, moving)| *slope = moving.eps[0]);
     }
 
     fn dynamics(&self) -> Dynamics {

@@ -2,6 +2,7 @@
 
 use crate::core::numerics::{Limits, bracketed_zero, gauss_legendre, lagrange};
 use crate::core::scalar::Scalar;
+use num_dual::Dual2_64;
 
 /// The largest number of Lobatto nodes in an interval.
 const MOST: usize = 8;
@@ -24,12 +25,19 @@ pub(super) struct Basis {
     /// The coefficients of the Lagrange polynomials `ℓ_j` in powers of `y = 2s − 1`, one row for
     /// each node.
     powers: Vec<f64>,
+    /// The values `ℓ_j(s)`, with their first and second derivatives, at [`SAMPLES`](Self::SAMPLES)
+    /// uniform places for each node, from 0 to 1; one row for each place.
+    samples: Vec<Dual2_64>,
     /// The error constant of collocation: the maximum over `s` of `|P(s)|`, with `P(s) = ∫₀ˢ Π_c (t
     /// − ρ_c) dt / m!`.
     pub error_constant: f64,
 }
 
 impl Basis {
+    /// Heuristic: the number of samples per node, in each interval, in the search for extrema of
+    /// functions of the states.
+    const SAMPLES: usize = 4;
+
     pub fn new(points: usize) -> Self {
         let (places, weights) = gauss_legendre(points);
         let gauss: Vec<f64> = places.iter().map(|y| 0.5 * (1.0 + y)).collect();
@@ -46,7 +54,31 @@ impl Basis {
         }
         let powers = (0..=points).flat_map(|j| powers_of_lagrange(&nodes, j)).collect();
         let error_constant = error_constant(&gauss);
-        Basis { gauss, weights, nodes, values, slopes, powers, error_constant }
+        let samples = Vec::new();
+        let mut basis =
+            Basis { gauss, weights, nodes, values, slopes, powers, samples, error_constant };
+        let places = basis.sampled_places();
+        basis.samples =
+            places.flat_map(|place| basis.weights_at(place).collect::<Vec<_>>()).collect();
+        basis
+    }
+
+    /// Iterates over the uniform places at which functions of the states are sampled.
+    pub fn sampled_places(&self) -> impl Iterator<Item = f64> + use<> {
+        let count = Self::SAMPLES * self.nodes.len();
+        (0..=count).map(move |c| c as f64 / count as f64)
+    }
+
+    /// Iterates over the weights of the nodes at the sampled place number `c`, with their first and
+    /// second derivatives.
+    pub fn sampled_weights(&self, c: usize) -> impl ExactSizeIterator<Item = Dual2_64> {
+        self.samples[c * self.nodes.len()..][..self.nodes.len()].iter().copied()
+    }
+
+    /// Iterates over the weights of the nodes at a place, with their first and second derivatives.
+    pub fn weights_at(&self, place: f64) -> impl ExactSizeIterator<Item = Dual2_64> {
+        let place = Dual2_64::new(place, 1.0, 0.0);
+        (0..self.nodes.len()).map(move |j| lagrange(&self.nodes, j, place))
     }
 
     /// Returns the row for the Gauss point `c` in a table with one row for each Gauss point.

@@ -112,10 +112,15 @@ impl DiscretisedProblem {
                  0"
             )));
         };
+        // Only the interval that contains the time is loaded.
+        let (interval, place) = self.meshes[segment].locate(tau);
+        let nodes = layout.order[layout.interval(segment, interval)].iter().map(|&k| x[k]);
+        let q: Vec<f64> = (0..layout.numbers()).map(|k| x[layout.number(k)]).collect();
+        let (nodes, mut numbers) = (nodes.collect::<Vec<f64>>(), Vec::new());
+        layout.spread(&q, &mut numbers);
+        let interval = self.alone((segment, interval), &nodes, &numbers[layout.local(segment)]);
         let mut out = vec![0.0; s.states];
-        let mut work = Work::new(layout);
-        work.load(layout, |i| x[i]);
-        self.value(&mut work, segment, tau, &mut out)?;
+        self.method.value(interval, place, &mut Default::default(), &mut out)?;
         Ok(out)
     }
 
