@@ -32,7 +32,7 @@ fn first(branch: &Branch, kind: Kind) -> Result<usize, String> {
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let mut rest = Dense::new(Equilibria(Roessler));
+    let mut rest = Dense::new(Equilibria::new(Roessler));
     let equilibria = Continuation::new(&mut rest)
         .named("equilibria")
         .from(&[0.0, -0.5, 0.5])

@@ -59,7 +59,7 @@
 //!     }
 //! }
 //!
-//! let mut rest = Dense::new(Equilibria(Brusselator));
+//! let mut rest = Dense::new(Equilibria::new(Brusselator));
 //! let rest =
 //!     Continuation::new(&mut rest).from(&[1.0, 1.5]).at("b", 1.5).along("b", 1.5..=4.0).trace()?;
 //! let hopf = rest.of_kind(Kind::HB).next().ok_or("no Hopf point")?;

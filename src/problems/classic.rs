@@ -12,7 +12,7 @@
 //! use tangency::prelude::*;
 //! use tangency::problems::classic::Lure;
 //! // The equilibrium 0 of `x″′ + αx″ + βx′ + x = x²` at β = 1 has a Hopf point at α = 1.
-//! let mut rest = Dense::new(Equilibria(Lure));
+//! let mut rest = Dense::new(Equilibria::new(Lure));
 //! let start = Continuation::new(&mut rest).at("alpha", 0.5).at("beta", 1.0);
 //! let branch = start.along("alpha", 0.5..=1.5).trace()?;
 //! let hopf = branch.of_kind(Kind::HB).next().expect("a Hopf point");

@@ -101,7 +101,7 @@ impl<F: VectorField + 'static> Model for Configured<Arc<F>, FieldSettings> {
                 Err(no_equilibrium(FORCED))
             }
             Solution::Equilibrium => {
-                let rest = Arc::new(Equilibria(self.problem.clone()));
+                let rest = Arc::new(Equilibria::new(self.problem.clone()));
                 Ok(Box::new(ZeroSystem::structured(rest, self.settings.matrices)))
             }
         }

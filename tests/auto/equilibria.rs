@@ -34,7 +34,7 @@ pub fn rest<F: VectorField + 'static>(
     v: Variant,
 ) -> Result<Branch, TraceError> {
     let (names, defaults) = (field.names(), field.defaults());
-    let mut system = Dense::new(Equilibria(field));
+    let mut system = Dense::new(Equilibria::new(field));
     let mut curve = Continuation::new(&mut system).named("rest").settings(settings(v)).from(from);
     for (name, value) in names.parameters.iter().zip(defaults) {
         curve = curve.at(name, value);
@@ -54,7 +54,7 @@ pub fn crossing<F: VectorField + 'static>(
     v: Variant,
 ) -> Result<Branch, Box<dyn std::error::Error>> {
     let point = branch.of_kind(Kind::BP).nth(index).ok_or("there are fewer branch points")?;
-    let mut system = Dense::new(Equilibria(field));
+    let mut system = Dense::new(Equilibria::new(field));
     let curve =
         Continuation::new(&mut system).named(format!("crossing {index}")).settings(settings(v));
     let curve = curve.restart(branch, point.label).switch();
@@ -144,7 +144,7 @@ fn plp(v: Variant, report: &mut Report) -> Outcome {
     report.points(&branch, Kind::HB, "rho", &[3.49995382798691, 4.6504578126027], 1e-9);
     report.none(&branch, &[Kind::BP, Kind::LP]);
     for label in branch.of_kind(Kind::HB).map(|s| s.label).collect::<Vec<_>>() {
-        let mut system = Dense::new(Equilibria(Plp));
+        let mut system = Dense::new(Equilibria::new(Plp));
         let curve = Continuation::new(&mut system)
             .settings(settings(v))
             .restart(&branch, label)
@@ -197,7 +197,7 @@ fn cusp(v: Variant, report: &mut Report) -> Outcome {
     report.points(&branch, Kind::LP, "mu", &[-fold, fold], 1e-9);
     report.none(&branch, &[Kind::BP]);
     let label = branch.of_kind(Kind::LP).next().ok_or("no fold")?.label;
-    let mut system = Dense::new(Equilibria(Cusp));
+    let mut system = Dense::new(Equilibria::new(Cusp));
     let curve =
         Continuation::new(&mut system).settings(settings(v)).restart(&branch, label).hold(Kind::LP);
     let curve = curve.along("mu", -2.0..=2.0).along("lambda", -1.0..=2.0).trace().inspect(show)?;

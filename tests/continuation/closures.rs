@@ -58,7 +58,7 @@ fn attached_monitors_are_refused_where_they_mean_nothing() {
 #[test]
 fn events_on_orbits_agree_with_and_without_a_gradient() {
     let mut orbits = periodic_orbits(Lure, 20, Collocation::new(4).unwrap()).unwrap();
-    let mut field = Dense::new(Equilibria(Lure));
+    let mut field = Dense::new(Equilibria::new(Lure));
     let equilibria = Continuation::new(&mut field).at("alpha", 0.5).at("beta", 1.0);
     let equilibria = equilibria.along("alpha", 0.3..=1.5).trace().unwrap();
     let hopf = equilibria.of_kind(Kind::HB).next().unwrap().label;
@@ -84,7 +84,7 @@ fn events_on_orbits_agree_with_and_without_a_gradient() {
 /// along a curve.
 #[test]
 fn hopf_points_have_their_frequency() {
-    let mut field = Dense::new(Equilibria(Brusselator));
+    let mut field = Dense::new(Equilibria::new(Brusselator));
     let a = 1.5;
     let curve = Continuation::new(&mut field).from(&[a, 1.0 / a]).at("a", a).at("b", 1.0);
     let branch = curve.along("b", 1.0..=5.0).trace().unwrap();

@@ -77,7 +77,7 @@ fn agrees_with_jets(system: &mut dyn System, x: &[f64], tolerance: f64) {
 
 #[test]
 fn of_equilibria() {
-    agrees_with_jets(&mut Dense::new(Equilibria(Oscillator)), &[0.7, -0.4, 1.3], 1e-13);
+    agrees_with_jets(&mut Dense::new(Equilibria::new(Oscillator)), &[0.7, -0.4, 1.3], 1e-13);
 }
 
 #[test]

@@ -16,7 +16,7 @@ fn number(point: &SpecialPoint, name: &str) -> f64 {
 #[test]
 fn the_lyapunov_coefficient_of_the_brusselator() {
     for a in [0.3, 1.0, 2.0, 5.0_f64] {
-        let mut system = Dense::new(Equilibria(Brusselator));
+        let mut system = Dense::new(Equilibria::new(Brusselator));
         let curve = Continuation::new(&mut system).from(&[a, 0.5 / a]).at("a", a).at("b", 0.5);
         let branch = curve.along("b", 0.5..=30.0).trace().unwrap();
         let hopf = first(&branch, Kind::HB);

@@ -95,7 +95,7 @@ fn of_a_bogdanov_takens_point() {
         let first =
             || ("e1", if unit > 0.0 { -1.0 / unit..=0.5 / unit } else { 0.5 / unit..=-1.0 / unit });
         for swapped in [false, true] {
-            let mut system = Dense::new(Equilibria(Takens { unit }));
+            let mut system = Dense::new(Equilibria::new(Takens { unit }));
             let start: Start = (&[-0.9, 0.0], &[("e1", -0.81 / unit), ("e2", -0.5)], first());
             for (kind, number) in [(Kind::LP, 2), (Kind::HB, 1)] {
                 let mut plane = [first(), ("e2", -0.8..=0.7)];
@@ -133,7 +133,7 @@ vector_field! {
 /// Further eigenvalues pass the axis at points of codimension two, and the numbers change there.
 #[test]
 fn of_a_double_hopf_point_and_a_fold_hopf_point() {
-    let mut system = Dense::new(Equilibria(Oscillators));
+    let mut system = Dense::new(Equilibria::new(Oscillators));
     let plane = || [("p", -1.0..=1.0), ("q", -1.0..=1.0)];
     let start: Start = (&[0.0; 4], &[("p", -0.9), ("q", -0.5)], ("p", -0.9..=1.0));
     let branch = curve(&mut system, start, Kind::HB, plane());
@@ -146,7 +146,7 @@ fn of_a_double_hopf_point_and_a_fold_hopf_point() {
     assert_eq!(sides(&branch), [vec![0], vec![2], vec![2], vec![4]]);
     check(&mut system, &branch, ([1.0; 2], 1e-3), 0.02);
 
-    let mut system = Dense::new(Equilibria(FoldAndOscillator));
+    let mut system = Dense::new(Equilibria::new(FoldAndOscillator));
     let start: Start = (&[-0.9, 0.0, 0.0], &[("p", -0.81), ("q", 0.2)], ("p", -1.0..=1.0));
     let folds = curve(&mut system, start.clone(), Kind::LP, plane());
     assert_eq!(sides(&folds), [vec![], vec![], vec![0, 1], vec![2, 3]]);
@@ -172,7 +172,7 @@ fn free<T: Scalar>(x: T, y: T, s: T) -> T {
 
 #[test]
 fn of_the_curves_of_a_model() {
-    let mut system = Dense::new(Equilibria(Oxidation));
+    let mut system = Dense::new(Equilibria::new(Oxidation));
     let plane = || [("q2", 0.5..=2.0), ("k", 0.1..=2.0)];
     let start: Start =
         (&[0.001137, 0.891483, 0.062345], &[("q2", 2.0), ("k", 0.4)], ("q2", 0.5..=2.0));
@@ -201,7 +201,7 @@ fn of_curves_of_branch_points() {
         (1.0, 0.0, 0.003, [vec![0, 1], vec![0, 1]]),
     ] {
         for swapped in [false, true] {
-            let mut system = Dense::new(Equilibria(Crossing { b, c }));
+            let mut system = Dense::new(Equilibria::new(Crossing { b, c }));
             let start: Start = (&[0.0, 0.0], &[("p", -0.5), ("q", 0.3)], ("p", -1.0..=1.0));
             let mut plane = [("p", -1.0..=1.0), ("q", -0.7..=0.8)];
             if swapped {

@@ -272,7 +272,7 @@ fn the_number_of_points_does_not_depend_on_the_mesh() {
 fn hopf_points(n: usize) -> (Branch, Vec<f64>) {
     let mut start = vec![2.0; n];
     start.extend(vec![5.45 / 2.0; n]);
-    let mut system = Sparse::new(Equilibria(DiffusiveBrusselator::new(n)));
+    let mut system = Sparse::new(Equilibria::new(DiffusiveBrusselator::new(n)));
     let stated = Continuation::new(&mut system).at("L", 0.3).at("A", 2.0).at("B", 5.45);
     let branch = stated.from(&start[..]).along("L", 0.3..=1.2).trace().unwrap();
     let lengths = branch.of_kind(Kind::HB).map(|point| point.parameters[0]).collect();
@@ -301,8 +301,8 @@ fn the_rightmost_eigenvalues_are_those_of_the_dense_matrix() {
     x.extend(vec![5.45 / 2.0; n]);
     x.extend([1.1, 2.0, 5.45]);
     let (mut dense, mut sparse) = (
-        Dense::new(Equilibria(DiffusiveBrusselator::new(n))),
-        Sparse::new(Equilibria(DiffusiveBrusselator::new(n))),
+        Dense::new(Equilibria::new(DiffusiveBrusselator::new(n))),
+        Sparse::new(Equilibria::new(DiffusiveBrusselator::new(n))),
     );
     let systems: [&mut dyn System; 2] = [&mut dense, &mut sparse];
     let [all, some] = systems.map(|system| {

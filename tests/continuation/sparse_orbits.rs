@@ -17,7 +17,7 @@ use tangency::problems::classic::Bratu;
 fn cycles(n: usize, last: f64, matrices: Matrices) -> (BoundarySystem, Branch) {
     let mut start = vec![2.0; n];
     start.extend(vec![5.45 / 2.0; n]);
-    let mut rest = Sparse::new(Equilibria(DiffusiveBrusselator::new(n)));
+    let mut rest = Sparse::new(Equilibria::new(DiffusiveBrusselator::new(n)));
     let stated = Continuation::new(&mut rest).at("L", 0.5).at("A", 2.0).at("B", 5.45);
     let rest = stated.from(&start[..]).along("L", 0.5..=last).trace().unwrap();
     let hopf = rest.of_kind(Kind::HB).next().unwrap();

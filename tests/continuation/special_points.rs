@@ -64,7 +64,7 @@ vector_field! {
 #[test]
 fn a_start_at_a_fold() {
     for start in [0.0, 1e-12, 5e-9, 1e-6] {
-        let mut system = Dense::new(Equilibria(Parabola));
+        let mut system = Dense::new(Equilibria::new(Parabola));
         let branch = Continuation::new(&mut system)
             .from(&[start])
             .at("load", start * start)

@@ -120,7 +120,7 @@ impl VectorField for Ring {
 #[test]
 fn branch_points_of_several_eigenvalues_are_reported() {
     for max_step in [0.02, 0.05, 0.1, 0.5] {
-        let mut system = Dense::new(Equilibria(Ring));
+        let mut system = Dense::new(Equilibria::new(Ring));
         let curve = Continuation::new(&mut system).at("lambda", -0.5).settings(step(max_step));
         let branch = curve.along("lambda", -0.5..=1.0).trace().unwrap();
         let points: Vec<(f64, usize)> =
@@ -148,7 +148,7 @@ vector_field! {
 
 #[test]
 fn every_branch_through_a_multiple_branch_point_can_be_left_along() {
-    let mut system = Dense::new(Equilibria(Triangle));
+    let mut system = Dense::new(Equilibria::new(Triangle));
     let curve = Continuation::new(&mut system).at("lambda", -1.0);
     let branch = curve.along("lambda", -1.0..=1.0).trace().unwrap();
     let point = branch.of_kind(Kind::BP).next().unwrap();
@@ -248,7 +248,7 @@ fn nothing_passes_unseen() {
 /// A trace changes nothing of the caller's: after a period doubling it has one period still.
 #[test]
 fn the_callers_system_stays_as_it_is() {
-    let mut rest = Dense::new(Equilibria(Lure));
+    let mut rest = Dense::new(Equilibria::new(Lure));
     let branch = Continuation::new(&mut rest).at("alpha", 1.2).at("beta", 1.0);
     let branch = branch.along("alpha", 0.5..=1.5).trace().unwrap();
     let hopf = branch.of_kind(Kind::HB).next().unwrap().label;
@@ -268,7 +268,7 @@ fn the_callers_system_stays_as_it_is() {
 /// A branch starts from the solution of any point, on its mesh, and is the same from there.
 #[test]
 fn points_with_solutions_are_starts() {
-    let mut rest = Dense::new(Equilibria(Lure));
+    let mut rest = Dense::new(Equilibria::new(Lure));
     let branch = Continuation::new(&mut rest).at("alpha", 1.2).at("beta", 1.0);
     let branch = branch.along("alpha", 0.5..=1.5).trace().unwrap();
     let hopf = branch.of_kind(Kind::HB).next().unwrap().label;

@@ -91,7 +91,7 @@ vector_field! {
 /// The multipliers of planar flows are positive: a fold of cycles has no multiplier −1.
 #[test]
 fn planar_cycles_have_no_fold_flip_points() {
-    let mut rest = Dense::new(Equilibria(Neuron));
+    let mut rest = Dense::new(Equilibria::new(Neuron));
     let rest = Continuation::new(&mut rest).from(&[-1.2, -0.6]).at("epsilon", 0.15);
     let rest = rest.along("i", 0.0..=1.0).trace().unwrap();
     let mut orbits = periodic_orbits(Neuron, 20, Collocation::new(4).unwrap()).unwrap();

@@ -242,7 +242,7 @@ fn circles_and_their_centre() {
         }
         close(value(system, &x, "action"), 0.5 * mu * TAU / omega, 1e-11);
     }
-    let mut rest = Dense::new(Equilibria(Circle));
+    let mut rest = Dense::new(Equilibria::new(Circle));
     assert_eq!(rest.names().monitors, ["x", "y", "energy", "norm"]);
     let mut values = [0.0; 4];
     rest.monitors(&[0.3, 0.4, mu, omega], 0, &mut values).unwrap();

@@ -69,7 +69,7 @@ fn responses_are_exact_in_any_units() {
 }
 
 fn sheared(method: impl Into<Method>, intervals: usize) -> Branch {
-    let mut rest = Dense::new(Equilibria(Sheared));
+    let mut rest = Dense::new(Equilibria::new(Sheared));
     let rest = Continuation::new(&mut rest).at("mu", 0.5).along("mu", -2.0..=0.5).trace().unwrap();
     let hopf = first(&rest, Kind::HB);
     let mut cycles = periodic_orbits(Sheared, intervals, method).unwrap();

@@ -93,7 +93,7 @@ fn plan(name: &str, directions: u32, exact: f64, points: [&[usize]; 2]) -> Plan 
 fn period(points: usize, matrices: Matrices) -> Result<Answer, String> {
     let problem = || DiffusiveBrusselator::new(points);
     let rest = [vec![2.0; points], vec![5.45 / 2.0; points]].concat();
-    let mut equilibria = Sparse::new(Equilibria(problem()));
+    let mut equilibria = Sparse::new(Equilibria::new(problem()));
     let stated = Continuation::new(&mut equilibria).at("L", 0.5).at("A", 2.0).at("B", 5.45);
     let branch =
         stated.from(&rest[..]).along("L", 0.5..=0.7).trace().map_err(|cause| one_line(&cause))?;

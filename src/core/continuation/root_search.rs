@@ -25,7 +25,7 @@ use crate::core::system::System;
 ///     /// `x' = p x − x³`: at p = 4 the equilibria −2, 0 and 2.
 ///     struct Pitchfork [x; p] { d/dt x = p * x - x * x * x; }
 /// }
-/// let mut system = Dense::new(Equilibria(Pitchfork));
+/// let mut system = Dense::new(Equilibria::new(Pitchfork));
 /// let found = RootSearch::default().find(&mut system, &[4.0], &[[-3.0, 3.0]])?;
 /// let values: Vec<f64> = found.roots.iter().map(|root| root.unknowns[0]).collect();
 /// assert!(values.iter().zip([-2.0, 0.0, 2.0]).all(|(x, exact)| (x - exact).abs() < 1e-12));

@@ -119,7 +119,7 @@ impl<F: VectorField> BoundaryProblem for PeriodicOrbit<F> {
 /// use tangency::core::problem::Equilibria;
 /// use tangency::problems::{classic::Lure, mita::Block};
 /// // A Hopf point of the equilibrium 0 …
-/// let mut rest = Dense::new(Equilibria(Lure));
+/// let mut rest = Dense::new(Equilibria::new(Lure));
 /// let branch = Continuation::new(&mut rest)
 ///     .at("alpha", 1.2)
 ///     .at("beta", 1.0)

@@ -3,6 +3,7 @@
 use super::forward::forward;
 use super::measure::Measure;
 use super::names::Names;
+use super::watch::Observable;
 use super::zero::ZeroProblem;
 use crate::core::failure::OutOfDomain;
 use crate::core::scalar::Scalar;
@@ -141,55 +142,65 @@ impl<F: Deref<Target: VectorField> + Send + Sync> VectorField for F {
 ///         d/dt y = x;
 ///     }
 /// }
-/// let mut rest = Dense::new(Equilibria(VanDerPol));
+/// let mut rest = Dense::new(Equilibria::new(VanDerPol));
 /// let branch = Continuation::new(&mut rest).at("mu", -1.0).along("mu", -1.0..=1.0).trace()?;
 /// assert!(branch.of_kind(Kind::HB).next().unwrap().parameters[0].abs() < 1e-14);
 /// # Ok::<(), tangency::core::continuation::TraceError>(())
 /// ```
 #[derive(Clone, Debug)]
-pub struct Equilibria<F>(pub F);
+pub struct Equilibria<F> {
+    field: F,
+    names: Names,
+    /// The measures of a motion at rest; a scalar that the field does not define is `None`.
+    measures: Vec<Measure<Option<Observable>>>,
+}
 
 impl<F: VectorField> Equilibria<F> {
-    /// Returns the values of the measures at an equilibrium, given the values of the scalars.
-    fn measured<T: Scalar>(&self, scalar: impl Fn(&str) -> T) -> impl Iterator<Item = (String, T)> {
-        let measures = Measure::of_rest(self.0.measures()).into_iter();
-        measures.filter_map(move |(name, measure)| {
-            Some((name, measure.at_rest(|name: &String| scalar(name))?))
-        })
+    /// Creates the zero problem `f(x, p) = 0` of a vector field.
+    pub fn new(field: F) -> Self {
+        let mut names = field.names();
+        let (recorded, measures): (Vec<String>, Vec<_>) =
+            Measure::of_rest(field.measures()).into_iter().unzip();
+        let places = |name: &str| (names.unknown(name), names.monitor(name));
+        let observable = |name: &String| match places(name) {
+            (Some(state), _) => Some(Observable::State(state)),
+            (None, function) => function.map(Observable::Function),
+        };
+        let measures = measures.iter().map(|measure| measure.map(observable)).collect();
+        names.monitors = recorded;
+        Equilibria { field, names, measures }
     }
 }
 
 impl<F: VectorField> ZeroProblem for Equilibria<F> {
     fn names(&self) -> Names {
-        let mut names = self.0.names();
-        names.monitors = self.measured(|_| 0.0).map(|(name, _)| name).collect();
-        names
+        self.names.clone()
     }
 
     fn defaults(&self) -> Vec<f64> {
-        self.0.defaults()
+        self.field.defaults()
     }
 
     fn residual<T: Scalar>(&self, z: &[T], p: &[T], r: &mut [T]) {
-        self.0.field(T::zero(), z, p, r);
+        self.field.field(T::zero(), z, p, r);
     }
 
     fn monitors<T: Scalar>(&self, z: &[T], p: &[T], values: &mut [T]) {
-        let names = self.0.names();
-        let unknown = T::from(f64::NAN);
-        let measured = self.measured(|name| match (names.unknown(name), names.monitor(name)) {
-            (Some(state), _) => z[state],
-            (None, Some(monitor)) => self.0.monitor(monitor, T::zero(), z, p),
-            (None, None) => unknown,
-        });
-        values.iter_mut().zip(measured).for_each(|(value, (_, measure))| *value = measure);
+        let scalar = |of: &Option<Observable>| match *of {
+            Some(Observable::State(state)) => z[state],
+            Some(Observable::Function(function)) => self.field.monitor(function, T::zero(), z, p),
+            None => T::from(f64::NAN),
+        };
+        for (value, measure) in values.iter_mut().zip(&self.measures) {
+            *value = measure.at_rest(scalar).unwrap_or_else(T::zero);
+        }
     }
 
     fn scales(&self, p: &[f64]) -> Vec<f64> {
-        self.0.names().sizes_of_groups(&self.0.scales(p))
+        self.names.sizes_of_groups(&self.field.scales(p))
     }
 
     fn domain(&self, z: &[f64], p: &[f64]) -> Result<(), OutOfDomain> {
-        self.0.domain(z, p)
+        self.field.domain(z, p)
     }
 }

@@ -83,7 +83,7 @@ macro_rules! __forcing {
 ///         d/dt y = b * x - reaction;
 ///     }
 /// }
-/// let mut rest = Dense::new(Equilibria(Brusselator));
+/// let mut rest = Dense::new(Equilibria::new(Brusselator));
 /// let branch = Continuation::new(&mut rest).from(&[1.0, 1.5]).at("b", 1.5).along("b", 1.5..=4.0).trace()?;
 /// let hopf = branch.of_kind(Kind::HB).next().expect("a Hopf point");
 /// assert!((hopf.parameters[0] - 2.0).abs() < 1e-12);

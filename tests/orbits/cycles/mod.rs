@@ -47,7 +47,7 @@ pub fn equilibria<F: VectorField + 'static>(
     ends: [f64; 2],
 ) -> Branch {
     let names = field.names().parameters;
-    let mut system = Dense::new(Equilibria(field));
+    let mut system = Dense::new(Equilibria::new(field));
     let mut continuation = Continuation::new(&mut system)
         .named("rest")
         .from(guess)
