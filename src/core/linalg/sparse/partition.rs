@@ -37,8 +37,8 @@ pub(super) struct Partition {
 
 /// Returns the time that the elimination of a node takes, in units of the time of a multiplication.
 fn work(node: &Node) -> f64 {
-    let (own, size) = (node.own.len(), node.own.len() + node.pattern.len());
-    (own * size * size) as f64 + MOVING * (size * size) as f64
+    let size = (node.own.len() + node.pattern.len()) as f64;
+    node.products() + MOVING * size * size
 }
 
 /// Divides an elimination tree into parts. A small tree, or a tree without branches, has one part.
