@@ -54,7 +54,8 @@ const FARTHER: f64 = 1.25;
 const MOVES: usize = 3;
 
 /// Heuristic: the eigenvalues of a Krylov space are computed for the first time when the space is
-/// smaller, by one part of this number, than the converged Krylov space of the previous matrix.
+/// smaller, by one part of this number and at least by one block, than the converged Krylov space of
+/// the previous matrix.
 const EARLIER: usize = 8;
 
 /// The description of the requested eigenvalues in error messages.
@@ -309,7 +310,8 @@ impl Leading {
         let mut space = Krylov::new(starts, (&locked.basis, matrix.scales), n);
         let (is_first, mut next_look) = (least == 0.0 && locked.values.is_empty(), wanted + 2);
         if is_first {
-            next_look = next_look.max(self.previous.products - self.previous.products / EARLIER);
+            let products = self.previous.products;
+            next_look = next_look.max(products.saturating_sub(LANES.max(products / EARLIER)));
         }
         while !space.vectors.is_empty() {
             space.grow(&mut |block| {
