@@ -103,7 +103,7 @@ def output(*command, at=ROOT):
 
 def compare(programs, options):
     """Measures all commands and prints the table; the exit code."""
-    common.one_core()
+    common.pin(1)
     runs, rows, medians, slower = options.run or RUNS, [], {}, False
     with tempfile.TemporaryDirectory() as folder:
         for run in runs:

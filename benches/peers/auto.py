@@ -18,7 +18,7 @@ import tarfile
 import tempfile
 import time
 
-from common import machine, one_core, table
+from common import machine, pin, table
 
 HERE = pathlib.Path(__file__).resolve().parent
 AUTO = "bifpy==0.3.0"  # the source package that carries AUTO-07p
@@ -164,7 +164,7 @@ def measure(arguments, directory):
         builds["native"] = (["-O2", "-fopenmp"], sorted(pathlib.Path(arguments.objects).glob("*.o")))
     programs = {f"AUTO-07p, {build_name}, {name}": Auto(name, directory / build_name, objects, options)
                 for build_name, (options, objects) in builds.items() for name in FORMULATIONS}  # fmt: skip
-    one_core()
+    pin(1)
     rows, remarks, rounds = [], [], []
     for name, auto in programs.items():
         row, remark = auto.row(name, arguments.runs)

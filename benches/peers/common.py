@@ -22,13 +22,8 @@ def machine():
         return platform.processor() or platform.machine()
 
 
-def one_core():
-    """This process and all it starts from now on: one thread, and on Linux one core."""
-    pin(1)
-
-
 def pin(cores):
-    """This process and all it starts from now on: as many threads, and on Linux cores."""
+    """Limits this process, and all processes that it starts from now on, to a number of threads, on Linux also of cores."""
     os.environ |= {"OMP_NUM_THREADS": str(cores), "RAYON_NUM_THREADS": str(cores)}
     if hasattr(os, "sched_setaffinity"):
         os.sched_setaffinity(0, sorted(os.sched_getaffinity(0))[-cores:])

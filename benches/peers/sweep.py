@@ -20,7 +20,7 @@ import time
 import heyoka as hy
 import numpy as np
 import scipy
-from common import machine, one_core, table
+from common import machine, pin, table
 from scipy.integrate import solve_ivp
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -215,7 +215,7 @@ def main():
     if arguments.tangency.startswith("cargo run"):  # compile on all cores, before the pinning to one
         build = arguments.tangency.replace("cargo run", "cargo build", 1).removesuffix("--")
         subprocess.run(shlex.split(build), cwd=ROOT, check=True)
-    one_core()
+    pin(1)
     with tempfile.TemporaryDirectory() as directory:
         measured = [measure(arguments, voltage, pathlib.Path(directory)) for voltage in (0.52, 0.65)]
     flags = os.environ.get("RUSTFLAGS", "")

@@ -6,8 +6,8 @@ use faer::sparse::SymbolicSparseColMatRef;
 use faer::sparse::linalg::amd;
 use std::cmp::Reverse;
 
-/// Heuristic: the number of times that a matrix is divided into halves. More divisions than there are
-/// parts of an elimination tree bring nothing.
+/// Heuristic: the number of times that a matrix is divided into halves; three divisions give as many
+/// parts as threads can eliminate side by side.
 const DEPTH: usize = 3;
 
 /// Heuristic: each of two separated halves has at least this fraction of the unknowns.
@@ -49,10 +49,10 @@ impl Graph {
         &self.neighbours[self.starts[v]..self.starts[v + 1]]
     }
 
-    /// Returns an order of elimination: the unknowns are divided into halves and quarters, and the
+    /// Returns an order of elimination: the unknowns are divided into halves repeatedly, and the
     /// unknowns that separate two parts come after both parts (A. George, SIAM J. Numer. Anal. 10
-    /// (1973) 345). Within a quarter, the order is the approximate minimum degree order. `None` if
-    /// this order cannot be computed.
+    /// (1973) 345). Within the smallest parts, the order is the approximate minimum degree order.
+    /// `None` if this order cannot be computed.
     pub fn dissected_order(&self) -> Option<Vec<usize>> {
         let n = self.starts.len() - 1;
         self.dissect((0..n).collect(), DEPTH, &mut vec![NONE; n])
@@ -129,7 +129,7 @@ impl Graph {
     /// that is found last. If a part is not connected, the levels of one component follow the levels of
     /// another component.
     fn search(&self, part: &[usize], first: usize, levels: &mut [usize]) -> usize {
-        // Unknowns outside the part have the level `NONE`, those to be found the level of the part.
+        // Unknowns outside the part have the level `NONE`.
         let open = NONE - 1;
         part.iter().for_each(|&v| levels[v] = open);
         let mut found = Vec::with_capacity(part.len());

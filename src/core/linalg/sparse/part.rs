@@ -91,8 +91,8 @@ impl<E: Entry> Part<E> {
 
     /// Assembles the frontal matrix (the front) of a node of the elimination tree, eliminates
     /// columns with acceptable pivots, and passes the remaining columns to the front of the parent
-    /// node. If the tree has no such node, eliminates all remaining columns: the columns of the border, and
-    /// columns that were delayed because they had no acceptable pivot.
+    /// node. If the tree has no such node, eliminates all remaining columns: the columns of the
+    /// border, and columns that were delayed because they had no acceptable pivot.
     fn eliminate(&mut self, job: Job<E>, k: usize) {
         let Job { tree, matrix, size: n, .. } = job;
         let (node, m) = (tree.nodes.get(k), matrix.border.width);

@@ -11,8 +11,8 @@ pub(super) const LEAST_PRODUCTS: f64 = 2e7;
 /// last part.
 const PARTS: usize = 8;
 
-/// Heuristic: an elimination is divided only if the division reduces the work that must be done one
-/// piece after another to this fraction.
+/// Heuristic: an elimination is divided only if the division reduces the sequential work to this
+/// fraction of the total work.
 const WORTHWHILE: f64 = 0.75;
 
 /// Heuristic: the time in which an entry of a front is assembled and stored, in units of the time of a

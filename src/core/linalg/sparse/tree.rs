@@ -25,8 +25,8 @@ const BLOCK: usize = 12;
 /// be zero.
 const RELAX: &[(usize, f64)] = &[(8, 0.9), (24, 0.5), (64, 0.1), (usize::MAX, 0.02)];
 
-/// Heuristic: a matrix is not dissected if this takes more multiplications by this factor than the
-/// minimum degree order.
+/// Heuristic: the largest time of an elimination on one processor after a dissection, as a multiple of
+/// the time for the minimum degree order.
 const MOST_WORK: f64 = 1.2;
 
 /// The elimination tree, in which nodes come before their parents.
@@ -42,8 +42,7 @@ impl Tree {
     /// columns of a band matrix keep their order; for other patterns, the order is the approximate
     /// minimum degree order (P. R. Amestoy, T. A. Davis and I. S. Duff, SIAM J. Matrix Anal. Appl.
     /// 17 (1996) 886), and a node consists of several columns. A large matrix is
-    /// [dissected](Graph::dissected_order) first, if this reduces the work that must be done one
-    /// piece after another.
+    /// [dissected](Graph::dissected_order) first if the dissection reduces the sequential work.
     pub fn of(pattern: &Pattern) -> Tree {
         let n = pattern.size();
         let band = (0..n)
@@ -76,14 +75,12 @@ fn ordered(pattern: &Pattern) -> Vec<Node> {
     if products < LEAST_PRODUCTS {
         return nodes;
     }
-
     let Some(order) = Graph::of(&starts, &rows).dissected_order() else { return nodes };
     let mut inverse = vec![0; n];
     order.iter().enumerate().for_each(|(at, &v)| inverse[v] = at);
     let order = PermRef::new_checked(&order, &inverse, n);
     let dissected = self::nodes(symbolic, SymmetricOrdering::Custom(order));
     let found = partition(&dissected);
-
     let is_better = found.critical < critical && found.total < MOST_WORK * total;
     if is_better { dissected } else { nodes }
 }
