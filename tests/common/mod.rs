@@ -17,7 +17,7 @@ use tangency::core::linalg::SpectrumRequest;
 use tangency::core::system::{Kind, System};
 
 /// All eigenvalues.
-pub const ALL: SpectrumRequest = SpectrumRequest { count: usize::MAX };
+pub const ALL: SpectrumRequest = SpectrumRequest::new(usize::MAX);
 
 /// Asserts that two numbers agree to an absolute tolerance.
 #[track_caller]

@@ -235,7 +235,7 @@ fn infinite_eigenvalues_of_index_three_are_left_out() {
             };
             let x = [0.0, y, 0.0, 0.0, l, 0.3];
             system.assemble(&x).unwrap();
-            let request = SpectrumRequest { count: usize::MAX };
+            let request = SpectrumRequest::new(usize::MAX);
             let found = system.spectrum(&x, request).unwrap().unwrap();
             let discriminant: f64 = 0.09 - 4.0 * stiffness;
             let root = 0.5 * discriminant.abs().sqrt();

@@ -108,7 +108,7 @@ fn missing_results_have_reasons() {
     let complex = system.factor(oscillation, Border::NONE, &mut Factors::default());
     assert!(matches!(complex, Err(Failure::Unsupported(reason)) if reason.contains("Hopf")));
     let spectrum =
-        MatrixFree::new(Ring(20), Multiple(0.3)).spectrum(&[0.0; 22], SpectrumRequest { count: 4 });
+        MatrixFree::new(Ring(20), Multiple(0.3)).spectrum(&[0.0; 22], SpectrumRequest::new(4));
     assert!(matches!(spectrum, Err(Failure::Undetermined(reason)) if reason.contains("stability")));
     // A preconditioner that loses its argument.
     let mut lost = MatrixFree::new(Bratu(20), Multiple(0.0));

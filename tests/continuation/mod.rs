@@ -29,5 +29,6 @@ mod rounding;
 mod sides;
 mod sparse;
 mod sparse_orbits;
+mod sparse_spectra;
 mod special_points;
 mod strangers;

@@ -107,14 +107,14 @@ fn orbits_of_many_states_have_the_period_and_the_multipliers_of_shooting() {
     let start = collocated.resume_from(&solution).unwrap();
     let mut x = [&start.z[..], &end.parameters].concat();
     solve(&mut collocated, &mut x);
-    let found = collocated.spectrum(&x, SpectrumRequest { count: 3 }).unwrap().unwrap();
+    let found = collocated.spectrum(&x, SpectrumRequest::new(3)).unwrap().unwrap();
     assert!(found.len() < 2 * n - 1, "a Krylov space yields only the largest multipliers");
     // The same orbit by multiple shooting.
     let mut shot = periodic_orbits(DiffusiveBrusselator::new(n), 20, Shooting::default()).unwrap();
     let start = shot.resume_from(&solution).unwrap();
     let mut y = [&start.z[..], &end.parameters].concat();
     solve(&mut shot, &mut y);
-    let expected = shot.spectrum(&y, SpectrumRequest { count: 3 }).unwrap().unwrap();
+    let expected = shot.spectrum(&y, SpectrumRequest::new(3)).unwrap().unwrap();
     let [period, exact] = [&x, &y].map(|x| x[x.len() - 4]);
     close(period, exact, 1e-7);
     for (found, expected) in found.iter().zip(&expected).take(3) {

@@ -186,10 +186,10 @@ pub(super) fn motions<'a>(
 }
 
 /// Heuristic: a critical pair is first sought among the unstable eigenvalues and this many others.
-const LEADING: SpectrumRequest = SpectrumRequest { count: 10 };
+const LEADING: SpectrumRequest = SpectrumRequest::pairs(10);
 
 /// All eigenvalues that the system can compute.
-const ALL: SpectrumRequest = SpectrumRequest { count: usize::MAX };
+const ALL: SpectrumRequest = SpectrumRequest::pairs(usize::MAX);
 
 /// Returns the imaginary part of the complex pair nearest to the imaginary axis, or the angle of
 /// the pair of multipliers nearest to the unit circle. If a frequency `near` is given, returns the

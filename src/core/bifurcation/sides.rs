@@ -54,7 +54,7 @@ impl Sides {
         let Some(divide) = row.division else { return Ok(None) };
         let dynamics = at.system.dynamics();
         at.system.assemble(at.x)?;
-        let spectrum = at.system.spectrum(at.x, SpectrumRequest { count: EIGENVALUES })?;
+        let spectrum = at.system.spectrum(at.x, SpectrumRequest::new(EIGENVALUES))?;
         let counted = spectrum.and_then(|all| certain_count(dynamics, &all, row.critical));
         let Some(unstable) = counted else { return Ok(None) };
         let beyond = |counts: &[usize]| counts.iter().map(|count| unstable + count).collect();

@@ -138,9 +138,9 @@ impl Recorder {
         let other = if self.solutions { without_event(system, x) } else { None };
         let found = match other {
             Some(Across { system, x }) => {
-                system.assemble(x).and_then(|()| system.spectrum(x, SpectrumRequest { count }))
+                system.assemble(x).and_then(|()| system.spectrum(x, SpectrumRequest::new(count)))
             }
-            None => system.spectrum(x, SpectrumRequest { count }),
+            None => system.spectrum(x, SpectrumRequest::new(count)),
         };
         match found {
             Err(Failure::Undetermined(reason)) => Ok((None, Some(reason))),

@@ -309,7 +309,7 @@ impl<'a> Deflated<'a> {
         self.x[..unknowns.len()].copy_from_slice(&unknowns);
         let dynamics = self.system.dynamics();
         self.system.assemble(&self.x)?;
-        let spectrum = self.system.spectrum(&self.x, SpectrumRequest { count: unknowns.len() })?;
+        let spectrum = self.system.spectrum(&self.x, SpectrumRequest::new(unknowns.len()))?;
         let unstable = (dynamics != Dynamics::None)
             .then(|| spectrum.as_ref().map(|it| Stability::of(dynamics, it).unstable))
             .flatten();

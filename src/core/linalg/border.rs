@@ -55,6 +55,21 @@ pub struct SpectrumRequest {
     /// eigenvalues. A system can return all eigenvalues if they all have the same cost; a system
     /// with sparse matrices returns at most 48 eigenvalues.
     pub count: usize,
+    /// Whether only complex pairs are of interest. A system can then return an empty spectrum if
+    /// all eigenvalues are known to be real without computing them.
+    pub only_pairs: bool,
+}
+
+impl SpectrumRequest {
+    /// Requests at least `count` eigenvalues, real and complex.
+    pub const fn new(count: usize) -> Self {
+        SpectrumRequest { count, only_pairs: false }
+    }
+
+    /// Requests the complex pairs among at least `count` eigenvalues.
+    pub const fn pairs(count: usize) -> Self {
+        SpectrumRequest { count, only_pairs: true }
+    }
 }
 
 /// The eigenvalues of the linearised motion, each as (real part, imaginary part). For an

@@ -170,6 +170,11 @@ impl SparseJacobian {
             let [a, m] = [&self.entries, mass].map(|entries| self.dense(entries));
             return finite_eigenvalues(&a, &m, n);
         }
+        let pattern = &self.elimination.pattern;
+        let is_real = || self.mass.is_none() && pattern.symmetrising(&self.entries).is_some();
+        if request.only_pairs && is_real() {
+            return Ok(Spectrum::new());
+        }
         let sign = if dynamics.is_flow() { 1.0 } else { -1.0 };
         let entries: Vec<f64> = self.entries.iter().map(|a| sign * a).collect();
         let pencil = Pencil { entries: &entries, mass: self.mass.as_deref() };

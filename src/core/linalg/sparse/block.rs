@@ -1,5 +1,6 @@
 //! Blocks of vectors, which are multiplied by a matrix and orthogonalised together.
 
+use crate::core::threads::side_by_side;
 use fearless_simd::{Level, Simd, SimdBase, SimdFloat, dispatch, f64x4};
 use std::array::{from_mut, from_ref};
 
@@ -13,6 +14,14 @@ const ROWS: usize = 512;
 /// Heuristic: the number of basis vectors that are read together with the rows of a block, so that each
 /// row is read once for all of them, and their sums do not wait for each other.
 const GROUP: usize = 4;
+
+/// Heuristic: the number of strips of a large block. Two processors share four strips almost equally
+/// also when one of them is slower.
+const STRIPS: usize = 4;
+
+/// Heuristic: the smallest number of products of a vector of the block with other vectors for which
+/// threads save time.
+const LEAST_PRODUCTS: usize = 1_000_000;
 
 /// Heuristic: the number of partial sums of a scalar product, which do not wait for each other.
 const SUMS: usize = 8;
@@ -42,6 +51,37 @@ pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     sums.iter().sum::<f64>() + last
 }
 
+/// Returns the sum of vectors of the same length, multiplied by the given factors.
+pub(super) fn combination(vectors: &[Vec<f64>], factors: &[f64]) -> Vec<f64> {
+    let mut sum = vec![0.0; vectors.first().map_or(0, Vec::len)];
+    let ((groups, last), (of_groups, of_last)) =
+        (vectors.as_chunks::<GROUP>(), factors.as_chunks::<GROUP>());
+    for (k, rows) in sum.chunks_mut(ROWS).enumerate() {
+        for (group, factors) in groups.iter().zip(of_groups) {
+            add_multiples((rows, k * ROWS), group, factors);
+        }
+        for (vector, factor) in last.iter().zip(of_last) {
+            add_multiples((rows, k * ROWS), from_ref(vector), from_ref(factor));
+        }
+    }
+    sum
+}
+
+/// Adds multiples of vectors to a vector; `rows` are the rows of that vector from the row number
+/// `from` on.
+fn add_multiples<const N: usize>(
+    (rows, from): (&mut [f64], usize),
+    vectors: &[Vec<f64>; N],
+    factors: &[f64; N],
+) {
+    let vectors = vectors.each_ref().map(|vector| &vector[from..][..rows.len()]);
+    for i in 0..rows.len() {
+        for k in 0..N {
+            rows[i] += factors[k] * vectors[k][i];
+        }
+    }
+}
+
 /// Makes the vectors of a block orthogonal to orthonormal vectors, by two Gram–Schmidt passes like
 /// [`orthogonalise`](crate::core::linalg::orthogonalise), but for all vectors of the block together.
 /// The first pass leaves out the vectors before the position `near`, along which the block has
@@ -51,33 +91,97 @@ pub(super) fn orthogonalise_block(
     to: &[&[f64]],
     near: usize,
 ) -> Vec<[f64; LANES]> {
-    dispatch!(Level::new(), simd => two_passes(simd, block, to, near))
+    let (level, last) = (Level::new(), &to[near..]);
+    let mut strips = strips(block, to.len());
+    let first = total(
+        &mut strips,
+        last.len(),
+        |strip| dispatch!(level, simd => strip.add_products(simd, last)),
+    );
+    let second = total(
+        &mut strips,
+        to.len(),
+        |strip| dispatch!(level, simd => strip.subtract_and_add_products(simd, (last, &first), to)),
+    );
+    side_by_side(
+        &mut strips,
+        |_, strip| dispatch!(level, simd => strip.subtract(simd, to, &second)),
+    );
+    let mut components = second;
+    for (sum, part) in components[near..].iter_mut().zip(first) {
+        sum.iter_mut().zip(part).for_each(|(sum, part)| *sum += part);
+    }
+    components
 }
 
-#[inline(always)]
-fn two_passes<S: Simd>(
-    simd: S,
-    block: &mut Block,
-    to: &[&[f64]],
-    near: usize,
-) -> Vec<[f64; LANES]> {
-    let mut first = vec![[0.0; LANES]; to.len()];
-    let mut second = first.clone();
-    for (k, rows) in block.chunks(ROWS).enumerate() {
-        add_products(simd, &to[near..], (rows, k * ROWS), &mut first[near..]);
+/// Consecutive rows of a block, which are processed on one thread.
+struct Strip<'b> {
+    rows: &'b mut Block,
+    /// The number of the first row.
+    from: usize,
+    /// Scalar products of vectors with the vectors of the block, over these rows.
+    sums: Vec<[f64; LANES]>,
+}
+
+/// Divides a block into strips. The numbers of rows and vectors alone determine the strips, so that
+/// results do not depend on the number of threads.
+fn strips(block: &mut Block, vectors: usize) -> Vec<Strip<'_>> {
+    let length = if block.len() * vectors < LEAST_PRODUCTS {
+        block.len()
+    } else {
+        block.len().div_ceil(STRIPS).next_multiple_of(ROWS)
+    };
+    let strip = |(k, rows)| Strip { rows, from: k * length, sums: Vec::new() };
+    block.chunks_mut(length.max(1)).enumerate().map(strip).collect()
+}
+
+/// Calls a function that adds `count` scalar products to the sums of a strip, for all strips, and
+/// returns the sums over all strips.
+fn total(strips: &mut [Strip], count: usize, add: impl Fn(&mut Strip) + Sync) -> Vec<[f64; LANES]> {
+    side_by_side(strips, |_, strip| {
+        strip.sums.clear();
+        strip.sums.resize(count, [0.0; LANES]);
+        add(strip);
+    });
+    let mut total = vec![[0.0; LANES]; count];
+    for strip in strips {
+        for (total, own) in total.iter_mut().zip(&strip.sums) {
+            total.iter_mut().zip(own).for_each(|(total, own)| *total += own);
+        }
     }
-    // The second reading of the vectors finds them in the cache.
-    for (k, rows) in block.chunks_mut(ROWS).enumerate() {
-        subtract(simd, &to[near..], (rows, k * ROWS), &first[near..]);
-        add_products(simd, to, (rows, k * ROWS), &mut second);
+    total
+}
+
+impl Strip<'_> {
+    #[inline(always)]
+    fn add_products<S: Simd>(&mut self, simd: S, vectors: &[&[f64]]) {
+        for (k, rows) in self.rows.chunks(ROWS).enumerate() {
+            add_products(simd, vectors, (rows, self.from + k * ROWS), &mut self.sums);
+        }
     }
-    for (k, rows) in block.chunks_mut(ROWS).enumerate() {
-        subtract(simd, to, (rows, k * ROWS), &second);
+
+    /// Subtracts the components along the last vectors, and adds scalar products with all vectors.
+    #[inline(always)]
+    fn subtract_and_add_products<S: Simd>(
+        &mut self,
+        simd: S,
+        (last, along): (&[&[f64]], &[[f64; LANES]]),
+        all: &[&[f64]],
+    ) {
+        for (k, rows) in self.rows.chunks_mut(ROWS).enumerate() {
+            let from = self.from + k * ROWS;
+            subtract(simd, last, (rows, from), along);
+            // The second reading of the vectors finds them in the cache.
+            add_products(simd, all, (rows, from), &mut self.sums);
+        }
     }
-    for (part, more) in first.iter_mut().zip(second) {
-        part.iter_mut().zip(more).for_each(|(part, more)| *part += more);
+
+    #[inline(always)]
+    fn subtract<S: Simd>(&mut self, simd: S, vectors: &[&[f64]], along: &[[f64; LANES]]) {
+        for (k, rows) in self.rows.chunks_mut(ROWS).enumerate() {
+            subtract(simd, vectors, (rows, self.from + k * ROWS), along);
+        }
     }
-    first
 }
 
 /// Adds the scalar products of vectors with the vectors of a block to `sums`; `rows` are the rows of

@@ -1,7 +1,7 @@
 //! Krylov spaces of the inverse of a sparse matrix, and the eigenvalues of the inverse that are
 //! computed from these spaces.
 
-use super::block::{Block, LANES, block_of, dot, orthogonalise_block};
+use super::block::{Block, LANES, block_of, combination, dot, orthogonalise_block};
 use crate::core::failure::Failure;
 use crate::core::linalg::{normalise, orthogonalise};
 use faer::{MatRef, Side, c64};
@@ -265,12 +265,8 @@ impl RitzPairs {
             im if im < 0.0 => |it: &c64| it.im,
             _ => |it: &c64| it.re,
         };
-        let mut vector = vec![0.0; space[0].len()];
-        for (basis, factor) in space.iter().zip(&self.vectors[k]) {
-            let factor = part(factor);
-            vector.iter_mut().zip(basis).for_each(|(v, b)| *v += factor * b);
-        }
-        vector
+        let factors: Vec<f64> = self.vectors[k].iter().map(part).collect();
+        combination(&space[..factors.len()], &factors)
     }
 
     /// Locks converged eigenvalues: stores them with an orthonormal basis of their eigenvectors in

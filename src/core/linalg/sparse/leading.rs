@@ -53,9 +53,11 @@ const FARTHER: f64 = 1.25;
 /// Heuristic: the largest number of changes of the shift.
 const MOVES: usize = 3;
 
-/// Heuristic: the eigenvalues of a Krylov space are computed for the first time when the space is
-/// smaller, by one part of this number and at least by one block, than the converged Krylov space of
-/// the previous matrix.
+/// Heuristic: the eigenvalues of a Krylov space are computed for the first time when the space is as
+/// large as the converged Krylov space of the previous matrix. If the errors of the previous
+/// eigenvalues were smaller than this fraction of the allowed errors, the space is smaller by one part
+/// of the number `EARLIER`, and at least by one block.
+const SLACK: f64 = 1e-2;
 const EARLIER: usize = 8;
 
 /// The description of the requested eigenvalues in error messages.
@@ -94,7 +96,8 @@ pub(in crate::core) struct Leading {
 #[derive(Default)]
 struct Previous {
     vectors: Vec<Vec<f64>>,
-    /// The number of products with the inverse after which the first Krylov space had converged.
+    /// The number of products with the inverse after which the eigenvalues of the first Krylov space
+    /// are computed for the first time.
     products: usize,
 }
 
@@ -310,8 +313,7 @@ impl Leading {
         let mut space = Krylov::new(starts, (&locked.basis, matrix.scales), n);
         let (is_first, mut next_look) = (least == 0.0 && locked.values.is_empty(), wanted + 2);
         if is_first {
-            let products = self.previous.products;
-            next_look = next_look.max(products.saturating_sub(LANES.max(products / EARLIER)));
+            next_look = next_look.max(self.previous.products);
         }
         while !space.vectors.is_empty() {
             space.grow(&mut |block| {
@@ -333,10 +335,13 @@ impl Leading {
                 return Ok(Some(next.recip()));
             }
             let allowed = |size: f64| (ROUNDING * first).max(CONVERGED * size);
-            if open.iter().all(|k| ritz.errors[*k] <= allowed(ritz.size(*k))) {
+            let is_within =
+                |share: f64| open.iter().all(|k| ritz.errors[*k] <= share * allowed(ritz.size(*k)));
+            if is_within(1.0) {
                 let Krylov { vectors, images, .. } = space;
                 if is_first {
-                    self.previous.products = images;
+                    let spare = if is_within(SLACK) { LANES.max(images / EARLIER) } else { 0 };
+                    self.previous.products = images.saturating_sub(spare);
                 }
                 ritz.lock(&open, &vectors, locked);
                 let others = ritz.order.iter().filter(|k| !open.contains(k));
