@@ -116,19 +116,24 @@ pub fn figures(
     Ok(figures)
 }
 
+/// Whether a branch or a sweep has a column with the given name.
+fn has(name: &str, documents: &[(&str, &Document)], sweeps: &[Sweeps]) -> bool {
+    let mut branches = documents.iter().flat_map(|(_, document)| &document.branches);
+    let mut tables = sweeps.iter().flat_map(|sweeps| &sweeps.sweeps);
+    tables.any(|table| table.has_column(name))
+        || branches.any(|branch| !branch.columns_showing(name).is_empty())
+}
+
 /// Returns an error if a logarithmic axis is requested for a column that does not exist.
 fn check_logarithmic(
     plot: &Plot,
     documents: &[(&str, &Document)],
     sweeps: &[Sweeps],
 ) -> Result<(), FigureError> {
-    let branches = || documents.iter().flat_map(|(_, document)| &document.branches);
-    let has = |name: &&String| {
-        let swept = sweeps.iter().flat_map(|sweeps| &sweeps.sweeps).any(|it| it.has_column(name));
-        swept || branches().any(|branch| !branch.columns_showing(name).is_empty())
-    };
-    let Some(unknown) = plot.logarithmic.iter().find(|name| !has(name)) else { return Ok(()) };
-    let of_branches = branches().flat_map(Branch::columns);
+    let unknown = plot.logarithmic.iter().find(|name| !has(name, documents, sweeps));
+    let Some(unknown) = unknown else { return Ok(()) };
+    let branches = documents.iter().flat_map(|(_, document)| &document.branches);
+    let of_branches = branches.flat_map(Branch::columns);
     let tables = sweeps.iter().flat_map(|sweeps| &sweeps.sweeps);
     let of_tables = tables.flat_map(|table| table.run_columns.iter().chain(&table.point_columns));
     let known: BTreeSet<&str> = of_branches.chain(of_tables.map(String::as_str)).collect();
@@ -223,10 +228,13 @@ fn together(
     let plot = documents.first().map_or(&first.plot, |(_, document)| &document.plot);
     let title = documents.first().map_or(&first.title, |(_, document)| &document.title);
     let tables = || sweeps.iter().flat_map(|sweeps| &sweeps.sweeps);
-    let x = x.or(plot.x.as_deref()).or(table.axes.first().map(String::as_str)).unwrap_or("run");
+    // The scene may draw columns of branches that sweeps lack.
+    let [stated_x, stated_y] = [&plot.x, &plot.y]
+        .map(|column| column.as_deref().filter(|name| has(name, documents, sweeps)));
+    let x = x.or(stated_x).or(table.axes.first().map(String::as_str)).unwrap_or("run");
     // By default the second axis of a grid, or the first state.
     let own = table.axes.get(1).map(String::as_str).or(table.first_state());
-    let y = y.first().copied().or(plot.y.as_deref()).or(own).unwrap_or("periods");
+    let y = y.first().copied().or(stated_y).or(own).unwrap_or("periods");
     let mut tiles: Vec<Tile> = tables().flat_map(|table| basins(table, x, y)).collect();
     let mut scattered: Vec<Series> = match tiles.is_empty() {
         true => tables().flat_map(|table| scatter(table, x, y)).collect(),

@@ -290,6 +290,11 @@ fn check_simulated(
         let message = format!("{setting} is {time}, but must be between 0 and 1e15");
         return Err(SceneError::invalid(message));
     }
+    if simulated.duration == 0.0 {
+        let setting = place("duration");
+        let message = format!("{setting} is 0, but a history needs a positive duration");
+        return Err(SceneError::invalid(message));
+    }
     let after = simulated.after.as_ref().map(|after| named(earlier, after)).transpose();
     Ok(after.map(|_| ())?)
 }

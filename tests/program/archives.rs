@@ -220,3 +220,20 @@ fn rewritten(folder: &Path, from: &str, to: &str, change: &dyn Fn(&str, Vec<u8>)
     }
     std::fs::write(folder.join(to), new.finish().unwrap().into_inner()).unwrap();
 }
+
+/// The built-in scene draws a column that only its branches have: the sweep is drawn with its first
+/// state instead. A column that the command line requests is not replaced.
+#[test]
+fn archives_are_drawn_without_the_columns_of_branches() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let quick = ["--set", "transient=20", "--set", "recorded_periods=5"];
+    let sweep = ["sweep", "duffing", "--over", "omega=1..1.2:3"];
+    succeeds(at, &[&sweep[..], &quick].concat());
+    std::fs::remove_file(at.join("out/duffing-sweep.svg")).unwrap();
+    let archive = "out/duffing-sweep.npz";
+    assert_eq!(succeeds(at, &["plot", archive]), "out/duffing-sweep.svg\n");
+    let svg = String::from_utf8(bytes(at, "out/duffing-sweep.svg")).unwrap();
+    assert!([">omega<", ">x<"].iter().all(|label| svg.contains(label)), "{svg}");
+    refused(at, &["plot", archive, "--y", "max_x"], &["unknown column `max_x`"]);
+}

@@ -279,6 +279,11 @@ fn models_without_parameters_have_histories() {
         assert!(at.join("out/m-history").with_extension(ending).exists());
     }
     succeeds(at, &["table", "out/m-history.ron"]);
+    refused(
+        at,
+        &["simulate", "m.ron", "--time", "0"],
+        &["duration is 0, but a history needs a positive duration"],
+    );
 }
 
 /// The axes of a picture of a history show the time and the states: a circle is a circle.

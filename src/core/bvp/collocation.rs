@@ -19,7 +19,7 @@ mod basis;
 mod linearise;
 
 use super::colored::ColoredField;
-use super::erased::Number;
+use super::erased::{Number, WatchNumber};
 use super::interval::{Block, Interval, MonitoredFunctions, placed, weighted};
 use crate::core::cancel::CancelToken;
 use crate::core::failure::Failure;
@@ -30,7 +30,7 @@ use crate::core::scalar::{CHUNK, Scalar};
 use crate::core::system::Matrices;
 use basis::{Basis, combine};
 use linearise::{Passes, linearise_colored, linearise_in, mark_dependences};
-use num_dual::Dual2_64;
+use num_dual::{Dual2_64, Dual64};
 use std::iter::repeat_n;
 
 /// The collocation method with `m` Gauss points in each interval, `m` from 2 to 7.
@@ -120,71 +120,141 @@ impl<T> Default for CollocationWork<T> {
     }
 }
 
-/// The largest number of iterations in the search for the position of an extremum.
+/// The largest number of iterations in the search for a position.
 const ROUNDS: usize = 60;
+
+/// Rounding: the last change of the position of an upward crossing, as a fraction of the interval.
+const EXACT: f64 = 1e-14;
+
+/// Rounding: the last change of the position of an extremum, as a fraction of the interval. The error of
+/// the position after this change is its square, and enters the value of the function only
+/// quadratically. On a fine mesh the derivative near an extremum consists of rounding errors, and does not
+/// determine the position to more digits.
+const SETTLED: f64 = 1e-9;
+
+/// Rounding: if a function changes between two samples by less than this, in units of its scale, the
+/// vertex of a parabola is the extremum up to rounding errors. Functions that vanish while a motion
+/// slides consist of rounding errors, which have an extremum between any two samples.
+const FLAT: f64 = 1e-14;
 
 impl Collocation {
     /// Visits the ends of a mesh interval, and the times in the interval at which a function of the
     /// state has a local extremum; the extrema are located by sign changes of the derivative
-    /// between samples.
+    /// between samples. A function that appears [monotone](Self::is_monotone) has no extremum inside.
     fn extrema_of(
         &self,
         interval: &Interval<f64>,
-        k: usize,
-        observable: Observable,
+        (k, observable, scale): (usize, Observable, f64),
         visit: &mut dyn FnMut(usize, f64, f64),
     ) {
-        let (mut sight, basis) = (Sight::new(interval, observable), &self.basis);
-        let mut left = (0.0, sight.at(0.0, basis.sampled_weights(0)));
-        visit(k, 0.0, left.1.re);
-        for (c, place) in basis.sampled_places().enumerate().skip(1) {
-            let right = (place, sight.at(place, basis.sampled_weights(c)));
-            if left.1.v1 * right.1.v1 < 0.0 {
-                let place = zero([left.0, right.0], left.1.v1, |place| {
-                    let slope = sight.at(place, basis.weights_at(place));
-                    [slope.v1, slope.v2]
-                });
-                visit(k, place, sight.at(place, basis.weights_at(place)).re);
+        let (basis, last) = (&self.basis, self.basis.sampled_places().count() - 1);
+        let mut samples = Sight::<Dual64>::new(interval, observable);
+        let mut sampled =
+            |c: usize, place: f64| samples.at(Dual64::new(place, 1.0), basis.sampled_weights(c));
+        let [start, middle, end] =
+            [(0, 0.0), (last / 2, 0.5), (last, 1.0)].map(|(c, place)| sampled(c, place));
+        visit(k, 0.0, start.re);
+        if !self.is_monotone(interval, observable, [start, middle, end]) {
+            let mut left = (0.0, start);
+            for (c, place) in basis.sampled_places().enumerate().skip(1) {
+                let right = (place, sampled(c, place));
+                if left.1.eps * right.1.eps < 0.0 {
+                    let flat = FLAT * scale;
+                    let found = vertex([left, right], flat)
+                        .unwrap_or_else(|| stationary(interval, observable, basis, [left, right]));
+                    visit(k, found.0, found.1);
+                }
+                left = right;
             }
-            left = right;
         }
-        visit(k, 1.0, left.1.re);
+        visit(k, 1.0, end.re);
     }
+
+    /// Whether a function is monotone on an interval as far as its derivatives at the ends and in the
+    /// middle show, and the polynomial through its values at the nodes.
+    fn is_monotone(
+        &self,
+        interval: &Interval<f64>,
+        observable: Observable,
+        samples: [Dual64; 3],
+    ) -> bool {
+        let (basis, nodes) = (&self.basis, interval.nodes);
+        let rise = samples[2].re - samples[0].re;
+        if !samples.iter().all(|sample| sample.eps * rise > 0.0) {
+            return false;
+        }
+        let (function, n) = (interval.watching(observable), nodes.len() / basis.nodes.len());
+        let mut values = [0.0; MOST_POINTS + 1];
+        for ((value, place), x) in values.iter_mut().zip(&basis.nodes).zip(nodes.chunks_exact(n)) {
+            *value = function.value_in(interval.time(*place), x, interval.q);
+        }
+        let mut monotone = true;
+        basis.stationary(|j| values[j], |_| monotone = false);
+        monotone
+    }
+}
+
+/// Returns the vertex of the parabola with the derivatives of two samples, and the value there; `None`
+/// if the function may change between the samples by more than `flat`.
+fn vertex([left, right]: [(f64, Dual64); 2], flat: f64) -> Option<(f64, f64)> {
+    let (width, slopes) = (right.0 - left.0, [left.1.eps, right.1.eps]);
+    let along = width * slopes[0] / (slopes[0] - slopes[1]);
+    let is_flat = width * slopes[0].abs().max(slopes[1].abs()) <= flat;
+    is_flat.then(|| (left.0 + along, left.1.re + 0.5 * slopes[0] * along))
+}
+
+/// Returns the place between two samples at which the derivative of a function vanishes, and the value
+/// of the function there.
+fn stationary(
+    interval: &Interval<f64>,
+    observable: Observable,
+    basis: &Basis,
+    [left, right]: [(f64, Dual64); 2],
+) -> (f64, f64) {
+    let mut sight = Sight::<Dual2_64>::new(interval, observable);
+    let mut at = |place: f64| {
+        let place = Dual2_64::new(place, 1.0, 0.0);
+        sight.at(place, basis.weights_at(place))
+    };
+    let place = zero([left.0, right.0], left.1.eps, SETTLED, |place| {
+        let slope = at(place);
+        [slope.v1, slope.v2]
+    });
+    (place, at(place).re)
 }
 
 /// A scalar function of the interpolating polynomials of an interval.
-struct Sight<'i> {
+struct Sight<'i, T> {
     interval: &'i Interval<'i, f64>,
     observable: Observable,
-    q: Vec<Dual2_64>,
-    x: Vec<Dual2_64>,
+    q: Vec<T>,
+    x: Vec<T>,
 }
 
-impl<'i> Sight<'i> {
+impl<'i, T: WatchNumber> Sight<'i, T> {
     fn new(interval: &'i Interval<'i, f64>, observable: Observable) -> Self {
-        let q = interval.q.iter().map(|q| Dual2_64::from(*q)).collect();
+        let q = interval.q.iter().map(|q| T::from(*q)).collect();
         Sight { interval, observable, q, x: Vec::new() }
     }
 
-    /// Evaluates the function at a place, with its first and second derivative, given the weights of
-    /// the nodes.
-    fn at(&mut self, place: f64, weights: impl ExactSizeIterator<Item = Dual2_64>) -> Dual2_64 {
+    /// Evaluates the function at a place, given the weights of the nodes at this place. Derivatives
+    /// of the place give derivatives of the function.
+    fn at(&mut self, place: T, weights: impl ExactSizeIterator<Item = T>) -> T {
         let interval = self.interval;
         let n = interval.nodes.len() / weights.len();
-        refill(&mut self.x, repeat_n(Dual2_64::from(0.0), n));
+        refill(&mut self.x, repeat_n(T::zero(), n));
         for (weight, values) in weights.zip(interval.nodes.chunks_exact(n)) {
             self.x.iter_mut().zip(values).for_each(|(x, value)| *x += weight * *value);
         }
-        let place = Dual2_64::new(place, 1.0, 0.0);
         let t = (place * interval.length() + interval.span.start) * interval.duration();
         interval.watching(self.observable).value_in(t, &self.x, &self.q)
     }
 }
 
 /// Finds the zero of a function between two points of an interval, given the sign of the function
-/// at the first point.
-fn zero(places: [f64; 2], sign: f64, of: impl FnMut(f64) -> [f64; 2]) -> f64 {
-    let limits = Limits { rounds: ROUNDS, moved: 1e-14 };
+/// at the first point. The search ends with a step shorter than `moved`.
+fn zero(places: [f64; 2], sign: f64, moved: f64, of: impl FnMut(f64) -> [f64; 2]) -> f64 {
+    let limits = Limits { rounds: ROUNDS, moved };
     bracketed_zero(places, sign, 0.5 * (places[0] + places[1]), limits, of)
 }
 
@@ -323,7 +393,8 @@ impl Collocation {
         let (m, n) = (basis.gauss.len(), nodes.len() / basis.nodes.len());
         for (k, &observable) in watched.extrema.iter().enumerate() {
             let Observable::State(state) = observable else {
-                self.extrema_of(&interval, k, observable, visit);
+                let scale = watched.scales.get(k).copied().unwrap_or(1.0);
+                self.extrema_of(&interval, (k, observable, scale), visit);
                 continue;
             };
             let at = |j: usize| nodes[j * n + state];
@@ -334,17 +405,17 @@ impl Collocation {
             visit(k, 1.0, at(m));
         }
         for (k, &[through, value]) in (watched.extrema.len()..).zip(watched.rises) {
-            let mut sight = Sight::new(&interval, through);
-            let last = basis.sampled_places().count() - 1;
-            let ends = [(0.0, 0), (1.0, last)];
-            let ends = ends.map(|(place, c)| sight.at(place, basis.sampled_weights(c)).re);
-            if ends[0] <= 0.0 && ends[1] > 0.0 {
-                let place = zero([0.0, 1.0], -1.0, |place| {
+            let value_of = |observable, place: f64| {
+                Sight::<f64>::new(&interval, observable).at(place, basis.weights_at(place))
+            };
+            if value_of(through, 0.0) <= 0.0 && value_of(through, 1.0) > 0.0 {
+                let mut sight = Sight::<Dual64>::new(&interval, through);
+                let place = zero([0.0, 1.0], -1.0, EXACT, |place| {
+                    let place = Dual64::new(place, 1.0);
                     let height = sight.at(place, basis.weights_at(place));
-                    [height.re, height.v1]
+                    [height.re, height.eps]
                 });
-                let mut sight = Sight::new(&interval, value);
-                visit(k, place, sight.at(place, basis.weights_at(place)).re);
+                visit(k, place, value_of(value, place));
             }
         }
     }

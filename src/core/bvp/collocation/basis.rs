@@ -2,7 +2,7 @@
 
 use crate::core::numerics::{Limits, bracketed_zero, gauss_legendre, lagrange};
 use crate::core::scalar::Scalar;
-use num_dual::Dual2_64;
+use num_dual::Dual64;
 
 /// The largest number of Lobatto nodes in an interval.
 const MOST: usize = 8;
@@ -25,9 +25,9 @@ pub(super) struct Basis {
     /// The coefficients of the Lagrange polynomials `ℓ_j` in powers of `y = 2s − 1`, one row for
     /// each node.
     powers: Vec<f64>,
-    /// The values `ℓ_j(s)`, with their first and second derivatives, at [`SAMPLES`](Self::SAMPLES)
-    /// uniform places for each node, from 0 to 1; one row for each place.
-    samples: Vec<Dual2_64>,
+    /// The values `ℓ_j(s)`, with their derivatives, at [`SAMPLES`](Self::SAMPLES) uniform places for
+    /// each node, from 0 to 1; one row for each place.
+    samples: Vec<Dual64>,
     /// The error constant of collocation: the maximum over `s` of `|P(s)|`, with `P(s) = ∫₀ˢ Π_c (t
     /// − ρ_c) dt / m!`.
     pub error_constant: f64,
@@ -58,8 +58,8 @@ impl Basis {
         let mut basis =
             Basis { gauss, weights, nodes, values, slopes, powers, samples, error_constant };
         let places = basis.sampled_places();
-        basis.samples =
-            places.flat_map(|place| basis.weights_at(place).collect::<Vec<_>>()).collect();
+        let weights = places.map(|place| basis.weights_at(Dual64::new(place, 1.0)));
+        basis.samples = weights.flat_map(Iterator::collect::<Vec<_>>).collect();
         basis
     }
 
@@ -69,15 +69,14 @@ impl Basis {
         (0..=count).map(move |c| c as f64 / count as f64)
     }
 
-    /// Iterates over the weights of the nodes at the sampled place number `c`, with their first and
-    /// second derivatives.
-    pub fn sampled_weights(&self, c: usize) -> impl ExactSizeIterator<Item = Dual2_64> {
+    /// Iterates over the weights of the nodes at the sampled place number `c`, with their
+    /// derivatives.
+    pub fn sampled_weights(&self, c: usize) -> impl ExactSizeIterator<Item = Dual64> {
         self.samples[c * self.nodes.len()..][..self.nodes.len()].iter().copied()
     }
 
-    /// Iterates over the weights of the nodes at a place, with their first and second derivatives.
-    pub fn weights_at(&self, place: f64) -> impl ExactSizeIterator<Item = Dual2_64> {
-        let place = Dual2_64::new(place, 1.0, 0.0);
+    /// Iterates over the weights of the nodes at a place.
+    pub fn weights_at<T: Scalar>(&self, place: T) -> impl ExactSizeIterator<Item = T> {
         (0..self.nodes.len()).map(move |j| lagrange(&self.nodes, j, place))
     }
 
