@@ -71,7 +71,10 @@ pub fn figures(
         return Ok(figures);
     }
     let Some(plot) = plot else { return Ok(figures) };
-    for Enlargement { x, y } in plot.enlargements.iter().filter(|_| !histories) {
+    // An enlargement belongs to the columns that the scene draws.
+    let mut columns = [&plot.x, &plot.y].into_iter().flatten();
+    let replaced = !sweeps.is_empty() && !columns.all(|it| has(it, documents, sweeps));
+    for Enlargement { x, y } in plot.enlargements.iter().filter(|_| !histories && !replaced) {
         let mut part = Figure { title: String::new(), ..figures[0].clone() };
         clip(&mut part, [*x, *y]);
         figures.push(part);
