@@ -168,6 +168,12 @@ impl Plot {
                     warn(&format!("`{name}` has no column `{column}` and is not drawn"));
                 }
             }
+        }
+        // Without requested columns, the first document chooses them.
+        let plot = documents.first().map(|(_, document)| &document.plot);
+        let x = self.x.as_ref().or_else(|| plot.and_then(|plot| plot.x.as_ref()));
+        let y = self.y.first().or_else(|| plot.and_then(|plot| plot.y.as_ref()));
+        for column in x.into_iter().chain(y) {
             for sweeps in sweeps {
                 let lacking = sweeps.sweeps.iter().filter(|table| !table.has_column(column));
                 for table in lacking {

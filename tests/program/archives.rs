@@ -238,4 +238,9 @@ fn archives_are_drawn_without_the_columns_of_branches() {
     // The scene's enlargement is a part of the diagram of that column.
     assert!(!svg.contains("(b)"), "{svg}");
     refused(at, &["plot", archive, "--y", "max_x"], &["unknown column `max_x`"]);
+    // Branches are drawn in the scene's columns, and the sweep cannot join them.
+    succeeds(at, &["trace", "duffing"]);
+    let both = tangency(at, &["plot", "out/duffing.ron", archive, "--out", "both.svg"]);
+    let warning = String::from_utf8(both.stderr).unwrap();
+    assert!(both.status.success() && warning.contains("has no column `max_x` and is not drawn"));
 }
