@@ -8,12 +8,18 @@ use tangency::core::problem::{Equilibria, Names, ZeroProblem};
 use tangency::core::scalar::Scalar;
 use tangency::core::system::{Dense, Sparse, System};
 
-#[test]
-fn the_rightmost_eigenvalues_are_those_of_the_dense_matrix() {
-    let n = 60;
+/// The homogeneous equilibrium of the Brusselator with `2n` unknowns, and the parameters.
+fn homogeneous(n: usize) -> Vec<f64> {
     let mut x = vec![2.0; n];
     x.extend(vec![5.45 / 2.0; n]);
     x.extend([1.1, 2.0, 5.45]);
+    x
+}
+
+#[test]
+fn the_rightmost_eigenvalues_are_those_of_the_dense_matrix() {
+    let n = 60;
+    let x = homogeneous(n);
     let (mut dense, mut sparse) = (
         Dense::new(Equilibria::new(DiffusiveBrusselator::new(n))),
         Sparse::new(Equilibria::new(DiffusiveBrusselator::new(n))),
@@ -51,9 +57,7 @@ fn long_vectors_are_orthogonalised_in_strips() {
 #[test]
 fn complex_pairs_are_found_where_they_are_possible() {
     let n = 40;
-    let mut x = vec![2.0; n];
-    x.extend(vec![5.45 / 2.0; n]);
-    x.extend([1.1, 2.0, 5.45]);
+    let x = homogeneous(n);
     let spectrum = |request| {
         let mut sparse = Sparse::new(Equilibria::new(DiffusiveBrusselator::new(n)));
         sparse.assemble(&x).unwrap();

@@ -126,21 +126,20 @@ const ROUNDS: usize = 60;
 /// Rounding: the last change of the position of an upward crossing, as a fraction of the interval.
 const EXACT: f64 = 1e-14;
 
-/// Rounding: the last change of the position of an extremum, as a fraction of the interval. The error of
-/// the position after this change is its square, and enters the value of the function only
-/// quadratically. On a fine mesh the derivative near an extremum consists of rounding errors, and does not
-/// determine the position to more digits.
+/// Rounding: the last change of the position of an extremum, as a fraction of the interval. Newton's
+/// method converges quadratically, and an error of the position changes the value of the function only
+/// by its square. On a fine mesh, rounding errors of the derivative leave no further digits.
 const SETTLED: f64 = 1e-9;
 
 /// Rounding: if a function changes between two samples by less than this, in units of its scale, the
-/// vertex of a parabola is the extremum up to rounding errors. Functions that vanish while a motion
-/// slides consist of rounding errors, which have an extremum between any two samples.
+/// vertex of a parabola is the extremum up to rounding errors. During sliding, some functions consist
+/// of rounding errors only, and have an extremum between almost any two samples.
 const FLAT: f64 = 1e-14;
 
 impl Collocation {
     /// Visits the ends of a mesh interval, and the times in the interval at which a function of the
     /// state has a local extremum; the extrema are located by sign changes of the derivative
-    /// between samples. A function that appears [monotone](Self::is_monotone) has no extremum inside.
+    /// between samples. A function that appears [monotone](Self::is_monotone) is not sampled further.
     fn extrema_of(
         &self,
         interval: &Interval<f64>,
@@ -170,8 +169,9 @@ impl Collocation {
         visit(k, 1.0, end.re);
     }
 
-    /// Whether a function is monotone on an interval as far as its derivatives at the ends and in the
-    /// middle show, and the polynomial through its values at the nodes.
+    /// Whether a function appears monotone on an interval: its derivatives at the ends and in the
+    /// middle have the sign of its change, and the polynomial through its values at the nodes has no
+    /// extremum.
     fn is_monotone(
         &self,
         interval: &Interval<f64>,

@@ -15,12 +15,12 @@ const ROWS: usize = 512;
 /// row is read once for all of them, and their sums do not wait for each other.
 const GROUP: usize = 4;
 
-/// Heuristic: the number of strips of a large block. Two processors share four strips almost equally
-/// also when one of them is slower.
+/// Heuristic: the number of strips of a large block. Two processors share four strips almost evenly,
+/// even if one of them is slower.
 const STRIPS: usize = 4;
 
-/// Heuristic: the smallest number of products of a vector of the block with other vectors for which
-/// threads save time.
+/// Heuristic: a block with fewer rows times vectors than this is not divided, because starting
+/// threads takes longer than the products.
 const LEAST_PRODUCTS: usize = 1_000_000;
 
 /// Heuristic: the number of partial sums of a scalar product, which do not wait for each other.
