@@ -4,16 +4,21 @@ use crate::core::failure::{Failure, SINGULAR, unusable};
 use faer::linalg::matmul::matmul;
 use faer::linalg::triangular_solve::solve_unit_lower_triangular_in_place;
 use faer::{Accum, MatMut, Par};
+use fearless_simd::{Level, Simd, dispatch};
+use std::array::from_fn;
 use std::ops::Range;
-use wide::f64x4;
 
 /// The row length of a front is padded with zeros to a multiple of this number, so that updates use
-/// whole SIMD lanes.
+/// whole SIMD lanes. The same number of columns is eliminated before the other columns are updated:
+/// the update then reads and writes each row once for all of them.
 const LANES: usize = 4;
 
 /// Heuristic: the smallest number of eliminated columns for which elimination proceeds by panels,
 /// and all other columns are updated by matrix products.
 const BLOCKED: usize = 96;
+
+/// Heuristic: the length from which on a scalar product has more partial sums.
+const LONG: usize = 32;
 
 /// Heuristic: the number of columns of a panel, which is a multiple of the number of lanes.
 const PANEL: usize = 32;
@@ -127,38 +132,23 @@ impl Fronts {
     /// [`Failure::Singular`] at the first pivot that vanishes to working accuracy.
     pub(super) fn eliminate(&mut self, i: usize, pivots: &mut Pivots) -> Result<(), Failure> {
         let w = self.stride;
-        let a = &mut self.factors[i * self.length..][..self.length];
-        for (row, scale) in a.chunks_exact(w).zip(&mut self.row_scales) {
-            *scale = 1.0 / largest(row, &self.scales);
-        }
-        let panel = if self.eliminated < BLOCKED { self.eliminated } else { PANEL };
-        for start in (0..self.eliminated).step_by(panel.max(1)) {
-            let end = (start + panel).min(self.eliminated);
-            // The range of updated columns: no columns follow the last panel.
-            let width = if end == self.eliminated { w } else { end };
-            for c in start..end {
-                let (pivot, relative) = pivot_of(a, w, &self.row_scales, c);
-                self.exchanges[i * self.eliminated + c] = pivot;
-                if pivot != c {
-                    let (above, below) = a.split_at_mut(pivot * w);
-                    above[c * w..(c + 1) * w].swap_with_slice(&mut below[..w]);
-                    self.row_scales.swap(c, pivot);
-                    pivots.sign = -pivots.sign;
-                }
-                let (above, below) = a.split_at_mut((c + 1) * w);
-                let top = &above[c * w..];
-                pivots.record(top[c], relative * self.scales[c])?;
-                update(below, top, (c, width));
-            }
-            if width < w {
-                update_beyond(&mut a[start * w..], w, start..end);
-            }
-        }
-        Ok(())
+        let mut front = Front {
+            a: &mut self.factors[i * self.length..][..self.length],
+            w,
+            scales: &self.scales,
+            row_scales: &mut self.row_scales,
+            exchanges: &mut self.exchanges[i * self.eliminated..][..self.eliminated],
+        };
+        dispatch!(Level::new(), simd => front.eliminate(simd, pivots))
     }
 
     /// Applies `L⁻¹ P` to the right-hand sides of the pivotal rows and of the border rows.
     pub(super) fn forward(&self, i: usize, y: &mut [f64], border: &mut [f64]) {
+        dispatch!(Level::new(), simd => self.forward_with(simd, i, y, border))
+    }
+
+    #[inline(always)]
+    fn forward_with<S: Simd>(&self, _: S, i: usize, y: &mut [f64], border: &mut [f64]) {
         for (c, pivot) in self.exchanges(i).iter().enumerate() {
             y.swap(c, *pivot);
         }
@@ -175,6 +165,11 @@ impl Fronts {
     /// Computes the eliminated unknowns from the other unknowns, in the order of the front's
     /// columns.
     pub(super) fn back(&self, i: usize, right: &[f64], unknowns: &mut [f64]) {
+        dispatch!(Level::new(), simd => self.back_with(simd, i, right, unknowns))
+    }
+
+    #[inline(always)]
+    fn back_with<S: Simd>(&self, _: S, i: usize, right: &[f64], unknowns: &mut [f64]) {
         let (a, width) = (self.front(i), unknowns.len());
         for r in (0..self.eliminated).rev() {
             let row = &a[r * self.stride..][..width];
@@ -211,39 +206,130 @@ impl Fronts {
     }
 }
 
-/// Returns the pivot row of column `c` and the scaled magnitude of its entry. The rows have length
-/// `w`.
-fn pivot_of(a: &[f64], w: usize, scales: &[f64], c: usize) -> (usize, f64) {
-    let mut best = (c, a[c * w + c].abs() * scales[c]);
-    for r in c + 1..scales.len() {
-        let size = a[r * w + c].abs() * scales[r];
-        if size > best.1 {
-            best = (r, size);
-        }
-    }
-    best
+/// A front whose leading columns are eliminated.
+struct Front<'f> {
+    /// The entries, row by row.
+    a: &'f mut [f64],
+    /// The distance in memory from the start of a row to the start of the next row.
+    w: usize,
+    scales: &'f [f64],
+    row_scales: &'f mut [f64],
+    /// The rows from which the pivots are taken, one for each column that is eliminated.
+    exchanges: &'f mut [usize],
 }
 
-/// Subtracts multiples of the row `top` from the rows `below`, so that the entries of `below` in
-/// column `c` vanish, and stores the multipliers in place of these entries. Only columns before
-/// `width`, which is a multiple of the number of lanes, are updated. Updates always use whole
-/// lanes: entries to the left of column `c` are unchanged because the pivot row contains zeros
-/// there.
-fn update(below: &mut [f64], top: &[f64], (c, width): (usize, usize)) {
-    let (start, end, inverse) = ((c + 1) / LANES, width / LANES, 1.0 / top[c]);
-    let lanes = &top.as_chunks::<LANES>().0[..end];
-    let mut first = lanes.get(start).copied().unwrap_or_default();
-    first[..c + 1 - start * LANES].fill(0.0);
-    let (first, rest) = (f64x4::from(first), lanes.get(start + 1..).unwrap_or_default());
-    for row in below.chunks_exact_mut(top.len()) {
-        let multiplier = row[c] * inverse;
-        if let Some((head, tail)) = row.as_chunks_mut::<LANES>().0[start..end].split_first_mut() {
-            *head = (f64x4::from(*head) - first * multiplier).to_array();
-            for (target, entries) in tail.iter_mut().zip(rest) {
-                *target = (f64x4::from(*target) - f64x4::from(*entries) * multiplier).to_array();
+impl Front<'_> {
+    #[inline(always)]
+    fn eliminate<S: Simd>(&mut self, _: S, pivots: &mut Pivots) -> Result<(), Failure> {
+        let (w, eliminated) = (self.w, self.exchanges.len());
+        for (row, scale) in self.a.chunks_exact(w).zip(&mut *self.row_scales) {
+            *scale = 1.0 / largest(row, self.scales);
+        }
+        let panel = if eliminated < BLOCKED { eliminated } else { PANEL };
+        for start in (0..eliminated).step_by(panel.max(1)) {
+            let end = (start + panel).min(eliminated);
+            // The range of updated columns: no columns follow the last panel.
+            let width = if end == eliminated { w } else { end };
+            for first in (start..end).step_by(LANES) {
+                let group = first..end.min(first + LANES);
+                self.eliminate_group(group.clone(), pivots)?;
+                update(&mut self.a[first * w..], w, group, width);
+            }
+            if width < w {
+                update_beyond(&mut self.a[start * w..], w, start..end);
             }
         }
-        row[c] = multiplier;
+        Ok(())
+    }
+
+    /// Eliminates a group of columns that lies in one group of lanes, and updates only these lanes.
+    #[inline(always)]
+    fn eliminate_group(&mut self, group: Range<usize>, pivots: &mut Pivots) -> Result<(), Failure> {
+        let (w, first) = (self.w, group.start);
+        for c in group {
+            let (pivot, relative) = self.pivot_of(c);
+            self.exchanges[c] = pivot;
+            if pivot != c {
+                let (above, below) = self.a.split_at_mut(pivot * w);
+                above[c * w..(c + 1) * w].swap_with_slice(&mut below[..w]);
+                self.row_scales.swap(c, pivot);
+                pivots.sign = -pivots.sign;
+            }
+            let (above, below) = self.a.split_at_mut((c + 1) * w);
+            let top = &above[c * w..];
+            pivots.record(top[c], relative * self.scales[c])?;
+            let inverse = 1.0 / top[c];
+            // Entries to the left of column `c` do not change.
+            let top: [f64; LANES] = from_fn(|k| if first + k > c { top[first + k] } else { 0.0 });
+            for row in below.chunks_exact_mut(w) {
+                let multiplier = row[c] * inverse;
+                for k in 0..LANES {
+                    row[first + k] -= top[k] * multiplier;
+                }
+                row[c] = multiplier;
+            }
+        }
+        Ok(())
+    }
+
+    /// Returns the pivot row of column `c` and the scaled magnitude of its entry.
+    #[inline(always)]
+    fn pivot_of(&self, c: usize) -> (usize, f64) {
+        let (a, w) = (&*self.a, self.w);
+        let mut best = (c, a[c * w + c].abs() * self.row_scales[c]);
+        for r in c + 1..self.row_scales.len() {
+            let size = a[r * w + c].abs() * self.row_scales[r];
+            if size > best.1 {
+                best = (r, size);
+            }
+        }
+        best
+    }
+}
+
+/// Subtracts multiples of the rows of a group of eliminated columns from all rows below, in the columns
+/// from the end of the group's lanes up to `width`; `rows` begins at the first row of the group, and
+/// the multipliers stand in the columns of the group.
+#[inline(always)]
+fn update(rows: &mut [f64], w: usize, group: Range<usize>, width: usize) {
+    let Range { start, end } = group;
+    let (count, others) = (end - start, width.min(start + LANES)..width);
+    let (top, below) = rows.split_at_mut(count * w);
+    for r in 1..count {
+        let (above, own) = top.split_at_mut(r * w);
+        for (k, row) in above.chunks_exact(w).enumerate() {
+            let multiplier = own[start + k];
+            subtract(&mut own[others.clone()], multiplier, &row[others.clone()]);
+        }
+    }
+    match count {
+        LANES => update_rows::<LANES>(top, below, (w, start), others),
+        3 => update_rows::<3>(top, below, (w, start), others),
+        2 => update_rows::<2>(top, below, (w, start), others),
+        _ => update_rows::<1>(top, below, (w, start), others),
+    }
+}
+
+/// Subtracts multiples of `N` rows from all rows below.
+#[inline(always)]
+fn update_rows<const N: usize>(
+    top: &[f64],
+    below: &mut [f64],
+    (w, start): (usize, usize),
+    others: Range<usize>,
+) {
+    let top: [&[f64]; N] = from_fn(|k| &top[k * w..][others.clone()]);
+    for row in below.chunks_exact_mut(w) {
+        let multipliers: [f64; N] = from_fn(|k| row[start + k]);
+        let row = &mut row[others.clone()];
+        let top = top.map(|top| &top[..row.len()]);
+        for j in 0..row.len() {
+            let mut entry = row[j];
+            for k in 0..N {
+                entry -= top[k][j] * multipliers[k];
+            }
+            row[j] = entry;
+        }
     }
 }
 
@@ -262,6 +348,7 @@ fn update_beyond(rows: &mut [f64], w: usize, panel: Range<usize>) {
 }
 
 /// Returns the largest entry of a row after columns are scaled; the row consists of whole lanes.
+#[inline(always)]
 fn largest(row: &[f64], scales: &[f64]) -> f64 {
     let mut largest = [0.0; LANES];
     for (entries, scales) in row.as_chunks::<LANES>().0.iter().zip(scales.as_chunks::<LANES>().0) {
@@ -273,20 +360,36 @@ fn largest(row: &[f64], scales: &[f64]) -> f64 {
     largest.into_iter().fold(0.0, f64::max)
 }
 
-/// Computes the scalar product `a · b` in lanes.
+/// Computes the scalar product `a · b`. Long products have more partial sums, because each addition
+/// to a sum waits for the addition before.
+#[inline(always)]
 fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<LANES>(), b.as_chunks::<LANES>());
-    let mut sums = [0.0; LANES];
+    if a.len() < LONG { dot_in::<LANES>(a, b) } else { dot_in::<{ 4 * LANES }>(a, b) }
+}
+
+/// Computes the scalar product `a · b` in `N` partial sums, where `N` is a power of two.
+#[inline(always)]
+fn dot_in<const N: usize>(a: &[f64], b: &[f64]) -> f64 {
+    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<N>(), b.as_chunks::<N>());
+    let mut sums = [0.0; N];
     for (a, b) in a.iter().zip(b) {
-        for lane in 0..LANES {
+        for lane in 0..N {
             sums[lane] += a[lane] * b[lane];
         }
     }
     let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum();
-    (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest
+    let mut count = N;
+    while count > 1 {
+        count /= 2;
+        for lane in 0..count {
+            sums[lane] = sums[2 * lane] + sums[2 * lane + 1];
+        }
+    }
+    sums[0] + rest
 }
 
 /// Computes `target ← target − factor · row`.
+#[inline(always)]
 fn subtract(target: &mut [f64], factor: f64, row: &[f64]) {
     for (target, entry) in target.iter_mut().zip(row) {
         *target -= factor * entry;

@@ -6,6 +6,7 @@ use crate::core::threads::side_by_side;
 use faer::linalg::matmul::matmul;
 use faer::linalg::triangular_solve::solve_unit_lower_triangular_in_place;
 use faer::{Accum, MatMut, MatRef, Par};
+use fearless_simd::{Level, Simd, dispatch};
 
 /// Heuristic: the smallest size of a pivot, as a fraction of the largest entry of its column: in
 /// one elimination step, entries grow by at most the factor one plus the inverse of this number.
@@ -49,6 +50,7 @@ pub(super) struct Front<'a, E> {
 }
 
 impl<E: Entry> Front<'_, E> {
+    #[inline(always)]
     fn size(&self) -> usize {
         self.rows.len()
     }
@@ -58,6 +60,11 @@ impl<E: Entry> Front<'_, E> {
     /// (with a unit diagonal) and `U` of the eliminated columns, and the Schur complement. Returns the
     /// number of eliminated columns.
     pub fn eliminate(&mut self) -> usize {
+        dispatch!(Level::new(), simd => self.eliminate_with(simd))
+    }
+
+    #[inline(always)]
+    fn eliminate_with<S: Simd>(&mut self, _: S) -> usize {
         let mut done = 0;
         loop {
             let (before, mut end) = (done, self.summed);
@@ -78,6 +85,7 @@ impl<E: Entry> Front<'_, E> {
     /// Eliminates the columns of the panel that begins at `start`; the candidates for elimination
     /// lie before `end`. Rejected columns are moved to the end of the candidates. Returns the
     /// numbers of eliminated and rejected columns.
+    #[inline(always)]
     fn panel(&mut self, start: usize, end: usize) -> [usize; 2] {
         let size = self.size();
         let beyond = end.min(start + PANEL);
@@ -117,6 +125,7 @@ impl<E: Entry> Front<'_, E> {
     /// A matrix with a border of width `m` has up to `m` pivots near zero, which need the border's
     /// rows. Therefore, up to `2m` columns are delayed if their pivots are smaller than entries of the
     /// border; if more columns were delayed, the fronts would become too large.
+    #[inline(always)]
     fn pivot(&self, k: usize, rejected: usize) -> Option<usize> {
         let column = &self.entries[k * self.size()..][..self.size()];
         let (mut row, mut most, mut own) = (k, 0.0, None);
@@ -142,6 +151,7 @@ impl<E: Entry> Front<'_, E> {
         }
     }
 
+    #[inline(always)]
     fn swap_rows(&mut self, i: usize, k: usize) {
         if i != k {
             self.rows.swap(i, k);
@@ -150,6 +160,7 @@ impl<E: Entry> Front<'_, E> {
         }
     }
 
+    #[inline(always)]
     fn swap_columns(&mut self, j: usize, k: usize) {
         if j != k {
             self.columns.swap(j, k);
@@ -160,6 +171,7 @@ impl<E: Entry> Front<'_, E> {
     }
 
     /// Updates the columns from `from` on with the eliminated columns from `start` to `end`.
+    #[inline(always)]
     fn update(&mut self, start: usize, end: usize, from: usize) {
         let (size, width) = (self.size(), end - start);
         let (left, right) = self.entries.split_at_mut(from * size);
@@ -193,6 +205,7 @@ impl<E: Entry> Front<'_, E> {
 
 /// Subtracts a multiple of another column, given as `(pivot, multipliers…)`, from a column; the
 /// column's first entry determines the factor.
+#[inline(always)]
 fn subtract<E: Entry>(column: &mut [E], factor: &[E]) {
     let Some((first, rest)) = column.split_first_mut() else { return };
     let first = *first;
