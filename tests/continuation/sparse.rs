@@ -154,7 +154,10 @@ fn patterns_grow_where_equations_choose() {
 /// Couplings of neighbours in a square, with pseudo-random factors. Every third equation does not
 /// contain its own unknown, so that pivots lie outside the diagonal.
 #[derive(Clone)]
-struct Grid(usize);
+struct Grid {
+    rows: usize,
+    columns: usize,
+}
 
 impl Grid {
     /// A number from −1 to 1 for each pair of unknowns.
@@ -165,15 +168,15 @@ impl Grid {
 
 impl ZeroProblem for Grid {
     fn names(&self) -> Names {
-        Names::new([("z", self.0 * self.0)], ["p"])
+        Names::new([("z", self.rows * self.columns)], ["p"])
     }
     fn residual<T: Scalar>(&self, z: &[T], p: &[T], r: &mut [T]) {
-        let m = self.0;
-        for k in 0..m * m {
+        let Grid { rows, columns: m } = *self;
+        for k in 0..rows * m {
             let (row, column) = (k / m, k % m);
             let own = if k % 3 == 0 { 0.0 } else { 1.5 + Grid::factor(k, k) };
             r[k] = z[k] * own - p[0];
-            let beside = [(row > 0, k.wrapping_sub(m)), (row + 1 < m, k + m)];
+            let beside = [(row > 0, k.wrapping_sub(m)), (row + 1 < rows, k + m)];
             let others = [(column > 0, k.wrapping_sub(1)), (column + 1 < m, k + 1)];
             for (_, other) in beside.into_iter().chain(others).filter(|(exists, _)| *exists) {
                 r[k] += z[other] * Grid::factor(k, other);
@@ -193,8 +196,18 @@ fn difference(a: &[f64], b: &[f64]) -> f64 {
 /// where the border says so.
 #[test]
 fn parts_are_eliminated_side_by_side() {
-    let m = 120;
-    let (n, mut sparse) = (m * m, Sparse::new(Grid(m)));
+    eliminated_side_by_side(Grid { rows: 120, columns: 120 }, 1e3);
+}
+
+/// The columns of a band matrix are eliminated from both ends.
+#[test]
+fn bands_are_eliminated_from_both_ends() {
+    eliminated_side_by_side(Grid { rows: 8000, columns: 6 }, 1e12);
+}
+
+/// The number `most` exceeds `cᵀ A⁻¹ b` for the border's row `c` and column `b`.
+fn eliminated_side_by_side(grid: Grid, most: f64) {
+    let (n, mut sparse) = (grid.rows * grid.columns, Sparse::new(grid.clone()));
     let x = vec![0.5; n + 1];
     let wave = |speed: f64| (0..n).map(|i| (speed * i as f64).sin()).collect::<Vec<f64>>();
     let [column, row, right, test] = [0.31, 0.17, 0.73, 1.9].map(wave);
@@ -206,11 +219,11 @@ fn parts_are_eliminated_side_by_side() {
     };
     let image = times(&test);
     let mut solutions = Vec::new();
-    for corner in [-1e3, 1e3, 1e3] {
+    for corner in [-most, most, most] {
         let border =
             Border { width: 1, columns: &column, rows: &row, corner: &[corner], units: &[] };
         let mut factors = Factors::default();
-        let mut system = Sparse::new(Grid(m));
+        let mut system = Sparse::new(grid.clone());
         system.assemble(&x).unwrap();
         // The second factorisation uses the memory of the first.
         system.factor(Form::Jacobian, Border { corner: &[0.7], ..border }, &mut factors).unwrap();
@@ -222,7 +235,8 @@ fn parts_are_eliminated_side_by_side() {
         let mut left = times(z);
         left.iter_mut().zip(&column).for_each(|(left, c)| *left += c * y[0]);
         assert!(difference(&right, &left) < 1e-9, "{:.1e}", difference(&right, &left));
-        close(dot(&row, z) + corner * y[0], 0.4, 1e-9);
+        let terms = dot(&row, &row).sqrt() * dot(z, z).sqrt();
+        close(dot(&row, z) + corner * y[0], 0.4, 1e-13 * terms);
         // ⟨w, A v⟩ + η ⟨r, v⟩ = ⟨b, v⟩ for the transposed equations.
         let (w, eta) = transposed.split_at(n);
         let scale = dot(w, w).sqrt() * dot(&image, &image).sqrt();

@@ -3,7 +3,7 @@
 use crate::common::diffusive_brusselator::DiffusiveBrusselator;
 use crate::common::{Bratu, agree, close};
 use std::f64::consts::PI;
-use tangency::core::linalg::SpectrumRequest;
+use tangency::core::linalg::{Border, Factors, Form, SpectrumRequest};
 use tangency::core::problem::{Equilibria, Names, ZeroProblem};
 use tangency::core::scalar::Scalar;
 use tangency::core::system::{Dense, Sparse, System};
@@ -51,6 +51,65 @@ fn long_vectors_are_orthogonalised_in_strips() {
         assert!((found.0 / exact - 1.0).abs() < 1e-9 && found.1 == 0.0, "{k}: {found:?}");
     }
     assert_eq!(line.spectrum(&x, SpectrumRequest::pairs(10)).unwrap(), Some(Vec::new()));
+}
+
+/// What becomes of factors before eigenvalues are computed.
+#[derive(Clone, Copy, PartialEq)]
+enum Then {
+    Kept,
+    Dropped,
+    /// Another matrix is factored in their place.
+    Replaced,
+}
+
+/// The eigenvalues of a system at a point after its matrix was factored in a border, and those of the
+/// same system without factors.
+fn with_and_without_factors<S: System>(
+    make: impl Fn() -> S,
+    x: &[f64],
+    then: Then,
+) -> [Vec<(f64, f64)>; 2] {
+    let [mut system, mut other, mut plain] = [make(), make(), make()];
+    let n = system.names().dimension();
+    let wave = |speed: f64| (0..n).map(|i| (speed * i as f64).cos()).collect::<Vec<f64>>();
+    let (columns, rows) = (wave(0.3), wave(0.2));
+    let border = Border { width: 1, columns: &columns, rows: &rows, corner: &[0.5], units: &[] };
+    let mut factors = Some(Factors::default());
+    let mut factor = |system: &mut S, x: &[f64]| {
+        system.assemble(x).unwrap();
+        let into = factors.as_mut().unwrap();
+        system.factor(Form::Jacobian, border, into).unwrap();
+    };
+    factor(&mut system, x);
+    if then == Then::Replaced {
+        let beside: Vec<f64> = x.iter().map(|x| 1.1 * x + 0.1).collect();
+        factor(&mut other, &beside);
+    }
+    factors = factors.filter(|_| then != Then::Dropped);
+    plain.assemble(x).unwrap();
+    let request = SpectrumRequest::new(6);
+    let found = [&mut system, &mut plain].map(|it| it.spectrum(x, request).unwrap().unwrap());
+    assert_eq!(factors.is_none(), then == Then::Dropped);
+    assert_eq!(system.doubts(), plain.doubts());
+    found
+}
+
+/// Eigenvalues are computed with the factors of the matrix in a border, if these factors exist; factors
+/// of another matrix are not used.
+#[test]
+fn known_factors_give_the_same_eigenvalues() {
+    let m = 24;
+    let square: Vec<f64> = std::iter::repeat_n(0.01, m * m).chain([60.0]).collect();
+    let brusselator = || Sparse::new(Equilibria::new(DiffusiveBrusselator::new(40)));
+    for then in [Then::Kept, Then::Dropped, Then::Replaced] {
+        let complex = with_and_without_factors(brusselator, &homogeneous(40), then);
+        let symmetric = with_and_without_factors(|| Sparse::new(Square(m)), &square, then);
+        for [found, expected] in [complex, symmetric] {
+            let numbers = |all: &[(f64, f64)]| all.iter().flat_map(|l| [l.0, l.1]).collect();
+            let [found, expected]: [Vec<f64>; 2] = [numbers(&found), numbers(&expected)];
+            agree(&found, &expected, 1e-9);
+        }
+    }
 }
 
 /// Without a scaling that makes the matrix symmetric, complex pairs are possible and are computed.

@@ -55,6 +55,6 @@ pub(in crate::core) use mass::{MassMatrix, factors_with_mass};
 pub use pencil::multipliers;
 pub(in crate::core) use pencil::undetermined;
 pub(in crate::core) use sparse::{
-    Coloring, Elimination, LANES, Lanes, Largest, Leading, Pattern, Pencil, Rightmost, SparseLu,
-    SparseShiftedLu,
+    Coloring, Elimination, KnownFactors, LANES, Lanes, Largest, Leading, Pattern, Pencil,
+    Rightmost, SharedLu, SparseLu, SparseShiftedLu,
 };

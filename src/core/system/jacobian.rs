@@ -65,14 +65,14 @@ impl Jacobian {
     /// Factors the matrix, or the variant of it that `form` selects, bordered by additional rows
     /// and columns.
     pub fn factor(
-        &self,
+        &mut self,
         n: usize,
         form: Form,
         border: Border,
         into: &mut Factors,
     ) -> Result<(), Failure> {
         let mass = self.mass(n);
-        match (form, self) {
+        match (form, &mut *self) {
             (Form::Antiperiodic, _) => Err(Failure::Unsupported(
                 "the unknowns of a `ZeroProblem` do not describe a periodic orbit, so orbits of \
                  twice the period are not defined"

@@ -3,9 +3,9 @@
 use super::work::Work;
 use crate::core::failure::Failure;
 use crate::core::linalg::{
-    Border, Coloring, Elimination, Factors, Form, Leading, MassMatrix, Pattern, Pencil, Rightmost,
-    SparseLu, SparseShiftedLu, Spectrum, SpectrumRequest, factors_with_mass, finite_eigenvalues,
-    generic,
+    Border, Coloring, Elimination, Factors, Form, KnownFactors, Leading, MassMatrix, Pattern,
+    Pencil, Rightmost, SharedLu, SparseShiftedLu, Spectrum, SpectrumRequest, factors_with_mass,
+    finite_eigenvalues, generic,
 };
 use crate::core::problem::{Dynamics, TracedEquations, ZeroEquations};
 use crate::core::scalar::{CHUNK, Chunk, Traced, seeded};
@@ -25,6 +25,8 @@ pub(super) struct SparseJacobian {
     /// Scratch space: the products of the matrix with the probe, and the sizes of their terms.
     products: Vec<[f64; 2]>,
     leading: Leading,
+    /// The last factors of the current matrix in a border.
+    known: KnownFactors,
     /// The number of points at which the count of unstable eigenvalues is uncertain.
     uncertain: usize,
 }
@@ -48,6 +50,7 @@ impl SparseJacobian {
             mass: None,
             products: Vec::new(),
             leading: Leading::default(),
+            known: KnownFactors::default(),
             uncertain: 0,
             elimination: Arc::new(Elimination::of(pattern)),
         }
@@ -85,6 +88,7 @@ impl SparseJacobian {
         problem: &dyn ZeroEquations,
         x: &[f64],
     ) {
+        self.known = KnownFactors::default();
         let implicit = problem.dynamics() == Dynamics::Implicit;
         let count = self.entries.len();
         let mut mass = implicit.then(|| self.mass.take().unwrap_or_else(|| vec![0.0; count]));
@@ -140,20 +144,21 @@ impl SparseJacobian {
     /// Factors the matrix, or the variant of it that `form` selects, bordered by additional rows
     /// and columns.
     pub fn factor(
-        &self,
+        &mut self,
         form: Form,
         border: Border,
         (mass, into): (Option<MassMatrix>, &mut Factors),
     ) -> Result<(), Failure> {
-        let pencil = Pencil { entries: &self.entries, mass: self.mass() };
+        let pencil = Pencil { entries: &self.entries, mass: self.mass.as_deref() };
         match form {
             Form::Oscillation(omega) => {
                 let lu: &mut SparseShiftedLu = factors_with_mass(into, mass);
                 lu.factor(&self.elimination, (pencil, omega), border)
             }
             _ => {
-                let lu: &mut SparseLu = factors_with_mass(into, mass);
-                lu.factor(&self.elimination, (pencil, 0.0), border)
+                let lu: &mut SharedLu = factors_with_mass(into, mass);
+                self.known = lu.factor(&self.elimination, pencil, border)?;
+                Ok(())
             }
         }
     }
@@ -178,7 +183,11 @@ impl SparseJacobian {
         let sign = if dynamics.is_flow() { 1.0 } else { -1.0 };
         let entries: Vec<f64> = self.entries.iter().map(|a| sign * a).collect();
         let pencil = Pencil { entries: &entries, mass: self.mass.as_deref() };
-        let found = self.leading.rightmost(&self.elimination, pencil, request.count)?;
+        let matrix = (&self.elimination, pencil);
+        let found = self.known.with(|known| {
+            let known = known.filter(|_| dynamics.is_flow());
+            self.leading.rightmost(matrix, request.count, known)
+        })?;
         let Rightmost { spectrum, certain } = found;
         self.uncertain += usize::from(!certain);
         Ok(spectrum)

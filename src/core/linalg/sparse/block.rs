@@ -115,17 +115,17 @@ pub(super) fn orthogonalise_block(
 }
 
 /// Consecutive rows of a block, which are processed on one thread.
-struct Strip<'b> {
-    rows: &'b mut Block,
+pub(super) struct Strip<'b> {
+    pub rows: &'b mut Block,
     /// The number of the first row.
     from: usize,
     /// Scalar products of vectors with the vectors of the block, over these rows.
-    sums: Vec<[f64; LANES]>,
+    pub sums: Vec<[f64; LANES]>,
 }
 
 /// Divides a block into strips. The numbers of rows and vectors alone determine the strips, so that
 /// results do not depend on the number of threads.
-fn strips(block: &mut Block, vectors: usize) -> Vec<Strip<'_>> {
+pub(super) fn strips(block: &mut Block, vectors: usize) -> Vec<Strip<'_>> {
     let length = if block.len() * vectors < LEAST_PRODUCTS {
         block.len()
     } else {
@@ -137,7 +137,11 @@ fn strips(block: &mut Block, vectors: usize) -> Vec<Strip<'_>> {
 
 /// Calls a function that adds `count` scalar products to the sums of a strip, for all strips, and
 /// returns the sums over all strips.
-fn total(strips: &mut [Strip], count: usize, add: impl Fn(&mut Strip) + Sync) -> Vec<[f64; LANES]> {
+pub(super) fn total(
+    strips: &mut [Strip],
+    count: usize,
+    add: impl Fn(&mut Strip) + Sync,
+) -> Vec<[f64; LANES]> {
     side_by_side(strips, |_, strip| {
         strip.sums.clear();
         strip.sums.resize(count, [0.0; LANES]);

@@ -21,6 +21,9 @@ const LEAST: f64 = 1e-8;
 /// is updated.
 const PANEL: usize = 32;
 
+/// Heuristic: the size of a front from which on the processor's widest vectors are faster.
+const WIDE: usize = 32;
+
 /// Heuristic: the number of multiplications below which an update is faster with plain loops.
 const SMALL: usize = 4096;
 
@@ -60,11 +63,19 @@ impl<E: Entry> Front<'_, E> {
     /// (with a unit diagonal) and `U` of the eliminated columns, and the Schur complement. Returns the
     /// number of eliminated columns.
     pub fn eliminate(&mut self) -> usize {
+        if self.size() < WIDE {
+            return self.eliminate_columns();
+        }
         dispatch!(Level::new(), simd => self.eliminate_with(simd))
     }
 
     #[inline(always)]
     fn eliminate_with<S: Simd>(&mut self, _: S) -> usize {
+        self.eliminate_columns()
+    }
+
+    #[inline(always)]
+    fn eliminate_columns(&mut self) -> usize {
         let mut done = 0;
         loop {
             let (before, mut end) = (done, self.summed);

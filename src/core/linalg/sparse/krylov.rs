@@ -2,6 +2,7 @@
 //! computed from these spaces.
 
 use super::block::{Block, LANES, block_of, combination, dot, orthogonalise_block};
+use super::orthonormal::orthonormalise_block;
 use crate::core::failure::Failure;
 use crate::core::linalg::{normalise, orthogonalise};
 use faer::{MatRef, Side, c64};
@@ -13,6 +14,13 @@ const DIMENSION: usize = 240;
 /// Heuristic: eigenvalues of a symmetric matrix form a cluster, with a common error estimate, if
 /// their relative distance is smaller than this.
 const TOGETHER: f64 = 0.01;
+
+/// Heuristic: the length from which on the vectors of a block are made orthonormal together.
+const LONG: usize = 1000;
+
+/// Rounding: a vector that is shorter than this fraction of its components along the basis may consist
+/// of rounding errors.
+const LOST: f64 = 1e-8;
 
 /// Rounding: a vector is orthogonalised again if the remainder after orthogonalisation is shorter
 /// than this fraction of the vector's original length.
@@ -135,6 +143,15 @@ impl<'l> Krylov<'l> {
             sizes.iter_mut().zip(part).for_each(|(size, part)| *size = part.abs().max(*size));
         }
         parts.drain(..self.locked.len());
+        if count == LANES
+            && block.len() >= LONG
+            && let Some(own) = orthonormalise_block(block, sizes.map(|size| LOST * size))
+        {
+            let vector = |lane: usize| block.iter().map(|row| row[lane]).collect();
+            self.vectors.extend((0..LANES).map(vector));
+            parts.extend(own);
+            return parts;
+        }
         for lane in 0..count {
             let mut vector: Vec<f64> = block.iter().map(|row| row[lane]).collect();
             let whole = dot(&vector, &vector).sqrt();

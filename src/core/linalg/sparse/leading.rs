@@ -2,12 +2,13 @@
 //! certificate of the number of unstable eigenvalues.
 
 use super::block::LANES;
+use super::inverse::{Inverse, Matrix};
 use super::krylov::{Krylov, Locked};
 use super::{Elimination, Pencil, SparseLu};
 use crate::core::failure::Failure;
-use crate::core::linalg::{Border, Spectrum, largest};
+use crate::core::linalg::Spectrum;
 use faer::c64;
-use std::mem::swap;
+use std::mem::{swap, take};
 use std::sync::Arc;
 
 /// Heuristic: the largest number of eigenvalues that are computed to certify the number of unstable
@@ -25,10 +26,6 @@ const REPEATED: f64 = 1e-6;
 
 /// Rounding: the relative error at which eigenvalues of the inverse matrix count as converged.
 const CONVERGED: f64 = 1e-11;
-
-/// Rounding: if a shift equals an eigenvalue, the shift is changed by this fraction of the largest
-/// entry of the matrix.
-const ASIDE: f64 = 1e-10;
 
 /// Rounding: the rounding error of eigenvalues of the inverse matrix, relative to the largest
 /// eigenvalue.
@@ -114,67 +111,60 @@ pub(in crate::core) struct Rightmost {
 impl Leading {
     /// Computes the eigenvalues of a pencil: all unstable eigenvalues (at most [`MOST`]), and the
     /// `least` other eigenvalues nearest to zero. The number of unstable eigenvalues is certified
-    /// only without a mass matrix.
+    /// only without a mass matrix. The argument `known` contains the factors of the matrix in a
+    /// border, if these factors are known.
     pub fn rightmost(
         &mut self,
-        elimination: &Arc<Elimination>,
-        pencil: Pencil,
+        (elimination, pencil): (&Arc<Elimination>, Pencil),
         least: usize,
+        known: Option<&mut SparseLu>,
     ) -> Result<Rightmost, Failure> {
-        let entries = pencil.entries;
-        let of_matrix = || elimination.pattern.symmetrising(entries);
+        let of_matrix = || elimination.pattern.symmetrising(pencil.entries);
         let scales = if pencil.mass.is_some() { None } else { of_matrix() };
         let matrix = Matrix { elimination, pencil, scales: scales.as_deref() };
-        let mut shift = self.factor_near_zero(&matrix)?;
-        let n = matrix.size();
-        let negative = matrix.scales.and_then(|_| self.lu.negative_pivots());
-        let positive = negative.map(|negative| n - negative);
+        let mut lu = take(&mut self.lu);
+        let inverse = Inverse::near_zero(matrix, &mut lu, known);
+        let found = inverse.and_then(|mut inverse| self.rightmost_with(&mut inverse, least));
+        self.lu = lu;
+        found
+    }
+
+    fn rightmost_with(
+        &mut self,
+        inverse: &mut Inverse,
+        least: usize,
+    ) -> Result<Rightmost, Failure> {
+        let Matrix { elimination, pencil, .. } = inverse.matrix;
+        let n = inverse.matrix.size();
+        let positive = inverse.count_below().map(|negative| n - negative);
         let least = least.min(MOST);
         let mut count = least + positive.unwrap_or(0).min(MOST);
         let mut moves = 0;
         loop {
             count = count.min(n);
-            let mut circle = match self.nearest(&matrix, (shift, count))? {
+            let shift = inverse.shift();
+            let mut circle = match self.nearest(inverse, count)? {
                 Found::Alone(distance) if moves < MOVES => {
-                    shift += BESIDE * distance;
-                    self.factor(&matrix, shift)?;
+                    inverse.move_to(shift + BESIDE * distance)?;
                     moves += 1;
                     continue;
                 }
                 Found::Alone(_) => return Err(Failure::Eigenvalues(NEAREST)),
                 Found::All(circle) => circle,
             };
+            let pattern = &elimination.pattern;
             let certain = match positive {
-                Some(positive) => self.is_counted(&matrix, positive, &mut circle)?,
+                Some(positive) => self.is_counted(inverse, positive, &mut circle)?,
                 None if pencil.mass.is_some() => false,
-                None => count == n || circle.contains(elimination.pattern.unstable_corner(entries)),
+                None => count == n || circle.contains(pattern.unstable_corner(pencil.entries)),
             };
             let enough = if certain { (least + circle.unstable()).min(n) } else { MOST };
             if count >= enough.min(MOST).min(n) {
                 return Ok(Rightmost { spectrum: circle.spectrum, certain });
             }
-            self.factor(&matrix, shift)?;
+            inverse.move_to(shift)?;
             count = if certain { enough } else { 2 * count };
         }
-    }
-
-    fn factor(&mut self, matrix: &Matrix, shift: f64) -> Result<(), Failure> {
-        let shifted = (matrix.pencil, shift);
-        match matrix.scales {
-            Some(_) => self.lu.factor_symmetric(matrix.elimination, shifted),
-            None => self.lu.factor(matrix.elimination, shifted, Border::NONE),
-        }
-    }
-
-    /// Factors the matrix, or a slightly shifted matrix if the matrix is singular, and returns the
-    /// shift.
-    fn factor_near_zero(&mut self, matrix: &Matrix) -> Result<f64, Failure> {
-        if self.factor(matrix, 0.0).is_ok() {
-            return Ok(0.0);
-        }
-        let Pencil { entries, mass } = matrix.pencil;
-        let shift = ASIDE * largest(entries) / mass.map_or(1.0, largest).max(f64::MIN_POSITIVE);
-        self.factor(matrix, shift).map(|()| shift)
     }
 
     /// Whether all positive eigenvalues of the matrix are known; `positive` is the number of
@@ -182,7 +172,7 @@ impl Leading {
     /// known eigenvalues are computed and added.
     fn is_counted(
         &mut self,
-        matrix: &Matrix,
+        inverse: &mut Inverse,
         positive: usize,
         circle: &mut Circle,
     ) -> Result<bool, Failure> {
@@ -191,37 +181,32 @@ impl Leading {
         let missing = positive.saturating_sub(circle.unstable()).min(MOST);
         let edge = circle.center + circle.radius;
         // The pivots may have counted neutral eigenvalues as positive.
-        if missing > neutral || missing > 0 && self.may_have_values_above(matrix, edge) {
-            circle.spectrum.splice(0..0, self.beyond(matrix, edge, missing)?);
+        if missing > neutral || missing > 0 && may_have_values_above(inverse, edge) {
+            circle.spectrum.splice(0..0, self.beyond(inverse, edge, missing)?);
         }
         Ok(positive.abs_diff(circle.unstable()) <= neutral)
-    }
-
-    /// Returns false only if the pivots show that a matrix, which a diagonal scaling makes symmetric, has
-    /// no eigenvalue above `edge`.
-    fn may_have_values_above(&mut self, matrix: &Matrix, edge: f64) -> bool {
-        let negative = match self.factor(matrix, edge) {
-            Ok(()) => self.lu.negative_pivots(),
-            Err(_) => None,
-        };
-        negative != Some(matrix.size())
     }
 
     /// Computes the `missing` largest eigenvalues above `edge` of a matrix that a diagonal scaling
     /// makes symmetric. Returns an empty list if these eigenvalues are not found, for example
     /// because many of them lie close together.
-    fn beyond(&mut self, matrix: &Matrix, edge: f64, missing: usize) -> Result<Spectrum, Failure> {
+    fn beyond(
+        &mut self,
+        inverse: &mut Inverse,
+        edge: f64,
+        missing: usize,
+    ) -> Result<Spectrum, Failure> {
         let mut top = (2.0 * edge).max(FARTHER * self.largest);
         loop {
-            self.factor(matrix, top)?;
-            match self.lu.negative_pivots() {
-                Some(negative) if negative < matrix.size() => top *= 2.0,
+            inverse.move_to(top)?;
+            match inverse.count_below() {
+                Some(negative) if negative < inverse.matrix.size() => top *= 2.0,
                 Some(_) => break,
                 None => return Ok(Spectrum::new()),
             }
         }
         swap(&mut self.previous, &mut self.farthest);
-        let found = self.nearest(matrix, (top, missing));
+        let found = self.nearest(inverse, missing);
         swap(&mut self.previous, &mut self.farthest);
         let found = match found {
             Ok(Found::All(far)) => far.spectrum,
@@ -234,8 +219,8 @@ impl Leading {
     }
 
     /// Computes the `count` eigenvalues nearest to the shift.
-    fn nearest(&mut self, matrix: &Matrix, (shift, count): (f64, usize)) -> Result<Found, Failure> {
-        let n = matrix.size();
+    fn nearest(&mut self, inverse: &mut Inverse, count: usize) -> Result<Found, Failure> {
+        let (n, shift) = (inverse.matrix.size(), inverse.shift());
         let mut locked = Locked::default();
         let mut starts = self.starts(n);
         for number in 0.. {
@@ -243,11 +228,11 @@ impl Leading {
             let unknown = count.saturating_sub(before).max(1);
             // Values smaller than the known ones need no digits.
             let least = if before < count { 0.0 } else { locked.least(count) };
-            let mut run = self.run(&starts, (unknown, least, matrix), &mut locked);
+            let mut run = self.run(&starts, (unknown, least, inverse), &mut locked);
             if run.is_err() {
                 // The space of a single vector contains higher powers.
                 seeds = 1;
-                run = self.run(&starts[..1], (unknown, least, matrix), &mut locked);
+                run = self.run(&starts[..1], (unknown, least, inverse), &mut locked);
             }
             if let Some(distance) = run? {
                 return Ok(Found::Alone(distance));
@@ -263,7 +248,7 @@ impl Leading {
             starts = (0..LANES).map(|k| random(n, (number + 2) * LANES + k)).collect();
         }
         let mut least = locked.least(count);
-        if matrix.pencil.mass.is_some() {
+        if inverse.matrix.pencil.mass.is_some() {
             least = least.max(INFINITE * locked.least(1));
         }
         let radius = 1.0 / least.max(f64::MIN_POSITIVE);
@@ -306,24 +291,24 @@ impl Leading {
     fn run(
         &mut self,
         starts: &[Vec<f64>],
-        (wanted, least, matrix): (usize, f64, &Matrix),
+        (wanted, least, inverse): (usize, f64, &mut Inverse),
         locked: &mut Locked,
     ) -> Result<Option<f64>, Failure> {
         let n = starts.first().map_or(0, Vec::len);
-        let mut space = Krylov::new(starts, (&locked.basis, matrix.scales), n);
+        let mut space = Krylov::new(starts, (&locked.basis, inverse.matrix.scales), n);
         let (is_first, mut next_look) = (least == 0.0 && locked.values.is_empty(), wanted + 2);
         if is_first {
             next_look = next_look.max(self.previous.products);
         }
+        // The first images of known eigenvectors reveal an eigenvalue that hides the others.
+        let is_warm = is_first && !self.previous.vectors.is_empty();
         while !space.vectors.is_empty() {
-            space.grow(&mut |block| {
-                matrix.times_mass(block);
-                self.lu.solve_lanes(block);
-            });
-            if !space.is_complete() && space.images < next_look {
+            space.grow(&mut |block| inverse.apply(block));
+            let is_due = space.is_complete() || space.images >= next_look;
+            let is_early = is_warm && space.images <= LANES;
+            if !is_due && !is_early {
                 continue;
             }
-            next_look = space.images + (space.images / 8).max(LANES);
             let ritz = space.ritz()?;
             let open = ritz.candidates(wanted, least);
             if open.is_empty() {
@@ -334,6 +319,10 @@ impl Leading {
             if wanted > 1 && next < ALONE * first {
                 return Ok(Some(next.recip()));
             }
+            if !is_due {
+                continue;
+            }
+            next_look = space.images + (space.images / 8).max(LANES);
             let allowed = |size: f64| (ROUNDING * first).max(CONVERGED * size);
             let is_within =
                 |share: f64| open.iter().all(|k| ritz.errors[*k] <= share * allowed(ritz.size(*k)));
@@ -379,30 +368,11 @@ fn random(n: usize, seed: usize) -> Vec<f64> {
     (0..n).map(|_| next()).collect()
 }
 
-/// A sparse matrix.
-struct Matrix<'a> {
-    elimination: &'a Arc<Elimination>,
-    pencil: Pencil<'a>,
-    /// The diagonal scales that make the matrix symmetric; `None` if no such scales are known.
-    scales: Option<&'a [f64]>,
-}
-
-impl Matrix<'_> {
-    fn size(&self) -> usize {
-        self.elimination.pattern.size()
-    }
-
-    /// Multiplies the vectors of a block by the mass matrix.
-    fn times_mass(&self, block: &mut [[f64; LANES]]) {
-        let (Some(mass), pattern) = (self.pencil.mass, &self.elimination.pattern) else { return };
-        let mut products = vec![[0.0; LANES]; block.len()];
-        for (j, row) in block.iter().enumerate() {
-            for (m, &i) in mass[pattern.start(j)..].iter().zip(pattern.column(j)) {
-                products[i].iter_mut().zip(row).for_each(|(sum, v)| *sum += m * v);
-            }
-        }
-        block.copy_from_slice(&products);
-    }
+/// Returns false only if the pivots show that a matrix, which a diagonal scaling makes symmetric, has
+/// no eigenvalue above `edge`.
+fn may_have_values_above(inverse: &mut Inverse, edge: f64) -> bool {
+    let below = inverse.move_to(edge).ok().and_then(|()| inverse.count_below());
+    below != Some(inverse.matrix.size())
 }
 
 /// All eigenvalues inside a circle about the shift.

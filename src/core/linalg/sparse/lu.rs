@@ -1,7 +1,7 @@
 //! Multifrontal LU factorisation of a bordered sparse matrix.
 
 use super::super::border::Border;
-use super::super::factors::{ComplexFactors, Factorisation, Shifted};
+use super::super::factors::{ComplexFactors, Shifted};
 use super::super::lu::{Entry, inverse_power_of_two};
 use super::matrix::{Bordering, Matrix, Pencil};
 use super::node::Node;
@@ -158,18 +158,31 @@ impl<E: Entry> SparseLu<E> {
         if regular { Ok(()) } else { Err(unusable(least, largest)) }
     }
 
-    /// Returns the number of negative pivots of a real symmetric matrix, which equals the number of
-    /// its negative eigenvalues (Sylvester's law of inertia). Returns `None` if a pivot is not on
-    /// the diagonal.
+    /// Returns the number of rows of the factored matrix, including its border.
+    pub fn size(&self) -> usize {
+        self.scales[0].len()
+    }
+
+    /// Returns the number of negative pivots outside the border. For a real symmetric matrix, this
+    /// number equals the number of negative eigenvalues of the matrix without its border (Sylvester's
+    /// law of inertia). Returns `None` if a pivot is not on the diagonal, or if the border was not
+    /// eliminated last.
     pub fn negative_pivots(&self) -> Option<usize> {
-        let mut negative = 0;
+        let (n, mut negative) = (self.elimination.pattern.size(), 0);
         for triangles in self.parts.iter().map(|part| &part.triangles) {
-            if triangles.eliminated(Side::Rows) != triangles.eliminated(Side::Columns) {
+            let rows = triangles.eliminated(Side::Rows);
+            if rows != triangles.eliminated(Side::Columns) || !rows.is_sorted_by_key(|v| *v >= n) {
                 return None;
             }
-            negative += triangles.pivots().filter(|pivot| pivot.real() < 0.0).count();
+            let own = triangles.pivots().zip(rows).filter(|(_, v)| **v < n);
+            negative += own.filter(|(pivot, _)| pivot.real() < 0.0).count();
         }
         Some(negative)
+    }
+
+    /// Returns the sign of the determinant.
+    pub fn determinant_sign(&self) -> f64 {
+        self.sign
     }
 
     /// Solves in place.
@@ -247,20 +260,6 @@ fn scaled<E: Entry, const W: usize>(mut row: [E; W], scale: f64) -> [E; W] {
         row[lane] *= E::from_real(scale);
     }
     row
-}
-
-impl Factorisation for SparseLu {
-    fn solve(&mut self, right: &mut [f64]) {
-        self.solve(right);
-    }
-
-    fn solve_transposed(&mut self, right: &mut [f64]) {
-        self.solve_transposed(right);
-    }
-
-    fn determinant_sign(&self) -> f64 {
-        self.sign
-    }
 }
 
 impl ComplexFactors for SparseLu<c64> {

@@ -5,15 +5,18 @@ mod block;
 mod coloring;
 mod dissection;
 mod front;
+mod inverse;
 mod krylov;
 mod largest;
 mod leading;
 mod lu;
 mod matrix;
 mod node;
+mod orthonormal;
 mod part;
 mod partition;
 mod pattern;
+mod shared;
 mod symmetry;
 mod tree;
 mod triangles;
@@ -25,6 +28,7 @@ pub(in crate::core) use leading::{Leading, Rightmost};
 pub(in crate::core) use lu::{Elimination, SparseLu, SparseShiftedLu};
 pub(in crate::core) use matrix::Pencil;
 pub(in crate::core) use pattern::Pattern;
+pub(in crate::core) use shared::{KnownFactors, SharedLu};
 
 /// Returns the sign of the permutation that maps one order of the numbers 0, 1, 2, … to another
 /// order.

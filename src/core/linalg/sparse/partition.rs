@@ -2,9 +2,9 @@
 
 use super::node::Node;
 
-/// Heuristic: the number of multiplications from which on an elimination is divided. Below this
-/// number, starting threads takes a noticeable part of the time.
-pub(super) const LEAST_PRODUCTS: f64 = 2e7;
+/// Heuristic: the [time](work) from which on an elimination is divided. Below this time, starting
+/// threads takes a noticeable part of the time.
+pub(super) const LEAST_WORK: f64 = 6e7;
 
 /// Heuristic: the number of parts that are eliminated side by side. The number does not depend on the
 /// processor, so that results are the same on all processors; more parts leave more work for the
@@ -27,8 +27,6 @@ pub(super) struct Partition {
     /// Lists of nodes that do not depend on each other, and, as the last list, the remaining nodes,
     /// which depend on all others. Each list is in increasing order.
     pub parts: Vec<Vec<usize>>,
-    /// The number of multiplications of all nodes.
-    pub products: f64,
     /// The time that all nodes take, in units of the time of a multiplication.
     pub total: f64,
     /// The time that the largest part and the last part take.
@@ -36,21 +34,20 @@ pub(super) struct Partition {
 }
 
 /// Returns the time that the elimination of a node takes, in units of the time of a multiplication.
-fn work(node: &Node) -> f64 {
+pub(super) fn work(node: &Node) -> f64 {
     let size = (node.own.len() + node.pattern.len()) as f64;
     node.products() + MOVING * size * size
 }
 
 /// Divides an elimination tree into parts. A small tree, or a tree without branches, has one part.
 pub(super) fn partition(nodes: &[Node]) -> Partition {
-    let products: f64 = nodes.iter().map(Node::products).sum();
     let work: Vec<f64> = nodes.iter().map(work).collect();
     let total: f64 = work.iter().sum();
     let whole = || {
         let parts = vec![(0..nodes.len()).collect()];
-        Partition { parts, products, total, critical: total }
+        Partition { parts, total, critical: total }
     };
-    if products < LEAST_PRODUCTS {
+    if total < LEAST_WORK {
         return whole();
     }
     let (mut of_subtree, mut children) = (work.clone(), vec![Vec::new(); nodes.len() + 1]);
@@ -85,7 +82,7 @@ pub(super) fn partition(nodes: &[Node]) -> Partition {
     }
     let mut parts = vec![Vec::new(); PARTS + 1];
     part_of.iter().enumerate().for_each(|(k, &part)| parts[part].push(k));
-    Partition { parts, products, total, critical }
+    Partition { parts, total, critical }
 }
 
 /// Distributes subtrees, the largest first, over the parts, and returns the work of the largest

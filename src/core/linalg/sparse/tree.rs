@@ -4,7 +4,7 @@
 use super::Pattern;
 use super::dissection::Graph;
 use super::node::Node;
-use super::partition::{LEAST_PRODUCTS, Partition, partition};
+use super::partition::{LEAST_WORK, Partition, partition, work};
 use faer::Side;
 use faer::perm::PermRef;
 use faer::sparse::SymbolicSparseColMatRef;
@@ -12,6 +12,7 @@ use faer::sparse::linalg::cholesky::{
     CholeskySymbolicParams, SymbolicCholeskyRaw, SymmetricOrdering, factorize_symbolic_cholesky,
 };
 use faer::sparse::linalg::{SupernodalThreshold, SymbolicSupernodalParams};
+use std::ops::Range;
 
 /// Heuristic: the largest bandwidth of a matrix whose columns are eliminated in their original
 /// order.
@@ -54,15 +55,27 @@ impl Tree {
     }
 }
 
-/// Returns the nodes of the elimination tree of a band matrix.
+/// Returns the nodes of the elimination tree of a band matrix. The columns of a large matrix are
+/// eliminated from both ends towards the middle, so that two threads can eliminate them.
 fn banded(n: usize, band: usize) -> Vec<Node> {
     let count = n.div_ceil(BLOCK);
-    let node = |k: usize| {
+    let node = |k: usize, parent: usize, coupled: fn([usize; 4]) -> Range<usize>| {
         let (start, end) = (k * BLOCK, n.min((k + 1) * BLOCK));
-        let pattern = (end..n.min(end + band)).collect();
-        Node { own: (start..end).collect(), pattern, parent: k + 1, entries: Vec::new() }
+        let pattern = coupled([start, end, band, n]).collect();
+        Node { own: (start..end).collect(), pattern, parent, entries: Vec::new() }
     };
-    (0..count).map(node).collect()
+    let forward = |[_, end, band, n]: [usize; 4]| end..n.min(end + band);
+    let backward = |[start, _, band, _]: [usize; 4]| start - band..start;
+    let from_left: Vec<Node> = (0..count).map(|k| node(k, k + 1, forward)).collect();
+    if band > BLOCK || from_left.iter().map(work).sum::<f64>() < LEAST_WORK {
+        return from_left;
+    }
+    // The middle block comes last; the blocks after the middle come in reverse order.
+    let (middle, root) = (count / 2, count - 1);
+    let place = |k: usize| if k < middle { k } else { middle + root - k };
+    let left = (0..middle).map(|k| node(k, if k + 1 < middle { k + 1 } else { root }, forward));
+    let right = (middle + 1..count).rev().map(|k| node(k, place(k) + 1, backward));
+    left.chain(right).chain([node(middle, count, |_| 0..0)]).collect()
 }
 
 /// Returns the nodes of the elimination tree of a matrix that is not a band matrix.
@@ -71,8 +84,8 @@ fn ordered(pattern: &Pattern) -> Vec<Node> {
     let (starts, rows) = upper(pattern);
     let symbolic = SymbolicSparseColMatRef::new_checked(n, n, &starts, None, &rows);
     let nodes = nodes(symbolic, SymmetricOrdering::Amd);
-    let Partition { products, total, critical, .. } = partition(&nodes);
-    if products < LEAST_PRODUCTS {
+    let Partition { total, critical, .. } = partition(&nodes);
+    if total < LEAST_WORK {
         return nodes;
     }
     let Some(order) = Graph::of(&starts, &rows).dissected_order() else { return nodes };
