@@ -6,7 +6,7 @@ use super::document::{Against, Document, Enlargement, Plot};
 use super::error::FigureError;
 use super::fields::fields;
 use super::figure::{Figure, Series, Style};
-use super::profiles::{TIME, portrait, profiles};
+use super::profiles::{TIME, named, portrait, profiles};
 #[cfg(feature = "live")]
 use super::sweeps::SweepTable;
 use super::sweeps::{Sweeps, basins, scatter};
@@ -154,9 +154,10 @@ fn check_axes(plot: Option<&Plot>, figures: &[Figure]) -> Result<(), FigureError
     }
 }
 
-/// Removes the chosen ranges and enlargements that do not contain any part of the document's
-/// branches, for example because a restarted scene has only one branch.
-pub(crate) fn drop_empty_parts(document: &mut Document) {
+/// Restricts the plot of a document to the columns, curves and ranges that the document's own branches
+/// have; for example, a restarted scene has only one branch.
+pub(crate) fn restrict_plot(document: &mut Document) {
+    document.plot = document.plot.restricted(&document.branches);
     let drawn = |document: &Document| diagram(&[("", document)], None, &[]);
     if drawn(document).is_ok_and(|whole| whole.extent().is_err()) {
         document.plot.ranges.clear();
@@ -167,6 +168,26 @@ pub(crate) fn drop_empty_parts(document: &mut Document) {
         clip(&mut part, [*x, *y]);
         part.extent().is_ok()
     });
+}
+
+/// Removes from a document's plot the special points that the document's branches do not have, for
+/// example because a changed setting ended a branch early, and adds a warning for each of them.
+pub(crate) fn drop_missing_points(document: &mut Document) {
+    for wanted in std::mem::take(&mut document.plot.points) {
+        let found = named(&[("", document)], std::slice::from_ref(&wanted));
+        let Some(cause) = found.err() else {
+            document.plot.points.push(wanted);
+            continue;
+        };
+        let of_branch = wanted.rsplit_once('/').map(|(branch, _)| branch.trim());
+        let branches = &mut document.branches;
+        let own = branches.iter().position(|branch| Some(&*branch.name) == of_branch);
+        if let Some(branch) = branches.get_mut(own.unwrap_or(0)) {
+            branch.warnings.push(format!(
+                "the picture lacks the special point `{wanted}` that the scene names: {cause}"
+            ));
+        }
+    }
 }
 
 /// Returns the panels that are added by default: a panel of the free period, if the first document

@@ -12,7 +12,7 @@ use crate::core::continuation::{Branch, Settings};
 use crate::core::hybrid::HybridEquations;
 use crate::core::problem::Group;
 use crate::core::system::{Kind, System};
-use crate::output::{Document, drop_empty_parts};
+use crate::output::{Document, restrict_plot};
 use std::fmt::Display;
 use std::sync::Arc;
 
@@ -334,8 +334,7 @@ impl Resolution {
         document.plot = self.scene.labelled_plot();
         if self.start.is_some() {
             // The scene's plot may show other branches, which are not traced.
-            document.plot = document.plot.restricted(&document.branches);
-            drop_empty_parts(&mut document);
+            restrict_plot(&mut document);
         }
         document.settings = self.scene.record();
         // The start point has its own parameter values.

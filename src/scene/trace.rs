@@ -14,7 +14,7 @@ use crate::core::hybrid::HybridState;
 use crate::core::local_map::LocalMap;
 use crate::core::problem::{Group, position};
 use crate::core::system::{Kind, System};
-use crate::output::Document;
+use crate::output::{Document, drop_missing_points, restrict_plot};
 use cpu_time::ThreadTime;
 use std::time::Duration;
 
@@ -123,7 +123,13 @@ impl Tracing {
         }
         let shown = runs.iter().zip(done).filter(|(run, _)| run.shown);
         let branches = shown.map(|(_, branch)| branch).collect();
-        Outcome { document: resolution.document(runs.iter(), branches), error }
+        let mut document = resolution.document(runs.iter(), branches);
+        match error {
+            // The scene's plot may show the branches of runs that were not traced.
+            Some(_) => restrict_plot(&mut document),
+            None => drop_missing_points(&mut document),
+        }
+        Outcome { document, error }
     }
 }
 

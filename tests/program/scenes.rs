@@ -6,7 +6,7 @@ use tangency::core::continuation::{Branch, End, SpecialPoint};
 use tangency::core::failure::one_line;
 use tangency::core::system::Kind;
 use tangency::output::{Document, PAGE, draw, figures};
-use tangency::scene::{BUILT_IN, Scene, SceneError, StartPoint, execute};
+use tangency::scene::{BUILT_IN, LIBRARY, Outcome, Scene, SceneError, StartPoint, execute};
 
 fn pull_in(scene: &Scene) -> f64 {
     let document = traced(scene);
@@ -46,6 +46,32 @@ fn built_in_scenes_run_are_saved_and_drawn() {
         assert!(svg.starts_with("<svg") && svg.contains(&title), "{}", scene.name);
         println!("{}: {:?}", scene.name, started.elapsed());
     }
+}
+
+/// Scenes of the library that end early, since their branches have few points, are drawn with what they
+/// have; a warning names the special points that the picture lacks.
+#[test]
+fn scenes_cut_short_are_drawn() {
+    let (mut incomplete, mut lacking) = (0, 0);
+    for known in LIBRARY {
+        let mut scene = Scene::parse(known.text).unwrap();
+        if scene.set("max_points", "8").is_err() {
+            continue;
+        }
+        let Outcome { document, error } = execute(&scene, None, &mut ());
+        if document.branches.is_empty() {
+            continue;
+        }
+        let figures = figures(&[(known.name, &document)], &[], None, &[]);
+        let figures = figures.unwrap_or_else(|cause| panic!("{}: {cause}", known.name));
+        draw(&figures, PAGE).unwrap_or_else(|cause| panic!("{}: {cause}", known.name));
+        let warnings = document.branches.iter().flat_map(|branch| &branch.warnings);
+        let lacks = warnings.filter(|warning| warning.contains("the picture lacks")).count();
+        assert!(error.is_none() || lacks == 0, "{}", known.name);
+        incomplete += usize::from(error.is_some());
+        lacking += usize::from(lacks > 0);
+    }
+    assert!(incomplete >= 5 && lacking >= 1, "{incomplete}, {lacking}");
 }
 
 /// `--set` reaches parameters, edges, theory, model and discretisation: known loads of pull-in
