@@ -170,18 +170,26 @@ impl Plot {
     pub fn restricted(&self, branches: &[Branch]) -> Plot {
         let shows = |branch: &Branch, name: &str| !branch.columns_showing(name).is_empty();
         let has = |name: &str| branches.iter().any(|branch| shows(branch, name));
-        let all_have = |name: &str| branches.iter().all(|branch| shows(branch, name));
         let named = |name: &str| branches.iter().any(|branch| branch.name == name);
         let mut own = self.clone();
-        own.x = own.x.filter(|name| all_have(name));
-        own.y = own.y.filter(|name| all_have(name));
         let both =
             |x: &str, y: &str| branches.iter().any(|branch| shows(branch, x) && shows(branch, y));
+        own.x = own.x.filter(|name| has(name));
+        let beside = own.x.clone();
+        own.y = own.y.filter(|y| beside.as_ref().map_or(has(y), |x| both(x, y)));
         own.panels.retain(|(x, y)| both(x, y));
         own.swept.clear();
         // Labels may have changed.
         own.points.clear();
         own.curves.retain(|name| named(name));
+        let axes = |plot: &Plot| [plot.x.clone(), plot.y.clone()];
+        let dropped = |column: &String| {
+            let is_axis = |plot: &Plot| axes(plot).contains(&Some(column.clone()));
+            is_axis(self) && !is_axis(&own)
+        };
+        let kept: Vec<String> =
+            self.logarithmic.iter().filter(|it| !dropped(it)).cloned().collect();
+        own.logarithmic = kept;
         own.logarithmic.retain(|column| has(column));
         own.shifts.retain(|(branch, column, _)| named(branch) && has(column));
         own.deviations.retain(|deviation| {

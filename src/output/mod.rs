@@ -78,7 +78,7 @@ pub(crate) use page::Panel;
 pub use panels::figures;
 #[cfg(feature = "live")]
 pub(crate) use panels::specks;
-pub(crate) use panels::{check_columns, drop_missing_points, restrict_plot};
+pub(crate) use panels::{check_columns, drop_missing_points, restrict_plot, restrict_to_finished};
 pub use point_table::{Columns, PointTable, Selection, csv};
 pub use save::{Render, RenderError, Results, SaveError, save};
 pub use summary::Summary;

@@ -3,7 +3,7 @@
 use super::axis::{Scale, clip, keep_positive};
 use super::diagram::{PERIOD, diagram, drawn_of, has_free_period, usual_axes};
 use super::document::{Against, Document, Enlargement, Plot};
-use super::error::FigureError;
+use super::error::{FigureError, UnknownPoint};
 use super::fields::fields;
 use super::figure::{Figure, Series, Style};
 use super::profiles::{TIME, named, portrait, profiles};
@@ -157,6 +157,11 @@ fn check_axes(plot: Option<&Plot>, figures: &[Figure]) -> Result<(), FigureError
 /// Restricts the plot of a document to the columns, curves and ranges that the document's own branches
 /// have; for example, a restarted scene has only one branch.
 pub(crate) fn restrict_plot(document: &mut Document) {
+    restrict_columns(document);
+    drop_missing_profiles(document);
+}
+
+fn restrict_columns(document: &mut Document) {
     document.plot = document.plot.restricted(&document.branches);
     let drawn = |document: &Document| diagram(&[("", document)], None, &[]);
     if drawn(document).is_ok_and(|whole| whole.extent().is_err()) {
@@ -170,15 +175,31 @@ pub(crate) fn restrict_plot(document: &mut Document) {
     });
 }
 
-/// Removes from a document's plot the special points that the document's branches do not have, for
-/// example because a changed setting ended a branch early, and adds a warning for each of them.
+/// Removes the chosen profiles from a document's plot if the shown special points lack one of them.
+fn drop_missing_profiles(document: &mut Document) {
+    if matches!(profiles(&[("", document)], Vec::new()), Err(FigureError::UnknownProfile(_))) {
+        document.plot.profiles.clear();
+    }
+}
+
+/// Restricts the plot of a document to the branches that are finished: some runs of the document's
+/// scene were not traced, and the other branches have the labels that the plot names.
+pub(crate) fn restrict_to_finished(document: &mut Document) {
+    let points = document.plot.points.clone();
+    restrict_columns(document);
+    document.plot.points = points;
+    remove_missing_points(document, |_| true);
+    drop_missing_profiles(document);
+}
+
+/// Removes special points from a document's plot if the named branches do not have them, for example
+/// because a changed setting ended a branch early, and adds a warning for each removed point.
 pub(crate) fn drop_missing_points(document: &mut Document) {
-    for wanted in std::mem::take(&mut document.plot.points) {
-        let found = named(&[("", document)], std::slice::from_ref(&wanted));
-        let Some(cause) = found.err() else {
-            document.plot.points.push(wanted);
-            continue;
-        };
+    let lacks = |cause: &FigureError| {
+        use UnknownPoint::{Form, Label};
+        matches!(cause, FigureError::UnknownPoint(Label { .. } | Form(_)))
+    };
+    for (wanted, cause) in remove_missing_points(document, lacks) {
         let of_branch = wanted.rsplit_once('/').map(|(branch, _)| branch.trim());
         let branches = &mut document.branches;
         let own = branches.iter().position(|branch| Some(&*branch.name) == of_branch);
@@ -188,6 +209,22 @@ pub(crate) fn drop_missing_points(document: &mut Document) {
             ));
         }
     }
+}
+
+/// Removes special points from a document's plot if they are missing for a reason that `counts`, and
+/// returns the removed points with the reasons.
+fn remove_missing_points(
+    document: &mut Document,
+    counts: impl Fn(&FigureError) -> bool,
+) -> Vec<(String, FigureError)> {
+    let mut removed = Vec::new();
+    for wanted in std::mem::take(&mut document.plot.points) {
+        match named(&[("", document)], std::slice::from_ref(&wanted)).map(|_| ()) {
+            Err(cause) if counts(&cause) => removed.push((wanted, cause)),
+            _ => document.plot.points.push(wanted),
+        }
+    }
+    removed
 }
 
 /// Returns the panels that are added by default: a panel of the free period, if the first document

@@ -9,12 +9,12 @@ use super::observer::SceneObserver;
 use super::resolve::{Resolution, Resolved, ResolvedSweep};
 use super::simulate::{Simulated, foresee_settling, simulate};
 use super::statement::{Run, Start, Way};
-use crate::core::continuation::{Branch, Continuation, SpecialPoint, Steps};
+use crate::core::continuation::{Branch, Continuation, End, SpecialPoint, Steps};
 use crate::core::hybrid::HybridState;
 use crate::core::local_map::LocalMap;
 use crate::core::problem::{Group, position};
 use crate::core::system::{Kind, System};
-use crate::output::{Document, drop_missing_points, restrict_plot};
+use crate::output::{Document, drop_missing_points, restrict_to_finished};
 use cpu_time::ThreadTime;
 use std::time::Duration;
 
@@ -121,13 +121,15 @@ impl Tracing {
                 "the bound or mark of `{name}` has no effect: no branch has a column `{name}`"
             ));
         }
+        let interrupted = |branch: &Branch| branch.ends.contains(&End::Interrupted);
+        let is_complete = error.is_none() && !done.iter().any(interrupted);
         let shown = runs.iter().zip(done).filter(|(run, _)| run.shown);
         let branches = shown.map(|(_, branch)| branch).collect();
         let mut document = resolution.document(runs.iter(), branches);
-        match error {
-            // The scene's plot may show the branches of runs that were not traced.
-            Some(_) => restrict_plot(&mut document),
-            None => drop_missing_points(&mut document),
+        // The plot of an incomplete scene may show branches that were not traced.
+        match is_complete {
+            true => drop_missing_points(&mut document),
+            false => restrict_to_finished(&mut document),
         }
         Outcome { document, error }
     }

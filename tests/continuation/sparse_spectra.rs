@@ -53,17 +53,19 @@ fn long_vectors_are_orthogonalised_in_strips() {
     assert_eq!(line.spectrum(&x, SpectrumRequest::pairs(10)).unwrap(), Some(Vec::new()));
 }
 
-/// What becomes of factors before eigenvalues are computed.
+/// The fate of factors before eigenvalues are computed.
 #[derive(Clone, Copy, PartialEq)]
 enum Then {
     Kept,
     Dropped,
-    /// Another matrix is factored in their place.
+    /// The factors of another matrix take the same memory.
     Replaced,
+    /// The factors belong to another point of the same system.
+    Elsewhere,
 }
 
-/// The eigenvalues of a system at a point after its matrix was factored in a border, and those of the
-/// same system without factors.
+/// The eigenvalues of a system at a point after its matrix was factored in a border, and the eigenvalues
+/// of the same system without factors.
 fn with_and_without_factors<S: System>(
     make: impl Fn() -> S,
     x: &[f64],
@@ -80,9 +82,10 @@ fn with_and_without_factors<S: System>(
         let into = factors.as_mut().unwrap();
         system.factor(Form::Jacobian, border, into).unwrap();
     };
-    factor(&mut system, x);
+    let beside: Vec<f64> = x.iter().map(|x| 1.1 * x + 0.1).collect();
+    factor(&mut system, if then == Then::Elsewhere { &beside } else { x });
+    system.assemble(x).unwrap();
     if then == Then::Replaced {
-        let beside: Vec<f64> = x.iter().map(|x| 1.1 * x + 0.1).collect();
         factor(&mut other, &beside);
     }
     factors = factors.filter(|_| then != Then::Dropped);
@@ -101,7 +104,7 @@ fn known_factors_give_the_same_eigenvalues() {
     let m = 24;
     let square: Vec<f64> = std::iter::repeat_n(0.01, m * m).chain([60.0]).collect();
     let brusselator = || Sparse::new(Equilibria::new(DiffusiveBrusselator::new(40)));
-    for then in [Then::Kept, Then::Dropped, Then::Replaced] {
+    for then in [Then::Kept, Then::Dropped, Then::Replaced, Then::Elsewhere] {
         let complex = with_and_without_factors(brusselator, &homogeneous(40), then);
         let symmetric = with_and_without_factors(|| Sparse::new(Square(m)), &square, then);
         for [found, expected] in [complex, symmetric] {

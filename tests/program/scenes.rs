@@ -48,8 +48,8 @@ fn built_in_scenes_run_are_saved_and_drawn() {
     }
 }
 
-/// Scenes of the library that end early, since their branches have few points, are drawn with what they
-/// have; a warning names the special points that the picture lacks.
+/// Scenes that end early, since their branches have few points, are drawn without the missing branches; a
+/// warning names the special points that the picture lacks.
 #[test]
 fn scenes_cut_short_are_drawn() {
     let (mut incomplete, mut lacking) = (0, 0);

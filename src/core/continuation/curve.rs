@@ -40,7 +40,7 @@ impl Curve<'_> {
         let exact = self.detector.needs_matrix() || (spectra && !factored_apart);
         let matrix_error = if exact { f64::INFINITY } else { matrix_error };
         let tangent = self.corrector.tangent(unknowns, row, matrix_error)?;
-        // The computation of the spectrum factors the matrix at the point itself.
+        // The computation of the spectrum needs the matrix at the point, and factors the matrix if necessary.
         if spectra && self.corrector.matrix_error > 0.0 {
             self.corrector.equations.assemble(unknowns)?;
             self.corrector.matrix_error = 0.0;

@@ -10,7 +10,7 @@ use std::ops::Range;
 
 /// The row length of a front is padded with zeros to a multiple of this number, so that updates use
 /// whole SIMD lanes. The same number of columns is eliminated before the other columns are updated:
-/// the update then reads and writes each row once for all of them.
+/// the update then reads and writes each row once for the whole group.
 const LANES: usize = 4;
 
 /// Heuristic: the smallest number of eliminated columns for which elimination proceeds by panels,

@@ -3,13 +3,16 @@
 use super::block::{Block, LANES};
 use super::{Elimination, Pencil, SparseLu};
 use crate::core::failure::Failure;
-use crate::core::linalg::{Border, largest};
-use std::iter::repeat_n;
+use crate::core::linalg::{Border, generic, largest};
 use std::sync::Arc;
 
 /// Rounding: if a shift equals an eigenvalue, the shift is changed by this fraction of the largest
 /// entry of the matrix.
 const ASIDE: f64 = 1e-10;
+
+/// Rounding: the inverse in a border is used if a solution is at least as large as this fraction of its
+/// terms.
+const REMAINING: f64 = 1e-6;
 
 /// A sparse matrix whose eigenvalues are computed.
 pub(super) struct Matrix<'a> {
@@ -52,7 +55,7 @@ impl<'a> Inverse<'a> {
     /// matrix is factored.
     ///
     /// # Errors
-    /// [`Failure`] if an entry of the matrix is not finite.
+    /// [`Failure`] if an entry of the matrix is not finite, or if the matrix is singular for both shifts.
     pub fn near_zero(
         matrix: Matrix<'a>,
         lu: &'a mut SparseLu,
@@ -129,17 +132,22 @@ struct InBorder<'a> {
 }
 
 impl<'a> InBorder<'a> {
-    /// Returns `None` if the border does not have width 1, or if `A` is singular.
+    /// Returns `None` if the border does not have width 1, or if the two terms of a solution `x` cancel
+    /// each other, so that `x` loses digits.
     fn new(lu: &'a mut SparseLu, n: usize) -> Option<Self> {
         if lu.size() != n + 1 {
             return None;
         }
-        let mut v: Vec<f64> = repeat_n(0.0, n).chain([1.0]).collect();
-        lu.solve(&mut v);
-        let scale = v.pop()?.recip();
-        v.iter_mut().for_each(|v| *v *= scale);
-        let usable = largest(&v).is_finite() && scale.is_finite();
-        usable.then_some(InBorder { lu, v, right: Vec::new() })
+        let mut both: Vec<[f64; 2]> = generic(n, 0).into_iter().map(|f| [f, 0.0]).collect();
+        both.push([0.0, 1.0]);
+        lu.solve_lanes(&mut both);
+        let [mu, nu] = both.pop()?;
+        let v: Vec<f64> = both.iter().map(|row| row[1] / nu).collect();
+        let x: Vec<f64> = both.iter().zip(&v).map(|(row, v)| row[0] - mu * v).collect();
+        let y = both.iter().fold(0.0, |most: f64, row| most.max(row[0].abs()));
+        // A comparison with NaN is false.
+        let is_accurate = largest(&x) >= REMAINING * y && largest(&x).is_finite();
+        is_accurate.then_some(InBorder { lu, v, right: Vec::new() })
     }
 
     fn solve(&mut self, block: &mut Block) {

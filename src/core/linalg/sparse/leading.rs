@@ -300,8 +300,8 @@ impl Leading {
         if is_first {
             next_look = next_look.max(self.previous.products);
         }
-        // The first images of known eigenvectors reveal an eigenvalue that hides the others.
-        let is_warm = is_first && !self.previous.vectors.is_empty();
+        // The first images of the previous eigenvectors reveal an eigenvalue that hides the others.
+        let is_warm = is_first && starts.len() > LANES && !self.previous.vectors.is_empty();
         while !space.vectors.is_empty() {
             space.grow(&mut |block| inverse.apply(block));
             let is_due = space.is_complete() || space.images >= next_look;

@@ -8,8 +8,8 @@ use fearless_simd::{Level, Simd, SimdBase, SimdFloat, dispatch, f64x4};
 pub(super) type Square = [[f64; LANES]; LANES];
 
 /// Heuristic: vectors are orthonormalised together if the part of each vector that is orthogonal to
-/// the preceding vectors has at least this fraction of the vector's length, since rounding errors grow
-/// by the square of the inverse of this fraction.
+/// the preceding vectors has at least this fraction of the vector's length. Rounding errors of the
+/// first pass then grow by at most about the sixth power of the inverse of this fraction.
 const INDEPENDENT: f64 = 0.1;
 
 /// Replaces the vectors of a block by orthonormal vectors, and returns the upper triangular matrix `R`
@@ -23,7 +23,7 @@ const INDEPENDENT: f64 = 0.1;
 pub(super) fn orthonormalise_block(block: &mut Block, least: [f64; LANES]) -> Option<Square> {
     let level = Level::new();
     let mut strips = strips(block, 2 * LANES);
-    let products = |strip: &mut Strip| dispatch!(level, simd => strip.add_own_products(simd));
+    let products = |strip: &mut Strip| dispatch!(level, simd => strip.multiply_by_itself(simd));
     let first = cholesky(&square(total(&mut strips, LANES, products)))?;
     if (0..LANES).any(|k| first[k][k] <= least[k]) {
         return None;
@@ -32,7 +32,7 @@ pub(super) fn orthonormalise_block(block: &mut Block, least: [f64; LANES]) -> Op
     let again = |strip: &mut Strip| {
         dispatch!(level, simd => {
             strip.multiply(simd, &inverse);
-            strip.add_own_products(simd);
+            strip.multiply_by_itself(simd);
         });
     };
     let second = cholesky(&square(total(&mut strips, LANES, again)));
@@ -44,9 +44,9 @@ pub(super) fn orthonormalise_block(block: &mut Block, least: [f64; LANES]) -> Op
 }
 
 impl Strip<'_> {
-    /// Adds the scalar products of the block's vectors with each other.
+    /// Computes the scalar products of the block's vectors with each other, over the rows of the strip.
     #[inline(always)]
-    fn add_own_products<S: Simd>(&mut self, simd: S) {
+    fn multiply_by_itself<S: Simd>(&mut self, simd: S) {
         let mut own: [f64x4<S>; LANES] = std::array::from_fn(|_| f64x4::splat(simd, 0.0));
         for row in &*self.rows {
             let all = f64x4::from_slice(simd, row);

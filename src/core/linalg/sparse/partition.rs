@@ -82,6 +82,9 @@ pub(super) fn partition(nodes: &[Node]) -> Partition {
     }
     let mut parts = vec![Vec::new(); PARTS + 1];
     part_of.iter().enumerate().for_each(|(k, &part)| parts[part].push(k));
+    let last = parts.pop();
+    parts.retain(|part| !part.is_empty());
+    parts.extend(last);
     Partition { parts, total, critical }
 }
 

@@ -16,8 +16,8 @@ struct Counted {
 #[derive(Default)]
 pub(in crate::core) struct SharedLu(Arc<Mutex<Counted>>);
 
-/// A reference to the factors of a matrix, which is valid until another matrix is factored in their
-/// place.
+/// A reference to the factors of a matrix, which is valid until the factors are dropped, or replaced by
+/// the factors of another matrix.
 #[derive(Default)]
 pub(in crate::core) struct KnownFactors {
     factors: Weak<Mutex<Counted>>,

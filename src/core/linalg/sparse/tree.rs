@@ -14,8 +14,7 @@ use faer::sparse::linalg::cholesky::{
 use faer::sparse::linalg::{SupernodalThreshold, SymbolicSupernodalParams};
 use std::ops::Range;
 
-/// Heuristic: the largest bandwidth of a matrix whose columns are eliminated in their original
-/// order.
+/// Heuristic: the largest bandwidth of a matrix that is eliminated as a band matrix.
 const BAND: usize = 12;
 
 /// Heuristic: the number of columns of a band matrix that are eliminated together.
@@ -40,10 +39,10 @@ pub(super) struct Tree {
 
 impl Tree {
     /// Computes the elimination tree of a sparsity pattern, which is made symmetric first. The
-    /// columns of a band matrix keep their order; for other patterns, the order is the approximate
-    /// minimum degree order (P. R. Amestoy, T. A. Davis and I. S. Duff, SIAM J. Matrix Anal. Appl.
-    /// 17 (1996) 886), and a node consists of several columns. A large matrix is
-    /// [dissected](Graph::dissected_order) first if the dissection reduces the sequential work.
+    /// columns of a band matrix keep their order, or are eliminated from both ends; for other
+    /// patterns, the order is the approximate minimum degree order (P. R. Amestoy, T. A. Davis and I.
+    /// S. Duff, SIAM J. Matrix Anal. Appl. 17 (1996) 886), and a node consists of several columns. A
+    /// large matrix is [dissected](Graph::dissected_order) first if the dissection reduces the sequential work.
     pub fn of(pattern: &Pattern) -> Tree {
         let n = pattern.size();
         let band = (0..n)
