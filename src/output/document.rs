@@ -182,15 +182,12 @@ impl Plot {
         // Labels may have changed.
         own.points.clear();
         own.curves.retain(|name| named(name));
-        let axes = |plot: &Plot| [plot.x.clone(), plot.y.clone()];
-        let dropped = |column: &String| {
-            let is_axis = |plot: &Plot| axes(plot).contains(&Some(column.clone()));
-            is_axis(self) && !is_axis(&own)
+        // A logarithmic axis goes with its column.
+        let is_axis = |plot: &Plot, column: &str| {
+            [&plot.x, &plot.y].iter().any(|it| it.as_deref() == Some(column))
         };
-        let kept: Vec<String> =
-            self.logarithmic.iter().filter(|it| !dropped(it)).cloned().collect();
-        own.logarithmic = kept;
-        own.logarithmic.retain(|column| has(column));
+        let kept = |it: &&String| has(it) && is_axis(self, it) == is_axis(&own, it);
+        own.logarithmic = self.logarithmic.iter().filter(kept).cloned().collect();
         own.shifts.retain(|(branch, column, _)| named(branch) && has(column));
         own.deviations.retain(|deviation| {
             let of_branch = branches.iter().find(|branch| branch.name == deviation.branch);

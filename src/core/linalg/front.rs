@@ -4,7 +4,7 @@ use crate::core::failure::{Failure, SINGULAR, unusable};
 use faer::linalg::matmul::matmul;
 use faer::linalg::triangular_solve::solve_unit_lower_triangular_in_place;
 use faer::{Accum, MatMut, Par};
-use fearless_simd::{Level, Simd, dispatch};
+use fearless_simd::{Level, dispatch};
 use std::array::from_fn;
 use std::ops::Range;
 
@@ -139,16 +139,16 @@ impl Fronts {
             row_scales: &mut self.row_scales,
             exchanges: &mut self.exchanges[i * self.eliminated..][..self.eliminated],
         };
-        dispatch!(Level::new(), simd => front.eliminate(simd, pivots))
+        dispatch!(Level::new(), _ => front.eliminate(pivots))
     }
 
     /// Applies `L⁻¹ P` to the right-hand sides of the pivotal rows and of the border rows.
     pub(super) fn forward(&self, i: usize, y: &mut [f64], border: &mut [f64]) {
-        dispatch!(Level::new(), simd => self.forward_with(simd, i, y, border))
+        dispatch!(Level::new(), _ => self.forward_inlined(i, y, border))
     }
 
     #[inline(always)]
-    fn forward_with<S: Simd>(&self, _: S, i: usize, y: &mut [f64], border: &mut [f64]) {
+    fn forward_inlined(&self, i: usize, y: &mut [f64], border: &mut [f64]) {
         for (c, pivot) in self.exchanges(i).iter().enumerate() {
             y.swap(c, *pivot);
         }
@@ -165,11 +165,11 @@ impl Fronts {
     /// Computes the eliminated unknowns from the other unknowns, in the order of the front's
     /// columns.
     pub(super) fn back(&self, i: usize, right: &[f64], unknowns: &mut [f64]) {
-        dispatch!(Level::new(), simd => self.back_with(simd, i, right, unknowns))
+        dispatch!(Level::new(), _ => self.back_inlined(i, right, unknowns))
     }
 
     #[inline(always)]
-    fn back_with<S: Simd>(&self, _: S, i: usize, right: &[f64], unknowns: &mut [f64]) {
+    fn back_inlined(&self, i: usize, right: &[f64], unknowns: &mut [f64]) {
         let (a, width) = (self.front(i), unknowns.len());
         for r in (0..self.eliminated).rev() {
             let row = &a[r * self.stride..][..width];
@@ -220,7 +220,7 @@ struct Front<'f> {
 
 impl Front<'_> {
     #[inline(always)]
-    fn eliminate<S: Simd>(&mut self, _: S, pivots: &mut Pivots) -> Result<(), Failure> {
+    fn eliminate(&mut self, pivots: &mut Pivots) -> Result<(), Failure> {
         let (w, eliminated) = (self.w, self.exchanges.len());
         for (row, scale) in self.a.chunks_exact(w).zip(&mut *self.row_scales) {
             *scale = 1.0 / largest(row, self.scales);

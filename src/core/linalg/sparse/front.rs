@@ -6,7 +6,7 @@ use crate::core::threads::side_by_side;
 use faer::linalg::matmul::matmul;
 use faer::linalg::triangular_solve::solve_unit_lower_triangular_in_place;
 use faer::{Accum, MatMut, MatRef, Par};
-use fearless_simd::{Level, Simd, dispatch};
+use fearless_simd::{Level, dispatch};
 
 /// Heuristic: the smallest size of a pivot, as a fraction of the largest entry of its column: in
 /// one elimination step, entries grow by at most the factor one plus the inverse of this number.
@@ -66,12 +66,7 @@ impl<E: Entry> Front<'_, E> {
         if self.size() < WIDE {
             return self.eliminate_columns();
         }
-        dispatch!(Level::new(), simd => self.eliminate_with(simd))
-    }
-
-    #[inline(always)]
-    fn eliminate_with<S: Simd>(&mut self, _: S) -> usize {
-        self.eliminate_columns()
+        dispatch!(Level::new(), _ => self.eliminate_columns())
     }
 
     #[inline(always)]
