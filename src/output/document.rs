@@ -182,7 +182,7 @@ impl Plot {
         // Labels may have changed.
         own.points.clear();
         own.curves.retain(|name| named(name));
-        // A logarithmic axis goes with its column.
+        // If an axis is removed, its column is no longer logarithmic.
         let is_axis = |plot: &Plot, column: &str| {
             [&plot.x, &plot.y].iter().any(|it| it.as_deref() == Some(column))
         };

@@ -182,8 +182,8 @@ fn drop_missing_profiles(document: &mut Document) {
     }
 }
 
-/// Restricts the plot of a document to the branches that are finished: some runs of the document's
-/// scene were not traced, and the other branches have the labels that the plot names.
+/// Restricts the plot of a document to the finished branches, because some runs of the scene were not
+/// traced. Unlike a restart, an early end of the scene leaves the labels of special points unchanged.
 pub(crate) fn restrict_to_finished(document: &mut Document) {
     let points = document.plot.points.clone();
     restrict_columns(document);

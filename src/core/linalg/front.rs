@@ -17,7 +17,7 @@ const LANES: usize = 4;
 /// and all other columns are updated by matrix products.
 const BLOCKED: usize = 96;
 
-/// Heuristic: the length from which on a scalar product has more partial sums.
+/// Heuristic: the length from which on a scalar product is computed in more partial sums.
 const LONG: usize = 32;
 
 /// Heuristic: the number of columns of a panel, which is a multiple of the number of lanes.
@@ -360,8 +360,8 @@ fn largest(row: &[f64], scales: &[f64]) -> f64 {
     largest.into_iter().fold(0.0, f64::max)
 }
 
-/// Computes the scalar product `a · b`. Long products have more partial sums, because each addition
-/// to a sum waits for the addition before.
+/// Computes the scalar product `a · b`. Long products are computed in more partial sums, because each
+/// addition to a sum waits for the preceding addition.
 #[inline(always)]
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     if a.len() < LONG { dot_in::<LANES>(a, b) } else { dot_in::<{ 4 * LANES }>(a, b) }

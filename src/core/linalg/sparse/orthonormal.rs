@@ -1,4 +1,4 @@
-//! Orthonormal vectors from the vectors of a block, all together.
+//! Orthonormalisation of all vectors of a block together.
 
 use super::block::{Block, LANES, Strip, strips, total};
 use crate::core::threads::side_by_side;
@@ -36,7 +36,7 @@ pub(super) fn orthonormalise_block(block: &mut Block, least: [f64; LANES]) -> Op
         });
     };
     let second = cholesky(&square(total(&mut strips, LANES, again)));
-    // The vectors are orthonormal up to rounding errors.
+    // After the first pass the vectors are nearly orthonormal, so that the second factor exists.
     let second = second.unwrap_or_else(identity);
     let inverse = inverse_of(&second);
     side_by_side(&mut strips, |_, strip| dispatch!(level, simd => strip.multiply(simd, &inverse)));

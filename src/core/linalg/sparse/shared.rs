@@ -1,4 +1,4 @@
-//! Factors of a sparse matrix that the owner of the matrix uses again.
+//! Factors of a sparse matrix that serve both Newton's method and the computation of eigenvalues.
 
 use super::{Elimination, Pencil, SparseLu};
 use crate::core::failure::Failure;
