@@ -18,6 +18,22 @@ pub enum Difference {
         /// Whether the branch is in the new document rather than the old one.
         new: bool,
     },
+    /// A branch that is continued in different parameters in the two documents.
+    Continued {
+        /// The name of the branch.
+        branch: String,
+        /// The continuation parameters in the old document, and in the new document.
+        parameters: [Vec<String>; 2],
+    },
+    /// A column of a branch that exists in only one of the two documents.
+    Column {
+        /// The name of the branch.
+        branch: String,
+        /// The parameter or the monitor.
+        column: String,
+        /// Whether the column is in the new document rather than the old one.
+        new: bool,
+    },
     /// A parameter that is constant along a branch, and differs between the two documents.
     Parameter {
         /// The name of the branch.
@@ -79,6 +95,16 @@ impl fmt::Display for Difference {
             Difference::Branch { branch, new } => {
                 write!(f, "the branch `{branch}` is {}", which(new))
             }
+            Difference::Continued { branch, parameters } => {
+                let [from, to] = parameters.each_ref().map(|names| names.join(" and "));
+                write!(
+                    f,
+                    "{branch}: the branch was continued in {from} and is now continued in {to}"
+                )
+            }
+            Difference::Column { branch, column, new } => {
+                write!(f, "{branch}: the column {column} is {}", which(new))
+            }
             Difference::Parameter { branch, name, values } => {
                 let [from, to] = values.map(|value| significant(value, 12));
                 write!(f, "{branch}: the parameter {name} was {from} and is now {to}")
@@ -128,9 +154,10 @@ const FAR: f64 = 0.2;
 /// points of a branch by kind and position. The continuation parameter may differ by the sum of the
 /// stated errors of the two documents, every other column by 10⁻⁶ of its largest value along the
 /// branches. If one of two matched special points has not converged, only the intervals that
-/// contain the two points are compared. A constant parameter whose value differs between the
-/// documents is reported before the special points, once for each branch. Points that were saved on
-/// request (`RG`) and the number of points of a branch are not compared.
+/// contain the two points are compared. Different continuation parameters, columns that only one of
+/// the documents has, and constant parameters whose values differ are reported before the special
+/// points, once for each branch. Points that were saved on request (`RG`) and the number of points of
+/// a branch are not compared.
 ///
 /// ```
 /// use tangency::output::{Document, compare, example_branch};
@@ -197,10 +224,31 @@ fn of_branches(old: &Branch, new: &Branch, allowed: f64) -> Vec<Difference> {
         let (branch, name, values) = (old.name.clone(), name.clone(), *values);
         Difference::Parameter { branch, name, values }
     };
-    let mut found: Vec<Difference> = constant.iter().map(parameter).collect();
+    let mut found = of_columns(old, new);
+    found.extend(constant.iter().map(parameter));
     found.extend(pairs.iter().flat_map(|(a, b)| both.differences(a, b)));
     found.extend(gone.into_iter().map(|point| alone(old, point, false)));
     found.extend(came.into_iter().map(|point| alone(new, point, true)));
+    found
+}
+
+/// Returns the continuation parameters and the columns in which two branches of the same name differ.
+fn of_columns(old: &Branch, new: &Branch) -> Vec<Difference> {
+    let name = || old.name.clone();
+    let continued = || {
+        let parameters = [old, new].map(|branch| branch.released.clone());
+        Difference::Continued { branch: name(), parameters }
+    };
+    let only = |of: &Branch, other: &Branch, new: bool| {
+        let columns = of.columns().filter(|column| other.column(column).is_none());
+        let column =
+            |column: &str| Difference::Column { branch: name(), column: column.into(), new };
+        columns.map(column).collect::<Vec<_>>()
+    };
+    let mut found: Vec<Difference> =
+        (old.released != new.released).then(continued).into_iter().collect();
+    found.extend(only(old, new, false));
+    found.extend(only(new, old, true));
     found
 }
 

@@ -94,6 +94,30 @@ fn parameters_that_differ_come_first() {
     assert_eq!(found, ["plate: the parameter aspect_ratio was 1.2 and is now 3"]);
 }
 
+/// Columns that only one result has, and other continuation parameters, are differences.
+#[test]
+fn columns_are_compared() {
+    let scene = |parameters: &str, monitor: &str, along: &str| {
+        let text = format!(
+            "Scene(title: \"t\", problem: Equations(states: [(\"x\", \"a + q - x\")], monitors: [(\"{monitor}\", \"x^2\")], solution: equilibrium), parameters: [{parameters}],
+                runs: [(name: \"r\", along: [(name: \"{along}\", low: 0, high: 2)])])"
+        );
+        let scene = tangency::scene::Scene::parse(&text).unwrap_or_else(|error| panic!("{error}"));
+        tangency::scene::execute(&scene, None, &mut ()).document
+    };
+    let said = |old: &Document, new: &Document| -> Vec<String> {
+        compare(old, new).iter().map(ToString::to_string).collect()
+    };
+    let old = scene("(\"a\", 0), (\"q\", 0)", "m", "a");
+    let renamed = scene("(\"a\", 0), (\"q\", 0)", "n", "a");
+    assert_eq!(said(&old, &renamed), ["r: the column m is missing", "r: the column n is new"]);
+    let longer = scene("(\"a\", 0), (\"q\", 0), (\"c\", 1)", "m", "a");
+    assert_eq!(said(&old, &longer), ["r: the column c is new"]);
+    let along_q = scene("(\"a\", 0), (\"q\", 0)", "m", "q");
+    let found = said(&old, &along_q);
+    assert_eq!(found[0], "r: the branch was continued in a and is now continued in q");
+}
+
 /// A table of several results has a column of their files, and only the named sensitivities.
 #[test]
 fn tables_have_files_and_chosen_sensitivities() {
