@@ -153,6 +153,10 @@ impl<E: Entry> SparseLu<E> {
             order[0].extend(triangles.eliminated(Side::Rows));
             order[1].extend(triangles.eliminated(Side::Columns));
         }
+        // After a division by a zero pivot, no other pivot of the front is acceptable.
+        if order[0].len() < self.size() {
+            return Err(unusable(least.min(0.0), largest));
+        }
         self.sign = sign * parity(&order);
         let regular = order[0].is_empty() || least > SINGULAR * largest;
         if regular { Ok(()) } else { Err(unusable(least, largest)) }
