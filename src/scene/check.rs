@@ -9,6 +9,7 @@ use super::simulate::Simulated;
 use super::statement::{Run, Scene, Start, Sweep};
 use crate::core::attractor::StroboscopicError;
 use crate::core::bifurcation::catalogue::of_curves;
+use crate::core::hybrid::check_period;
 use crate::core::problem::{Forcing, Measure, UnknownName, position};
 use crate::core::spelling::shown;
 use std::collections::HashSet;
@@ -264,10 +265,12 @@ impl Run {
 }
 
 /// Returns an error if, for the initial parameters, the period of the forcing or the length of the
-/// interval is not positive.
+/// interval is not positive, or if the equations do not have this period.
 fn check_durations(problem: &Problem, p: &[f64]) -> Result<(), SceneError> {
     let refused = problem.text().and_then(|model| model.refused_duration(p));
-    Ok(refused.map_or(Ok(()), Err)?)
+    refused.map_or(Ok(()), Err)?;
+    let motion = problem.model().motion().ok();
+    Ok(motion.map_or(Ok(()), |motion| check_period(&*motion, p))?)
 }
 
 /// Returns the run with a given name among the runs that precede a given run.

@@ -5,6 +5,7 @@ use crate::core::attractor::{CycleSearchError, StroboscopicError};
 use crate::core::continuation::TraceError;
 use crate::core::failure::debug_is_message;
 use crate::core::hybrid::HybridError;
+use crate::core::hybrid::NotPeriodic;
 use crate::core::local_map::GrazingError;
 use crate::core::manifold::ManifoldError;
 use crate::core::problem::UnknownName;
@@ -157,6 +158,12 @@ pub enum SceneError {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Strobe(#[from] StroboscopicError),
+    /// The equations do not have the stated period.
+    #[error(transparent)]
+    #[diagnostic(help(
+        "state the period of the forcing, as in `period: \"2*pi/w\"` for `cos(w*t)`"
+    ))]
+    NotPeriodic(#[from] NotPeriodic),
     /// The results of earlier runs were computed with another scene.
     #[error("the saved runs of the sweep are from another scene, or from other settings")]
     #[diagnostic(help(

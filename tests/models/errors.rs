@@ -371,7 +371,7 @@ fn periods_and_lengths_are_positive() {
     );
     let scene = |parameters: &str, run: &str| {
         let text = format!(
-            "Scene(title: \"t\", problem: Equations(states: [(\"x\", \"cos(w*t) - x + a\")], period: \"2/w\"),
+            "Scene(title: \"t\", problem: Equations(states: [(\"x\", \"cos(pi*w*t) - x + a\")], period: \"2/w\"),
     parameters: [(\"a\", 1), {parameters}], runs: [Run(name: \"r\"{run}, along: [(name: \"a\", low: 0, high: 2)])])"
         );
         Scene::parse(&text).map_err(|error| error.to_string())

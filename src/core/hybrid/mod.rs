@@ -47,6 +47,7 @@ pub mod filippov;
 mod fleet;
 mod leg;
 mod passing;
+mod periodicity;
 mod scales;
 mod simulation;
 mod stated;
@@ -65,6 +66,7 @@ pub use event::{Event, History, HybridObserver, Piece};
 pub use fleet::{Fleet, FleetObserver, Member};
 pub use leg::{GuardOf, InMode};
 pub(in crate::core) use leg::{Moment, ScalarOf};
+pub use periodicity::{NotPeriodic, check_period};
 pub(crate) use scales::{decision_scale, guard_scale, time_scale};
 pub use simulation::{HybridFlow, HybridSettings, HybridState, HybridStatistics};
 #[doc(hidden)]
