@@ -6,6 +6,8 @@ use crate::orbits::cycles::{PredatorPrey, collocated, equilibria, label, precise
 use std::f64::consts::TAU;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use tangency::core::continuation::{Branch, Continuation, End, Settings};
+use tangency::core::hybrid::{HybridFlow, HybridSettings, HybridState};
+use tangency::core::orbit::Smooth;
 use tangency::core::problem::{Forcing, Names, VectorField};
 use tangency::core::scalar::Scalar;
 use tangency::core::system::{Kind, System};
@@ -316,4 +318,48 @@ fn parameters_that_are_not_asked_for_are_not_differentiated() {
     assert!(two > one);
     let later: Vec<usize> = (0..40).map(|_| evaluations(&[0])).collect();
     assert!(later[0] == two && later[39] == one, "{one} {two} {later:?}");
+}
+
+/// A ring of Brusselators whose states are two arrays.
+struct Ring(usize);
+
+impl VectorField for Ring {
+    fn names(&self) -> Names {
+        Names::new([("u", self.0), ("v", self.0)], ["b", "d"])
+    }
+
+    fn field<T: Scalar>(&self, _t: T, x: &[T], p: &[T], f: &mut [T]) {
+        let n = self.0;
+        let diffusion = |part: &[T], i: usize| {
+            (part[(i + n - 1) % n] + part[(i + 1) % n] - part[i] * 2.0) * p[1]
+        };
+        let (u, v) = x.split_at(n);
+        for i in 0..n {
+            let reaction = u[i] * u[i] * v[i];
+            f[i] = reaction - (p[0] + 1.0) * u[i] + 1.0 + diffusion(u, i);
+            f[n + i] = p[0] * u[i] - reaction + diffusion(v, i) * 3.0;
+        }
+    }
+}
+
+/// The elements of arrays are states with names of their own, in branches, starts and simulations.
+#[test]
+fn states_in_arrays_have_names() {
+    let mut start = vec![1.0; 6];
+    start[3..].fill(1.5);
+    let rest = equilibria(Ring(3), &start, &[1.5, 1.0], [1.5, 2.5]);
+    let hopf = first(&rest, Kind::HB);
+    close(hopf.parameters[0], 2.0, 1e-10);
+    assert_eq!(rest.columns().nth(2), Some("u[1]"));
+    let mut system = collocated(Ring(3), 10);
+    let cycles = Continuation::new(&mut system).restart(&rest, hopf.label).along("b", 1.5..=2.5);
+    let cycles = cycles.trace().unwrap();
+    let last = cycles.points.last().expect("points");
+    let column = |name: &str| last.value(cycles.column(name).expect("a column")).unwrap();
+    close(column("max_u[1]"), column("max_u[3]"), 1e-9);
+    assert!(column("max_u[1]") > 1.1 && column("max_v[2]") > 2.0);
+    let mut flow = HybridFlow::new(&Smooth(Ring(3)), HybridSettings::default()).unwrap();
+    let mut state = HybridState { mode: 0, time: 0.0, x: start };
+    flow.advance(&mut state, 1.0, &[1.5, 1.0], &mut ()).unwrap();
+    state.x.iter().zip([1.0, 1.0, 1.0, 1.5, 1.5, 1.5]).for_each(|(x, y)| close(*x, y, 1e-9));
 }

@@ -141,9 +141,11 @@ impl From<&str> for Group {
     }
 }
 
+/// The array with the elements `u[1]`, …, `u[n]`; a scalar if the array has one element.
 impl From<(&str, usize)> for Group {
     fn from((name, length): (&str, usize)) -> Self {
-        Group::new(name, length)
+        let indices = if length == 1 { Vec::new() } else { vec![[1, length as i64]] };
+        Group { indices, ..Group::new(name, length) }
     }
 }
 
@@ -173,8 +175,8 @@ pub struct Names {
 }
 
 impl Names {
-    /// Creates the names of unknowns (`"x"`, or `("u", 99)` for a field of 99 components) and of
-    /// parameters.
+    /// Creates the names of unknowns (`"x"`, or `("u", 99)` for an array with the elements `u[1]`, …,
+    /// `u[99]`) and of parameters.
     pub fn new<G: Into<Group>, P: Into<String>>(
         unknowns: impl IntoIterator<Item = G>,
         parameters: impl IntoIterator<Item = P>,
