@@ -20,8 +20,8 @@ pub(super) const PERIOD: &str = "period";
 /// Draws the diagram of all branches of one or several documents. In the diagram of a single
 /// document each branch has its own colour; in the diagram of several documents all branches of a
 /// document have one colour and the document's given name. The first document determines the title,
-/// axes and labels; the arguments `x` and `y` choose other columns for the axes, and several
-/// columns may share the vertical axis. By default the axes are the continuation parameter and the
+/// axes and labels; the arguments `x` and `y` choose other columns for the axes. Several columns may
+/// share the vertical axis; each of them has its own colour. By default the axes are the continuation parameter and the
 /// first state.
 ///
 /// Every curve passes through its special points, and changes between solid (stable) and dashed
@@ -62,11 +62,20 @@ pub fn diagram(
     let mut figure = Figure::new(&document.title, document.plot.label(x), labels);
     let shown = living_in(&branches, x, &ys)?;
     for named in &branches {
+        let before = figure.series.len();
         if shown.iter().any(|shown| shown.place == named.place) {
-            ys.iter().try_for_each(|y| named.add_to(&mut figure, document, [x, y]))?;
+            for y in &ys {
+                // Each of several columns has its own colour.
+                let name = match &ys[..] {
+                    [_] => named.name.clone(),
+                    _ if branches.len() == 1 => document.plot.label(y).to_string(),
+                    _ => format!("{}, {}", named.name, document.plot.label(y)),
+                };
+                Named { name, ..named.clone() }.add_to(&mut figure, document, [x, y])?;
+            }
         }
         // An omitted branch keeps an empty series, so that the colours of the others do not change.
-        if figure.series.last().is_none_or(|last| last.name != named.name) {
+        if figure.series.len() == before {
             figure.series.push(Series::new(&named.name, Style::Solid, []));
         }
     }

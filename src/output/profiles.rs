@@ -209,14 +209,15 @@ pub(super) fn profiles(
     }
     let colours = colours(documents, &shown, drawn);
     figures.iter_mut().for_each(|(_, figure)| figure.colours.clone_from(&colours));
-    if plot.profiles.is_empty() && plot.points.is_empty() && shown.iter().all(Shown::is_orbit) {
-        // A phase portrait, the history of the first state, and its phase response.
+    if plot.profiles.is_empty() && plot.points.is_empty() && shown.iter().any(Shown::is_orbit) {
+        // A phase portrait, the history of the first state, and its phase response; arrays of
+        // equilibria are drawn, too.
         let mut seen = Vec::new();
         figures.retain(|(profile, _)| {
             let class = (profile.along == TIME, profile.kicked().is_some());
             let new = !seen.contains(&class);
             seen.push(class);
-            new
+            new || profile.along == Profile::INDEX
         });
     }
     let walls = walls(&figures);
