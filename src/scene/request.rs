@@ -5,11 +5,12 @@ use super::discretisation::{SOLUTION, Solution};
 use super::error::SceneError;
 use super::problem::{LUMPED, Problem};
 use super::resolve::StartPoint;
-use super::simulate::{Simulated, moved, stated};
+use super::simulate::{Simulated, moved, search, searched, stated};
 use super::statement::{Grid, Range, Run, Scene, Start, Sweep};
+use crate::core::attractor::CycleSearchError;
 use crate::core::cancel::CancelToken;
 use crate::core::continuation::Settings;
-use crate::core::hybrid::{HybridEquations, HybridFlow};
+use crate::core::hybrid::{HybridEquations, HybridFlow, HybridState};
 use crate::core::problem::{Forcing, distinct, position};
 use crate::core::sweep::Order;
 use crate::core::system::Kind;
@@ -396,7 +397,7 @@ impl Scene {
             }
             return Ok(guess());
         }
-        let follows = |solution| self.problem.solution() == Some(solution);
+        let follows = |solution| self.first_solution() == Some(solution);
         let transient = request.settle.unwrap_or(Simulated::default().transient);
         if !smooth && (request.settle.is_some() || !follows(Solution::Equilibrium)) {
             return Ok(simulated(transient));
@@ -419,6 +420,14 @@ impl Scene {
             };
         };
         self.settled(request, settle, &*motion)
+    }
+
+    /// Returns the kind of solutions that the first run traces.
+    fn first_solution(&self) -> Option<Solution> {
+        let set = self.runs.first().map_or(&[][..], |run| &run.set);
+        let of_run = set.iter().rfind(|(name, _)| name == SOLUTION);
+        let stated = of_run.and_then(|(_, value)| ron::from_str(value).ok());
+        stated.or(self.problem.solution())
     }
 
     /// Returns the equilibrium to which the motion converges; if the motion does not converge to an
@@ -445,6 +454,14 @@ impl Scene {
         if rates.iter().zip(&state.x).all(rests) {
             let names = motion.modes().swap_remove(0).states;
             return Ok(Start::Guess(names.into_iter().zip(state.x).collect()));
+        }
+        // The motion may approach an equilibrium slowly.
+        let begun = HybridState { mode: 0, time: state.time, x: state.x };
+        let search = search(motion, &Simulated { transient: 0.0, ..Simulated::default() }, &p);
+        let found = searched(motion, &begun, &search, (&p, &self.settings.cancel));
+        if let Err(CycleSearchError::Equilibrium { states, .. }) = found {
+            let names = motion.modes().swap_remove(0).states;
+            return Ok(Start::Guess(names.into_iter().zip(states).collect()));
         }
         self.problem.follow(Solution::Orbit);
         let state = request.state.clone();

@@ -272,14 +272,19 @@ impl CycleSearch {
         let longest = self.longest_time(system, p);
         flow.advance(&mut state, longest, p, &mut returns)?;
         let Returns { repetition, cycle, diameters: [last, largest], at, .. } = returns;
-        if let Some(cycle) = cycle {
-            return Ok(cycle);
-        }
         let way =
             (began.mode == state.mode).then(|| scales.distance(state.mode, &state.x, &began.x));
         let largest = largest.max(way.unwrap_or_default());
-        if let Some(rest) = at_equilibrium(system, &state, p, (scales, largest)) {
+        // Rounding errors at an equilibrium may repeat.
+        let size = largest.max(scales.size(state.mode, &state.x));
+        let moves = cycle.as_ref().is_some_and(|cycle| {
+            last > SHRUNK * size || cycle.legs.iter().any(|leg| leg.exit.is_some())
+        });
+        if !moves && let Some(rest) = at_equilibrium(system, &state, p, (scales, largest)) {
             return Err(rest);
+        }
+        if let Some(cycle) = cycle {
+            return Ok(cycle);
         }
         if repetition.samples < 2 {
             return Err(CycleSearchError::NoReturn(longest));
