@@ -38,7 +38,7 @@ impl Find {
         signals::handle();
         let found = scene.find(&request);
         let Found { unknowns, roots } = found.map_err(|cause| self.scene.at_fault(cause))?;
-        let Roots { roots, starts, lost, outside } = roots;
+        let Roots { roots, starts, lost, outside, inadmissible } = roots;
         let names: Vec<String> = unknowns.iter().map(|name| format!("{name:>18}")).collect();
         writeln!(out, "{}  unstable  eigenvalues", names.concat())?;
         for Root { unknowns, eigenvalues, unstable } in &roots {
@@ -54,6 +54,13 @@ impl Find {
             "solutions inside the box: {found}; solutions outside the box: {outside}; starting \
              points that led to no further solution: {lost} of {starts}"
         )?;
+        if inadmissible > 0 {
+            writeln!(
+                out,
+                "solutions inside the box that are not admissible, such as equilibria outside the region of \
+                 their mode: {inadmissible}"
+            )?;
+        }
         if signals::interrupted() { Err(CommandError::Interrupted) } else { Ok(()) }
     }
 }

@@ -21,6 +21,7 @@ mod planes;
 mod product_modes;
 mod restated;
 mod settling;
+mod singular_points;
 mod sliding_curves;
 mod small_states;
 mod starts;

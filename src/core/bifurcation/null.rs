@@ -53,6 +53,15 @@ impl NullSpace {
         &self.units[..n.min(self.units.len())]
     }
 
+    /// Returns the product of the norms of a left and a right vector in units of the sizes of the
+    /// unknowns.
+    pub(crate) fn product_size(&self, left: &[f64], right: &[f64]) -> f64 {
+        let unit = |k: usize| self.units.get(k).copied().filter(|unit| *unit > 0.0).unwrap_or(1.0);
+        let left = left.iter().enumerate().map(|(k, p)| (p * unit(k)).powi(2));
+        let right = right.iter().enumerate().map(|(k, q)| (q / unit(k)).powi(2));
+        (left.sum::<f64>() * right.sum::<f64>()).sqrt()
+    }
+
     /// Returns the sizes of the components of `x`, which are the units in which null vectors are
     /// orthonormal; an unknown size is 0.
     pub(crate) fn units(&mut self) -> &mut Vec<f64> {
@@ -174,8 +183,8 @@ fn divide(row: &mut [f64], units: &[f64], (n, parameter): (usize, Option<usize>)
     }
 }
 
-/// Heuristic: Borders count as nearly orthogonal to the null vectors if the terms of their inner
-/// product cancel by this factor.
+/// Heuristic: borders count as nearly orthogonal to the null vectors if the product of their norms
+/// exceeds their inner product by this factor.
 const CANCELLED: f64 = 1e4;
 
 impl NullVectors {
@@ -313,16 +322,35 @@ impl NullVectors {
         Ok(())
     }
 
-    /// Whether the borders are close to the null vectors: the sums `C ζ = 1` and `wᵀ B = 1` are
-    /// free of cancellation.
+    /// Whether the borders are close to the null vectors: in the sums `C ζ = 1` and `wᵀ B = 1`, the
+    /// vectors are not nearly orthogonal, in units of the sizes of the unknowns and equations.
     pub(super) fn is_well_bordered(&self) -> bool {
-        let of_p = self.rows.len() - self.borders.len();
-        let mut sums = self.rows.iter().skip(of_p).zip(self.right.iter().skip(of_p));
-        let mut left = self.borders.iter().zip(&self.left);
-        let size = |(a, b): (&Vec<f64>, &Vec<f64>)| -> f64 {
-            a.iter().zip(b).map(|(a, b)| (a * b).abs()).sum()
+        let (of_p, n) = (self.rows.len() - self.borders.len(), self.terms.len());
+        let mut rows = self.rows.iter().skip(of_p).zip(self.right.iter().skip(of_p));
+        let mut borders = self.borders.iter().zip(&self.left);
+        let unit = |k: usize| self.sizes.get(k).copied().filter(|unit| *unit > 0.0).unwrap_or(1.0);
+        let term = |k: usize| self.terms[k];
+        let is_well = |v: &[f64], null: &[f64], unit: &dyn Fn(usize) -> f64| {
+            let parts = v.iter().zip(null).take(n).enumerate();
+            let [v, null] = parts.fold([0.0_f64; 2], |[v, null], (k, (a, b))| {
+                [v.hypot(a * unit(k)), null.hypot(b / unit(k))]
+            });
+            v * null <= CANCELLED
         };
-        sums.all(|pair| size(pair) <= CANCELLED) && left.all(|pair| size(pair) <= CANCELLED)
+        rows.all(|(row, right)| is_well(row, right, &unit))
+            && borders.all(|(border, left)| is_well(border, left, &|k| term(k).recip()))
+    }
+
+    /// Returns the product of the left null vector with a vector of equations, the sum of the moduli of
+    /// its terms, and the product of the norms of both vectors in units of the sizes of the equations.
+    pub(super) fn along_left(&self, right: &[f64]) -> [f64; 3] {
+        let mut sums = [0.0; 4];
+        for ((w, f), term) in self.left[0].iter().zip(right).zip(&self.terms) {
+            let parts = [w * f, (w * f).abs(), (w * term).powi(2), (f / term).powi(2)];
+            sums.iter_mut().zip(parts).for_each(|(sum, part)| *sum += part);
+        }
+        let [along, terms, left, right] = sums;
+        [along, terms, (left * right).sqrt()]
     }
 
     /// The number of real numbers per component: 2 for a complex form, 1 for a real form.

@@ -44,6 +44,13 @@ pub(super) fn beside(
     point: &Solution,
     resumed: &Start,
 ) -> Result<Option<Start>, Failure> {
+    let is_fold_of_cycles = |held| held == Kind::LP && catalogue::is_of_cycles(point.kind, held);
+    if curve.system.dynamics() != Dynamics::Periodic && held(curve).any(is_fold_of_cycles) {
+        return Err(Failure::Unsupported(format!(
+            "a curve of folds of cycles emanates from a {}, but this problem has no cycles",
+            point.kind.meaning()
+        )));
+    }
     let pairs = held(curve).any(|kind| has_pairs_beside(point.kind, kind));
     let start = match point.beside {
         Some(part) => doubled(curve, (point.kind, part), resumed)?,

@@ -141,6 +141,36 @@ impl Cluster {
         (0..self.places[0].unknowns.len()).map(component).collect()
     }
 
+    /// Returns the frequency or the angle of the critical pairs near a given frequency, interpolated at
+    /// the position where the mean of the eigenvalues vanishes, and its error. The error of the
+    /// continued parameter there, and the place of this parameter among the unknowns, are given.
+    pub fn frequency(
+        &self,
+        (near, dynamics): (f64, Dynamics),
+        (error, parameter): (f64, usize),
+    ) -> [f64; 2] {
+        let of = |place: &CurvePoint| {
+            let pairs = place.spectrum.iter().flatten().filter(|(_, im)| *im > 0.0);
+            let mut pairs: Vec<&(f64, f64)> = pairs.collect();
+            pairs.sort_by(|a, b| rate(a, dynamics).abs().total_cmp(&rate(b, dynamics).abs()));
+            pairs.truncate(self.count / 2);
+            let frequencies = pairs.iter().map(|(re, im)| match dynamics {
+                Dynamics::Periodic => im.atan2(*re),
+                _ => *im,
+            });
+            let farther = |a: &f64, b: &f64| (a - near).abs().total_cmp(&(b - near).abs());
+            frequencies.min_by(farther).unwrap_or(near)
+        };
+        let values: Vec<f64> = self.places.iter().map(of).collect();
+        let value = interpolated(&self.abscissae, &values, self.along);
+        let rougher = interpolated(&self.abscissae[1..], &values[1..], self.along);
+        let last = values.len() - 1;
+        let [before, after] = [0, last].map(|k| self.places[k].unknowns[parameter]);
+        let slope = (values[last] - values[0]) / (after - before);
+        let by_parameter = if slope.is_finite() { slope.abs() * error } else { error };
+        [value, (value - rougher).abs() + by_parameter + 4.0 * f64::EPSILON * value]
+    }
+
     /// Estimates the discretisation error of the continued parameter at the position where the mean
     /// of the eigenvalues vanishes, given the slope of the parameter.
     pub fn mesh_share(&self, curve: &mut Curve, unknowns: &[f64], slope: f64) -> Option<f64> {

@@ -109,6 +109,30 @@ impl Curve<'_> {
         }
     }
 
+    /// Records the start of the curve.
+    pub fn arrive_first(
+        &mut self,
+        unknowns: Vec<f64>,
+        tangent: Vec<f64>,
+        from_branch_point: bool,
+    ) -> Result<CurvePoint, Failure> {
+        let Curve { corrector, detector, recorder, .. } = &mut *self;
+        corrector.equations.load(&unknowns);
+        detector.start(&mut corrector.equations)?;
+        let stability = recorder.wants_stability();
+        if from_branch_point {
+            // The tangent of the matrix is not unique at a branch point.
+            corrector.equations.assemble(&unknowns)?;
+            // The multipliers may also be undetermined.
+            let recorded = recorder.record(&mut corrector.equations, stability);
+            let again = |_| recorder.record(&mut corrector.equations, false);
+            let recorded = recorded.or_else(again)?;
+            return self.tested(unknowns, tangent, 0.0, recorded);
+        }
+        let row = corrector.norm.covector(&tangent);
+        self.arrive(unknowns, &row, f64::INFINITY, stability)
+    }
+
     /// Records a corrected point: its tangent, monitors, stability and test functions.
     pub fn arrive(
         &mut self,

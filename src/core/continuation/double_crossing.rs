@@ -18,6 +18,11 @@ const NEAR: f64 = 0.3;
 /// three trial points agree with the extremum up to rounding.
 const TRIALS: usize = 4;
 
+/// Rounding: the sign of a test function is random if its value is smaller than this fraction of the
+/// values at the ends. At a pitchfork on its curved branch, the critical eigenvalue has the same sign on
+/// both sides.
+const ROUNDING: f64 = 1e-7;
+
 /// Returns a shorter step, which ends between `from` and the end of `step` at a point where some
 /// test function has the opposite sign to its values at both ends. Candidates for this point are
 /// extrema, close to or beyond zero, of the parabola through the last three values of the test
@@ -66,6 +71,7 @@ fn search(
     value: impl Fn(&Curve, &CurvePoint) -> Option<f64>,
 ) -> Option<Step> {
     let (sign, end) = (samples[1].1.signum(), samples[2].0);
+    let rounding = ROUNDING * samples[1].1.abs().min(samples[2].1.abs());
     for _ in 0..TRIALS {
         let (length, least) = extremum(&samples)?;
         let smallest = samples[1].1.abs().min(samples[2].1.abs());
@@ -84,6 +90,9 @@ fn search(
             return None;
         }
         let test = value(locator.curve, &place)?;
+        if test.abs() <= rounding {
+            return None;
+        }
         if sign * test < 0.0 {
             if !decides && locator.curve.recorder.wants_stability() {
                 place = locator.arrive((place.unknowns, f64::INFINITY), true).ok()?;

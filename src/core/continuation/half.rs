@@ -40,6 +40,8 @@ pub(super) struct Half {
     /// The factor that converts arclength in the current scales to arclength in the scales at the
     /// start; it grows as the scales increase.
     pub growth: f64,
+    /// The number of unstable eigenvalues beside a start on a branch point.
+    pub beside: Option<usize>,
     /// The reference point that a closed curve passes again.
     pub closing: Option<Reference>,
     pub early_end: EarlyEnd,
@@ -70,6 +72,7 @@ impl Half {
             length,
             position: 0.0,
             growth: 1.0,
+            beside: None,
             closing: None,
             early_end: EarlyEnd::default(),
             progress: Progress::default(),

@@ -317,6 +317,10 @@ const ORIGIN: f64 = 1e-14;
 /// more than this factor.
 const FINER: f64 = 1e-2;
 
+/// Rounding: the size of a group of unknowns is a rounding error if the size is smaller than this
+/// fraction of the size of another group. Units of measurement do not cause such ratios.
+const NEGLIGIBLE: f64 = 1e-24;
+
 /// Whether a number can be a scale: its square and the inverse of its square are finite and
 /// nonzero.
 fn is_scale(scale: f64) -> bool {
@@ -367,7 +371,9 @@ fn group_scales(
         Some(reach) if is_scale(reach) && reach > nothing && size <= zero * reach => Some(reach),
         _ => Some(size).filter(|size| *size > nothing && is_scale(*size)),
     };
-    sizes.iter().zip(slopes).map(scale).collect()
+    let scales: Vec<Option<f64>> = sizes.iter().zip(slopes).map(scale).collect();
+    let most = scales.iter().flatten().fold(0.0, |most: f64, scale| most.max(*scale));
+    scales.into_iter().map(|scale| scale.filter(|scale| *scale > NEGLIGIBLE * most)).collect()
 }
 
 /// Sets each scale that is not yet known: to 1 if the sizes of the groups of unknowns are measured

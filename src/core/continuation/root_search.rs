@@ -7,6 +7,7 @@
 //! only the length and the sign of the Newton step. The starting points are the points of a
 //! sequence that fills the box evenly.
 
+use super::admissible;
 use crate::core::bifurcation::Stability;
 use crate::core::cancel::CancelToken;
 use crate::core::failure::Failure;
@@ -64,6 +65,9 @@ pub struct Roots {
     pub lost: usize,
     /// The number of solutions found outside the box.
     pub outside: usize,
+    /// The number of solutions in the box that are not admissible, such as equilibria of a mode at
+    /// states outside the region of the mode.
+    pub inadmissible: usize,
 }
 
 /// A solution with its stability.
@@ -144,7 +148,11 @@ impl RootSearch {
         found.outside = outside.len();
         roots.sort_by(|a, b| in_order(a, b, within));
         for unknowns in roots {
-            found.roots.push(newton.root(unknowns)?);
+            if newton.is_admissible(&unknowns) {
+                found.roots.push(newton.root(unknowns)?);
+            } else {
+                found.inadmissible += 1;
+            }
         }
         Ok(found)
     }
@@ -302,6 +310,17 @@ impl<'a> Deflated<'a> {
             -2.0 * along / (squared * (1.0 + squared))
         };
         self.known.iter().map(of).sum()
+    }
+
+    /// Whether a solution is admissible, as far as the monitors can be evaluated.
+    fn is_admissible(&mut self, unknowns: &[f64]) -> bool {
+        self.x[..unknowns.len()].copy_from_slice(unknowns);
+        let mut monitors = vec![0.0; self.system.names().monitors.len()];
+        if self.system.monitors(&self.x, 0, &mut monitors).is_err() {
+            return true;
+        }
+        admissible::is_within(self.system, &self.x[unknowns.len()..], &monitors)
+            && admissible::check(self.system, &self.x, &monitors).is_ok()
     }
 
     /// Computes the eigenvalues or multipliers of a solution.

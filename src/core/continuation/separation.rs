@@ -1,6 +1,7 @@
 //! Separation of several events in one step, which may be close together: the step is divided into
 //! parts until the events found in each part explain the change of stability over this part.
 
+use super::admissible::{self, AT_LIMIT};
 use super::bounds::Bounds;
 use super::branch::{Number, SpecialPoint};
 use super::cluster::{Cluster, Group, rate};
@@ -63,6 +64,29 @@ impl Parts<'_, '_> {
         let found = without_doubtful_counts(detector, from, step, found, origin);
         let change = unexplained(detector, from, step, &found, origin);
         (found, change)
+    }
+
+    /// Returns the events up to a limit of the admissible solutions, if an event of the step, such as an
+    /// end at a bound, lies beyond a limit that was not found. A monitor that vanishes at a limit may
+    /// jump, so that it has the same sign at both ends of the step.
+    pub fn up_to_limit(
+        &mut self,
+        from: &CurvePoint,
+        step: &Step,
+        found: Vec<Located>,
+        at_start: bool,
+    ) -> Vec<Located> {
+        let system = self.curve.corrector.equations.system();
+        let mut is_within = |it: &Located| {
+            admissible::is_within(system, &it.special.parameters, &it.special.monitors)
+        };
+        let beyond = found.iter().find(|it| it.special.kind == AT_LIMIT || !is_within(it));
+        let beyond = beyond.filter(|it| it.special.kind != AT_LIMIT && from.point.admissible);
+        let Some(along) = beyond.map(|it| it.along) else { return found };
+        let Some([first, _]) = self.halves(from, step, along) else { return found };
+        let (before, _) = self.events(from, &first, at_start);
+        let has_limit = before.iter().any(|it| it.special.kind == AT_LIMIT);
+        if has_limit { before } else { found }
     }
 
     fn origin(&self, at_start: bool) -> &[Kind] {
@@ -176,7 +200,9 @@ impl Parts<'_, '_> {
         found.retain(|it| {
             let critical =
                 catalogue::row_of(it.special.kind).map_or(Critical::None, |row| row.critical);
-            !several.iter().any(|group| group.critical == critical)
+            let absent = !groups.iter().any(|group| group.critical == critical);
+            !(several.iter().any(|group| group.critical == critical)
+                || absent && !it.special.converged)
         });
         several.sort_by(|a, b| a.frequency.total_cmp(&b.frequency));
         for group in several {
@@ -220,6 +246,7 @@ impl Parts<'_, '_> {
         let beside = equations.load(&cluster.places[0].unknowns).to_vec();
         equations.load(&unknowns);
         let (parameter, dynamics) = (equations.released[0], equations.system().dynamics());
+        let parameter_at = equations.parameters_at();
         let crosses = critical != Critical::One
             || parameter_in_range(equations.at(), &beside, (parameter, count)).unwrap_or(true);
         let kind = kinds(critical, dynamics)[usize::from(!crosses)];
@@ -239,8 +266,9 @@ impl Parts<'_, '_> {
         (special.multiplicity, special.converged) = (count, true);
         if critical == Critical::Pair {
             let name = if kind == Kind::HB { "hopf_frequency" } else { "torus_angle" };
-            special.numbers =
-                vec![Number { name: name.into(), value: frequency, error: special.error }];
+            let [value, error] =
+                cluster.frequency((frequency, dynamics), (special.error, parameter_at));
+            special.numbers = vec![Number { name: name.into(), value, error }];
         }
         Some(located)
     }

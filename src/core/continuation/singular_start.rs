@@ -2,9 +2,11 @@
 //! with a conserved quantity.
 
 use super::corrector::Corrector;
+use super::curve::Curve;
+use super::curve_point::CurvePoint;
 use super::extended::Closing;
 use super::newton::{Convergence, NewtonError};
-use crate::core::bifurcation::{At, NullSpace};
+use crate::core::bifurcation::{At, NullSpace, nearest_to_critical};
 use crate::core::failure::Failure;
 use crate::core::linalg::{Form, dot, generic, largest, norm};
 use crate::core::problem::Dynamics;
@@ -72,20 +74,61 @@ pub(super) fn beside<T>(
 /// because events at a start, such as a fold, are not detected. If the moved start cannot be
 /// corrected, the start is unchanged.
 pub(super) fn off_fold(corrector: &mut Corrector, unknowns: &mut Vec<f64>, tangent: &mut Vec<f64>) {
-    let size = corrector.norm.of(tangent);
-    if corrector.slope(tangent).abs() > NOTHING * size {
+    if corrector.slope(tangent).abs() > NOTHING * corrector.norm.of(tangent) {
         return;
     }
-    let row = corrector.norm.covector(tangent);
-    let along = |(x, t): (&f64, &f64)| x + MOVED * t / size;
-    let mut moved: Vec<f64> = unknowns.iter().zip(&*tangent).map(along).collect();
-    let closing = Closing { row: &row, base: unknowns, length: MOVED * size };
-    let Ok(Convergence { matrix_error, .. }) = corrector.correct(&mut moved, closing) else {
-        return;
+    if let Some(moved) = moved_along([unknowns, tangent], corrector, MOVED) {
+        [*unknowns, *tangent] = moved;
+    }
+}
+
+/// Returns a start with critical eigenvalues or multipliers, such as a Hopf point, after it was moved
+/// along its tangent within the range of the parameter. The start is moved because events at a start
+/// are not detected. If eigenvalues are critical beside the start, too, the start is unchanged.
+///
+/// # Errors
+/// [`Failure`] if the start cannot be evaluated.
+pub(super) fn off_critical(
+    curve: &mut Curve,
+    start: CurvePoint,
+    [low, high]: [f64; 2],
+) -> Result<CurvePoint, Failure> {
+    let dynamics = curve.corrector.equations.at().system.dynamics();
+    let is_critical = |place: &CurvePoint| {
+        let spectrum = place.spectrum.as_ref();
+        spectrum.is_some_and(|all| nearest_to_critical(dynamics, all) < NOTHING)
     };
-    if let Ok(turned) = corrector.tangent(&moved, &row, matrix_error) {
-        (*unknowns, *tangent) = (moved, turned);
+    if !is_critical(&start) {
+        return Ok(start);
     }
+    let parameter = curve.corrector.equations.parameters_at();
+    for distance in [MOVED, -MOVED] {
+        let moved = moved_along(start.on_curve(), &mut curve.corrector, distance);
+        let within = |z: &[f64]| (low..=high).contains(&z[parameter]);
+        let Some([moved, tangent]) = moved.filter(|[moved, _]| within(moved)) else { continue };
+        match curve.arrive_first(moved, tangent, false) {
+            Ok(place) if !is_critical(&place) => return Ok(place),
+            _ => {}
+        }
+    }
+    curve.arrive_first(start.unknowns, start.tangent, false)
+}
+
+/// Returns the point of the curve at a distance from a given point along its tangent, with the tangent
+/// there; `None` if the point cannot be corrected.
+fn moved_along(
+    [unknowns, tangent]: [&[f64]; 2],
+    corrector: &mut Corrector,
+    distance: f64,
+) -> Option<[Vec<f64>; 2]> {
+    let size = corrector.norm.of(tangent);
+    let row = corrector.norm.covector(tangent);
+    let along = |(x, t): (&f64, &f64)| x + distance * t / size;
+    let mut moved: Vec<f64> = unknowns.iter().zip(tangent).map(along).collect();
+    let closing = Closing { row: &row, base: unknowns, length: distance * size };
+    let Convergence { matrix_error, .. } = corrector.correct(&mut moved, closing).ok()?;
+    let turned = corrector.tangent(&moved, &row, matrix_error).ok()?;
+    Some([moved, turned])
 }
 
 /// Returns the conserved linear combination of unknowns as text; `None` if no linear combination is

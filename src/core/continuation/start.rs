@@ -20,7 +20,7 @@ use super::quantities::Quantities;
 use super::recorder::Recorder;
 use super::refiner::Refiner;
 use super::resolve::Resolved;
-use super::singular_start::{beside, off_fold};
+use super::singular_start::{beside, off_critical, off_fold};
 use super::step_control::StepControl;
 use super::steps::Steps;
 use crate::core::bifurcation::Quantity;
@@ -124,6 +124,7 @@ pub(super) fn begin<'a>(
     let Leaving { unknowns, tangent, parent, from_branch_point, said } =
         leave(&mut corrector, &unknowns, &beginning, scaling)?;
     branch.warnings.extend(said);
+    let is_anew = beginning.is_anew() && origin.is_none();
     let to_one_side = start.site == Site::Beside || start.site == Site::Limit && from_branch_point;
     let tangent = oriented(&corrector, tangent, to_one_side);
     let kinds: Vec<Kind> = held.iter().map(|make| make().kind()).collect();
@@ -143,7 +144,10 @@ pub(super) fn begin<'a>(
             tolerances: settings.tolerances.clone(),
         },
     };
-    let mut place = arrive_first(&mut curve, unknowns, tangent, from_branch_point)?;
+    let mut place = curve.arrive_first(unknowns, tangent, from_branch_point)?;
+    if is_anew {
+        place = off_critical(&mut curve, place, ranges[0])?;
+    }
     if let Some(shift) = origin.as_ref().and_then(|origin| origin.mesh_shift.as_ref()) {
         place.point.parameters.iter_mut().zip(shift).for_each(|(p, shift)| *p -= shift);
     }
@@ -514,30 +518,6 @@ fn oriented(corrector: &Corrector, mut tangent: Vec<f64>, known: bool) -> Vec<f6
     };
     tangent.iter_mut().for_each(|t| *t *= sign / size);
     tangent
-}
-
-/// Records the start.
-fn arrive_first(
-    curve: &mut Curve,
-    unknowns: Vec<f64>,
-    tangent: Vec<f64>,
-    from_branch_point: bool,
-) -> Result<CurvePoint, Failure> {
-    let Curve { corrector, detector, recorder, .. } = &mut *curve;
-    corrector.equations.load(&unknowns);
-    detector.start(&mut corrector.equations)?;
-    let stability = recorder.wants_stability();
-    if from_branch_point {
-        // The tangent of the matrix is not unique at a branch point.
-        corrector.equations.assemble(&unknowns)?;
-        // The multipliers may also be undetermined.
-        let recorded = recorder.record(&mut corrector.equations, stability);
-        let again = |_| recorder.record(&mut corrector.equations, false);
-        let recorded = recorded.or_else(again)?;
-        return curve.tested(unknowns, tangent, 0.0, recorded);
-    }
-    let row = corrector.norm.covector(&tangent);
-    curve.arrive(unknowns, &row, f64::INFINITY, stability)
 }
 
 /// Discards the stability at the start of a branch of cycles at a Hopf point. One nontrivial

@@ -81,6 +81,10 @@ fn is_shrunk(corrector: &mut Corrector, unknowns: &[f64]) -> bool {
     amplitude(corrector, unknowns).is_some_and(|it| it != 0.0 && it.abs() < SHRUNK)
 }
 
+/// Heuristic: the distance from a branch point at the start at which the stability of the branch is
+/// computed, as a fraction of the first step.
+const BESIDE_START: f64 = 0.02;
+
 /// The step control: contains the limits of the step length, and makes steps.
 pub(super) struct StepControl {
     curve_error: f64,
@@ -126,6 +130,20 @@ impl StepControl {
             }
             length *= 0.5;
         }
+    }
+
+    /// Returns the number of unstable eigenvalues beside a start on a branch point, where one eigenvalue
+    /// is zero; `None` if the number is unknown. The length of the first step is given.
+    pub fn stability_beside(
+        &self,
+        curve: &mut Curve,
+        start: &CurvePoint,
+        length: f64,
+    ) -> Option<usize> {
+        let row = curve.corrector.norm.covector(&start.tangent);
+        let none = Predictor::default();
+        let step = self.try_step(curve, &none, start, &row, BESIDE_START * length).ok()?;
+        step.place.point.unstable
     }
 
     /// Makes one step of the given length, and rejects a jump to another branch.

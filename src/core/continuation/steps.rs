@@ -260,8 +260,12 @@ impl Steps<'_> {
     /// Creates a half of the branch that begins at the start, in the given direction.
     fn first_half(&mut self, start: CurvePoint, backward: bool) -> Half {
         let closing = self.reference(&start, backward);
-        let Settings { max_step, initial_step, .. } = self.settings;
-        Half { closing, ..Half::new(start, backward, initial_step.min(max_step)) }
+        let length = self.settings.initial_step.min(self.settings.max_step);
+        let beside = match self.from_branch_point {
+            true => self.control.stability_beside(&mut self.curve, &start, length),
+            false => None,
+        };
+        Half { closing, beside, ..Half::new(start, backward, length) }
     }
 
     /// Returns the reference point, which a half of the branch passes again if the curve is closed;
@@ -430,7 +434,7 @@ impl Steps<'_> {
         {
             step = shorter;
         }
-        let found = self.explained(&half.last, &step, half.backward, points == 0);
+        let found = self.explained(half, &step);
         // An event that was not found before the cancellation may exist.
         if self.settings.cancel.is_cancelled() {
             return Some(End::Interrupted);
@@ -487,22 +491,24 @@ impl Steps<'_> {
     }
 
     /// Returns the events in a step if they explain the change of the number of unstable
-    /// eigenvalues in the step; `None` if the step should be shortened to find an explanation.
-    fn explained(
-        &mut self,
-        from: &CurvePoint,
-        step: &Step,
-        backward: bool,
-        at_start: bool,
-    ) -> Option<Vec<Located>> {
+    /// eigenvalues in the step; `None` if the step should be shortened to find an explanation. At a
+    /// start on a branch point, the change from the stability beside the start must be explained.
+    fn explained(&mut self, half: &Half, step: &Step) -> Option<Vec<Located>> {
+        let (from, backward, at_start) = (&half.last, half.backward, half.points.is_empty());
+        let after = step.place.point.unstable.filter(|_| at_start);
+        let hidden = half.beside.is_some_and(|before| after.is_some_and(|after| before != after));
         let Steps { curve, log, bounds, from_branch_point, origin, reported, .. } = self;
         let start = AtStart { from_branch_point: *from_branch_point, reported };
         let mut parts = Parts { curve, log, bounds, backward, start, origin, cuts: 0 };
-        match parts.events(from, step, at_start) {
-            (found, None) => Some(found),
-            _ if step.length > LEAST_UNEXPLAINED => None,
-            (found, Some(change)) => Some(parts.separated(from, step, (found, change), at_start)),
-        }
+        let found = match parts.events(from, step, at_start) {
+            (found, None) if hidden && found.is_empty() && step.length > LEAST_UNEXPLAINED => {
+                return None;
+            }
+            (found, None) => found,
+            _ if step.length > LEAST_UNEXPLAINED => return None,
+            (found, Some(change)) => parts.separated(from, step, (found, change), at_start),
+        };
+        Some(parts.up_to_limit(from, step, found, at_start))
     }
 
     /// Records the events found in a step, and accepts the step unless an event ends this half of

@@ -34,7 +34,8 @@ pub(super) fn unexplained(
         place.vertical > VERTICAL && slope.is_some_and(|slope| slope.abs() <= place.vertical)
     };
     let unsure = |it: &Located| match it.special.kind {
-        Kind::BP => !it.special.converged,
+        // Two real eigenvalues that vanish together look like a complex pair.
+        Kind::BP | Kind::HB | Kind::TR => !it.special.converged,
         Kind::LP if is_one_with_another(it, found, step.length) => true,
         Kind::LP => {
             !it.special.converged && ![from, &step.place].iter().any(|place| is_noisy(it, place))

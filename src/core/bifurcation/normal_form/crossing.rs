@@ -56,7 +56,7 @@ pub(in crate::core::bifurcation) fn crossing(at: &mut At) -> Result<NormalForm, 
     let Some(along) = forms.along_crossing()? else { return Ok(NormalForm::default()) };
     let [quadratic, mixed] = [dot(p, &second), dot(p, &forms.of(&[q, &along])?)];
     let Deviation { square, period, .. } = forms.deviation(&[q], 0.0)?;
-    let moves = has_rates(forms.at);
+    let moves = has_rates(forms.at) && critical.growth != 0.0;
     let rate = -1.0 / (critical.growth * period);
     let sum = third(&mut forms, &critical, &second)?;
     let (cubic, size) = ((sum[0] + sum[1]) / square, (sum[0].abs() + sum[1].abs()) / square);

@@ -26,9 +26,14 @@ pub(super) struct Critical<V> {
     pub right: V,
     /// `p`.
     pub left: V,
-    /// The number `N = p* L'(σ₀) q`.
+    /// The number `N = p* L'(σ₀) q`; 0 if the critical eigenvalue is a double eigenvalue.
     pub growth: f64,
 }
+
+/// Rounding: if the product `p* L'(σ₀) q` of the null vectors is smaller than this fraction of the
+/// product of their sizes, the critical eigenvalue is a double eigenvalue with one eigenvector, as in a
+/// conservative system, and the product counts as zero.
+const DOUBLE: f64 = 1e-10;
 
 /// The multilinear forms of `F` at a point, and the solution of linear systems with the
 /// linearisations of `F`.
@@ -56,6 +61,8 @@ impl<'f, 'a> Forms<'f, 'a> {
         let (right, left) = (null.right[0].clone(), null.left[0].clone());
         null.factors.growth_derivative(&right[..self.n], &mut self.room);
         let growth = dot(&left, &self.room);
+        let size = self.at.null.product_size(&left, &self.room);
+        let growth = if growth.abs() > DOUBLE * size { growth } else { 0.0 };
         Ok(Critical { right, left, growth })
     }
 

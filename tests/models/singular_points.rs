@@ -1,0 +1,265 @@
+//! Promise: special points at starts, at other branch points and at multiple eigenvalues are found, and
+//! coefficients that do not exist are not stated.
+
+use super::{scene, traced};
+use crate::common::{close, values};
+use tangency::core::continuation::{Branch, SpecialPoint};
+use tangency::core::system::Kind;
+use tangency::scene::{Problem, Range, Request, Scene, SearchBox, execute};
+
+/// The branches of equilibria of a model along a parameter, started at `initial`.
+fn rest(states: &str, (parameters, initial): (&str, &str), along: (&str, [f64; 2])) -> Vec<Branch> {
+    let (name, [low, high]) = along;
+    traced(&format!(
+        "Scene(title: \"t\", problem: Equations(states: [{states}], initial: [{initial}], solution: equilibrium),
+            parameters: [{parameters}], runs: [
+                (name: \"rest\", along: [(name: \"{name}\", low: {low}, high: {high})])])"
+    ))
+}
+
+/// The special points of a branch besides its ends.
+fn inner(branch: &Branch) -> Vec<&SpecialPoint> {
+    branch.special.iter().filter(|point| point.kind != Kind::EP).collect()
+}
+
+/// `μ = 0` is the start and the Hopf point of the normal form.
+#[test]
+fn a_hopf_point_at_the_start_is_found() {
+    let states = r#"("x", "mu*x - y - x*(x^2 + y^2)"), ("y", "x + mu*y - y*(x^2 + y^2)")"#;
+    let branch = &rest(states, (r#"("mu", 0)"#, ""), ("mu", [-1.0, 1.0]))[0];
+    let found = inner(branch);
+    assert_eq!(found.iter().map(|point| point.kind).collect::<Vec<_>>(), [Kind::HB]);
+    assert!(found[0].converged && found[0].parameters[0].abs() < 1e-12);
+    close(found[0].number("l1").expect("a Lyapunov coefficient").value, -2.0, 1e-9);
+}
+
+/// The parabola `μ = x²` turns at the branch point: an extremum of the parameter, and no fold.
+#[test]
+fn a_pitchfork_on_its_own_branch_is_one_point() {
+    for high in [1.2, 1.5, 2.0, 3.0, 5.0, 7.0] {
+        let start = (r#"("mu", 1)"#, r#"("x", 1)"#);
+        let branch = &rest(r#"("x", "mu*x - x^3")"#, start, ("mu", [-1.0, high]))[0];
+        let kinds: Vec<Kind> = inner(branch).iter().map(|point| point.kind).collect();
+        assert_eq!(kinds, [Kind::BP], "to {high}: {:?}", inner(branch));
+    }
+}
+
+/// On a ring of three Brusselators two eigenvalues with equal eigenvectors vanish together. With
+/// `cⱼ = 4 sin²(πj/n) d`, the determinant of mode `j` vanishes at `b = (1 + 3cⱼ)(1 + cⱼ)/(3cⱼ)`, and its
+/// trace at `b = 2 + 4cⱼ` with the frequency `√det`.
+#[test]
+fn two_eigenvalues_of_a_ring_vanish_together() {
+    let ring = |n: usize| {
+        let text = format!(
+            r#"Scene(title: "t", problem: Equations(
+            states: [("u[i=1..n]", "u[i]^2*v[i] - (b+1)*u[i] + 1 + d*(u[i-1] + u[i+1] - 2*u[i])"),
+                ("v[i=1..n]", "b*u[i] - u[i]^2*v[i] + 3*d*(v[i-1] + v[i+1] - 2*v[i])")],
+            definitions: [("n", {n}), ("u[i=0..n+1]", "u[1+mod(i-1,n)]"), ("v[i=0..n+1]", "v[1+mod(i-1,n)]")],
+            initial: [("u", 1), ("v", 1)], solution: equilibrium),
+            parameters: [("b", 1), ("d", 0.1)],
+            runs: [(name: "rest", along: [(name: "b", low: 1, high: 4)])])"#
+        );
+        traced(&text).remove(0)
+    };
+    let mode = |j: f64, n: f64| 0.4 * (std::f64::consts::PI * j / n).sin().powi(2);
+    for n in [3_usize, 5, 12] {
+        let branch = ring(n);
+        for point in inner(&branch) {
+            assert!(point.converged, "n = {n}: {point:?}");
+        }
+        for j in 1..n.div_ceil(2) {
+            let c = mode(j as f64, n as f64);
+            let b = (1.0 + 3.0 * c) * (1.0 + c) / (3.0 * c);
+            let at = |kind: Kind, b: f64| {
+                let mut points = branch.of_kind(kind);
+                points.find(|point| (point.parameters[0] - b).abs() < 1e-9).cloned()
+            };
+            if b < 4.0 {
+                let point = at(Kind::BP, b).unwrap_or_else(|| panic!("n = {n}: no BP at {b}"));
+                assert_eq!(point.multiplicity, 2);
+            }
+            let b = 2.0 + 4.0 * c;
+            let square = (1.0 + 3.0 * c) * (1.0 - b + c) + b;
+            if b < 4.0 && square > 0.0 {
+                let point = at(Kind::HB, b).unwrap_or_else(|| panic!("n = {n}: no HB at {b}"));
+                let frequency = point.number("hopf_frequency").expect("a frequency");
+                let miss = (frequency.value - square.sqrt()).abs();
+                assert!(
+                    miss <= frequency.error && frequency.error < 1e-6,
+                    "{frequency:?}: {miss:e}"
+                );
+            }
+        }
+    }
+}
+
+/// The branch `x = r` becomes unstable at `r = d`, within the first step from the branch point at 0.
+#[test]
+fn a_branch_point_next_to_the_start_of_a_branch_is_found() {
+    let states = r#"("x", "r*x - x^2"), ("y", "(x - d)*y - y^3")"#;
+    let text = format!(
+        "Scene(title: \"t\", problem: Equations(states: [{states}], solution: equilibrium),
+            parameters: [(\"r\", -1), (\"d\", 0.01)], runs: [
+                (name: \"rest\", along: [(name: \"r\", low: -1, high: 1)]),
+                (name: \"other\", start: From(run: \"rest\", kind: BP, switch: true),
+                    along: [(name: \"r\", low: -1, high: 1)])])"
+    );
+    let branch = &traced(&text)[1];
+    let found: Vec<f64> = branch.of_kind(Kind::BP).map(|point| point.parameters[0]).collect();
+    assert!(found.iter().any(|r| (r - 0.01).abs() < 1e-10), "{found:?}");
+}
+
+/// On `x = y = 0`, the second branch point of competing species is transcritical, `y' = (r − 0.3) y −
+/// y²`. In the conservative pendulum, `p q = 0`: the rates of the normal form do not exist.
+#[test]
+fn coefficients_exist_or_are_not_stated() {
+    let states = r#"("x", "r*x - x^2 - x*y"), ("y", "(r - 0.3)*y - y^2 - x*y")"#;
+    let branch = &rest(states, (r#"("r", -0.5)"#, ""), ("r", [-0.5, 1.0]))[0];
+    for (point, r) in inner(branch).into_iter().zip([0.0, 0.3]) {
+        close(point.parameters[0], r, 1e-12);
+        close(point.number("transcritical_a").expect("a coefficient").value, 1.0, 1e-9);
+    }
+    let states = r#"("x", "y"), ("y", "-r*x - x^3")"#;
+    let branch = &rest(states, (r#"("r", 1)"#, ""), ("r", [-1.0, 1.0]))[0];
+    let points: Vec<&SpecialPoint> = branch.of_kind(Kind::BP).collect();
+    assert_eq!(points.len(), 1);
+    assert!(points[0].number("pitchfork_c").is_none(), "{:?}", points[0].numbers);
+}
+
+/// A zero column of the Jacobian at the branch point, with sparse matrices: a zero pivot.
+#[test]
+fn sparse_matrices_with_an_empty_column_have_branch_points() {
+    let text = r#"Scene(title: "t", problem: Equations(
+        states: [("u[i=1..n]", "(u[i-1] - 2*u[i] + u[i+1])*n^2 + u[i]*(K - u[i])"), ("p", "p*(u[1] - 1 - p)")],
+        definitions: [("n", 100), ("u[0]", "u[1]"), ("u[n+1]", "u[n]")], initial: [("u", 0.5)],
+        solution: equilibrium, matrices: sparse), parameters: [("K", 0.5)],
+        runs: [(name: "r", along: [(name: "K", low: 0.5, high: 2)])])"#;
+    let branch = &traced(text)[0];
+    let points: Vec<&SpecialPoint> = branch.of_kind(Kind::BP).collect();
+    assert_eq!(points.len(), 1, "{points:?}");
+    close(points[0].parameters[0], 1.0, 1e-9);
+    close(points[0].number("transcritical_a").expect("a coefficient").value, 1.0, 1e-6);
+}
+
+/// `b` unfolds the pitchfork `r x − x³`: no curve of branch points in `(r, b)` exists. `c` does not.
+#[test]
+fn curves_of_branch_points_start_only_where_they_exist() {
+    let run = |other: &str| {
+        let text = format!(
+            r#"Scene(title: "t", problem: Equations(states: [("x", "(r + c)*x - x^3 + b")], solution: equilibrium),
+            parameters: [("r", -1), ("b", 0), ("c", 0)], runs: [
+                (name: "rest", along: [(name: "r", low: -1, high: 1)]),
+                (name: "curve", hold: BP, start: From(run: "rest", kind: BP),
+                    along: [(name: "r", low: -1, high: 1), (name: "{other}", low: -0.5, high: 0.5)])])"#
+        );
+        execute(&scene(&text), None, &mut ())
+    };
+    let kept = run("c");
+    assert!(kept.error.is_none(), "{:?}", kept.error);
+    let curve = &kept.document.branches[1];
+    assert!(
+        curve.points.iter().all(|point| (point.parameters[0] + point.parameters[2]).abs() < 1e-9)
+    );
+    let said = run("b").error.expect("an error").to_string();
+    assert!(said.contains("breaks up if `b` changes"), "{said}");
+}
+
+/// A motion that approaches the equilibrium slowly is no reason to refuse the equilibrium.
+#[test]
+fn a_short_simulation_leads_to_the_equilibrium() {
+    let text = r#"Equations(states: [("x", "10*(y - x)"), ("y", "x*(rho - z) - y"), ("z", "x*y - 8*z/3")],
+        parameters: [("rho", 20)], initial: [("x", 1), ("y", 1), ("z", 1)])"#;
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("lorenz.ron");
+    std::fs::write(&path, text).unwrap();
+    let along = Range { name: "rho".into(), low: Some(10.0), high: Some(24.0) };
+    let request = Request { along: vec![along], settle: Some(10.0), ..Request::default() };
+    let problem = Problem::from_file(&path, &[]);
+    let scene = problem.and_then(|problem| Scene::of_model(problem, "lorenz", &request));
+    let outcome = execute(&scene.unwrap_or_else(|error| panic!("{error}")), None, &mut ());
+    assert!(outcome.error.is_none(), "{:?}", outcome.error);
+    assert_eq!(outcome.document.branches[0].points[0].unstable, Some(0));
+}
+
+/// `cos ωt` does not have the period `2π/(1.01 ω)`.
+#[test]
+fn a_wrong_period_is_an_error() {
+    let scene = |period: &str| {
+        Scene::parse(&format!(
+            r#"Scene(title: "t", problem: Equations(states: [("x", "v"), ("v", "cos(w*t) - 0.4*v - x")], period: "{period}"),
+            parameters: [("w", 1.5)], runs: [(name: "r", along: [(name: "w", low: 1, high: 3)])])"#
+        ))
+    };
+    assert!(scene("2*pi/w").is_ok() && scene("4*pi/w").is_ok());
+    let said = scene("2*pi/(1.01*w)").expect_err("an error").to_string();
+    assert!(said.contains("do not have the stated period"), "{said}");
+}
+
+/// A motion that ends at a focus after events is at rest, although rounding errors repeat.
+#[test]
+fn rest_after_events_is_no_cycle() {
+    for p in [2.4, 3.9, 4.0] {
+        let text = format!(
+            r#"Scene(title: "t", problem: HybridEquations(
+            modes: [(name: "off", states: [("x", "-x + y"), ("y", "p - y - x")]),
+                (name: "on", states: [("x", "-x + y"), ("y", "p - y - x - 3*(x - 1)")])],
+            guards: [(name: "up", modes: ["off"], function: "1 - x", next: "on"),
+                (name: "down", modes: ["on"], function: "x - 1", next: "off")]),
+            parameters: [("p", {p})], runs: [
+                (name: "r", start: Simulated(), along: [(name: "p", low: 0, high: 5)])])"#
+        );
+        let outcome = execute(&scene(&text), None, &mut ());
+        let said = outcome.error.expect("an error").to_string();
+        assert!(said.contains("comes to rest"), "p = {p}: {said}");
+    }
+}
+
+/// Folds of cycles emanate from the generalised Hopf point, and a `Residual` has no cycles.
+#[test]
+fn no_folds_of_equilibria_emanate_from_a_generalised_hopf_point() {
+    let text = r#"Scene(title: "t", problem: Residual(dynamics: flow,
+        unknowns: [("u", "-u*v^2 + F*(1 - u)"), ("v", "u*v^2 - (F + k)*v")], initial: [("u", 0.25), ("v", 0.28)]),
+        parameters: [("F", 0.03), ("k", 0.05)], runs: [
+            (name: "rest", along: [(name: "F", low: 0.005, high: 0.1)]),
+            (name: "hopf", hold: HB, start: From(run: "rest", kind: HB),
+                along: [(name: "F", low: 0.005, high: 0.1), (name: "k", low: 0.01, high: 0.07)]),
+            (name: "folds", hold: LP, start: From(run: "hopf", kind: GH),
+                along: [(name: "F", low: 0.005, high: 0.1), (name: "k", low: 0.01, high: 0.07)])])"#;
+    let outcome = execute(&scene(text), None, &mut ());
+    close(values(&outcome.document.branches[1], Kind::GH, "F")[0], 0.01171875, 1e-9);
+    let said = outcome.error.expect("an error").to_string();
+    assert!(said.contains("this problem has no cycles"), "{said}");
+}
+
+/// The one-impact orbit of an oscillator grazes a second time at the restitution `e = 0.003516823030`
+/// (closed form), where its distance jumps from another minimum.
+#[test]
+fn a_limit_behind_a_jump_of_the_distance_is_found() {
+    let text = r#"Scene(title: "t", problem: HybridEquations(
+        modes: [(name: "free", states: [("x", "v"), ("v", "3e5*cos(2*pi*f*t) - 18*v - 9e4*x")])],
+        guards: [(name: "hit", modes: ["free"], function: "gap - x", reset: [("v", "-e*v")])], period: "1/f"),
+        parameters: [("f", 60), ("e", 0.7), ("gap", 2)],
+        runs: [(name: "r", start: Simulated(), along: [(name: "e", low: 0.001, high: 1)])])"#;
+    let branch = &traced(text)[0];
+    close(values(branch, Kind::G, "e")[0], 0.003_516_823_030, 1e-8);
+}
+
+/// An equilibrium of the mode `off` at `x = 2`, where the mode is `on`, is no equilibrium of the system.
+#[test]
+fn equilibria_outside_the_region_of_their_mode_are_not_listed() {
+    let text = r#"Scene(title: "t", problem: HybridEquations(
+        modes: [(name: "off", states: [("x", "p - x")]), (name: "on", states: [("x", "p - x - 3*(x - 1)")])],
+        guards: [(name: "up", modes: ["off"], function: "1 - x", next: "on"),
+            (name: "down", modes: ["on"], function: "x - 1", next: "off")]),
+        parameters: [("p", 2)], runs: [(name: "r", along: [(name: "p", low: 0, high: 5)])])"#;
+    let range = Range { name: "x".into(), low: Some(-3.0), high: Some(3.0) };
+    let found = |p: &str| {
+        let within = Some(SearchBox { ranges: vec![range.clone()], starts: 20 });
+        let set = vec![("p".to_string(), p.to_string())];
+        scene(text).find(&Request { set, within, ..Request::default() }).unwrap().roots
+    };
+    let beyond = found("2");
+    assert_eq!((beyond.roots.len(), beyond.inadmissible), (0, 1), "{beyond:?}");
+    let inside = found("0.5");
+    assert_eq!((inside.roots.len(), inside.inadmissible), (1, 0), "{inside:?}");
+}
