@@ -156,7 +156,7 @@ const FAR: f64 = 0.2;
 /// branches. If one of two matched special points has not converged, only the intervals that
 /// contain the two points are compared. Different continuation parameters, columns that only one of
 /// the documents has, and constant parameters whose values differ are reported before the special
-/// points, once for each branch. Points that were saved on request (`RG`) and the number of points of
+/// points, once for each branch; monitors of different methods of discretisation may differ. Points that were saved on request (`RG`) and the number of points of
 /// a branch are not compared.
 ///
 /// ```
@@ -239,8 +239,14 @@ fn of_columns(old: &Branch, new: &Branch) -> Vec<Difference> {
         let parameters = [old, new].map(|branch| branch.released.clone());
         Difference::Continued { branch: name(), parameters }
     };
+    // Methods of discretisation have monitors of their own.
+    let count = |of: &Branch| match old.method == new.method {
+        true => of.parameters.len() + of.monitors.len(),
+        false => of.parameters.len(),
+    };
     let only = |of: &Branch, other: &Branch, new: bool| {
-        let columns = of.columns().filter(|column| other.column(column).is_none());
+        let columns = of.columns().take(count(of));
+        let columns = columns.filter(|column| other.column(column).is_none());
         let column =
             |column: &str| Difference::Column { branch: name(), column: column.into(), new };
         columns.map(column).collect::<Vec<_>>()

@@ -61,22 +61,27 @@ pub fn diagram(
     let labels = ys.iter().map(|y| document.plot.label(y)).collect::<Vec<_>>().join(", ");
     let mut figure = Figure::new(&document.title, document.plot.label(x), labels);
     let shown = living_in(&branches, x, &ys)?;
+    // Each of several columns has its own colour.
+    let curve_name = |named: &Named, y: &str| match &ys[..] {
+        [_] => named.name.clone(),
+        _ if branches.len() == 1 => document.plot.label(y).to_string(),
+        _ => format!("{}, {}", named.name, document.plot.label(y)),
+    };
     for named in &branches {
-        let before = figure.series.len();
-        if shown.iter().any(|shown| shown.place == named.place) {
-            for y in &ys {
-                // Each of several columns has its own colour.
-                let name = match &ys[..] {
-                    [_] => named.name.clone(),
-                    _ if branches.len() == 1 => document.plot.label(y).to_string(),
-                    _ => format!("{}, {}", named.name, document.plot.label(y)),
-                };
-                Named { name, ..named.clone() }.add_to(&mut figure, document, [x, y])?;
+        let is_shown = shown.iter().any(|shown| shown.place == named.place);
+        for y in &ys {
+            let (name, before) = (curve_name(named, y), figure.series.len());
+            if is_shown {
+                Named { name: name.clone(), ..named.clone() }.add_to(
+                    &mut figure,
+                    document,
+                    [x, y],
+                )?;
             }
-        }
-        // An omitted branch keeps an empty series, so that the colours of the others do not change.
-        if figure.series.len() == before {
-            figure.series.push(Series::new(&named.name, Style::Solid, []));
+            // An omitted curve keeps an empty series, so that the colours of the others do not change.
+            if figure.series.len() == before {
+                figure.series.push(Series::new(&name, Style::Solid, []));
+            }
         }
     }
     let logarithmic = |column: &str| document.plot.is_logarithmic(column);

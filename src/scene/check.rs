@@ -146,6 +146,10 @@ impl Scene {
     fn check_run(&self, (run, ends): (&Run, &Ends), earlier: &[Run]) -> Result<(), SceneError> {
         let resolved = self.resolved_among(run, ends)?;
         check_durations(&resolved.problem, &resolved.values)?;
+        // Simulations and sweeps may have further frequencies.
+        if let (false, Ok(motion)) = (run.along.is_empty(), resolved.motion()) {
+            check_period(&*motion, &resolved.values)?;
+        }
         let place = |what: &str| format!("run `{}`, {what}", run.name);
         for range in run.along.iter().chain(&run.bounds) {
             for end in [range.low, range.high].into_iter().flatten() {
@@ -265,12 +269,10 @@ impl Run {
 }
 
 /// Returns an error if, for the initial parameters, the period of the forcing or the length of the
-/// interval is not positive, or if the equations do not have this period.
+/// interval is not positive.
 fn check_durations(problem: &Problem, p: &[f64]) -> Result<(), SceneError> {
     let refused = problem.text().and_then(|model| model.refused_duration(p));
-    refused.map_or(Ok(()), Err)?;
-    let motion = problem.model().motion().ok();
-    Ok(motion.map_or(Ok(()), |motion| check_period(&*motion, p))?)
+    Ok(refused.map_or(Ok(()), Err)?)
 }
 
 /// Returns the run with a given name among the runs that precede a given run.

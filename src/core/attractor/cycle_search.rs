@@ -115,6 +115,9 @@ pub enum CycleSearchError {
 /// start.
 const SHRUNK: f64 = 1e-6;
 
+/// Rounding: a state that differs from its equilibrium by less than this fraction of its size is still.
+const STILL: f64 = 1e-9;
+
 /// The settings of the search for periodic motion by simulation.
 ///
 /// The search applies to any hybrid system, and to vector fields by means of
@@ -278,7 +281,9 @@ impl CycleSearch {
         // Rounding errors at an equilibrium may repeat.
         let size = largest.max(scales.size(state.mode, &state.x));
         let moves = cycle.as_ref().is_some_and(|cycle| {
-            last > SHRUNK * size || cycle.legs.iter().any(|leg| leg.exit.is_some())
+            last > SHRUNK * size
+                || cycle.legs.iter().any(|leg| leg.exit.is_some())
+                || !is_still(system, &state, p)
         });
         if !moves && let Some(rest) = at_equilibrium(system, &state, p, (scales, largest)) {
             return Err(rest);
@@ -304,6 +309,15 @@ impl CycleSearch {
         let &Repetition { samples: returns, nearest: distance, .. } = repetition;
         CycleSearchError::Unsettled { returns, max_period, distance, tolerance }
     }
+}
+
+/// Whether every state of a motion differs from an equilibrium only by rounding errors of its own size.
+fn is_still(system: &dyn HybridEquations, state: &HybridState<f64>, p: &[f64]) -> bool {
+    let HybridState { mode, x, .. } = state;
+    equilibrium_near(system, *mode, x, p).is_some_and(|rest| {
+        let pairs = rest.iter().zip(x).zip(system.sizes_of(*mode, p));
+        pairs.into_iter().all(|((rest, x), size)| (rest - x).abs() <= STILL * size.max(rest.abs()))
+    })
 }
 
 /// Returns the equilibrium at which a motion has come to rest. The distance of the equilibrium from

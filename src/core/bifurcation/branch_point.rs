@@ -125,7 +125,8 @@ fn persists_along(
 ) -> Result<(), Failure> {
     let n = system.names().dimension();
     let (mut direction, mut slope) = (vec![0.0; x.len()], vec![0.0; n]);
-    direction[n + parameter] = 1.0;
+    // Twice the unit direction, because a discretisation caches the column of a unit direction.
+    direction[n + parameter] = 2.0;
     system.derivative(x, &[&direction], &mut slope)?;
     let [along, terms, size] = null.along_left(&slope);
     let error = ERRORS[usize::from(system.representation().is_on_mesh())];

@@ -53,15 +53,6 @@ impl NullSpace {
         &self.units[..n.min(self.units.len())]
     }
 
-    /// Returns the product of the norms of a left and a right vector in units of the sizes of the
-    /// unknowns.
-    pub(crate) fn product_size(&self, left: &[f64], right: &[f64]) -> f64 {
-        let unit = |k: usize| self.units.get(k).copied().filter(|unit| *unit > 0.0).unwrap_or(1.0);
-        let left = left.iter().enumerate().map(|(k, p)| (p * unit(k)).powi(2));
-        let right = right.iter().enumerate().map(|(k, q)| (q / unit(k)).powi(2));
-        (left.sum::<f64>() * right.sum::<f64>()).sqrt()
-    }
-
     /// Returns the sizes of the components of `x`, which are the units in which null vectors are
     /// orthonormal; an unknown size is 0.
     pub(crate) fn units(&mut self) -> &mut Vec<f64> {
@@ -343,7 +334,7 @@ impl NullVectors {
 
     /// Returns the product of the left null vector with a vector of equations, the sum of the moduli of
     /// its terms, and the product of the norms of both vectors in units of the sizes of the equations.
-    pub(super) fn along_left(&self, right: &[f64]) -> [f64; 3] {
+    pub(in crate::core::bifurcation) fn along_left(&self, right: &[f64]) -> [f64; 3] {
         let mut sums = [0.0; 4];
         for ((w, f), term) in self.left[0].iter().zip(right).zip(&self.terms) {
             let parts = [w * f, (w * f).abs(), (w * term).powi(2), (f / term).powi(2)];

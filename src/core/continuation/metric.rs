@@ -318,8 +318,9 @@ const ORIGIN: f64 = 1e-14;
 const FINER: f64 = 1e-2;
 
 /// Rounding: the size of a group of unknowns is a rounding error if the size is smaller than this
-/// fraction of the size of another group. Units of measurement do not cause such ratios.
-const NEGLIGIBLE: f64 = 1e-24;
+/// fraction of the size of another group. Sizes in SI units, such as a density of 1e25 per cubic metre
+/// beside a phase, have larger ratios.
+const NEGLIGIBLE: f64 = 1e-32;
 
 /// Whether a number can be a scale: its square and the inverse of its square are finite and
 /// nonzero.

@@ -16,7 +16,7 @@ use super::locator::Locator;
 use super::log::Log;
 use super::recorder::{Recorded, special_point};
 use super::step_control::Step;
-use super::unexplained::{uncounted, unexplained, without_doubtful_counts};
+use super::unexplained::{is_doubtful_pair, uncounted, unexplained, without_doubtful_counts};
 use crate::core::bifurcation::{
     Critical, Hopf, Stability, catalogue, parameter_in_range, without_critical,
 };
@@ -105,7 +105,7 @@ impl Parts<'_, '_> {
     ) -> Vec<Located> {
         let interval = step.since(from);
         let cluster = match change {
-            // Only a branch point is uncertain.
+            // Events are uncertain, but stability does not change.
             0 => return found,
             _ => Cluster::of(&mut Locator::new(self.curve, interval), change.unsigned_abs()),
         };
@@ -200,9 +200,9 @@ impl Parts<'_, '_> {
         found.retain(|it| {
             let critical =
                 catalogue::row_of(it.special.kind).map_or(Critical::None, |row| row.critical);
-            let absent = !groups.iter().any(|group| group.critical == critical);
-            !(several.iter().any(|group| group.critical == critical)
-                || absent && !it.special.converged)
+            let is_of = |group: &Group| group.critical == critical;
+            let is_no_pair = critical == Critical::Pair && !groups.iter().any(is_of);
+            !(several.iter().any(is_of) || is_no_pair && is_doubtful_pair(&self.curve.detector, it))
         });
         several.sort_by(|a, b| a.frequency.total_cmp(&b.frequency));
         for group in several {

@@ -28,6 +28,7 @@ use super::stretches::{between_changes, divides};
 use super::turns;
 use super::unexplained::{LEAST_UNEXPLAINED, ends_on_special_point};
 use crate::core::failure::one_line;
+use crate::core::problem::Dynamics;
 use crate::core::system::{Kind, Solution};
 use std::sync::Arc;
 
@@ -261,7 +262,9 @@ impl Steps<'_> {
     fn first_half(&mut self, start: CurvePoint, backward: bool) -> Half {
         let closing = self.reference(&start, backward);
         let length = self.settings.initial_step.min(self.settings.max_step);
-        let beside = match self.from_branch_point {
+        // Very small cycles are inaccurate.
+        let dynamics = self.curve.corrector.equations.system().dynamics();
+        let beside = match self.from_branch_point && dynamics != Dynamics::Periodic {
             true => self.control.stability_beside(&mut self.curve, &start, length),
             false => None,
         };

@@ -34,8 +34,9 @@ pub(super) fn unexplained(
         place.vertical > VERTICAL && slope.is_some_and(|slope| slope.abs() <= place.vertical)
     };
     let unsure = |it: &Located| match it.special.kind {
+        Kind::BP => !it.special.converged,
         // Two real eigenvalues that vanish together look like a complex pair.
-        Kind::BP | Kind::HB | Kind::TR => !it.special.converged,
+        Kind::HB | Kind::TR => is_doubtful_pair(detector, it),
         Kind::LP if is_one_with_another(it, found, step.length) => true,
         Kind::LP => {
             !it.special.converged && ![from, &step.place].iter().any(|place| is_noisy(it, place))
@@ -50,6 +51,13 @@ pub(super) fn unexplained(
         };
         found.iter().any(unsure).then_some(change)
     })
+}
+
+/// Whether an event at which a complex pair is critical did not converge. An end where cycles shrink to
+/// an equilibrium has no defining system and is not doubtful.
+pub(super) fn is_doubtful_pair(detector: &Detector, it: &Located) -> bool {
+    let is_mirror = it.event.is_some_and(|event| detector.events[event].mirror);
+    !it.special.converged && !is_mirror
 }
 
 /// Returns the change of the number of unstable eigenvalues in a step, unless the events found in

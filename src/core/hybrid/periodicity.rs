@@ -1,18 +1,26 @@
 //! Checks that a forced system has its stated period.
 
 use super::{Guard, HybridEquations, Mode};
-use crate::core::linalg::generic;
+use crate::core::linalg::{generic, largest};
 use crate::core::problem::Forcing;
 
-/// Heuristic: the times at which a period is checked, in units of the period.
-const TIMES: [f64; 3] = [0.137, 0.519, 0.871];
+/// Heuristic: the number of times at which a period is checked.
+const TIMES: usize = 8;
 
-/// Rounding: rates at times a period apart agree if they differ by at most this fraction.
-const AGREES: f64 = 1e-6;
+/// The golden ratio, whose multiples modulo 1 fill the period evenly and are no simple fractions of it.
+const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
-/// Rounding: a difference is zero if it is smaller than this fraction of the size of a state, divided by
-/// the period for rates.
-const ZERO: f64 = 1e-12;
+/// Heuristic: a rate changes after a period if it changes by more than this fraction of its changes
+/// within the period. Missing factors cause larger changes; a factor π with few digits causes smaller
+/// ones.
+const AGREES: f64 = 1e-3;
+
+/// Heuristic: the number of times at which a rate must change after a period. Where a rate jumps,
+/// rounding decides at single times.
+const LEAST: usize = 2;
+
+/// Rounding: a change of a rate is zero if it is smaller than this fraction of the rate.
+const ROUNDING: f64 = 1e-12;
 
 /// The error of a forced system whose rates change from period to period.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -31,8 +39,8 @@ pub struct NotPeriodic {
     pub rates: [f64; 2],
 }
 
-/// Checks, at a few states and times, that the rates of a forced system and the functions of its guards
-/// have the stated period.
+/// Checks that the rates of a forced system and the functions of its guards have the stated period: for
+/// each mode, the values at one state and several times are compared with the values one period later.
 ///
 /// # Errors
 /// [`NotPeriodic`] with the first quantity that differs after a period.
@@ -58,31 +66,34 @@ pub fn check_period(system: &dyn HybridEquations, p: &[f64]) -> Result<(), NotPe
         return Ok(());
     }
     let (period, guards) = (system.period(p), system.guards());
-    let ends = |guard: &Guard, mode: usize| guard.modes.contains(&mode) && !guard.is_timed();
     for (mode, Mode { states, .. }) in system.modes().into_iter().enumerate() {
         let sizes = system.sizes_of(mode, p);
-        for (seed, part) in TIMES.into_iter().enumerate() {
-            let state = generic(states.len(), seed);
-            let x: Vec<f64> = state.iter().zip(&sizes).map(|(x, size)| x * size).collect();
-            let [now, later] = [part * period, (1.0 + part) * period].map(|t| {
-                let mut rates = vec![0.0; x.len()];
-                system.field(mode, t, &x, p, &mut rates);
-                let own = guards.iter().enumerate().filter(|(_, guard)| ends(guard, mode));
-                rates.extend(own.map(|(k, _)| system.guard(k, mode, t, &x, p)));
-                rates
-            });
-            let largest = sizes.iter().fold(0.0, |most: f64, size| most.max(*size));
-            let differs = |k: &usize| {
-                let (a, b) = (now[*k], later[*k]);
-                let zero = ZERO * sizes.get(*k).map_or(largest, |size| size / period);
-                (a - b).abs() > AGREES * a.abs().max(b.abs()) + zero && (a - b).is_finite()
-            };
-            let Some(k) = (0..now.len()).find(differs) else { continue };
-            let own = guards.iter().filter(|guard| ends(guard, mode));
-            let names = states.iter().map(|state| format!("the rate of {state}"));
-            let mut names = names.chain(own.map(|guard| format!("the guard `{}`", guard.name)));
-            let of = names.nth(k).unwrap_or_default();
-            return Err(NotPeriodic { period, of, time: part * period, rates: [now[k], later[k]] });
+        let x: Vec<f64> =
+            generic(states.len(), 0).iter().zip(&sizes).map(|(x, size)| x * size).collect();
+        let own = |(_, guard): &(usize, &Guard)| guard.modes.contains(&mode) && !guard.is_timed();
+        let own: Vec<(usize, &Guard)> = guards.iter().enumerate().filter(own).collect();
+        let values = |t: f64| {
+            let mut values = vec![0.0; x.len()];
+            system.field(mode, t, &x, p, &mut values);
+            values.extend(own.iter().map(|(k, _)| system.guard(*k, mode, t, &x, p)));
+            values
+        };
+        let times: Vec<f64> = (1..=TIMES).map(|k| (k as f64 * GOLDEN).fract() * period).collect();
+        let now: Vec<Vec<f64>> = times.iter().map(|t| values(*t)).collect();
+        let later: Vec<Vec<f64>> = times.iter().map(|t| values(t + period)).collect();
+        for k in 0..now[0].len() {
+            let all: Vec<f64> = now.iter().map(|values| values[k]).collect();
+            let [low, high] = [f64::min, f64::max].map(|of| all.iter().copied().fold(all[0], of));
+            let allowed = AGREES * (high - low) + ROUNDING * largest(&all);
+            let change = |i: &usize| (now[*i][k] - later[*i][k]).abs();
+            let mut differing = (0..TIMES).filter(|i| change(i) > allowed);
+            if let (Some(i), true) = (differing.next(), differing.count() + 1 >= LEAST) {
+                let names = states.iter().map(|state| format!("the rate of {state}"));
+                let mut names =
+                    names.chain(own.iter().map(|(_, guard)| format!("the guard `{}`", guard.name)));
+                let (of, time) = (names.nth(k).unwrap_or_default(), times[i]);
+                return Err(NotPeriodic { period, of, time, rates: [now[i][k], later[i][k]] });
+            }
         }
     }
     Ok(())

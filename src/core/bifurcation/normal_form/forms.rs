@@ -4,7 +4,7 @@
 use crate::core::bifurcation::at::At;
 use crate::core::bifurcation::hopf::motions;
 use crate::core::failure::Failure;
-use crate::core::linalg::{Border, Factors, Form, dot, generic};
+use crate::core::linalg::{Border, Factors, Form, generic};
 use crate::core::scalar::Space;
 use crate::core::system::Deviation;
 use faer::c64;
@@ -60,8 +60,7 @@ impl<'f, 'a> Forms<'f, 'a> {
         let null = null.of(&mut **system, x, form, None)?;
         let (right, left) = (null.right[0].clone(), null.left[0].clone());
         null.factors.growth_derivative(&right[..self.n], &mut self.room);
-        let growth = dot(&left, &self.room);
-        let size = self.at.null.product_size(&left, &self.room);
+        let [growth, _, size] = null.along_left(&self.room);
         let growth = if growth.abs() > DOUBLE * size { growth } else { 0.0 };
         Ok(Critical { right, left, growth })
     }
