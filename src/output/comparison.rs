@@ -156,8 +156,8 @@ const FAR: f64 = 0.2;
 /// branches. If one of two matched special points has not converged, only the intervals that
 /// contain the two points are compared. Different continuation parameters, columns that only one of
 /// the documents has, and constant parameters whose values differ are reported before the special
-/// points, once for each branch; monitors of different methods of discretisation may differ. Points that were saved on request (`RG`) and the number of points of
-/// a branch are not compared.
+/// points, once for each branch; monitors of different methods of discretisation may differ. Points
+/// that were saved on request (`RG`) and the number of points of a branch are not compared.
 ///
 /// ```
 /// use tangency::output::{Document, compare, example_branch};

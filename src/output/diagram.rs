@@ -21,8 +21,8 @@ pub(super) const PERIOD: &str = "period";
 /// document each branch has its own colour; in the diagram of several documents all branches of a
 /// document have one colour and the document's given name. The first document determines the title,
 /// axes and labels; the arguments `x` and `y` choose other columns for the axes. Several columns may
-/// share the vertical axis; each of them has its own colour. By default the axes are the continuation parameter and the
-/// first state.
+/// share the vertical axis; each of them has its own colour. By default the axes are the continuation
+/// parameter and the first state.
 ///
 /// Every curve passes through its special points, and changes between solid (stable) and dashed
 /// (unstable) exactly at special points. If an axis shows a state, each branch of orbits is drawn

@@ -115,7 +115,8 @@ pub enum CycleSearchError {
 /// start.
 const SHRUNK: f64 = 1e-6;
 
-/// Rounding: a state that differs from its equilibrium by less than this fraction of its size is still.
+/// Rounding: a state is at rest if it differs from its equilibrium by less than this fraction of its
+/// size.
 const STILL: f64 = 1e-9;
 
 /// The settings of the search for periodic motion by simulation.

@@ -320,7 +320,6 @@ impl NullVectors {
         let mut rows = self.rows.iter().skip(of_p).zip(self.right.iter().skip(of_p));
         let mut borders = self.borders.iter().zip(&self.left);
         let unit = |k: usize| self.sizes.get(k).copied().filter(|unit| *unit > 0.0).unwrap_or(1.0);
-        let term = |k: usize| self.terms[k];
         let is_well = |v: &[f64], null: &[f64], unit: &dyn Fn(usize) -> f64| {
             let parts = v.iter().zip(null).take(n).enumerate();
             let [v, null] = parts.fold([0.0_f64; 2], |[v, null], (k, (a, b))| {
@@ -329,7 +328,7 @@ impl NullVectors {
             v * null <= CANCELLED
         };
         rows.all(|(row, right)| is_well(row, right, &unit))
-            && borders.all(|(border, left)| is_well(border, left, &|k| term(k).recip()))
+            && borders.all(|(border, left)| is_well(border, left, &|k| self.terms[k].recip()))
     }
 
     /// Returns the product of the left null vector with a vector of equations, the sum of the moduli of

@@ -167,11 +167,9 @@ impl Cluster {
         let last = values.len() - 1;
         let [before, after] = [0, last].map(|k| self.places[k].unknowns[parameter]);
         let slope = (values[last] - values[0]) / (after - before);
-        let by_parameter = if slope.is_finite() { slope.abs() * error } else { 0.0 };
-        let along = (values[last] - values[0]) / (self.abscissae[last] - self.abscissae[0]);
-        let by_place = along.abs() * (4.0 * self.uncertainty + self.spread());
-        let rounding = 4.0 * f64::EPSILON * value;
-        [value, (value - rougher).abs() + by_parameter + by_place + rounding]
+        // If the parameter does not change, the frequency has no known digits.
+        let by_parameter = (slope.abs() * error).min(value.abs());
+        [value, (value - rougher).abs() + by_parameter + 4.0 * f64::EPSILON * value]
     }
 
     /// Estimates the discretisation error of the continued parameter at the position where the mean

@@ -3,20 +3,17 @@
 use super::{Guard, HybridEquations, Mode};
 use crate::core::linalg::{generic, largest};
 use crate::core::problem::Forcing;
+use std::f64::consts::GOLDEN_RATIO;
 
 /// Heuristic: the number of times at which a period is checked.
 const TIMES: usize = 8;
 
-/// The golden ratio, whose multiples modulo 1 fill the period evenly and are no simple fractions of it.
-const GOLDEN: f64 = 0.618_033_988_749_894_9;
-
 /// Heuristic: a rate changes after a period if it changes by more than this fraction of its changes
-/// within the period. Missing factors cause larger changes; a factor π with few digits causes smaller
-/// ones.
+/// within the period. A missing factor causes larger changes; π with six digits causes smaller changes.
 const AGREES: f64 = 1e-3;
 
-/// Heuristic: the number of times at which a rate must change after a period. Where a rate jumps,
-/// rounding decides at single times.
+/// Heuristic: the number of times at which a rate must change after a period. A single time may lie so
+/// close to a jump of the rate that rounding decides the comparison.
 const LEAST: usize = 2;
 
 /// Rounding: a change of a rate is zero if it is smaller than this fraction of the rate.
@@ -78,7 +75,9 @@ pub fn check_period(system: &dyn HybridEquations, p: &[f64]) -> Result<(), NotPe
             values.extend(own.iter().map(|(k, _)| system.guard(*k, mode, t, &x, p)));
             values
         };
-        let times: Vec<f64> = (1..=TIMES).map(|k| (k as f64 * GOLDEN).fract() * period).collect();
+        // Multiples of the golden ratio fill the period evenly, and avoid its simple fractions.
+        let part = |k: usize| (k as f64 * (GOLDEN_RATIO - 1.0)).fract();
+        let times: Vec<f64> = (1..=TIMES).map(|k| part(k) * period).collect();
         let now: Vec<Vec<f64>> = times.iter().map(|t| values(*t)).collect();
         let later: Vec<Vec<f64>> = times.iter().map(|t| values(t + period)).collect();
         for k in 0..now[0].len() {
