@@ -188,14 +188,15 @@ fn branch_points_of_cycles() {
         }
         close(half.monitors[largest], high, 1e-8);
         close(half.monitors[smallest], low, 1e-8);
-        // The symmetry z → −z makes the branch point persist.
-        let curve = Continuation::new(system)
-            .restart(&branch, point.label)
-            .hold(Kind::BP)
-            .along("mu", 0.0..=2.0)
-            .along("kappa", -0.5..=0.5)
-            .trace()
-            .unwrap();
+        // The symmetry z → −z makes the branch point persist; without the symmetry, the branch point
+        // breaks up.
+        let mut curve = |other: &str| {
+            let curve = Continuation::new(system).restart(&branch, point.label).hold(Kind::BP);
+            curve.along("mu", 0.0..=2.0).along(other, -0.5..=0.5).trace()
+        };
+        let said = curve("delta").unwrap_err().to_string();
+        assert!(said.contains("breaks up if `delta` changes"), "{said}");
+        let curve = curve("kappa").unwrap();
         assert!(curve.points.len() > 5);
         for point in &curve.points {
             close(point.parameters[0], 1.0 + point.parameters[1].powi(2), 1e-9);

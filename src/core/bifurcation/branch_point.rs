@@ -7,7 +7,7 @@ use super::test_function::{Bracketed, PointValues, Reading, TestFunction, neares
 use crate::core::failure::Failure;
 use crate::core::linalg::Form;
 use crate::core::problem::Dynamics;
-use crate::core::system::{Functional, Kind, System};
+use crate::core::system::{Functional, Kind};
 
 impl Kind {
     /// `BP`: a branch point.
@@ -54,11 +54,7 @@ impl DefiningSystem for BranchPoint {
         1
     }
 
-    fn start(
-        &mut self,
-        At { system, x, released, null, .. }: At,
-        y: &mut [f64],
-    ) -> Result<(), Failure> {
+    fn start(&mut self, At { system, x, null, .. }: At, y: &mut [f64]) -> Result<(), Failure> {
         let (p, count) = (self.parameter, system.names().parameters.len());
         if p >= count {
             return Err(Failure::Mismatch(format!(
@@ -68,12 +64,6 @@ impl DefiningSystem for BranchPoint {
         }
         y[0] = 0.0;
         null.start(system, x, Form::Jacobian, Some(p))?;
-        // Orbits are not checked: a persistent branch point of cycles fails the check.
-        let checked = system.dynamics() != Dynamics::Periodic;
-        for &other in released.iter().filter(|other| checked && **other != p) {
-            let null = null.of(system, x, Form::Jacobian, Some(p))?;
-            persists_along(other, null, (system, x))?;
-        }
         Ok(())
     }
 
@@ -102,41 +92,9 @@ impl DefiningSystem for BranchPoint {
         Ok(())
     }
 
-    fn unfolding<'b>(&'b self, _j: usize, null: &'b NullSpace) -> Option<&'b [f64]> {
-        null.border(Form::Jacobian, Some(self.parameter))
+    fn unfolding<'b>(&self, _j: usize, null: &'b NullSpace) -> Option<&'b NullVectors> {
+        null.known(Form::Jacobian, Some(self.parameter))
     }
-}
-
-/// Heuristic: branch points break up with a parameter if the component of the parameter's derivative
-/// along the left null vector exceeds this fraction of its terms.
-const BREAKS_UP: f64 = 1e-3;
-
-/// Rounding: the component of a parameter's derivative along the left null vector is a rounding error if
-/// it is smaller than this fraction of the derivative.
-const ROUNDING: f64 = 1e-9;
-
-/// Checks that branch points persist if a parameter changes: `w F_p = 0` for the left null vector `w`.
-///
-/// # Errors
-/// [`Failure::Unsupported`] if the parameter breaks up the branch points.
-fn persists_along(
-    parameter: usize,
-    null: &NullVectors,
-    (system, x): (&mut dyn System, &[f64]),
-) -> Result<(), Failure> {
-    let n = system.names().dimension();
-    let (mut direction, mut slope) = (vec![0.0; x.len()], vec![0.0; n]);
-    direction[n + parameter] = 1.0;
-    system.derivative(x, &[&direction], &mut slope)?;
-    let [along, terms, size] = null.along_left(&slope);
-    if along.abs() <= BREAKS_UP * terms || along.abs() <= ROUNDING * size {
-        return Ok(());
-    }
-    let name = &system.names().parameters[parameter];
-    Err(Failure::Unsupported(format!(
-        "the branch point breaks up if `{name}` changes, so that no curve of branch points starts \
-         here: vary another parameter, or trace the curve of folds (`LP`) beside the branch point"
-    )))
 }
 
 /// The test function of branch points: the sign of the determinant of the Jacobian bordered by the

@@ -7,7 +7,7 @@
 //! to locate special points and to continue curves of special points.
 
 use super::at::At;
-use super::null::NullSpace;
+use super::null::{NullSpace, NullVectors};
 use crate::core::failure::Failure;
 use crate::core::system::Kind;
 
@@ -87,9 +87,9 @@ pub trait DefiningSystem: Send {
     /// The same errors as for [`values`](DefiningSystem::values).
     fn gradients(&mut self, at: At, rows: &mut [f64], own: &mut [f64]) -> Result<(), Failure>;
 
-    /// Returns the vector `b` if the `j`-th auxiliary unknown unfolds the problem, `F + yⱼ b = 0`;
-    /// `None` if it does not.
-    fn unfolding<'b>(&'b self, _j: usize, _null: &'b NullSpace) -> Option<&'b [f64]> {
+    /// Returns the null vectors whose border is `b` if the `j`-th auxiliary unknown unfolds the
+    /// problem, `F + yⱼ b = 0`; `None` if the auxiliary unknown does not unfold the problem.
+    fn unfolding<'b>(&self, _j: usize, _null: &'b NullSpace) -> Option<&'b NullVectors> {
         None
     }
 

@@ -77,10 +77,10 @@ impl NullSpace {
         entry.start(system, x, (1, units))
     }
 
-    /// Returns the column by which the matrix `F_z` or `[F_z  F_p]` is bordered in the given form.
-    pub(super) fn border(&self, form: Form, parameter: Option<usize>) -> Option<&[f64]> {
-        let entry = self.entries.iter().find(|entry| entry.is_of(form, parameter))?;
-        entry.borders.first().map(Vec::as_slice)
+    /// Returns the stored null vectors of the matrix `F_z` or `[F_z  F_p]` in the given form, which
+    /// may belong to another point.
+    pub(super) fn known(&self, form: Form, parameter: Option<usize>) -> Option<&NullVectors> {
+        self.entries.iter().find(|entry| entry.is_of(form, parameter))
     }
 
     /// Turns all borders towards the current null vectors, so that the bordered matrices stay well
@@ -174,6 +174,39 @@ fn divide(row: &mut [f64], units: &[f64], (n, parameter): (usize, Option<usize>)
     }
 }
 
+/// Computes the sizes of the equations: the change of each equation's left side when all its
+/// arguments change by their sizes, multiplied by factors that avoid cancellation; all sizes are 1
+/// if the sizes of the arguments are unknown. The changes of the left sides are computed for finite
+/// changes of the arguments because first derivatives may vanish, as at a pitchfork. The left sides
+/// of collocation equations already have the units of the states.
+pub(crate) fn equation_sizes(
+    system: &mut dyn System,
+    x: &[f64],
+    units: &[f64],
+) -> Result<Vec<f64>, Failure> {
+    let n = system.names().dimension();
+    if units.is_empty() || system.representation().interpolated {
+        return Ok(vec![1.0; n]);
+    }
+    let mut direction = generic(x.len(), 3);
+    direction.iter_mut().zip(units).for_each(|(d, unit)| *d *= unit);
+    let (mut terms, mut second) = (vec![0.0; n], vec![0.0; n]);
+    system.derivative(x, &[&direction], &mut terms)?;
+    system.derivative(x, &[&direction, &direction], &mut second)?;
+    terms.iter_mut().zip(second).for_each(|(term, more)| *term = term.abs() + more.abs());
+    let most = Some(largest(&terms)).filter(|most| *most > 0.0).unwrap_or(1.0);
+    let size = |term: f64| if term == 0.0 { most } else { term };
+    terms.iter_mut().for_each(|term| *term = size(*term));
+    Ok(terms)
+}
+
+/// Rounding: the product of the left null vector with a vector of equations is zero up to rounding
+/// if it is smaller than this fraction of its terms.
+const ORTHOGONAL: f64 = 1e-7;
+/// Discretisation: the fraction [`ORTHOGONAL`] for solutions on a mesh, whose symmetries the mesh
+/// may break.
+const ORTHOGONAL_ON_MESH: f64 = 1e-3;
+
 /// Heuristic: borders count as nearly orthogonal to the null vectors if the product of their norms
 /// exceeds their inner product by this factor.
 const CANCELLED: f64 = 1e4;
@@ -214,7 +247,8 @@ impl NullVectors {
         self.border_rows = vec![0.0; parts * n * width];
         self.corner = vec![0.0; width * width];
         self.work = vec![0.0; parts * (n + width)];
-        self.measure(system, x, units)?;
+        self.terms = equation_sizes(system, x, units)?;
+        self.sizes = units[..n.min(units.len())].to_vec();
         for border in &mut self.borders {
             border.iter_mut().zip(self.terms.iter().cycle()).for_each(|(b, term)| *b *= term);
         }
@@ -227,36 +261,6 @@ impl NullVectors {
             self.adapt(units);
         }
         self.orient(&former);
-        Ok(())
-    }
-
-    /// Computes the sizes of the equations: the change of each equation's left side when all its
-    /// arguments change by their sizes, multiplied by factors that avoid cancellation. The changes
-    /// of the left sides are computed for finite changes of the arguments because first derivatives
-    /// may vanish, as at a pitchfork. The left sides of collocation equations already have the
-    /// units of the states.
-    fn measure(
-        &mut self,
-        system: &mut dyn System,
-        x: &[f64],
-        units: &[f64],
-    ) -> Result<(), Failure> {
-        let n = system.names().dimension();
-        self.terms = vec![0.0; n];
-        self.sizes = units[..n.min(units.len())].to_vec();
-        if units.is_empty() || system.representation().interpolated {
-            self.terms.fill(1.0);
-            return Ok(());
-        }
-        let mut direction = generic(x.len(), 3);
-        direction.iter_mut().zip(units).for_each(|(d, unit)| *d *= unit);
-        system.derivative(x, &[&direction], &mut self.terms)?;
-        let mut second = vec![0.0; n];
-        system.derivative(x, &[&direction, &direction], &mut second)?;
-        self.terms.iter_mut().zip(second).for_each(|(term, more)| *term = term.abs() + more.abs());
-        let most = Some(largest(&self.terms)).filter(|most| *most > 0.0).unwrap_or(1.0);
-        let size = |term: f64| if term == 0.0 { most } else { term };
-        self.terms.iter_mut().for_each(|term| *term = size(*term));
         Ok(())
     }
 
@@ -329,6 +333,22 @@ impl NullVectors {
         };
         rows.all(|(row, right)| is_well(row, right, &unit))
             && borders.all(|(border, left)| is_well(border, left, &|k| self.terms[k].recip()))
+    }
+
+    /// The column by which the matrix is bordered.
+    pub(crate) fn border(&self) -> &[f64] {
+        &self.borders[0]
+    }
+
+    /// Whether the special point breaks up if a parameter changes: whether the product `w F_p` of
+    /// the left null vector and the derivative with respect to the parameter differs from zero by
+    /// more than its rounding error. The change of each equation due to the errors of the point,
+    /// divided by the change of the parameter, is given in `noise`.
+    pub(crate) fn breaks_up(&self, slope: &[f64], noise: &[f64], on_mesh: bool) -> bool {
+        let [along, terms, _] = self.along_left(slope);
+        let noise: f64 = self.left[0].iter().zip(noise).map(|(w, noise)| (w * noise).powi(2)).sum();
+        let fraction = if on_mesh { ORTHOGONAL_ON_MESH } else { ORTHOGONAL };
+        along.abs() > fraction * terms && along.abs() > noise.sqrt()
     }
 
     /// Returns the product of the left null vector with a vector of equations, the sum of the moduli of

@@ -285,8 +285,8 @@ impl<'a> Extended<'a> {
             let k = condition.unknowns();
             let y = &unknowns[place..place + k];
             for (j, y) in y.iter().enumerate() {
-                if let Some(b) = condition.unfolding(j, at.null) {
-                    out[..n].iter_mut().zip(b).for_each(|(r, b)| *r += y * b);
+                if let Some(null) = condition.unfolding(j, at.null) {
+                    out[..n].iter_mut().zip(null.border()).for_each(|(r, b)| *r += y * b);
                 }
             }
             condition.values(at.again(), y, &mut out[row..row + k + 1])?;
@@ -399,7 +399,7 @@ impl Edges {
         let n = system.names().dimension();
         let unfolding =
             |c: &dyn DefiningSystem, j: usize, target: &mut [f64]| match c.unfolding(j, null) {
-                Some(b) => target.copy_from_slice(b),
+                Some(null) => target.copy_from_slice(null.border()),
                 None => target.fill(0.0),
             };
         let mut columns = self.columns.chunks_exact_mut(n.max(1));

@@ -6,6 +6,7 @@ use super::branch::{Number, Sensitivity, SpecialPoint};
 use super::event::Event;
 use super::extended::Extended;
 use super::newton::Newton;
+use super::persistence::breaks_up;
 use crate::core::bifurcation::{At, Case, DefiningSystem, NormalForm, Quantity};
 use crate::core::failure::Failure;
 use crate::core::numerics::error_of_last;
@@ -17,11 +18,6 @@ const SAMPLES: usize = 2;
 /// Heuristic: the factor by which errors estimated from samples of rounding errors may be too small
 /// by chance.
 const CAUTION: f64 = 4.0;
-
-/// Rounding: the derivative of an unfolding unknown with respect to a parameter is zero up to
-/// rounding if it is smaller than this threshold, relative to its terms. If the derivative is
-/// larger than this threshold, the branch point does not persist when the parameter changes.
-const BREAKS_UP: f64 = 1e-7;
 
 /// Rounding: a sensitivity is zero up to rounding if it is smaller than this threshold, in units of
 /// the rounding errors of its terms. A sensitivity is also zero up to rounding if a change of the
@@ -186,15 +182,13 @@ fn sensitivities(equations: &mut Extended, unknowns: &[f64]) -> Result<Vec<Sensi
     let mut room = vec![0.0; unknowns.len()];
     equations.residual(unknowns, None, &mut room)?;
     equations.factor(None)?;
-    let unfolding = unfolding_unknowns(equations);
-    let mut adjoint = |position: usize| {
+    let adjoint = |position: usize| {
         let mut weights = vec![0.0; unknowns.len()];
         weights[position] = 1.0;
         equations.factors.solve_transposed(&mut weights);
         weights
     };
-    let released: Vec<Vec<f64>> = (first..unknowns.len()).map(&mut adjoint).collect();
-    let unfolding: Vec<Vec<f64>> = unfolding.into_iter().map(&mut adjoint).collect();
+    let released: Vec<Vec<f64>> = (first..unknowns.len()).map(adjoint).collect();
     let gradients = gradients(equations)?;
     let names = equations.names().parameters.clone();
     let (mut all, varying) = (Vec::new(), equations.released.clone());
@@ -212,10 +206,7 @@ fn sensitivities(equations: &mut Extended, unknowns: &[f64]) -> Result<Vec<Sensi
         room[n..].iter_mut().zip(of_conditions).for_each(|(slope, own)| *slope = own);
         let along =
             |weights: &Vec<f64>| -> f64 { weights.iter().zip(&room).map(|(w, g)| -w * g).sum() };
-        let breaks_up = unfolding.iter().any(|weights| {
-            let terms: f64 = weights.iter().zip(&room).map(|(w, g)| (w * g).abs()).sum();
-            along(weights).abs() > BREAKS_UP * terms
-        });
+        let breaks_up = breaks_up(equations, &room[..n], &[]);
         let slope = |(weights, of): (&Vec<f64>, &usize)| {
             let (slope, rounding) = (along(weights), NOISE * f64::EPSILON);
             let terms: f64 = weights.iter().zip(&room).map(|(w, g)| (w * g).abs()).sum();
@@ -229,15 +220,6 @@ fn sensitivities(equations: &mut Extended, unknowns: &[f64]) -> Result<Vec<Sensi
         }
     }
     Ok(all)
-}
-
-/// Returns the indices of the auxiliary unknowns that unfold the problem.
-fn unfolding_unknowns(equations: &Extended) -> Vec<usize> {
-    let (n, null) = (equations.dimension(), &equations.null);
-    let own = equations.conditions.iter().flat_map(|condition| {
-        (0..condition.unknowns()).map(|j| condition.unfolding(j, null).is_some())
-    });
-    own.enumerate().filter(|(_, unfolds)| *unfolds).map(|(j, _)| n + j).collect()
 }
 
 /// Calls a function while exact gradients are enabled.

@@ -16,6 +16,7 @@ use super::linear_range::linear_range;
 use super::log::Log;
 use super::metric::{Metric, StartSizes, in_units};
 use super::newton::NewtonError;
+use super::persistence;
 use super::quantities::Quantities;
 use super::recorder::Recorder;
 use super::refiner::Refiner;
@@ -124,6 +125,7 @@ pub(super) fn begin<'a>(
     let Leaving { unknowns, tangent, parent, from_branch_point, said } =
         leave(&mut corrector, &unknowns, &beginning, scaling)?;
     branch.warnings.extend(said);
+    persistence::check(&mut corrector, &unknowns)?;
     let is_anew = beginning.is_anew() && origin.is_none();
     let to_one_side = start.site == Site::Beside || start.site == Site::Limit && from_branch_point;
     let tangent = oriented(&corrector, tangent, to_one_side);

@@ -85,13 +85,13 @@ vector_field! {
 }
 
 vector_field! {
-    /// The circle of radius 1, and a pitchfork across it: `z' = (μ − 1 − κ² + x) z − z³`. On the circle
-    /// the mean of `x` is zero: the branch point is at `μ = 1 + κ²`.
-    pub struct PitchforkOfCycles [x, y, z; mu, kappa] {
+    /// The circle of radius 1, and a pitchfork across it: `z' = (μ − 1 − κ² + x) z − z³ + δ`. On the
+    /// circle the mean of `x` is zero: for `δ = 0`, the branch point is at `μ = 1 + κ²`.
+    pub struct PitchforkOfCycles [x, y, z; mu, kappa, delta] {
         let growth = T::one() - x * x - y * y;
         d/dt x = x * growth - y;
         d/dt y = y * growth + x;
-        d/dt z = (mu - kappa * kappa - 1.0 + x) * z - z.powi(3);
+        d/dt z = (mu - kappa * kappa - 1.0 + x) * z - z.powi(3) + delta;
     }
 }
 
