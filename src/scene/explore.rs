@@ -240,7 +240,18 @@ impl<'a> Exploration<'a> {
                      the point has not converged"
             )
         });
-        let why: Vec<String> = why.collect();
+        let symmetric = branch
+            .special
+            .iter()
+            .filter(|point| self.following.kinds.contains(&point.kind) && is_pitchfork_hopf(point));
+        let symmetric = symmetric.map(|point| {
+            format!(
+                "no curve is traced from the pitchfork–Hopf point with label {}, because curves \
+                 that emanate from pitchfork–Hopf points are not supported",
+                point.label
+            )
+        });
+        let why: Vec<String> = why.chain(symmetric).collect();
         let next = following(self.resolution, run, branch, &self.following.kinds);
         let own = &self.resolution.scene().runs;
         let next = next.into_iter().filter(|next| {
@@ -399,6 +410,11 @@ fn is_known(run: &Run, done: &[Branch]) -> bool {
     })
 }
 
+/// Whether a special point is a pitchfork–Hopf point.
+fn is_pitchfork_hopf(point: &SpecialPoint) -> bool {
+    point.number("ph_p11").is_some()
+}
+
 /// Returns whether a curve of special points of a given kind emanates from a special point. A curve
 /// of torus points of cycles emanates from a fold–Hopf point only if `s θ < 0`, and a curve of
 /// torus points of doubled orbits emanates from a 1:2 resonance only if `a < 0`.
@@ -406,7 +422,7 @@ fn begins_at(point: &SpecialPoint, held: Kind, doubled: bool) -> bool {
     let number = |name| point.number(name).map(|number| number.value);
     let product = number("zh_s").zip(number("zh_theta")).map(|(s, theta)| s * theta);
     let decides = product.or(number("r2_a").filter(|_| doubled));
-    held != Kind::TR || decides.is_none_or(|decides| decides < 0.0)
+    !is_pitchfork_hopf(point) && (held != Kind::TR || decides.is_none_or(|decides| decides < 0.0))
 }
 
 /// Returns the setting that makes a run trace orbits, unless the scene or the run already states

@@ -94,6 +94,25 @@ fn the_numbers_of_a_fold_hopf_point() {
     assert!(folds.points.iter().all(|point| point.value(p).unwrap().abs() < 1e-9));
 }
 
+/// With the symmetry `x → −x`, the zero eigenvalue at the point belongs to a pitchfork: `x' = b x −
+/// 3 10⁶ x³ − 2 x r²`, `r' = a r − 5 10⁶ x² r − r³`.
+#[test]
+fn the_numbers_of_a_pitchfork_hopf_point() {
+    let document = traced(
+        "Scene(title: \"planted\", problem: Equations(states: [(\"x\", \"b*x - 3e6*x^3 - 2*x*(u^2 + v^2)\"), \
+         (\"u\", \"c*u - 7*v\"), (\"v\", \"c*v + 7*u\")], definitions: [(\"c\", \"a - 5e6*x^2 - u^2 - v^2\")], \
+         parameters: [(\"a\", -1), (\"b\", -1)], solution: equilibrium), runs: [(name: \"rest\", along: [(name: \
+         \"a\", low: -1, high: 1)]), (name: \"curve\", start: From(run: \"rest\", kind: HB), hold: HB, along: \
+         [(name: \"a\", low: -1, high: 1), (name: \"b\", low: -1, high: 1)])])",
+    );
+    let point = at(&document.branches[1], Kind::ZH, "b", 0.0, 1e-10);
+    coefficient(point, "ph_p11", -3e6, 1e-9);
+    coefficient(point, "ph_theta", 2.0, 1e-9);
+    coefficient(point, "ph_delta", 5.0 / 3.0, 1e-9);
+    assert_eq!(point.subkind.as_deref(), Some("pitchfork–Hopf, simple"));
+    assert!(point.number("zh_s").is_none());
+}
+
 /// Cycles of constant `v` and `r` are torus points where the trace of the motion of `(v, r)` vanishes:
 /// `G₂₀₀ v + G₃₀₀/2 v² + (G₁₁₁ + Re G₀₂₁) r² = 0`.
 #[test]

@@ -69,7 +69,7 @@ pub(crate) struct Case {
 }
 
 /// The names of the normal-form coefficients that the command line does not print.
-pub(crate) const DETAILS: [&str; 25] = [
+pub(crate) const DETAILS: [&str; 29] = [
     "c1_re",
     "c1_im",
     "c2_re",
@@ -81,6 +81,10 @@ pub(crate) const DETAILS: [&str; 25] = [
     "hh_p12",
     "hh_p21",
     "hh_p22",
+    "ph_p11",
+    "ph_p12",
+    "ph_p21",
+    "ph_p22",
     "lppd_a20",
     "lppd_a02",
     "lppd_b11",

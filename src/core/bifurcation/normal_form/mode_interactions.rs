@@ -6,7 +6,7 @@ use super::forms::Forms;
 use super::manifold::{Motion, motion};
 use crate::core::bifurcation::at::At;
 use crate::core::failure::Failure;
-use crate::core::linalg::Form;
+use crate::core::linalg::{Form, largest};
 use crate::core::problem::Dynamics;
 use faer::c64;
 
@@ -31,10 +31,18 @@ fn reduced(at: &mut At, [first, second]: [Form; 2]) -> Result<(Motion, bool), Fa
 /// The numbers that determine the unfolding of the fold–Hopf point are (Kuznetsov, section 8.5): `s
 /// = sign G₂₀₀ G₀₁₁`, `θ = 2 Re G₁₁₀/G₂₀₀`, `E = ½ Re (G₂₁₀ + G₁₁₀ (Re G₀₂₁/G₀₁₁ − G₃₀₀/G₂₀₀ +
 /// G₁₁₁/G₀₁₁) − G₀₂₁ G₂₀₀/(2 G₀₁₁))`.
+///
+/// At a pitchfork–Hopf point, where a symmetry `v → −v` excludes all terms of second order, the
+/// amplitude equations are the same as for a double Hopf point, with `v` in place of `|z₁|`: `p₁₁ =
+/// G₃₀₀/6`, `p₁₂ = G₁₁₁`, `p₂₁ = Re G₂₁₀/2`, `p₂₂ = Re G₀₂₁/2`.
 pub(in crate::core::bifurcation) fn fold_hopf(at: &mut At) -> Result<NormalForm, Failure> {
     let Some(&omega) = at.held.first() else { return Ok(NormalForm::default()) };
     let (motion, _) = reduced(at, [Form::Jacobian, Form::Oscillation(omega)])?;
-    let form = beside_pair(&motion).normal_form(["zh_s", "zh_theta", "zh_e"]);
+    let interaction = beside_pair(&motion);
+    if interaction.is_symmetric(omega) {
+        return Ok(interaction.pitchfork());
+    }
+    let form = interaction.normal_form(["zh_s", "zh_theta", "zh_e"]);
     Ok(form.decided_by(&["zh_s", "zh_theta"]))
 }
 
@@ -100,7 +108,28 @@ struct FoldInteraction {
     b03: c64,
 }
 
+/// Rounding: the terms of second order count as zero if they are smaller than this fraction of the
+/// rate `ω |z|`, for amplitudes at which the terms of third order are as large as this rate.
+const SYMMETRIC: f64 = 1e-7;
+
 impl FoldInteraction {
+    /// Whether all terms of second order are zero up to rounding, as at a pitchfork.
+    fn is_symmetric(&self, omega: f64) -> bool {
+        let FoldInteraction { a20, a02, a30, a12, b11, b21, b03 } = self;
+        let second = [a20.abs(), a02.abs(), b11.re.abs()];
+        let third = [a30.abs(), a12.abs(), b21.re.abs(), b03.re.abs()];
+        let [second, third] = [largest(&second), largest(&third)];
+        second <= SYMMETRIC * (omega * third).sqrt()
+    }
+
+    /// Returns the normal form of a pitchfork that interacts with a critical pair.
+    fn pitchfork(&self) -> NormalForm {
+        let FoldInteraction { a30, a12, b21, b03, .. } = *self;
+        let names = ["ph_p11", "ph_p12", "ph_p21", "ph_p22", "ph_theta", "ph_delta"];
+        let own = ["pitchfork–Hopf, simple", "pitchfork–Hopf, difficult"];
+        amplitudes([[a30, a12], [b21.re, b03.re]], (names, own), &["ph_p11", "ph_p22"])
+    }
+
     /// Returns the normal form of a fold that interacts with a critical pair; the arguments are the
     /// names of `s`, `θ` and `E`.
     fn normal_form(&self, [s, theta, e]: [&'static str; 3]) -> NormalForm {
@@ -164,7 +193,7 @@ fn two_pairs(
     let (motion, _) = reduced(at, forms)?;
     let first = [motion.of(0, &[2, 1, 0, 0]).re, motion.of(0, &[1, 0, 1, 1]).re];
     let second = [motion.of(2, &[1, 1, 1, 0]).re, motion.of(2, &[0, 0, 2, 1]).re];
-    Ok(amplitudes([first, second], names, deciding))
+    Ok(amplitudes([first, second], (names, TYPES), deciding))
 }
 
 /// The normal form of a flip–torus point of periodic orbits:
@@ -181,17 +210,20 @@ pub(in crate::core::bifurcation) fn flip_torus(at: &mut At) -> Result<NormalForm
     let first = [motion.of(0, &[3, 0, 0]).re, motion.of(0, &[1, 1, 1]).re];
     let second = [motion.of(1, &[2, 1, 0]).re, motion.of(1, &[0, 2, 1]).re];
     let names = ["pdns_p11", "pdns_p12", "pdns_p21", "pdns_p22", "pdns_theta", "pdns_delta"];
-    Ok(amplitudes([first, second], names, &["pdns_p11", "pdns_p22"]))
+    Ok(amplitudes([first, second], (names, TYPES), &["pdns_p11", "pdns_p22"]))
 }
+
+/// The types of two interacting oscillations: `p₁₁ p₂₂ > 0`, or not.
+const TYPES: [&str; 2] = ["simple", "difficult"];
 
 /// The normal form of two interacting oscillations with the amplitudes `rᵢ`: `rᵢ' = rᵢ Σ_j pᵢⱼ
 /// rⱼ²`.
 fn amplitudes(
     [[p11, p12], [p21, p22]]: [[f64; 2]; 2],
-    names: [&'static str; 6],
+    (names, [simple, difficult]): ([&'static str; 6], [&'static str; 2]),
     deciding: &'static [&'static str],
 ) -> NormalForm {
-    let case = if p11 * p22 > 0.0 { "simple" } else { "difficult" };
+    let case = if p11 * p22 > 0.0 { simple } else { difficult };
     let values = [p11, p12, p21, p22, p12 / p22, p21 / p11];
     let coefficients = names.into_iter().zip(values).collect();
     NormalForm { coefficients, case: None }.decided(case, deciding)
