@@ -79,7 +79,7 @@ pub(super) fn is_one(
 }
 
 /// Returns the largest absolute value of a column along a branch.
-fn size(branch: &Branch, column: usize) -> f64 {
+pub(super) fn size(branch: &Branch, column: usize) -> f64 {
     let values = branch.points.iter().filter_map(|point| point.value(column));
     values.fold(0.0, |size: f64, value| size.max(value.abs()))
 }

@@ -3,6 +3,7 @@
 use super::discretisation::Settled;
 use super::error::SceneError;
 use super::forecast;
+use super::identity::size;
 use super::join::{Joined, join};
 use super::local::{Local, points_of, series_of};
 use super::observer::SceneObserver;
@@ -16,7 +17,12 @@ use crate::core::problem::{Group, position};
 use crate::core::system::{Kind, System};
 use crate::output::{Document, drop_missing_points, restrict_to_finished};
 use cpu_time::ThreadTime;
+use std::collections::HashSet;
 use std::time::Duration;
+
+/// Heuristic: a special point lies at a mark if its value differs by less than this fraction of the
+/// largest value on the branch.
+const AT_MARK: f64 = 1e-6;
 
 /// The results of a scene: all traced branches, and the error that stopped the scene, if an error
 /// occurred.
@@ -123,6 +129,9 @@ impl Tracing {
         }
         let interrupted = |branch: &Branch| branch.ends.contains(&End::Interrupted);
         let is_complete = error.is_none() && !done.iter().any(interrupted);
+        if is_complete {
+            warn_of_missed_marks(&runs, &mut done);
+        }
         let shown = runs.iter().zip(done).filter(|(run, _)| run.shown);
         let branches = shown.map(|(_, branch)| branch).collect();
         let mut document = resolution.document(runs.iter(), branches);
@@ -215,6 +224,37 @@ fn started(
         _ => initial,
     };
     Ok(((system, guess), None))
+}
+
+/// Adds a warning for each mark whose value no branch reaches, although branches have its column.
+fn warn_of_missed_marks(runs: &[Run], done: &mut [Branch]) {
+    let of_run = runs.iter().enumerate().filter(|(_, run)| run.shown);
+    let marks = of_run.flat_map(|(k, run)| run.marks.iter().map(move |mark| (k, mark)));
+    let mut seen = HashSet::new();
+    for (k, (name, level)) in marks.filter(|(_, (name, at))| seen.insert((name, at.to_bits()))) {
+        let has_column = |branch: &&Branch| !branch.columns_showing(name).is_empty();
+        let mut having = done.iter().filter(has_column).peekable();
+        if having.peek().is_some() && !having.any(|branch| reaches(branch, name, *level)) {
+            done[k].warnings.push(format!(
+                "the mark at {name} = {level} has no effect: no branch reaches this value"
+            ));
+        }
+    }
+}
+
+/// Whether a special point of a branch, which may be an end of the branch, lies at a value of a
+/// column.
+fn reaches(branch: &Branch, name: &str, level: f64) -> bool {
+    let names: Vec<&str> = branch.columns().collect();
+    branch.columns_showing(name).into_iter().any(|column| {
+        let near = AT_MARK * size(branch, column);
+        let event = names.get(column).map(|name| format!("{name} = {level}"));
+        branch.special.iter().any(|special| {
+            let value = special.value(column);
+            Some(&special.event) == event.as_ref()
+                || value.is_some_and(|value| (value - level).abs() <= near)
+        })
+    })
 }
 
 /// Returns the branch of a run, and the names of the columns that have bounds or marks but do not

@@ -346,3 +346,27 @@ fn a_start_from_a_file_keeps_the_settings_of_the_device() {
     assert_eq!(ends.len(), 2);
     assert!((ends[1] / ends[0] - 2.0_f64.powf(1.5)).abs() < 1e-6, "{ends:?}");
 }
+
+/// A mark that no branch reaches has no effect, and a warning says so.
+#[test]
+fn a_mark_that_no_branch_reaches_is_a_warning() {
+    let folder = folder();
+    let at = folder.path();
+    std::fs::write(at.join("q.ode"), "x'=r+x^2\npar r=-1\ninit x=-1\ndone\n").unwrap();
+    let warned = |mark: &str| {
+        let output = tangency(at, &["trace", "q.ode", "--along", "r=-1..1", "--mark", mark]);
+        assert!(output.status.success());
+        let (said, why) = (String::from_utf8_lossy(&output.stderr), "no branch reaches this value");
+        assert_eq!(said.contains(why), document_warns(&at.join("out/q.ron"), why));
+        said.contains(why)
+    };
+    assert!(warned("r=0.5") && warned("x=-2"));
+    // Inside the branch, at its start, and at its fold.
+    assert!(!warned("r=-0.5") && !warned("x=-1") && !warned("r=0"));
+}
+
+/// Whether a saved branch has a warning that contains a text.
+fn document_warns(path: &Path, why: &str) -> bool {
+    let all = read(path).branches;
+    all.iter().flat_map(|branch| &branch.warnings).any(|warning| warning.contains(why))
+}
