@@ -25,6 +25,7 @@ mod simulation;
 mod sliding;
 mod sliding_fields;
 mod sliding_switches;
+mod soft_contact;
 pub mod systems;
 mod torus;
 mod unstable;

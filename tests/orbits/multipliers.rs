@@ -11,6 +11,7 @@ use tangency::core::scalar::Scalar;
 use tangency::core::system::{Kind, System};
 use tangency::output::{Document, table};
 use tangency::problems::classic::Lure;
+use tangency::vector_field;
 
 /// Orbits of period one at some values of α.
 fn orbits(alphas: &[f64]) -> Branch {
@@ -23,6 +24,41 @@ fn orbits(alphas: &[f64]) -> Branch {
         .settings(Settings { max_step: 0.05, ..Settings::default() })
         .trace()
         .unwrap()
+}
+
+vector_field! {
+    /// A forced motion beside a state that decays fast and is zero on periodic orbits: the
+    /// multipliers are `exp(−2π)` and `exp(−2πλ)`.
+    struct Beside [x, y; amplitude, rate; t] {
+        d/dt x = amplitude * t.cos() - x;
+        d/dt y = -rate * y;
+        period = T::constant(TAU);
+    }
+}
+
+/// The step control does not see a state that is zero; steps that are too long for stability would
+/// amplify the derivatives of this state.
+#[test]
+fn multipliers_of_states_that_are_zero() {
+    for rate in [1.0, 10.0, 40.0, 100.0, 400.0] {
+        let mut system = shot(Beside, 1);
+        let start = system.sampled(&[], |_, t, x| x.copy_from_slice(&[0.5 * (TAU * t).cos(), 0.0]));
+        let branch = Continuation::new(&mut system)
+            .from(&start)
+            .at("amplitude", 1.0)
+            .at("rate", rate)
+            .along("amplitude", 1.0..=2.0)
+            .trace()
+            .unwrap();
+        for point in &branch.points {
+            assert_eq!(point.unstable, Some(0), "rate {rate}");
+        }
+        for special in &branch.special {
+            let found: Vec<f64> = special.eigenvalues.iter().map(|(re, _)| *re).collect();
+            close(found[0], (-TAU).exp(), 1e-9);
+            close(found[1], (-TAU * rate).exp(), 1e-8);
+        }
+    }
 }
 
 #[test]

@@ -173,6 +173,14 @@ impl DefiningSystem for GrazingBifurcation {
     fn start(&mut self, mut at: At, y: &mut [f64]) -> Result<(), Failure> {
         self.passes = limit_reached(at.system, at.x)?.is_some_and(|limit| limit.passes);
         let own = self.own();
+        // The linearisation of orbits with such an event is singular along the whole curve.
+        if own && without_event(&mut *at.system, at.x).is_some() {
+            return Err(Failure::Undetermined(
+                "the event leaves the motion unchanged, so that the orbits with the event and the \
+                 orbits without it have the same multipliers"
+                    .into(),
+            ));
+        }
         let at = if own { at.again() } else { across(&mut at, self.passes, &mut self.null)? };
         self.unknowns = at.system.names().dimension();
         self.fold.start(at, y)

@@ -72,6 +72,15 @@ pub enum TraceError {
         meaning = .0.meaning()
     )]
     NotHeld(crate::core::system::Kind),
+    /// A curve of solutions at a limit of admissible solutions starts at a solution that is not at
+    /// a limit.
+    #[error(
+        "no curve of {0} points ({meaning}) starts here: no monitor that vanishes at {0} points is \
+         zero at the start",
+        meaning = .0.meaning()
+    )]
+    #[diagnostic(help("start at a special point of the kind {0}"))]
+    NotAtLimit(crate::core::system::Kind),
     /// The defining system of an event has auxiliary unknowns, so that its left side cannot serve
     /// as the test function.
     #[error(

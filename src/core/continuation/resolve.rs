@@ -63,7 +63,7 @@ pub(super) fn resolve(curve: &mut Continuation) -> Result<(Resolved, Start), Tra
     let quantities = Quantities::new(curve.system.names(), &curve.attached);
     let dynamics = curve.system.dynamics();
     let of = (&curve.held[..], curve.origin.as_ref());
-    let held = held(of, &quantities, (released[0], dynamics), &limits.vanishing)?;
+    let held = held(of, &quantities, (released[0], dynamics), &limits)?;
     let (events, bounds) = gather(curve, &quantities, limits, (released[0], multipliers))?;
     let own = held.iter().map(|make| make().unknowns()).sum();
     events.iter().try_for_each(|event| quantities.check_event(event, own))?;
@@ -307,13 +307,13 @@ fn check_held(
     }
 }
 
-/// Returns the constructors of the held defining systems; the first of the `vanishing` monitors is
+/// Returns the constructors of the held defining systems; the first of the vanishing monitors is
 /// held at zero.
 fn held(
     (held, origin): (&[(Kind, Option<MakeCondition>)], Option<&Solution>),
     quantities: &Quantities,
     (parameter, dynamics): (usize, Dynamics),
-    vanishing: &[usize],
+    limits: &Limits,
 ) -> Result<Vec<MakeCondition>, TraceError> {
     let kinds: Vec<Kind> = held.iter().map(|(kind, _)| *kind).collect();
     // If two pairs are critical, the curve follows the other pair; near a point of equilibria, the
@@ -324,7 +324,7 @@ fn held(
     let other = origin.filter(is_known).and_then(|origin| origin.frequency);
     let make = |(kind, make): &(Kind, Option<MakeCondition>)| {
         let known = || match (*kind, other) {
-            (AT_LIMIT, _) => quantities.limit(*vanishing.first()?).condition,
+            (AT_LIMIT, _) => quantities.limit(*limits.vanishing.first()?).condition,
             (Kind::HOM, _) => quantities.homoclinic()?.condition,
             (Kind::HB | Kind::TR, Some(frequency)) => {
                 let periodic = dynamics == Dynamics::Periodic;
@@ -338,7 +338,11 @@ fn held(
                 Some(make)
             }
         };
-        make.clone().or_else(known).ok_or(TraceError::NotHeld(*kind))
+        let unknown = || match *kind {
+            AT_LIMIT if !limits.others.is_empty() => TraceError::NotAtLimit(AT_LIMIT),
+            kind => TraceError::NotHeld(kind),
+        };
+        make.clone().or_else(known).ok_or_else(unknown)
     };
     held.iter().map(make).collect()
 }

@@ -5,10 +5,18 @@ use super::stages::Stages;
 use super::tableau::{Row, Tableau};
 use crate::core::scalar::Scalar;
 
-/// Heuristic: States count as small if the relative tolerance adds less than this fraction to the
-/// absolute tolerance: the real parts of the states then do not show how large their derivatives
-/// are.
+/// Heuristic: A state counts as small if the relative tolerance adds less than this fraction to the
+/// absolute tolerance: the real part of the state then does not show how large its derivatives are.
 const SMALL: f64 = 0.01;
+
+/// Heuristic: the factor by which the tolerances of derivatives exceed the tolerances of real parts
+/// if all states are small: the derivatives then control the steps.
+const AT_REST: f64 = 10.0;
+
+/// Heuristic: the factor by which the tolerances of derivatives exceed the tolerances of real parts
+/// if some states are small. The other states usually control the steps; but if a small state
+/// decays fast, steps that are too long for stability amplify its derivatives.
+const BESIDE: f64 = 1e3;
 
 /// The function that measures numbers in error estimates; by default, the size of a number is the
 /// absolute value of its real part.
@@ -22,6 +30,8 @@ pub(super) struct Measure<'a, T> {
     /// The unit of each state's absolute tolerance.
     pub scales: &'a [f64],
     pub size: Option<Size<T>>,
+    /// Whether only states that are small throughout the step are measured.
+    pub only_small: bool,
 }
 
 impl<T: Scalar> Measure<'_, T> {
@@ -31,19 +41,24 @@ impl<T: Scalar> Measure<'_, T> {
         self.absolute * scale + self.relative * size(x).max(size(y))
     }
 
-    /// Returns the measure of errors that is used if the real parts of all states are small: it
-    /// uses another definition of the size of a number, and tolerances ten times as large.
-    #[cold]
-    pub fn at_rest(self, size: Size<T>) -> Self {
-        let (relative, absolute) = (10.0 * self.relative, 10.0 * self.absolute);
-        Measure { relative, absolute, size: Some(size), ..self }
+    /// Returns the measure for the derivatives of the states that are small throughout a step, with
+    /// another definition of the size of a number and larger tolerances; `None` if no state is
+    /// small.
+    pub fn of_derivatives(self, size: Size<T>, x: &[T], stages: &Stages<T>) -> Option<Self> {
+        let states = x.iter().zip(&stages.end).zip(self.scales);
+        let small = states.filter(|((x, end), scale)| self.is_small(**scale, x, end)).count();
+        if small == 0 {
+            return None;
+        }
+        let factor = if small == x.len() { AT_REST } else { BESIDE };
+        let (relative, absolute) = (factor * self.relative, factor * self.absolute);
+        Some(Measure { relative, absolute, size: Some(size), only_small: true, ..self })
     }
 
-    /// Whether the absolute tolerance dominates the tolerated error throughout a step.
-    pub fn is_small(&self, x: &[T], stages: &Stages<T>) -> bool {
-        let small =
-            |(x, scale): (&T, &f64)| self.relative * x.real().abs() < SMALL * self.absolute * scale;
-        x.iter().zip(self.scales).chain(stages.end.iter().zip(self.scales)).all(small)
+    /// Whether the absolute tolerance dominates the tolerated error of a state at both ends of a
+    /// step.
+    fn is_small(&self, scale: f64, x: &T, end: &T) -> bool {
+        self.relative * x.real().abs().max(end.real().abs()) < SMALL * self.absolute * scale
     }
 
     /// Computes `Σ_i (h Σ_j e_j k_ij / tolerated_i)²` for several rows `e` of error weights.
@@ -57,6 +72,9 @@ impl<T: Scalar> Measure<'_, T> {
         let (n, slopes) = (x.len(), &stages.slopes);
         let mut squares = [0.0; R];
         for (i, (x, end)) in x.iter().zip(&stages.end).enumerate() {
+            if self.only_small && !self.is_small(self.scales[i], x, end) {
+                continue;
+            }
             let scale = 1.0 / self.tolerated(self.scales[i], x, end);
             for (square, row) in squares.iter_mut().zip(rows) {
                 let terms = row.iter().map(|(j, e)| (&slopes[j * n + i], h * e));

@@ -90,10 +90,10 @@ impl<T: Scalar> Flow<T> {
         self
     }
 
-    /// Sets a size of numbers that additionally controls steps, at ten times the tolerances, if all
-    /// states are small (compared with the ratio of the absolute to the relative tolerance). Near
-    /// an equilibrium at `x = 0`, the real parts of dual numbers are almost zero and cannot control
-    /// the error of the derivatives, so the size of the derivatives is used.
+    /// Sets a size of numbers that additionally controls steps if states are small (compared with
+    /// the ratio of the absolute to the relative tolerance). If a state is almost zero, as near an
+    /// equilibrium at `x = 0`, the real part of a dual number cannot control the error of the
+    /// derivatives, so the size of the derivatives is used.
     pub(in crate::core) fn measure_at_rest_by(&mut self, size: Size<T>) {
         self.size_at_rest = Some(size);
     }
@@ -301,11 +301,10 @@ impl<T: Scalar> Flow<T> {
             stages.end_slope(tableau.end(), motion, sigma + h);
         }
         let error = measure.explicit_error(h, tableau, x, stages);
-        match self.size_at_rest {
-            Some(size) if measure.is_small(x, stages) => {
-                error.max(measure.at_rest(size).explicit_error(h, tableau, x, stages))
-            }
-            _ => error,
+        let of_derivatives = self.size_at_rest.and_then(|it| measure.of_derivatives(it, x, stages));
+        match of_derivatives {
+            Some(measure) => error.max(measure.explicit_error(h, tableau, x, stages)),
+            None => error,
         }
     }
 
@@ -353,7 +352,7 @@ impl<T: Scalar> Flow<T> {
 /// Returns the measure of errors for the solver's settings.
 fn measure<'a, T>(settings: &Settings, size: Option<Size<T>>, scales: &'a [f64]) -> Measure<'a, T> {
     let Settings { relative, absolute, .. } = *settings;
-    Measure { relative, absolute, scales, size }
+    Measure { relative, absolute, scales, size, only_small: false }
 }
 
 /// Returns the squared distance between the real parts of two vectors.

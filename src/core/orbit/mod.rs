@@ -41,6 +41,7 @@ mod legs;
 mod map_cycle;
 mod measures;
 mod periodic;
+mod repeated;
 mod reset_jumps;
 mod same_surface_legs;
 mod simulated;

@@ -9,6 +9,7 @@ use super::itinerary::{Itinerary, Leg};
 use super::known_orbit::KnownOrbit;
 use super::legs::OrbitLegs;
 use super::measures::{APPROACH, DECISION, GRAZINGS, SHORTEST, SPACING, monitors_of};
+use super::repeated::traversed_once;
 use super::reset_jumps::{check_resets, jump_between};
 use super::timed_events::check_timed;
 use super::touch_switching::{emanating_at_touch, with_touches};
@@ -180,7 +181,7 @@ impl Itineraries<ErasedProblem> for OrbitItineraries {
         }
         match (other, which) {
             (None, _) => Ok(emanating_at_touch(orbit, which)?.erased()),
-            (Some(other), 0) => Ok(other.erased()),
+            (Some(other), 0) => Ok(traversed_once(other, orbit.p())?.erased()),
             (Some(_), _) => Err(Failure::no_branch(which, 1)),
         }
     }

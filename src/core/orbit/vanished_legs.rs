@@ -97,10 +97,20 @@ fn behind_touch(orbit: &KnownOrbit, leg: usize) -> Result<Option<usize>, Failure
     if orbit.moment(leg, t, &x).has_speed(guard) {
         return Ok(None);
     }
-    let next = (1..=legs.len()).map(|k| (leg + k) % legs.len()).find(|leg| orbit.lasts(*leg));
+    let mut behind = (1..=legs.len()).map(|k| (leg + k) % legs.len());
+    let mut waited = 0.0;
+    let next = behind.find(|leg| {
+        let lasts = orbit.lasts(*leg);
+        waited += if lasts { 0.0 } else { orbit.length(*leg) };
+        lasts
+    });
     let next = next.filter(|next| legs[*next].mode == mode);
     if let Some(next) = next {
-        let states = [&x[..], orbit.known[next].start()];
+        // Legs that count as having no length may last for a short time.
+        let mut without = vec![0.0; x.len()];
+        orbit.system().field(mode, t, &x, orbit.p(), &mut without);
+        without.iter_mut().zip(&x).for_each(|(rate, x)| *rate = x + waited * *rate);
+        let states = [&without[..], orbit.known[next].start()];
         check_unmoved(orbit.legs, (mode, guard), states, orbit.p())?;
     }
     Ok(next)
