@@ -505,6 +505,8 @@ pub struct Approach {
     /// The extents of the cycle: the largest minus the smallest value of each state on each
     /// segment.
     pub extents: Vec<f64>,
+    /// Whether the nearest equilibrium is a saddle.
+    pub is_saddle: bool,
 }
 
 /// The accuracy with which a discretisation is evaluated, and the token that cancels evaluations.

@@ -48,8 +48,8 @@ const WEAK: f64 = 1e-3;
 const WEAK_AT_FAILURE: f64 = 0.05;
 
 /// Heuristic: a curve of special points of cycles follows homoclinic orbits if the period stands
-/// still on the finest allowed mesh, and if the cycles pass an equilibrium at a distance of less
-/// than this fraction of their extents.
+/// still on the finest allowed mesh, and if the cycles pass a saddle at a distance of less than this
+/// fraction of their extents.
 const NEAR_ON_CURVE: f64 = 0.05;
 
 /// The data of the checks that can end one half of a branch at a point where Newton's method still
@@ -142,7 +142,7 @@ impl EarlyEnd {
         let period = free_period?;
         if is_finest
             && self.standstill.reached(period)
-            && let Some(Approach { distance, .. }) = approach(corrector, place)
+            && let Some(Approach { distance, is_saddle: true, .. }) = approach(corrector, place)
             && distance < NEAR_ON_CURVE
         {
             return Some(End::Homoclinic { period, distance });

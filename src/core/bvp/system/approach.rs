@@ -20,15 +20,15 @@ const ROUNDING: f64 = 1e-10;
 
 impl Solutions {
     /// Estimates the distance of a cycle with a free period from the nearest equilibrium, by one
-    /// Newton correction from each node; returns this distance, and the extents (ranges) of the
-    /// states.
+    /// Newton correction from each node; returns this distance, the extents (ranges) of the states,
+    /// and whether the equilibrium is a saddle, according to the Jacobian at the nearest node.
     pub fn approach(&mut self, x: &[f64]) -> Option<Approach> {
         self.free_period(x)?;
         self.load(x);
         let extents = self.extents();
         let Solutions { equations, plain, .. } = self;
         let Work { nodes, numbers, .. } = &*plain;
-        let mut distance = f64::INFINITY;
+        let (mut distance, mut nearest) = (f64::INFINITY, None);
         for (segment, s) in equations.layout.segments.iter().enumerate() {
             let q = &numbers[equations.layout.local(segment)];
             let field = f64::residual(&*equations.problem).on_segment(segment, q);
@@ -39,16 +39,23 @@ impl Solutions {
                 let matrix = DMatrix::from_column_slice(s.states, s.states, &matrix);
                 // Motion on a surface gives no information about deviations across it: the matrix is
                 // singular there, and the shortest correction is used.
-                let singular = matrix.svd(true, true);
+                let singular = matrix.clone().svd(true, true);
                 let least = SINGULAR * singular.singular_values.max();
                 let Ok(way) = singular.solve(&DVector::from_column_slice(&slope), least) else {
                     continue;
                 };
                 let parts = way.iter().zip(&extents[s.ends..]).map(|(d, extent)| d.abs() / extent);
-                distance = distance.min(parts.fold(0.0, f64::max));
+                let here = parts.fold(0.0, f64::max);
+                if here < distance {
+                    (distance, nearest) = (here, Some(matrix));
+                }
             }
         }
-        distance.is_finite().then_some(Approach { distance, extents })
+        let rates = nearest.map(|matrix| matrix.complex_eigenvalues());
+        let is_saddle = rates.is_some_and(|rates| {
+            rates.iter().any(|rate| rate.re > 0.0) && rates.iter().any(|rate| rate.re < 0.0)
+        });
+        distance.is_finite().then_some(Approach { distance, extents, is_saddle })
     }
 
     /// Returns the range of each state of each segment, from parabolas through the nodes.
