@@ -3,9 +3,10 @@
 
 use super::{scene, traced};
 use crate::common::{close, values};
+use std::path::Path;
 use tangency::core::continuation::{Branch, SpecialPoint};
 use tangency::core::system::Kind;
-use tangency::scene::{Problem, Range, Request, Scene, SearchBox, execute};
+use tangency::scene::{Following, Problem, Range, Request, Scene, SearchBox, execute};
 
 /// The branches of equilibria of a model along a parameter, started at `initial`.
 fn rest(states: &str, (parameters, initial): (&str, &str), along: (&str, [f64; 2])) -> Vec<Branch> {
@@ -284,4 +285,28 @@ fn equilibria_outside_the_region_of_their_mode_are_not_listed() {
     assert_eq!((beyond.roots.len(), beyond.inadmissible), (0, 1), "{beyond:?}");
     let inside = found("0.5");
     assert_eq!((inside.roots.len(), inside.inadmissible), (1, 0), "{inside:?}");
+}
+
+/// Two multipliers of a ring of maps pass −1 together, close to a torus point whose multipliers are
+/// nearer to the unit circle on most of the step. The value is from Newton's method for the cycle and
+/// bisection for its multiplier (SciPy).
+#[test]
+fn a_double_period_doubling_beside_a_torus_point_is_accurate() {
+    let text = r#"Map(states: [("x[i=1..n]", "(1-eps)*f(x[i]) + eps/2*(f(x[1+mod(i,n)]) + f(x[1+mod(i-2,n)]))")],
+        functions: [("f", ["s"], "r*s*(1-s)")], definitions: [("n", 4)], parameters: [("r", 2.5), ("eps", 0.1)],
+        initial: [("x", 0.6)])"#;
+    let problem = Problem::from_text(Path::new("ring.ron"), text, &[]).unwrap();
+    let along = vec![Range { name: "r".into(), low: Some(2.5), high: Some(3.75) }];
+    let request = Request { along, ..Request::default() };
+    let scene = Scene::of_model(problem, "ring", &request).unwrap_or_else(|it| panic!("{it}"));
+    let following = Following { kinds: vec![Kind::PD], depth: 2, distinct: false };
+    let (_, outcome) = scene.resolve(None).unwrap().explore(&following, &mut ());
+    let doubled = outcome.document.branches.iter().flat_map(|branch| {
+        let r = branch.column("r").unwrap();
+        branch.of_kind(Kind::PD).map(move |point| (point, point.value(r).unwrap()))
+    });
+    let near: Vec<_> = doubled.filter(|(_, r)| (r - 3.7004).abs() < 1e-3).collect();
+    let [(point, r)] = near[..] else { panic!("{} points", near.len()) };
+    assert!(point.converged && point.multiplicity == 2 && point.error < 1e-8, "{}", point.error);
+    assert!((r - 3.70043436976).abs() < 1e-10, "{r}");
 }

@@ -32,6 +32,10 @@ const TOGETHER: f64 = 1e-7;
 /// two zeros of eigenvalues count as equal is the discretisation error of usual meshes.
 const ON_MESH: f64 = 1e-6;
 
+/// Rounding: a position is accurate if its uncertainty, in scaled arclength, is smaller than this
+/// threshold, even in a short interval.
+const CERTAIN: f64 = 1e-9;
+
 /// Heuristic: an interval is cut next to the part that contains the zeros of all eigenvalues, if
 /// the cut removes at least this fraction of the interval.
 const WORTH_CUTTING: f64 = 0.25;
@@ -98,9 +102,20 @@ impl Cluster {
     /// Whether all eigenvalues of the cluster vanish at the same position, up to rounding and the
     /// discretisation error.
     pub fn coincides(&self, corrector: &mut Corrector) -> bool {
+        self.zeros.len() == self.count && self.spread() <= self.allowed(corrector)
+    }
+
+    /// Whether the position at which the mean of the eigenvalues vanishes is accurate up to rounding
+    /// and the discretisation error. In a long interval, other eigenvalues may be nearer to zero at
+    /// some of the samples.
+    pub fn is_certain(&self, corrector: &mut Corrector) -> bool {
+        self.uncertainty <= self.allowed(corrector).max(CERTAIN)
+    }
+
+    /// Returns the distance below which two positions are equal.
+    fn allowed(&self, corrector: &mut Corrector) -> f64 {
         let mesh = corrector.equations.system().representation().mesh;
-        let error = if mesh.is_empty() { TOGETHER * self.length } else { ON_MESH };
-        self.zeros.len() == self.count && self.spread() <= error
+        if mesh.is_empty() { TOGETHER * self.length } else { ON_MESH }
     }
 
     /// Returns the position at which to cut the interval. If all eigenvalues vanish in a small part

@@ -16,7 +16,9 @@ use super::locator::Locator;
 use super::log::Log;
 use super::recorder::{Recorded, special_point};
 use super::step_control::Step;
-use super::unexplained::{is_doubtful_pair, uncounted, unexplained, without_doubtful_counts};
+use super::unexplained::{
+    LEAST_UNEXPLAINED, is_doubtful_pair, uncounted, unexplained, without_doubtful_counts,
+};
 use crate::core::bifurcation::{
     Critical, Hopf, Stability, catalogue, parameter_in_range, without_critical,
 };
@@ -109,13 +111,15 @@ impl Parts<'_, '_> {
             0 => return found,
             _ => Cluster::of(&mut Locator::new(self.curve, interval), change.unsigned_abs()),
         };
-        let one = cluster.as_ref().is_some_and(|it| it.coincides(&mut self.curve.corrector));
+        let corrector = &mut self.curve.corrector;
+        let one = cluster.as_ref().is_some_and(|it| it.coincides(corrector));
+        let is_certain = one && cluster.as_ref().is_some_and(|it| it.is_certain(corrector));
         let cut = cluster.as_ref().map_or(0.5 * step.length, Cluster::cut);
-        if !one && let Some(apart) = self.cut(from, step, cut, at_start) {
+        if !is_certain && let Some(apart) = self.cut(from, step, cut, at_start) {
             return apart;
         }
         let mut found = match &cluster {
-            Some(cluster) => self.together(interval, cluster, found),
+            Some(cluster) => self.together(interval, (cluster, one), found),
             None => found,
         };
         let origin = self.origin(at_start);
@@ -182,12 +186,13 @@ impl Parts<'_, '_> {
         (length > 0.0).then_some([first, second])
     }
 
-    /// Returns the events of an interval in which several eigenvalues pass zero at one point: one
-    /// event for each type of eigenvalue.
+    /// Returns the events of an interval in which several eigenvalues pass zero, and which is not
+    /// divided further: one event for each type of eigenvalue. The flag states whether the
+    /// eigenvalues pass zero at one point.
     fn together(
         &mut self,
         interval: Interval,
-        cluster: &Cluster,
+        (cluster, one): (&Cluster, bool),
         mut found: Vec<Located>,
     ) -> Vec<Located> {
         let dynamics = self.curve.corrector.equations.system().dynamics();
@@ -208,7 +213,8 @@ impl Parts<'_, '_> {
         for group in several {
             let pair = group.critical == Critical::Pair && group.count == 1;
             let alone = if pair { self.pair(interval, cluster, group) } else { None };
-            found.extend(alone.or_else(|| self.multiple(interval, cluster, group)));
+            let together = || self.multiple(interval, (cluster, one), group);
+            found.extend(alone.or_else(together));
         }
         found
     }
@@ -238,8 +244,15 @@ impl Parts<'_, '_> {
         inside.then(|| describe(self.curve, index, interval, located).ok()).flatten()
     }
 
-    /// Returns the special point at which several equal eigenvalues are critical together.
-    fn multiple(&mut self, interval: Interval, cluster: &Cluster, group: Group) -> Option<Located> {
+    /// Returns the special point at which several equal eigenvalues are critical together. If the
+    /// eigenvalues pass zero at different points, the special point has converged only if the
+    /// discretisation explains the distance of these points.
+    fn multiple(
+        &mut self,
+        interval: Interval,
+        (cluster, one): (&Cluster, bool),
+        group: Group,
+    ) -> Option<Located> {
         let Group { critical, frequency, count } = group;
         let unknowns = cluster.unknowns();
         let equations = &mut self.curve.corrector.equations;
@@ -262,8 +275,14 @@ impl Parts<'_, '_> {
             _ => format!("{}: {count} eigenvalues vanish", kind.meaning()),
         };
         let mut located = self.at_mean((kind, &event), interval, cluster)?;
+        let on_mesh = self.curve.corrector.equations.system().representation().is_on_mesh();
         let special = &mut located.special;
-        (special.multiplicity, special.converged) = (count, true);
+        special.multiplicity = count;
+        special.converged = one || on_mesh && cluster.spread() <= LEAST_UNEXPLAINED;
+        if on_mesh && special.converged {
+            let Curve { refiner, corrector, .. } = &*self.curve;
+            located.shortfall = refiner.shortfall(corrector, special);
+        }
         if critical == Critical::Pair {
             let name = if kind == Kind::HB { "hopf_frequency" } else { "torus_angle" };
             let [value, error] =
