@@ -30,8 +30,8 @@ pub struct Table {
     #[arg(long, value_name = "KIND,…", value_delimiter = ',', value_parser = kind)]
     kind: Vec<Kind>,
     /// The columns to list: settings, parameters and monitors by their names, and the columns named
-    /// file, branch, label, kind, error, unstable, converged and multiplicity [default: the
-    /// parameters that vary, and the settings in which the documents differ]
+    /// file, branch, label, kind, error, unstable, converged, multiplicity and itinerary (of hybrid
+    /// orbits) [default: the parameters that vary, and the settings in which the documents differ]
     #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
     columns: Vec<String>,
     /// Add the derivatives of each special point's location with respect to all other parameters,

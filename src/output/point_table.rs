@@ -58,7 +58,7 @@ pub enum Columns<'a> {
     All,
     /// The columns with the given names: settings of documents, parameters, monitors, named numbers
     /// that special points store, `file`, `branch`, `label`, `kind`, `error`, `unstable`,
-    /// `converged`, `multiplicity`, and sensitivities.
+    /// `converged`, `multiplicity`, the `itinerary` of hybrid orbits, and sensitivities.
     Named(&'a [&'a str]),
 }
 
@@ -94,6 +94,7 @@ const PLACE: [&str; 3] = ["branch", "label", "kind"];
 const QUALITY: [&str; 4] = ["error", "unstable", CONVERGED, "multiplicity"];
 const FILE: &str = "file";
 const CONVERGED: &str = "converged";
+const ITINERARY: &str = "itinerary";
 
 /// A special point with its branch and its document.
 struct Found<'a> {
@@ -313,6 +314,9 @@ fn known<'a>(documents: &[(&str, &'a Document)]) -> Vec<&'a str> {
     let numbers = points.flat_map(|point| point.numbers.iter().map(|number| &number.name));
     let mut known: Vec<&str> = [&[FILE], &PLACE[..], &QUALITY].concat();
     known.extend(distinct(settings.chain(differences).chain(columns).chain(numbers)));
+    if !known.contains(&ITINERARY) && branches().any(|branch| !branch.itinerary.is_empty()) {
+        known.push(ITINERARY);
+    }
     known
 }
 
@@ -389,6 +393,7 @@ impl Found<'_> {
             "unstable" => count(point.unstable, &point.undetermined),
             CONVERGED => point.converged.to_string(),
             "multiplicity" => point.multiplicity.to_string(),
+            ITINERARY if !branch.itinerary.is_empty() => branch.itinerary.clone(),
             _ => return None,
         }))
     }

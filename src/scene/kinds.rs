@@ -145,6 +145,10 @@ fn no_equilibrium(reason: &str) -> SceneError {
     SceneError::value("solution", "equilibrium", reason).with_help("set `solution` to `orbit`")
 }
 
+/// The remedy for maps, which cannot be simulated.
+const ITERATED: &str = "find fixed points with `tangency find`, and trace them with `tangency trace`; `--settle 1000` \
+                        starts a branch at the cycle to which 1000 iterations lead";
+
 /// The problem of computing the cycles of a map.
 impl<M: DiscreteMap + 'static> Model for Configured<Arc<M>, MapSettings> {
     fn kind(&self) -> &'static str {
@@ -158,6 +162,10 @@ impl<M: DiscreteMap + 'static> Model for Configured<Arc<M>, MapSettings> {
     fn system(&self, _p: &[f64], _reach: &[f64]) -> Result<Box<dyn System>, SceneError> {
         refuse_large(self.problem.names().dimension())?;
         Ok(Box::new(MapCycle::shared(self.problem.clone(), self.settings.iterates)))
+    }
+
+    fn motion(&self) -> Result<Arc<dyn HybridEquations>, SceneError> {
+        Err(self.lacks(SIMULATED, ITERATED))
     }
 
     fn plane(&self) -> Result<&dyn PlaneMap, SceneError> {

@@ -8,7 +8,7 @@ use std::path::Path;
 use tangency::core::continuation::{Branch, End};
 use tangency::core::system::Kind;
 use tangency::output::Document;
-use tangency::scene::{BUILT_IN, Following, Problem, Range, Request, Run, Scene, Start, execute};
+use tangency::scene::{Following, Problem, Range, Request, Run, Scene, Start, execute};
 
 /// A forced mass between two springs with backlash, in dimensionless form.
 const BACKLASH: &str = r#"HybridEquations(
@@ -84,7 +84,7 @@ fn a_soft_contact_is_lost_and_gained_at_one_point() {
 /// modulus less than 1.
 #[test]
 fn soft_contacts_have_no_degenerate_grazings() {
-    let text = BUILT_IN.iter().find(|scene| scene.name == "soft-stop").unwrap().text;
+    let text = include_str!("../../scenes/library/soft-stop.ron");
     let range =
         |name: &str, low, high| Range { name: name.into(), low: Some(low), high: Some(high) };
     let along = vec![range("A", 0.0, 3.0), range("omega", 0.4, 1.6)];

@@ -5,8 +5,8 @@ use tangency::core::continuation::{End, Point};
 use tangency::core::failure::one_line;
 use tangency::core::system::Kind;
 use tangency::output::{
-    Document, Figure, FigureError, Format, PAGE, Render, Results, Screen, Series, Style, Symbol,
-    csv, diagram, draw, example_branch, figures,
+    Columns, Document, Figure, FigureError, Format, PAGE, PointTable, Render, Results, Screen,
+    Selection, Series, Style, Symbol, csv, diagram, draw, example_branch, figures,
 };
 use tangency::scene::{Scene, execute};
 
@@ -29,6 +29,20 @@ plate,4,EP,0.032,1.2,0.8,,0,1,true,1
 "with, comma",1,EP,0,1.2,0,-3.33333333333333e-8,0,0,true,1
 "#;
     assert_eq!(csv(&[example_branch(), second]), table);
+}
+
+/// The itinerary of a branch, not the setting of a scene, which is empty if a simulation found the
+/// orbit.
+#[test]
+fn a_table_has_the_itineraries_of_orbits() {
+    let mut orbits = example_branch();
+    orbits.itinerary = "2* free:hit".into();
+    let mut document = Document::new("Impacts", vec![orbits]);
+    document.settings.push(("itinerary".into(), String::new()));
+    let columns = Columns::Named(&["label", "itinerary"]);
+    let selection = Selection { kinds: &[Kind::LP], columns, ..Selection::default() };
+    let table = PointTable::of(&[("a", &document)], selection).unwrap();
+    assert_eq!(table.csv(), "label,itinerary\n3,2* free:hit\n");
 }
 
 #[test]
