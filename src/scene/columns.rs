@@ -94,31 +94,30 @@ impl Scene {
             document.plot = self.plot.clone();
             return Ok(check_columns(&document)?);
         }
-        self.check_together(&branches, &tables)
+        require_columns(&self.plot, &branches, &tables)
     }
+}
 
-    /// Returns an error if no branch and no sweep has a given column.
-    fn check_together(&self, branches: &[Branch], tables: &[SweepTable]) -> Result<(), SceneError> {
-        let Plot { x, y, panels, swept, logarithmic, .. } = &self.plot;
-        let pairs = panels.iter().chain(swept).flat_map(|(x, y)| [x, y]);
-        let has = |name: &str| {
-            branches.iter().any(|branch| !branch.columns_showing(name).is_empty())
-                || tables.iter().any(|table| table.has_column(name))
-        };
-        match x.iter().chain(y).chain(logarithmic).chain(pairs).find(|name| !has(name)) {
-            None => Ok(()),
-            Some(name) => {
-                let of_branches = branches
-                    .iter()
-                    .flat_map(|branch| branch.parameters.iter().chain(&branch.monitors));
-                let of_tables = tables
-                    .iter()
-                    .flat_map(|table| table.run_columns.iter().chain(&table.point_columns));
-                let known = distinct(of_branches.chain(of_tables));
-                Err(FigureError::NoColumn(UnknownName::new("column", name, known)).into())
-            }
-        }
-    }
+/// Returns an error if a plot uses a column that no branch and no sweep has.
+fn require_columns(
+    plot: &Plot,
+    branches: &[Branch],
+    tables: &[SweepTable],
+) -> Result<(), SceneError> {
+    let Plot { x, y, panels, swept, logarithmic, .. } = plot;
+    let pairs = panels.iter().chain(swept).flat_map(|(x, y)| [x, y]);
+    let has = |name: &str| {
+        branches.iter().any(|branch| !branch.columns_showing(name).is_empty())
+            || tables.iter().any(|table| table.has_column(name))
+    };
+    let mut names = x.iter().chain(y).chain(logarithmic).chain(pairs);
+    let Some(name) = names.find(|name| !has(name)) else { return Ok(()) };
+    let of_branches =
+        branches.iter().flat_map(|branch| branch.parameters.iter().chain(&branch.monitors));
+    let of_tables =
+        tables.iter().flat_map(|table| table.run_columns.iter().chain(&table.point_columns));
+    let known = distinct(of_branches.chain(of_tables));
+    Err(FigureError::NoColumn(UnknownName::new("column", name, known)).into())
 }
 
 impl Resolved {

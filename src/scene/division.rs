@@ -85,7 +85,7 @@ impl Scene {
     /// # Ok::<(), tangency::scene::SceneError>(())
     /// ```
     pub fn division(&self, parts: usize) -> Division {
-        self.divided(parts, None)
+        divided(&self.sweeps, None, parts)
     }
 
     /// Returns a value of the setting `strands` that divides the runs of all sweeps more evenly
@@ -97,14 +97,17 @@ impl Scene {
         let longest = followed().filter_map(|sweep| Some(sweep.over.first()?.count)).max()?;
         // One strand for each part in total, or one for each part in every sweep from every start.
         let offers = [parts.div_ceil(chains), parts].map(|strands| strands.min(longest));
-        let divided = offers.map(|strands| (strands, self.divided(parts, Some(strands))));
-        let even = divided.iter().find(|(_, division)| division.is_even());
-        let best = even.or(divided.iter().min_by_key(|(_, division)| division.largest))?;
+        let divisions =
+            offers.map(|strands| (strands, divided(&self.sweeps, Some(strands), parts)));
+        let even = divisions.iter().find(|(_, division)| division.is_even());
+        let best = even.or(divisions.iter().min_by_key(|(_, division)| division.largest))?;
         let (strands, Division { largest, .. }) = *best;
         (largest < self.division(parts).largest).then_some((strands, largest))
     }
+}
 
-    fn divided(&self, parts: usize, strands: Option<usize>) -> Division {
-        Division::new(self.sweeps.iter().flat_map(|sweep| sweep.strand_lengths(strands)), parts)
-    }
+/// Returns the division of the runs of sweeps into parts if the axis of each sweep were divided
+/// into `strands` sequences; for `None`, into the number of sequences that the sweep states.
+fn divided(sweeps: &[Sweep], strands: Option<usize>, parts: usize) -> Division {
+    Division::new(sweeps.iter().flat_map(|sweep| sweep.strand_lengths(strands)), parts)
 }

@@ -12,26 +12,16 @@
 //! to finer discretisations.
 
 use super::error::SceneError;
+use super::ladder::{ABOVE, Ladder};
 use super::observer::SceneObserver;
-use super::problem::Problem;
-use super::reach::Ends;
-use super::resolve::{Resolution, Resolved};
-use super::statement::{Run, Scene};
+use super::resolve::Resolution;
 use super::trace::{Outcome, traced};
-use crate::core::continuation::{Branch, End, Observer, Point, Settings, SpecialPoint};
+use crate::core::continuation::{Branch, End, Observer, Point, SpecialPoint};
 use crate::core::failure::one_line;
 use crate::core::numerics::error_of_first;
 use crate::core::system::Kind;
 use crate::output::{Chosen, Document};
-use std::ops::RangeInclusive;
 use std::time::Duration;
-
-/// The range of accuracies that a scene can request.
-const RANGE: RangeInclusive<f64> = 1e-12..=0.1;
-
-/// The minimum number of finer discretisations from which the error of a discretisation is
-/// estimated.
-const ABOVE: usize = 2;
 
 /// An observer of trial computations with a discretisation: it passes on the user's cancellation,
 /// but shows no results.
@@ -128,19 +118,18 @@ pub(super) fn traced_to(
     resolution: &Resolution,
     observer: &mut dyn SceneObserver,
 ) -> (Outcome, Resolution) {
-    let rungs = resolution.rungs();
-    let (ladder, rungs): (Vec<Problem>, Vec<Resolution>) = match rungs {
-        Ok(rungs) => rungs.into_iter().unzip(),
-        Err(cause) => {
-            return (Outcome::failed(resolution.scene(), cause), resolution.clone());
-        }
+    let ladder = Ladder::of_scene(resolution.scene());
+    let resolved = ladder.and_then(|ladder| Ok((ladder.resolutions(resolution)?, ladder)));
+    let (rungs, ladder) = match resolved {
+        Ok(resolved) => resolved,
+        Err(cause) => return (Outcome::failed(resolution.scene(), cause), resolution.clone()),
     };
-    let found = vec![None; ladder.len()];
+    let found = vec![None; rungs.len()];
     let mut search = Search { rungs, found, observer: Unseen(&mut *observer) };
     let (rung, Estimate { error: estimate, of }) = search.choose(accuracy);
     let interrupted = search.interrupted();
     let mut outcome = search.trace(rung).clone();
-    let chosen = Chosen { accuracy, settings: chosen(&ladder, rung), estimate, of };
+    let chosen = Chosen { accuracy, settings: ladder.settings(rung), estimate, of };
     add_errors(&mut outcome.document, &search.known(rung));
     if estimate > accuracy && !interrupted {
         let unmet = || SceneError::Unmet { chosen: Box::new(chosen.clone()) };
@@ -153,114 +142,6 @@ pub(super) fn traced_to(
         branch.special.iter().for_each(|special| observer.special(branch, special));
     }
     (outcome, on_rung)
-}
-
-/// Returns the settings of one discretisation, restricted to the settings in which the
-/// discretisations of the list differ.
-fn chosen(ladder: &[Problem], rung: usize) -> Vec<(String, String)> {
-    let names = varied(ladder);
-    let settings = ladder[rung].settings().into_iter();
-    settings.filter(|(name, _)| names.contains(name)).collect()
-}
-
-/// Returns the names of the settings in which the discretisations of the list differ.
-fn varied(ladder: &[Problem]) -> Vec<String> {
-    let [Some(first), Some(last)] = [ladder.first(), ladder.last()] else { return Vec::new() };
-    let pairs = first.settings().into_iter().zip(last.settings());
-    pairs.filter(|(a, b)| a.1 != b.1).map(|((name, _), _)| name).collect()
-}
-
-impl Resolution {
-    /// Returns copies of the runs for each of several discretisations with growing accuracy.
-    fn rungs(&self) -> Result<Vec<(Problem, Resolution)>, SceneError> {
-        let rung = |problem: Problem| {
-            let resolution = self.scene().on(&problem).resolve(self.start())?;
-            Ok((problem, resolution))
-        };
-        self.scene().ladder()?.into_iter().map(rung).collect()
-    }
-}
-
-impl Scene {
-    /// Returns copies of the problem with discretisations of growing accuracy, each suitable for
-    /// all runs of the scene.
-    fn ladder(&self) -> Result<Vec<Problem>, SceneError> {
-        let values = self.values()?;
-        self.problem.ladder(&values, &Ends::of(&self.runs).reach(&self.problem, &values))
-    }
-
-    /// Returns the scene with one of the discretisations; in this scene, special points are not
-    /// refined with a finer discretisation.
-    fn on(&self, problem: &Problem) -> Scene {
-        let settings = Settings { refinement: 0.0, ..self.settings.clone() };
-        Scene { problem: problem.clone(), settings, accuracy: None, ..self.clone() }
-    }
-
-    /// Returns an error if the requested accuracy is out of range, or if the scene also states a
-    /// setting that the accuracy would choose.
-    pub(super) fn check_accuracy(&self) -> Result<(), SceneError> {
-        let Some(accuracy) = self.accuracy else { return Ok(()) };
-        if !RANGE.contains(&accuracy) {
-            return refused(format!("`accuracy` is {accuracy}, but must be between 1e-12 and 0.1"));
-        }
-        let ladder = self.ladder()?;
-        if ladder.len() <= ABOVE {
-            return Err(SceneError::idle(ACCURACY, "on this problem without a discretisation"));
-        }
-        let names = varied(&ladder);
-        let (own, mut defaults) = (self.problem.settings(), self.problem.with_defaults());
-        for (name, value) in own.iter().filter(|(name, _)| self.problem.model().chooses(name)) {
-            defaults.set(name, value)?;
-        }
-        let stated = own.into_iter().zip(defaults.settings());
-        let mut different = stated.filter(|(own, default)| own != default).map(|(own, _)| own.0);
-        if let Some(name) = different.find(|name| names.contains(name)) {
-            return Err(decided(&name, ""));
-        }
-        self.runs.iter().try_for_each(|run| self.check_accuracy_of(run, &names))
-    }
-
-    /// Returns an error if a run states its own discretisation, although the scene requests an
-    /// accuracy.
-    fn check_accuracy_of(&self, run: &Run, names: &[String]) -> Result<(), SceneError> {
-        let decides = |name: &str| names.iter().any(|known| known == name) || name == "refinement";
-        if let Some((name, _)) = run.set.iter().find(|(name, _)| decides(name)) {
-            return Err(decided(name, &format!(" by the run `{}`", run.name)));
-        }
-        if run.local.is_some() {
-            let reason = format!(
-                "on the run `{}`, because the distance from the grazing determines the error of a \
-                 local map",
-                run.name
-            );
-            return Err(SceneError::idle(ACCURACY, reason));
-        }
-        let Resolved { problem, values, reach, .. } = self.resolved(run)?;
-        let own = varied(&problem.ladder(&values, &reach)?);
-        match own.iter().find(|name| !names.contains(name)) {
-            Some(name) => refused(format!(
-                "`accuracy` chooses one discretisation for all runs, but the discretisation of the \
-                 run `{}` has its own setting `{name}`",
-                run.name
-            )),
-            None => Ok(()),
-        }
-    }
-}
-
-/// The name of the setting `accuracy` of a scene.
-const ACCURACY: &str = "accuracy";
-
-/// Returns the error for an accuracy that is stated together with a setting that the accuracy would
-/// choose.
-fn decided(name: &str, by: &str) -> SceneError {
-    let message =
-        format!("`accuracy` chooses the setting `{name}`, but `{name}` is also stated{by}");
-    SceneError::invalid(message).with_help(format!("omit `accuracy` or `{name}`"))
-}
-
-fn refused(message: String) -> Result<(), SceneError> {
-    Err(SceneError::invalid(message))
 }
 
 /// Returns the end of the branch that a special point marks; `None` if the special point is not at

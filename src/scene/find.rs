@@ -4,6 +4,7 @@
 use super::discretisation::{SOLUTION, Solution};
 use super::error::{ProblemError, SceneError};
 use super::notation::written;
+use super::problem::Problem;
 use super::request::{Request, SearchBox};
 use super::statement::{Range, Run, Scene, Start};
 use crate::core::continuation::{RootSearch, Roots};
@@ -42,90 +43,101 @@ impl Scene {
         self.settings.cancel = request.cancel.clone();
         self.set_all(&request.set)?;
         match &request.within {
-            Some(within) => self.found(within),
+            Some(within) => within.search(self),
             None => Err(no_box("the box is missing".into())),
         }
     }
+}
 
-    /// Finds the equilibria, fixed points or zeros in a box.
-    fn found(&mut self, within: &SearchBox) -> Result<Found, SceneError> {
-        let motion = self.problem.model().motion();
-        if motion.is_ok_and(|motion| motion.forcing() != Forcing::None) {
-            let message =
-                "the search in a box finds equilibria, but forced systems have no equilibria";
-            return Err(SceneError::invalid(message).with_help(
-                "find orbits by a sweep over initial states, as in `tangency sweep MODEL --over x=-1..1:11`",
-            ));
-        }
-        self.problem.follow(Solution::Equilibrium);
-        let p = self.values()?;
-        let mut system = self.problem.model().system(&p, &p)?;
+impl SearchBox {
+    /// Finds the equilibria, fixed points or zeros of a scene's problem in the box.
+    fn search(&self, mut scene: Scene) -> Result<Found, SceneError> {
+        refuse_forced(&scene.problem)?;
+        scene.problem.follow(Solution::Equilibrium);
+        let p = scene.values()?;
+        let mut system = scene.problem.model().system(&p, &p)?;
         let names = system.names();
         if names.unknowns.iter().any(|group| group.length != group.count()) {
-            return Err(self.problem.model().lacks(
+            return Err(scene.problem.model().lacks(
                 "a box can be searched only for problems whose unknowns are single numbers",
                 "start a branch at a profile or at a given state instead",
             ));
         }
         let unknowns: Vec<String> = names.elements().collect();
-        let SearchBox { ranges, starts } = within;
-        for range in ranges {
-            position("component", &range.name, &unknowns)?;
+        let within = self.intervals(&unknowns)?;
+        let cancel = scene.settings.cancel.clone();
+        let search = RootSearch { starts: self.starts, cancel, ..RootSearch::default() };
+        let roots = search.find(&mut *system, &p, &within).map_err(ProblemError::new)?;
+        Ok(Found { unknowns, roots })
+    }
+
+    /// Returns the interval of each unknown in the box.
+    fn intervals(&self, unknowns: &[String]) -> Result<Vec<[f64; 2]>, SceneError> {
+        for range in &self.ranges {
+            position("component", &range.name, unknowns)?;
         }
-        let interval = |name: &String| match ranges.iter().find(|range| range.name == *name) {
+        let interval = |name: &String| match self.ranges.iter().find(|range| range.name == *name) {
             Some(&Range { low: Some(low), high: Some(high), .. }) if low < high => Ok([low, high]),
             _ => {
                 Err(no_box(format!("the box needs a range for `{name}` with the lower end first")))
             }
         };
-        let within = unknowns.iter().map(interval).collect::<Result<Vec<_>, _>>()?;
-        let cancel = self.settings.cancel.clone();
-        let search = RootSearch { starts: *starts, cancel, ..RootSearch::default() };
-        let roots = search.find(&mut *system, &p, &within);
-        let roots = roots.map_err(ProblemError::new)?;
-        Ok(Found { unknowns, roots })
+        unknowns.iter().map(interval).collect()
     }
+}
 
-    /// Replaces the first run of the scene by one run for each solution found in a box. Solutions
-    /// are searched at several values of the continuation parameter in its range, because a branch
-    /// need not exist at the initial value of the parameter.
-    pub(super) fn begin_everywhere(&mut self, within: &SearchBox) -> Result<(), SceneError> {
-        let Some(first) = self.runs.first().cloned() else { return Ok(()) };
-        let Some(range) = first.along.first().cloned() else {
-            return Err(SceneError::invalid(
-                "the option `--start all` needs a branch, but the first run of the scene is a \
-                 simulated history",
-            ));
-        };
-        let mut found: Vec<Run> = Vec::new();
-        for value in searched(&range, self.value(&range.name)) {
-            let mut set = first.set.clone();
-            set.retain(|(name, _)| *name != range.name && name != SOLUTION);
-            set.push((range.name.clone(), value.to_string()));
-            let Found { unknowns, roots } = self.with(&set)?.found(within)?;
-            if self.problem.solution().is_some_and(|it| it != Solution::Equilibrium) {
-                set.push((SOLUTION.into(), written(&Solution::Equilibrium)));
-            }
-            for root in roots.roots {
-                let name = match found.len() {
-                    0 => first.name.clone(),
-                    count => format!("{} {}", first.name, count + 1),
-                };
-                let start = Start::Guess(unknowns.iter().cloned().zip(root.unknowns).collect());
-                found.push(Run { name, start, set: set.clone(), ..first.clone() });
-            }
-        }
-        if found.is_empty() {
-            return Err(SceneError::invalid(
-                "no solution at which a branch starts was found in the box",
-            )
-            .with_help("give a larger box, or more starting points"));
-        }
-        // The solutions decide whether the branch passes through another start.
-        self.settings.keep_solutions = true;
-        self.runs.splice(..1, found);
-        Ok(())
+/// Returns an error if the motion of a problem has a forcing, and therefore no equilibria.
+fn refuse_forced(problem: &Problem) -> Result<(), SceneError> {
+    match problem.model().motion() {
+        Ok(motion) if motion.forcing() != Forcing::None => Err(SceneError::invalid(
+            "the search in a box finds equilibria, but forced systems have no equilibria",
+        )
+        .with_help(
+            "find orbits by a sweep over initial states, as in `tangency sweep MODEL --over x=-1..1:11`",
+        )),
+        _ => Ok(()),
     }
+}
+
+/// Replaces the first run of a scene by one run for each solution found in a box. Solutions are
+/// searched at several values of the continuation parameter in its range, because a branch need not
+/// exist at the initial value of the parameter.
+pub(super) fn begin_everywhere(scene: &mut Scene, within: &SearchBox) -> Result<(), SceneError> {
+    let Some(first) = scene.runs.first() else { return Ok(()) };
+    let Some(range) = first.along.first() else {
+        return Err(SceneError::invalid(
+            "the option `--start all` needs a branch, but the first run of the scene is a \
+             simulated history",
+        ));
+    };
+    let mut found: Vec<Run> = Vec::new();
+    for value in searched(range, scene.value(&range.name)) {
+        let mut set = first.set.clone();
+        set.retain(|(name, _)| *name != range.name && name != SOLUTION);
+        set.push((range.name.clone(), value.to_string()));
+        let Found { unknowns, roots } = within.search(scene.with(&set)?)?;
+        if scene.problem.solution().is_some_and(|it| it != Solution::Equilibrium) {
+            set.push((SOLUTION.into(), written(&Solution::Equilibrium)));
+        }
+        for root in roots.roots {
+            let name = match found.len() {
+                0 => first.name.clone(),
+                count => format!("{} {}", first.name, count + 1),
+            };
+            let start = Start::Guess(unknowns.iter().cloned().zip(root.unknowns).collect());
+            found.push(Run { name, start, set: set.clone(), ..first.clone() });
+        }
+    }
+    if found.is_empty() {
+        return Err(SceneError::invalid(
+            "no solution at which a branch starts was found in the box",
+        )
+        .with_help("give a larger box, or more starting points"));
+    }
+    // The solutions decide whether the branch passes through another start.
+    scene.settings.keep_solutions = true;
+    scene.runs.splice(..1, found);
+    Ok(())
 }
 
 /// The number of parameter values at which solutions are searched, in addition to the parameter's

@@ -1,16 +1,16 @@
-//! Parsing of a scene, and changes of its values by name.
+//! The values of a scene by name, and their changes.
 
 use super::by_name::{assign, settings};
-use super::catalogue::Catalogue;
+use super::check::{check_parameters, check_settings};
+use super::check_accuracy::check_accuracy;
 use super::error::SceneError;
 use super::foreign;
-use super::notation::options;
+use super::problem::Problem;
 use super::statement::{Run, Scene, Sweep};
 use crate::core::continuation::Settings;
 use crate::core::problem::UnknownName;
 use crate::core::sweep::Order;
 use crate::language::number;
-use ron::ser::PrettyConfig;
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 
@@ -63,63 +63,149 @@ fn settings_of(sweep: &Sweep) -> impl Iterator<Item = &'static str> {
     OF_SEARCHES.into_iter().chain(OF_SWEEPS).filter(has)
 }
 
-/// Sets one setting of a sweep by name; returns false if the name is unknown.
-fn assign_to_sweep(sweep: &mut Sweep, name: &str, value: &str) -> Result<bool, SceneError> {
-    if !settings_of(sweep).any(|known| known == name) {
-        return Ok(false);
+/// A change of a scene: the name of a parameter or setting, and its new value as text.
+#[derive(Clone, Copy)]
+struct Change<'a> {
+    name: &'a str,
+    value: &'a str,
+}
+
+impl Change<'_> {
+    /// Returns an error if one of the runs sets the value that should be changed.
+    fn refuse_varied(self, runs: &[Run]) -> Result<(), SceneError> {
+        match setting(self.name, runs) {
+            None => Ok(()),
+            Some((run, own)) => Err(SceneError::Varied {
+                name: self.name.into(),
+                run: run.name.clone(),
+                value: own.into(),
+            }),
+        }
     }
-    match &mut sweep.over[..] {
-        [first, ..] if name == COUNT => assign(first, name, value),
-        _ if OF_SEARCHES.contains(&name) => assign(&mut sweep.search, name, value),
-        _ => assign(sweep, name, value),
+
+    /// Changes a value of a scene. If a setting applies only to the methods of some runs, the
+    /// setting is changed in these runs only.
+    fn apply(self, scene: &mut Scene) -> Result<(), SceneError> {
+        // The accuracy applies to the whole scene: runs do not set it.
+        if self.apply_to_accuracy(&mut scene.accuracy)? {
+            return Ok(());
+        }
+        let applied = self.apply_to_all_runs(scene);
+        let refused = matches!(applied, Err(SceneError::NoEffect { .. }));
+        if refused && self.apply_to_some_runs(scene) { Ok(()) } else { applied }
+    }
+
+    /// Changes the accuracy that a scene requests; returns false if the name is another one.
+    fn apply_to_accuracy(self, accuracy: &mut Option<f64>) -> Result<bool, SceneError> {
+        let mut of_scene = OfScene { accuracy: *accuracy };
+        let known = assign(&mut of_scene, self.name, self.value)?;
+        *accuracy = of_scene.accuracy;
+        Ok(known)
+    }
+
+    /// Changes a setting in the runs to whose methods the setting applies; returns false if the
+    /// setting applies to no run.
+    fn apply_to_some_runs(self, scene: &mut Scene) -> bool {
+        let with = |run: &Run| [&run.set[..], &[(self.name.into(), self.value.into())]].concat();
+        let applies = |run: &Run| scene.with(&with(run)).is_ok();
+        let applies: Vec<bool> = scene.runs.iter().map(applies).collect();
+        for (run, _) in scene.runs.iter_mut().zip(&applies).filter(|(_, applies)| **applies) {
+            run.set = with(run);
+        }
+        applies.contains(&true)
+    }
+
+    /// Changes a value that a scene states for all of its runs and sweeps.
+    fn apply_to_all_runs(self, scene: &mut Scene) -> Result<(), SceneError> {
+        // Runs and sweeps may have settings with the same name.
+        let known = scene.problem.set(self.name, self.value)?
+            | self.apply_to_continuation(&mut scene.settings)?
+            | self.apply_to_sweeps(&mut scene.sweeps)?;
+        if known { Ok(()) } else { self.apply_to_parameters(scene) }
+    }
+
+    /// Changes a setting of the continuation; returns false if the name is unknown.
+    fn apply_to_continuation(self, settings: &mut Settings) -> Result<bool, SceneError> {
+        let mut read = settings.clone();
+        let known = assign(&mut read, self.name, self.value)?;
+        let Settings { keep_solutions, draft, cancel, .. } = settings.clone();
+        *settings = Settings { keep_solutions, draft, cancel, ..read };
+        Ok(known)
+    }
+
+    /// Changes a setting of the runs in all sweeps; returns false if the name is unknown.
+    fn apply_to_sweeps(self, sweeps: &mut [Sweep]) -> Result<bool, SceneError> {
+        let mut known = false;
+        for sweep in sweeps {
+            known |= self.apply_to_sweep(sweep)?;
+        }
+        Ok(known)
+    }
+
+    /// Changes a setting of the runs in a sweep; returns false if the name is unknown.
+    fn apply_to_sweep(self, sweep: &mut Sweep) -> Result<bool, SceneError> {
+        let Change { name, value } = self;
+        if !settings_of(sweep).any(|known| known == name) {
+            return Ok(false);
+        }
+        match &mut sweep.over[..] {
+            [first, ..] if name == COUNT => assign(first, name, value),
+            _ if OF_SEARCHES.contains(&name) => assign(&mut sweep.search, name, value),
+            _ => assign(sweep, name, value),
+        }
+    }
+
+    /// Changes the initial value of a parameter.
+    fn apply_to_parameters(self, scene: &mut Scene) -> Result<(), SceneError> {
+        let Change { name, value } = self;
+        require_name(name, scene)?;
+        let read =
+            |_| number(value).map_err(|error| SceneError::value(name, value, error.to_string()));
+        let number: f64 = value.parse().or_else(read)?;
+        if !number.is_finite() {
+            let reason = "a parameter must be a finite number";
+            return Err(SceneError::value(name, value, reason));
+        }
+        match scene.parameters.iter_mut().find(|(key, _)| key == name) {
+            Some((_, slot)) => *slot = number,
+            None => scene.parameters.push((name.into(), number)),
+        }
+        Ok(())
+    }
+}
+
+/// Returns the changes of some values, sorted so that the selection of a method precedes the
+/// settings of this method.
+fn choices_first<'a>(values: &'a [(String, String)], problem: &Problem) -> Vec<Change<'a>> {
+    let changes = values.iter().map(|(name, value)| Change { name, value });
+    let mut changes: Vec<Change> = changes.collect();
+    changes.sort_by_key(|change| !problem.model().chooses(change.name));
+    changes
+}
+
+/// Returns the first run that sets a parameter or setting, and the value in this run.
+fn setting<'a>(name: &str, runs: &'a [Run]) -> Option<(&'a Run, &'a str)> {
+    runs.iter().find_map(|run| {
+        let (_, value) = run.set.iter().find(|(key, _)| key == name)?;
+        Some((run, value.as_str()))
+    })
+}
+
+/// Returns an error if a name is neither a parameter nor a setting of a scene.
+fn require_name(name: &str, scene: &Scene) -> Result<(), SceneError> {
+    match scene.problem.require_parameter(name) {
+        Err(SceneError::UnknownName(_)) => {}
+        known => return known,
+    }
+    let known = [scene.problem.parameter_names(), scene.setting_names()].concat();
+    let unknown = UnknownName::new("parameter or setting", name, known);
+    match foreign::remedy(name) {
+        Some(remedy) => Err(SceneError::invalid(unknown.to_string()).with_help(remedy)),
+        None => Err(unknown.into()),
     }
 }
 
 impl Scene {
-    /// Parses a scene whose problem is [built in](Catalogue::built_in).
-    ///
-    /// # Errors
-    /// As [`Catalogue::parse`].
-    ///
-    /// ```
-    /// use tangency::scene::Scene;
-    /// let error = Scene::parse("Scene(title: \"t\", problem: Plate(), runs: [], colour: 3)");
-    /// assert!(error.unwrap_err().to_string().contains("`colour`"));
-    /// ```
-    pub fn parse(text: &str) -> Result<Scene, SceneError> {
-        Catalogue::built_in().parse(text)
-    }
-
-    /// Returns the scene as the text of a file that [`Catalogue::parse`] can read; the text
-    /// contains all settings of the problem, but other values only if they differ from their
-    /// defaults.
-    ///
-    /// ```
-    /// use tangency::scene::Scene;
-    /// let text = "Scene(title: \"t\", problem: Equations(states: [(\"x\", \"a - x^2\")]), parameters: [(\"a\", 1)],
-    ///     runs: [Run(name: \"r\", along: [(name: \"a\", low: 0, high: 1)])])";
-    /// let scene = Scene::parse(text)?;
-    /// assert_eq!(Scene::parse(&scene.to_ron())?, scene);
-    /// # Ok::<(), tangency::scene::SceneError>(())
-    /// ```
-    pub fn to_ron(&self) -> String {
-        let pretty = PrettyConfig::new().struct_names(true).depth_limit(3);
-        // Scenes are plain lists, numbers and names, so serialization cannot fail.
-        self.readable(options().to_string_pretty(self, pretty).unwrap_or_default())
-    }
-
-    /// Returns the scene as one line of text that contains all values and identifies the results of
-    /// the scene.
-    pub fn in_words(&self) -> String {
-        self.readable(options().to_string(self).unwrap_or_default())
-    }
-
-    /// Converts the problem in a serialized scene to the notation of scenes.
-    fn readable(&self, text: String) -> String {
-        let (name, written) = (self.problem.name(), self.problem.written());
-        text.replacen(&format!("{name}({written})"), &format!("{name}{written}"), 1)
-    }
-
     /// Changes the value of a parameter, of a setting of the problem, or of a setting of the
     /// continuation; the value is selected by name.
     ///
@@ -149,20 +235,14 @@ impl Scene {
     /// As [`set`](Self::set).
     pub fn set_all(&mut self, values: &[(String, String)]) -> Result<(), SceneError> {
         let mut changed = self.clone();
-        for (name, value) in self.choices_first(values) {
-            self.refuse_varied(name)?;
-            // The accuracy applies to the whole scene: runs do not set it.
-            let mut of_scene = OfScene { accuracy: changed.accuracy };
-            if assign(&mut of_scene, name, value)? {
-                changed.accuracy = of_scene.accuracy;
-            } else {
-                changed.assign_or_leave_to_runs(name, value)?;
-            }
+        for change in choices_first(values, &self.problem) {
+            change.refuse_varied(&self.runs)?;
+            change.apply(&mut changed)?;
         }
         // The runs of a scene under construction are checked once they exist.
         if changed.runs.is_empty() && changed.sweeps.is_empty() {
-            changed.check_settings()?;
-            changed.check_accuracy()?;
+            check_settings(&changed.problem, &changed.settings)?;
+            check_accuracy(&changed)?;
         } else {
             changed.check()?;
         }
@@ -172,17 +252,6 @@ impl Scene {
         let before: Vec<f64> = values.iter().filter_map(before).collect();
         changed.title = without_values(&changed.title, &before);
         *self = changed;
-        Ok(())
-    }
-
-    /// Returns an error if a run of the scene sets the value that should be changed.
-    fn refuse_varied(&self, name: &str) -> Result<(), SceneError> {
-        for run in &self.runs {
-            if let Some((_, own)) = run.set.iter().find(|(key, _)| key == name) {
-                let (name, run, value) = (name.into(), run.name.clone(), own.clone());
-                return Err(SceneError::Varied { name, run, value });
-            }
-        }
         Ok(())
     }
 
@@ -243,91 +312,12 @@ impl Scene {
             runs: Vec::new(),
             sweeps: Vec::new(),
         };
-        for (name, value) in self.choices_first(set) {
-            scene.assign(name, value)?;
+        for change in choices_first(set, &self.problem) {
+            change.apply_to_all_runs(&mut scene)?;
         }
-        scene.check_settings()?;
-        scene.check_parameters()?;
+        check_settings(&scene.problem, &scene.settings)?;
+        check_parameters(&scene.problem, &scene.parameters)?;
         Ok(scene)
-    }
-
-    /// Sorts changed values so that the selection of a method precedes the settings of this method.
-    fn choices_first<'a>(&self, values: &'a [(String, String)]) -> Vec<&'a (String, String)> {
-        let mut values: Vec<&(String, String)> = values.iter().collect();
-        values.sort_by_key(|(name, _)| !self.problem.model().chooses(name));
-        values
-    }
-
-    /// Changes one value. If a setting applies only to the methods of some runs, the setting is
-    /// changed in these runs only.
-    fn assign_or_leave_to_runs(&mut self, name: &str, value: &str) -> Result<(), SceneError> {
-        let Err(refused) = self.assign(name, value) else { return Ok(()) };
-        if !matches!(refused, SceneError::NoEffect { .. }) {
-            return Err(refused);
-        }
-        let with = |run: &Run| [&run.set[..], &[(name.into(), value.into())]].concat();
-        let takes: Vec<bool> = self.runs.iter().map(|run| self.with(&with(run)).is_ok()).collect();
-        for (run, _) in self.runs.iter_mut().zip(&takes).filter(|(_, takes)| **takes) {
-            run.set = with(run);
-        }
-        if takes.contains(&true) { Ok(()) } else { Err(refused) }
-    }
-
-    /// Changes one value.
-    fn assign(&mut self, name: &str, value: &str) -> Result<(), SceneError> {
-        // Runs and sweeps may have settings with the same name.
-        let known = self.problem.set(name, value)?
-            | self.assign_to_continuation(name, value)?
-            | self.assign_to_sweeps(name, value)?;
-        if known { Ok(()) } else { self.assign_parameter(name, value) }
-    }
-
-    /// Changes a setting of the continuation; returns false if the name is unknown.
-    fn assign_to_continuation(&mut self, name: &str, value: &str) -> Result<bool, SceneError> {
-        let mut read = self.settings.clone();
-        let known = assign(&mut read, name, value)?;
-        let Settings { keep_solutions, draft, cancel, .. } = self.settings.clone();
-        self.settings = Settings { keep_solutions, draft, cancel, ..read };
-        Ok(known)
-    }
-
-    /// Changes a setting of the runs in all sweeps; returns false if the name is unknown.
-    fn assign_to_sweeps(&mut self, name: &str, value: &str) -> Result<bool, SceneError> {
-        let mut known = false;
-        for sweep in &mut self.sweeps {
-            known |= assign_to_sweep(sweep, name, value)?;
-        }
-        Ok(known)
-    }
-
-    fn assign_parameter(&mut self, name: &str, value: &str) -> Result<(), SceneError> {
-        self.require_name(name)?;
-        let read =
-            |_| number(value).map_err(|error| SceneError::value(name, value, error.to_string()));
-        let number: f64 = value.parse().or_else(read)?;
-        if !number.is_finite() {
-            let reason = "a parameter must be a finite number";
-            return Err(SceneError::value(name, value, reason));
-        }
-        match self.parameters.iter_mut().find(|(key, _)| key == name) {
-            Some((_, slot)) => *slot = number,
-            None => self.parameters.push((name.into(), number)),
-        }
-        Ok(())
-    }
-
-    /// Returns an error if a name is neither a parameter nor a setting.
-    fn require_name(&self, name: &str) -> Result<(), SceneError> {
-        match self.problem.require_parameter(name) {
-            Err(SceneError::UnknownName(_)) => {}
-            known => return known,
-        }
-        let known = [self.problem.parameter_names(), self.setting_names()].concat();
-        let unknown = UnknownName::new("parameter or setting", name, known);
-        match foreign::remedy(name) {
-            Some(remedy) => Err(SceneError::invalid(unknown.to_string()).with_help(remedy)),
-            None => Err(unknown.into()),
-        }
     }
 
     /// Returns the names of all settings, including settings of methods that are not selected.
@@ -356,8 +346,7 @@ impl Scene {
     /// Returns the run that sets a parameter or setting; the method [`set`](Self::set) refuses to
     /// change the value for this reason.
     pub fn run_that_sets(&self, name: &str) -> Option<&str> {
-        let sets = |run: &&Run| run.set.iter().any(|(key, _)| key == name);
-        self.runs.iter().find(sets).map(|run| run.name.as_str())
+        setting(name, &self.runs).map(|(run, _)| run.name.as_str())
     }
 
     /// Returns the names and values of all parameters and settings, which are saved together with
