@@ -129,7 +129,7 @@ impl Tracing {
         }
         let interrupted = |branch: &Branch| branch.ends.contains(&End::Interrupted);
         let is_complete = error.is_none() && !done.iter().any(interrupted);
-        if is_complete {
+        if is_complete && !resolution.scene().settings.cancel.is_cancelled() {
             warn_of_missed_marks(&runs, &mut done);
         }
         let shown = runs.iter().zip(done).filter(|(run, _)| run.shown);

@@ -90,7 +90,7 @@ fn soft_contacts_have_no_degenerate_grazings() {
     let along = vec![range("A", 0.0, 3.0), range("omega", 0.4, 1.6)];
     let start = Start::From {
         run: "pressed".into(),
-        kind: Kind::G,
+        kind: Kind::EP,
         nth: 0,
         switch: false,
         which: 0,

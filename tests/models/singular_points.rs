@@ -310,3 +310,24 @@ fn a_double_period_doubling_beside_a_torus_point_is_accurate() {
     assert!(point.converged && point.multiplicity == 2 && point.error < 1e-8, "{}", point.error);
     assert!((r - 3.70043436976).abs() < 1e-10, "{r}");
 }
+
+/// The multipliers of `x → (1 + a − |x|²) R(θ) x` are `(1 + a) exp(±iθ)`: a torus point, also if the
+/// angle is nearly π.
+#[test]
+fn a_torus_point_with_an_angle_near_pi_is_no_period_doubling() {
+    for angle in [3.0, 3.14, 3.1415, 3.14158] {
+        let branches = traced(&format!(
+            "Scene(title: \"t\", problem: Map(states: [(\"x\", \"g*(c*x - s*y)\"), (\"y\", \"g*(s*x + c*y)\")],
+                definitions: [(\"g\", \"1 + a - x^2 - y^2\"), (\"c\", \"cos({angle})\"), (\"s\", \"sin({angle})\")],
+                initial: [(\"x\", 0), (\"y\", 0)]), parameters: [(\"a\", -0.3)],
+                runs: [(name: \"rest\", along: [(name: \"a\", low: -0.31, high: 0.77)])])"
+        ));
+        let special = inner(&branches[0]);
+        let [point] = special[..] else { panic!("{angle}: {special:?}") };
+        assert!(point.kind == Kind::TR && point.converged && point.multiplicity == 1, "{point:?}");
+        assert!(
+            point.parameters[0].abs() <= point.error && point.error < 1e-5,
+            "{angle}: {point:?}"
+        );
+    }
+}

@@ -72,5 +72,4 @@ pub(crate) use fold::VERTICAL;
 pub(crate) use grazing::OrderOfEvents;
 pub(in crate::core) use grazing::without_event;
 pub use hopf::Hopf;
-pub(crate) use null::equation_sizes;
 pub use null::{NullSpace, NullVectors};

@@ -179,11 +179,7 @@ fn divide(row: &mut [f64], units: &[f64], (n, parameter): (usize, Option<usize>)
 /// if the sizes of the arguments are unknown. The changes of the left sides are computed for finite
 /// changes of the arguments because first derivatives may vanish, as at a pitchfork. The left sides
 /// of collocation equations already have the units of the states.
-pub(crate) fn equation_sizes(
-    system: &mut dyn System,
-    x: &[f64],
-    units: &[f64],
-) -> Result<Vec<f64>, Failure> {
+fn equation_sizes(system: &mut dyn System, x: &[f64], units: &[f64]) -> Result<Vec<f64>, Failure> {
     let n = system.names().dimension();
     if units.is_empty() || system.representation().interpolated {
         return Ok(vec![1.0; n]);
@@ -340,15 +336,16 @@ impl NullVectors {
         &self.borders[0]
     }
 
-    /// Whether the special point breaks up if a parameter changes: whether the product `w F_p` of
-    /// the left null vector and the derivative with respect to the parameter differs from zero by
-    /// more than its rounding error. The change of each equation due to the errors of the point,
-    /// divided by the change of the parameter, is given in `noise`.
-    pub(crate) fn breaks_up(&self, slope: &[f64], noise: &[f64], on_mesh: bool) -> bool {
+    /// Whether the branch point breaks up if a parameter changes: whether the product `w F_p` of the
+    /// left null vector and the derivative with respect to the parameter differs from zero by more
+    /// than its error. The derivative is given in `slope`, and its change due to the errors of the
+    /// unknowns in `change`. On a mesh, which may break a symmetry, a small part of the terms of the
+    /// product counts as zero.
+    pub(crate) fn breaks_up(&self, slope: &[f64], change: &[f64], on_mesh: bool) -> bool {
         let [along, terms, _] = self.along_left(slope);
-        let noise: f64 = self.left[0].iter().zip(noise).map(|(w, noise)| (w * noise).powi(2)).sum();
+        let [_, error, _] = self.along_left(change);
         let fraction = if on_mesh { ORTHOGONAL_ON_MESH } else { ORTHOGONAL };
-        along.abs() > fraction * terms && along.abs() > noise.sqrt()
+        along.abs() > fraction * terms && along.abs() > error
     }
 
     /// Returns the product of the left null vector with a vector of equations, the sum of the moduli of

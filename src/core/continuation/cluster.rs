@@ -6,6 +6,7 @@ use super::corrector::Corrector;
 use super::curve::Curve;
 use super::curve_point::CurvePoint;
 use super::locator::Locator;
+use super::unexplained::REAL;
 use crate::core::bifurcation::Critical;
 use crate::core::linalg::Spectrum;
 use crate::core::numerics::lagrange;
@@ -32,8 +33,8 @@ const TOGETHER: f64 = 1e-7;
 /// two zeros of eigenvalues count as equal is the discretisation error of usual meshes.
 const ON_MESH: f64 = 1e-6;
 
-/// Rounding: a position is accurate if its uncertainty, in scaled arclength, is smaller than this
-/// threshold, even in a short interval.
+/// Rounding: two positions count as equal if their distance, in scaled arclength, is smaller than
+/// this threshold, even in a short interval.
 const CERTAIN: f64 = 1e-9;
 
 /// Heuristic: an interval is cut next to the part that contains the zeros of all eigenvalues, if
@@ -109,13 +110,13 @@ impl Cluster {
     /// and the discretisation error. In a long interval, other eigenvalues may be nearer to zero at
     /// some of the samples.
     pub fn is_certain(&self, corrector: &mut Corrector) -> bool {
-        self.uncertainty <= self.allowed(corrector).max(CERTAIN)
+        self.uncertainty <= self.allowed(corrector)
     }
 
     /// Returns the distance below which two positions are equal.
     fn allowed(&self, corrector: &mut Corrector) -> f64 {
         let mesh = corrector.equations.system().representation().mesh;
-        if mesh.is_empty() { TOGETHER * self.length } else { ON_MESH }
+        if mesh.is_empty() { CERTAIN.max(TOGETHER * self.length) } else { ON_MESH }
     }
 
     /// Returns the position at which to cut the interval. If all eigenvalues vanish in a small part
@@ -212,10 +213,15 @@ impl Cluster {
         // Rounding may make two equal real eigenvalues complex.
         let farthest = order.iter().map(|l| Critical::One.distance(dynamics, l));
         let real = 1e-3 * farthest.fold(1e-6, f64::max);
+        let negative = order.iter().filter(|(re, _)| *re < 0.0);
+        let farthest = negative.map(|l| Critical::MinusOne.distance(dynamics, l));
+        let negative = (1e-3 * farthest.fold(0.0, f64::max)).max(REAL);
         let mut groups: Vec<Group> = Vec::new();
         for (re, im) in order {
             let (critical, frequency) = match dynamics {
-                Dynamics::Periodic if im.abs() <= real && re < 0.0 => (Critical::MinusOne, 0.0),
+                Dynamics::Periodic if re < 0.0 && im.abs() <= negative => (Critical::MinusOne, 0.0),
+                Dynamics::Periodic if re < 0.0 && im < 0.0 => continue,
+                Dynamics::Periodic if re < 0.0 => (Critical::Pair, im.atan2(re)),
                 _ if im.abs() <= real => (Critical::One, 0.0),
                 _ if im < 0.0 => continue,
                 Dynamics::Periodic => (Critical::Pair, im.atan2(re)),

@@ -59,25 +59,23 @@ pub(super) struct Corrector<'a> {
     pub sensitivities: bool,
 }
 
-/// Returns the sizes of the components of `x` that follow from the given weights; the size of a
-/// constant parameter is unknown, and 0.
-pub(super) fn sizes(equations: &mut Extended, weights: &[f64]) -> Vec<f64> {
-    let (n, first) = (equations.dimension(), equations.parameters_at());
-    let size = |weight: &f64| weight.sqrt().recip();
-    let mut sizes: Vec<f64> = weights[..n].iter().map(size).collect();
-    sizes.resize(equations.at().x.len(), 0.0);
-    for (&p, weight) in equations.released.iter().zip(&weights[first..]) {
-        sizes[n + p] = size(weight);
-    }
-    sizes
-}
-
-/// Sets the units of null vectors: the sizes of the unknowns and parameters. For collocation, the
-/// units of the vector field are used instead.
+/// Sets the units of null vectors: the scales of the unknowns and parameters, computed from the
+/// given weights. For collocation, the units of the vector field are used instead of the scales of
+/// the unknowns.
 fn measure_null_vectors(equations: &mut Extended, weights: &[f64]) {
-    let interpolated = equations.system().representation().interpolated;
-    let units = if interpolated { Vec::new() } else { sizes(equations, weights) };
-    *equations.at().null.units() = units;
+    let (n, first) = (equations.dimension(), equations.parameters_at());
+    let At { system, x, released, null, .. } = equations.at();
+    let units = null.units();
+    units.clear();
+    if system.representation().interpolated {
+        return;
+    }
+    let size = |weight: &f64| weight.sqrt().recip();
+    units.extend(weights[..n].iter().map(size));
+    units.resize(x.len(), 0.0);
+    for (&p, weight) in released.iter().zip(&weights[first..]) {
+        units[n + p] = size(weight);
+    }
 }
 
 impl<'a> Corrector<'a> {

@@ -6,7 +6,7 @@ use super::branch::{Number, Sensitivity, SpecialPoint};
 use super::event::Event;
 use super::extended::Extended;
 use super::newton::Newton;
-use super::persistence::breaks_up;
+use super::persistence::{breaks_up, slope};
 use crate::core::bifurcation::{At, Case, DefiningSystem, NormalForm, Quantity};
 use crate::core::failure::Failure;
 use crate::core::numerics::error_of_last;
@@ -194,19 +194,14 @@ fn sensitivities(equations: &mut Extended, unknowns: &[f64]) -> Result<Vec<Sensi
     let (mut all, varying) = (Vec::new(), equations.released.clone());
     let values = equations.at().x[n..].to_vec();
     for (p, name) in names.into_iter().enumerate().filter(|(p, _)| !varying.contains(p)) {
-        let at = equations.at();
-        // Twice the unit direction, because a discretisation caches the column of a unit direction.
-        let mut direction = vec![0.0; at.x.len()];
-        direction[n + p] = 2.0;
-        if at.system.derivative(at.x, &[&direction], &mut room[..n]).is_err() {
+        if slope(equations, p, &mut room[..n]).is_err() {
             continue;
         }
-        room[..n].iter_mut().for_each(|slope| *slope *= 0.5);
+        let breaks_up = breaks_up(equations, p, &room[..n]).unwrap_or(true);
         let of_conditions = gradients.iter().map(|gradient| gradient[n + p]);
         room[n..].iter_mut().zip(of_conditions).for_each(|(slope, own)| *slope = own);
         let along =
             |weights: &Vec<f64>| -> f64 { weights.iter().zip(&room).map(|(w, g)| -w * g).sum() };
-        let breaks_up = breaks_up(equations, &room[..n], &[]);
         let slope = |(weights, of): (&Vec<f64>, &usize)| {
             let (slope, rounding) = (along(weights), NOISE * f64::EPSILON);
             let terms: f64 = weights.iter().zip(&room).map(|(w, g)| (w * g).abs()).sum();

@@ -1,52 +1,94 @@
-//! Whether the special points that start a curve persist when another parameter changes.
+//! Whether the branch points that start a curve persist when another parameter changes.
 
-use super::corrector::{Corrector, sizes};
 use super::extended::Extended;
-use crate::core::bifurcation::equation_sizes;
+use crate::core::bifurcation::At;
 use crate::core::failure::Failure;
+use crate::core::linalg::{generic, largest};
 
-/// Rounding: a change of the equations is a rounding error if it is smaller than this fraction of
-/// the sizes of the equations, for a change of the parameter by its size.
-const ROUNDING: f64 = 1e-7;
+/// Rounding: the assumed error of the unknowns at a branch point, relative to their sizes.
+const ERROR: f64 = 1e-7;
 
-/// Whether the special points of the held defining systems break up if a parameter changes, at the
-/// point where the defining systems were evaluated last. The derivative of the zero problem with
-/// respect to the parameter is given, with its error in each equation.
-pub(super) fn breaks_up(equations: &Extended, slope: &[f64], noise: &[f64]) -> bool {
+/// Whether the branch points of the held defining systems break up if the parameter with the index
+/// `p` changes, at the point where the defining systems were evaluated last. The derivative of the
+/// zero problem with respect to the parameter is given in `slope`.
+///
+/// # Errors
+/// [`Failure`] if the second derivative cannot be evaluated.
+pub(super) fn breaks_up(
+    equations: &mut Extended,
+    p: usize,
+    slope: &[f64],
+) -> Result<bool, Failure> {
+    if !unfolds(equations) {
+        return Ok(false);
+    }
+    let change = change_of_slope(equations, p)?;
     let (null, on_mesh) = (&equations.null, equations.system.representation().is_on_mesh());
     let unfolding = equations.conditions.iter().flat_map(|condition| {
         (0..condition.unknowns()).filter_map(|j| condition.unfolding(j, null))
     });
-    unfolding.into_iter().any(|null| null.breaks_up(slope, noise, on_mesh))
+    Ok(unfolding.into_iter().any(|null| null.breaks_up(slope, &change, on_mesh)))
 }
 
-/// Checks that the special points at the start of a curve persist if the released parameters change.
+/// Whether an auxiliary unknown of the held defining systems unfolds the problem.
+fn unfolds(equations: &Extended) -> bool {
+    let mut conditions = equations.conditions.iter();
+    conditions.any(|it| (0..it.unknowns()).any(|j| it.unfolding(j, &equations.null).is_some()))
+}
+
+/// Returns the change of the derivative with respect to a parameter when all unknowns change by
+/// their errors.
+fn change_of_slope(equations: &mut Extended, p: usize) -> Result<Vec<f64>, Failure> {
+    let (n, scales) = (equations.dimension(), equations.unknown_scales());
+    let At { system, x, null, .. } = equations.at();
+    let mut deviation = generic(x.len(), 3);
+    deviation[n..].fill(0.0);
+    // For solutions on a mesh, the size of each unknown is unknown.
+    let usual = largest(&scales).max(largest(&x[..n]));
+    let units = null.units();
+    let size = |k: usize| units.get(k).copied().unwrap_or(usual);
+    deviation[..n].iter_mut().enumerate().for_each(|(k, d)| *d *= ERROR * size(k));
+    let (direction, mut change) = (along(p, x.len(), n), vec![0.0; n]);
+    system.derivative(x, &[&direction, &deviation], &mut change)?;
+    change.iter_mut().for_each(|change| *change *= 0.5);
+    Ok(change)
+}
+
+/// Returns twice the unit direction of a parameter, because a discretisation caches the column of a
+/// unit direction.
+fn along(p: usize, length: usize, n: usize) -> Vec<f64> {
+    let mut direction = vec![0.0; length];
+    direction[n + p] = 2.0;
+    direction
+}
+
+/// Computes the derivative of the zero problem with respect to the parameter with the index `p`.
 ///
 /// # Errors
-/// [`Failure::Unsupported`] if a parameter breaks up the special points; [`Failure`] if the
-/// equations cannot be evaluated.
-pub(super) fn check(corrector: &mut Corrector, unknowns: &[f64]) -> Result<(), Failure> {
-    let Corrector { equations, norm, .. } = corrector;
-    if equations.auxiliary.is_empty() || equations.own_sizes(unknowns).iter().all(Option::is_some) {
+/// [`Failure`] if the derivative cannot be evaluated.
+pub(super) fn slope(equations: &mut Extended, p: usize, out: &mut [f64]) -> Result<(), Failure> {
+    let n = equations.dimension();
+    let At { system, x, .. } = equations.at();
+    system.derivative(x, &[&along(p, x.len(), n)], out)?;
+    out.iter_mut().for_each(|slope| *slope *= 0.5);
+    Ok(())
+}
+
+/// Checks that the branch points at the start of a curve persist if the released parameters change.
+///
+/// # Errors
+/// [`Failure::Unsupported`] if a parameter breaks up the branch points; [`Failure`] if the equations
+/// cannot be evaluated.
+pub(super) fn check(equations: &mut Extended, unknowns: &[f64]) -> Result<(), Failure> {
+    if !unfolds(equations) {
         return Ok(());
     }
     let n = equations.dimension();
-    let units = sizes(equations, &norm.weights);
     let mut room = vec![0.0; unknowns.len()];
     equations.residual(unknowns, None, &mut room)?;
-    let at = equations.at();
-    let mut noise = equation_sizes(at.system, at.x, &units)?;
-    if at.system.representation().interpolated {
-        // The left sides are changes of states.
-        noise.fill(units[..n].iter().copied().fold(f64::INFINITY, f64::min));
-    }
     for p in equations.released.clone() {
-        let at = equations.at();
-        let mut direction = vec![0.0; at.x.len()];
-        direction[n + p] = 1.0;
-        at.system.derivative(at.x, &[&direction], &mut room[..n])?;
-        let noise: Vec<f64> = noise.iter().map(|size| ROUNDING * size / units[n + p]).collect();
-        if breaks_up(equations, &room[..n], &noise) {
+        slope(equations, p, &mut room[..n])?;
+        if breaks_up(equations, p, &room[..n])? {
             let name = &equations.names().parameters[p];
             return Err(Failure::Unsupported(format!(
                 "the branch point breaks up if `{name}` changes, so that no curve of branch points \

@@ -177,7 +177,7 @@ impl Refiner {
         }
     }
 
-    /// Returns the shortfall of a special point that cannot be refined, if the error of its
+    /// Returns the shortfall of a special point that is not refined, if the error of its
     /// continued parameter is larger than requested.
     pub fn shortfall(&self, corrector: &Corrector, special: &SpecialPoint) -> Option<Shortfall> {
         let Corrector { equations, norm, .. } = corrector;

@@ -122,10 +122,17 @@ pub(super) fn begin<'a>(
         held: &held,
         target: settings.mesh_target(!held.is_empty()),
     };
-    let Leaving { unknowns, tangent, parent, from_branch_point, said } =
-        leave(&mut corrector, &unknowns, &beginning, scaling)?;
+    let left = leave(&mut corrector, &unknowns, &beginning, scaling);
+    // If the branch point breaks up, Newton's method may fail, too.
+    let point = left.as_ref().map_or(&unknowns, |left| &left.unknowns).clone();
+    match persistence::check(&mut corrector.equations, &point) {
+        Err(cause) if left.is_ok() || matches!(cause, Failure::Unsupported(_)) => {
+            return Err(cause.into());
+        }
+        _ => {}
+    }
+    let Leaving { unknowns, tangent, parent, from_branch_point, said } = left?;
     branch.warnings.extend(said);
-    persistence::check(&mut corrector, &unknowns)?;
     let is_anew = beginning.is_anew() && origin.is_none();
     let to_one_side = start.site == Site::Beside || start.site == Site::Limit && from_branch_point;
     let tangent = oriented(&corrector, tangent, to_one_side);

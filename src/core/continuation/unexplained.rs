@@ -9,7 +9,7 @@ use super::step_control::Step;
 use crate::core::bifurcation::{Needs, VERTICAL, catalogue, neutral};
 use crate::core::problem::Dynamics;
 use crate::core::system::Kind;
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 
 /// Heuristic: the length, in scaled arclength, down to which steps with an unexplained change of
 /// the number of unstable eigenvalues are halved. In shorter steps, two special points are reported
@@ -54,9 +54,9 @@ pub(super) fn unexplained(
     })
 }
 
-/// Rounding: the frequency or angle of a critical pair is real, up to rounding, if it differs from 0
-/// or π by less than this threshold (the square root of rounding errors), relative to its value.
-const REAL: f64 = 1e-6;
+/// Rounding: two critical multipliers are real, up to rounding, if their angle differs from 0 or π by
+/// less than this threshold.
+pub(super) const REAL: f64 = 1e-6;
 
 /// Whether an event at which a complex pair is critical did not converge, or two real eigenvalues
 /// vanish instead. An end where cycles shrink to an equilibrium has no defining system and is not
@@ -65,8 +65,10 @@ pub(super) fn is_doubtful_pair(detector: &Detector, it: &Located) -> bool {
     let is_mirror = it.event.is_some_and(|event| detector.events[event].mirror);
     let angle = it.special.number("torus_angle");
     let is_real = angle.is_some_and(|angle| {
-        let error = angle.error.max(REAL * angle.value);
-        angle.value <= error || PI - angle.value <= error
+        // Newton's method may converge to the conjugate multiplier.
+        let value = angle.value.rem_euclid(TAU);
+        let (value, error) = (value.min(TAU - value), angle.error.max(REAL));
+        value <= error || PI - value <= error
     });
     (!it.special.converged || is_real) && !is_mirror
 }

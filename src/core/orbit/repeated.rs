@@ -1,15 +1,17 @@
 //! Orbits that consist of two equal halves.
 
-use super::event_cascade::moved_state;
 use super::known_orbit::KnownOrbit;
 use super::legs::OrbitLegs;
 use crate::core::bvp::Guess;
 use crate::core::failure::Failure;
 
-/// Discretisation: two halves of an orbit are equal if the sizes of all states and durations agree up
-/// to this fraction: well above the error of an orbit, and well below the distance of the halves of
-/// an orbit beside a period doubling.
+/// Discretisation: two halves of an orbit are equal if all states and durations agree up to this
+/// fraction of their largest values: well above the error of an orbit, and well below the distance of
+/// the halves of an orbit beside a period doubling.
 const EQUAL: f64 = 1e-7;
+
+/// Rounding: states that are smaller than this fraction of their sizes are zero up to rounding.
+const ZERO: f64 = 1e-12;
 
 /// Returns the first half of the guess of an orbit if the orbit consists of two equal halves, and
 /// otherwise the guess itself. If an event of an orbit of twice the period vanishes, the two halves
@@ -31,7 +33,13 @@ pub(super) fn traversed_once(
     let q = [p, extras].concat();
     let orbit = KnownOrbit { legs, known: trajectories, q: &q };
     let starts_equally = |leg: usize, [first, second]: [&[f64]; 2]| {
-        moved_state(orbit.system(), legs.mode(leg), [first, second], EQUAL, p).is_none()
+        let mut sizes = orbit.system().sizes_of(legs.mode(leg), p);
+        sizes.iter_mut().for_each(|size| *size *= ZERO / EQUAL);
+        for (_, states) in trajectories[leg].nodes() {
+            sizes.iter_mut().zip(states).for_each(|(size, x)| *size = size.max(x.abs()));
+        }
+        let mut states = first.iter().zip(second).zip(sizes);
+        states.all(|((a, b), size)| (a - b).abs() <= EQUAL * size)
     };
     if layout.smooth {
         let half = 0.5 * orbit.length(0);

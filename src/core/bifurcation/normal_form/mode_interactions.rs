@@ -6,7 +6,7 @@ use super::forms::Forms;
 use super::manifold::{Motion, motion};
 use crate::core::bifurcation::at::At;
 use crate::core::failure::Failure;
-use crate::core::linalg::{Form, largest};
+use crate::core::linalg::Form;
 use crate::core::problem::Dynamics;
 use faer::c64;
 
@@ -109,17 +109,17 @@ struct FoldInteraction {
 }
 
 /// Rounding: the terms of second order count as zero if they are smaller than this fraction of the
-/// rate `ω |z|`, for amplitudes at which the terms of third order are as large as this rate.
+/// frequency, for the amplitudes of `v` and `z` at which their own terms of third order are as large
+/// as the frequency.
 const SYMMETRIC: f64 = 1e-7;
 
 impl FoldInteraction {
     /// Whether all terms of second order are zero up to rounding, as at a pitchfork.
     fn is_symmetric(&self, omega: f64) -> bool {
-        let FoldInteraction { a20, a02, a30, a12, b11, b21, b03 } = self;
-        let second = [a20.abs(), a02.abs(), b11.re.abs()];
-        let third = [a30.abs(), a12.abs(), b21.re.abs(), b03.re.abs()];
-        let [second, third] = [largest(&second), largest(&third)];
-        second <= SYMMETRIC * (omega * third).sqrt()
+        let FoldInteraction { a20, a02, a30, b11, b03, .. } = self;
+        let [v, z] = [a30.abs(), b03.re.abs()].map(|third| (omega / third).sqrt());
+        let second = [a20.abs() * v, b11.re.abs() * v, a02.abs() * z * z / v];
+        second.iter().all(|rate| *rate <= SYMMETRIC * omega)
     }
 
     /// Returns the normal form of a pitchfork that interacts with a critical pair.

@@ -7,7 +7,7 @@ use crate::core::bvp::erased::Number;
 use crate::core::numerics::extremum;
 use crate::core::problem::FieldIn;
 use crate::core::system::Approach;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Schur};
 
 /// Rounding: a matrix counts as singular in directions whose singular values are below this
 /// fraction of the largest singular value.
@@ -17,6 +17,12 @@ const SINGULAR: f64 = 1e-13;
 /// rounding errors; an example is the coordinate normal to an invariant surface in which the orbit
 /// lies. The extent of a constant state is this fraction of its size.
 const ROUNDING: f64 = 1e-10;
+
+/// Heuristic: a real rate counts as zero if it is smaller than this fraction of the largest rate.
+const WEAK: f64 = 1e-2;
+
+/// Heuristic: the largest number of iterations for the eigenvalues of a matrix.
+const ITERATIONS: usize = 1000;
 
 impl Solutions {
     /// Estimates the distance of a cycle with a free period from the nearest equilibrium, by one
@@ -51,10 +57,7 @@ impl Solutions {
                 }
             }
         }
-        let rates = nearest.map(|matrix| matrix.complex_eigenvalues());
-        let is_saddle = rates.is_some_and(|rates| {
-            rates.iter().any(|rate| rate.re > 0.0) && rates.iter().any(|rate| rate.re < 0.0)
-        });
+        let is_saddle = nearest.is_some_and(is_saddle);
         distance.is_finite().then_some(Approach { distance, extents, is_saddle })
     }
 
@@ -78,6 +81,21 @@ impl Solutions {
         }
         extents
     }
+}
+
+/// Whether rates of both signs occur among the eigenvalues of a matrix. A real rate near zero, as at a
+/// saddle-node, counts as both.
+fn is_saddle(matrix: DMatrix<f64>) -> bool {
+    let Some(schur) = Schur::try_new(matrix, f64::EPSILON, ITERATIONS) else { return false };
+    let rates = schur.complex_eigenvalues();
+    let largest = rates.iter().fold(0.0, |most: f64, rate| most.max(rate.norm()));
+    let has = |sign: f64| {
+        rates.iter().any(|rate| {
+            let zero = if rate.im == 0.0 { WEAK * largest } else { 0.0 };
+            sign * rate.re > -zero
+        })
+    };
+    has(1.0) && has(-1.0)
 }
 
 /// Returns the range of a function that is given by samples.
