@@ -33,8 +33,8 @@ const TOGETHER: f64 = 1e-7;
 /// two zeros of eigenvalues count as equal is the discretisation error of usual meshes.
 const ON_MESH: f64 = 1e-6;
 
-/// Rounding: two positions count as equal if their distance, in scaled arclength, is smaller than
-/// this threshold, even in a short interval.
+/// Rounding: a position is accurate if its uncertainty, in scaled arclength, is smaller than this
+/// threshold, even in a short interval.
 const CERTAIN: f64 = 1e-9;
 
 /// Heuristic: an interval is cut next to the part that contains the zeros of all eigenvalues, if
@@ -110,13 +110,13 @@ impl Cluster {
     /// and the discretisation error. In a long interval, other eigenvalues may be nearer to zero at
     /// some of the samples.
     pub fn is_certain(&self, corrector: &mut Corrector) -> bool {
-        self.uncertainty <= self.allowed(corrector)
+        self.uncertainty <= self.allowed(corrector).max(CERTAIN)
     }
 
     /// Returns the distance below which two positions are equal.
     fn allowed(&self, corrector: &mut Corrector) -> f64 {
         let mesh = corrector.equations.system().representation().mesh;
-        if mesh.is_empty() { CERTAIN.max(TOGETHER * self.length) } else { ON_MESH }
+        if mesh.is_empty() { TOGETHER * self.length } else { ON_MESH }
     }
 
     /// Returns the position at which to cut the interval. If all eigenvalues vanish in a small part
