@@ -67,8 +67,7 @@ impl Log {
         let kinds = distinct(&kinds).join(", ");
         self.branch.warnings.push(format!(
             "special points ({kinds}) have a larger error than `refinement` = {refinement:e} permits, because finer \
-             discretisations are not available or do not converge, or because several multipliers are critical \
-             together (take more `intervals`): the relative error of `{column}` is up to {relative:.1e}; the column `error` \
+             discretisations are not available or do not converge: the relative error of `{column}` is up to {relative:.1e}; the column `error` \
              gives the error of each point"
         ));
     }
