@@ -32,7 +32,9 @@ impl RunCheck<'_> {
         self.check_durations()?;
         self.check_ranges()?;
         require_unique("setting of a run", run.set.iter().map(|(name, _)| name))?;
-        self.check_numbers("mark", run.marks.iter().chain(&run.grazings).chain(&run.hold_level))?;
+        self.check_numbers("mark", &run.marks)?;
+        self.check_numbers("grazing", &run.grazings)?;
+        self.check_numbers("held level", &run.hold_level)?;
         check_held(run)?;
         self.check_start()?;
         match &run.local {

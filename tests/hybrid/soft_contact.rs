@@ -1,6 +1,6 @@
 //! Promise: branches pass grazings at which an event leaves the motion unchanged from both sides, and
-//! curves of such grazings have no degenerate points. Orbits that an event leaves as two equal halves
-//! are traversed once.
+//! curves of such grazings have no degenerate points. An orbit that consists of two equal halves after
+//! it has lost an event is traversed once.
 
 use crate::common::close;
 use std::f64::consts::TAU;

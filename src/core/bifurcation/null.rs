@@ -80,7 +80,8 @@ impl NullSpace {
     /// Returns the stored null vectors of the matrix `F_z` or `[F_z  F_p]` in the given form, which
     /// may belong to another point.
     pub(super) fn known(&self, form: Form, parameter: Option<usize>) -> Option<&NullVectors> {
-        self.entries.iter().find(|entry| entry.is_of(form, parameter))
+        let mut started = self.entries.iter().filter(|entry| !entry.borders.is_empty());
+        started.find(|entry| entry.is_of(form, parameter))
     }
 
     /// Turns all borders towards the current null vectors, so that the bordered matrices stay well

@@ -162,7 +162,7 @@ impl Shooting {
     ) -> Result<(), Failure> {
         x.copy_from_slice(&interval.nodes[..x.len()]);
         work.settings = self.present(&interval);
-        work.measure_at_rest_by(T::largest_derivative);
+        work.measure_small_states_by(T::largest_derivative);
         if place > 0.0 {
             let (start, length) = interval.times();
             let field = interval.field();
@@ -274,7 +274,7 @@ impl Shooting {
     ) -> Result<(), Failure> {
         let mut x = interval.nodes[..interval.nodes.len() / 2].to_vec();
         work.settings = self.present(&interval);
-        work.measure_at_rest_by(T::largest_derivative);
+        work.measure_small_states_by(T::largest_derivative);
         let (start, length) = interval.times();
         let field = interval.field();
         work.observe(&field, start, length, &mut x, interval.q, |step| {

@@ -213,16 +213,18 @@ impl Cluster {
         // Rounding may make two equal real eigenvalues complex.
         let farthest = order.iter().map(|l| Critical::One.distance(dynamics, l));
         let real = 1e-3 * farthest.fold(1e-6, f64::max);
-        let negative = order.iter().filter(|(re, _)| *re < 0.0);
+        let is_negative = |re: f64| dynamics == Dynamics::Periodic && re < 0.0;
+        let negative = order.iter().filter(|(re, _)| is_negative(*re));
         let farthest = negative.map(|l| Critical::MinusOne.distance(dynamics, l));
         let negative = (1e-3 * farthest.fold(0.0, f64::max)).max(REAL);
         let mut groups: Vec<Group> = Vec::new();
         for (re, im) in order {
+            let (kind, limit) = match is_negative(re) {
+                true => (Critical::MinusOne, negative),
+                false => (Critical::One, real),
+            };
             let (critical, frequency) = match dynamics {
-                Dynamics::Periodic if re < 0.0 && im.abs() <= negative => (Critical::MinusOne, 0.0),
-                Dynamics::Periodic if re < 0.0 && im < 0.0 => continue,
-                Dynamics::Periodic if re < 0.0 => (Critical::Pair, im.atan2(re)),
-                _ if im.abs() <= real => (Critical::One, 0.0),
+                _ if im.abs() <= limit => (kind, 0.0),
                 _ if im < 0.0 => continue,
                 Dynamics::Periodic => (Critical::Pair, im.atan2(re)),
                 _ => (Critical::Pair, im),

@@ -1,7 +1,7 @@
 //! Whether the branch points that start a curve persist when another parameter changes.
 
 use super::extended::Extended;
-use crate::core::bifurcation::At;
+use crate::core::bifurcation::{At, NullVectors};
 use crate::core::failure::Failure;
 use crate::core::linalg::{generic, largest};
 
@@ -19,21 +19,19 @@ pub(super) fn breaks_up(
     p: usize,
     slope: &[f64],
 ) -> Result<bool, Failure> {
-    if !unfolds(equations) {
+    if unfolding(equations).next().is_none() {
         return Ok(false);
     }
     let change = change_of_slope(equations, p)?;
-    let (null, on_mesh) = (&equations.null, equations.system.representation().is_on_mesh());
-    let unfolding = equations.conditions.iter().flat_map(|condition| {
-        (0..condition.unknowns()).filter_map(|j| condition.unfolding(j, null))
-    });
-    Ok(unfolding.into_iter().any(|null| null.breaks_up(slope, &change, on_mesh)))
+    let on_mesh = equations.system().representation().is_on_mesh();
+    Ok(unfolding(equations).any(|null| null.breaks_up(slope, &change, on_mesh)))
 }
 
-/// Whether an auxiliary unknown of the held defining systems unfolds the problem.
-fn unfolds(equations: &Extended) -> bool {
-    let mut conditions = equations.conditions.iter();
-    conditions.any(|it| (0..it.unknowns()).any(|j| it.unfolding(j, &equations.null).is_some()))
+/// Returns the null vectors that belong to the auxiliary unknowns that unfold the problem.
+fn unfolding<'e>(equations: &'e Extended) -> impl Iterator<Item = &'e NullVectors> {
+    equations.conditions.iter().flat_map(|condition| {
+        (0..condition.unknowns()).filter_map(|j| condition.unfolding(j, &equations.null))
+    })
 }
 
 /// Returns the change of the derivative with respect to a parameter when all unknowns change by
@@ -54,8 +52,8 @@ fn change_of_slope(equations: &mut Extended, p: usize) -> Result<Vec<f64>, Failu
     Ok(change)
 }
 
-/// Returns twice the unit direction of a parameter, because a discretisation caches the column of a
-/// unit direction.
+/// Returns twice the unit direction of a parameter; a discretisation caches the column of the unit
+/// direction.
 fn along(p: usize, length: usize, n: usize) -> Vec<f64> {
     let mut direction = vec![0.0; length];
     direction[n + p] = 2.0;
@@ -80,7 +78,7 @@ pub(super) fn slope(equations: &mut Extended, p: usize, out: &mut [f64]) -> Resu
 /// [`Failure::Unsupported`] if a parameter breaks up the branch points; [`Failure`] if the equations
 /// cannot be evaluated.
 pub(super) fn check(equations: &mut Extended, unknowns: &[f64]) -> Result<(), Failure> {
-    if !unfolds(equations) {
+    if unfolding(equations).next().is_none() {
         return Ok(());
     }
     let n = equations.dimension();

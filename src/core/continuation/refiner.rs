@@ -177,16 +177,15 @@ impl Refiner {
         }
     }
 
-    /// Returns the shortfall of a special point that is not refined, if the error of its
-    /// continued parameter is larger than requested.
+    /// Returns the shortfall of a special point that is not refined, if the error of its continued
+    /// parameter is larger than requested.
     pub fn shortfall(&self, corrector: &Corrector, special: &SpecialPoint) -> Option<Shortfall> {
-        let Corrector { equations, norm, .. } = corrector;
-        let (parameter, place) = (equations.released[0], equations.parameters_at());
-        let size = special.parameters[parameter].abs().max(norm.scaled(place, 1.0).recip());
-        let relative = special.error / size;
-        let is_short = self.accuracy > 0.0 && relative > LENIENCE * self.accuracy;
-        let column = equations.names().parameters[parameter].clone();
-        is_short.then_some(Shortfall { column, relative })
+        let released = &corrector.equations.released;
+        let size = special.parameters[released[0]].abs();
+        match self.share_of(corrector, released, (&[special.error], &[size])) {
+            MeshShare::TooLarge(shortfall) if self.accuracy > 0.0 => Some(shortfall),
+            _ => None,
+        }
     }
 
     /// Returns the period at the last loaded point on the next finer discretisation, while one

@@ -112,14 +112,14 @@ impl Parts<'_, '_> {
             _ => Cluster::of(&mut Locator::new(self.curve, interval), change.unsigned_abs()),
         };
         let corrector = &mut self.curve.corrector;
-        let one = cluster.as_ref().is_some_and(|it| it.coincides(corrector));
-        let is_certain = one && cluster.as_ref().is_some_and(|it| it.is_certain(corrector));
+        let is_one = |it: &Cluster| it.coincides(corrector) && it.is_certain(corrector);
+        let one = cluster.as_ref().is_some_and(is_one);
         let cut = cluster.as_ref().map_or(0.5 * step.length, Cluster::cut);
-        if !is_certain && let Some(apart) = self.cut(from, step, cut, at_start) {
+        if !one && let Some(apart) = self.cut(from, step, cut, at_start) {
             return apart;
         }
         let mut found = match &cluster {
-            Some(cluster) => self.together(interval, (cluster, one), found),
+            Some(cluster) => self.together(interval, cluster, found),
             None => found,
         };
         let origin = self.origin(at_start);
@@ -187,12 +187,11 @@ impl Parts<'_, '_> {
     }
 
     /// Returns the events of an interval in which several eigenvalues pass zero, and which is not
-    /// divided further: one event for each type of eigenvalue. The flag states whether the
-    /// eigenvalues pass zero at one point.
+    /// divided further: one event for each type of eigenvalue.
     fn together(
         &mut self,
         interval: Interval,
-        (cluster, one): (&Cluster, bool),
+        cluster: &Cluster,
         mut found: Vec<Located>,
     ) -> Vec<Located> {
         let dynamics = self.curve.corrector.equations.system().dynamics();
@@ -213,8 +212,7 @@ impl Parts<'_, '_> {
         for group in several {
             let pair = group.critical == Critical::Pair && group.count == 1;
             let alone = if pair { self.pair(interval, cluster, group) } else { None };
-            let together = || self.multiple(interval, (cluster, one), group);
-            found.extend(alone.or_else(together));
+            found.extend(alone.or_else(|| self.multiple(interval, cluster, group)));
         }
         found
     }
@@ -247,12 +245,7 @@ impl Parts<'_, '_> {
     /// Returns the special point at which several equal eigenvalues are critical together. If the
     /// eigenvalues pass zero at different points, the special point has converged only if the
     /// discretisation explains the distance of these points.
-    fn multiple(
-        &mut self,
-        interval: Interval,
-        (cluster, one): (&Cluster, bool),
-        group: Group,
-    ) -> Option<Located> {
+    fn multiple(&mut self, interval: Interval, cluster: &Cluster, group: Group) -> Option<Located> {
         let Group { critical, frequency, count } = group;
         let unknowns = cluster.unknowns();
         let equations = &mut self.curve.corrector.equations;
@@ -275,12 +268,13 @@ impl Parts<'_, '_> {
             _ => format!("{}: {count} eigenvalues vanish", kind.meaning()),
         };
         let mut located = self.at_mean((kind, &event), interval, cluster)?;
-        let on_mesh = self.curve.corrector.equations.system().representation().is_on_mesh();
+        let Curve { refiner, corrector, .. } = &mut *self.curve;
+        let on_mesh = corrector.equations.system().representation().is_on_mesh();
+        let near = on_mesh && cluster.spread() <= LEAST_UNEXPLAINED;
         let special = &mut located.special;
         special.multiplicity = count;
-        special.converged = one || on_mesh && cluster.spread() <= LEAST_UNEXPLAINED;
+        special.converged = near || cluster.coincides(corrector);
         if on_mesh && special.converged {
-            let Curve { refiner, corrector, .. } = &*self.curve;
             located.shortfall = refiner.shortfall(corrector, special);
         }
         if critical == Critical::Pair {

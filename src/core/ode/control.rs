@@ -5,18 +5,18 @@ use super::stages::Stages;
 use super::tableau::{Row, Tableau};
 use crate::core::scalar::Scalar;
 
-/// Heuristic: A state counts as small if the relative tolerance adds less than this fraction to the
+/// Heuristic: a state counts as small if the relative tolerance adds less than this fraction to the
 /// absolute tolerance: the real part of the state then does not show how large its derivatives are.
 const SMALL: f64 = 0.01;
 
 /// Heuristic: the factor by which the tolerances of derivatives exceed the tolerances of real parts
 /// if all states are small: the derivatives then control the steps.
-const AT_REST: f64 = 10.0;
+const ALL_SMALL: f64 = 10.0;
 
 /// Heuristic: the factor by which the tolerances of derivatives exceed the tolerances of real parts
 /// if some states are small. The other states usually control the steps; but if a small state
 /// decays fast, steps that are too long for stability amplify its derivatives.
-const BESIDE: f64 = 1e3;
+const SOME_SMALL: f64 = 1e3;
 
 /// The function that measures numbers in error estimates; by default, the size of a number is the
 /// absolute value of its real part.
@@ -50,7 +50,7 @@ impl<T: Scalar> Measure<'_, T> {
         if small == 0 {
             return None;
         }
-        let factor = if small == x.len() { AT_REST } else { BESIDE };
+        let factor = if small == x.len() { ALL_SMALL } else { SOME_SMALL };
         let (relative, absolute) = (factor * self.relative, factor * self.absolute);
         Some(Measure { relative, absolute, size: Some(size), only_small: true, ..self })
     }

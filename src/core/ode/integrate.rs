@@ -48,7 +48,7 @@ pub struct Statistics {
 pub struct Flow<T: Scalar> {
     pub(in crate::core) settings: Settings,
     size: Option<Size<T>>,
-    size_at_rest: Option<Size<T>>,
+    size_of_small_states: Option<Size<T>>,
     pub(super) buffers: Buffers<T>,
     real: Vec<f64>,
 }
@@ -56,7 +56,7 @@ pub struct Flow<T: Scalar> {
 impl<T: Scalar> Default for Flow<T> {
     fn default() -> Self {
         let (settings, buffers) = Default::default();
-        Flow { settings, size: None, size_at_rest: None, buffers, real: Vec::new() }
+        Flow { settings, size: None, size_of_small_states: None, buffers, real: Vec::new() }
     }
 }
 
@@ -94,8 +94,8 @@ impl<T: Scalar> Flow<T> {
     /// the ratio of the absolute to the relative tolerance). If a state is almost zero, as near an
     /// equilibrium at `x = 0`, the real part of a dual number cannot control the error of the
     /// derivatives, so the size of the derivatives is used.
-    pub(in crate::core) fn measure_at_rest_by(&mut self, size: Size<T>) {
-        self.size_at_rest = Some(size);
+    pub(in crate::core) fn measure_small_states_by(&mut self, size: Size<T>) {
+        self.size_of_small_states = Some(size);
     }
 
     /// Advances the state `x` by the flow from the time `t0` for a duration `length`, which can be
@@ -301,7 +301,8 @@ impl<T: Scalar> Flow<T> {
             stages.end_slope(tableau.end(), motion, sigma + h);
         }
         let error = measure.explicit_error(h, tableau, x, stages);
-        let of_derivatives = self.size_at_rest.and_then(|it| measure.of_derivatives(it, x, stages));
+        let of_derivatives =
+            self.size_of_small_states.and_then(|it| measure.of_derivatives(it, x, stages));
         match of_derivatives {
             Some(measure) => error.max(measure.explicit_error(h, tableau, x, stages)),
             None => error,

@@ -107,10 +107,10 @@ fn behind_touch(orbit: &KnownOrbit, leg: usize) -> Result<Option<usize>, Failure
     let next = next.filter(|next| legs[*next].mode == mode);
     if let Some(next) = next {
         // Legs that count as having no length may last for a short time.
-        let mut without = vec![0.0; x.len()];
-        orbit.system().field(mode, t, &x, orbit.p(), &mut without);
-        without.iter_mut().zip(&x).for_each(|(rate, x)| *rate = x + waited * *rate);
-        let states = [&without[..], orbit.known[next].start()];
+        let mut rates = vec![0.0; x.len()];
+        orbit.system().field(mode, t, &x, orbit.p(), &mut rates);
+        let expected: Vec<f64> = x.iter().zip(rates).map(|(x, rate)| x + waited * rate).collect();
+        let states = [&expected[..], orbit.known[next].start()];
         check_unmoved(orbit.legs, (mode, guard), states, orbit.p())?;
     }
     Ok(next)

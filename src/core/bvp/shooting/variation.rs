@@ -21,7 +21,7 @@ pub(super) struct Variation<const N: usize> {
 impl<const N: usize> Default for Variation<N> {
     fn default() -> Self {
         let (mut flow, x, q, end): (Flow<_>, _, _, _) = Default::default();
-        flow.measure_at_rest_by(Derivatives::largest_derivative);
+        flow.measure_small_states_by(Derivatives::largest_derivative);
         Variation { flow, x, q, end }
     }
 }

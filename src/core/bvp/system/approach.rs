@@ -7,7 +7,8 @@ use crate::core::bvp::erased::Number;
 use crate::core::numerics::extremum;
 use crate::core::problem::FieldIn;
 use crate::core::system::Approach;
-use nalgebra::{DMatrix, DVector, Schur};
+use faer::MatRef;
+use nalgebra::{DMatrix, DVector};
 
 /// Rounding: a matrix counts as singular in directions whose singular values are below this
 /// fraction of the largest singular value.
@@ -18,11 +19,9 @@ const SINGULAR: f64 = 1e-13;
 /// lies. The extent of a constant state is this fraction of its size.
 const ROUNDING: f64 = 1e-10;
 
-/// Heuristic: a real rate counts as zero if it is smaller than this fraction of the largest rate.
+/// Heuristic: a real eigenvalue counts as zero if it is smaller than this fraction of the largest
+/// eigenvalue.
 const WEAK: f64 = 1e-2;
-
-/// Heuristic: the largest number of iterations for the eigenvalues of a matrix.
-const ITERATIONS: usize = 1000;
 
 impl Solutions {
     /// Estimates the distance of a cycle with a free period from the nearest equilibrium, by one
@@ -41,11 +40,11 @@ impl Solutions {
             let mut slope = vec![0.0; s.states];
             for x in nodes[s.values..s.values + s.nodes * s.states].chunks_exact(s.states) {
                 field.slope(0.0, x, q, &mut slope);
-                let Ok(matrix) = jacobian(&*equations.problem, segment, x, q) else { continue };
-                let matrix = DMatrix::from_column_slice(s.states, s.states, &matrix);
+                let Ok(entries) = jacobian(&*equations.problem, segment, x, q) else { continue };
+                let matrix = DMatrix::from_column_slice(s.states, s.states, &entries);
                 // Motion on a surface gives no information about deviations across it: the matrix is
                 // singular there, and the shortest correction is used.
-                let singular = matrix.clone().svd(true, true);
+                let singular = matrix.svd(true, true);
                 let least = SINGULAR * singular.singular_values.max();
                 let Ok(way) = singular.solve(&DVector::from_column_slice(&slope), least) else {
                     continue;
@@ -53,11 +52,11 @@ impl Solutions {
                 let parts = way.iter().zip(&extents[s.ends..]).map(|(d, extent)| d.abs() / extent);
                 let here = parts.fold(0.0, f64::max);
                 if here < distance {
-                    (distance, nearest) = (here, Some(matrix));
+                    (distance, nearest) = (here, Some(entries));
                 }
             }
         }
-        let is_saddle = nearest.is_some_and(is_saddle);
+        let is_saddle = nearest.is_some_and(|entries| is_saddle(&entries));
         distance.is_finite().then_some(Approach { distance, extents, is_saddle })
     }
 
@@ -83,19 +82,20 @@ impl Solutions {
     }
 }
 
-/// Whether rates of both signs occur among the eigenvalues of a matrix. A real rate near zero, as at a
-/// saddle-node, counts as both.
-fn is_saddle(matrix: DMatrix<f64>) -> bool {
-    let Some(schur) = Schur::try_new(matrix, f64::EPSILON, ITERATIONS) else { return false };
-    let rates = schur.complex_eigenvalues();
-    let largest = rates.iter().fold(0.0, |most: f64, rate| most.max(rate.norm()));
-    let has = |sign: f64| {
-        rates.iter().any(|rate| {
-            let zero = if rate.im == 0.0 { WEAK * largest } else { 0.0 };
-            sign * rate.re > -zero
-        })
-    };
-    has(1.0) && has(-1.0)
+/// Whether eigenvalues with real parts of both signs occur among the eigenvalues of a matrix, which is
+/// stored column by column. A real eigenvalue near zero, as at a saddle-node, has both signs.
+fn is_saddle(entries: &[f64]) -> bool {
+    let n = entries.len().isqrt();
+    let matrix = MatRef::from_column_major_slice(entries, n, n);
+    let Ok(eigenvalues) = matrix.eigenvalues() else { return false };
+    let largest = eigenvalues.iter().fold(0.0, |most: f64, l| most.max(l.norm()));
+    let mut signs = [false; 2];
+    for l in eigenvalues {
+        let is_zero = l.im == 0.0 && l.re.abs() < WEAK * largest;
+        signs[0] |= l.re > 0.0 || is_zero;
+        signs[1] |= l.re < 0.0 || is_zero;
+    }
+    signs == [true; 2]
 }
 
 /// Returns the range of a function that is given by samples.
