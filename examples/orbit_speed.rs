@@ -20,15 +20,16 @@ const FOLD: f64 = 0.2355654335833884;
 /// AUTO-07p's, which has none. Both are chosen for the 47 points that AUTO-07p takes.
 ///
 /// Of a point no correction above a hundredth of `tolerance` is left, AUTO-07p's `EPSL` and `EPSU`
-/// of 1e-7. Special points are converged to the default `event_tolerance`; with a `refinement` of 0
-/// they are not recomputed with a smaller error of the flow or mesh, which AUTO-07p does not do
-/// either.
+/// of 1e-7. Special points are converged to the default `event_tolerance`. With a `refinement` of 0
+/// they are not recomputed with a smaller error of the flow or mesh, and in a `draft` they have no
+/// sensitivities: AUTO-07p computes neither.
 fn branch(system: &mut dyn System, step: f64, size: f64) -> Result<Branch, Box<dyn Error>> {
     let settings = Settings {
         initial_step: step,
         max_step: step,
         tolerance: 1e-5,
         refinement: 0.0,
+        draft: true,
         ..Settings::default()
     };
     let branch = Continuation::new(system)

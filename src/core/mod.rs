@@ -60,3 +60,4 @@ pub mod spelling;
 pub mod sweep;
 pub mod system;
 mod threads;
+mod vectors;

@@ -147,8 +147,12 @@ pub trait System: Send {
     /// beginning with monitor number `first`. The derivative of a monitor that is not
     /// differentiable is NaN.
     fn slopes(&mut self, x: &[f64], first: usize, direction: &[f64], out: &mut [f64]) {
-        for (monitor, slope) in (first..).zip(out) {
-            *slope = slope_of(self, x, monitor, direction).unwrap_or(f64::NAN);
+        let others = match self.discretised() {
+            Some(own) => own.slopes(x, first, direction, out),
+            None => (0..out.len()).collect(),
+        };
+        for k in others {
+            out[k] = slope_of(self, x, first + k, direction).unwrap_or(f64::NAN);
         }
     }
 
@@ -268,7 +272,7 @@ pub trait System: Send {
     }
 }
 
-/// Returns the derivative of a monitor at `x` along a direction.
+/// Returns the derivative of a monitor at `x` along a direction, computed from its gradient.
 ///
 /// # Errors
 /// [`Failure`] as for [`gradient`](System::gradient).
@@ -278,10 +282,6 @@ fn slope_of(
     monitor: usize,
     direction: &[f64],
 ) -> Result<f64, Failure> {
-    let discretised = system.discretised().map(|own| own.slope(x, monitor, direction));
-    if let Some(Some(slope)) = discretised.transpose()? {
-        return Ok(slope);
-    }
     let n = system.names().dimension();
     let moves: Vec<usize> =
         (0..x.len() - n).filter(|parameter| direction[n + parameter] != 0.0).collect();
@@ -307,18 +307,18 @@ pub trait Discretised {
         None
     }
 
-    /// Computes the derivative of a monitor along a direction, accurately enough for the curve
-    /// between two points; `None` if the derivative must be computed from the gradient.
-    ///
-    /// # Errors
-    /// [`Failure`] as for [`gradient`](System::gradient).
-    fn slope(
+    /// Computes the derivatives of consecutive monitors along a direction, from the monitor at the
+    /// position `first`, one for each element of `out`, accurately enough for the curve between two
+    /// points; the derivative of a monitor that is not differentiable at `x` is NaN. Returns the
+    /// positions in `out` of the derivatives that must be computed from gradients.
+    fn slopes(
         &mut self,
         _x: &[f64],
-        _monitor: usize,
+        _first: usize,
         _direction: &[f64],
-    ) -> Result<Option<f64>, Failure> {
-        Ok(None)
+        out: &mut [f64],
+    ) -> Vec<usize> {
+        (0..out.len()).collect()
     }
 
     /// Sets the accuracy of subsequent evaluations, assemblies and factorisations.

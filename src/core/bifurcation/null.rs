@@ -141,6 +141,8 @@ pub struct NullVectors {
     at: Vec<f64>,
     /// The rows of the border `C`, with one column for each unknown and for `p`.
     rows: Vec<Vec<f64>>,
+    /// Whether the border already consists of the current null vectors.
+    adapted: bool,
     /// The unit direction of the parameter `p`.
     direction: Vec<f64>,
     /// The sizes of the equations: the change of each equation's left side when all unknowns change
@@ -169,7 +171,9 @@ fn orthonormal(vectors: &mut [Vec<f64>]) {
 fn divide(row: &mut [f64], units: &[f64], (n, parameter): (usize, Option<usize>)) {
     let unit = |k: usize| units.get(k).copied().filter(|unit| *unit > 0.0).unwrap_or(1.0);
     let end = row.len() - usize::from(parameter.is_some());
-    row[..end].iter_mut().enumerate().for_each(|(k, r)| *r /= unit(k % n));
+    for part in row[..end].chunks_mut(n.max(1)) {
+        part.iter_mut().enumerate().for_each(|(k, r)| *r /= unit(k));
+    }
     if let Some(p) = parameter {
         row[end] /= unit(n + p);
     }
@@ -400,6 +404,7 @@ impl NullVectors {
         let units = &self.sizes[..];
         let border = Border { width, columns, rows, corner, units };
         system.factor(self.form, border, &mut self.factors)?;
+        self.adapted = false;
         for i in 0..width {
             self.work.fill(0.0);
             self.work[n + i] = 1.0;
@@ -426,6 +431,10 @@ impl NullVectors {
     /// Sets the borders to the current null vectors, orthonormalised in units of the sizes of the
     /// equations and unknowns.
     fn adapt(&mut self, units: &[f64]) {
+        if self.adapted {
+            return;
+        }
+        self.adapted = true;
         self.at.clear();
         let times_terms = |border: &mut Vec<f64>, terms: &[f64]| {
             border.iter_mut().zip(terms.iter().cycle()).for_each(|(b, term)| *b *= term);

@@ -28,6 +28,7 @@ use crate::core::numerics::{Limits, bracketed_zero, lagrange};
 use crate::core::problem::{FieldIn, Observable, WatchIn};
 use crate::core::scalar::{CHUNK, Scalar};
 use crate::core::system::Matrices;
+use crate::core::vectors::in_fours;
 use basis::{Basis, combine};
 use linearise::{Passes, linearise_colored, linearise_in, mark_dependences};
 use num_dual::{Dual2_64, Dual64};
@@ -351,11 +352,14 @@ impl Collocation {
         block: Block,
     ) -> Result<(), Failure> {
         let n = interval.nodes.len() / self.basis.nodes.len();
-        if n + active.len() <= 4 {
-            linearise_in(&self.basis, &mut self.narrow, interval, active, block)
-        } else {
-            linearise_in(&self.basis, &mut self.wide, interval, active, block)
-        }
+        let Collocation { basis, narrow, wide, .. } = self;
+        in_fours(
+            #[inline(always)]
+            || match n + active.len() {
+                ..=4 => linearise_in(basis, narrow, interval, active, block),
+                _ => linearise_in(basis, wide, interval, active, block),
+            },
+        )
     }
 
     /// Marks, for each component of the vector field, the states of a chunk on which the component

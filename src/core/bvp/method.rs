@@ -125,12 +125,28 @@ impl Method {
         work: &mut MethodWork<T>,
         x: &mut [T],
     ) -> Result<(), Failure> {
+        self.values(interval, &[place], work, x, &mut |_, _| {})
+    }
+
+    /// Visits the states at several points of an interval, given by their positions from 0 to 1 in
+    /// ascending order; `x` is scratch space for the states.
+    pub(super) fn values<T: Number>(
+        &self,
+        interval: Interval<T>,
+        places: &[f64],
+        work: &mut MethodWork<T>,
+        x: &mut [T],
+        visit: &mut dyn FnMut(usize, &[T]),
+    ) -> Result<(), Failure> {
         match self {
             Method::Collocation(method) => {
-                method.value(interval, place, x);
+                for (k, &place) in places.iter().enumerate() {
+                    method.value(interval, place, x);
+                    visit(k, x);
+                }
                 Ok(())
             }
-            Method::Shooting(method) => method.value(interval, place, &mut work.flow, x),
+            Method::Shooting(method) => method.values(interval, places, &mut work.flow, x, visit),
         }
     }
 

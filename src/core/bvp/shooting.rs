@@ -123,7 +123,7 @@ impl Shooting {
         work: &mut Flow<T>,
         r: &mut [T],
     ) -> Result<(), Failure> {
-        self.value(interval, 1.0, work, r)?;
+        self.values(interval, &[1.0], work, r, &mut |_, _| {})?;
         let right = &interval.nodes[r.len()..];
         r.iter_mut().zip(right).for_each(|(r, right)| *r -= *right);
         Ok(())
@@ -139,7 +139,7 @@ impl Shooting {
         r: &mut [T],
     ) -> Result<T, Failure> {
         let end = &mut r[..weights.len()];
-        self.value(interval, 1.0, work, end)?;
+        self.values(interval, &[1.0], work, end, &mut |_, _| {})?;
         let mut sum = weighted(end, weights);
         if !closing.is_empty() {
             let (problem, g) = (T::residual(interval.problem), &mut r[..closing.len()]);
@@ -152,22 +152,40 @@ impl Shooting {
         Ok(sum)
     }
 
-    /// Computes the states at a point of an interval, given by its position from 0 to 1.
-    pub fn value<T: Number>(
+    /// Visits the states at several points of an interval, given by their positions from 0 to 1 in
+    /// ascending order. The states at the last point have the error of the flow, and the states at
+    /// the other points the larger error of dense output.
+    pub fn values<T: Number>(
         &self,
         interval: Interval<T>,
-        place: f64,
+        places: &[f64],
         work: &mut Flow<T>,
         x: &mut [T],
+        visit: &mut dyn FnMut(usize, &[T]),
     ) -> Result<(), Failure> {
         x.copy_from_slice(&interval.nodes[..x.len()]);
         work.settings = self.present(&interval);
         work.measure_small_states_by(T::largest_derivative);
-        if place > 0.0 {
-            let (start, length) = interval.times();
-            let field = interval.field();
-            work.advance(&field, start, length * place, x, interval.q)?;
+        let ((start, length), field) = (interval.times(), interval.field());
+        let Some(&end) = places.last() else { return Ok(()) };
+        let inner = places.partition_point(|place| *place < end);
+        let mut next = 0;
+        if inner == 0 && end > 0.0 {
+            work.advance(&field, start, length * end, x, interval.q)?;
+        } else if inner > 0 {
+            let mut between = x.to_vec();
+            work.observe(&field, start, length * end, x, interval.q, |step| {
+                let (from, to) = step.span();
+                while next < inner && places[next] <= to * end {
+                    let share = (places[next] / end - from) / (to - from);
+                    step.interpolate(T::from(share), &mut between);
+                    visit(next, &between);
+                    next += 1;
+                }
+                ControlFlow::Continue(())
+            })?;
         }
+        (next..places.len()).for_each(|k| visit(k, x));
         Ok(())
     }
 

@@ -1,6 +1,7 @@
 //! Fronts: small dense matrices whose leading columns are eliminated together.
 
 use crate::core::failure::{Failure, SINGULAR, unusable};
+use crate::core::vectors::in_fours;
 use faer::linalg::matmul::matmul;
 use faer::linalg::triangular_solve::solve_unit_lower_triangular_in_place;
 use faer::{Accum, MatMut, Par};
@@ -17,7 +18,11 @@ const LANES: usize = 4;
 /// and all other columns are updated by matrix products.
 const BLOCKED: usize = 96;
 
-/// Heuristic: the length from which on a scalar product is computed in more partial sums.
+/// Heuristic: the length up to which rows have a length known at compile time. With four Gauss
+/// points, the rows of up to eight states are as short.
+const SHORT: usize = 44;
+
+/// Heuristic: the length from which on a scalar product is computed in partial sums.
 const LONG: usize = 32;
 
 /// Heuristic: the number of columns of a panel, which is a multiple of the number of lanes.
@@ -139,7 +144,14 @@ impl Fronts {
             row_scales: &mut self.row_scales,
             exchanges: &mut self.exchanges[i * self.eliminated..][..self.eliminated],
         };
-        dispatch!(Level::new(), _ => front.eliminate(pivots))
+        if w <= SHORT {
+            in_fours(
+                #[inline(always)]
+                || front.eliminate_short(pivots),
+            )
+        } else {
+            dispatch!(Level::new(), _ => front.eliminate(pivots))
+        }
     }
 
     /// Applies `L⁻¹ P` to the right-hand sides of the pivotal rows and of the border rows.
@@ -165,7 +177,30 @@ impl Fronts {
     /// Computes the eliminated unknowns from the other unknowns, in the order of the front's
     /// columns.
     pub(super) fn back(&self, i: usize, right: &[f64], unknowns: &mut [f64]) {
-        dispatch!(Level::new(), _ => self.back_inlined(i, right, unknowns))
+        if self.stride <= SHORT {
+            self.back_by_columns(i, right, unknowns);
+        } else {
+            dispatch!(Level::new(), _ => self.back_inlined(i, right, unknowns));
+        }
+    }
+
+    /// Computes the eliminated unknowns like [`back`](Self::back), and subtracts the contribution of
+    /// an unknown from all rows above as soon as the unknown is known: sums of a few products do not
+    /// wait for each other.
+    fn back_by_columns(&self, i: usize, right: &[f64], unknowns: &mut [f64]) {
+        let (rows, (own, others)) =
+            (self.front(i).chunks_exact(self.stride), unknowns.split_at_mut(self.eliminated));
+        for ((x, row), right) in own.iter_mut().zip(rows).zip(right) {
+            *x = right - dot(&row[self.eliminated..][..others.len()], others);
+        }
+        let a = self.front(i);
+        for r in (0..self.eliminated).rev() {
+            own[r] /= a[r * self.stride + r];
+            let (above, x) = own.split_at_mut(r);
+            for (q, y) in above.iter_mut().enumerate() {
+                *y -= a[q * self.stride + r] * x[0];
+            }
+        }
     }
 
     #[inline(always)]
@@ -219,6 +254,56 @@ struct Front<'f> {
 }
 
 impl Front<'_> {
+    /// Eliminates like [`eliminate`](Self::eliminate), with rows of at most [`SHORT`] numbers.
+    #[inline(always)]
+    fn eliminate_short(&mut self, pivots: &mut Pivots) -> Result<(), Failure> {
+        match self.w {
+            4 => self.eliminate_rows::<4>(pivots),
+            8 => self.eliminate_rows::<8>(pivots),
+            12 => self.eliminate_rows::<12>(pivots),
+            16 => self.eliminate_rows::<16>(pivots),
+            20 => self.eliminate_rows::<20>(pivots),
+            24 => self.eliminate_rows::<24>(pivots),
+            28 => self.eliminate_rows::<28>(pivots),
+            32 => self.eliminate_rows::<32>(pivots),
+            36 => self.eliminate_rows::<36>(pivots),
+            40 => self.eliminate_rows::<40>(pivots),
+            _ => self.eliminate_rows::<SHORT>(pivots),
+        }
+    }
+
+    /// Eliminates column by column in rows of `W` numbers.
+    #[inline(always)]
+    fn eliminate_rows<const W: usize>(&mut self, pivots: &mut Pivots) -> Result<(), Failure> {
+        let (rows, row_scales) = (self.a.as_chunks_mut::<W>().0, &mut *self.row_scales);
+        for (row, scale) in rows.iter().zip(&mut *row_scales) {
+            *scale = 1.0 / largest(row, self.scales);
+        }
+        for (c, exchange) in self.exchanges.iter_mut().enumerate() {
+            let (pivot, relative) = pivot_of(c, row_scales, |r| rows[r][c]);
+            *exchange = pivot;
+            if pivot != c {
+                rows.swap(c, pivot);
+                row_scales.swap(c, pivot);
+                pivots.sign = -pivots.sign;
+            }
+            let (above, below) = rows.split_at_mut(c + 1);
+            let mut top = above[c];
+            pivots.record(top[c], relative * self.scales[c])?;
+            let inverse = 1.0 / top[c];
+            // Entries to the left of column `c` do not change.
+            top[..=c].fill(0.0);
+            for row in below {
+                let multiplier = row[c] * inverse;
+                for k in 0..W {
+                    row[k] -= top[k] * multiplier;
+                }
+                row[c] = multiplier;
+            }
+        }
+        Ok(())
+    }
+
     #[inline(always)]
     fn eliminate(&mut self, pivots: &mut Pivots) -> Result<(), Failure> {
         let (w, eliminated) = (self.w, self.exchanges.len());
@@ -247,7 +332,7 @@ impl Front<'_> {
     fn eliminate_group(&mut self, group: Range<usize>, pivots: &mut Pivots) -> Result<(), Failure> {
         let (w, first) = (self.w, group.start);
         for c in group {
-            let (pivot, relative) = self.pivot_of(c);
+            let (pivot, relative) = pivot_of(c, self.row_scales, |r| self.a[r * w + c]);
             self.exchanges[c] = pivot;
             if pivot != c {
                 let (above, below) = self.a.split_at_mut(pivot * w);
@@ -271,20 +356,20 @@ impl Front<'_> {
         }
         Ok(())
     }
+}
 
-    /// Returns the pivot row of column `c` and the scaled magnitude of its entry.
-    #[inline(always)]
-    fn pivot_of(&self, c: usize) -> (usize, f64) {
-        let (a, w) = (&*self.a, self.w);
-        let mut best = (c, a[c * w + c].abs() * self.row_scales[c]);
-        for r in c + 1..self.row_scales.len() {
-            let size = a[r * w + c].abs() * self.row_scales[r];
-            if size > best.1 {
-                best = (r, size);
-            }
+/// Returns the pivot row of column `c` and the scaled magnitude of its entry; the function `entry`
+/// returns the entry of a row in this column.
+#[inline(always)]
+fn pivot_of(c: usize, row_scales: &[f64], entry: impl Fn(usize) -> f64) -> (usize, f64) {
+    let mut best = (c, entry(c).abs() * row_scales[c]);
+    for r in c + 1..row_scales.len() {
+        let size = entry(r).abs() * row_scales[r];
+        if size > best.1 {
+            best = (r, size);
         }
-        best
     }
+    best
 }
 
 /// Subtracts multiples of the rows of a group of eliminated columns from all rows below, in the columns
@@ -360,11 +445,18 @@ fn largest(row: &[f64], scales: &[f64]) -> f64 {
     largest.into_iter().fold(0.0, f64::max)
 }
 
-/// Computes the scalar product `a · b`. Long products are computed in more partial sums, because each
+/// Computes the scalar product `a · b`. Long products are computed in partial sums, because each
 /// addition to a sum waits for the preceding addition.
 #[inline(always)]
 fn dot(a: &[f64], b: &[f64]) -> f64 {
-    if a.len() < LONG { dot_in::<LANES>(a, b) } else { dot_in::<{ 4 * LANES }>(a, b) }
+    if a.len() >= LONG {
+        return dot_in::<{ 4 * LANES }>(a, b);
+    }
+    let mut sum = 0.0;
+    for (a, b) in a.iter().zip(b) {
+        sum += a * b;
+    }
+    sum
 }
 
 /// Computes the scalar product `a · b` in `N` partial sums, where `N` is a power of two.

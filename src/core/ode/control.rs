@@ -4,6 +4,7 @@ use super::settings::Settings;
 use super::stages::Stages;
 use super::tableau::{Row, Tableau};
 use crate::core::scalar::Scalar;
+use crate::core::vectors::in_fours;
 
 /// Heuristic: a state counts as small if the relative tolerance adds less than this fraction to the
 /// absolute tolerance: the real part of the state then does not show how large its derivatives are.
@@ -62,6 +63,7 @@ impl<T: Scalar> Measure<'_, T> {
     }
 
     /// Computes `Σ_i (h Σ_j e_j k_ij / tolerated_i)²` for several rows `e` of error weights.
+    #[inline(always)]
     fn squares<const R: usize>(
         &self,
         h: f64,
@@ -77,11 +79,16 @@ impl<T: Scalar> Measure<'_, T> {
             }
             let scale = 1.0 / self.tolerated(self.scales[i], x, end);
             for (square, row) in squares.iter_mut().zip(rows) {
-                let terms = row.iter().map(|(j, e)| (&slopes[j * n + i], h * e));
-                let error = match self.size {
-                    None => terms.map(|(k, e)| k.real() * e).sum(),
-                    Some(size) => size(&terms.fold(T::zero(), |sum, (k, e)| sum + *k * e)),
-                };
+                // Written without closures, to be compiled with the instructions of the caller.
+                let (mut real, mut whole) = (0.0, T::zero());
+                for (j, e) in row {
+                    let (k, e) = (&slopes[j * n + i], h * e);
+                    match self.size {
+                        None => real += k.real() * e,
+                        Some(_) => whole += *k * e,
+                    }
+                }
+                let error = self.size.map_or(real, |size| size(&whole));
                 *square += (scale * error).powi(2);
             }
         }
@@ -102,7 +109,10 @@ impl<T: Scalar> Measure<'_, T> {
         if tableau.rough_error.is_empty() {
             return self.error(h, tableau.error, x, stages);
         }
-        let [fine, rough] = self.squares(h, [tableau.error, tableau.rough_error], x, stages);
+        let [fine, rough] = in_fours(
+            #[inline(always)]
+            || self.squares(h, [tableau.error, tableau.rough_error], x, stages),
+        );
         let together = fine + 0.01 * rough;
         let n = x.len() as f64;
         if together == 0.0 { 0.0 } else { fine / (together * n).sqrt() }

@@ -4,6 +4,7 @@ use super::motion::Motion;
 use super::tableau::Tableau;
 use crate::core::problem::FieldIn;
 use crate::core::scalar::Scalar;
+use crate::core::vectors::in_fours;
 
 /// The stages of one step of an integration method.
 #[derive(Clone, Debug)]
@@ -67,7 +68,10 @@ impl<T: Scalar> Stages<T> {
         step: (f64, f64),
         x: &[T],
     ) {
-        self.advance_inline(tableau, motion, step, x);
+        in_fours(
+            #[inline(always)]
+            || self.advance_inline(tableau, motion, step, x),
+        );
     }
 
     /// The inlined form of [`advance`](Self::advance), which is compiled with the processor

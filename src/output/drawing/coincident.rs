@@ -47,30 +47,28 @@ pub(super) fn hidden(lines: &[Line]) -> Vec<Hidden> {
     if names.all(|name| Some(name) == first) {
         return Vec::new();
     }
-    let cell = |at: &[f64; 2]| at.map(|x| (x / NEAR).floor() as i32);
-    // The lines in each cell, with a point of each.
+    let reach = SPACING.hypot(NEAR);
+    let cell = |at: &[f64; 2], side: f64| at.map(|x| (x / side).floor() as i32);
+    // The sampled points in each cell, without consecutive points that are close to each other.
     let mut in_cells: HashMap<[i32; 2], Vec<(usize, [f64; 2])>> = HashMap::new();
     let sampled: Vec<Vec<[f64; 2]>> = lines
         .iter()
         .map(|line| if line.hides() { sampled(&line.points) } else { Vec::new() })
         .collect();
     for (k, points) in sampled.iter().enumerate() {
-        for at in points {
-            let cell = in_cells.entry(cell(at)).or_default();
-            if cell.last().is_none_or(|last| last.0 != k) {
-                cell.push((k, *at));
-            }
+        for some in points.chunk_by(|a, b| cell(a, NEAR) == cell(b, NEAR)) {
+            in_cells.entry(cell(&some[0], reach)).or_default().push((k, some[0]));
         }
     }
     // Counts the lines of other names above a point of a line.
     let above = |k: usize, at: &[f64; 2]| {
-        let [column, row] = cell(at);
-        let around = (-3..=3).flat_map(|i| (-3..=3).map(move |j| [column + i, row + j]));
+        let [column, row] = cell(at, reach);
+        let around = (-1..=1).flat_map(|i| (-1..=1).map(move |j| [column + i, row + j]));
         let others = around.filter_map(|cell| in_cells.get(&cell)).flatten();
         let near = others.filter(|(other, there)| {
             *other > k
                 && lines[*other].name != lines[k].name
-                && (at[0] - there[0]).hypot(at[1] - there[1]) <= SPACING.hypot(NEAR)
+                && (at[0] - there[0]).hypot(at[1] - there[1]) <= reach
         });
         near.map(|(other, _)| lines[*other].name).collect::<BTreeSet<usize>>().len()
     };

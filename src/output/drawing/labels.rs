@@ -99,7 +99,8 @@ impl Room {
         });
         let best = places.filter_map(|(preference, centre)| {
             let wide = around(centre, size.map(|side| side + 2.0 * BESIDE - 2.0));
-            if !self.is_free(around(centre, size)) || count(&self.curves, wide) > 0 {
+            let covers = |points: &[[f64; 2]]| points.iter().any(|point| contains(wide, *point));
+            if !self.is_free(around(centre, size)) || covers(&self.curves) {
                 return None;
             }
             // A long stretch of the curve beside its name is the least ambiguous.

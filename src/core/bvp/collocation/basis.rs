@@ -102,6 +102,7 @@ impl Basis {
 }
 
 /// Computes the states `Σ_j ℓ_j x_j` of the interpolating polynomial at a point of an interval.
+#[inline(always)]
 pub(super) fn combine<T: Scalar>(coefficients: &[f64], nodes: &[T], x: &mut [T]) {
     let n = x.len();
     for (i, x) in x.iter_mut().enumerate() {

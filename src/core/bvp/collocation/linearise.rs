@@ -24,6 +24,7 @@ pub(super) struct Passes<const W: usize> {
 /// Computes the residual and the Jacobian of the collocation equations at all Gauss points, `W`
 /// directions at a time; the directions are the `n` states at the Gauss point, followed by the
 /// entries of `q` with respect to which derivatives are computed.
+#[inline(always)]
 pub(super) fn linearise_in<const W: usize>(
     basis: &Basis,
     passes: &mut Passes<W>,
@@ -110,6 +111,7 @@ impl<const W: usize> Passes<W>
 where
     DualChunk<f64, W>: Number,
 {
+    #[inline(always)]
     fn resize(&mut self, n: usize) {
         self.real.resize(n, 0.0);
         self.x.resize(n, DualChunk::from(0.0));
@@ -118,6 +120,7 @@ where
 
     /// Seeds the dual numbers for `q`; the entries of `q` with respect to which derivatives are
     /// computed are the directions that follow the `own` directions of the states.
+    #[inline(always)]
     fn seed_numbers(&mut self, q: &[f64], active: &[usize], own: usize, start: usize) {
         refill(&mut self.q, q.iter().map(|q| DualChunk::from(*q)));
         for (k, &number) in active.iter().enumerate() {
@@ -128,6 +131,7 @@ where
     /// Evaluates `h L f` at a Gauss point: the vector field `f` times the length `h` of the
     /// interval and the duration `L` of the segment. The function `seed` converts the states to dual
     /// numbers.
+    #[inline(always)]
     fn evaluate(
         &mut self,
         basis: &Basis,
@@ -151,6 +155,7 @@ where
         Ok(())
     }
 
+    #[inline(always)]
     fn place_residual(&self, basis: &Basis, nodes: &[f64], c: usize, residual: &mut [f64]) {
         let n = self.f.len();
         let residual = &mut residual[c * n..(c + 1) * n];
@@ -160,6 +165,7 @@ where
 
     /// Writes `ℓ_j'(ρ_c) I − ℓ_j(ρ_c) h L f_x` into the Jacobian's columns for the directions of
     /// this pass.
+    #[inline(always)]
     fn place_nodes(&self, basis: &Basis, c: usize, start: usize, block: &mut Block) {
         let (n, places) = (self.f.len(), basis.nodes.len());
         let (values, slopes) = (basis.row(&basis.values, c), basis.row(&basis.slopes, c));
@@ -188,6 +194,7 @@ where
 
     /// Writes `−∂(h L f)/∂q` into the Jacobian's columns for the directions of this pass, which follow
     /// the `own` directions of the states.
+    #[inline(always)]
     fn place_numbers(
         &self,
         (own, active): (usize, usize),
@@ -209,9 +216,12 @@ where
 
 /// Computes `−ℓ_j f_k` for all `k` of a range whose length is known at compile time, which makes
 /// short loops fast.
+#[inline(always)]
 fn outer_product<const N: usize>(row: &mut [f64], values: &[f64], parts: &[f64]) {
     let Some(parts) = parts.first_chunk::<N>() else { return };
     for (entries, value) in row.as_chunks_mut::<N>().0.iter_mut().zip(values) {
-        *entries = parts.map(|part| -value * part);
+        for (entry, part) in entries.iter_mut().zip(parts) {
+            *entry = -value * part;
+        }
     }
 }

@@ -361,11 +361,7 @@ impl DiscretisedProblem {
     }
 
     /// Computes a derivative with an allowed relative error, or exactly if exact gradients are required.
-    pub(super) fn allowing(
-        &mut self,
-        allowed: f64,
-        compute: impl FnOnce(&mut Self) -> Result<(), Failure>,
-    ) -> Result<(), Failure> {
+    pub(super) fn allowing<R>(&mut self, allowed: f64, compute: impl FnOnce(&mut Self) -> R) -> R {
         self.method.allow(if self.exact_gradients { 0.0 } else { allowed });
         let outcome = compute(self);
         self.method.allow(0.0);

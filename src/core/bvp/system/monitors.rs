@@ -4,7 +4,7 @@ use super::discretisation::DiscretisedProblem;
 use super::duration_bound::DurationBound;
 use super::extremes::{MonitoredExtremes, Place, pairs};
 use super::layout::span;
-use super::local::{Derivative, Gradient, Passes};
+use super::local::{Derivative, Gradient, Passes, Slope};
 use super::mesh_error::MeshError;
 use super::phase::Phase;
 use super::residual::{residual_beside, residual_inside};
@@ -23,6 +23,10 @@ pub(super) const MESH_ERROR: &str = "mesh_error";
 
 /// A scalar at a position on a segment.
 type Term = Sighting<(Watched, Place)>;
+
+/// A scalar at a fixed position on a segment, and the factor with which the derivative of the scalar
+/// enters the derivative of a monitor.
+type Share = ((Watched, Place), f64);
 
 /// The monitors of a problem, and the data from which they are computed: the extrema and the mesh
 /// error of a solution.
@@ -86,6 +90,20 @@ impl Monitors {
         }
     }
 
+    /// Computes the extrema of the monitored scalars if a monitor needs them and not even rough
+    /// positions of the extrema are known.
+    pub fn watch_roughly_for(
+        &mut self,
+        equations: &mut DiscretisedProblem,
+        monitor: usize,
+        work: &Work<f64>,
+    ) -> Result<(), Failure> {
+        if self.extremes.known(&work.nodes, &work.q, true) {
+            return Ok(());
+        }
+        self.watch_for(equations, monitor, work)
+    }
+
     /// Adds the gradient of a monitor at the point loaded in `work`.
     pub fn add_gradient(
         &mut self,
@@ -105,9 +123,42 @@ impl Monitors {
         }
     }
 
-    /// Whether a derivative of a monitor can be [added](Self::add_derivative).
-    pub fn has_derivative(&self, monitor: usize) -> bool {
-        self.all.get(monitor).is_some_and(|monitor| !matches!(monitor, Monitor::Ends(_)))
+    /// Computes the derivatives of consecutive monitors, from the monitor at the position `first`,
+    /// along the direction of `slope` at the point loaded in `work`. Elements of `out` that are NaN
+    /// are kept; where a computation fails, the derivative is NaN. Returns the positions in `out` of
+    /// the derivatives that must be computed from gradients.
+    pub fn slopes(
+        &mut self,
+        equations: &mut DiscretisedProblem,
+        first: usize,
+        work: &mut Work<f64>,
+        mut slope: Slope,
+        out: &mut [f64],
+    ) -> Vec<usize> {
+        let (mut shares, mut others) = (Vec::new(), Vec::new());
+        for k in 0..out.len() {
+            let own = match self.all.get(first + k) {
+                None | Some(Monitor::Ends(_)) => {
+                    others.push(k);
+                    continue;
+                }
+                _ if out[k].is_nan() => continue,
+                Some(Monitor::Duration | Monitor::Integral(..)) => {
+                    slope.value = 0.0;
+                    let added = self.add_derivative(equations, first + k, work, &mut slope);
+                    added.map(|()| out[k] = slope.value)
+                }
+                Some(monitor) => self.shares(equations, monitor, work).map(|own| {
+                    out[k] = 0.0;
+                    shares.extend(own.into_iter().map(|share| (k, share)));
+                }),
+            };
+            if own.is_err() {
+                out[k] = f64::NAN;
+            }
+        }
+        add_shares(equations, shares, slope, out);
+        others
     }
 
     /// Adds a derivative of a monitor at the point loaded in `work`.
@@ -124,24 +175,36 @@ impl Monitors {
             Monitor::Integral(integral, watched) => {
                 add_integral(equations, *integral, watched, work, derivative)
             }
-            Monitor::Rising { through, value } => {
-                let Some((rise, value)) = self.rising(through, value) else { return Ok(()) };
-                let (through, place) = rise.place;
-                let value = Watched { observable: value, ..through };
-                let [height, level] = rates(equations, place, [through, value], work)?;
-                // The place of an upward crossing moves: `d v = ∂v − (v'/h') ∂h` at the fixed place.
-                let ratio = level.eps / height.eps;
-                add_term(equations, (value, place), 1.0, derivative)?;
-                add_term(equations, rise.place, -ratio, derivative)
-            }
             monitor => {
-                let terms = self.overall(monitor).terms(monitor);
-                let mut terms = terms.iter().flatten();
-                terms.try_for_each(|(term, factor)| {
-                    add_term(equations, term.place, *factor, derivative)
-                })
+                let shares = self.shares(equations, monitor, work)?;
+                shares.into_iter().try_for_each(|share| add_share(equations, share, derivative))
             }
         }
+    }
+
+    /// Returns the shares of the derivative of a monitor that depends on extrema or crossings. At an
+    /// inner extremum the derivative with respect to the position vanishes, and an extremum at an
+    /// end of the segment keeps its position.
+    fn shares(
+        &self,
+        equations: &DiscretisedProblem,
+        monitor: &Monitor,
+        work: &mut Work<f64>,
+    ) -> Result<Vec<Share>, Failure> {
+        let Monitor::Rising { through, value } = monitor else {
+            let terms = self.overall(monitor).terms(monitor);
+            return Ok(terms
+                .iter()
+                .flatten()
+                .map(|(term, factor)| (term.place, *factor))
+                .collect());
+        };
+        let Some((rise, value)) = self.rising(through, value) else { return Ok(Vec::new()) };
+        let (through, place) = rise.place;
+        let value = Watched { observable: value, ..through };
+        let [height, level] = rates(equations, place, [through, value], work)?;
+        // The place of an upward crossing moves: `d v = ∂v − (v'/h') ∂h` at the fixed place.
+        Ok(vec![((value, place), 1.0), (rise.place, -level.eps / height.eps)])
     }
 
     /// Returns the extrema of a monitor's scalar over all segments.
@@ -318,13 +381,45 @@ fn rates(
     Ok(watched.map(|watched| problem.watch_in(watched, Dual64::new(t, 1.0), &moving, &q)))
 }
 
-/// Adds the derivative of an extreme value at a fixed position: at an inner extremum the derivative
-/// with respect to the position vanishes, and an extremum at an end of the segment keeps its
-/// position.
-fn add_term<D: Derivative>(
+/// Adds the derivatives of shares along a direction to the derivatives of monitors; each share is
+/// preceded by the position of its monitor's derivative in `out`. The trajectory on an interval is
+/// computed once.
+fn add_shares(
     equations: &DiscretisedProblem,
-    (watched, Place { interval, place }): (Watched, Place),
-    factor: f64,
+    mut shares: Vec<(usize, Share)>,
+    mut slope: Slope,
+    out: &mut [f64],
+) {
+    let layout = &equations.layout;
+    let at = |(_, ((watched, place), _)): &(usize, Share)| (watched.segment, place.interval);
+    let place = |(_, ((_, place), _)): &(usize, Share)| place.place;
+    shares.sort_by(|a, b| at(a).cmp(&at(b)).then(place(a).total_cmp(&place(b))));
+    for group in shares.chunk_by(|a, b| at(a) == at(b)) {
+        let places: Vec<f64> = group.iter().map(place).collect();
+        let (segment, interval) = at(&group[0]);
+        let unknowns = &layout.order[layout.interval(segment, interval)];
+        let added = slope.add(layout, unknowns, Some(segment), |passes| {
+            let Passes { unknowns, q, local, .. } = passes;
+            let interval = equations.alone((segment, interval), unknowns, q);
+            let x = &mut local.x[..layout.segments[segment].states];
+            let problem = Dual64::watches(interval.problem);
+            equations.method.values(interval, &places, &mut local.method, x, &mut |at, x| {
+                let (k, ((watched, _), factor)) = group[at];
+                let t = interval.time(places[at]);
+                out[k] += problem.watch_in(watched, t, x, interval.q).eps * factor;
+            })?;
+            Ok(Dual64::from(0.0))
+        });
+        if added.is_err() {
+            group.iter().for_each(|(k, _)| out[*k] = f64::NAN);
+        }
+    }
+}
+
+/// Adds the derivative of a share.
+fn add_share<D: Derivative>(
+    equations: &DiscretisedProblem,
+    ((watched, Place { interval, place }), factor): Share,
     derivative: &mut D,
 ) -> Result<(), Failure> {
     let (layout, segment) = (&equations.layout, watched.segment);

@@ -48,27 +48,25 @@ impl Discretised for Meshed {
         Some(Refinement { system: Box::new(BoundarySystem(finer)), x })
     }
 
-    fn slope(
+    fn slopes(
         &mut self,
         x: &[f64],
-        monitor: usize,
+        first: usize,
         direction: &[f64],
-    ) -> Result<Option<f64>, Failure> {
+        out: &mut [f64],
+    ) -> Vec<usize> {
         let Meshed { solutions, assembly, along, .. } = self;
         let Solutions { equations, monitors, plain, .. } = solutions;
-        if !monitors.has_derivative(monitor) {
-            return Ok(None);
-        }
         plain.load(&equations.layout, |i| x[i]);
-        monitors.watch_for(equations, monitor, plain)?;
-        let at = Arguments { x, v: direction };
-        let mut slope = Slope { at, passes: along, value: 0.0 };
+        for (monitor, slope) in (first..).zip(&mut *out) {
+            let watched = monitors.watch_roughly_for(equations, monitor, plain);
+            *slope = if watched.is_ok() { 0.0 } else { f64::NAN };
+        }
         // Errors of the flow grow like deviations.
         let allowed = SLOPE / assembly.growth(equations).max(1.0);
-        equations.allowing(allowed, |equations| {
-            monitors.add_derivative(equations, monitor, plain, &mut slope)
-        })?;
-        Ok(Some(slope.value))
+        let slope = Slope { at: Arguments { x, v: direction }, passes: along, value: 0.0 };
+        equations
+            .allowing(allowed, |equations| monitors.slopes(equations, first, plain, slope, out))
     }
 
     fn set_effort(&mut self, Effort { error, exact_gradients, cancel }: Effort) {
