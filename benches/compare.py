@@ -30,7 +30,13 @@ from peers import common
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 FOLDER = ROOT / "target" / "compare"
 
-RUNS = ["trace plate-supported", "trace mita-nonimpacting", "trace mita-type-1", "work-precision events --quick"]
+RUNS = [
+    f"trace {scene}"
+    for scene in [
+        "belt", "brusselator", "fitzhugh-nagumo", "impact-oscillator", "lure", "mita-nonimpacting", "mita-type-1",
+        "plate-supported",
+    ]
+]
 
 CONFIDENCE = 0.95
 
@@ -105,18 +111,21 @@ def compare(programs, options):
     """Measures all commands and prints the table; the exit code."""
     common.pin(1)
     runs, rows, medians, slower = options.run or RUNS, [], {}, False
+    middle = []
     with tempfile.TemporaryDirectory() as folder:
         for run in runs:
             times = paired(programs, run, options.rounds, folder)
             ratios = sorted(new / old for old, new in times)
             low, high = interval(ratios)
+            middle.append(statistics.median(ratios))
             slower |= options.fail_above is not None and low > options.fail_above
             medians[run] = statistics.median(old for old, _ in times)
             new = statistics.median(new for _, new in times)
             rows.append([f"`{run}`", f"{1e3 * medians[run]:.0f}", f"{1e3 * new:.0f}",
-                         f"{statistics.median(ratios):.3f}", f"{low:.3f} to {high:.3f}", str(len(ratios))])
+                         f"{middle[-1]:.3f}", f"{low:.3f} to {high:.3f}", str(len(ratios))])
         print(common.machine() + "\n")
         common.table(["command", "old, CPU time in ms", "new", "new / old", "95 %", "pairs"], rows)
+        print(f"Geometric mean of new / old: {statistics.geometric_mean(middle):.3f}.\n")
         if shutil.which("valgrind"):
             cheapest = min(runs, key=medians.get)
             old, new = (instructions(program, cheapest, folder) for program in programs)

@@ -90,10 +90,24 @@ fn values_and_extrema_are_those_of_the_trajectory() {
     let interval = Interval { problem: &*problem, span, nodes: &nodes, q: &q };
     shooting.residual(interval, &mut work, &mut x).unwrap();
     assert!(x[0].abs().max(x[1].abs()) < 2e-12, "{x:?}");
-    for place in [0.0, 0.3, 1.0] {
-        shooting.value(interval, place, &mut work, &mut x).unwrap();
-        let t = 2.0 + 5.0 * place;
-        assert!((x[0] - t.cos()).abs() < 2e-12 && (x[1] + t.sin()).abs() < 2e-12);
+    // The states before the last place come from dense output.
+    for (places, tolerance) in [
+        (&[0.0][..], 2e-12),
+        (&[0.3], 2e-12),
+        (&[1.0, 1.0], 2e-12),
+        (&[0.0, 0.0, 0.1, 0.3, 0.3, 0.7, 1.0], 1e-9),
+    ] {
+        let mut seen = 0;
+        let mut check = |k: usize, x: &[f64]| {
+            assert_eq!(k, seen);
+            seen += 1;
+            let t: f64 = 2.0 + 5.0 * places[k];
+            let error = (x[0] - t.cos()).abs().max((x[1] + t.sin()).abs());
+            let tolerance = if k + 1 == places.len() { 2e-12 } else { tolerance };
+            assert!(error < tolerance, "{error} at {t}");
+        };
+        shooting.values(interval, places, &mut work, &mut x, &mut check).unwrap();
+        assert_eq!(seen, places.len());
     }
     let mut all = [Vec::new(), Vec::new()];
     let mut visit = |k: usize, place, value| all[k].push((2.0 + 5.0 * place, value));
