@@ -251,8 +251,12 @@ impl<'a> Exploration<'a> {
                 point.label
             )
         });
-        let why: Vec<String> = why.chain(symmetric).collect();
         let next = following(self.resolution, run, branch, &self.following.kinds);
+        let without = lacks_orbits(branch, &self.following.kinds, &next).then(|| {
+            "no periodic orbits are traced from Hopf points, because the problem defines equilibria              only: write a text model as `Equations` instead of `Residual`"
+                .to_owned()
+        });
+        let why: Vec<String> = why.chain(symmetric).chain(without).collect();
         let own = &self.resolution.scene().runs;
         let next = next.into_iter().filter(|next| {
             !own.iter().any(|run| (&run.start, run.hold) == (&next.start, next.hold))
@@ -408,6 +412,13 @@ fn is_known(run: &Run, done: &[Branch]) -> bool {
         Kind::G => is_one_grazing((from, point), there),
         _ => is_one((from, point), there),
     })
+}
+
+/// Whether a branch of equilibria has Hopf points that should be followed, and no run starts there.
+fn lacks_orbits(branch: &Branch, kinds: &[Kind], runs: &[Run]) -> bool {
+    let starts = |run: &Run| matches!(run.start, Start::From { kind: Kind::HB, .. });
+    let wanted = kinds.contains(&Kind::HB) && branch.condition.is_none();
+    wanted && branch.of_kind(Kind::HB).any(|it| it.converged) && !runs.iter().any(starts)
 }
 
 /// Whether a special point is a pitchfork–Hopf point.

@@ -333,3 +333,88 @@ fn a_torus_point_with_an_angle_near_pi_is_no_period_doubling() {
         );
     }
 }
+
+/// `x' = a x − w y − x³`, `y' = a y + w x − y³` has a Hopf point at `a = 0` with the frequency `w` and
+/// `l1 = −1.5/w`, also if `w` is small. Near a double eigenvalue 0, the frequency has few digits.
+#[test]
+fn slow_hopf_points_have_positive_frequencies() {
+    let states = r#"("x", "a*x - w*y - x^3"), ("y", "a*y + w*x - y^3")"#;
+    for w in [1.0, 1e-2, 1e-3, 1e-4, 1e-5] {
+        let parameters = format!(r#"("a", -1), ("w", {w})"#);
+        let branch = &rest(states, (&parameters, ""), ("a", [-1.0, 1.3]))[0];
+        let found = inner(branch);
+        assert_eq!(found.iter().map(|it| it.kind).collect::<Vec<_>>(), [Kind::HB], "w = {w}");
+        let number = |name: &str| found[0].number(name).expect("a number of a Hopf point");
+        let frequency = number("hopf_frequency");
+        assert!(frequency.value > 0.0, "w = {w}: {frequency:?}");
+        let error = (frequency.value - w).abs();
+        assert!(error <= frequency.error, "w = {w}: {error} exceeds {}", frequency.error);
+        if w >= 1e-4 {
+            assert!(error < 1e-6 * w, "w = {w}: {error}");
+            close(number("l1").value * w, -1.5, 1e-6);
+        }
+    }
+}
+
+/// On rings of reaction–diffusion cells, whose eigenvalues are real, double eigenvalues pass zero at `a
+/// = m + 1/(4 + 2 m)` with `m = 4 sin²(πk/n)`. Rounding turns double eigenvalues into complex pairs,
+/// which are no Hopf points.
+#[test]
+fn double_real_eigenvalues_are_no_hopf_points() {
+    for n in [14_usize, 16] {
+        let text = format!(
+            r#"Scene(title: "t", problem: Residual(
+            unknowns: [("u[i=1..n]", "u[i-1] - 2*u[i] + u[i+1] + a*u[i] - u[i]^3 - v[i]"),
+                ("v[i=1..n]", "0.5*u[i] - 2*v[i] + v[i-1] - 2*v[i] + v[i+1]")],
+            definitions: [("n", {n}), ("u[i=0..n+1]", "u[1 + mod(i-1, n)]"), ("v[i=0..n+1]", "v[1 + mod(i-1, n)]")],
+            dynamics: flow),
+            parameters: [("a", -1)],
+            runs: [(name: "rest", along: [(name: "a", low: -1, high: 1)])])"#
+        );
+        let branch = &traced(&text)[0];
+        let found = inner(branch);
+        let expected: Vec<f64> = (0..n / 2)
+            .map(|k| 4.0 * (PI * k as f64 / n as f64).sin().powi(2))
+            .map(|m| m + 1.0 / (4.0 + 2.0 * m))
+            .filter(|a| *a < 1.0)
+            .collect();
+        assert_eq!(found.len(), expected.len(), "n = {n}: {found:?}");
+        for (k, (point, a)) in found.iter().zip(expected).enumerate() {
+            assert!(point.converged && point.kind == Kind::BP, "n = {n}: {point:?}");
+            assert_eq!(point.multiplicity, if k == 0 { 1 } else { 2 }, "n = {n}: {point:?}");
+            // One eigenvalue at the first point, two at each of the others.
+            assert_eq!(point.unstable, Some((2 * k).saturating_sub(1)), "n = {n}: {point:?}");
+            close(point.parameters[0], a, 1e-8);
+        }
+    }
+}
+
+/// Of the pitchfork of `x' = a (x − x³)`, whose branch is vertical, no coefficient exists.
+#[test]
+fn a_vertical_pitchfork_has_no_type() {
+    let states = r#"("x", "a*(x - x^3) + b*y"), ("y", "-y + b*x*a")"#;
+    let branch = &rest(states, (r#"("a", -1), ("b", 0)"#, ""), ("a", [-1.0, 1.0]))[0];
+    let found = inner(branch);
+    assert_eq!(found.iter().map(|it| it.kind).collect::<Vec<_>>(), [Kind::BP]);
+    let coefficient = found[0].number("pitchfork_c");
+    assert!(coefficient.is_none_or(|it| it.value.abs() <= it.error), "{coefficient:?}");
+    let subkind = found[0].subkind.as_deref().unwrap_or_default();
+    assert!(!subkind.contains("critical"), "{subkind}");
+}
+
+/// On a periodic square of `n × n` cells, eigenvalues of a symmetric matrix pass zero in groups of four
+/// and eight, and the points state how many are unstable already.
+#[test]
+fn points_of_high_multiplicity_count_the_unstable_eigenvalues() {
+    let branch = &traced(
+        r#"Scene(title: "t", problem: Residual(
+        unknowns: [("u[i=1..n, j=1..n]", "u[i-1,j] + u[i+1,j] + u[i,j-1] + u[i,j+1] - 4*u[i,j] + a*u[i,j] - u[i,j]^3")],
+        definitions: [("n", 12), ("u[i=0..n+1, j=0..n+1]", "u[1 + mod(i-1, n), 1 + mod(j-1, n)]")],
+        dynamics: flow),
+        parameters: [("a", -0.1)],
+        runs: [(name: "rest", along: [(name: "a", low: -0.1, high: 1.5)])])"#,
+    )[0];
+    let counts: Vec<_> = inner(branch).iter().map(|it| (it.multiplicity, it.unstable)).collect();
+    let expected = [(1, 0), (4, 1), (4, 5), (4, 9), (8, 13)];
+    assert_eq!(counts, expected.map(|(multiplicity, count)| (multiplicity, Some(count))));
+}

@@ -93,6 +93,13 @@ pub trait DefiningSystem: Send {
         None
     }
 
+    /// Whether auxiliary unknowns describe the reflection of a solution, which solves the same
+    /// equations: a negative frequency, whose vectors are the conjugates of the vectors of the
+    /// positive frequency.
+    fn is_reflected(&self, _y: &[f64]) -> bool {
+        false
+    }
+
     /// Turns the borders of this defining system towards the current null vectors, so that the
     /// bordered matrix stays well conditioned along a curve. The null vectors that all defining
     /// systems share have separate borders, which this method does not change.

@@ -159,6 +159,10 @@ impl DefiningSystem for Hopf {
         Ok(())
     }
 
+    fn is_reflected(&self, y: &[f64]) -> bool {
+        y[0] < 0.0
+    }
+
     fn adapt(&mut self) {
         if let Some(own) = &mut self.own {
             own.adapt();

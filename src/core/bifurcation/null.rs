@@ -141,8 +141,6 @@ pub struct NullVectors {
     at: Vec<f64>,
     /// The rows of the border `C`, with one column for each unknown and for `p`.
     rows: Vec<Vec<f64>>,
-    /// Whether the border already consists of the current null vectors.
-    adapted: bool,
     /// The unit direction of the parameter `p`.
     direction: Vec<f64>,
     /// The sizes of the equations: the change of each equation's left side when all unknowns change
@@ -404,7 +402,6 @@ impl NullVectors {
         let units = &self.sizes[..];
         let border = Border { width, columns, rows, corner, units };
         system.factor(self.form, border, &mut self.factors)?;
-        self.adapted = false;
         for i in 0..width {
             self.work.fill(0.0);
             self.work[n + i] = 1.0;
@@ -431,10 +428,6 @@ impl NullVectors {
     /// Sets the borders to the current null vectors, orthonormalised in units of the sizes of the
     /// equations and unknowns.
     fn adapt(&mut self, units: &[f64]) {
-        if self.adapted {
-            return;
-        }
-        self.adapted = true;
         self.at.clear();
         let times_terms = |border: &mut Vec<f64>, terms: &[f64]| {
             border.iter_mut().zip(terms.iter().cycle()).for_each(|(b, term)| *b *= term);

@@ -6,6 +6,8 @@ use super::extended::Extended;
 use super::located::Located;
 use super::meaning::Meaning;
 use super::newton::{Newton, NewtonError, Tolerances};
+use crate::core::bifurcation::At;
+use crate::core::failure::Failure;
 use crate::core::linalg::{self, along};
 
 /// Solves the defining system of an event, starting from a guess on the curve, and computes the
@@ -80,13 +82,43 @@ fn solve_with<'m>(
     all.resize(equations.parameters_at(), 0.0);
     all.extend(&weights[parameters..]);
     let tolerances = Tolerances { least_damping: LEAST_DAMPING_IN_BRACKET, ..*event_tolerances };
-    let error = converge(equations, &mut unknowns, &all, tolerances)?;
-    let mut meaning = Meaning::of(equations, event, &unknowns);
+    let mut left = converge(equations, &mut unknowns, &all, tolerances)?;
+    if restart_reflected(equations, &mut unknowns)? {
+        left = converge(equations, &mut unknowns, &all, tolerances)?;
+    }
+    let parameter = equations.parameters_at();
+    let error = left[parameter];
+    let scale = all[parameter].sqrt().recip();
+    let mut meaning = Meaning::of(equations, event, &unknowns, scale);
+    if let Some(condition) = event.condition.as_ref().map(|make| make()) {
+        // The event's named auxiliary unknowns come first among its numbers.
+        let own = &left[parameter - condition.unknowns()..][..condition.names().len()];
+        meaning.numbers.iter_mut().zip(own).for_each(|(number, left)| number.error += left);
+    }
     // If the mesh is refined, the finest mesh gives the derivatives.
     if *sensitivities && !(*refines && equations.system().representation().is_on_mesh()) {
         meaning.differentiate(equations, event, &unknowns);
     }
     Ok(Solved { unknowns, meaning, error })
+}
+
+/// Starts those defining systems again whose auxiliary unknowns describe the
+/// [reflection](crate::core::bifurcation::DefiningSystem::is_reflected) of a solution. Returns whether
+/// there are any.
+fn restart_reflected(equations: &mut Extended, unknowns: &mut [f64]) -> Result<bool, Failure> {
+    equations.load(unknowns);
+    let (mut place, mut any) = (equations.dimension(), false);
+    let Extended { system, conditions, x, released, auxiliary, null, .. } = equations;
+    let mut at = At { system: &mut **system, x, released, held: auxiliary, null };
+    for condition in conditions {
+        let y = &mut unknowns[place..place + condition.unknowns()];
+        place += y.len();
+        if condition.is_reflected(y) {
+            condition.start(at.again(), y)?;
+            any = true;
+        }
+    }
+    Ok(any)
 }
 
 /// Heuristic: the number of samples from which rounding errors are estimated; a single sample may
@@ -117,33 +149,35 @@ fn clear_rounding(equations: &mut Extended, unknowns: &mut [f64], weights: &[f64
 /// rounding errors.
 const SMALL: f64 = 1e-9;
 
-/// Solves a defining system, and estimates the error of the first released parameter. The estimated
-/// error is a multiple of a second additional Newton correction.
+/// Solves a defining system, and estimates the errors of the unknowns. The estimated errors are
+/// multiples of a second additional Newton correction.
 pub(super) fn converge(
     equations: &mut Extended,
     unknowns: &mut [f64],
     weights: &[f64],
     tolerances: Tolerances,
-) -> Result<f64, NewtonError> {
+) -> Result<Vec<f64>, NewtonError> {
     // A separate Newton iteration, because the curvature estimated earlier belongs to other
     // equations.
     let mut newton = Newton::default();
     let mut left = finish(&mut newton, equations, unknowns, weights, tolerances)?;
     let parameter = equations.parameters_at();
     let rounding = 4.0 * f64::EPSILON * unknowns[parameter].abs();
-    if left > rounding {
+    if left[parameter] > rounding {
         // The second correction is not applied, so that the assembled data belong to the point.
         equations.assemble(unknowns)?;
         let second = newton.residual_correction(equations, unknowns, false)?;
-        left = second[parameter].abs();
+        left = second.iter().map(|d| d.abs()).collect();
         // The remaining error of a converged point is amplified rounding: one correction may be
         // small by chance.
-        if left > 100.0 * rounding {
-            let samples = newton.rounding(equations, None, unknowns, SAMPLES)?;
-            left = samples.iter().fold(left, |left, noise| left.max(noise[parameter].abs()));
+        if left[parameter] > 100.0 * rounding {
+            for noise in newton.rounding(equations, None, unknowns, SAMPLES)? {
+                left.iter_mut().zip(noise).for_each(|(left, noise)| *left = left.max(noise.abs()));
+            }
         }
     }
-    Ok(4.0 * left + rounding)
+    let rounding = |x: &f64| 4.0 * f64::EPSILON * x.abs();
+    Ok(left.iter().zip(&*unknowns).map(|(left, x)| 4.0 * left + rounding(x)).collect())
 }
 
 /// Solves a defining system without an estimate of the error.
@@ -158,19 +192,19 @@ pub(super) fn solve_accurately(
 }
 
 /// Solves a defining system and applies an additional correction, which completes Newton's
-/// iteration. Returns the change of the first released parameter due to the additional correction.
+/// iteration. Returns the sizes of the additional correction's components.
 fn finish(
     newton: &mut Newton,
     equations: &mut Extended,
     unknowns: &mut [f64],
     weights: &[f64],
     tolerances: Tolerances,
-) -> Result<f64, NewtonError> {
+) -> Result<Vec<f64>, NewtonError> {
     let report = newton.solve(equations, unknowns, None, weights, tolerances)?;
     let parameter = equations.parameters_at();
     let refactor = report.matrix_error > MATRIX_ERROR;
     let correction = newton.residual_correction(equations, unknowns, refactor)?;
-    let change = correction[parameter].abs();
+    let change = correction.iter().map(|d| d.abs()).collect();
     unknowns.iter_mut().zip(correction).for_each(|(x, d)| *x -= d);
     let is_small = |(x, w): (&f64, &f64)| *x != 0.0 && x.abs() * w.sqrt() <= SMALL;
     if unknowns[..parameter].iter().zip(weights).any(is_small) {

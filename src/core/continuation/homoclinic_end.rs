@@ -270,7 +270,8 @@ fn solve<'s>(
     if let Some(condition) = &event.condition {
         unknowns = equations.hold(condition(), &unknowns)?;
     }
-    let error = converge(&mut equations, &mut unknowns, &weights, tolerances)?;
+    let left = converge(&mut equations, &mut unknowns, &weights, tolerances)?;
+    let error = left[equations.parameters_at()];
     Ok(Solved { equations, event, unknowns, error })
 }
 

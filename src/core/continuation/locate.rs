@@ -218,8 +218,26 @@ impl Locator<'_, '_> {
         let spectra = [0, 1].map(|end| bracket.ends[end].spectrum.as_deref().unwrap_or_default());
         let first = located.special.numbers.first();
         first.is_none_or(|number| event.test.confirms(number.value, spectra, dynamics))
+            && !(event.critical == Critical::Pair && self.is_still(located))
+    }
+
+    /// Whether the frequency or angle of a critical pair is zero up to rounding: a double real
+    /// eigenvalue, as symmetric systems have, solves the equations of a Hopf point, and rounding
+    /// turns the eigenvalue into a pair with a tiny imaginary part.
+    fn is_still(&self, located: &Located) -> bool {
+        let Some(frequency) = located.special.numbers.first() else { return false };
+        let ends = [self.interval.from, self.interval.to];
+        let spectra = ends.map(|place| place.spectrum.as_deref().unwrap_or_default());
+        let sizes =
+            spectra.into_iter().flatten().map(|l| l.0.hypot(l.1)).filter(|size| *size > 0.0);
+        let least = sizes.reduce(f64::min).unwrap_or(0.0);
+        frequency.value.abs() <= frequency.error.max(STILL * least)
     }
 }
+
+/// Rounding: a frequency is zero up to rounding if it is smaller than this fraction of the smallest
+/// eigenvalue at the ends of the step.
+const STILL: f64 = 1e-9;
 
 /// Whether a solution of a defining system lies close to the branch between the ends of a bracket,
 /// and not only between the hyperplanes through the two ends.

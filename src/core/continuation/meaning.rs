@@ -42,14 +42,15 @@ impl Meaning {
     /// Computes the named values, the type and the sensitivities at a solution of the defining
     /// system of an event; `equations` must contain this defining system. If solutions have no
     /// mesh, the errors of the named values are estimated from samples of rounding errors; if
-    /// solutions have a mesh, from a refinement of the mesh.
-    pub fn of(equations: &mut Extended, event: &Event, unknowns: &[f64]) -> Self {
+    /// solutions have a mesh, from a refinement of the mesh. `scale` is the size of changes of the
+    /// first released parameter.
+    pub fn of(equations: &mut Extended, event: &Event, unknowns: &[f64], scale: f64) -> Self {
         let (values, case) = numbers(equations, event, unknowns);
         let mut errors: Vec<f64> =
             values.iter().map(|(_, value)| 4.0 * f64::EPSILON * value.abs()).collect();
         if !values.is_empty() && !equations.system().representation().is_on_mesh() {
             for (error, spread) in
-                errors.iter_mut().zip(rounding(equations, event, unknowns, &values))
+                errors.iter_mut().zip(rounding(equations, event, (unknowns, scale), &values))
             {
                 *error += CAUTION * spread;
             }
@@ -150,18 +151,23 @@ fn numbers(
     (values, case)
 }
 
-/// Estimates the changes of the named values due to the rounding errors of the special point.
+/// Estimates the changes of the named values due to the rounding errors of the special point. The
+/// rounding error of a parameter near zero is not smaller than the rounding error of the parameter's
+/// changes, whose size is `scale`.
 fn rounding(
     equations: &mut Extended,
     event: &Event,
-    unknowns: &[f64],
+    (unknowns, scale): (&[f64], f64),
     values: &[(&'static str, f64)],
 ) -> Vec<f64> {
+    let parameter = equations.parameters_at();
     let mut spreads = vec![0.0_f64; values.len()];
     let Ok(samples) = Newton::default().rounding(equations, None, unknowns, SAMPLES) else {
         return values.iter().map(|(_, value)| value.abs()).collect();
     };
-    for noise in samples {
+    for mut noise in samples {
+        let least = f64::EPSILON * scale;
+        noise[parameter] = noise[parameter].abs().max(least).copysign(noise[parameter]);
         let beside: Vec<f64> = unknowns.iter().zip(noise).map(|(x, d)| x + d).collect();
         let others = numbers(equations, event, &beside).0;
         for (spread, (name, value)) in spreads.iter_mut().zip(values) {

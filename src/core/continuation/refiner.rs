@@ -90,7 +90,7 @@ impl Refiner {
             };
             let finer = equations.system().discretised().filter(|_| !settled);
             let next = finer.and_then(|system| system.refined(&x));
-            coarser.push(Meaning::of(&mut equations, event, &unknowns));
+            coarser.push(Meaning::of(&mut equations, event, &unknowns, 0.0));
             found = Some((Finer { equations, unknowns, point, x }, errors[0]));
             refinement = next;
         }
@@ -145,7 +145,7 @@ impl Refiner {
         special.error += errors[0];
         let sensitivities = std::mem::take(&mut special.sensitivities);
         let own = Meaning { sensitivities, ..Meaning::taken_from(special) };
-        own.after(&[Meaning::of(&mut equations, event, &unknowns)]).give_to(special);
+        own.after(&[Meaning::of(&mut equations, event, &unknowns, 0.0)]).give_to(special);
         self.share_of(corrector, &released, (&errors, sizes))
     }
 

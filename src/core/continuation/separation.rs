@@ -344,7 +344,14 @@ impl Parts<'_, '_> {
         let dynamics = equations.system().dynamics();
         if let Some(spectrum) = &spectrum {
             let others = without_critical(spectrum, count, |l| rate(l, dynamics).abs());
-            point.unstable = Some(Stability::of(dynamics, &others).unstable);
+            let own = Stability::of(dynamics, &others).unstable;
+            let sides = [interval.from, interval.to].map(|place| place.point.unstable);
+            // Rounding moves the vanishing eigenvalues to either side.
+            let least = match sides {
+                [Some(a), Some(b)] if a.abs_diff(b) == count => Some(a.min(b)),
+                _ => None,
+            };
+            point.unstable = Some(least.unwrap_or(own));
         }
         let spectrum = spectrum.unwrap_or_default();
         let tangents = interval.from.tangent.iter().zip(&interval.to.tangent);

@@ -22,7 +22,7 @@ const BLOCKED: usize = 96;
 /// points, the rows of up to eight states are as short.
 const SHORT: usize = 44;
 
-/// Heuristic: the length from which on a scalar product is computed in partial sums.
+/// Heuristic: the length from which on a scalar product is computed in more partial sums.
 const LONG: usize = 32;
 
 /// Heuristic: the number of columns of a panel, which is a multiple of the number of lanes.
@@ -445,18 +445,11 @@ fn largest(row: &[f64], scales: &[f64]) -> f64 {
     largest.into_iter().fold(0.0, f64::max)
 }
 
-/// Computes the scalar product `a · b`. Long products are computed in partial sums, because each
+/// Computes the scalar product `a · b`. Long products are computed in more partial sums, because each
 /// addition to a sum waits for the preceding addition.
 #[inline(always)]
 fn dot(a: &[f64], b: &[f64]) -> f64 {
-    if a.len() >= LONG {
-        return dot_in::<{ 4 * LANES }>(a, b);
-    }
-    let mut sum = 0.0;
-    for (a, b) in a.iter().zip(b) {
-        sum += a * b;
-    }
-    sum
+    if a.len() < LONG { dot_in::<LANES>(a, b) } else { dot_in::<{ 4 * LANES }>(a, b) }
 }
 
 /// Computes the scalar product `a · b` in `N` partial sums, where `N` is a power of two.

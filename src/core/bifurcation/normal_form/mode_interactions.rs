@@ -110,8 +110,9 @@ struct FoldInteraction {
 
 /// Rounding: the terms of second order count as zero if they are smaller than this fraction of the
 /// frequency, for the amplitudes of `v` and `z` at which their own terms of third order are as large
-/// as the frequency.
-const SYMMETRIC: f64 = 1e-7;
+/// as the frequency. At a pitchfork the state is known along the critical vector only to the square
+/// root of rounding errors, and second derivatives differ from zero as much.
+const SYMMETRIC: f64 = 1e-5;
 
 impl FoldInteraction {
     /// Whether all terms of second order are zero up to rounding, as at a pitchfork.

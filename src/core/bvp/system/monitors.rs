@@ -150,7 +150,7 @@ impl Monitors {
                 }
                 Some(monitor) => self.shares(equations, monitor, work).map(|own| {
                     out[k] = 0.0;
-                    shares.extend(own.into_iter().map(|share| (k, share)));
+                    shares.extend(own.into_iter().flatten().map(|share| (k, share)));
                 }),
             };
             if own.is_err() {
@@ -177,7 +177,8 @@ impl Monitors {
             }
             monitor => {
                 let shares = self.shares(equations, monitor, work)?;
-                shares.into_iter().try_for_each(|share| add_share(equations, share, derivative))
+                let mut shares = shares.into_iter().flatten();
+                shares.try_for_each(|share| add_share(equations, share, derivative))
             }
         }
     }
@@ -190,21 +191,17 @@ impl Monitors {
         equations: &DiscretisedProblem,
         monitor: &Monitor,
         work: &mut Work<f64>,
-    ) -> Result<Vec<Share>, Failure> {
+    ) -> Result<[Option<Share>; 2], Failure> {
         let Monitor::Rising { through, value } = monitor else {
             let terms = self.overall(monitor).terms(monitor);
-            return Ok(terms
-                .iter()
-                .flatten()
-                .map(|(term, factor)| (term.place, *factor))
-                .collect());
+            return Ok(terms.map(|term| term.map(|(term, factor)| (term.place, factor))));
         };
-        let Some((rise, value)) = self.rising(through, value) else { return Ok(Vec::new()) };
+        let Some((rise, value)) = self.rising(through, value) else { return Ok([None; 2]) };
         let (through, place) = rise.place;
         let value = Watched { observable: value, ..through };
         let [height, level] = rates(equations, place, [through, value], work)?;
         // The place of an upward crossing moves: `d v = ∂v − (v'/h') ∂h` at the fixed place.
-        Ok(vec![((value, place), 1.0), (rise.place, -level.eps / height.eps)])
+        Ok([Some(((value, place), 1.0)), Some((rise.place, -level.eps / height.eps))])
     }
 
     /// Returns the extrema of a monitor's scalar over all segments.

@@ -119,6 +119,24 @@ impl Leading {
         least: usize,
         known: Option<&mut SparseLu>,
     ) -> Result<Rightmost, Failure> {
+        let pattern = &elimination.pattern;
+        if let Some(d) = pattern.balancing(pencil.entries) {
+            let [entries, mass] = [Some(pencil.entries), pencil.mass]
+                .map(|entries| entries.map(|entries| pattern.scaled(entries, &d)));
+            let entries = entries.unwrap_or_default();
+            let pencil = Pencil { entries: &entries, mass: mass.as_deref() };
+            return self.rightmost_of((elimination, pencil), least, None);
+        }
+        self.rightmost_of((elimination, pencil), least, known)
+    }
+
+    /// Computes the eigenvalues of a pencil whose unknowns have similar units.
+    fn rightmost_of(
+        &mut self,
+        (elimination, pencil): (&Arc<Elimination>, Pencil),
+        least: usize,
+        known: Option<&mut SparseLu>,
+    ) -> Result<Rightmost, Failure> {
         let of_matrix = || elimination.pattern.symmetrising(pencil.entries);
         let scales = if pencil.mass.is_some() { None } else { of_matrix() };
         let matrix = Matrix { elimination, pencil, scales: scales.as_deref() };

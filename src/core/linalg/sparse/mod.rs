@@ -1,6 +1,7 @@
 //! Sparse matrices: sparsity patterns, the order of elimination, and LU factorisation of bordered
 //! matrices.
 
+mod balance;
 mod block;
 mod coloring;
 mod dissection;
