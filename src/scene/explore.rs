@@ -253,7 +253,8 @@ impl<'a> Exploration<'a> {
         });
         let next = following(self.resolution, run, branch, &self.following.kinds);
         let without = lacks_orbits(branch, &self.following.kinds, &next).then(|| {
-            "no periodic orbits are traced from Hopf points, because the problem defines equilibria              only: write a text model as `Equations` instead of `Residual`"
+            "no periodic orbits are traced from Hopf points, because the problem defines equilibria \
+             only: write a text model as `Equations` instead of `Residual`"
                 .to_owned()
         });
         let why: Vec<String> = why.chain(symmetric).chain(without).collect();

@@ -418,3 +418,31 @@ fn points_of_high_multiplicity_count_the_unstable_eigenvalues() {
     let expected = [(1, 0), (4, 1), (4, 5), (4, 9), (8, 13)];
     assert_eq!(counts, expected.map(|(multiplicity, count)| (multiplicity, Some(count))));
 }
+
+/// Units of 1e-12 A beside units of 0.1 V: the eigenvalues of a sparse matrix do not depend on units.
+/// With `φ(V) = g V (1 − V/Vs) (V/Vs − α)`, the trace `φ'(V)/C − ε` vanishes at both Hopf points.
+#[test]
+fn sparse_eigenvalues_do_not_depend_on_units() {
+    let branch = &traced(
+        r#"Scene(title: "t", problem: Residual(
+        unknowns: [("V[i=1..n]", "(D*(V[i-1]-2*V[i]+V[i+1])*(n/L)^2 + g*V[i]*(1-V[i]/Vs)*(V[i]/Vs-al) - W[i] + I)/C"),
+            ("W[i=1..n]", "eps*(g*be*V[i] - W[i])")],
+        definitions: [("n", 25), ("V[i=0..n+1]", "V[min(max(i,1),n)]"), ("W[i=0..n+1]", "W[min(max(i,1),n)]")],
+        dynamics: flow, matrices: sparse),
+        parameters: [("I", 0), ("eps", 5e5), ("g", 1e-9), ("Vs", 0.1), ("al", 0.1), ("be", 0.5), ("C", 1e-16),
+            ("D", 1e-16), ("L", 1e-3)],
+        runs: [(name: "rest", along: [(name: "I", low: 0, high: 1e-10)])])"#,
+    )[0];
+    let found = inner(branch);
+    assert_eq!(found.iter().map(|it| it.kind).collect::<Vec<_>>(), [Kind::HB, Kind::HB]);
+    // V/Vs = v with −3 v² + 2 (1 + α) v − α = ε C/g.
+    let (al, be, ratio): (f64, f64, f64) = (0.1, 0.5, 5e5 * 1e-16 / 1e-9);
+    let root = ((1.0 + al).powi(2) - 3.0 * (al + ratio)).sqrt();
+    for (point, sign) in found.iter().zip([-1.0, 1.0]) {
+        let v = (1.0 + al + sign * root) / 3.0;
+        let current = 1e-10 * (be * v - v * (1.0 - v) * (v - al));
+        close(point.parameters[0] / current, 1.0, 1e-9);
+        close(point.number("hopf_frequency").expect("a frequency").value, 1.5e6, 1e-3);
+        assert!(point.converged && point.unstable == Some(0), "{point:?}");
+    }
+}

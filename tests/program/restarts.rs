@@ -370,20 +370,20 @@ fn a_mark_that_no_branch_reaches_is_a_warning() {
 fn hopf_points_without_orbits_are_a_warning() {
     let folder = folder();
     let at = folder.path();
-    let model = |kind: &str, own: &str, more: &str| {
+    let warned = |kind: &str, own: &str, more: &str, set: &[&str]| {
         let equations = r#"("x", "a*x - y - x^3"), ("y", "x + a*y - y^3")"#;
         let text = format!("{kind}({own}: [{equations}], parameters: [(\"a\", -1)], {more})");
         std::fs::write(at.join("m.ron"), text).unwrap();
         let trace = ["trace", "m.ron", "--along", "a=-1..0.5", "--switch", "HB"];
-        let output = tangency(at, &trace);
+        let output = tangency(at, &[&trace[..], set].concat());
         assert!(output.status.success());
         let why = "no periodic orbits are traced from Hopf points";
         let said = String::from_utf8_lossy(&output.stderr).contains(why);
         assert_eq!(said, document_warns(&at.join("out/m.ron"), why));
         said
     };
-    assert!(model("Residual", "unknowns", "dynamics: flow"));
-    assert!(!model("Equations", "states", "solution: equilibrium"));
+    assert!(warned("Residual", "unknowns", "dynamics: flow", &[]));
+    assert!(!warned("Equations", "states", "", &["--set", "solution=equilibrium"]));
 }
 
 /// Whether a saved branch has a warning that contains a text.

@@ -104,6 +104,10 @@ pub(crate) fn parameter_in_range(
     Ok(null.left.iter().all(|left| dot(left, &slope).abs() <= IN_RANGE * terms(left)))
 }
 
+/// Rounding: the coefficient `b₃` is zero if the coefficient is smaller than this fraction of the
+/// derivative of third order after a change of the parameter.
+const NO_CUBIC: f64 = 1e-10;
+
 /// Computes the arclength `s` after which the parameter has changed by `distance` along a branch
 /// that emanates vertically, in a given direction, from a branch point. The parameter changes by `p
 /// = b₃ s²/b₁ + …`, where
@@ -135,9 +139,14 @@ pub(crate) fn vertical_reach(
     system.derivative(x, &[direction, direction, direction], &mut third)?;
     system.derivative(x, &[direction, &bend], &mut mixed)?;
     system.derivative(x, &[direction, &along_p], &mut cross)?;
+    let (mut beside, mut changed) = (x.to_vec(), vec![0.0; n]);
+    beside[n + parameter] += distance;
+    system.derivative(&beside, &[direction, direction, direction], &mut changed)?;
     let reach = |left: &Vec<f64>| {
         let cubic = dot(left, &third) - 3.0 * dot(left, &mixed);
-        (6.0 * distance * dot(left, &cross) / cubic).abs().sqrt()
+        let is_zero = cubic.abs() <= NO_CUBIC * dot(left, &changed).abs();
+        let square = 6.0 * distance * dot(left, &cross) / cubic;
+        if is_zero { f64::INFINITY } else { square.abs().sqrt() }
     };
     let known = null.left.iter().map(reach).filter(|reach| reach.is_finite() && *reach > 0.0);
     Ok(known.reduce(f64::min))

@@ -177,30 +177,7 @@ impl Fronts {
     /// Computes the eliminated unknowns from the other unknowns, in the order of the front's
     /// columns.
     pub(super) fn back(&self, i: usize, right: &[f64], unknowns: &mut [f64]) {
-        if self.stride <= SHORT {
-            self.back_by_columns(i, right, unknowns);
-        } else {
-            dispatch!(Level::new(), _ => self.back_inlined(i, right, unknowns));
-        }
-    }
-
-    /// Computes the eliminated unknowns like [`back`](Self::back), and subtracts the contribution of
-    /// an unknown from all rows above as soon as the unknown is known: sums of a few products do not
-    /// wait for each other.
-    fn back_by_columns(&self, i: usize, right: &[f64], unknowns: &mut [f64]) {
-        let (rows, (own, others)) =
-            (self.front(i).chunks_exact(self.stride), unknowns.split_at_mut(self.eliminated));
-        for ((x, row), right) in own.iter_mut().zip(rows).zip(right) {
-            *x = right - dot(&row[self.eliminated..][..others.len()], others);
-        }
-        let a = self.front(i);
-        for r in (0..self.eliminated).rev() {
-            own[r] /= a[r * self.stride + r];
-            let (above, x) = own.split_at_mut(r);
-            for (q, y) in above.iter_mut().enumerate() {
-                *y -= a[q * self.stride + r] * x[0];
-            }
-        }
+        dispatch!(Level::new(), _ => self.back_inlined(i, right, unknowns))
     }
 
     #[inline(always)]
