@@ -104,7 +104,7 @@ fn solve_with<'m>(
 
 /// Starts those defining systems again whose auxiliary unknowns describe the
 /// [reflection](crate::core::bifurcation::DefiningSystem::is_reflected) of a solution. Returns whether
-/// there are any.
+/// any defining system was started again.
 fn restart_reflected(equations: &mut Extended, unknowns: &mut [f64]) -> Result<bool, Failure> {
     equations.load(unknowns);
     let (mut place, mut any) = (equations.dimension(), false);

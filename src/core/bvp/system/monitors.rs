@@ -90,8 +90,8 @@ impl Monitors {
         }
     }
 
-    /// Computes the extrema of the monitored scalars if a monitor needs them and not even rough
-    /// positions of the extrema are known.
+    /// Computes the extrema of the monitored scalars if a monitor needs the extrema, and even rough
+    /// positions are unknown.
     pub fn watch_roughly_for(
         &mut self,
         equations: &mut DiscretisedProblem,
@@ -124,12 +124,12 @@ impl Monitors {
     }
 
     /// Computes the derivatives of consecutive monitors, from the monitor at the position `first`,
-    /// along the direction of `slope` at the point loaded in `work`. Elements of `out` that are NaN
-    /// are kept; where a computation fails, the derivative is NaN. Returns the positions in `out` of
-    /// the derivatives that must be computed from gradients.
+    /// along the direction of `slope` at the point loaded in `work`, with an allowed error; where a
+    /// computation fails, the derivative is NaN. Returns the positions in `out` of the derivatives
+    /// that must be computed from gradients.
     pub fn slopes(
         &mut self,
-        equations: &mut DiscretisedProblem,
+        (equations, allowed): (&mut DiscretisedProblem, f64),
         first: usize,
         work: &mut Work<f64>,
         mut slope: Slope,
@@ -137,27 +137,27 @@ impl Monitors {
     ) -> Vec<usize> {
         let (mut shares, mut others) = (Vec::new(), Vec::new());
         for k in 0..out.len() {
-            let own = match self.all.get(first + k) {
+            // The positions of extrema have the full accuracy or are known.
+            let watched = self.watch_roughly_for(equations, first + k, work);
+            let value = equations.allowing(allowed, |equations| match self.all.get(first + k) {
                 None | Some(Monitor::Ends(_)) => {
                     others.push(k);
-                    continue;
+                    Ok(f64::NAN)
                 }
-                _ if out[k].is_nan() => continue,
                 Some(Monitor::Duration | Monitor::Integral(..)) => {
                     slope.value = 0.0;
                     let added = self.add_derivative(equations, first + k, work, &mut slope);
-                    added.map(|()| out[k] = slope.value)
+                    added.map(|()| slope.value)
                 }
-                Some(monitor) => self.shares(equations, monitor, work).map(|own| {
-                    out[k] = 0.0;
+                Some(monitor) => watched.and_then(|()| {
+                    let own = self.shares(equations, monitor, work)?;
                     shares.extend(own.into_iter().flatten().map(|share| (k, share)));
+                    Ok(0.0)
                 }),
-            };
-            if own.is_err() {
-                out[k] = f64::NAN;
-            }
+            });
+            out[k] = value.unwrap_or(f64::NAN);
         }
-        add_shares(equations, shares, slope, out);
+        equations.allowing(allowed, |equations| add_shares(equations, shares, slope, out));
         others
     }
 

@@ -58,15 +58,10 @@ impl Discretised for Meshed {
         let Meshed { solutions, assembly, along, .. } = self;
         let Solutions { equations, monitors, plain, .. } = solutions;
         plain.load(&equations.layout, |i| x[i]);
-        for (monitor, slope) in (first..).zip(&mut *out) {
-            let watched = monitors.watch_roughly_for(equations, monitor, plain);
-            *slope = if watched.is_ok() { 0.0 } else { f64::NAN };
-        }
         // Errors of the flow grow like deviations.
         let allowed = SLOPE / assembly.growth(equations).max(1.0);
         let slope = Slope { at: Arguments { x, v: direction }, passes: along, value: 0.0 };
-        equations
-            .allowing(allowed, |equations| monitors.slopes(equations, first, plain, slope, out))
+        monitors.slopes((equations, allowed), first, plain, slope, out)
     }
 
     fn set_effort(&mut self, Effort { error, exact_gradients, cancel }: Effort) {

@@ -30,7 +30,7 @@ impl Pattern {
             if sweep == 0 && ratios.iter().all(|ratio| (UNEVEN.recip()..=UNEVEN).contains(ratio)) {
                 return None;
             }
-            // All rows change together, each by half of what the row alone would need.
+            // All rows change together; the full change of each row would overshoot.
             scales.iter_mut().zip(ratios).for_each(|(scale, ratio)| *scale *= ratio.sqrt().sqrt());
         }
         let powers: Vec<f64> =
