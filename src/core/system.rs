@@ -29,6 +29,7 @@
 //! ```
 
 mod dense;
+mod eigenvalues;
 mod expansion;
 mod free_jacobian;
 mod jacobian;
@@ -298,6 +299,11 @@ pub trait Discretised {
     /// the discretisation to the `error` of the point. Returns `None` if the system has no finer
     /// discretisation.
     fn refined(&mut self, x: &[f64]) -> Option<Refinement>;
+
+    /// Whether a finer discretisation exists.
+    fn is_refinable(&self) -> bool {
+        false
+    }
 
     /// Returns the same problem on a coarser discretisation. If no finer discretisation exists, the
     /// distance of a special point from the same point on the coarser discretisation is the share

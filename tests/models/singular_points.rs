@@ -427,7 +427,7 @@ fn sparse_eigenvalues_do_not_depend_on_units() {
         r#"Scene(title: "t", problem: Residual(
         unknowns: [("V[i=1..n]", "(D*(V[i-1]-2*V[i]+V[i+1])*(n/L)^2 + g*V[i]*(1-V[i]/Vs)*(V[i]/Vs-al) - W[i] + I)/C"),
             ("W[i=1..n]", "eps*(g*be*V[i] - W[i])")],
-        definitions: [("n", 25), ("V[i=0..n+1]", "V[min(max(i,1),n)]"), ("W[i=0..n+1]", "W[min(max(i,1),n)]")],
+        definitions: [("n", 110), ("V[i=0..n+1]", "V[min(max(i,1),n)]"), ("W[i=0..n+1]", "W[min(max(i,1),n)]")],
         dynamics: flow, matrices: sparse),
         parameters: [("I", 0), ("eps", 5e5), ("g", 1e-9), ("Vs", 0.1), ("al", 0.1), ("be", 0.5), ("C", 1e-16),
             ("D", 1e-16), ("L", 1e-3)],
@@ -444,5 +444,87 @@ fn sparse_eigenvalues_do_not_depend_on_units() {
         close(point.parameters[0] / current, 1.0, 1e-9);
         close(point.number("hopf_frequency").expect("a frequency").value, 1.5e6, 1e-3);
         assert!(point.converged && point.unstable == Some(0), "{point:?}");
+    }
+}
+
+/// The flat state of the Cahn–Hilliard equation, split into two equations of second order, with a
+/// singular mass matrix. Mode `k` becomes stable at `e = 1/(4n² sin²(kπ/2n))`.
+#[test]
+fn a_singular_mass_matrix_leaves_the_eigenvalues_right() {
+    let branch = &traced(
+        r#"Scene(title: "t", problem: Residual(
+        unknowns: [
+            ("u[i=1..n]", "u[i]' = (w[i-1] - 2*w[i] + w[i+1])*n^2 + if(i == 1, m - sum(j,1,n,u[j])/n, 0)"),
+            ("w[i=1..n]", "0 = w[i] + e*(u[i-1] - 2*u[i] + u[i+1])*n^2 + u[i] - u[i]^3")],
+        definitions: [("n", 101), ("u[i=0..n+1]", "u[min(max(i,1),n)]"), ("w[i=0..n+1]", "w[min(max(i,1),n)]")],
+        dynamics: flow, matrices: sparse),
+        parameters: [("m", 0), ("e", 0.01)],
+        runs: [(name: "flat", along: [(name: "e", low: 0.01, high: 0.2)], settings: (max_points: 30))])"#,
+    )[0];
+    let found = inner(branch);
+    assert_eq!(found.iter().map(|it| it.kind).collect::<Vec<_>>(), [Kind::BP; 3], "{found:?}");
+    for (point, k) in found.iter().zip([3, 2, 1]) {
+        let e = (202.0 * (f64::from(k) * PI / 202.0).sin()).powi(-2);
+        close(point.parameters[1] / e, 1.0, 1e-10);
+        assert!(point.converged && point.unstable == Some(k as usize - 1), "{point:?}");
+    }
+}
+
+/// Diffusion on a ring conserves the sum of all values, unless a term determines this sum.
+#[test]
+fn a_conserved_sum_is_named() {
+    let outcome = |term: &str| {
+        let text = format!(
+            r#"Scene(title: "t", problem: Residual(
+            unknowns: [("u[i=1..n]",
+                "((k + (u[i]+u[i+1])/2)*(u[i+1]-u[i]) - (k + (u[i-1]+u[i])/2)*(u[i]-u[i-1]))*n^2 {term}")],
+            definitions: [("n", 20), ("u[i=0..n+1]", "u[1 + mod(i-1,n)]")], dynamics: flow),
+            parameters: [("k", 1), ("m", 0)],
+            runs: [(name: "rest", along: [(name: "k", low: 1, high: 2)])])"#
+        );
+        execute(&scene(&text), None, &mut ())
+    };
+    let error = outcome("").error.expect("an error");
+    assert!(error.to_string().contains("the quantity Σ u is conserved"), "{error}");
+    let known = outcome("+ m - sum(j,1,n,u[j])/n");
+    assert_eq!(known.error, None);
+    assert_eq!(known.document.branches[0].points.last().and_then(|point| point.unstable), Some(0));
+}
+
+/// The curve of Hopf points of the flat state of the Gray–Scott equations passes two fold–Hopf points
+/// in some steps. At the fold–Hopf point of mode `j`, the determinant of the mode's 2 × 2 matrix
+/// vanishes.
+#[test]
+fn pairs_of_fold_hopf_points_are_found_in_one_step() {
+    let model = r#"Residual(
+        unknowns: [("u[i=1..n]", "Du*(u[i-1]-2*u[i]+u[i+1])*(n/L)^2 - u[i]*v[i]^2 + F*(1-u[i])"),
+            ("v[i=1..n]", "Dv*(v[i-1]-2*v[i]+v[i+1])*(n/L)^2 + u[i]*v[i]^2 - (F+k)*v[i]")],
+        definitions: [("n", 20), ("u[i=0..n+1]", "u[min(max(i,1),n)]"), ("v[i=0..n+1]", "v[min(max(i,1),n)]")],
+        initial: [("u", 0.139), ("v", 0.43)], dynamics: flow)"#;
+    let curves = traced(&format!(
+        r#"Scene(title: "t", problem: {model},
+        parameters: [("k", 0.03), ("F", 0.03), ("Du", 2e-5), ("Dv", 1e-5), ("L", 0.25)], runs: [
+            (name: "rest", along: [(name: "k", low: 0.03, high: 0.07)]),
+            (name: "hopf", hold: HB, start: From(run: "rest", kind: HB),
+                along: [(name: "k", low: 0.03, high: 0.07), (name: "F", low: 0.005, high: 0.08)])])"#
+    ));
+    let determinant = |point: &SpecialPoint, mode: usize| {
+        let (k, feed) = (point.parameters[0], point.parameters[1]);
+        let c = 25600.0 * (mode as f64 * PI / 40.0).sin().powi(2);
+        (-k - feed - 2e-5 * c) * (feed + k - 1e-5 * c) + 2.0 * (feed + k) * k
+    };
+    let found: Vec<&SpecialPoint> = curves[1].of_kind(Kind::ZH).collect();
+    let mode_of = |point: &&SpecialPoint| {
+        let mut modes = (1..20).filter(|mode| determinant(point, *mode).abs() < 1e-10);
+        modes.next().unwrap_or_else(|| panic!("no mode is critical at {point:?}"))
+    };
+    let mut modes: Vec<usize> = found.iter().map(mode_of).collect();
+    modes.sort_unstable();
+    assert_eq!(modes, [1, 2, 3, 4, 5, 6]);
+    for point in found {
+        assert!(
+            point.subkind.as_ref().is_none_or(|it| it.starts_with("pitchfork–Hopf")),
+            "{point:?}"
+        );
     }
 }

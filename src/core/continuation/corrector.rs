@@ -4,7 +4,7 @@
 use super::curve_point::CurvePoint;
 use super::event::MakeCondition;
 use super::extended::{Closing, Extended};
-use super::metric::{Metric, ScaledNorm, has_small_group};
+use super::metric::{Metric, ScaledNorm, has_shrunk, has_small_group};
 use super::newton::{Convergence, Newton, NewtonError, Tolerances, scaled_norm};
 use super::settings::Settings;
 use crate::core::bifurcation::{At, Quantity, VERTICAL};
@@ -187,11 +187,18 @@ impl<'a> Corrector<'a> {
 
     /// Sets to zero those components of a point of the curve, and of its tangent, that consist only
     /// of rounding errors. On a mesh, or if no group of unknowns is small enough to be a rounding
-    /// error, the point and the tangent are unchanged.
-    pub fn without_rounding(&mut self, unknowns: &[f64], tangent: &[f64]) -> [Vec<f64>; 2] {
+    /// error, the point and the tangent are unchanged. `before` is the point before its correction.
+    pub fn without_rounding(
+        &mut self,
+        unknowns: &[f64],
+        tangent: &[f64],
+        before: &[f64],
+    ) -> [Vec<f64>; 2] {
         let is_exact = self.is_exact();
         let names = self.equations.names();
-        let doubtful = is_exact && [unknowns, tangent].iter().any(|v| has_small_group(names, v));
+        let is_small = has_shrunk(names, unknowns, before)
+            || [unknowns, tangent].iter().any(|v| has_small_group(names, v));
+        let doubtful = is_exact && is_small;
         let cleared = doubtful.then(|| self.cleared(unknowns, tangent).ok()).flatten();
         cleared.unwrap_or_else(|| [unknowns.to_vec(), tangent.to_vec()])
     }

@@ -95,8 +95,10 @@ fn solve_with<'m>(
         let own = &left[parameter - condition.unknowns()..][..condition.names().len()];
         meaning.numbers.iter_mut().zip(own).for_each(|(number, left)| number.error += left);
     }
-    // If the mesh is refined, the finest mesh gives the derivatives.
-    if *sensitivities && !(*refines && equations.system().representation().is_on_mesh()) {
+    // If the discretisation is refined, the finest discretisation gives the derivatives.
+    let discretised = equations.system().discretised();
+    let is_refined = *refines && discretised.is_some_and(|it| it.is_refinable());
+    if *sensitivities && !is_refined {
         meaning.differentiate(equations, event, &unknowns);
     }
     Ok(Solved { unknowns, meaning, error })

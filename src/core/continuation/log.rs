@@ -97,6 +97,16 @@ impl Log {
         }
     }
 
+    /// Warns that the number of unstable eigenvalues beside a curve changes without a special point.
+    pub fn passes_unseen(&mut self, value: f64, change: isize) {
+        let continued = &self.branch.released[0];
+        self.branch.warnings.push(format!(
+            "near {continued} = {value:.6}, the number of unstable eigenvalues beside the curve changes by {change:+}, \
+             and no special point on the curve explains the change: possibly several eigenvalues vanish together, or an \
+             eigenvalue vanishes whose eigenvector is independent of the eigenvectors that define the curve"
+        ));
+    }
+
     /// Warns that the homoclinic orbit at the end of the branch was not located.
     pub fn homoclinic_not_located(&mut self, cause: &dyn Diagnostic) {
         let warning = format!(

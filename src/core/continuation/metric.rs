@@ -403,6 +403,12 @@ pub(super) fn has_small_group(names: &Names, v: &[f64]) -> bool {
     sizes.iter().any(|size| *size > 0.0 && *size < DOUBTFUL * most)
 }
 
+/// Whether a nonzero group is so much smaller than before that it may be a rounding error.
+pub(super) fn has_shrunk(names: &Names, v: &[f64], before: &[f64]) -> bool {
+    let sizes = group_norms(names, v).into_iter().zip(group_norms(names, before));
+    sizes.into_iter().any(|(size, before)| size > 0.0 && size < DOUBTFUL * before)
+}
+
 fn group_norms(names: &Names, mut z: &[f64]) -> Vec<f64> {
     let norm_of = |group: &Group| {
         let (part, rest) = z.split_at(group.length);

@@ -143,9 +143,14 @@ impl Refiner {
         let errors: Vec<f64> =
             here.iter().zip(there).map(|(a, b)| error_of_last(&[b, *a])).collect();
         special.error += errors[0];
-        let sensitivities = std::mem::take(&mut special.sensitivities);
+        let mut coarse = Meaning::of(&mut equations, event, &unknowns, 0.0);
+        let mut sensitivities = std::mem::take(&mut special.sensitivities);
+        if sensitivities.is_empty() && corrector.sensitivities {
+            coarse.differentiate(&mut equations, event, &unknowns);
+            sensitivities = std::mem::take(&mut coarse.sensitivities);
+        }
         let own = Meaning { sensitivities, ..Meaning::taken_from(special) };
-        own.after(&[Meaning::of(&mut equations, event, &unknowns, 0.0)]).give_to(special);
+        own.after(&[coarse]).give_to(special);
         self.share_of(corrector, &released, (&errors, sizes))
     }
 

@@ -9,7 +9,7 @@ use super::newton::{Convergence, NewtonError};
 use crate::core::bifurcation::{At, NullSpace, nearest_to_critical};
 use crate::core::failure::Failure;
 use crate::core::linalg::{Form, dot, generic, largest, norm};
-use crate::core::problem::Dynamics;
+use crate::core::problem::{Dynamics, Group};
 
 /// Discretisation: the distance by which a start at a special point is moved, in units of the scale
 /// of the parameter. The distance by which a start is moved is larger than the distance within
@@ -60,14 +60,8 @@ pub(super) fn beside<T>(
         }
     }
     unknowns.clone_from(&start);
-    Err(match singular.then(|| conserved(corrector, &start)).flatten() {
-        Some(law) => Failure::Unsupported(format!(
-            "the quantity {law} is conserved, so equilibria are not isolated: write one of the \
-             unknowns in this quantity as a formula of its other unknowns and its conserved value"
-        ))
-        .into(),
-        None => cause,
-    })
+    let law = singular.then(|| conservation(corrector, &start)).flatten();
+    Err(law.map_or(cause, NewtonError::from))
 }
 
 /// Moves a start along its tangent if the parameter is stationary at the start. The start is moved
@@ -87,7 +81,8 @@ pub(super) fn off_fold(corrector: &mut Corrector, unknowns: &mut Vec<f64>, tange
 /// are not detected. If eigenvalues are critical beside the start, too, the start is unchanged.
 ///
 /// # Errors
-/// [`Failure`] if the start cannot be evaluated.
+/// [`Failure`] if the start cannot be evaluated, or if eigenvalues are critical everywhere because a
+/// quantity is conserved.
 pub(super) fn off_critical(
     curve: &mut Curve,
     start: CurvePoint,
@@ -111,6 +106,9 @@ pub(super) fn off_critical(
             _ => {}
         }
     }
+    if let Some(law) = conservation(&mut curve.corrector, &start.unknowns) {
+        return Err(law);
+    }
     curve.arrive_first(start.unknowns, start.tangent, false)
 }
 
@@ -131,45 +129,79 @@ fn moved_along(
     Some([moved, turned])
 }
 
-/// Returns the conserved linear combination of unknowns as text; `None` if no linear combination is
-/// conserved.
-fn conserved(corrector: &mut Corrector, start: &[f64]) -> Option<String> {
+/// Returns an error that names the conserved linear combination of unknowns; `None` if no linear
+/// combination is conserved.
+fn conservation(corrector: &mut Corrector, start: &[f64]) -> Option<Failure> {
     corrector.equations.load(start);
-    let At { system, x, .. } = corrector.equations.at();
+    let At { system, x, released, .. } = corrector.equations.at();
     let (names, n) = (system.names().clone(), system.names().dimension());
-    if system.dynamics() != Dynamics::Flow || names.unknowns.iter().any(|group| group.length > 1) {
+    if system.dynamics() != Dynamics::Flow {
         return None;
     }
     let left = NullSpace::default().of(system, x, Form::Jacobian, None).ok()?.left[0].clone();
-    let shift = generic(x.len(), 3);
-    let there: Vec<f64> = x.iter().zip(&shift).map(|(x, s)| x * (1.0 + ELSEWHERE * s)).collect();
+    // The quantity need not be conserved at other values of the parameters that are constant.
+    let direction = |seed| -> Vec<f64> {
+        let varies = |k: usize| k < n || released.contains(&(k - n));
+        let all = generic(x.len(), seed).into_iter().enumerate();
+        all.map(|(k, d)| if varies(k) { d } else { 0.0 }).collect()
+    };
+    let moved = |(x, d): (&f64, f64)| x + ELSEWHERE * d * if *x == 0.0 { 1.0 } else { *x };
+    let there: Vec<f64> = x.iter().zip(direction(3)).map(moved).collect();
     let mut slope = vec![0.0; n];
     for seed in 0..3 {
-        system.derivative(&there, &[&generic(x.len(), 7 + seed)], &mut slope).ok()?;
+        system.derivative(&there, &[&direction(7 + seed)], &mut slope).ok()?;
         if dot(&left, &slope).abs() > VANISHES * norm(&left) * norm(&slope) {
             return None;
         }
     }
-    let most = largest(&left);
-    let sign = left.iter().find(|w| w.abs() > NOTHING * most)?.signum();
-    let terms = names.unknowns.iter().zip(&left).map(|(group, w)| (&group.name, sign * w / most));
-    let terms: Vec<(&String, f64)> = terms.filter(|(_, w)| w.abs() > NOTHING).collect();
-    // A single term means that an unknown has no equation, not that a quantity is conserved.
-    if terms.len() < 2 {
-        return None;
-    }
-    let mut sum = String::new();
-    for (name, w) in terms {
+    let law = law(&names.unknowns, &left)?;
+    let remedy = match names.unknowns.iter().any(|group| group.length > 1) {
+        false => {
+            "write one of the unknowns in this quantity as a formula of its other unknowns and its conserved value"
+        }
+        true => {
+            "add `m − (this quantity)` to one of the equations, with a new parameter `m` for the conserved value"
+        }
+    };
+    Some(Failure::Unsupported(format!(
+        "the quantity {law} is conserved, so equilibria are not isolated: {remedy}"
+    )))
+}
+
+/// Returns a linear combination of unknowns as text: `x + 2 y`, and `Σ u` for the sum of an array.
+/// Returns `None` if the combination consists of a single unknown: the unknown then has no equation,
+/// and no quantity is conserved.
+fn law(groups: &[Group], weights: &[f64]) -> Option<String> {
+    let most = largest(weights);
+    let sign = weights.iter().find(|w| w.abs() > NOTHING * most)?.signum();
+    let mut rest = weights;
+    let (mut sum, mut count) = (String::new(), 0);
+    for group in groups {
+        let (own, others) = rest.split_at(group.length);
+        rest = others;
+        let size = largest(own);
+        if size <= NOTHING * most {
+            continue;
+        }
+        count += own.iter().filter(|w| w.abs() > NOTHING * most).count();
+        let w = sign * own[0] / most;
+        let is_even = own.iter().all(|other| (other - own[0]).abs() <= NOTHING * most);
+        let (w, name) = match (group.length, is_even) {
+            (1, _) => (w, group.name.clone()),
+            (_, true) => (w, format!("Σ {}", group.name)),
+            // The weights are not listed.
+            (_, false) => (1.0, format!("Σ w·{} with unequal weights w", group.name)),
+        };
         let between = match (sum.is_empty(), w < 0.0) {
             (true, false) => "",
             (true, true) => "−",
             (false, false) => " + ",
             (false, true) => " − ",
         };
-        let size = format!("{:.6}", w.abs());
-        let size = size.trim_end_matches('0').trim_end_matches('.');
-        let factor = if size == "1" { String::new() } else { format!("{size} ") };
+        let factor = format!("{:.6}", w.abs());
+        let factor = factor.trim_end_matches('0').trim_end_matches('.');
+        let factor = if factor == "1" { String::new() } else { format!("{factor} ") };
         sum.push_str(&format!("{between}{factor}{name}"));
     }
-    Some(sum)
+    (count > 1).then_some(sum)
 }

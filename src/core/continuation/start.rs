@@ -254,21 +254,21 @@ struct Leaving {
 }
 
 /// Corrects a start, and computes its scales and its tangent. If the new scales are much smaller
-/// than the scales used in the correction, the start is corrected again.
+/// than the scales used in the correction, the corrected start is corrected again.
 fn leave(
     corrector: &mut Corrector,
     unknowns: &[f64],
     beginning: &Beginning,
     scaling: &Scaling,
 ) -> Result<Leaving, NewtonError> {
-    let mut passes = 0..PASSES;
+    let (mut passes, mut start) = (0..PASSES, unknowns.to_vec());
     loop {
         passes.next();
-        let mut leaving = leave_in_scales(corrector, unknowns.to_vec(), beginning)?;
+        let mut leaving = leave_in_scales(corrector, start, beginning)?;
         let Leaving { unknowns: point, tangent, from_branch_point, .. } = &leaving;
         let is_exact = corrector.is_exact();
         let [point, direction] = match is_exact && !from_branch_point && beginning.held.is_empty() {
-            true => corrector.without_rounding(point, tangent),
+            true => corrector.without_rounding(point, tangent, unknowns),
             // The oscillation at a Hopf point has an eigenvector's components, whose units may
             // differ.
             false if beginning.site == Site::Singular => [point.clone(), tangent.clone()],
@@ -299,6 +299,7 @@ fn leave(
             !from_branch_point && is_exact && metric.is_finer_than(&corrector.norm.metric);
         corrector.set_metric(metric);
         if is_rough && !passes.is_empty() {
+            start = leaving.unknowns;
             continue;
         }
         if beginning.is_anew() {
@@ -327,7 +328,7 @@ fn slope_further_along(
         let mut point = start.to_vec();
         point[parameter] += fraction * (end - p);
         let tangent = first_tangent(corrector, &mut point, None).ok()?;
-        let cleared = corrector.without_rounding(&point, &tangent);
+        let cleared = corrector.without_rounding(&point, &tangent, start);
         let [_, tangent] = corrector.norm.without_residue(cleared, start);
         Some(tangent)
     })

@@ -26,7 +26,7 @@ use super::snaking::PERIOD;
 use super::step_control::{Step, StepControl};
 use super::stretches::{between_changes, divides};
 use super::turns;
-use super::unexplained::{LEAST_UNEXPLAINED, ends_on_special_point};
+use super::unexplained::{LEAST_UNEXPLAINED, ends_on_special_point, unseen};
 use crate::core::failure::one_line;
 use crate::core::problem::Dynamics;
 use crate::core::system::{Kind, Solution};
@@ -500,17 +500,24 @@ impl Steps<'_> {
         let (from, backward, at_start) = (&half.last, half.backward, half.points.is_empty());
         let after = step.place.point.unstable.filter(|_| at_start);
         let hidden = half.beside.is_some_and(|before| after.is_some_and(|after| before != after));
+        let (parameter, detects_all) =
+            (self.curve.corrector.equations.released[0], self.settings.detect.is_empty());
         let Steps { curve, log, bounds, from_branch_point, origin, reported, .. } = self;
         let start = AtStart { from_branch_point: *from_branch_point, reported };
         let mut parts = Parts { curve, log, bounds, backward, start, origin, cuts: 0 };
-        let found = match parts.events(from, step, at_start) {
-            (found, None) if hidden && found.is_empty() && step.length > LEAST_UNEXPLAINED => {
-                return None;
-            }
-            (found, None) => found,
-            _ if step.length > LEAST_UNEXPLAINED => return None,
-            (found, Some(change)) => parts.separated(from, step, (found, change), at_start),
-        };
+        let (mut found, change) = parts.events(from, step, at_start);
+        // At a start on a special point, rounding determines the number of unstable eigenvalues.
+        let counts = detects_all && !at_start;
+        let unseen = if counts { unseen(parts.curve, from, step, &found) } else { None };
+        let is_hidden = hidden && change.is_none() && found.is_empty();
+        if step.length > LEAST_UNEXPLAINED && (is_hidden || change.or(unseen).is_some()) {
+            return None;
+        }
+        if let Some(change) = change {
+            found = parts.separated(from, step, (found, change), at_start);
+        } else if let Some(change) = unseen {
+            parts.log.passes_unseen(step.place.point.parameters[parameter], change);
+        }
         Some(parts.up_to_limit(from, step, found, at_start))
     }
 

@@ -2,6 +2,7 @@
 //! eigenvalues pass zero close together, or because the kind of the special point is not detected.
 
 use super::branch::SpecialPoint;
+use super::curve::Curve;
 use super::curve_point::CurvePoint;
 use super::detector::Detector;
 use super::located::Located;
@@ -116,6 +117,31 @@ pub(super) fn uncounted(
         reachable.retain(agrees);
     }
     (!reachable.contains(&after)).then_some(after - before)
+}
+
+/// The largest change of the number of unstable eigenvalues at a special point of a curve: a complex
+/// pair passes the imaginary axis.
+const MOST_AT_ONCE: usize = 2;
+
+/// Returns the change of the number of noncritical unstable eigenvalues in a step of a curve of special
+/// points of equilibria or maps, if the special points found in the step are too few for this change.
+/// Two eigenvalues that vanish one after the other leave the sign of a determinant unchanged; and a
+/// second eigenvalue that vanishes on a curve of folds, with an eigenvector of its own, has no kind.
+pub(super) fn unseen(
+    curve: &mut Curve,
+    from: &CurvePoint,
+    step: &Step,
+    found: &[Located],
+) -> Option<isize> {
+    // Multipliers of orbits contain discretisation errors.
+    let is_on_mesh = curve.corrector.equations.system().representation().is_on_mesh();
+    if curve.recorder.solutions || is_on_mesh {
+        return None;
+    }
+    let [before, after] = [from.stability?, step.place.stability?].map(|it| it.unstable);
+    let special = found.iter().filter(|it| catalogue::row_of(it.special.kind).is_some()).count();
+    let is_unseen = before.abs_diff(after) > MOST_AT_ONCE * special;
+    is_unseen.then_some(after as isize - before as isize)
 }
 
 /// Returns the number of noncritical unstable eigenvalues at a special point; `None` if the number

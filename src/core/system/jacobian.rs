@@ -1,16 +1,16 @@
 //! The assembled `F_z` of a zero problem: dense, sparse or without a matrix.
 
+use super::eigenvalues::all_eigenvalues;
 use super::free_jacobian::FreeJacobian;
 use super::sparse_jacobian::SparseJacobian;
 use super::work::Work;
 use crate::core::failure::Failure;
 use crate::core::linalg::{
-    Border, BorderedLu, Factors, Form, MassMatrix, ShiftedLu, Spectrum, SpectrumRequest, balanced,
-    factors_with_mass, finite_eigenvalues,
+    Border, BorderedLu, Factors, Form, MassMatrix, ShiftedLu, Spectrum, SpectrumRequest,
+    factors_with_mass,
 };
 use crate::core::problem::{Dynamics, ZeroEquations};
 use crate::core::scalar::{CHUNK, Chunk, seeded};
-use faer::{MatRef, Side};
 
 /// A function that writes `F_z(z, p)`, column by column.
 pub(super) type Tabulated = Box<dyn Fn(&[f64], &[f64], &mut [f64]) + Send>;
@@ -151,31 +151,7 @@ impl DenseJacobian {
 
     /// Computes all eigenvalues that decide the stability of the solution.
     fn spectrum(&self, dynamics: Dynamics) -> Result<Spectrum, Failure> {
-        let n = self.entries.len().isqrt();
-        if let Some(mass) = &self.mass {
-            return finite_eigenvalues(&self.entries, mass, n);
-        }
-        let unknown = Failure::Eigenvalues("eigenvalues");
-        let self_adjoint = match dynamics {
-            Dynamics::Potential => true,
-            Dynamics::Flow => symmetric(&self.entries, n),
-            _ => false,
-        };
-        let mut eigenvalues: Spectrum = if self_adjoint {
-            let matrix = MatRef::from_column_major_slice(&self.entries, n, n);
-            let real = matrix.self_adjoint_eigenvalues(Side::Lower).map_err(|_| unknown)?;
-            real.into_iter().map(|l| (l, 0.0)).collect()
-        } else {
-            let balanced = balanced(&self.entries, n);
-            let matrix = MatRef::from_column_major_slice(&balanced, n, n);
-            let found = matrix.eigenvalues().map_err(|_| unknown)?;
-            found.into_iter().map(|l| (l.re, l.im)).collect()
-        };
-        if dynamics != Dynamics::Flow {
-            eigenvalues.iter_mut().for_each(|l| l.0 = -l.0);
-        }
-        eigenvalues.sort_by(|a, b| b.0.total_cmp(&a.0).then(b.1.total_cmp(&a.1)));
-        Ok(eigenvalues)
+        all_eigenvalues((&self.entries, self.mass.as_deref()), dynamics)
     }
 }
 
@@ -188,10 +164,4 @@ fn scatter(equations: &[Chunk], start: usize, matrix: &mut [f64]) {
             matrix[j * n + i] = part;
         }
     }
-}
-
-/// Whether a matrix is exactly symmetric, as for a discretised self-adjoint operator; eigenvalues
-/// of symmetric matrices are much cheaper.
-fn symmetric(matrix: &[f64], n: usize) -> bool {
-    (0..n).all(|j| (0..j).all(|i| matrix[j * n + i] == matrix[i * n + j]))
 }

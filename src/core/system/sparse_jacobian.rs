@@ -1,11 +1,12 @@
 //! Sparse Jacobians `F_z`: pattern, differentiation by colors, and solution of linear systems.
 
+use super::eigenvalues::all_eigenvalues;
 use super::work::Work;
 use crate::core::failure::Failure;
 use crate::core::linalg::{
     Border, Coloring, Elimination, Factors, Form, KnownFactors, Leading, MassMatrix, Pattern,
     Pencil, Rightmost, SharedLu, SparseShiftedLu, Spectrum, SpectrumRequest, factors_with_mass,
-    finite_eigenvalues, generic,
+    generic,
 };
 use crate::core::problem::{Dynamics, TracedEquations, ZeroEquations};
 use crate::core::scalar::{CHUNK, Chunk, Traced, seeded};
@@ -14,6 +15,11 @@ use std::sync::Arc;
 /// Heuristic: a sparse matrix is used if its factorisation takes at most this fraction of the
 /// multiplications of a dense factorisation.
 const PAYS: f64 = 0.25;
+
+/// Heuristic: the number of unknowns up to which all eigenvalues are computed with a dense matrix, which is
+/// faster than the computation of the eigenvalues nearest to zero with a sparse matrix, and certain. If a
+/// diagonal scaling makes the matrix symmetric, the sparse matrix is faster and certain, too.
+const DENSELY: usize = 200;
 
 /// A sparse `F_z`.
 pub(super) struct SparseJacobian {
@@ -170,13 +176,12 @@ impl SparseJacobian {
         dynamics: Dynamics,
         request: SpectrumRequest,
     ) -> Result<Spectrum, Failure> {
-        let n = self.coloring.size();
-        if let Some(mass) = self.mass.as_ref().filter(|_| n <= Self::LEAST) {
-            let [a, m] = [&self.entries, mass].map(|entries| self.dense(entries));
-            return finite_eigenvalues(&a, &m, n);
-        }
-        let pattern = &self.elimination.pattern;
+        let (n, pattern) = (self.coloring.size(), &self.elimination.pattern);
         let is_real = || self.mass.is_none() && pattern.symmetrising(&self.entries).is_some();
+        if n <= DENSELY && !is_real() {
+            let mass = self.mass.as_ref().map(|mass| self.dense(mass));
+            return all_eigenvalues((&self.dense(&self.entries), mass.as_deref()), dynamics);
+        }
         if request.only_pairs && is_real() {
             return Ok(Spectrum::new());
         }

@@ -333,11 +333,12 @@ fn on_orders(plate: &Ritz, orders: Orders, x: &[f64]) -> Option<Refinement> {
 
 impl Discretised for Ritz {
     fn refined(&mut self, x: &[f64]) -> Option<Refinement> {
-        let orders = self.model.orders.finer();
-        if orders.transverse[0] * orders.transverse[1] > LARGEST_RUNG {
-            return None;
-        }
-        on_orders(self, orders, x)
+        if self.is_refinable() { on_orders(self, self.model.orders.finer(), x) } else { None }
+    }
+
+    fn is_refinable(&self) -> bool {
+        let [along_x, along_y] = self.model.orders.finer().transverse;
+        along_x * along_y <= LARGEST_RUNG
     }
 
     fn coarser(&mut self, x: &[f64]) -> Option<Refinement> {

@@ -6,7 +6,7 @@ use super::forms::Forms;
 use super::manifold::{Motion, motion};
 use crate::core::bifurcation::at::At;
 use crate::core::failure::Failure;
-use crate::core::linalg::Form;
+use crate::core::linalg::{Form, generic, norm};
 use crate::core::problem::Dynamics;
 use faer::c64;
 
@@ -39,7 +39,7 @@ pub(in crate::core::bifurcation) fn fold_hopf(at: &mut At) -> Result<NormalForm,
     let Some(&omega) = at.held.first() else { return Ok(NormalForm::default()) };
     let (motion, _) = reduced(at, [Form::Jacobian, Form::Oscillation(omega)])?;
     let interaction = beside_pair(&motion);
-    if interaction.is_symmetric(omega) {
+    if interaction.is_symmetric(omega, uncertainty(at)?) {
         return Ok(interaction.pitchfork());
     }
     let form = interaction.normal_form(["zh_s", "zh_theta", "zh_e"]);
@@ -110,17 +110,44 @@ struct FoldInteraction {
 
 /// Rounding: the terms of second order count as zero if they are smaller than this fraction of the
 /// frequency, for the amplitudes of `v` and `z` at which their own terms of third order are as large
-/// as the frequency. At a pitchfork the state is known along the critical vector only to the square
-/// root of rounding errors, and second derivatives differ from zero as much.
+/// as the frequency.
 const SYMMETRIC: f64 = 1e-5;
 
+/// Heuristic: the ratio of the terms of second order to the deviation of the state that causes these terms
+/// (3 for `v²`), with a margin.
+const SLOPE: f64 = 10.0;
+
+/// Rounding: the rounding errors of a residual, as a multiple of `ε` times the product of the Jacobian
+/// matrix and the state.
+const SEVERAL: f64 = 10.0;
+
+/// Discretisation: the distance, relative to the size of the state, at which Newton's method may stop
+/// before a double root.
+const STOPS: f64 = 1e-6;
+
+/// Returns the uncertainty of a state near a pitchfork along the critical vector: the distance at which
+/// Newton's method may stop, and an estimate of the rounding errors of the residual.
+fn uncertainty(at: &mut At) -> Result<[f64; 2], Failure> {
+    let n = at.system.names().dimension();
+    let mut direction: Vec<f64> =
+        at.x.iter().zip(generic(at.x.len(), 11)).map(|(x, s)| x * s).collect();
+    direction[n..].fill(0.0);
+    let mut change = vec![0.0; n];
+    at.system.derivative(at.x, &[&direction], &mut change)?;
+    Ok([STOPS * norm(&at.x[..n]), SEVERAL * f64::EPSILON * norm(&change)])
+}
+
 impl FoldInteraction {
-    /// Whether all terms of second order are zero up to rounding, as at a pitchfork.
-    fn is_symmetric(&self, omega: f64) -> bool {
+    /// Whether all terms of second order are zero, as at a pitchfork, up to the errors that a deviation
+    /// `δ` of the state along the critical vector causes. The deviation is at most the `distance` at which
+    /// Newton's method stops, or the deviation for which the term of third order, `a₃₀ δ³`, is as small as
+    /// the `rounding` errors of the residual. The terms of second order are proportional to `δ`.
+    fn is_symmetric(&self, omega: f64, [distance, rounding]: [f64; 2]) -> bool {
         let FoldInteraction { a20, a02, a30, b11, b03, .. } = self;
         let [v, z] = [a30.abs(), b03.re.abs()].map(|third| (omega / third).sqrt());
         let second = [a20.abs() * v, b11.re.abs() * v, a02.abs() * z * z / v];
-        second.iter().all(|rate| *rate <= SYMMETRIC * omega)
+        let deviation = (rounding / (omega * v)).cbrt().max(distance / v);
+        second.iter().all(|rate| *rate <= omega * SYMMETRIC.max(SLOPE * deviation))
     }
 
     /// Returns the normal form of a pitchfork that interacts with a critical pair.

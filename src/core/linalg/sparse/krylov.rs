@@ -5,7 +5,8 @@ use super::block::{Block, LANES, block_of, combination, dot, orthogonalise_block
 use super::orthonormal::orthonormalise_block;
 use crate::core::failure::Failure;
 use crate::core::linalg::{normalise, orthogonalise};
-use faer::{MatRef, Side, c64};
+use faer::linalg::solvers::DenseSolveCore;
+use faer::{Mat, MatRef, Side, c64};
 use std::iter::repeat_n;
 
 /// Heuristic: the largest number of basis vectors of a Krylov space.
@@ -19,8 +20,15 @@ const TOGETHER: f64 = 0.01;
 const LONG: usize = 1000;
 
 /// Rounding: a vector that is shorter than this fraction of its components along the basis may consist
-/// of rounding errors.
+/// of rounding errors, whose components along the basis must be removed again.
 const LOST: f64 = 1e-8;
+
+/// Rounding: eigenvectors are dependent if the part of one that is orthogonal to the others is shorter
+/// than this.
+const DEPENDENT: f64 = 1e-8;
+
+/// Rounding: the errors of the projected inverse matrix, relative to its Frobenius norm.
+const ROUNDED: f64 = 1e-13;
 
 /// Rounding: a vector is orthogonalised again if the remainder after orthogonalisation is shorter
 /// than this fraction of the vector's original length.
@@ -164,7 +172,7 @@ impl<'l> Krylov<'l> {
             if is_whole || rest <= f64::EPSILON * size {
                 continue;
             }
-            if rest < CANCELLED * whole {
+            if rest < CANCELLED * whole || rest <= LOST * size {
                 rest *= orthonormalise(&mut vector, &[self.locked, &self.vectors]).1;
             }
             self.vectors.push(vector);
@@ -212,6 +220,8 @@ pub(super) struct RitzPairs {
     rests: Vec<f64>,
     /// The errors of the eigenvalues.
     pub errors: Vec<f64>,
+    /// The Frobenius norm of the projected matrix.
+    norm: f64,
 }
 
 impl RitzPairs {
@@ -238,7 +248,8 @@ impl RitzPairs {
             let [a, b]: [c64; 2] = [values[a], values[b]];
             b.norm().total_cmp(&a.norm()).then(b.im.total_cmp(&a.im))
         });
-        Ok(RitzPairs { values, vectors, order, rests: Vec::new(), errors: Vec::new() })
+        let (rests, errors, norm) = (Vec::new(), Vec::new(), matrix.norm_l2());
+        Ok(RitzPairs { values, vectors, order, rests, errors, norm })
     }
 
     /// Returns the errors of the eigenvalues of a symmetric matrix: each error is the residual or, if
@@ -286,15 +297,39 @@ impl RitzPairs {
         combination(&space[..factors.len()], &factors)
     }
 
+    /// Whether each eigenvalue is zero up to rounding errors, which change an eigenvalue by its condition
+    /// number times the errors of the matrix: zero eigenvalues in a Jordan block of size `k`, from a mass
+    /// matrix of differentiation index `k`, are found as large as the `k`-th root of rounding errors.
+    pub fn zeros(&self) -> Vec<bool> {
+        let m = self.values.len();
+        let vectors = Mat::from_fn(m, m, |i, k| self.vectors[k][i]);
+        let left = vectors.partial_piv_lu().inverse();
+        let error = ROUNDED * self.norm;
+        let is_zero = |k: usize| {
+            let condition = (0..m).map(|i| left[(k, i)].norm_sqr()).sum::<f64>().sqrt();
+            // A comparison with NaN is false.
+            !(self.size(k) > error * condition)
+        };
+        (0..m).map(is_zero).collect()
+    }
+
     /// Locks converged eigenvalues: stores them with an orthonormal basis of their eigenvectors in
-    /// the space.
-    pub fn lock(&self, chosen: &[usize], space: &[Vec<f64>], locked: &mut Locked) {
+    /// the space. An eigenvalue is left out if its eigenvector depends on the other eigenvectors: a later
+    /// space, orthogonal to the basis, contains the eigenvalue. Eigenvalues in `zeros` are stored as zero.
+    pub fn lock(
+        &self,
+        chosen: &[usize],
+        (space, zeros): (&[Vec<f64>], Option<Vec<bool>>),
+        locked: &mut Locked,
+    ) {
         for &k in chosen {
-            locked.values.push(self.values[k]);
             let mut vector = self.vector(k, space);
-            if orthonormalise(&mut vector, &[&locked.basis]).1 > 1e-8 {
-                locked.basis.push(vector);
+            if orthonormalise(&mut vector, &[&locked.basis]).1 <= DEPENDENT {
+                continue;
             }
+            let is_zero = zeros.as_ref().is_some_and(|zeros| zeros[k]);
+            locked.values.push(if is_zero { c64::new(0.0, 0.0) } else { self.values[k] });
+            locked.basis.push(vector);
         }
     }
 }

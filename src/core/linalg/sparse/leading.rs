@@ -39,6 +39,9 @@ const INFINITE: f64 = 1e-7;
 /// distance from the shift is smaller than the next eigenvalue's distance by this factor.
 const ALONE: f64 = 1e-6;
 
+/// Heuristic: with a mass matrix, the bound is larger if requested eigenvalues would count as infinite.
+const ALONE_OF_PENCIL: f64 = 1e-3;
+
 /// Heuristic: if an eigenvalue near the shift hides the digits of the others, the shift is changed
 /// by this fraction of the next eigenvalue's distance.
 const BESIDE: f64 = 0.11;
@@ -314,6 +317,7 @@ impl Leading {
     ) -> Result<Option<f64>, Failure> {
         let n = starts.first().map_or(0, Vec::len);
         let mut space = Krylov::new(starts, (&locked.basis, inverse.matrix.scales), n);
+        let has_mass = inverse.matrix.pencil.mass.is_some();
         let (is_first, mut next_look) = (least == 0.0 && locked.values.is_empty(), wanted + 2);
         if is_first {
             next_look = next_look.max(self.previous.products);
@@ -345,12 +349,18 @@ impl Leading {
             let is_within =
                 |share: f64| open.iter().all(|k| ritz.errors[*k] <= share * allowed(ritz.size(*k)));
             if is_within(1.0) {
+                let last = ritz.order[wanted.min(ritz.order.len()) - 1];
+                let is_lost = has_mass && ritz.size(last) < INFINITE * first;
+                if is_first && is_lost && next < ALONE_OF_PENCIL * first {
+                    return Ok(Some(next.recip()));
+                }
                 let Krylov { vectors, images, .. } = space;
                 if is_first {
                     let spare = if is_within(SLACK) { LANES.max(images / EARLIER) } else { 0 };
                     self.previous.products = images.saturating_sub(spare);
                 }
-                ritz.lock(&open, &vectors, locked);
+                let zeros = has_mass.then(|| ritz.zeros());
+                ritz.lock(&open, (&vectors, zeros), locked);
                 let others = ritz.order.iter().filter(|k| !open.contains(k));
                 let others = others.take(WARM.saturating_sub(open.len()));
                 locked.others.extend(others.map(|k| ritz.vector(*k, &vectors)));
