@@ -1,12 +1,13 @@
 //! Krylov spaces of the inverse of a sparse matrix, and the eigenvalues of the inverse that are
 //! computed from these spaces.
 
-use super::block::{Block, LANES, block_of, combination, dot, orthogonalise_block};
+use super::block::{Block, LANES, combinations, dot, fill_block, orthogonalise_block, vectors_of};
 use super::orthonormal::orthonormalise_block;
 use crate::core::failure::Failure;
 use crate::core::linalg::{normalise, orthogonalise};
 use faer::{MatRef, Side, c64};
 use std::iter::repeat_n;
+use std::mem::take;
 
 /// Heuristic: the largest number of basis vectors of a Krylov space.
 const DIMENSION: usize = 240;
@@ -32,7 +33,8 @@ const CANCELLED: f64 = 0.1;
 pub(super) struct Locked {
     pub values: Vec<c64>,
     pub basis: Vec<Vec<f64>>,
-    /// Approximations of the eigenvectors of further eigenvalues.
+    /// Approximations of the eigenvectors of further eigenvalues, without their components in the
+    /// basis.
     pub others: Vec<Vec<f64>>,
 }
 
@@ -72,6 +74,8 @@ pub(super) struct Krylov<'l> {
     reach: Vec<usize>,
     /// The largest number of products with the inverse.
     most: usize,
+    /// Scratch space: the vectors by which the space is extended.
+    block: Vec<[f64; LANES]>,
 }
 
 impl<'l> Krylov<'l> {
@@ -84,11 +88,23 @@ impl<'l> Krylov<'l> {
         let most = DIMENSION.min(n - locked.len());
         let rows = most + starts.len();
         let projected = vec![0.0; rows * most];
-        let (vectors, reach) = (Vec::new(), Vec::new());
-        let mut space = Krylov { locked, scales, vectors, images: 0, projected, rows, reach, most };
+        let (vectors, reach, mut block) = (Vec::new(), Vec::new(), Vec::new());
+        let mut space = Krylov {
+            locked,
+            scales,
+            vectors,
+            images: 0,
+            projected,
+            rows,
+            reach,
+            most,
+            block: Vec::new(),
+        };
         for some in starts.chunks(LANES) {
-            space.extend(&mut block_of(some), some.len(), 0);
+            fill_block(&mut block, some);
+            space.extend(&mut block, some.len(), 0);
         }
+        space.block = block;
         space
     }
 
@@ -101,7 +117,8 @@ impl<'l> Krylov<'l> {
     /// the vectors of a block by their products.
     pub fn grow(&mut self, apply: &mut impl FnMut(&mut Block)) {
         let count = LANES.min(self.vectors.len().min(self.most) - self.images);
-        let mut block = block_of(&self.vectors[self.images..][..count]);
+        let mut block = take(&mut self.block);
+        fill_block(&mut block, &self.vectors[self.images..][..count]);
         let scaled = |block: &mut Block, factor: fn(f64) -> f64| {
             for (row, scale) in block.iter_mut().zip(self.scales.unwrap_or_default()) {
                 row.iter_mut().for_each(|value| *value *= factor(*scale));
@@ -112,6 +129,7 @@ impl<'l> Krylov<'l> {
         scaled(&mut block, |d| d.recip());
         let near = self.first_coupled();
         let parts = self.extend(&mut block, count, near);
+        self.block = block;
         self.reach.extend(repeat_n(self.vectors.len(), count));
         for lane in 0..count {
             let column = &mut self.projected[(self.images + lane) * self.rows..][..parts.len()];
@@ -147,8 +165,7 @@ impl<'l> Krylov<'l> {
             && block.len() >= LONG
             && let Some(own) = orthonormalise_block(block, sizes.map(|size| LOST * size))
         {
-            let vector = |lane: usize| block.iter().map(|row| row[lane]).collect();
-            self.vectors.extend((0..LANES).map(vector));
+            self.vectors.extend(vectors_of(block, LANES));
             parts.extend(own);
             return parts;
         }
@@ -275,27 +292,50 @@ impl RitzPairs {
         self.order.iter().copied().filter(may_be).collect()
     }
 
-    /// Returns the real part of an eigenvector in the space; for the second eigenvalue of a complex
-    /// pair, returns the imaginary part.
-    pub fn vector(&self, k: usize, space: &[Vec<f64>]) -> Vec<f64> {
+    /// Returns the components, along the basis of the space, of the real part of an eigenvector; for
+    /// the second eigenvalue of a complex pair, of the imaginary part.
+    fn components(&self, k: usize) -> Vec<f64> {
         let part = match self.values[k].im {
             im if im < 0.0 => |it: &c64| it.im,
             _ => |it: &c64| it.re,
         };
-        let factors: Vec<f64> = self.vectors[k].iter().map(part).collect();
-        combination(&space[..factors.len()], &factors)
+        self.vectors[k].iter().map(part).collect()
+    }
+
+    /// Returns the real parts of eigenvectors in the space; for the second eigenvalue of a complex
+    /// pair, the imaginary part.
+    pub fn vectors_in<'k>(
+        &self,
+        chosen: impl Iterator<Item = &'k usize>,
+        space: &[Vec<f64>],
+    ) -> Vec<Vec<f64>> {
+        let components: Vec<Vec<f64>> = chosen.map(|k| self.components(*k)).collect();
+        combinations(&space[..self.values.len()], &components)
     }
 
     /// Locks converged eigenvalues: stores them with an orthonormal basis of their eigenvectors in
-    /// the space.
-    pub fn lock(&self, chosen: &[usize], space: &[Vec<f64>], locked: &mut Locked) {
-        for &k in chosen {
-            locked.values.push(self.values[k]);
-            let mut vector = self.vector(k, space);
-            if orthonormalise(&mut vector, &[&locked.basis]).1 > 1e-8 {
-                locked.basis.push(vector);
+    /// the space, which is orthogonal to the vectors that are already locked. Also stores the parts
+    /// of other eigenvectors that are orthogonal to this basis.
+    pub fn lock<'k>(
+        &self,
+        chosen: &[usize],
+        others: impl Iterator<Item = &'k usize>,
+        (space, locked): (&[Vec<f64>], &mut Locked),
+    ) {
+        locked.values.extend(chosen.iter().map(|k| self.values[*k]));
+        let mut basis: Vec<Vec<f64>> = Vec::new();
+        let mut extend = |k: &usize| {
+            let mut components = self.components(*k);
+            if orthonormalise(&mut components, &[&basis]).1 > 1e-8 {
+                basis.push(components);
             }
-        }
+            basis.len()
+        };
+        let count = chosen.iter().map(&mut extend).last().unwrap_or(0);
+        others.for_each(|k| _ = extend(k));
+        let mut vectors = combinations(&space[..self.values.len()], &basis);
+        locked.others.extend(vectors.split_off(count));
+        locked.basis.extend(vectors);
     }
 }
 

@@ -290,15 +290,14 @@ impl Leading {
     /// Creates the initial vectors of the first Krylov space: sums of the previous eigenvectors,
     /// and random vectors, which find eigenvectors that the sums lack.
     fn starts(&self, n: usize) -> Vec<Vec<f64>> {
-        let mut starts: Vec<Vec<f64>> = (0..WARM + SEEDS).map(|k| random(n, k)).collect();
         let previous = &self.previous.vectors;
-        if previous.first().is_some_and(|it| it.len() == n) {
-            let known = previous.len().min(WARM);
-            starts[..known].iter_mut().for_each(|it| it.fill(0.0));
-            for (k, vector) in previous.iter().enumerate() {
-                starts[k % WARM].iter_mut().zip(vector).for_each(|(sum, v)| *sum += v);
-            }
+        let is_known = previous.first().is_some_and(|it| it.len() == n);
+        let known = if is_known { previous.len().min(WARM) } else { 0 };
+        let mut starts = vec![vec![0.0; n]; known];
+        for (k, vector) in previous.iter().enumerate().filter(|_| is_known) {
+            starts[k % WARM].iter_mut().zip(vector).for_each(|(sum, v)| *sum += v);
         }
+        starts.extend((known..WARM + SEEDS).map(|k| random(n, k)));
         starts
     }
 
@@ -350,10 +349,9 @@ impl Leading {
                     let spare = if is_within(SLACK) { LANES.max(images / EARLIER) } else { 0 };
                     self.previous.products = images.saturating_sub(spare);
                 }
-                ritz.lock(&open, &vectors, locked);
                 let others = ritz.order.iter().filter(|k| !open.contains(k));
                 let others = others.take(WARM.saturating_sub(open.len()));
-                locked.others.extend(others.map(|k| ritz.vector(*k, &vectors)));
+                ritz.lock(&open, others, (&vectors, locked));
                 return Ok(None);
             }
             if space.is_complete() {
