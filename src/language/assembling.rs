@@ -103,7 +103,18 @@ impl<'s> Assembling<'s> {
         formula: &Formula,
         elements: &Elements,
     ) -> Result<Vec<Value>, ModelError> {
-        elements.values().map(|at| self.indexed(formula, &at)).collect()
+        let (count, mut values) = (elements.count(), Vec::with_capacity(elements.count()));
+        for at in elements.values() {
+            let before = self.assembly.len();
+            values.push(self.indexed(formula, &at)?);
+            // The second element is rarely next to a boundary, so that most elements have as many
+            // operations as the second element.
+            if values.len() == 2 {
+                let all = (self.assembly.len() - before).saturating_mul(count - 2);
+                self.assembly.reserve(all.min(most(OPERATIONS, self.scope.dimension)));
+            }
+        }
+        Ok(values)
     }
 
     /// Returns the value of a formula for the given values of array indices.
@@ -237,7 +248,7 @@ impl<'s> Assembling<'s> {
     }
 
     fn limit(&self, origin: &Origin) -> Result<(), ModelError> {
-        let most = |[any, each]: [usize; 2]| any.max(each * self.scope.dimension);
+        let most = |limits| most(limits, self.scope.dimension);
         let limits = [
             (self.work, most(WORK), "steps to put a formula together"),
             (self.assembly.len(), most(OPERATIONS), "operations in a model"),
@@ -435,6 +446,12 @@ impl<'s> Assembling<'s> {
         }
         Ok(total.unwrap_or(Value::number(0.0)))
     }
+}
+
+/// Returns the limit for a model with the given number of states, given the limit for any model and
+/// the limit per state for a large model.
+fn most([any, each]: [usize; 2], dimension: usize) -> usize {
+    any.max(each * dimension)
 }
 
 /// Assembled formulas: their tape (a list of operations), and the position in the text of each

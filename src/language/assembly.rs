@@ -103,6 +103,13 @@ impl Assembly {
         self.applied.len()
     }
 
+    /// Makes room for a number of further operations.
+    pub fn reserve(&mut self, count: usize) {
+        self.applied.reserve(count);
+        self.origins.reserve(count);
+        self.known.reserve(count);
+    }
+
     /// Adds an operation on one to three values, and returns the value that denotes its result.
     pub fn apply(&mut self, operation: Operation, given: &[Value], origin: &Origin) -> Value {
         use Operation::*;

@@ -87,7 +87,8 @@ impl SparseJacobian {
     }
 
     /// Computes `F_z`, and the mass matrix of a flow, by dual numbers, all columns of a color
-    /// together.
+    /// together. The last pass also differentiates along the probe and along the parameters, as far
+    /// as the pass has room for these directions.
     pub fn differentiate(
         &mut self,
         chunk: &mut Work<Chunk>,
@@ -99,9 +100,20 @@ impl SparseJacobian {
         let count = self.entries.len();
         let mut mass = implicit.then(|| self.mass.take().unwrap_or_else(|| vec![0.0; count]));
         let mut entries = std::mem::take(&mut self.entries);
-        for start in (0..self.coloring.count).step_by(CHUNK) {
+        let (count, probe) = (self.coloring.count, &self.coloring.probe);
+        for start in (0..count).step_by(CHUNK) {
             let color = |i: usize| self.coloring.color(i).unwrap_or(usize::MAX);
-            let r = chunk.evaluate(problem, |i| seeded(x[i], color(i), start));
+            let direction =
+                |i: usize| self.coloring.color(i).unwrap_or(count + 1 + i - probe.len());
+            let argument = |i: usize| {
+                let mut number: Chunk = seeded(x[i], direction(i), start);
+                if let (Some(part), Some(along)) = (number.eps.get_mut(count - start), probe.get(i))
+                {
+                    *part = *along;
+                }
+                number
+            };
+            let r = chunk.evaluate(problem, argument);
             self.scatter(r, start, &mut entries);
             if let Some(mass) = &mut mass {
                 let seed = |i: usize| seeded(0.0, color(i), start);
@@ -117,6 +129,20 @@ impl SparseJacobian {
     fn scatter(&self, equations: &[Chunk], start: usize, entries: &mut [f64]) {
         let derivative = |i: usize, part: usize| equations[i].eps[part];
         self.coloring.scatter(self.pattern(), (start, CHUNK), derivative, entries);
+    }
+
+    /// Whether the last pass of a differentiation leaves the equations in its scratch space.
+    pub fn keeps_equations(&self) -> bool {
+        self.mass.is_none()
+    }
+
+    /// Returns the part of the dual numbers in the last pass of a differentiation that contains the
+    /// derivatives along the probe (for `None`) or along a parameter; `None` if the pass had no room
+    /// for this direction.
+    pub fn part(&self, parameter: Option<usize>) -> Option<usize> {
+        let first = self.coloring.count % CHUNK;
+        let part = parameter.map_or(first, |parameter| first + 1 + parameter);
+        (self.keeps_equations() && first > 0 && part < CHUNK).then_some(part)
     }
 
     /// The probe: a direction along which the matrix is compared with a directional derivative.

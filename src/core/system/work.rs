@@ -23,6 +23,11 @@ impl<T: ZeroNumber> Work<T> {
         (z, p, &mut self.r)
     }
 
+    /// Returns the residual that was evaluated last, or the products that were computed last.
+    pub fn results(&self) -> &[T] {
+        &self.r
+    }
+
     /// Evaluates the residual at arguments that are given component by component.
     pub fn evaluate(&mut self, problem: &dyn ZeroEquations, argument: impl Fn(usize) -> T) -> &[T] {
         let (z, p, r) = self.arguments(argument);

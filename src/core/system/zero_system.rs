@@ -113,10 +113,17 @@ impl ZeroSystem {
         let n = self.names.dimension();
         for attempt in 0..2 {
             sparse.differentiate(&mut self.chunk, &*self.problem, x);
-            let probe = sparse.probe();
-            let along = |i: usize| Dual64::new(x[i], probe.get(i).copied().unwrap_or(0.0));
-            let slopes = self.first.evaluate(&*self.problem, along);
-            let mut agrees = sparse.agrees(slopes.iter().map(|r| r.eps), false);
+            let mut agrees = match sparse.part(None) {
+                Some(part) => {
+                    sparse.agrees(self.chunk.results().iter().map(|r| r.eps[part]), false)
+                }
+                None => {
+                    let probe = sparse.probe();
+                    let along = |i: usize| Dual64::new(x[i], probe.get(i).copied().unwrap_or(0.0));
+                    let slopes = self.first.evaluate(&*self.problem, along);
+                    sparse.agrees(slopes.iter().map(|r| r.eps), false)
+                }
+            };
             if sparse.mass().is_some() {
                 let rates = sparse.probe().to_vec();
                 let (at, rate) = (|i: usize| x[i], |i: usize| rates[i]);
@@ -134,6 +141,37 @@ impl ZeroSystem {
             "the derivatives of the residual with respect to its {n} unknowns do not match the \
              sparsity pattern of the equations: use dense matrices instead"
         )))
+    }
+}
+
+impl ZeroSystem {
+    /// Returns the equations that were differentiated at `x`, if the assembly of a sparse matrix
+    /// has kept these equations.
+    fn evaluated(&self, x: &[f64]) -> Option<(&SparseJacobian, &[Chunk])> {
+        match &self.jacobian {
+            Jacobian::Sparse(sparse) if sparse.keeps_equations() && self.assembled == x => {
+                Some((sparse, self.chunk.results()))
+            }
+            _ => None,
+        }
+    }
+
+    /// Writes the derivatives of the equations along one parameter, if the assembly of a sparse
+    /// matrix has computed these derivatives. Returns whether the derivatives are known.
+    fn derivative_is_known(&self, x: &[f64], direction: &[f64], out: &mut [f64]) -> bool {
+        if direction.len() != x.len() {
+            return false;
+        }
+        let (unknowns, parameters) = direction.split_at(self.names.dimension());
+        let mut moving = parameters.iter().enumerate().filter(|(_, step)| **step != 0.0);
+        let (Some((parameter, 1.0)), None) = (moving.next(), moving.next()) else { return false };
+        let Some((sparse, equations)) = self.evaluated(x) else { return false };
+        let Some(part) = sparse.part(Some(parameter)) else { return false };
+        if unknowns.iter().any(|step| *step != 0.0) {
+            return false;
+        }
+        out.iter_mut().zip(equations).for_each(|(out, r)| *out = r.eps[part]);
+        true
     }
 }
 
@@ -254,7 +292,12 @@ impl System for ZeroSystem {
         }
         let (z, p) = x.split_at(self.names.dimension());
         self.problem.domain(z, p)?;
-        r.copy_from_slice(self.plain.evaluate(&*self.problem, |i| x[i]));
+        match self.evaluated(x) {
+            Some((_, equations)) => {
+                r.iter_mut().zip(equations).for_each(|(r, equation)| *r = equation.re);
+            }
+            None => r.copy_from_slice(self.plain.evaluate(&*self.problem, |i| x[i])),
+        }
         finite(
             r,
             |i| format!("component {i} of the residual"),
@@ -305,6 +348,7 @@ impl System for ZeroSystem {
         let moves = directions.iter().any(|d| d.len() > x.len());
         let at = |i: usize| x.get(i).copied().unwrap_or(0.0);
         match *directions {
+            [d] if self.derivative_is_known(x, d, out) => {}
             [d] => {
                 let r = self.first.left(problem, moves, |i| Dual64::new(at(i), d[i]));
                 out.iter_mut().zip(r).for_each(|(out, r)| *out = r.eps);

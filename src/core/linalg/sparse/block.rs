@@ -29,13 +29,26 @@ const SUMS: usize = 8;
 /// Several vectors of the same length, stored row by row.
 pub(super) type Block = [[f64; LANES]];
 
-/// Arranges vectors side by side in lanes; unused lanes are zero.
-pub(super) fn block_of(vectors: &[Vec<f64>]) -> Vec<[f64; LANES]> {
-    let mut block = vec![[0.0; LANES]; vectors.first().map_or(0, Vec::len)];
-    for (lane, vector) in vectors.iter().enumerate() {
-        block.iter_mut().zip(vector).for_each(|(row, v)| row[lane] = *v);
+/// Arranges vectors side by side in the lanes of a block; unused lanes are zero.
+pub(super) fn fill_block(block: &mut Vec<[f64; LANES]>, vectors: &[Vec<f64>]) {
+    block.resize(vectors.first().map_or(0, Vec::len), [0.0; LANES]);
+    for (k, rows) in block.chunks_mut(ROWS).enumerate() {
+        rows.fill([0.0; LANES]);
+        for (lane, vector) in vectors.iter().enumerate() {
+            rows.iter_mut().zip(&vector[k * ROWS..]).for_each(|(row, v)| row[lane] = *v);
+        }
     }
-    block
+}
+
+/// Returns the first `count` vectors of a block.
+pub(super) fn vectors_of(block: &Block, count: usize) -> Vec<Vec<f64>> {
+    let mut vectors: Vec<Vec<f64>> = (0..count).map(|_| Vec::with_capacity(block.len())).collect();
+    for rows in block.chunks(ROWS) {
+        for (lane, vector) in vectors.iter_mut().enumerate() {
+            vector.extend(rows.iter().map(|row| row[lane]));
+        }
+    }
+    vectors
 }
 
 /// Returns the scalar product of two vectors.
@@ -51,35 +64,24 @@ pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     sums.iter().sum::<f64>() + last
 }
 
-/// Returns the sum of vectors of the same length, multiplied by the given factors.
-pub(super) fn combination(vectors: &[Vec<f64>], factors: &[f64]) -> Vec<f64> {
-    let mut sum = vec![0.0; vectors.first().map_or(0, Vec::len)];
-    let ((groups, last), (of_groups, of_last)) =
-        (vectors.as_chunks::<GROUP>(), factors.as_chunks::<GROUP>());
-    for (k, rows) in sum.chunks_mut(ROWS).enumerate() {
-        for (group, factors) in groups.iter().zip(of_groups) {
-            add_multiples((rows, k * ROWS), group, factors);
-        }
-        for (vector, factor) in last.iter().zip(of_last) {
-            add_multiples((rows, k * ROWS), from_ref(vector), from_ref(factor));
-        }
+/// Returns sums of vectors of the same length, multiplied by given factors; each list of factors
+/// belongs to one sum.
+pub(super) fn combinations(vectors: &[Vec<f64>], factors: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    let (level, mut sums) = (Level::new(), Vec::new());
+    let vectors: Vec<&[f64]> = vectors.iter().map(Vec::as_slice).collect();
+    let mut block = vec![[0.0; LANES]; vectors.first().map_or(0, |vector| vector.len())];
+    for some in factors.chunks(LANES) {
+        let part = |k: usize, lane: usize| some.get(lane).map_or(0.0, |factors| -factors[k]);
+        let along = (0..vectors.len()).map(|k| std::array::from_fn(|lane| part(k, lane)));
+        let along: Vec<[f64; LANES]> = along.collect();
+        block.fill([0.0; LANES]);
+        side_by_side(
+            &mut strips(&mut block, vectors.len()),
+            |_, strip| dispatch!(level, simd => strip.subtract(simd, &vectors, &along)),
+        );
+        sums.extend(vectors_of(&block, some.len()));
     }
-    sum
-}
-
-/// Adds multiples of vectors to a vector; `rows` are the rows of that vector from the row number
-/// `from` on.
-fn add_multiples<const N: usize>(
-    (rows, from): (&mut [f64], usize),
-    vectors: &[Vec<f64>; N],
-    factors: &[f64; N],
-) {
-    let vectors = vectors.each_ref().map(|vector| &vector[from..][..rows.len()]);
-    for i in 0..rows.len() {
-        for k in 0..N {
-            rows[i] += factors[k] * vectors[k][i];
-        }
-    }
+    sums
 }
 
 /// Makes the vectors of a block orthogonal to orthonormal vectors, by two Gram–Schmidt passes like

@@ -1,13 +1,14 @@
 //! Krylov spaces of the inverse of a sparse matrix, and the eigenvalues of the inverse that are
 //! computed from these spaces.
 
-use super::block::{Block, LANES, block_of, combination, dot, orthogonalise_block};
+use super::block::{Block, LANES, combinations, dot, fill_block, orthogonalise_block, vectors_of};
 use super::orthonormal::orthonormalise_block;
 use crate::core::failure::Failure;
 use crate::core::linalg::{normalise, orthogonalise};
 use faer::linalg::solvers::DenseSolveCore;
 use faer::{Mat, MatRef, Side, c64};
 use std::iter::repeat_n;
+use std::mem::take;
 
 /// Heuristic: the largest number of basis vectors of a Krylov space.
 const DIMENSION: usize = 240;
@@ -40,7 +41,8 @@ const CANCELLED: f64 = 0.1;
 pub(super) struct Locked {
     pub values: Vec<c64>,
     pub basis: Vec<Vec<f64>>,
-    /// Approximations of the eigenvectors of further eigenvalues.
+    /// Approximations of the eigenvectors of further eigenvalues, without their components in the
+    /// basis.
     pub others: Vec<Vec<f64>>,
 }
 
@@ -80,6 +82,8 @@ pub(super) struct Krylov<'l> {
     reach: Vec<usize>,
     /// The largest number of products with the inverse.
     most: usize,
+    /// Scratch space: the vectors by which the space is extended.
+    block: Vec<[f64; LANES]>,
 }
 
 impl<'l> Krylov<'l> {
@@ -92,11 +96,23 @@ impl<'l> Krylov<'l> {
         let most = DIMENSION.min(n - locked.len());
         let rows = most + starts.len();
         let projected = vec![0.0; rows * most];
-        let (vectors, reach) = (Vec::new(), Vec::new());
-        let mut space = Krylov { locked, scales, vectors, images: 0, projected, rows, reach, most };
+        let (vectors, reach, mut block) = (Vec::new(), Vec::new(), Vec::new());
+        let mut space = Krylov {
+            locked,
+            scales,
+            vectors,
+            images: 0,
+            projected,
+            rows,
+            reach,
+            most,
+            block: Vec::new(),
+        };
         for some in starts.chunks(LANES) {
-            space.extend(&mut block_of(some), some.len(), 0);
+            fill_block(&mut block, some);
+            space.extend(&mut block, some.len(), 0);
         }
+        space.block = block;
         space
     }
 
@@ -109,7 +125,8 @@ impl<'l> Krylov<'l> {
     /// the vectors of a block by their products.
     pub fn grow(&mut self, apply: &mut impl FnMut(&mut Block)) {
         let count = LANES.min(self.vectors.len().min(self.most) - self.images);
-        let mut block = block_of(&self.vectors[self.images..][..count]);
+        let mut block = take(&mut self.block);
+        fill_block(&mut block, &self.vectors[self.images..][..count]);
         let scaled = |block: &mut Block, factor: fn(f64) -> f64| {
             for (row, scale) in block.iter_mut().zip(self.scales.unwrap_or_default()) {
                 row.iter_mut().for_each(|value| *value *= factor(*scale));
@@ -120,6 +137,7 @@ impl<'l> Krylov<'l> {
         scaled(&mut block, |d| d.recip());
         let near = self.first_coupled();
         let parts = self.extend(&mut block, count, near);
+        self.block = block;
         self.reach.extend(repeat_n(self.vectors.len(), count));
         for lane in 0..count {
             let column = &mut self.projected[(self.images + lane) * self.rows..][..parts.len()];
@@ -155,8 +173,7 @@ impl<'l> Krylov<'l> {
             && block.len() >= LONG
             && let Some(own) = orthonormalise_block(block, sizes.map(|size| LOST * size))
         {
-            let vector = |lane: usize| block.iter().map(|row| row[lane]).collect();
-            self.vectors.extend((0..LANES).map(vector));
+            self.vectors.extend(vectors_of(block, LANES));
             parts.extend(own);
             return parts;
         }
@@ -286,52 +303,82 @@ impl RitzPairs {
         self.order.iter().copied().filter(may_be).collect()
     }
 
-    /// Returns the real part of an eigenvector in the space; for the second eigenvalue of a complex
-    /// pair, returns the imaginary part.
-    pub fn vector(&self, k: usize, space: &[Vec<f64>]) -> Vec<f64> {
+    /// Returns the components, along the basis of the space, of the real part of an eigenvector; for
+    /// the second eigenvalue of a complex pair, of the imaginary part.
+    fn components(&self, k: usize) -> Vec<f64> {
         let part = match self.values[k].im {
             im if im < 0.0 => |it: &c64| it.im,
             _ => |it: &c64| it.re,
         };
-        let factors: Vec<f64> = self.vectors[k].iter().map(part).collect();
-        combination(&space[..factors.len()], &factors)
+        self.vectors[k].iter().map(part).collect()
     }
 
-    /// Whether each eigenvalue is zero up to rounding errors, which change an eigenvalue by its condition
-    /// number times the errors of the matrix: zero eigenvalues in a Jordan block of size `k`, from a mass
-    /// matrix of differentiation index `k`, are found as large as the `k`-th root of rounding errors.
-    pub fn zeros(&self) -> Vec<bool> {
+    /// Returns the real parts of eigenvectors in the space; for the second eigenvalue of a complex
+    /// pair, the imaginary part.
+    pub fn vectors_in<'k>(
+        &self,
+        chosen: impl Iterator<Item = &'k usize>,
+        space: &[Vec<f64>],
+    ) -> Vec<Vec<f64>> {
+        let components: Vec<Vec<f64>> = chosen.map(|k| self.components(*k)).collect();
+        combinations(&space[..self.values.len()], &components)
+    }
+
+    /// Sets those eigenvalues to zero that are zero up to rounding errors, which change an eigenvalue by
+    /// its condition number times the errors of the matrix: zero eigenvalues in a Jordan block of size
+    /// `k`, from a mass matrix of differentiation index `k`, are found as large as the `k`-th root of
+    /// rounding errors.
+    pub fn clear_zeros(&mut self) {
         let m = self.values.len();
         let vectors = Mat::from_fn(m, m, |i, k| self.vectors[k][i]);
         let left = vectors.partial_piv_lu().inverse();
         let error = ROUNDED * self.norm;
-        let is_zero = |k: usize| {
+        for (k, value) in self.values.iter_mut().enumerate() {
             let condition = (0..m).map(|i| left[(k, i)].norm_sqr()).sum::<f64>().sqrt();
             // A comparison with NaN is false.
-            !(self.size(k) > error * condition)
-        };
-        (0..m).map(is_zero).collect()
+            let is_known = value.norm() > error * condition;
+            if !is_known {
+                // The sign of the imaginary part distinguishes the two eigenvalues of a pair.
+                *value = c64::new(0.0, value.im.signum() * ZERO);
+            }
+        }
     }
 
     /// Locks converged eigenvalues: stores them with an orthonormal basis of their eigenvectors in
-    /// the space. An eigenvalue is left out if its eigenvector depends on the other eigenvectors: a later
-    /// space, orthogonal to the basis, contains the eigenvalue. Eigenvalues in `zeros` are stored as zero.
-    pub fn lock(
+    /// the space, which is orthogonal to the vectors that are already locked. An eigenvalue is left
+    /// out if its eigenvector depends on the other eigenvectors: a later space, orthogonal to the basis,
+    /// contains the eigenvalue. Also stores the parts of other eigenvectors that are orthogonal to this
+    /// basis.
+    pub fn lock<'k>(
         &self,
         chosen: &[usize],
-        (space, zeros): (&[Vec<f64>], Option<Vec<bool>>),
-        locked: &mut Locked,
+        others: impl Iterator<Item = &'k usize>,
+        (space, locked): (&[Vec<f64>], &mut Locked),
     ) {
-        for &k in chosen {
-            let mut vector = self.vector(k, space);
-            if orthonormalise(&mut vector, &[&locked.basis]).1 <= DEPENDENT {
-                continue;
+        let mut basis: Vec<Vec<f64>> = Vec::new();
+        let mut extend = |k: &usize| {
+            let mut components = self.components(*k);
+            let is_independent = orthonormalise(&mut components, &[&basis]).1 > DEPENDENT;
+            if is_independent {
+                basis.push(components);
             }
-            let is_zero = zeros.as_ref().is_some_and(|zeros| zeros[k]);
-            locked.values.push(if is_zero { c64::new(0.0, 0.0) } else { self.values[k] });
-            locked.basis.push(vector);
-        }
+            is_independent
+        };
+        let independent: Vec<&usize> = chosen.iter().filter(|k| extend(k)).collect();
+        others.for_each(|k| _ = extend(k));
+        let mut vectors = combinations(&space[..self.values.len()], &basis);
+        locked.others.extend(vectors.split_off(independent.len()));
+        locked.basis.extend(vectors);
+        locked.values.extend(independent.into_iter().map(|k| self.values[*k]));
     }
+}
+
+/// The imaginary part of eigenvalues that are zero up to rounding errors.
+const ZERO: f64 = f64::MIN_POSITIVE;
+
+/// Whether an eigenvalue was set to zero.
+pub(super) fn is_zero(value: c64) -> bool {
+    value.norm() <= ZERO
 }
 
 /// Makes a vector orthogonal to lists of orthonormal vectors, and scales the remainder to length 1.

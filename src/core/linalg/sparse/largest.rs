@@ -60,8 +60,7 @@ impl Largest {
             let largest = ritz.order.first().map_or(0.0, |&k| ritz.size(k)).max(1.0);
             let within = |k: &usize| ritz.errors[*k] <= CONVERGED * largest;
             if wanted.iter().all(within) && (wanted.len() > least || complete) {
-                let vectors = wanted.iter().take(WARM);
-                self.start = vectors.map(|&k| ritz.vector(k, &space.vectors)).collect();
+                self.start = ritz.vectors_in(wanted.iter().take(WARM), &space.vectors);
                 return Ok(wanted
                     .iter()
                     .map(|&k| (ritz.values[k].re, ritz.values[k].im))

@@ -3,7 +3,7 @@
 
 use super::block::LANES;
 use super::inverse::{Inverse, Matrix};
-use super::krylov::{Krylov, Locked};
+use super::krylov::{Krylov, Locked, is_zero};
 use super::{Elimination, Pencil, SparseLu};
 use crate::core::failure::Failure;
 use crate::core::linalg::Spectrum;
@@ -293,15 +293,14 @@ impl Leading {
     /// Creates the initial vectors of the first Krylov space: sums of the previous eigenvectors,
     /// and random vectors, which find eigenvectors that the sums lack.
     fn starts(&self, n: usize) -> Vec<Vec<f64>> {
-        let mut starts: Vec<Vec<f64>> = (0..WARM + SEEDS).map(|k| random(n, k)).collect();
         let previous = &self.previous.vectors;
-        if previous.first().is_some_and(|it| it.len() == n) {
-            let known = previous.len().min(WARM);
-            starts[..known].iter_mut().for_each(|it| it.fill(0.0));
-            for (k, vector) in previous.iter().enumerate() {
-                starts[k % WARM].iter_mut().zip(vector).for_each(|(sum, v)| *sum += v);
-            }
+        let is_known = previous.first().is_some_and(|it| it.len() == n);
+        let known = if is_known { previous.len().min(WARM) } else { 0 };
+        let mut starts = vec![vec![0.0; n]; known];
+        for (k, vector) in previous.iter().enumerate().filter(|_| is_known) {
+            starts[k % WARM].iter_mut().zip(vector).for_each(|(sum, v)| *sum += v);
         }
+        starts.extend((known..WARM + SEEDS).map(|k| random(n, k)));
         starts
     }
 
@@ -331,7 +330,7 @@ impl Leading {
             if !is_due && !is_early {
                 continue;
             }
-            let ritz = space.ritz()?;
+            let mut ritz = space.ritz()?;
             let open = ritz.candidates(wanted, least);
             if open.is_empty() {
                 return Ok(None);
@@ -359,11 +358,12 @@ impl Leading {
                     let spare = if is_within(SLACK) { LANES.max(images / EARLIER) } else { 0 };
                     self.previous.products = images.saturating_sub(spare);
                 }
-                let zeros = has_mass.then(|| ritz.zeros());
-                ritz.lock(&open, (&vectors, zeros), locked);
+                if has_mass {
+                    ritz.clear_zeros();
+                }
                 let others = ritz.order.iter().filter(|k| !open.contains(k));
                 let others = others.take(WARM.saturating_sub(open.len()));
-                locked.others.extend(others.map(|k| ritz.vector(*k, &vectors)));
+                ritz.lock(&open, others, (&vectors, locked));
                 return Ok(None);
             }
             if space.is_complete() {
@@ -374,11 +374,11 @@ impl Leading {
     }
 }
 
-/// Returns the largest multiplicity among the given eigenvalues.
+/// Returns the largest multiplicity among the given eigenvalues that are not zero.
 fn most_repeated(values: &[c64]) -> usize {
     let same = |a: &c64, b: &c64| (*a - *b).norm() <= REPEATED * a.norm();
     let count = |value: &c64| values.iter().filter(|other| same(value, other)).count();
-    values.iter().map(count).max().unwrap_or(0)
+    values.iter().filter(|value| !is_zero(**value)).map(count).max().unwrap_or(0)
 }
 
 /// Returns a vector of pseudo-random numbers from −1 to 1, which is the same in every run (G. L. Steele,

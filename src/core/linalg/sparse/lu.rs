@@ -139,8 +139,8 @@ impl<E: Entry> SparseLu<E> {
     /// Computes the sign of the determinant. [`Failure`] if a pivot vanishes to working accuracy.
     fn judge(&mut self) -> Result<(), Failure> {
         let (mut least, mut largest, mut sign) = (f64::INFINITY, 0.0_f64, 1.0);
-        let mut order: [Vec<usize>; 2] = Default::default();
-        for triangles in self.parts.iter().map(|part| &part.triangles) {
+        let triangles = || self.parts.iter().map(|part| &part.triangles);
+        for triangles in triangles() {
             for pivot in triangles.pivots() {
                 sign *= pivot.signum().real();
                 let modulus = pivot.modulus();
@@ -150,15 +150,15 @@ impl<E: Entry> SparseLu<E> {
                 least = least.min(modulus);
                 largest = largest.max(modulus);
             }
-            order[0].extend(triangles.eliminated(Side::Rows));
-            order[1].extend(triangles.eliminated(Side::Columns));
         }
+        let eliminated = |side| triangles().flat_map(move |it| it.eliminated(side).iter().copied());
+        let count = eliminated(Side::Rows).count();
         // After a division by a zero pivot, no other pivot of the front is acceptable.
-        if order[0].len() < self.size() {
+        if count < self.size() {
             return Err(unusable(least.min(0.0), largest));
         }
-        self.sign = sign * parity(&order);
-        let regular = order[0].is_empty() || least > SINGULAR * largest;
+        self.sign = sign * parity(eliminated(Side::Rows).zip(eliminated(Side::Columns)));
+        let regular = count == 0 || least > SINGULAR * largest;
         if regular { Ok(()) } else { Err(unusable(least, largest)) }
     }
 

@@ -40,10 +40,10 @@ impl<E: Entry> Matrix<'_, E> {
                 let shift = if i == j { shift } else { E::default() };
                 visit(i, j, (self.entry(k) - shift).modulus());
             }
-            for k in 0..border.width {
-                visit(n + k, j, (border.row)(k, j).modulus());
-                visit(j, n + k, (border.column)(j, k).modulus());
-            }
+        }
+        for k in 0..border.width {
+            (0..n).for_each(|j| visit(n + k, j, (border.row)(k, j).modulus()));
+            (0..n).for_each(|i| visit(i, n + k, (border.column)(i, k).modulus()));
         }
         for i in 0..border.width {
             (0..border.width).for_each(|k| visit(n + i, n + k, (border.corner)(i, k).modulus()));

@@ -31,18 +31,20 @@ pub(in crate::core) use matrix::Pencil;
 pub(in crate::core) use pattern::Pattern;
 pub(in crate::core) use shared::{KnownFactors, SharedLu};
 
-/// Returns the sign of the permutation that maps one order of the numbers 0, 1, 2, … to another
-/// order.
-fn parity([from, to]: &[Vec<usize>; 2]) -> f64 {
-    let mut image = vec![0; from.len()];
-    from.iter().zip(to).for_each(|(&from, &to)| image[from] = to);
-    let mut seen = vec![false; image.len()];
+/// Returns the sign of a permutation of numbers, given by pairs of a number and its image. Only the
+/// numbers that differ from their images are stored.
+fn parity(pairs: impl Iterator<Item = (usize, usize)>) -> f64 {
+    let mut moved: Vec<(usize, usize)> = pairs.filter(|(from, to)| from != to).collect();
+    moved.sort_unstable();
+    let place = |number: usize| moved.partition_point(|(from, _)| *from < number);
+    let images: Vec<usize> = moved.iter().map(|(_, to)| place(*to)).collect();
+    let mut seen = vec![false; images.len()];
     let mut sign = 1.0;
-    for start in 0..image.len() {
+    for start in 0..images.len() {
         let (mut at, mut length) = (start, 0);
         while !seen[at] {
             seen[at] = true;
-            at = image[at];
+            at = images[at];
             length += 1;
         }
         if length > 0 && length % 2 == 0 {

@@ -10,13 +10,20 @@ const AGREE: f64 = 1e-12;
 const UNEVEN: f64 = 1e3;
 
 impl Pattern {
-    /// An entry of a matrix: its row, its column, and the position of the transposed entry (with
-    /// row and column exchanged), if the transposed entry exists.
+    /// Iterates over the entries of a matrix: their positions, their rows and columns, and the positions
+    /// of the transposed entries (with row and column exchanged), if the transposed entries exist.
     fn transposed(&self) -> impl Iterator<Item = (usize, [usize; 2], Option<usize>)> + '_ {
-        (0..self.size()).flat_map(move |j| {
-            (self.start(j)..)
-                .zip(self.column(j))
-                .map(move |(k, &i)| (k, [i, j], self.across([i, j])))
+        let entries = (0..self.size()).flat_map(move |j| {
+            (self.start(j)..).zip(self.column(j)).map(move |(k, &i)| (k, [i, j]))
+        });
+        // While `j` increases, the transposed entries in a column follow each other.
+        let mut next = vec![0; self.size()];
+        entries.map(move |(k, [i, j])| {
+            let (at, rows) = (&mut next[i], self.column(i));
+            while rows.get(*at).is_some_and(|row| *row < j) {
+                *at += 1;
+            }
+            (k, [i, j], (rows.get(*at) == Some(&j)).then(|| self.start(i) + *at))
         })
     }
 
@@ -34,7 +41,11 @@ impl Pattern {
     /// unknowns `i` and `j` satisfy `d_i² / d_j² = a_ij / a_ji`; scales are computed from some of
     /// the entries, and must be consistent with all other entries.
     pub fn symmetrising(&self, entries: &[f64]) -> Option<Vec<f64>> {
-        let mut scales = vec![0.0; self.size()];
+        let mut scales = vec![1.0; self.size()];
+        if self.agree(entries, &scales) {
+            return Some(scales);
+        }
+        scales.fill(0.0);
         let mut open = Vec::new();
         for first in 0..self.size() {
             if scales[first] > 0.0 {

@@ -183,10 +183,10 @@ impl<E: Entry> Triangles<E> {
     /// are set to zero.
     fn load<const W: usize>(&mut self, side: Side, right: &[[E; W]]) {
         let members = &self.members[side as usize];
-        let pivots = members[..self.pivots].iter().map(|&v| right[v]);
-        let others = members[self.pivots..].iter().map(|_| [E::default(); W]);
-        self.vector.clear();
-        self.vector.extend(pivots.chain(others).flatten());
+        self.vector.resize(W * members.len(), E::default());
+        let (own, others) = self.vector.as_chunks_mut::<W>().0.split_at_mut(self.pivots);
+        own.iter_mut().zip(members).for_each(|(row, &v)| *row = right[v]);
+        others.fill([E::default(); W]);
     }
 
     /// Adds the changes of the other members' right-hand sides to the right-hand sides.
