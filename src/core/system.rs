@@ -302,7 +302,7 @@ pub trait Discretised {
 
     /// Whether a finer discretisation exists.
     fn is_refinable(&self) -> bool {
-        false
+        true
     }
 
     /// Returns the same problem on a coarser discretisation. If no finer discretisation exists, the

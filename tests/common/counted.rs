@@ -130,9 +130,6 @@ impl System for Counted {
 
 /// Evaluations of finer plates count as well.
 impl Discretised for Counted {
-    fn is_refinable(&self) -> bool {
-        true
-    }
     fn refined(&mut self, x: &[f64]) -> Option<Refinement> {
         let Refinement { system, x } = self.inner.discretised()?.refined(x)?;
         let counts = Arc::clone(&self.counts);

@@ -18,7 +18,7 @@ fn homogeneous(n: usize) -> Vec<f64> {
 
 #[test]
 fn the_rightmost_eigenvalues_are_those_of_the_dense_matrix() {
-    let n = 60;
+    let n = 110;
     let x = homogeneous(n);
     let (mut dense, mut sparse) = (
         Dense::new(Equilibria::new(DiffusiveBrusselator::new(n))),

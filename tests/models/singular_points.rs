@@ -426,11 +426,11 @@ fn sparse_eigenvalues_do_not_depend_on_units() {
     let branch = &traced(
         r#"Scene(title: "t", problem: Residual(
         unknowns: [("V[i=1..n]", "(D*(V[i-1]-2*V[i]+V[i+1])*(n/L)^2 + g*V[i]*(1-V[i]/Vs)*(V[i]/Vs-al) - W[i] + I)/C"),
-            ("W[i=1..n]", "eps*(g*be*V[i] - W[i])")],
+            ("W[i=1..n]", "eps*(g*be*V[i] - W[i]) + Dw*(W[i-1]-2*W[i]+W[i+1])*(n/L)^2")],
         definitions: [("n", 110), ("V[i=0..n+1]", "V[min(max(i,1),n)]"), ("W[i=0..n+1]", "W[min(max(i,1),n)]")],
         dynamics: flow, matrices: sparse),
         parameters: [("I", 0), ("eps", 5e5), ("g", 1e-9), ("Vs", 0.1), ("al", 0.1), ("be", 0.5), ("C", 1e-16),
-            ("D", 1e-16), ("L", 1e-3)],
+            ("D", 1e-16), ("Dw", 0.5), ("L", 1e-3)],
         runs: [(name: "rest", along: [(name: "I", low: 0, high: 1e-10)])])"#,
     )[0];
     let found = inner(branch);
@@ -459,7 +459,7 @@ fn a_singular_mass_matrix_leaves_the_eigenvalues_right() {
         definitions: [("n", 101), ("u[i=0..n+1]", "u[min(max(i,1),n)]"), ("w[i=0..n+1]", "w[min(max(i,1),n)]")],
         dynamics: flow, matrices: sparse),
         parameters: [("m", 0), ("e", 0.01)],
-        runs: [(name: "flat", along: [(name: "e", low: 0.01, high: 0.2)], settings: (max_points: 30))])"#,
+        runs: [(name: "flat", along: [(name: "e", low: 0.01, high: 0.2)])])"#,
     )[0];
     let found = inner(branch);
     assert_eq!(found.iter().map(|it| it.kind).collect::<Vec<_>>(), [Kind::BP; 3], "{found:?}");
@@ -526,5 +526,101 @@ fn pairs_of_fold_hopf_points_are_found_in_one_step() {
             point.subkind.as_ref().is_none_or(|it| it.starts_with("pitchfork–Hopf")),
             "{point:?}"
         );
+    }
+}
+
+/// The conditions `q[i] + q[i+1] = 0` and `u[2i] = u[2i−1]` make the mass matrix of index 2. The pairs move
+/// as one cell with the mean of their rates; mode `j` of the ten pairs has a Hopf point at `a = 0.5 + 0.05 (2
+/// sin(πj/20))²`.
+#[test]
+fn infinite_eigenvalues_of_index_two_are_not_counted() {
+    let branch = &traced(
+        r#"Scene(title: "t", problem: Residual(dynamics: flow, matrices: sparse, unknowns: [
+            ("u[i=1..n]", "u[i]' = 0.1*(u[i-1]-2*u[i]+u[i+1]) + a*u[i] - w[i] - u[i]^3 + q[i]"),
+            ("w[i=1..n]", "w[i]' = u[i] - 0.5*w[i]"),
+            ("q[i=1..n]", "0 = if(mod(i,2) == 0, u[i]-u[i-1], q[i]+q[i+1])")],
+        definitions: [("n", 20), ("u[i=0..n+1]", "u[min(max(i,1),n)]"), ("q[n+1]", "0")]),
+        parameters: [("a", 0)], runs: [(name: "rest", along: [(name: "a", low: 0, high: 1)])])"#,
+    )[0];
+    let found = inner(branch);
+    assert_eq!(found.iter().map(|it| it.kind).collect::<Vec<_>>(), [Kind::HB; 10], "{found:?}");
+    for (j, point) in found.iter().enumerate() {
+        let a = 0.5 + 0.2 * (j as f64 * PI / 20.0).sin().powi(2);
+        close(point.parameters[0], a, 1e-10);
+        assert_eq!(point.unstable, Some(2 * j));
+    }
+    assert_eq!(branch.points.first().and_then(|point| point.unstable), Some(0));
+}
+
+/// Along the curve of Hopf points of a pair of cells, two further pairs become unstable in one step.
+#[test]
+fn two_double_hopf_points_are_found_in_one_step() {
+    let cell = |k: usize, rate: &str, frequency: f64| {
+        format!(
+            r#"("x{k}", "({rate})*x{k} - {frequency}*y{k} - x{k}*(x{k}^2+y{k}^2)"),
+               ("y{k}", "{frequency}*x{k} + ({rate})*y{k} - y{k}*(x{k}^2+y{k}^2)")"#
+        )
+    };
+    let cells = [cell(1, "p", 1.0), cell(2, "q - 0.3", 1.7), cell(3, "q - 0.35", 2.3)].join(", ");
+    let curves = traced(&format!(
+        r#"Scene(title: "t", problem: Equations(states: [{cells}], solution: equilibrium),
+        parameters: [("p", -0.5), ("q", -0.9)], runs: [
+            (name: "rest", along: [(name: "p", low: -1, high: 1)]),
+            (name: "hopf", hold: HB, start: From(run: "rest", kind: HB),
+                along: [(name: "p", low: -1, high: 1), (name: "q", low: -1, high: 1)])])"#
+    ));
+    let mut places: Vec<f64> =
+        curves[1].of_kind(Kind::HH).map(|point| point.parameters[1]).collect();
+    places.sort_by(f64::total_cmp);
+    assert_eq!(places.len(), 2, "{places:?}");
+    places.iter().zip([0.3, 0.35]).for_each(|(place, exact)| close(*place, exact, 1e-9));
+}
+
+/// A second eigenvalue with an eigenvector of its own vanishes on a curve of folds: the curve has a warning.
+#[test]
+fn a_second_eigenvalue_on_a_curve_of_folds_is_a_warning() {
+    let curves = traced(
+        r#"Scene(title: "t", problem: Equations(
+            states: [("u", "p + u^2"), ("v", "q*v - v^3")], initial: [("u", -0.7)], solution: equilibrium),
+        parameters: [("p", -0.5), ("q", -0.9)], runs: [
+            (name: "rest", along: [(name: "p", low: -1, high: 1)]),
+            (name: "folds", hold: LP, start: From(run: "rest", kind: LP),
+                along: [(name: "p", low: -1, high: 1), (name: "q", low: -1, high: 1)])])"#,
+    );
+    let warnings = &curves[1].warnings;
+    assert!(
+        warnings.iter().any(|it| it.contains("beside the curve changes by +1")),
+        "{warnings:?}"
+    );
+}
+
+/// The guess of `y` is a million times larger than the solution.
+#[test]
+fn a_start_is_accurate_in_units_of_the_solution() {
+    for guess in [1e4, 1.1e6, 3e6, 1e8] {
+        let branch = &traced(&format!(
+            r#"Scene(title: "t", problem: Residual(
+            unknowns: [("x", "y*x - 0.5"), ("y", "1e-8*(x*x + z^2 - 1)"), ("z", "-y*z - 1")],
+            initial: [("x", 0.45), ("z", -0.89), ("y", {guess})]),
+            parameters: [("d", 1)], runs: [(name: "rest", along: [(name: "d", low: -1, high: 1)])])"#
+        ))[0];
+        let start = &branch.special[0].state;
+        let exact = 1.25_f64.sqrt();
+        for (value, exact) in start.iter().zip([0.5 / exact, exact, -1.0 / exact]) {
+            close(*value, exact, 1e-9);
+        }
+    }
+}
+
+/// The iteration from a guess leads to the fixed point 0, which has no size.
+#[test]
+fn a_fixed_point_at_zero_is_a_start() {
+    for guess in [0.01, 0.05, 0.11, -0.1] {
+        let branch = &traced(&format!(
+            r#"Scene(title: "t", problem: Map(states: [("x", "r*x*(1-x)")], initial: [("x", {guess})]),
+            parameters: [("r", 0.5)], runs: [(name: "rest", along: [(name: "r", low: 0, high: 4)])])"#
+        ))[0];
+        let found = branch.of_kind(Kind::BP).next().expect("a branch point");
+        close(found.parameters[0], 1.0, 1e-9);
     }
 }

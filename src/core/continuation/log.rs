@@ -98,10 +98,13 @@ impl Log {
     }
 
     /// Warns that the number of unstable eigenvalues beside a curve changes without a special point.
-    pub fn passes_unseen(&mut self, value: f64, change: isize) {
-        let continued = &self.branch.released[0];
+    /// The released parameters have the given `values` there.
+    pub fn passes_unseen(&mut self, values: &[f64], change: isize) {
+        let both = self.branch.released.iter().zip(values);
+        let place: Vec<String> = both.map(|(name, value)| format!("{name} = {value:.6}")).collect();
+        let place = place.join(", ");
         self.branch.warnings.push(format!(
-            "near {continued} = {value:.6}, the number of unstable eigenvalues beside the curve changes by {change:+}, \
+            "near {place}, the number of unstable eigenvalues beside the curve changes by {change:+}, \
              and no special point on the curve explains the change: possibly several eigenvalues vanish together, or an \
              eigenvalue vanishes whose eigenvector is independent of the eigenvectors that define the curve"
         ));

@@ -500,8 +500,7 @@ impl Steps<'_> {
         let (from, backward, at_start) = (&half.last, half.backward, half.points.is_empty());
         let after = step.place.point.unstable.filter(|_| at_start);
         let hidden = half.beside.is_some_and(|before| after.is_some_and(|after| before != after));
-        let (parameter, detects_all) =
-            (self.curve.corrector.equations.released[0], self.settings.detect.is_empty());
+        let detects_all = self.settings.detect.is_empty();
         let Steps { curve, log, bounds, from_branch_point, origin, reported, .. } = self;
         let start = AtStart { from_branch_point: *from_branch_point, reported };
         let mut parts = Parts { curve, log, bounds, backward, start, origin, cuts: 0 };
@@ -516,7 +515,8 @@ impl Steps<'_> {
         if let Some(change) = change {
             found = parts.separated(from, step, (found, change), at_start);
         } else if let Some(change) = unseen {
-            parts.log.passes_unseen(step.place.point.parameters[parameter], change);
+            let released = parts.curve.corrector.equations.parameters_at();
+            parts.log.passes_unseen(&step.place.unknowns[released..], change);
         }
         Some(parts.up_to_limit(from, step, found, at_start))
     }

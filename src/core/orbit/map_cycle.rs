@@ -566,6 +566,10 @@ impl<M: DiscreteMap + 'static> Discretised for MapCycle<M> {
         None
     }
 
+    fn is_refinable(&self) -> bool {
+        false
+    }
+
     fn set_effort(&mut self, effort: Effort) {
         self.cancel.clone_from(effort.cancel);
     }

@@ -144,35 +144,33 @@ impl ZeroSystem {
     }
 }
 
-impl ZeroSystem {
-    /// Returns the equations that were differentiated at `x`, if the assembly of a sparse matrix
-    /// has kept these equations.
-    fn evaluated(&self, x: &[f64]) -> Option<(&SparseJacobian, &[Chunk])> {
-        match &self.jacobian {
-            Jacobian::Sparse(sparse) if sparse.keeps_equations() && self.assembled == x => {
-                Some((sparse, self.chunk.results()))
-            }
-            _ => None,
+/// Returns the equations that were differentiated at `x`, if the assembly of a sparse matrix has kept
+/// these equations.
+fn evaluated<'s>(system: &'s ZeroSystem, x: &[f64]) -> Option<(&'s SparseJacobian, &'s [Chunk])> {
+    match &system.jacobian {
+        Jacobian::Sparse(sparse) if sparse.keeps_equations() && system.assembled == x => {
+            Some((sparse, system.chunk.results()))
         }
+        _ => None,
     }
+}
 
-    /// Writes the derivatives of the equations along one parameter, if the assembly of a sparse
-    /// matrix has computed these derivatives. Returns whether the derivatives are known.
-    fn derivative_is_known(&self, x: &[f64], direction: &[f64], out: &mut [f64]) -> bool {
-        if direction.len() != x.len() {
-            return false;
-        }
-        let (unknowns, parameters) = direction.split_at(self.names.dimension());
-        let mut moving = parameters.iter().enumerate().filter(|(_, step)| **step != 0.0);
-        let (Some((parameter, 1.0)), None) = (moving.next(), moving.next()) else { return false };
-        let Some((sparse, equations)) = self.evaluated(x) else { return false };
-        let Some(part) = sparse.part(Some(parameter)) else { return false };
-        if unknowns.iter().any(|step| *step != 0.0) {
-            return false;
-        }
-        out.iter_mut().zip(equations).for_each(|(out, r)| *out = r.eps[part]);
-        true
+/// Writes the derivatives of the equations along one parameter, if the assembly of a sparse matrix has
+/// computed these derivatives. Returns whether the derivatives are known.
+fn derivative_is_known(system: &ZeroSystem, x: &[f64], direction: &[f64], out: &mut [f64]) -> bool {
+    if direction.len() != x.len() {
+        return false;
     }
+    let (unknowns, parameters) = direction.split_at(system.names.dimension());
+    let mut moving = parameters.iter().enumerate().filter(|(_, step)| **step != 0.0);
+    let (Some((parameter, 1.0)), None) = (moving.next(), moving.next()) else { return false };
+    let Some((sparse, equations)) = evaluated(system, x) else { return false };
+    let Some(part) = sparse.part(Some(parameter)) else { return false };
+    if unknowns.iter().any(|step| *step != 0.0) {
+        return false;
+    }
+    out.iter_mut().zip(equations).for_each(|(out, r)| *out = r.eps[part]);
+    true
 }
 
 /// Chooses dense or sparse matrices at the first point.
@@ -292,7 +290,7 @@ impl System for ZeroSystem {
         }
         let (z, p) = x.split_at(self.names.dimension());
         self.problem.domain(z, p)?;
-        match self.evaluated(x) {
+        match evaluated(self, x) {
             Some((_, equations)) => {
                 r.iter_mut().zip(equations).for_each(|(r, equation)| *r = equation.re);
             }
@@ -348,7 +346,7 @@ impl System for ZeroSystem {
         let moves = directions.iter().any(|d| d.len() > x.len());
         let at = |i: usize| x.get(i).copied().unwrap_or(0.0);
         match *directions {
-            [d] if self.derivative_is_known(x, d, out) => {}
+            [d] if derivative_is_known(self, x, d, out) => {}
             [d] => {
                 let r = self.first.left(problem, moves, |i| Dual64::new(at(i), d[i]));
                 out.iter_mut().zip(r).for_each(|(out, r)| *out = r.eps);

@@ -113,9 +113,8 @@ struct FoldInteraction {
 /// as the frequency.
 const SYMMETRIC: f64 = 1e-5;
 
-/// Heuristic: the ratio of the terms of second order to the deviation of the state that causes these terms
-/// (3 for `v²`), with a margin.
-const SLOPE: f64 = 10.0;
+/// Heuristic: the margin in the estimate of the deviation of the state.
+const MARGIN: f64 = 5.0;
 
 /// Rounding: the rounding errors of a residual, as a multiple of `ε` times the product of the Jacobian
 /// matrix and the state.
@@ -138,16 +137,21 @@ fn uncertainty(at: &mut At) -> Result<[f64; 2], Failure> {
 }
 
 impl FoldInteraction {
-    /// Whether all terms of second order are zero, as at a pitchfork, up to the errors that a deviation
-    /// `δ` of the state along the critical vector causes. The deviation is at most the `distance` at which
-    /// Newton's method stops, or the deviation for which the term of third order, `a₃₀ δ³`, is as small as
-    /// the `rounding` errors of the residual. The terms of second order are proportional to `δ`.
+    /// Whether all terms of second order are zero, as at a pitchfork, up to rounding, or up to the errors
+    /// that a deviation `δ` of the state along the critical vector causes: `a₂₀ = 3 a₃₀ δ`, `a₀₂ = a₁₂ δ` and
+    /// `b₁₁ = 2 b₂₁ δ`. The deviation is at most the `distance` at which Newton's method stops, or the
+    /// deviation for which the term of third order, `a₃₀ δ³`, is as small as the `rounding` errors of the
+    /// residual.
     fn is_symmetric(&self, omega: f64, [distance, rounding]: [f64; 2]) -> bool {
-        let FoldInteraction { a20, a02, a30, b11, b03, .. } = self;
+        let FoldInteraction { a20, a02, a30, a12, b11, b21, b03 } = self;
         let [v, z] = [a30.abs(), b03.re.abs()].map(|third| (omega / third).sqrt());
         let second = [a20.abs() * v, b11.re.abs() * v, a02.abs() * z * z / v];
-        let deviation = (rounding / (omega * v)).cbrt().max(distance / v);
-        second.iter().all(|rate| *rate <= omega * SYMMETRIC.max(SLOPE * deviation))
+        let deviation = MARGIN * distance.max((rounding / a30.abs()).cbrt());
+        let slopes = [3.0 * a30.abs() * v, 2.0 * b21.re.abs() * v, a12.abs() * z * z / v];
+        second
+            .iter()
+            .zip(slopes)
+            .all(|(rate, slope)| *rate <= SYMMETRIC * omega || *rate <= slope * deviation)
     }
 
     /// Returns the normal form of a pitchfork that interacts with a critical pair.

@@ -48,11 +48,6 @@ impl Discretised for Meshed {
         Some(Refinement { system: Box::new(BoundarySystem(finer)), x })
     }
 
-    /// The finest discretisations are compared with coarser ones instead of finer ones.
-    fn is_refinable(&self) -> bool {
-        true
-    }
-
     fn slopes(
         &mut self,
         x: &[f64],
