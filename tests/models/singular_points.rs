@@ -529,7 +529,7 @@ fn pairs_of_fold_hopf_points_are_found_in_one_step() {
     }
 }
 
-/// The conditions `q[i] + q[i+1] = 0` and `u[2i] = u[2i−1]` make the mass matrix of index 2. The pairs move
+/// With the conditions `q[i] + q[i+1] = 0` and `u[2i] = u[2i−1]`, the equations have index 2. Each pair moves
 /// as one cell with the mean of their rates; mode `j` of the ten pairs has a Hopf point at `a = 0.5 + 0.05 (2
 /// sin(πj/20))²`.
 #[test]
@@ -594,7 +594,7 @@ fn a_second_eigenvalue_on_a_curve_of_folds_is_a_warning() {
     );
 }
 
-/// The guess of `y` is a million times larger than the solution.
+/// The guess of `y` is up to a hundred million times larger than the solution.
 #[test]
 fn a_start_is_accurate_in_units_of_the_solution() {
     for guess in [1e4, 1.1e6, 3e6, 1e8] {
@@ -612,7 +612,7 @@ fn a_start_is_accurate_in_units_of_the_solution() {
     }
 }
 
-/// The iteration from a guess leads to the fixed point 0, which has no size.
+/// Newton's method converges to the fixed point 0, whose size gives no scale.
 #[test]
 fn a_fixed_point_at_zero_is_a_start() {
     for guess in [0.01, 0.05, 0.11, -0.1] {

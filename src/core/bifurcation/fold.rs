@@ -80,6 +80,11 @@ impl DefiningSystem for Fold {
 /// to rounding if it is smaller than this threshold.
 pub(crate) const VERTICAL: f64 = 1e-7;
 
+/// Heuristic: the scaled distance from a double root of a defining system at which Newton's
+/// method stops. The root changes the continued parameter by the square of the distance; nearer to the
+/// root, where the matrix is singular, rounding errors dominate the corrections.
+pub(crate) const DOUBLE_ROOT: f64 = 2e-6;
+
 /// The test function of folds: the component of the tangent along the continued parameter.
 pub(super) struct ParameterSlope;
 

@@ -68,7 +68,7 @@ pub use branch_point::BranchPoint;
 pub(crate) use crossing::{branches_at, parameter_in_range, vertical_reach};
 pub use degenerate_fold::DegenerateFold;
 pub use fold::Fold;
-pub(crate) use fold::VERTICAL;
+pub(crate) use fold::{DOUBLE_ROOT, VERTICAL};
 pub(crate) use grazing::OrderOfEvents;
 pub(in crate::core) use grazing::without_event;
 pub use hopf::Hopf;

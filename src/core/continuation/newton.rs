@@ -15,7 +15,7 @@
 mod error;
 
 use super::extended::{Closing, Extended};
-use crate::core::bifurcation::At;
+use crate::core::bifurcation::{At, DOUBLE_ROOT};
 use crate::core::failure::Failure;
 use crate::core::linalg::generic;
 pub use error::NewtonError;
@@ -105,10 +105,6 @@ const NEARLY_LINEAR: f64 = 1e-4;
 const LEAST_DAMPING: f64 = 1.0 / 256.0;
 /// The contraction below which the corrections are assumed to converge quadratically.
 const GOOD_CONTRACTION: f64 = 0.25;
-/// Heuristic: the scaled distance from a double root of a defining system at which the iteration
-/// stops. The root changes the continued parameter by the square of the distance; nearer to the
-/// root, where the matrix is singular, rounding errors dominate the corrections.
-const DOUBLE_ROOT: f64 = 2e-6;
 /// The ratios of two corrections near double roots: each correction halves the distance to a double
 /// root, and several double roots slow down the convergence.
 const HALVING: RangeInclusive<f64> = 0.45..=0.75;

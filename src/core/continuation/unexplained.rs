@@ -125,8 +125,8 @@ const MOST_AT_ONCE: usize = 2;
 
 /// Returns the change of the number of noncritical unstable eigenvalues in a step of a curve of special
 /// points of equilibria or maps, if the special points found in the step are too few for this change.
-/// Two eigenvalues that vanish in turn leave the sign of a determinant unchanged; and a
-/// second eigenvalue that vanishes on a curve of folds, with an eigenvector of its own, has no kind.
+/// Two eigenvalues that vanish in turn leave the sign of a determinant unchanged. No kind exists for a
+/// second eigenvalue that vanishes on a curve of folds with an eigenvector of its own.
 pub(super) fn unseen(
     curve: &mut Curve,
     from: &CurvePoint,

@@ -96,7 +96,9 @@ impl Jacobian {
     ) -> Result<Spectrum, Failure> {
         match self {
             Jacobian::Unknown => Ok(Spectrum::new()),
-            Jacobian::Dense(dense) => dense.spectrum(dynamics),
+            Jacobian::Dense(dense) => {
+                all_eigenvalues((&dense.entries, dense.mass.as_deref()), dynamics)
+            }
             Jacobian::Sparse(sparse) => sparse.spectrum(dynamics, request),
             Jacobian::Free(_) => Err(FreeJacobian::undetermined()),
         }
@@ -147,11 +149,6 @@ impl DenseJacobian {
             let r = chunk.evaluate(problem, |i| seeded(x[i], i, start));
             scatter(r, start, &mut self.entries);
         }
-    }
-
-    /// Computes all eigenvalues that decide the stability of the solution.
-    fn spectrum(&self, dynamics: Dynamics) -> Result<Spectrum, Failure> {
-        all_eigenvalues((&self.entries, self.mass.as_deref()), dynamics)
     }
 }
 

@@ -5,6 +5,7 @@ use super::eigenvalue::Eigenvalue;
 use super::forms::Forms;
 use super::manifold::{Motion, motion};
 use crate::core::bifurcation::at::At;
+use crate::core::bifurcation::fold::DOUBLE_ROOT;
 use crate::core::failure::Failure;
 use crate::core::linalg::{Form, generic, norm};
 use crate::core::problem::Dynamics;
@@ -120,10 +121,6 @@ const MARGIN: f64 = 5.0;
 /// matrix and the state.
 const SEVERAL: f64 = 10.0;
 
-/// Discretisation: the distance, relative to the size of the state, at which Newton's method may stop
-/// before a double root.
-const STOPS: f64 = 1e-6;
-
 /// Returns the uncertainty of a state near a pitchfork along the critical vector: the distance at which
 /// Newton's method may stop, and an estimate of the rounding errors of the residual.
 fn uncertainty(at: &mut At) -> Result<[f64; 2], Failure> {
@@ -133,7 +130,7 @@ fn uncertainty(at: &mut At) -> Result<[f64; 2], Failure> {
     direction[n..].fill(0.0);
     let mut change = vec![0.0; n];
     at.system.derivative(at.x, &[&direction], &mut change)?;
-    Ok([STOPS * norm(&at.x[..n]), SEVERAL * f64::EPSILON * norm(&change)])
+    Ok([DOUBLE_ROOT * norm(&at.x[..n]), SEVERAL * f64::EPSILON * norm(&change)])
 }
 
 impl FoldInteraction {

@@ -96,23 +96,15 @@ impl<'l> Krylov<'l> {
         let most = DIMENSION.min(n - locked.len());
         let rows = most + starts.len();
         let projected = vec![0.0; rows * most];
-        let (vectors, reach, mut block) = (Vec::new(), Vec::new(), Vec::new());
-        let mut space = Krylov {
-            locked,
-            scales,
-            vectors,
-            images: 0,
-            projected,
-            rows,
-            reach,
-            most,
-            block: Vec::new(),
-        };
+        let (vectors, reach, block) = (Vec::new(), Vec::new(), Vec::new());
+        let mut space =
+            Krylov { locked, scales, vectors, images: 0, projected, rows, reach, most, block };
         for some in starts.chunks(LANES) {
+            let mut block = take(&mut space.block);
             fill_block(&mut block, some);
             space.extend(&mut block, some.len(), 0);
+            space.block = block;
         }
-        space.block = block;
         space
     }
 
@@ -325,9 +317,9 @@ impl RitzPairs {
     }
 
     /// Sets those eigenvalues to zero that are zero up to rounding errors, which change an eigenvalue by
-    /// its condition number times the errors of the matrix: zero eigenvalues in a Jordan block of size
-    /// `k`, from a mass matrix of differentiation index `k`, are found as large as the `k`-th root of
-    /// rounding errors.
+    /// its condition number times the errors of the matrix. Differential-algebraic equations of index `k`
+    /// have zero eigenvalues in Jordan blocks of size `k`, and rounding errors change such an eigenvalue
+    /// by their `k`-th root.
     pub fn clear_zeros(&mut self) {
         let m = self.values.len();
         let vectors = Mat::from_fn(m, m, |i, k| self.vectors[k][i]);
