@@ -70,6 +70,11 @@ pub(super) trait Kind {
     fn jumping_guards(&self) -> Vec<&str> {
         Vec::new()
     }
+
+    /// Returns whether an equation of motion contains `if` or a discontinuous function.
+    fn switches(&self) -> bool {
+        false
+    }
 }
 
 /// Evaluates a formula without names, such as `8/3` or `2*pi`.
@@ -258,7 +263,7 @@ impl Basis {
             let (elements, formula) =
                 (elements_of(scope, name, scope.states())?, Formula::read(&scope.source, value)?);
             for element in elements.names() {
-                require_state(scope, name, &element)?;
+                self.require_unknown(scope, name, &element)?;
                 if !known.insert(element.clone()) {
                     return Err(scope.source.twice(name, element, "given a value"));
                 }
@@ -276,6 +281,30 @@ impl Basis {
         Ok(())
     }
 
+    /// Returns an error if a name denotes neither a state nor an additional unknown number, which
+    /// follows the parameters.
+    fn require_unknown(
+        &self,
+        scope: &Scope,
+        phrase: &Phrase,
+        name: &str,
+    ) -> Result<(), ModelError> {
+        let fault = match scope.meaning(name) {
+            Some(Meaning::State(_)) => return Ok(()),
+            Some(Meaning::Parameter(k)) if k >= self.parameters.len() => return Ok(()),
+            Some(other) => {
+                let what = format!("`{name}` is {}", other.words());
+                Fault::Misplaced { what, reason: "only states have initial values".into() }
+            }
+            None => {
+                let is_state = |name: &&str| matches!(scope.meaning(name), Some(Meaning::State(_)));
+                let states = scope.names().filter(is_state);
+                Fault::Unknown(UnknownName::new("state", name, states))
+            }
+        };
+        Err(scope.source.fault_of(phrase, fault))
+    }
+
     /// Returns the initial values of the states at a given time, for given parameters.
     pub fn initial_at(&self, t: f64, p: &[f64]) -> Vec<(String, f64)> {
         let (states, tape) = &self.initial;
@@ -283,23 +312,6 @@ impl Basis {
         tape.evaluate(t, &[], p, &mut values);
         states.iter().cloned().zip(values).collect()
     }
-}
-
-/// Returns an error if a name does not denote a state.
-fn require_state(scope: &Scope, phrase: &Phrase, name: &str) -> Result<(), ModelError> {
-    let fault = match scope.meaning(name) {
-        Some(Meaning::State(_)) => return Ok(()),
-        Some(other) => {
-            let what = format!("`{name}` is {}", other.words());
-            Fault::Misplaced { what, reason: "only states have initial values".into() }
-        }
-        None => {
-            let states =
-                scope.names().filter(|name| matches!(scope.meaning(name), Some(Meaning::State(_))));
-            Fault::Unknown(UnknownName::new("state", name, states))
-        }
-    };
-    Err(scope.source.fault_of(phrase, fault))
 }
 
 /// A state or an array of states, with the formula of its rate of change.

@@ -73,6 +73,10 @@ impl Kind for Hybrid {
         let all = self.guards.iter().zip(&self.events).filter(|(_, events)| jumps(events));
         all.map(|(guard, _)| &guard.name[..]).collect()
     }
+
+    fn switches(&self) -> bool {
+        self.rates.iter().any(|rates| rates.switches())
+    }
 }
 
 impl Hybrid {

@@ -245,6 +245,20 @@ impl Model {
         self.kind().jumping_guards()
     }
 
+    /// Returns whether an equation of motion may jump: it contains `if` or a discontinuous function,
+    /// such as `mod`, `floor` or `sign`. Where an equation jumps within an interval of a mesh, the errors
+    /// of collocation are larger than stated.
+    ///
+    /// ```
+    /// use tangency::language::{Model, Source};
+    /// let text = "Equations(states: [(\"x\", \"if(mod(t, 1) < 0.3, 1, -1) - x\")], period: \"1\")";
+    /// assert!(Model::read(&Source::new("", text), &[])?.switches());
+    /// # Ok::<(), tangency::language::ModelError>(())
+    /// ```
+    pub fn switches(&self) -> bool {
+        self.kind().switches()
+    }
+
     /// Returns the line of a definition, as `equations.ron:7` or `line 7`; `None` if the name is
     /// unknown.
     pub fn line_of_definition(&self, name: &str) -> Option<&str> {

@@ -38,6 +38,10 @@ impl Kind for Field {
     fn undefined(&self, x: &[f64], p: &[f64]) -> Option<ModelError> {
         self.rates.undefined(&self.basis.source, (0.0, x, p))
     }
+
+    fn switches(&self) -> bool {
+        self.rates.switches()
+    }
 }
 
 impl VectorField for Field {

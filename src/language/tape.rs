@@ -205,6 +205,14 @@ impl Tape {
         self.steps.iter().any(|step| step.code == Code::General && step.operation.jumps())
     }
 
+    /// Returns whether a formula of the tape may jump: the formula contains `if` or a discontinuous
+    /// function.
+    pub fn switches(&self) -> bool {
+        let selects =
+            |step: &Step| step.code == Code::General && step.operation == Operation::Select;
+        self.jumps() || self.steps.iter().any(selects)
+    }
+
     /// Returns whether a value of the tape depends on a comparison.
     pub fn decides(&self) -> bool {
         self.steps.iter().any(|step| step.code == Code::General && step.operation.decides())

@@ -234,7 +234,10 @@ impl Model for Configured<Boundary, BoundarySettings> {
 
     fn sampled(&self, profiles: Profiles) -> Result<Option<Vec<f64>>, SceneError> {
         let problem = &self.problem.0;
-        let (segments, extras) = (problem.segments(), vec![0.0; problem.extras().len()]);
+        let (segments, first) = (problem.segments(), profiles(0.0));
+        let value = |name: &String| first.iter().find(|(known, _)| known == name).map(|it| it.1);
+        let extras: Vec<f64> =
+            problem.extras().iter().map(|name| value(name).unwrap_or(0.0)).collect();
         let system = self.settings.method.method()?.boundary(problem.clone())?;
         let z = system.sampled(&extras, |segment, tau, x| {
             let values = profiles(tau);

@@ -257,6 +257,11 @@ fn reaches(branch: &Branch, name: &str, level: f64) -> bool {
     })
 }
 
+/// The warning about equations of motion that jump within an interval of a mesh.
+const SWITCHING: &str = "an equation contains `if` or a discontinuous function: if it jumps or has a kink within an \
+                         interval of the mesh, the errors of collocation are larger than stated; take \
+                         `--set method=shooting`, or state the jumps as events (`HybridEquations`)";
+
 /// Returns the branch of a run, and the names of the columns that have bounds or marks but do not
 /// exist on the branch.
 fn trace(
@@ -269,7 +274,11 @@ fn trace(
         forecast::branch(&resolved.run.name, &steps, began, observer);
         steps.run(observer)
     })?;
-    branch.warnings.splice(..0, warning.into_iter().chain(resolved.problem.jumps()));
+    let on_mesh = branch.method.starts_with("collocation");
+    let switches = resolved.problem.text().is_some_and(crate::language::Model::switches);
+    let switching = (on_mesh && switches).then(|| SWITCHING.to_string());
+    let warnings = warning.into_iter().chain(resolved.problem.jumps()).chain(switching);
+    branch.warnings.splice(..0, warnings);
     Ok((branch, idle))
 }
 

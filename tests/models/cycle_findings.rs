@@ -229,3 +229,35 @@ fn turns_without_a_located_fold_are_reported() {
         assert!(Summary(cycles).to_string().ends_with(&command), "{}", Summary(cycles));
     }
 }
+
+/// A ring of Stuart–Landau oscillators: small modes of the wave number k vanish together with their mirror
+/// images where `K (2 − 2 cos(2πk/n)) = −2 (1 + α β)/(1 + α²)`. The derivative with respect to K vanishes in
+/// the uniform state, and neither rounding errors of the state nor of the multipliers may decide the kind.
+#[test]
+fn double_multipliers_of_rings_are_branch_points() {
+    let critical = -2.0 * (1.0 - 1.2 * 1.5) / (1.0 + 1.2 * 1.2);
+    for (n, method) in [(8, "collocation"), (12, "collocation"), (4, "shooting")] {
+        let wave = (std::f64::consts::TAU / f64::from(n)).cos();
+        let expected = critical / (2.0 - 2.0 * wave);
+        let text = format!(
+            r#"Scene(title: "ring", problem: Equations(states: [
+                ("u[i=1..n]", "u[i] - u[i]*(u[i]^2 + v[i]^2) - 2*v[i] + 1.5*v[i]*(u[i]^2 + v[i]^2)
+                    + K*(u[i-1] - 2*u[i] + u[i+1]) + 1.2*K*(v[i-1] - 2*v[i] + v[i+1])"),
+                ("v[i=1..n]", "v[i] - v[i]*(u[i]^2 + v[i]^2) + 2*u[i] - 1.5*u[i]*(u[i]^2 + v[i]^2)
+                    + K*(v[i-1] - 2*v[i] + v[i+1]) - 1.2*K*(u[i-1] - 2*u[i] + u[i+1])")],
+            definitions: [("n", {n}), ("u[i=0..n+1]", "u[1+mod(i-1,n)]"), ("v[i=0..n+1]", "v[1+mod(i-1,n)]")],
+            parameters: [("K", 3)], initial: [("u", 1)], method: {method}()), parameters: [("K", {})],
+            runs: [(name: "uniform", start: Simulated(transient: 100),
+                along: [(name: "K", low: {}, high: {})])])"#,
+            1.2 * expected,
+            0.9 * expected,
+            1.5 * expected
+        );
+        let branch = &traced(&text)[0];
+        let kinds: Vec<Kind> = branch.special.iter().map(|point| point.kind).collect();
+        let double: Vec<_> = branch.of_kind(Kind::BP).collect();
+        assert!(double.len() == 1 && kinds.len() == 3, "{n}: {kinds:?}");
+        assert_eq!(double[0].multiplicity, 2);
+        close(double[0].parameters[0], expected, 1e-8);
+    }
+}

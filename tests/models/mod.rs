@@ -1,5 +1,7 @@
 //! Equations that are given as text.
 
+mod bounds;
+mod curves;
 mod cycle_findings;
 mod errors;
 mod fuzz;

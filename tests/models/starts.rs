@@ -238,3 +238,21 @@ fn both_halves_begin_on_the_mesh_of_the_start() {
     // The same on 40 and on 80 intervals.
     close(doubling.parameters[0], 10.484_995, 1e-6);
 }
+
+/// `u'' = −a u` with u(0) = u(1) = 0: the eigenvalue `a = (kπ)²` nearest to its initial value is found.
+#[test]
+fn further_unknowns_of_boundary_values_have_initial_values() {
+    for (initial, k) in [("9", 1.0), ("4*10", 2.0)] {
+        let text = format!(
+            r#"Scene(title: "string", problem: Boundary(states: [("u", "v"), ("v", "-a*u")], unknowns: ["a"],
+            conditions: ["u(0)", "u(1)", "v(0) - m"], parameters: [("m", 1)],
+            initial: [("u", "sin({k}*pi*t)"), ("v", "cos({k}*pi*t)"), ("a", {initial})]),
+            runs: [(name: "r", along: [(name: "m", low: 1, high: 2)])])"#
+        );
+        let branch = &traced(&text)[0];
+        // u = sin(kπt)/(kπ).
+        let largest = branch.column("max_u").unwrap();
+        let found = branch.points[0].value(largest).unwrap();
+        close(found, (k * std::f64::consts::PI).recip(), 1e-9);
+    }
+}

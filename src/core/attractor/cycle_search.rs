@@ -106,7 +106,9 @@ pub enum CycleSearchError {
         "the motion returned neither to an event nor to a Poincaré section within a time of {0}: \
          the motion is slow, or escapes to infinity"
     )]
-    #[diagnostic(help("raise `longest`, or start elsewhere"))]
+    #[diagnostic(help(
+        "for a slow motion, simulate longer (a longer `transient`, which is `settle` in a scene); or start elsewhere"
+    ))]
     NoReturn(f64),
 }
 
@@ -144,7 +146,8 @@ pub struct CycleSearch {
     /// has no forcing.
     pub returns: usize,
     /// The maximal duration of the search for a system without forcing, in units of the system's
-    /// time scale ([`Scales`](crate::core::hybrid::Scales)).
+    /// time scale ([`Scales`](crate::core::hybrid::Scales)); if the transient lasts longer, the duration
+    /// of the transient.
     pub longest: f64,
 }
 
@@ -204,7 +207,7 @@ impl CycleSearch {
 
     /// Returns the maximal duration of the search in a system without forcing, in units of time.
     pub(crate) fn longest_time(&self, system: &dyn HybridEquations, p: &[f64]) -> f64 {
-        self.longest * time_scale(system, p)
+        self.transient.max(self.longest * time_scale(system, p))
     }
 
     /// Samples the motion once a forcing period.

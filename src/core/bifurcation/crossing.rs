@@ -79,8 +79,9 @@ pub(crate) fn branches_at(
 }
 
 /// Rounding: `F_p` counts as lying in the range of `F_z` if its component outside this range is
-/// smaller than this factor times the size of `F_p` at a nearby point. At a special point that is
-/// located to 1e-10, the relative error of the null vectors is smaller than this factor.
+/// smaller than this factor times the size of `F_p`, at a nearby point or where the unknowns change by
+/// their sizes. At a special point that is located to 1e-10, the relative error of the null vectors is
+/// smaller than this factor.
 const IN_RANGE: f64 = 1e-5;
 
 /// Whether `F_p` lies in the range of `F_z` at a point where `m` eigenvalues vanish. Branches cross
@@ -97,11 +98,20 @@ pub(crate) fn parameter_in_range(
     direction[n + parameter] = 1.0;
     system.derivative(beside, &[&direction], &mut slope)?;
     let nearby = slope.clone();
+    // In a symmetric state, `F_p` may vanish; rounding errors of the state must not count then.
+    let mut sizes = generic(n, 3);
+    for (size, unit) in sizes.iter_mut().zip(known.sizes(n)).filter(|(_, unit)| **unit > 0.0) {
+        *size *= unit;
+    }
+    sizes.resize(x.len(), 0.0);
+    let mut changed = vec![0.0; n];
+    system.derivative(x, &[&direction, &sizes], &mut changed)?;
     let mut null = NullVectors::new(Form::Jacobian, None);
     null.start(system, x, (m, known.units()))?;
     system.derivative(x, &[&direction], &mut slope)?;
-    let terms = |left: &[f64]| left.iter().zip(&nearby).map(|(w, f)| (w * f).abs()).sum::<f64>();
-    Ok(null.left.iter().all(|left| dot(left, &slope).abs() <= IN_RANGE * terms(left)))
+    let terms = |left: &[f64], f: &[f64]| left.iter().zip(f).map(|(w, f)| (w * f).abs()).sum();
+    let size = |left: &[f64]| f64::max(terms(left, &nearby), terms(left, &changed));
+    Ok(null.left.iter().all(|left| dot(left, &slope).abs() <= IN_RANGE * size(left)))
 }
 
 /// Rounding: the coefficient `b₃` is zero if the coefficient is smaller than this fraction of the

@@ -6,6 +6,7 @@ use super::extended::{Closing, Extended};
 use super::located::Located;
 use super::newton::scaled_norm;
 use crate::core::linalg::{difference, dot};
+use crate::core::problem::Dynamics;
 use crate::core::system::{Kind, Solution};
 
 /// A reference point near the start of a curve, which a closed curve passes again.
@@ -103,6 +104,9 @@ pub(super) fn returns_to_parent(
     found: &[Located],
     from: &CurvePoint,
 ) -> Option<usize> {
+    if equations.system().dynamics() != Dynamics::Periodic {
+        return None;
+    }
     let is_crossing = |it: &Located| it.special.kind == Kind::BP && it.special.converged;
     let k = found.iter().position(is_crossing)?;
     let before = equations.load(&from.unknowns).to_vec();

@@ -8,11 +8,14 @@ use super::newton::ROUGHLY;
 use super::recorder::{Recorded, Recorder};
 use super::refiner::Refiner;
 use crate::core::bifurcation::{Reading, nearest_to_critical};
-use crate::core::failure::Failure;
+use crate::core::failure::{Failure, finite};
 
 /// Heuristic: the factor by which the error of eigenvalues may exceed the error of the matrix. The
 /// error of the matrix is known only along the direction of the last correction.
 const SPREAD: f64 = 1e3;
+
+/// The remedy for a tangent that is not finite.
+const NO_TANGENT: &str = "several branches may cross at the point: start beside the point";
 
 /// A curve, together with the components that compute and record its points.
 pub(super) struct Curve<'a> {
@@ -121,6 +124,7 @@ impl Curve<'_> {
         detector.start(&mut corrector.equations)?;
         let stability = recorder.wants_stability();
         if from_branch_point {
+            finite(&tangent, |k| format!("component {k} of the tangent"), NO_TANGENT)?;
             // The tangent of the matrix is not unique at a branch point.
             corrector.equations.assemble(&unknowns)?;
             // The multipliers may also be undetermined.

@@ -68,6 +68,11 @@ pub(super) fn events_between(
         if is_turn_of_another((&mut locator, index), &found) {
             continue;
         }
+        let dynamics = locator.curve.corrector.equations.system().dynamics();
+        let is_pair = locator.curve.detector.events[index].critical == Critical::Pair;
+        if is_pair && passes_double_multiplier(dynamics, interval) {
+            continue;
+        }
         let located = match locator.locate(index) {
             Ok(Some(located)) => located,
             Ok(None) => continue,
@@ -79,7 +84,6 @@ pub(super) fn events_between(
             }
         };
         let unsure = doubtful && !counted && !located.special.converged;
-        let dynamics = locator.curve.corrector.equations.system().dynamics();
         let flat = ends.iter().all(|end| end.slope.abs() <= end.vertical);
         let noise = is_noise(interval, &located, flat);
         let stays = stays_at_one(dynamics, interval, &located);
@@ -127,6 +131,25 @@ fn stays_at_one(dynamics: Dynamics, Interval { from, to, .. }: Interval, it: &Lo
 /// Heuristic: no multiplier passes 1 in a step if all multipliers at its ends are farther from 1
 /// than this threshold.
 const FAR_FROM_ONE: f64 = 0.1;
+
+/// Rounding: two real multipliers are equal if they differ by less than this threshold.
+const EQUAL: f64 = 1e-7;
+
+/// Whether a double real multiplier passes the unit circle in an interval, as in systems with a symmetry:
+/// rounding errors turn it into a complex pair, and the equations of a torus point are singular there.
+fn passes_double_multiplier(dynamics: Dynamics, Interval { from, to, .. }: Interval) -> bool {
+    let (Some(first), Some(last)) = (from.point.unstable, to.point.unstable) else { return false };
+    let more = if first < last { to } else { from };
+    if dynamics != Dynamics::Periodic || first.abs_diff(last) != 2 {
+        return false;
+    }
+    let all = more.spectrum.as_deref().unwrap_or_default();
+    let distance = |mu: &(f64, f64)| mu.0.hypot(mu.1) - 1.0;
+    let mut unstable: Vec<_> = all.iter().filter(|mu| distance(mu) > EQUAL).collect();
+    unstable.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
+    let Some([a, b]) = unstable.first_chunk() else { return false };
+    (a.0 - b.0).hypot(a.1 - b.1) <= EQUAL && a.1.abs() <= EQUAL
+}
 
 /// Whether an unconverged branch point of cycles is an artefact of a coarse mesh, which is assumed
 /// if no multiplier comes near 1.

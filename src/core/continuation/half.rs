@@ -152,6 +152,22 @@ impl Half {
         self.special.retain(|special| special.converged || special.after < moving);
     }
 
+    /// Marks stability as undetermined at an end close to a homoclinic orbit, unless the number of
+    /// unstable multipliers is the same as before the parameters became constant: multipliers that grow
+    /// or decay with the period hide small ones.
+    pub fn doubt_stability(&self, end: &mut SpecialPoint) {
+        let moving = (self.points.len() + 1).saturating_sub(self.early_end.still());
+        let before = self.points[..moving.min(self.points.len())].last();
+        if before.is_some_and(|before| before.unstable != end.unstable) {
+            end.unstable = None;
+            end.eigenvalues.clear();
+            end.undetermined = Some(
+                "close to a homoclinic orbit, errors change the number of unstable multipliers"
+                    .into(),
+            );
+        }
+    }
+
     /// Joins the items of this half, the start and the other half into one list, in order from one
     /// end of the branch to the other.
     pub fn join(mut self, start: Point, ahead: Half, branch: Branch) -> Branch {

@@ -25,6 +25,11 @@ const MOST_BESIDE: f64 = 0.5;
 /// the solution by less than this fraction of the length of its bracket.
 const BESIDE_CURVE: f64 = 1e-3;
 
+/// Heuristic: a solution of a defining system lies on the curve of special points if the solution is
+/// closer to the point of the curve in the same hyperplane than this fraction of the length of its
+/// bracket. The fraction is small, because symmetric systems have curves that nearly coincide.
+const SAME_CURVE: f64 = 1e-6;
+
 /// Heuristic: the distance on both sides of a branch point, as a fraction of the bracket, at which
 /// the sign change of its test function is checked.
 const BESIDE_POINT: f64 = 0.02;
@@ -47,6 +52,9 @@ const JUMP: f64 = 0.1;
 /// Rounding: the number of bisections after which the length of a bracket is of the size of
 /// rounding errors.
 const MOST_HALVINGS: usize = 40;
+
+/// The names of the numbers that give the frequency of a critical pair.
+const FREQUENCIES: [&str; 2] = ["hopf_frequency", "torus_angle"];
 
 impl Locator<'_, '_> {
     /// Locates the event with the index `index` among the events of the curve. Returns `None` if
@@ -93,7 +101,12 @@ impl Locator<'_, '_> {
         if bracket.is_empty {
             return Ok(None);
         }
-        describe(self.curve, index, self.interval, located).map(Some)
+        let located = describe(self.curve, index, self.interval, located)?;
+        // Two real eigenvalues that vanish together solve the equations of a pair.
+        let mut numbers = located.special.numbers.iter();
+        let frequency = numbers.find(|it| FREQUENCIES.contains(&it.name.as_str()));
+        let is_zero = frequency.is_some_and(|it| it.value.abs() <= it.error);
+        Ok((!is_zero).then_some(located))
     }
 
     /// Solves the defining system of an event in a bracket, which is bisected until Newton's method
@@ -179,14 +192,23 @@ impl Locator<'_, '_> {
     /// Whether a solution of the defining system of an event lies on the curve. At a point with
     /// several critical eigenvalues, the defining system of a single critical eigenvalue or pair is
     /// singular, and nearby points that are not on the curve also satisfy it. The defining systems
-    /// of events without critical eigenvalues are regular, and their solutions are accepted.
+    /// of events without critical eigenvalues are regular, and their solutions are accepted. On a
+    /// curve of special points, a solution may lie on another curve of the same kind.
     fn is_on_curve(&mut self, event: &Event, bracket: &Bracket, located: &Located) -> bool {
-        let curve = &mut *self.curve;
-        let critical = event.critical != Critical::None;
-        if !critical || event.instead.is_some() || !curve.recorder.solutions {
+        if event.instead.is_some() {
             return true;
         }
         let Located { along, unknowns, .. } = located;
+        if !self.curve.recorder.solutions {
+            let guess = self.interval.cubic(&self.row, *along);
+            let Ok((corrected, _)) = self.corrected(guess, *along) else { return true };
+            let Corrector { norm, tolerances, .. } = &self.curve.corrector;
+            let most = SAME_CURVE * (bracket.high - bracket.low);
+            return norm.distance(&corrected, unknowns) <= most.max(1e3 * tolerances.tolerance);
+        }
+        if event.critical == Critical::None {
+            return true;
+        }
         // At a branch point the equations of the curve are singular themselves.
         if event.kind == Kind::BP {
             return self.turns_at(bracket, *along);

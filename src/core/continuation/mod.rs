@@ -80,6 +80,7 @@ mod mesh_share;
 mod mesh_target;
 mod metric;
 mod newton;
+mod overshoot;
 mod persistence;
 mod predictor;
 mod progress;

@@ -18,6 +18,7 @@ use super::log::Log;
 use super::mesh_check::{self, adapt_mesh, rescue};
 use super::metric::Metric;
 use super::newton::NewtonError;
+use super::overshoot::hides_events;
 use super::predictor::Predictor;
 use super::separation::Parts;
 use super::settings::Settings;
@@ -328,6 +329,7 @@ impl Steps<'_> {
                 if let (End::Homoclinic { .. }, true) = (&half.end, recorder.solutions) {
                     let outcome =
                         homoclinic_end::locate((corrector, refiner), &half.last, &mut special);
+                    half.doubt_stability(&mut special);
                     let cause = outcome.err().filter(|cause| !cause.is_unsupported());
                     cause.iter().for_each(|cause| self.log.homoclinic_not_located(cause));
                 }
@@ -509,8 +511,15 @@ impl Steps<'_> {
         let counts = detects_all && !at_start;
         let unseen = if counts { unseen(parts.curve, from, step, &found) } else { None };
         let is_hidden = hidden && change.is_none() && found.is_empty();
-        if step.length > LEAST_UNEXPLAINED && (is_hidden || change.or(unseen).is_some()) {
-            return None;
+        if step.length > LEAST_UNEXPLAINED {
+            let origin = if at_start { parts.origin } else { &[] };
+            let step = (from, step);
+            if is_hidden
+                || change.or(unseen).is_some()
+                || hides_events((parts.curve, bounds), step, &found, (origin, backward))
+            {
+                return None;
+            }
         }
         if let Some(change) = change {
             found = parts.separated(from, step, (found, change), at_start);

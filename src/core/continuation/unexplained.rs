@@ -92,8 +92,14 @@ pub(super) fn uncounted(
     if crossings > branch_points.max(1) || crossings > 0 && odd != flips {
         return Some(crossings as isize);
     }
-    let [before, after] =
-        [from.point.unstable?, step.place.point.unstable?].map(|count| count as isize);
+    let counts = [from.point.unstable?, step.place.point.unstable?];
+    (!explain(found, counts, origin)).then_some(counts[1] as isize - counts[0] as isize)
+}
+
+/// Whether events, and the special point at the start of a step, explain that the number of unstable
+/// eigenvalues changes from the first to the second count. The order of the events counts.
+pub(super) fn explain(found: &[Located], counts: [usize; 2], origin: &[Kind]) -> bool {
+    let [before, after] = counts.map(|count| count as isize);
     let mut reachable = vec![before];
     let mut passed: Vec<&Located> = found.iter().collect();
     passed.sort_by(|a, b| a.along.total_cmp(&b.along));
@@ -102,7 +108,7 @@ pub(super) fn uncounted(
     for (kind, multiplicity, rest) in origin.iter().map(|kind| (*kind, 1, None)).chain(passed) {
         // A multiplier passes through infinity, or the solution beyond is a different one.
         if matches!(kind, Kind::G | Kind::MX) {
-            return None;
+            return true;
         }
         let changes = catalogue::row_of(kind).map_or(&[][..], |row| row.critical.changes());
         let Some(most) = changes.iter().max().map(|most| most * multiplicity as isize) else {
@@ -116,7 +122,7 @@ pub(super) fn uncounted(
         }
         reachable.retain(agrees);
     }
-    (!reachable.contains(&after)).then_some(after - before)
+    reachable.contains(&after)
 }
 
 /// The largest change of the number of unstable eigenvalues at a special point of a curve: a complex

@@ -31,8 +31,10 @@ pub fn work() -> Work {
     WORK.get()
 }
 
-/// Adds the evaluations and the duration of one flow to the counted work of this thread.
+/// Adds the evaluations and the duration of one flow to the counted work of this thread. A trial solution
+/// may have an infinite duration, which is not counted.
 pub(super) fn add(evaluations: usize, length: f64) {
     let Work { evaluations: before, time } = WORK.get();
-    WORK.set(Work { evaluations: before + evaluations as u64, time: time + length.abs() });
+    let duration = Some(length.abs()).filter(|duration| duration.is_finite()).unwrap_or(0.0);
+    WORK.set(Work { evaluations: before + evaluations as u64, time: time + duration });
 }
