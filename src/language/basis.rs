@@ -72,7 +72,7 @@ pub(super) trait Kind {
     }
 
     /// Returns whether an equation of motion contains `if` or a discontinuous function.
-    fn switches(&self) -> bool {
+    fn may_jump(&self) -> bool {
         false
     }
 }
@@ -294,12 +294,19 @@ impl Basis {
             Some(Meaning::Parameter(k)) if k >= self.parameters.len() => return Ok(()),
             Some(other) => {
                 let what = format!("`{name}` is {}", other.words());
-                Fault::Misplaced { what, reason: "only states have initial values".into() }
+                Fault::Misplaced {
+                    what,
+                    reason: "only states and further unknowns have initial values".into(),
+                }
             }
             None => {
-                let is_state = |name: &&str| matches!(scope.meaning(name), Some(Meaning::State(_)));
-                let states = scope.names().filter(is_state);
-                Fault::Unknown(UnknownName::new("state", name, states))
+                let is_unknown = |name: &&str| match scope.meaning(name) {
+                    Some(Meaning::State(_)) => true,
+                    Some(Meaning::Parameter(k)) => k >= self.parameters.len(),
+                    _ => false,
+                };
+                let unknowns = scope.names().filter(is_unknown);
+                Fault::Unknown(UnknownName::new("state", name, unknowns))
             }
         };
         Err(scope.source.fault_of(phrase, fault))

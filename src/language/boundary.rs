@@ -87,6 +87,10 @@ impl Kind for Conditions {
         &self.basis
     }
 
+    fn may_jump(&self) -> bool {
+        self.rates.may_jump()
+    }
+
     /// Returns the values of the initial profiles, which are evaluated with the additional unknowns
     /// set to 0.
     fn initial_along(&self, tau: f64, p: &[f64]) -> Vec<(String, f64)> {

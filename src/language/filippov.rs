@@ -59,6 +59,11 @@ impl Kind for Filippov<TwoFields> {
         &self.0.basis
     }
 
+    fn may_jump(&self) -> bool {
+        let fields = self.0.rates.iter().chain(&self.0.sliding);
+        fields.into_iter().any(|rates| rates.may_jump())
+    }
+
     /// Checks that the surface and the rates have finite values; for a state on the surface, also
     /// checks the functions that decide whether the motion slides.
     fn undefined(&self, x: &[f64], p: &[f64]) -> Option<ModelError> {

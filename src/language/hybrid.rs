@@ -74,8 +74,8 @@ impl Kind for Hybrid {
         all.map(|(guard, _)| &guard.name[..]).collect()
     }
 
-    fn switches(&self) -> bool {
-        self.rates.iter().any(|rates| rates.switches())
+    fn may_jump(&self) -> bool {
+        self.rates.iter().any(|rates| rates.may_jump())
     }
 }
 

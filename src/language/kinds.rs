@@ -252,11 +252,11 @@ impl Model {
     /// ```
     /// use tangency::language::{Model, Source};
     /// let text = "Equations(states: [(\"x\", \"if(mod(t, 1) < 0.3, 1, -1) - x\")], period: \"1\")";
-    /// assert!(Model::read(&Source::new("", text), &[])?.switches());
+    /// assert!(Model::read(&Source::new("", text), &[])?.may_jump());
     /// # Ok::<(), tangency::language::ModelError>(())
     /// ```
-    pub fn switches(&self) -> bool {
-        self.kind().switches()
+    pub fn may_jump(&self) -> bool {
+        self.kind().may_jump()
     }
 
     /// Returns the line of a definition, as `equations.ron:7` or `line 7`; `None` if the name is

@@ -39,8 +39,8 @@ impl Kind for Field {
         self.rates.undefined(&self.basis.source, (0.0, x, p))
     }
 
-    fn switches(&self) -> bool {
-        self.rates.switches()
+    fn may_jump(&self) -> bool {
+        self.rates.may_jump()
     }
 }
 

@@ -207,7 +207,7 @@ impl Tape {
 
     /// Returns whether a formula of the tape may jump: the formula contains `if` or a discontinuous
     /// function.
-    pub fn switches(&self) -> bool {
+    pub fn may_jump(&self) -> bool {
         let selects =
             |step: &Step| step.code == Code::General && step.operation == Operation::Select;
         self.jumps() || self.steps.iter().any(selects)

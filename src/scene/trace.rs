@@ -258,9 +258,9 @@ fn reaches(branch: &Branch, name: &str, level: f64) -> bool {
 }
 
 /// The warning about equations of motion that jump within an interval of a mesh.
-const SWITCHING: &str = "an equation contains `if` or a discontinuous function: if it jumps or has a kink within an \
-                         interval of the mesh, the errors of collocation are larger than stated; take \
-                         `--set method=shooting`, or state the jumps as events (`HybridEquations`)";
+const JUMPING: &str = "an equation contains `if` or a discontinuous function: if the equation jumps within an \
+                       interval of the mesh, the errors of collocation are larger than stated; take \
+                       `--set method=shooting`, or state the jumps as events (`HybridEquations`)";
 
 /// Returns the branch of a run, and the names of the columns that have bounds or marks but do not
 /// exist on the branch.
@@ -275,9 +275,9 @@ fn trace(
         steps.run(observer)
     })?;
     let on_mesh = branch.method.starts_with("collocation");
-    let switches = resolved.problem.text().is_some_and(crate::language::Model::switches);
-    let switching = (on_mesh && switches).then(|| SWITCHING.to_string());
-    let warnings = warning.into_iter().chain(resolved.problem.jumps()).chain(switching);
+    let jumps = resolved.problem.text().is_some_and(crate::language::Model::may_jump);
+    let jumping = (on_mesh && jumps).then(|| JUMPING.to_string());
+    let warnings = warning.into_iter().chain(resolved.problem.jumps()).chain(jumping);
     branch.warnings.splice(..0, warnings);
     Ok((branch, idle))
 }

@@ -88,7 +88,8 @@ fn a_second_eigenvalue_on_a_curve_of_folds_is_a_warning() {
 
 /// On the curve of folds of the flat state, u = 1/2 and √F/2 = F + k, the states of patterns have curves of
 /// folds that nearly coincide. With equal diffusion, mode `j` of 8 cells vanishes where √F/2 − 2F = 256 D (2 −
-/// 2 cos(πj/8)): a second eigenvector, and no kind of point. The only point of codimension two is the
+/// 2 cos(πj/8)): a second eigenvector, and no kind of special
+/// point exists for this case. The only point of codimension two is the
 /// Takens–Bogdanov point F = 1/16.
 #[test]
 fn points_of_nearby_curves_are_not_points_of_the_curve() {

@@ -104,7 +104,7 @@ fn names() {
     );
     says(
         "Equations(states: [(\"x\", \"1\")], initial: [(\"»a«\", 2)], parameters: [(\"a\", 1)])",
-        "only states have initial values",
+        "only states and further unknowns have initial values",
     );
     says(
         "Equations(states: [(\"x\", \"1\")], period: \"»2*x«\")",

@@ -16,6 +16,7 @@ mod language;
 mod lasting_sliding;
 mod library;
 mod library_of_impacts;
+mod mesh_findings;
 mod normal_forms;
 mod ode;
 mod phase_planes;

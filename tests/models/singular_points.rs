@@ -544,3 +544,23 @@ fn a_fixed_point_at_zero_is_a_start() {
         close(found.parameters[0], 1.0, 1e-9);
     }
 }
+
+/// Two eigenvalues vanish at K = 1.62600810784 (0 = 5 u − u³ − 1, 5 − 3 u² = 3 K). The derivative with
+/// respect to K vanishes in the uniform state, up to rounding errors of the state: whatever the guess, the
+/// branches cross.
+#[test]
+fn a_double_branch_point_is_no_fold_whatever_the_guess() {
+    for guess in [0.2, 0.0, 0.4, -0.1, -0.2016, 0.15] {
+        let text = format!(
+            r#"Scene(title: "ring", problem: Residual(dynamics: flow,
+            unknowns: [("u[i=1..3]", "5*u[i] - u[i]^3 - 1 + K*(u[i-1] - 2*u[i] + u[i+1])")],
+            definitions: [("u[i=0..4]", "u[1+mod(i-1,3)]")], parameters: [("K", 2)]),
+            runs: [(name: "branch", start: Guess([("u", {guess})]), along: [(name: "K", low: 0.1, high: 5)])])"#
+        );
+        let branch = traced(&text).remove(0);
+        assert!(branch.of_kind(Kind::LP).next().is_none(), "{guess}");
+        let double = branch.of_kind(Kind::BP).next().unwrap();
+        assert_eq!(double.multiplicity, 2, "{guess}");
+        close(double.parameters[0], 1.626_008_107_84, 1e-9);
+    }
+}

@@ -107,7 +107,7 @@ pub enum CycleSearchError {
          the motion is slow, or escapes to infinity"
     )]
     #[diagnostic(help(
-        "for a slow motion, simulate longer (a longer `transient`, which is `settle` in a scene); or start elsewhere"
+        "for a slow motion, simulate longer (a longer `transient`, `--settle`); or start elsewhere"
     ))]
     NoReturn(f64),
 }
@@ -146,8 +146,8 @@ pub struct CycleSearch {
     /// has no forcing.
     pub returns: usize,
     /// The maximal duration of the search for a system without forcing, in units of the system's
-    /// time scale ([`Scales`](crate::core::hybrid::Scales)); if the transient lasts longer, the duration
-    /// of the transient.
+    /// time scale ([`Scales`](crate::core::hybrid::Scales)). The search lasts at least as long as the
+    /// transient.
     pub longest: f64,
 }
 

@@ -98,14 +98,17 @@ pub(crate) fn parameter_in_range(
     direction[n + parameter] = 1.0;
     system.derivative(beside, &[&direction], &mut slope)?;
     let nearby = slope.clone();
-    // In a symmetric state, `F_p` may vanish; rounding errors of the state must not count then.
+    // In a symmetric state `F_p` may vanish. The threshold then follows from the change of `F_p` that
+    // changes of the unknowns by their sizes cause, so that errors of the state do not decide the kind.
     let mut sizes = generic(n, 3);
     for (size, unit) in sizes.iter_mut().zip(known.sizes(n)).filter(|(_, unit)| **unit > 0.0) {
         *size *= unit;
     }
     sizes.resize(x.len(), 0.0);
     let mut changed = vec![0.0; n];
-    system.derivative(x, &[&direction, &sizes], &mut changed)?;
+    if system.derivative(x, &[&direction, &sizes], &mut changed).is_err() {
+        changed.fill(0.0);
+    }
     let mut null = NullVectors::new(Form::Jacobian, None);
     null.start(system, x, (m, known.units()))?;
     system.derivative(x, &[&direction], &mut slope)?;

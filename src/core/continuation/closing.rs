@@ -98,7 +98,7 @@ fn passes(corrector: &mut Corrector, target: &[f64], step: Interval, error: f64)
 
 /// Returns the index in `found` of the branch point at which a branch of period-doubled orbits
 /// returns to its parent branch. Beyond this branch point, the period-doubled branch consists of
-/// the same orbits again, shifted by half a period.
+/// the same orbits again, shifted by half a period. Returns `None` unless the solutions are orbits.
 pub(super) fn returns_to_parent(
     equations: &mut Extended,
     found: &[Located],

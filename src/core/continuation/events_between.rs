@@ -132,22 +132,29 @@ fn stays_at_one(dynamics: Dynamics, Interval { from, to, .. }: Interval, it: &Lo
 /// than this threshold.
 const FAR_FROM_ONE: f64 = 0.1;
 
-/// Rounding: two real multipliers are equal if they differ by less than this threshold.
+/// Rounding: two real multipliers are equal if they differ by less than this threshold, and a multiplier
+/// is outside the unit circle if its distance from the circle is larger than this threshold.
 const EQUAL: f64 = 1e-7;
 
-/// Whether a double real multiplier passes the unit circle in an interval, as in systems with a symmetry:
-/// rounding errors turn it into a complex pair, and the equations of a torus point are singular there.
+/// Whether a double real multiplier, as in symmetric systems, passes the unit circle in an interval.
+/// Rounding errors turn the double multiplier into a complex pair, and the defining system of torus
+/// points is singular at the passage.
 fn passes_double_multiplier(dynamics: Dynamics, Interval { from, to, .. }: Interval) -> bool {
     let (Some(first), Some(last)) = (from.point.unstable, to.point.unstable) else { return false };
-    let more = if first < last { to } else { from };
-    if dynamics != Dynamics::Periodic || first.abs_diff(last) != 2 {
-        return false;
-    }
-    let all = more.spectrum.as_deref().unwrap_or_default();
+    let [fewer, more] = if first < last { [from, to] } else { [to, from] };
+    dynamics == Dynamics::Periodic
+        && first.abs_diff(last) == 2
+        && has_double_outside(more)
+        && !has_double_outside(fewer)
+}
+
+/// Whether the two multipliers outside the unit circle that are nearest to it are real and equal.
+fn has_double_outside(place: &CurvePoint) -> bool {
+    let all = place.spectrum.as_deref().unwrap_or_default();
     let distance = |mu: &(f64, f64)| mu.0.hypot(mu.1) - 1.0;
-    let mut unstable: Vec<_> = all.iter().filter(|mu| distance(mu) > EQUAL).collect();
-    unstable.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
-    let Some([a, b]) = unstable.first_chunk() else { return false };
+    let mut outside: Vec<_> = all.iter().filter(|mu| distance(mu) > EQUAL).collect();
+    outside.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
+    let Some([a, b]) = outside.first_chunk() else { return false };
     (a.0 - b.0).hypot(a.1 - b.1) <= EQUAL && a.1.abs() <= EQUAL
 }
 

@@ -152,13 +152,13 @@ impl Half {
         self.special.retain(|special| special.converged || special.after < moving);
     }
 
-    /// Marks stability as undetermined at an end close to a homoclinic orbit, unless the number of
-    /// unstable multipliers is the same as before the parameters became constant: multipliers that grow
-    /// or decay with the period hide small ones.
+    /// Marks stability as undetermined at an end close to a homoclinic orbit if the number of unstable
+    /// multipliers differs from the number at the last point before the parameters became constant:
+    /// large multipliers hide small multipliers.
     pub fn doubt_stability(&self, end: &mut SpecialPoint) {
-        let moving = (self.points.len() + 1).saturating_sub(self.early_end.still());
-        let before = self.points[..moving.min(self.points.len())].last();
-        if before.is_some_and(|before| before.unstable != end.unstable) {
+        let moving = self.points.len().saturating_sub(self.early_end.still());
+        let before = self.points[..moving].last().and_then(|point| point.unstable);
+        if before.zip(end.unstable).is_some_and(|(before, count)| before != count) {
             end.unstable = None;
             end.eigenvalues.clear();
             end.undetermined = Some(

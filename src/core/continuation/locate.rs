@@ -101,12 +101,11 @@ impl Locator<'_, '_> {
         if bracket.is_empty {
             return Ok(None);
         }
-        let located = describe(self.curve, index, self.interval, located)?;
         // Two real eigenvalues that vanish together solve the equations of a pair.
-        let mut numbers = located.special.numbers.iter();
-        let frequency = numbers.find(|it| FREQUENCIES.contains(&it.name.as_str()));
-        let is_zero = frequency.is_some_and(|it| it.value.abs() <= it.error);
-        Ok((!is_zero).then_some(located))
+        if event.condition.is_some() && self.is_still(&located) {
+            return Ok(None);
+        }
+        describe(self.curve, index, self.interval, located).map(Some)
     }
 
     /// Solves the defining system of an event in a bracket, which is bisected until Newton's method
@@ -192,19 +191,18 @@ impl Locator<'_, '_> {
     /// Whether a solution of the defining system of an event lies on the curve. At a point with
     /// several critical eigenvalues, the defining system of a single critical eigenvalue or pair is
     /// singular, and nearby points that are not on the curve also satisfy it. The defining systems
-    /// of events without critical eigenvalues are regular, and their solutions are accepted. On a
-    /// curve of special points, a solution may lie on another curve of the same kind.
+    /// of events without critical eigenvalues are regular, and their solutions on branches of
+    /// solutions are accepted. A solution on a curve of special points is compared with the point of
+    /// the curve in the same hyperplane, because the solution may lie on another curve of the same kind.
     fn is_on_curve(&mut self, event: &Event, bracket: &Bracket, located: &Located) -> bool {
-        if event.instead.is_some() {
+        if event.instead.is_some() || event.test.level().is_some() {
             return true;
         }
         let Located { along, unknowns, .. } = located;
         if !self.curve.recorder.solutions {
             let guess = self.interval.cubic(&self.row, *along);
             let Ok((corrected, _)) = self.corrected(guess, *along) else { return true };
-            let Corrector { norm, tolerances, .. } = &self.curve.corrector;
-            let most = SAME_CURVE * (bracket.high - bracket.low);
-            return norm.distance(&corrected, unknowns) <= most.max(1e3 * tolerances.tolerance);
+            return self.is_close(&corrected, unknowns, SAME_CURVE * (bracket.high - bracket.low));
         }
         if event.critical == Critical::None {
             return true;
@@ -214,9 +212,13 @@ impl Locator<'_, '_> {
             return self.turns_at(bracket, *along);
         }
         let Ok((corrected, _)) = self.corrected(unknowns.clone(), *along) else { return false };
+        self.is_close(&corrected, unknowns, BESIDE_CURVE * (bracket.high - bracket.low))
+    }
+
+    /// Whether two points are closer than a distance, or than Newton's method can distinguish.
+    fn is_close(&self, a: &[f64], b: &[f64], distance: f64) -> bool {
         let Corrector { norm, tolerances, .. } = &self.curve.corrector;
-        let most = BESIDE_CURVE * (bracket.high - bracket.low);
-        norm.distance(&corrected, unknowns) <= most.max(1e3 * tolerances.tolerance)
+        norm.distance(a, b) <= distance.max(1e3 * tolerances.tolerance)
     }
 
     /// Whether the test function of an event changes sign near a position in a bracket. The sign is
@@ -247,7 +249,9 @@ impl Locator<'_, '_> {
     /// eigenvalue, as symmetric systems have, solves the equations of a Hopf point, and rounding
     /// turns the eigenvalue into a pair with a tiny imaginary part.
     fn is_still(&self, located: &Located) -> bool {
-        let Some(frequency) = located.special.numbers.first() else { return false };
+        let mut numbers = located.special.numbers.iter();
+        let frequency = numbers.find(|it| FREQUENCIES.contains(&it.name.as_str()));
+        let Some(frequency) = frequency else { return false };
         let ends = [self.interval.from, self.interval.to];
         let spectra = ends.map(|place| place.spectrum.as_deref().unwrap_or_default());
         let sizes =

@@ -2,45 +2,51 @@
 //! may be hidden by another special point beyond the bound, which restores the signs of test functions
 //! and the number of unstable eigenvalues.
 
-use super::bounds::Bounds;
-use super::curve::Curve;
 use super::curve_point::CurvePoint;
 use super::located::Located;
+use super::separation::Parts;
 use super::step_control::Step;
 use super::unexplained::explain;
 use crate::core::bifurcation::neutral;
-use crate::core::system::Kind;
 
-/// Whether the events found in a step do not include all events up to the bound at which the branch
-/// ends. The check compares the numbers of unstable eigenvalues at the first point and at the bound, or,
-/// if they are unknown, the test functions.
-pub(super) fn hides_events(
-    (curve, bounds): (&mut Curve, &Bounds),
-    (from, step): (&CurvePoint, &Step),
-    found: &[Located],
-    (origin, backward): (&[Kind], bool),
-) -> bool {
-    let is_bound = |it: &Located| it.event.is_some_and(|event| bounds.holds(event));
-    let Some(last) = found.iter().position(is_bound) else { return false };
-    let (before, end) = (&found[..last], &found[last]);
-    if let (Some(first), Some(last)) = (from.point.unstable, end.special.unstable) {
-        let dynamics = curve.corrector.equations.system().dynamics();
-        let count = |all: &[(f64, f64)]| neutral(dynamics, all);
-        // The branch may end at a special point, where rounding determines the number.
-        let is_regular =
-            count(&end.special.eigenvalues) <= from.spectrum.as_deref().map_or(0, count);
-        return is_regular && !explain(before, [first, last], origin);
-    }
-    let row = curve.corrector.norm.covector(&from.tangent);
-    let Ok(at) = curve.arrive(end.unknowns.clone(), &row, f64::INFINITY, false) else {
-        return false;
-    };
-    (0..curve.detector.events.len()).any(|index| {
-        let event = &curve.detector.events[index];
-        let passed = |to: &CurvePoint| {
-            let ends = [from, to].map(|place| curve.reading(index, place));
-            event.passed([&ends[0], &ends[1]], backward)
+impl Parts<'_, '_> {
+    /// Returns the events of a step up to the bound at which the branch ends. If stability is unknown, or
+    /// if the events found in the step do not explain the change of stability up to the bound, the part of
+    /// the step up to the bound is searched again.
+    pub fn up_to_bound(
+        &mut self,
+        from: &CurvePoint,
+        step: &Step,
+        mut found: Vec<Located>,
+        at_start: bool,
+    ) -> Vec<Located> {
+        let is_bound = |it: &Located| it.event.is_some_and(|event| self.bounds.holds(event));
+        let Some(last) = found.iter().position(is_bound) else { return found };
+        let (before, end) = (&found[..last], &found[last]);
+        let origin = self.origin(at_start);
+        let counts = from.point.unstable.zip(end.special.unstable);
+        if counts.is_some_and(|(first, last)| explain(before, [first, last], origin)) {
+            return found;
+        }
+        let Some([first, _]) = self.halves(from, step, end.along) else { return found };
+        let dynamics = self.curve.corrector.equations.system().dynamics();
+        let neutral =
+            |it: &CurvePoint| it.spectrum.as_ref().map_or(0, |all| neutral(dynamics, all));
+        // The branch may end at a special point, where rounding determines the signs.
+        if neutral(&first.place) > neutral(from) {
+            return found;
+        }
+        let further = match self.events(from, &first, at_start) {
+            (further, None) => further,
+            (further, Some(change)) => self.separated(from, &first, (further, change), at_start),
         };
-        event.condition.is_some() && !event.terminal && passed(&at) && !passed(&step.place)
-    })
+        let is_new = |it: &Located| {
+            let known = found.iter().any(|other| other.event == it.event);
+            it.along < end.along && !(it.event.is_some() && known)
+        };
+        let new: Vec<Located> = further.into_iter().filter(is_new).collect();
+        found.extend(new);
+        found.sort_by(|a, b| a.along.total_cmp(&b.along));
+        found
+    }
 }

@@ -91,7 +91,7 @@ impl Parts<'_, '_> {
         if has_limit { before } else { found }
     }
 
-    fn origin(&self, at_start: bool) -> &[Kind] {
+    pub(super) fn origin(&self, at_start: bool) -> &[Kind] {
         if at_start { self.origin } else { &[] }
     }
 
@@ -165,7 +165,12 @@ impl Parts<'_, '_> {
 
     /// Returns the two parts of an interval that is divided at the distance `along` from its first
     /// point.
-    fn halves(&mut self, from: &CurvePoint, step: &Step, along: f64) -> Option<[Step; 2]> {
+    pub(super) fn halves(
+        &mut self,
+        from: &CurvePoint,
+        step: &Step,
+        along: f64,
+    ) -> Option<[Step; 2]> {
         let interval = step.since(from);
         let mut locator = Locator::new(self.curve, interval);
         let stability = locator.curve.recorder.wants_stability();

@@ -18,7 +18,6 @@ use super::log::Log;
 use super::mesh_check::{self, adapt_mesh, rescue};
 use super::metric::Metric;
 use super::newton::NewtonError;
-use super::overshoot::hides_events;
 use super::predictor::Predictor;
 use super::separation::Parts;
 use super::settings::Settings;
@@ -511,15 +510,8 @@ impl Steps<'_> {
         let counts = detects_all && !at_start;
         let unseen = if counts { unseen(parts.curve, from, step, &found) } else { None };
         let is_hidden = hidden && change.is_none() && found.is_empty();
-        if step.length > LEAST_UNEXPLAINED {
-            let origin = if at_start { parts.origin } else { &[] };
-            let step = (from, step);
-            if is_hidden
-                || change.or(unseen).is_some()
-                || hides_events((parts.curve, bounds), step, &found, (origin, backward))
-            {
-                return None;
-            }
+        if step.length > LEAST_UNEXPLAINED && (is_hidden || change.or(unseen).is_some()) {
+            return None;
         }
         if let Some(change) = change {
             found = parts.separated(from, step, (found, change), at_start);
@@ -527,7 +519,8 @@ impl Steps<'_> {
             let released = parts.curve.corrector.equations.parameters_at();
             parts.log.passes_unseen(&step.place.unknowns[released..], change);
         }
-        Some(parts.up_to_limit(from, step, found, at_start))
+        let found = parts.up_to_limit(from, step, found, at_start);
+        Some(parts.up_to_bound(from, step, found, at_start))
     }
 
     /// Records the events found in a step, and accepts the step unless an event ends this half of

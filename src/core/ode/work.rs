@@ -35,6 +35,6 @@ pub fn work() -> Work {
 /// may have an infinite duration, which is not counted.
 pub(super) fn add(evaluations: usize, length: f64) {
     let Work { evaluations: before, time } = WORK.get();
-    let duration = Some(length.abs()).filter(|duration| duration.is_finite()).unwrap_or(0.0);
+    let duration = if length.is_finite() { length.abs() } else { 0.0 };
     WORK.set(Work { evaluations: before + evaluations as u64, time: time + duration });
 }
