@@ -149,6 +149,7 @@ impl Tape {
     }
 
     #[inline(always)]
+    #[allow(clippy::op_ref, reason = "values of numbers with many parts would be copied first")]
     fn take_steps<T: Scalar>(
         &self,
         r: &mut [Register<T>],
