@@ -321,8 +321,8 @@ impl<'a> Exploration<'a> {
         }
     }
 
-    /// Warns if several branches of periodic orbits emanate from a Hopf point, because only one of
-    /// them is traced.
+    /// Warns if several branches of periodic orbits emanate from a Hopf point, because only the branches
+    /// that terms of third order determine are traced.
     fn warn_if_one_of_several(&mut self, run: &Run) {
         let point = origin(run, &self.tracing.done).map(|(_, point)| point);
         let Some(point) = point.filter(|it| it.kind == Kind::HB && it.multiplicity > 1) else {
@@ -330,8 +330,7 @@ impl<'a> Exploration<'a> {
         };
         let why = format!(
             "this branch is one of several branches that emanate from a Hopf point of multiplicity \
-             {}: terms of third order determine the other branches, and the other branches are not \
-             traced",
+             {}: branches that terms of third order do not determine are not traced",
             point.multiplicity
         );
         self.warn(&run.name, [why]);

@@ -261,3 +261,68 @@ fn double_multipliers_of_rings_are_branch_points() {
         close(double[0].parameters[0], expected, 1e-8);
     }
 }
+
+/// Two equal oscillators `z_k' = (m + i) z_k − (|z_k|² + 2 |z_j|²) z_k + z_j² z̄_k/2` have the cycles
+/// `z₂ = i z₁`, `z₂ = z₁` and `z₂ = 0` with `m = 3.5 |z₁|²`, `m = 2.5 |z₁|²` and `m = |z₁|²`, up to the symmetry.
+#[test]
+fn cycles_emanate_in_several_directions_from_equal_pairs() {
+    let oscillator = |k: usize, j: usize| {
+        let (damping, [re, im]) = (
+            format!("(m - x{k}^2 - y{k}^2 - 2*x{j}^2 - 2*y{j}^2)"),
+            // z_j² z̄_k.
+            [
+                format!("((x{j}^2 - y{j}^2)*x{k} + 2*x{j}*y{j}*y{k})"),
+                format!("(2*x{j}*y{j}*x{k} - (x{j}^2 - y{j}^2)*y{k})"),
+            ],
+        );
+        format!(
+            r#"("x{k}", "{damping}*x{k} - y{k} + {re}/2"), ("y{k}", "{damping}*y{k} + x{k} + {im}/2")"#
+        )
+    };
+    let states = [oscillator(1, 2), oscillator(2, 1)].join(", ");
+    let along = r#"along: [(name: "m", low: -1, high: 1)]"#;
+    let runs: Vec<String> = (0..3)
+        .map(|which| {
+            format!(
+                r#"(name: "cycles {which}", start: From(run: "rest", kind: HB, switch: true, which: {which}), {along})"#
+            )
+        })
+        .collect();
+    let text = format!(
+        r#"Scene(title: "t", problem: Equations(states: [{states}], solution: equilibrium), parameters: [("m", -0.5)],
+        runs: [(name: "rest", {along}), {}])"#,
+        runs.join(", ")
+    );
+    let all = traced(&text);
+    assert_eq!(all[0].of_kind(Kind::HB).next().unwrap().multiplicity, 2);
+    for (branch, square) in all[1..].iter().zip([1.0 / 3.5, 1.0 / 2.5, 1.0]) {
+        let end = branch
+            .special
+            .iter()
+            .max_by(|a, b| a.parameters[0].total_cmp(&b.parameters[0]))
+            .unwrap();
+        close(end.parameters[0], 1.0, 1e-12);
+        let amplitudes =
+            ["max_x1", "max_x2"].map(|name| end.value(branch.column(name).unwrap()).unwrap());
+        close(amplitudes[0].max(amplitudes[1]), f64::sqrt(square), 1e-8);
+        let other = if square == 1.0 { 0.0 } else { f64::sqrt(square) };
+        assert!((amplitudes[0].min(amplitudes[1]) - other).abs() < 1e-8, "{amplitudes:?}");
+    }
+}
+
+/// Terms of third order determine the rotating wave of three van der Pol oscillators, but not their
+/// standing waves. Its period and amplitude at m = 1 are from harmonic balance with 96 points.
+#[test]
+fn the_rotating_wave_of_a_ring_is_followed() {
+    let text = r#"Scene(title: "ring", problem: Equations(states: [("x[i=1..3]", "y[i]"),
+            ("y[i=1..3]", "(m - x[i]^2)*y[i] - x[i] - 0.2*x[i]^3 + 0.3*(y[i-1] - 2*y[i] + y[i+1])")],
+        definitions: [("y[i=0..4]", "y[1+mod(i-1,3)]")], solution: equilibrium), parameters: [("m", 0.5)],
+        runs: [(name: "rest", along: [(name: "m", low: 0.5, high: 1)]),
+            (name: "wave", start: From(run: "rest", kind: HB, switch: true), along: [(name: "m", low: 0.5, high: 1)])])"#;
+    let wave = &traced(text)[1];
+    let end = wave.special.iter().find(|point| point.parameters[0] == 1.0).unwrap();
+    let value = |name: &str| end.value(wave.column(name).unwrap()).unwrap();
+    close(value("period"), 6.106_888_856_108, 1e-9);
+    close(value("max_x[1]"), 0.632_342_348_090, 1e-8);
+    close(value("max_x[2]"), 0.632_342_348_090, 1e-8);
+}

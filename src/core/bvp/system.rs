@@ -8,6 +8,7 @@ mod derivatives;
 mod discretisation;
 mod duration_bound;
 mod emanating;
+mod equal_pairs;
 mod events;
 mod extremes;
 mod face;

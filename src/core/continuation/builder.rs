@@ -403,10 +403,11 @@ impl<'a> Continuation<'a> {
 
     /// Selects one of the branches that emanate at the start by its index, counted from 0. At a
     /// branch point where several branches cross (`multiplicity` above 1), the parent branch is not
-    /// counted. If an orbit grazes several guards, the orbits of branch 0 include the events of all
-    /// grazed guards. The orbits of the next branches include the event of a single guard, in the
-    /// order of the grazing points along the orbit; the following branches include the events of
-    /// two guards, and so on.
+    /// counted. At a Hopf point with several equal pairs of eigenvalues, branches of cycles emanate in
+    /// the directions that terms of third order determine. If an orbit grazes several guards, the
+    /// orbits of branch 0 include the events of all grazed guards. The orbits of the next branches
+    /// include the event of a single guard, in the order of the grazing points along the orbit; the
+    /// following branches include the events of two guards, and so on.
     pub fn switch_to(mut self, which: usize) -> Self {
         self.switch = Some(which);
         self

@@ -2,6 +2,7 @@
 //! curves begin at points of codimension two.
 
 use super::discretisation::DiscretisedProblem;
+use super::equal_pairs;
 use super::rest::{Mode, Rest};
 use crate::core::failure::Failure;
 use crate::core::system::{Kind, Site, Solution, Start};
@@ -68,10 +69,17 @@ impl Wave {
 
 /// Returns the orbit of zero amplitude at a Hopf point, `x* + ε Re(v e^{2πiτ})`, and the direction of its
 /// branch in `ε`: `v` is the eigenvector of the vector field's Jacobian with the eigenvalue `iω`, and the
-/// period is `2π/ω`.
+/// period is `2π/ω`. If several pairs of eigenvalues are equal, `solution.switch` selects one of the
+/// eigenvectors in whose directions cycles emanate.
 pub(super) fn at_hopf(on: &DiscretisedProblem, solution: &Solution) -> Result<Emanating, Failure> {
     let rest = Rest::new(on, solution)?;
-    let wave = Wave::new(on, &rest.critical_pair(solution.frequency)?);
+    let pair = match solution.multiplicity {
+        0 | 1 => rest.critical_pair(solution.frequency)?,
+        count => {
+            equal_pairs::direction(&rest, solution.frequency, count, solution.switch.unwrap_or(0))?
+        }
+    };
+    let wave = Wave::new(on, &pair);
     let z = on.sampled(&wave.period, |_, _, x| x.copy_from_slice(rest.state));
     let direction = wave.direction(solution.parameters.len());
     let (site, one_sided) = (Site::Singular, true);

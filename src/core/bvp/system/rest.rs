@@ -2,14 +2,14 @@
 
 use super::discretisation::DiscretisedProblem;
 use crate::core::bvp::erased::{Equations, Number};
-use crate::core::failure::Failure;
+use crate::core::failure::{Failure, unusable};
 use crate::core::linalg::{balance, norm};
 use crate::core::problem::FieldIn;
 use crate::core::scalar::{CHUNK, Chunk, seeded};
-use crate::core::system::{Solution, mixed, moving};
+use crate::core::system::{Solution, mixed, moving, third};
 use faer::c64;
-use nalgebra::DMatrix;
-use num_dual::Dual;
+use nalgebra::{DMatrix, DVector};
+use num_dual::{Dual, Dual2};
 use std::f64::consts::TAU;
 
 /// Computes the Jacobian of a segment's vector field with respect to the segment's states, column
@@ -44,6 +44,9 @@ const AT_ORIGIN: f64 = 1e-6;
 /// units of the imaginary part.
 const NEAR_THE_AXIS: f64 = 1e-4;
 
+/// The name of the eigenvalues in errors.
+const AT_HOPF: &str = "eigenvalues at the Hopf point";
+
 /// Heuristic: the number of samples on an ellipse about the equilibrium.
 const PHASES: usize = 8;
 
@@ -59,8 +62,7 @@ fn modes(matrix: &[f64], n: usize) -> Result<Vec<Mode>, Failure> {
     let mut balanced = matrix.to_vec();
     let units = balance(&mut balanced, n);
     let matrix = faer::MatRef::from_column_major_slice(&balanced, n, n);
-    let decomposition =
-        matrix.eigen().map_err(|_| Failure::Eigenvalues("eigenvalues at the Hopf point"))?;
+    let decomposition = matrix.eigen().map_err(|_| Failure::Eigenvalues(AT_HOPF))?;
     let (values, vectors) = (decomposition.S().column_vector(), decomposition.U());
     let vector = |k: usize| (0..n).map(|i| vectors[(i, k)] * units[i]).collect();
     Ok((0..n).map(|k| Mode { value: values[k], vector: vector(k) }).collect())
@@ -150,6 +152,24 @@ impl<'a> Rest<'a> {
         })
     }
 
+    /// Returns several equal critical pairs, the pairs nearest to a known frequency.
+    pub fn equal_pairs(&self, known: Option<f64>, count: usize) -> Result<Vec<Mode>, Failure> {
+        let first = self.critical_pair(known)?;
+        let pairs = self.pairs(Some(first.value.im));
+        let equal = |it: &&&Mode| {
+            (it.value - first.value).norm_sqr().sqrt() <= NEAR_THE_AXIS * first.value.im
+        };
+        let all: Vec<Mode> =
+            pairs.iter().filter(equal).take(count).map(|it| (*it).clone()).collect();
+        if all.len() < count {
+            return Err(Failure::Mismatch(format!(
+                "only {} of {count} pairs of eigenvalues are equal at this Hopf point",
+                all.len()
+            )));
+        }
+        Ok(all)
+    }
+
     /// Returns the critical real eigenvalue.
     pub fn zero(&self) -> Result<Mode, Failure> {
         let real = self.modes.iter().filter(|it| it.value.im == 0.0);
@@ -160,15 +180,68 @@ impl<'a> Rest<'a> {
     /// Returns the left eigenvector `p` with `p F_x = λ p` and `p v = 1`, for an eigenvalue `λ` and
     /// its eigenvector `v`.
     pub fn left(&self, of: &Mode) -> Result<Vec<c64>, Failure> {
+        let [left] = <[_; 1]>::try_from(self.left_of(std::slice::from_ref(of))?)
+            .map_err(|_| Failure::Eigenvalues(AT_HOPF))?;
+        Ok(left)
+    }
+
+    /// Returns the left eigenvectors `p_l` with `p_l v_j = δ_lj`, for several eigenvectors `v_j` with equal
+    /// eigenvalues.
+    pub fn left_of(&self, all: &[Mode]) -> Result<Vec<Vec<c64>>, Failure> {
         let n = self.state.len();
         let transposed: Vec<f64> = (0..n * n).map(|k| self.jacobian[(k % n) * n + k / n]).collect();
-        let distance = |mode: &Mode| (mode.value - of.value).norm_sqr();
-        let nearest = modes(&transposed, n)?
-            .into_iter()
-            .min_by(|a, b| distance(a).total_cmp(&distance(b)))
-            .ok_or(Failure::Eigenvalues("eigenvalues at the Hopf point"))?;
-        let product: c64 = nearest.vector.iter().zip(&of.vector).map(|(p, v)| p * v).sum();
-        Ok(nearest.vector.into_iter().map(|p| p / product).collect())
+        let mut left = modes(&transposed, n)?;
+        let distance = |mode: &Mode| (mode.value - all[0].value).norm_sqr();
+        left.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
+        left.truncate(all.len());
+        let products = DMatrix::from_fn(left.len(), all.len(), |l, j| -> c64 {
+            left[l].vector.iter().zip(&all[j].vector).map(|(p, v)| p * v).sum()
+        });
+        let inverse = products.try_inverse().ok_or(Failure::Eigenvalues(AT_HOPF))?;
+        let component = |l: usize, i: usize| -> c64 {
+            left.iter().enumerate().map(|(k, mode)| inverse[(l, k)] * mode.vector[i]).sum()
+        };
+        Ok((0..all.len()).map(|l| (0..n).map(|i| component(l, i)).collect()).collect())
+    }
+
+    /// Solves `(s − F_x) x = right`.
+    pub fn solve(&self, s: c64, right: &[c64]) -> Result<Vec<c64>, Failure> {
+        let n = right.len();
+        let matrix = DMatrix::from_fn(n, n, |i, j| {
+            let own = if i == j { s } else { c64::new(0.0, 0.0) };
+            own - self.jacobian[j * n + i]
+        });
+        let solution = matrix.lu().solve(&DVector::from_column_slice(right));
+        let solution = solution.ok_or_else(|| unusable(0.0, 1.0))?;
+        Ok(solution.iter().copied().collect())
+    }
+
+    /// Computes the third derivative of the vector field along three complex directions.
+    pub fn third(&self, along: [&[c64]; 3]) -> Result<Vec<c64>, Failure> {
+        let parts = |v: &[c64]| -> [Vec<f64>; 2] {
+            [v.iter().map(|c| c.re).collect(), v.iter().map(|c| c.im).collect()]
+        };
+        let [a, b, c] = along.map(parts);
+        let mut sum = vec![c64::new(0.0, 0.0); a[0].len()];
+        for bits in 0..8_usize {
+            let [i, j, k] = [bits & 1, bits >> 1 & 1, bits >> 2];
+            let mut own = vec![0.0; sum.len()];
+            third([&a[i], &b[j], &c[k]], &mut own, |v, w, out| {
+                let x: Vec<Dual2<Chunk>> =
+                    (0..v.len()).map(|i| moving(self.state[i], v[i], w[i])).collect();
+                let q: Vec<Dual2<Chunk>> = self.q.iter().map(|q| Dual2::from(*q)).collect();
+                let mut f = vec![Dual2::from(0.0); x.len()];
+                let field = Dual2::<Chunk>::residual(self.problem).on_segment(0, &q);
+                field.slope(Dual2::from(0.0), &x, &q, &mut f);
+                out.iter_mut().zip(&f).for_each(|(out, f)| *out = mixed(f));
+                Ok(())
+            })?;
+            // The product of the three units 1 or i.
+            let unit = [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)][i + j + k];
+            let unit = c64::new(unit.0, unit.1);
+            sum.iter_mut().zip(own).for_each(|(sum, own)| *sum += unit * own);
+        }
+        Ok(sum)
     }
 
     /// Computes the second derivative `B(a, b)` of the vector field along two complex directions.
