@@ -84,12 +84,13 @@ impl Cubic {
         let conjugates: Vec<Vec<c64>> =
             q.iter().map(|q| q.iter().map(c64::conj).collect()).collect();
         let all = || (0..count).flat_map(|i| (0..count).map(move |j| (i, j)));
-        let (double, none) = (c64::new(0.0, 2.0 * omega), c64::new(0.0, 0.0));
-        let h = all().map(|(i, j)| rest.solve(double, &rest.second(q[i], q[j])));
+        let (double, zero) = (c64::new(0.0, 2.0 * omega), c64::new(0.0, 0.0));
+        let [oscillating, still] = [double, zero].map(|s| rest.shifted(s));
+        let h = all().map(|(i, j)| oscillating.solve(&rest.second(q[i], q[j])));
         let h: Vec<Vec<c64>> = h.collect::<Result<_, _>>()?;
-        let g = all().map(|(j, k)| rest.solve(none, &rest.second(q[j], &conjugates[k])));
+        let g = all().map(|(j, k)| still.solve(&rest.second(q[j], &conjugates[k])));
         let g: Vec<Vec<c64>> = g.collect::<Result<_, _>>()?;
-        let mut terms = vec![none; count.pow(4)];
+        let mut terms = vec![zero; count.pow(4)];
         for (i, j) in all() {
             for k in 0..count {
                 let parts = [

@@ -8,7 +8,7 @@ use crate::core::problem::FieldIn;
 use crate::core::scalar::{CHUNK, Chunk, seeded};
 use crate::core::system::{Solution, mixed, moving, third};
 use faer::c64;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Dyn, LU};
 use num_dual::{Dual, Dual2};
 use std::f64::consts::TAU;
 
@@ -82,6 +82,18 @@ impl Direction {
     fn by(&self, parameter: usize) -> f64 {
         let own = self.parameters.iter().filter(|(p, _)| *p == parameter);
         own.map(|(_, part)| part).sum()
+    }
+}
+
+/// The factors of a matrix `s − F_x`.
+pub(super) struct Shifted(LU<c64, Dyn, Dyn>);
+
+impl Shifted {
+    /// Solves `(s − F_x) x = right`.
+    pub fn solve(&self, right: &[c64]) -> Result<Vec<c64>, Failure> {
+        let solution = self.0.solve(&DVector::from_column_slice(right));
+        let solution = solution.ok_or_else(|| unusable(0.0, 1.0))?;
+        Ok(solution.iter().copied().collect())
     }
 }
 
@@ -204,16 +216,14 @@ impl<'a> Rest<'a> {
         Ok((0..all.len()).map(|l| (0..n).map(|i| component(l, i)).collect()).collect())
     }
 
-    /// Solves `(s − F_x) x = right`.
-    pub fn solve(&self, s: c64, right: &[c64]) -> Result<Vec<c64>, Failure> {
-        let n = right.len();
-        let matrix = DMatrix::from_fn(n, n, |i, j| {
+    /// Factors the matrix `s − F_x`.
+    pub fn shifted(&self, s: c64) -> Shifted {
+        let n = self.state.len();
+        let entry = |i: usize, j: usize| {
             let own = if i == j { s } else { c64::new(0.0, 0.0) };
             own - self.jacobian[j * n + i]
-        });
-        let solution = matrix.lu().solve(&DVector::from_column_slice(right));
-        let solution = solution.ok_or_else(|| unusable(0.0, 1.0))?;
-        Ok(solution.iter().copied().collect())
+        };
+        Shifted(DMatrix::from_fn(n, n, entry).lu())
     }
 
     /// Computes the third derivative of the vector field along three complex directions.
