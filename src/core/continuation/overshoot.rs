@@ -2,6 +2,7 @@
 //! may be hidden by another special point beyond the bound, which restores the signs of test functions
 //! and the number of unstable eigenvalues.
 
+use super::bounds::AT_START;
 use super::curve_point::CurvePoint;
 use super::located::Located;
 use super::separation::Parts;
@@ -42,7 +43,7 @@ impl Parts<'_, '_> {
         };
         let is_new = |it: &Located| {
             let known = found.iter().any(|other| other.event == it.event);
-            it.along < end.along && !(it.event.is_some() && known)
+            it.along < end.along - AT_START && !(it.event.is_some() && known)
         };
         let new: Vec<Located> = further.into_iter().filter(is_new).collect();
         found.extend(new);
