@@ -10,11 +10,13 @@ use super::observer::SceneObserver;
 use super::resolve::{Resolution, Resolved, ResolvedSweep};
 use super::simulate::{Simulated, foresee_settling, simulate};
 use super::statement::{Run, Start, Way};
+use crate::core::bvp::Method;
 use crate::core::continuation::{Branch, Continuation, End, SpecialPoint, Steps};
 use crate::core::hybrid::HybridState;
 use crate::core::local_map::LocalMap;
 use crate::core::problem::{Group, position};
 use crate::core::system::{Kind, System};
+use crate::language::Model;
 use crate::output::{Document, drop_missing_points, restrict_to_finished};
 use cpu_time::ThreadTime;
 use std::collections::HashSet;
@@ -274,8 +276,8 @@ fn trace(
         forecast::branch(&resolved.run.name, &steps, began, observer);
         steps.run(observer)
     })?;
-    let on_mesh = branch.method.starts_with("collocation");
-    let jumps = resolved.problem.text().is_some_and(crate::language::Model::may_jump);
+    let on_mesh = matches!(branch.method.parse(), Ok(Method::Collocation(_)));
+    let jumps = resolved.problem.text().is_some_and(Model::may_jump);
     let jumping = (on_mesh && jumps).then(|| JUMPING.to_string());
     let warnings = warning.into_iter().chain(resolved.problem.jumps()).chain(jumping);
     branch.warnings.splice(..0, warnings);

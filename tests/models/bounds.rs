@@ -57,6 +57,17 @@ fn branch_points_before_a_bound_are_found() {
     }
 }
 
+/// The step passes m = 0.2, before the bound, and m = 0 and m = −0.1, beyond the bound: one branch point
+/// explains the change over the whole step, wherever it lies.
+#[test]
+fn a_branch_point_beyond_a_bound_explains_no_change_before_the_bound() {
+    let problem = r#"Equations(states: [("u", "m*(0.2 - m)*(m + 0.1)*u - u^3"), ("v", "-v - u + sin(t)")],
+        parameters: [("m", 2)], period: "2*pi")"#;
+    let found = values(&towards_bound(problem, SIMULATED), Kind::BP, "m");
+    assert_eq!(found.len(), 1, "{found:?}");
+    close(found[0], 0.2, 1e-9);
+}
+
 #[test]
 fn torus_points_before_a_bound_are_found() {
     let problem = r#"Equations(states: [("u", "m*(0.2 - m)*u - 0.3*w - u*(u^2 + w^2)"),

@@ -5,6 +5,7 @@ use super::at::At;
 use super::null::NullVectors;
 use crate::core::failure::Failure;
 use crate::core::linalg::{Form, dot, generic};
+use crate::core::numerics::{isolated_root, starting_direction};
 use nalgebra::{DMatrix, DVector};
 
 impl NullVectors {
@@ -197,42 +198,29 @@ fn quadratic(form: &DMatrix<f64>) -> Vec<Vec<f64>> {
 /// The number of starting directions of Newton's method per unknown.
 const STARTS: usize = 60;
 
-/// Computes the isolated real directions in which several quadratic forms vanish, by Newton's
-/// method on the unit sphere from many directions.
+/// Computes the isolated real directions in which several quadratic forms vanish.
 fn intersection(forms: &[DMatrix<f64>]) -> Vec<Vec<f64>> {
     let count = forms.len() + 1;
+    let size = forms.iter().fold(0.0, |most: f64, form| most.max(form.amax()));
+    let linearised = |a: &DVector<f64>| {
+        let (mut residual, mut matrix) = (DVector::zeros(count), DMatrix::zeros(count, count));
+        for (j, form) in forms.iter().enumerate() {
+            let slope = form * a;
+            residual[j] = a.dot(&slope) / size;
+            matrix.set_row(j, &(2.0 / size * slope.transpose()));
+        }
+        residual[count - 1] = 0.5 * (a.norm_squared() - 1.0);
+        matrix.set_row(count - 1, &a.transpose());
+        (residual, matrix)
+    };
     let mut roots: Vec<DVector<f64>> = Vec::new();
     for seed in 0..STARTS * count {
-        let start = DVector::from_vec(generic(count, seed)) - DVector::repeat(count, 0.1);
-        let Some(root) = polished(forms, start.normalize()) else { continue };
+        let Some(root) = isolated_root(starting_direction(count, seed), linearised) else {
+            continue;
+        };
         if roots.iter().all(|other| other.dot(&root).abs() < 1.0 - 1e-9) {
             roots.push(root);
         }
     }
     roots.iter().map(|root| root.as_slice().to_vec()).collect()
-}
-
-/// Refines an approximate root direction by Newton's method; `None` if the root is not isolated.
-fn polished(forms: &[DMatrix<f64>], mut a: DVector<f64>) -> Option<DVector<f64>> {
-    let count = a.len();
-    let size = forms.iter().fold(0.0, |most: f64, form| most.max(form.amax()));
-    for _ in 0..50 {
-        let mut matrix = DMatrix::zeros(count, count);
-        let mut residual = DVector::zeros(count);
-        for (j, form) in forms.iter().enumerate() {
-            let slope = form * &a;
-            residual[j] = a.dot(&slope) / size;
-            matrix.set_row(j, &(2.0 / size * slope.transpose()));
-        }
-        matrix.set_row(count - 1, &a.transpose());
-        let lu = matrix.lu();
-        let isolated = lu.u().diagonal().iter().all(|pivot| pivot.abs() > 1e-7);
-        let correction = lu.solve(&residual)?;
-        a -= &correction;
-        a.normalize_mut();
-        if correction.norm() < 1e-13 {
-            return isolated.then_some(a);
-        }
-    }
-    None
 }

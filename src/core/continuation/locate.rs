@@ -53,9 +53,6 @@ const JUMP: f64 = 0.1;
 /// rounding errors.
 const MOST_HALVINGS: usize = 40;
 
-/// The names of the numbers that give the frequency of a critical pair.
-const FREQUENCIES: [&str; 2] = ["hopf_frequency", "torus_angle"];
-
 impl Locator<'_, '_> {
     /// Locates the event with the index `index` among the events of the curve. Returns `None` if
     /// the sign change of the event's test function was caused by several other events.
@@ -249,8 +246,8 @@ impl Locator<'_, '_> {
     /// eigenvalue, as symmetric systems have, solves the equations of a Hopf point, and rounding
     /// turns the eigenvalue into a pair with a tiny imaginary part.
     fn is_still(&self, located: &Located) -> bool {
-        let mut numbers = located.special.numbers.iter();
-        let frequency = numbers.find(|it| FREQUENCIES.contains(&it.name.as_str()));
+        let special = &located.special;
+        let frequency = special.number("hopf_frequency").or_else(|| special.number("torus_angle"));
         let Some(frequency) = frequency else { return false };
         let ends = [self.interval.from, self.interval.to];
         let spectra = ends.map(|place| place.spectrum.as_deref().unwrap_or_default());

@@ -41,9 +41,13 @@ impl Parts<'_, '_> {
             (further, None) => further,
             (further, Some(change)) => self.separated(from, &first, (further, change), at_start),
         };
+        let is_same = |it: &Located, other: &Located| {
+            let near = (other.along - it.along).abs() <= AT_START;
+            // The place of an unconverged point depends on the interval.
+            other.event == it.event && (near || !other.special.converged)
+        };
         let is_new = |it: &Located| {
-            let known = found.iter().any(|other| other.event == it.event);
-            it.along < end.along - AT_START && !(it.event.is_some() && known)
+            it.along < end.along - AT_START && !before.iter().any(|other| is_same(it, other))
         };
         let new: Vec<Located> = further.into_iter().filter(is_new).collect();
         found.extend(new);

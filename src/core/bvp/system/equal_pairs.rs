@@ -18,24 +18,19 @@
 
 use super::rest::{Mode, Rest};
 use crate::core::failure::Failure;
-use crate::core::linalg::generic;
-use crate::core::scalar::Scalar;
+use crate::core::numerics::{isolated_root, starting_direction};
 use faer::c64;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{Complex, DMatrix, DVector};
 use num_dual::Dual64;
+use num_traits::{One, Zero};
 
-/// The number of starting directions of Newton's method per pair.
-const STARTS: usize = 40;
-
-/// The maximal number of iterations of Newton's method for one direction.
-const ITERATIONS: usize = 60;
+/// Heuristic: the number of starting directions of Newton's method per pair. Of 120 starts for two pairs,
+/// at least 16 converged to each of three directions.
+const STARTS: usize = 60;
 
 /// Rounding: two values `κ` are equal if they differ by less than this fraction of the largest
 /// coefficient.
 const EQUAL: f64 = 1e-6;
-
-/// Rounding: a direction is isolated if all pivots of the Jacobian are larger than this threshold.
-const ISOLATED: f64 = 1e-6;
 
 /// Returns one of the directions in which cycles emanate from a Hopf point with `count` equal pairs, as an
 /// eigenvector with the eigenvalue `iω`.
@@ -60,13 +55,6 @@ pub(super) fn direction(
     let z = directions.get(which).ok_or_else(|| Failure::no_branch(which, directions.len()))?;
     let component = |i: usize| pairs.iter().zip(z).map(|(pair, z)| pair.vector[i] * z).sum();
     Ok(Mode { value, vector: (0..rest.state.len()).map(component).collect() })
-}
-
-/// A complex number as real and imaginary part, in any scalar type.
-type Parts<T> = [T; 2];
-
-fn product<T: Scalar>(a: Parts<T>, b: Parts<T>) -> Parts<T> {
-    [a[0] * b[0] - a[1] * b[1], a[0] * b[1] + a[1] * b[0]]
 }
 
 /// The cubic terms `G` of the amplitudes, divided by the largest coefficient.
@@ -115,17 +103,16 @@ impl Cubic {
     }
 
     /// Computes `G(z)`.
-    fn value<T: Scalar>(&self, z: &[Parts<T>]) -> Vec<Parts<T>> {
-        let mut sums = vec![[T::zero(); 2]; self.count];
-        let mut terms = self.terms.iter();
+    fn value(&self, z: &[Complex<Dual64>]) -> Vec<Complex<Dual64>> {
+        let number =
+            |term: &c64| -> Complex<Dual64> { Complex::new(term.re.into(), term.im.into()) };
+        let mut terms = self.terms.iter().map(number);
+        let mut sums = vec![Complex::new(Dual64::zero(), Dual64::zero()); self.count];
         for sum in &mut sums {
-            for i in 0..self.count {
-                for j in 0..self.count {
-                    let both = product(z[i], z[j]);
-                    for (z, term) in z.iter().zip(terms.by_ref()) {
-                        let all = product(both, [z[0], -z[1]]);
-                        let own = product(all, [term.re, term.im].map(T::constant));
-                        *sum = [sum[0] + own[0], sum[1] + own[1]];
+            for a in z {
+                for b in z {
+                    for (c, term) in z.iter().zip(terms.by_ref()) {
+                        *sum += term * a * b * c.conj();
                     }
                 }
             }
@@ -133,82 +120,57 @@ impl Cubic {
         sums
     }
 
-    /// Computes the left sides of `G(z) = κ z`, `|z|² = 1` and `Im (s̄·z) = 0` for a fixed `s`, which
-    /// determines the phase of `z`; `y` contains `z` and `κ`.
-    fn residual<T: Scalar>(&self, y: &[T], s: &[f64]) -> Vec<T> {
-        let numbers: Vec<Parts<T>> = y.as_chunks().0.to_vec();
+    /// Computes the left sides of `G(z) = κ z`, `|z|² = 1` and `Im (s̄·z) = 0`, where `y` contains `z` and
+    /// `κ`, and a fixed `s` determines the phase of `z`.
+    fn residual(&self, y: &[Dual64], s: &[f64]) -> Vec<Dual64> {
+        let numbers: Vec<_> =
+            y.as_chunks().0.iter().map(|[re, im]| Complex::new(*re, *im)).collect();
         let (z, kappa) = numbers.split_at(self.count);
-        let cubic = self.value(z);
-        let mut out = Vec::with_capacity(y.len());
-        for (g, z) in cubic.iter().zip(z) {
-            let turned = product(*z, kappa[0]);
-            out.extend([g[0] - turned[0], g[1] - turned[1]]);
-        }
-        let norm = z.iter().fold(-T::one(), |sum, z| sum + z[0] * z[0] + z[1] * z[1]);
+        let left = self.value(z).into_iter().zip(z).map(|(g, z)| g - z * kappa[0]);
+        let norm = z.iter().fold(-Dual64::one(), |sum, z| sum + z.norm_sqr());
         let phase = z.iter().zip(s.as_chunks::<2>().0);
-        let phase = phase.fold(T::zero(), |sum, (z, s)| sum + z[1] * s[0] - z[0] * s[1]);
-        out.extend([norm, phase]);
-        out
+        let phase = phase.fold(Dual64::zero(), |sum, (z, s)| sum + z.im * s[0] - z.re * s[1]);
+        left.flat_map(|c| [c.re, c.im]).chain([norm, phase]).collect()
     }
 
-    /// Refines an approximate direction by Newton's method; `None` if the direction is not isolated, or
-    /// if the method does not converge.
-    fn polished(&self, s: &[f64]) -> Option<Vec<f64>> {
-        let start: Vec<Parts<f64>> = s.as_chunks().0.to_vec();
-        let along = start.iter().zip(self.value(&start));
-        let kappa = along.fold([0.0; 2], |sum, (z, g)| {
-            let own = product([z[0], -z[1]], g);
-            [sum[0] + own[0], sum[1] + own[1]]
-        });
-        let mut y = [s, &kappa].concat();
-        let size = y.len();
-        for _ in 0..ITERATIONS {
-            let column = |k: usize| {
-                let seeded = y.iter().enumerate();
-                let seeded: Vec<Dual64> =
-                    seeded.map(|(i, y)| Dual64::new(*y, f64::from(u8::from(i == k)))).collect();
-                self.residual(&seeded, s)
-            };
-            let columns: Vec<Vec<Dual64>> = (0..size).map(column).collect();
-            let lu = DMatrix::from_fn(size, size, |i, j| columns[j][i].eps).lu();
-            let isolated = lu.u().diagonal().iter().all(|pivot| pivot.abs() > ISOLATED);
-            let correction = lu.solve(&DVector::from_vec(self.residual(&y, s)))?;
-            let length = correction.norm();
-            // A long correction leaves the region in which the equations are nearly linear.
-            let damping = (0.5 / length).min(1.0);
-            y.iter_mut().zip(&correction).for_each(|(y, d)| *y -= damping * d);
-            if !length.is_finite() {
-                return None;
-            }
-            if length < 1e-13 {
-                return isolated.then_some(y);
-            }
-        }
-        None
+    /// Computes the first value of `κ`, `s̄·G(s)`: from `κ = 0`, few searches converge to
+    /// some of the roots.
+    fn rate_along(&self, s: &[f64]) -> [f64; 2] {
+        let number = |[re, im]: &[f64; 2]| Complex::new((*re).into(), (*im).into());
+        let z: Vec<Complex<Dual64>> = s.as_chunks().0.iter().map(number).collect();
+        let products = z.iter().zip(self.value(&z)).map(|(z, g)| z.conj() * g);
+        products.fold([0.0; 2], |[re, im], product| [re + product.re.re, im + product.im.re])
+    }
+
+    /// Returns the left sides of the equations for a direction, and their Jacobian.
+    fn linearised(&self, y: &DVector<f64>, s: &[f64]) -> (DVector<f64>, DMatrix<f64>) {
+        let column = |k: usize| {
+            let seeded = y.iter().enumerate().map(|(i, y)| Dual64::new(*y, f64::from(i == k)));
+            self.residual(&seeded.collect::<Vec<_>>(), s)
+        };
+        let columns: Vec<Vec<Dual64>> = (0..y.len()).map(column).collect();
+        let residual = DVector::from_fn(y.len(), |i, _| columns[0][i].re);
+        (residual, DMatrix::from_fn(y.len(), y.len(), |i, j| columns[j][i].eps))
     }
 
     /// Returns one direction `z` for each value `κ`, in the order of the real parts of `κ`.
     fn directions(&self) -> Vec<Vec<c64>> {
-        let mut found: Vec<Vec<f64>> = Vec::new();
-        let kappa = |y: &[f64]| [y[2 * self.count], y[2 * self.count + 1]];
+        let mut found: Vec<Vec<c64>> = Vec::new();
+        let kappa = |numbers: &[c64]| numbers[self.count];
         for seed in 0..STARTS * self.count {
-            let start = DVector::from_vec(generic(2 * self.count, seed));
-            let start = (start - DVector::repeat(2 * self.count, 0.1)).normalize();
-            let Some(y) = self.polished(start.as_slice()) else { continue };
-            let [re, im] = kappa(&y);
-            let is_known = |other: &Vec<f64>| {
-                let [a, b] = kappa(other);
-                (a - re).hypot(b - im) <= EQUAL
-            };
-            if !found.iter().any(is_known) {
-                found.push(y);
+            let start = starting_direction(2 * self.count, seed);
+            let s = start.as_slice();
+            let y = DVector::from_vec([s, &self.rate_along(s)].concat());
+            let Some(y) = isolated_root(y, |y| self.linearised(y, s)) else { continue };
+            let numbers = y.as_slice().as_chunks().0.iter();
+            let numbers: Vec<c64> = numbers.map(|[re, im]| c64::new(*re, *im)).collect();
+            let distance = |other: &Vec<c64>| (kappa(other) - kappa(&numbers)).norm_sqr().sqrt();
+            if found.iter().all(|other| distance(other) > EQUAL) {
+                found.push(numbers);
             }
         }
-        found.sort_by(|a, b| kappa(a)[0].total_cmp(&kappa(b)[0]));
-        let numbers = |y: Vec<f64>| -> Vec<c64> {
-            let all = y.as_chunks::<2>().0.iter().take(self.count);
-            all.map(|[re, im]| c64::new(*re, *im)).collect()
-        };
-        found.into_iter().map(numbers).collect()
+        found.sort_by(|a, b| kappa(a).re.total_cmp(&kappa(b).re));
+        found.iter_mut().for_each(|numbers| numbers.truncate(self.count));
+        found
     }
 }

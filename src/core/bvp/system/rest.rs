@@ -92,7 +92,8 @@ impl Shifted {
     /// Solves `(s − F_x) x = right`.
     pub fn solve(&self, right: &[c64]) -> Result<Vec<c64>, Failure> {
         let solution = self.0.solve(&DVector::from_column_slice(right));
-        let solution = solution.ok_or_else(|| unusable(0.0, 1.0))?;
+        let sizes = || self.0.u().diagonal().map(|pivot| pivot.norm_sqr().sqrt());
+        let solution = solution.ok_or_else(|| unusable(sizes().min(), sizes().max()))?;
         Ok(solution.iter().copied().collect())
     }
 }
