@@ -128,6 +128,22 @@ fn belong_together(folder: &Path, files: &Files) -> bool {
         == drawn.ok().as_ref().map(|it| it.as_bytes())
 }
 
+/// Whether a kill fell between two renames: the files belong together once the temporary files, which
+/// are written in full before the first rename, have their final names.
+fn between_renames(files: &Files, temporary: &Files) -> bool {
+    let folder = tempfile::tempdir().unwrap();
+    let mut renamed = files.clone();
+    for (name, content) in temporary {
+        // `.NAME.PROCESS.tmp`
+        let name = name.trim_start_matches('.').rsplitn(3, '.').nth(2).unwrap();
+        renamed.insert(name.into(), content.clone());
+    }
+    for (name, content) in &renamed {
+        std::fs::write(folder.path().join(name), content).unwrap();
+    }
+    !temporary.is_empty() && belong_together(folder.path(), &renamed)
+}
+
 /// A folder in which runs are killed.
 pub struct Case<'a> {
     command: &'a Command,
@@ -192,16 +208,23 @@ impl<'a> Case<'a> {
         let Command { whole, old, .. } = self.command;
         let (hidden, files): (Files, Files) =
             files(out).into_iter().partition(|(name, _)| name.starts_with('.'));
+        let temporary: Files =
+            hidden.into_iter().filter(|(name, _)| name.ends_with(".tmp")).collect();
         let counted = &mut self.counted;
         if !belong_together(out, &files) {
-            counted.wrong.push(format!("files that do not belong together: {:?}", files.keys()));
+            match killed && between_renames(&files, &temporary) {
+                true => counted.between += 1,
+                false => counted
+                    .wrong
+                    .push(format!("files that do not belong together: {:?}", files.keys())),
+            }
         }
         if !killed {
             counted.too_late += 1;
             return;
         }
         counted.kills += 1;
-        counted.leftovers += usize::from(hidden.keys().any(|name| name.ends_with(".tmp")));
+        counted.leftovers += usize::from(!temporary.is_empty());
         match &files {
             files if files.is_empty() => counted.nothing += 1,
             files if files == old => counted.old += 1,

@@ -8,7 +8,8 @@
 //! file appears, and the command is then left to end. What must hold:
 //!
 //! - After every kill each file is whole, and the picture is the one that the data beside it make:
-//!   both old or both new.
+//!   both old or both new. Only a kill between the renames of two files separates them; the temporary
+//!   files that it leaves are the missing new files.
 //! - After the last run the files have the bytes of a run that nobody killed, and nothing else is
 //!   in the folder.
 

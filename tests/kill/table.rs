@@ -18,14 +18,26 @@ pub struct Counted {
     pub whole: usize,
     /// Kills after which there were temporary files.
     pub leftovers: usize,
+    /// Kills between the renames of two files of one result.
+    pub between: usize,
     pub wrong: Vec<String>,
 }
 
 impl Counted {
     pub fn new(command: &'static str, signal: Signal) -> Self {
-        let [kills, too_late, nothing, old, partly, whole, leftovers] = [0; 7];
-        let wrong = Vec::new();
-        Counted { command, signal, kills, too_late, nothing, old, partly, whole, leftovers, wrong }
+        Counted {
+            command,
+            signal,
+            kills: 0,
+            too_late: 0,
+            nothing: 0,
+            old: 0,
+            partly: 0,
+            whole: 0,
+            leftovers: 0,
+            between: 0,
+            wrong: Vec::new(),
+        }
     }
 }
 
@@ -44,21 +56,22 @@ impl Table {
         row.partly += more.partly;
         row.whole += more.whole;
         row.leftovers += more.leftovers;
+        row.between += more.between;
         row.wrong.extend(more.wrong);
     }
 
     /// Prints all rows; a failure if anything is wrong.
     pub fn print(&self) -> ExitCode {
         println!(
-            "| command | signal | kills | too late | no files | old | in part | whole | temporary files | wrong |"
+            "| command | signal | kills | too late | no files | old | in part | whole | temporary files | between renames | wrong |"
         );
-        println!("|---|---|---|---|---|---|---|---|---|---|");
+        println!("|---|---|---|---|---|---|---|---|---|---|---|");
         for row in self.0.values() {
             let Counted { command, signal, kills, too_late, nothing, old, .. } = row;
-            let Counted { partly, whole, leftovers, wrong, .. } = row;
+            let Counted { partly, whole, leftovers, between, wrong, .. } = row;
             let wrong = wrong.len();
             println!(
-                "| {command} | {signal:?} | {kills} | {too_late} | {nothing} | {old} | {partly} | {whole} | {leftovers} | {wrong} |"
+                "| {command} | {signal:?} | {kills} | {too_late} | {nothing} | {old} | {partly} | {whole} | {leftovers} | {between} | {wrong} |"
             );
         }
         let wrong: Vec<&String> = self.0.values().flat_map(|row| &row.wrong).collect();
