@@ -1,6 +1,7 @@
 //! Equations that are given as text.
 
 mod bounds;
+mod conservative;
 mod curves;
 mod cycle_findings;
 mod errors;

@@ -1,6 +1,7 @@
 //! A curve, together with the components that compute and record its points.
 
 use super::arnoldi::{Crossings, count_crossings};
+use super::conservative::{self, besides_second_one};
 use super::corrector::Corrector;
 use super::curve_point::CurvePoint;
 use super::detector::Detector;
@@ -101,11 +102,27 @@ impl Curve<'_> {
         })
     }
 
+    /// Treats the curve from now on as a [family of cycles](super::conservative) at one value of the
+    /// continued parameter, and updates points that were recorded before. No normal form and no
+    /// sensitivity describes a special point of the family, since the parameter does not vary.
+    pub fn becomes_family(&mut self, places: [&mut CurvePoint; 3]) {
+        self.corrector.sensitivities = false;
+        self.detector.events.iter_mut().for_each(|event| event.normal_form = None);
+        self.recorder.family = true;
+        for place in places {
+            place.spectrum = place.spectrum.as_deref().map(besides_second_one);
+            place.stability = place.spectrum.as_deref().map(conservative::stability);
+            place.point.unstable = place.stability.map(|it| it.unstable);
+        }
+    }
+
     /// Returns the value of the test function of an event and the stability at a point.
     pub fn reading(&self, event: usize, place: &CurvePoint) -> Reading {
+        // The slope of a constant parameter is an error, and no multiplier passes 1 at its zeros.
+        let slope = if self.recorder.family { 1.0 } else { self.corrector.slope(&place.tangent) };
         Reading {
             value: place.tests[event],
-            slope: self.corrector.slope(&place.tangent),
+            slope,
             vertical: place.vertical,
             determinant: place.determinant,
             stability: place.stability,

@@ -49,7 +49,8 @@ pub(super) fn describe(
         }
         None => None,
     };
-    if !converged {
+    // In a family of cycles, a pair of multipliers is critical together, up to errors.
+    if !converged || recorder.family {
         point.unstable = common_count(event.critical, sides);
     }
     let spectrum = spectrum.unwrap_or_default();

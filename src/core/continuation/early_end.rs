@@ -231,16 +231,19 @@ fn approach(corrector: &mut Corrector, place: &CurvePoint) -> Option<Approach> {
     system.discretised()?.approach(x)
 }
 
-/// Heuristic: if deviations grow by more than this factor over a segment, the growth is reported as
-/// the reason why steps are short.
-const STEEP: f64 = 1e5;
+/// Heuristic: if deviations grow by more than the first factor over a segment, the growth is reported
+/// as the reason why no step succeeds; by more than the second factor, as the reason why steps are short.
+const STEEP: [f64; 2] = [1e3, 1e5];
 
 /// Returns the factor by which deviations grow over a segment of the last assembled orbit, if the
 /// growth may be the reason why one half of a branch ended.
 pub(super) fn stopping_growth(corrector: &mut Corrector, end: &End) -> Option<f64> {
-    let stopped =
-        matches!(end, End::StepTooSmall { .. } | End::NoProgress { .. } | End::PointLimit { .. });
+    let steep = match end {
+        End::StepTooSmall { .. } => STEEP[0],
+        End::NoProgress { .. } | End::PointLimit { .. } => STEEP[1],
+        _ => return None,
+    };
     let At { system, x, .. } = corrector.equations.at();
     let growth = system.traits(x).growth;
-    (stopped && growth > STEEP).then_some(growth)
+    (growth > steep).then_some(growth)
 }

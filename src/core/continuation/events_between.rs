@@ -58,7 +58,9 @@ pub(super) fn events_between(
             continue;
         }
         // At a pitchfork the parameter has an extremum, too.
-        let turns = at_start.is_some_and(|it| it.from_branch_point) && event.kind == Kind::LP;
+        let from_branch_point = at_start.is_some_and(|it| it.from_branch_point);
+        // The parameter is constant along a family of cycles.
+        let turns = (from_branch_point || locator.curve.recorder.family) && event.kind == Kind::LP;
         // A flat fold changes stability; rounding on a vertical branch does not. At a start on a
         // fold, rounding determines in which of the two directions stability changes.
         let (doubtful, counted) = (event.test.is_doubtful(ends), event.test.counts(ends));

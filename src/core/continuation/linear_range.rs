@@ -1,6 +1,7 @@
 //! The distance along a branch from a zero solution at which nonlinear terms become significant.
 
 use super::corrector::Corrector;
+use crate::core::bifurcation::At;
 use crate::core::failure::Failure;
 use crate::core::linalg::norm;
 use std::ops::Range;
@@ -10,6 +11,11 @@ use std::ops::Range;
 /// The average may contain a few equations that consist of rounding errors only.
 const LINEAR: f64 = 0.05;
 const NONLINEAR: f64 = 0.3;
+
+/// Rounding: an equation depends linearly on the unknowns if its derivative along the tangent is larger
+/// than this fraction of the largest derivative. By symmetry, the derivatives of other equations vanish;
+/// all their terms are nonlinear, at any length.
+const DEPENDENT: f64 = 1e-12;
 
 /// Rounding: from a zero start, the search for the length at which nonlinear terms become
 /// significant begins at this length, which is so small that unknowns can have any unit.
@@ -64,6 +70,8 @@ struct Terms<'c, 'a> {
     groups: Vec<Range<usize>>,
     /// The left sides of the equations at the start.
     start: Vec<f64>,
+    /// Whether each equation depends linearly on the unknowns along the tangent.
+    linear: Vec<bool>,
 }
 
 impl<'c, 'a> Terms<'c, 'a> {
@@ -73,10 +81,29 @@ impl<'c, 'a> Terms<'c, 'a> {
         tangent: &'c [f64],
         groups: Vec<Range<usize>>,
     ) -> Result<Self, Failure> {
-        let mut terms = Terms { corrector, unknowns, tangent, groups, start: Vec::new() };
-        terms.start = vec![0.0; unknowns.len()];
+        let (start, linear) = (vec![0.0; unknowns.len()], Vec::new());
+        let mut terms = Terms { corrector, unknowns, tangent, groups, start, linear };
         terms.start = terms.change(0.0, &(0..0))?;
+        terms.linear = terms.linear_equations()?;
         Ok(terms)
+    }
+
+    /// Returns, for each equation, whether it depends linearly on some group of unknowns.
+    fn linear_equations(&mut self) -> Result<Vec<bool>, Failure> {
+        let equations = &mut self.corrector.equations;
+        equations.load(self.unknowns);
+        let mut sizes = vec![0.0_f64; equations.dimension()];
+        let mut slope = sizes.clone();
+        for group in &self.groups {
+            let mut along = vec![0.0; self.tangent.len()];
+            along[group.clone()].copy_from_slice(&self.tangent[group.clone()]);
+            let direction = equations.direction_of(&along);
+            let At { system, x, .. } = equations.at();
+            system.derivative(x, &[&direction], &mut slope)?;
+            sizes.iter_mut().zip(&slope).for_each(|(size, slope)| *size += slope.abs());
+        }
+        let largest = sizes.iter().copied().fold(0.0, f64::max);
+        Ok(sizes.iter().map(|size| *size > DEPENDENT * largest).collect())
     }
 
     /// Returns the change of the residual if one group of unknowns is displaced along its part of
@@ -104,8 +131,9 @@ impl<'c, 'a> Terms<'c, 'a> {
             let change = self.change(length, &group).ok()?;
             terms.iter_mut().zip(change).for_each(|(sum, r)| *sum += r.abs());
         }
-        let rows = whole.iter().zip(&terms).filter(|(_, terms)| **terms > 0.0);
-        let shares: Vec<f64> = rows.map(|(left, terms)| left.abs() / terms).collect();
+        let rows = whole.iter().zip(&terms).zip(&self.linear);
+        let rows = rows.filter(|((_, terms), linear)| **linear && **terms > 0.0);
+        let shares: Vec<f64> = rows.map(|((left, terms), _)| left.abs() / terms).collect();
         let mean = shares.iter().sum::<f64>() / shares.len() as f64;
         Some(mean).filter(|mean| mean.is_finite())
     }

@@ -29,8 +29,8 @@
 //! - **Events**: `event`, `detector` (test functions), `events_between`, `locate` with
 //!   `defining_system`, `bracket`, `bisection` and `limit`, `describe`, `refiner` (finer
 //!   discretisations), `double_crossing` (two events in one step), `separation` (several events in
-//!   one step), `unexplained` (changes of stability without an event) and `cluster` (several
-//!   eigenvalues that pass zero together).
+//!   one step), `unexplained` (changes of stability without an event), `cluster` (several
+//!   eigenvalues that pass zero together) and `conservative` (families of cycles at one parameter value).
 //! - **Solutions without continuation**: `root_search` (all solutions at given parameters).
 //! - **Branches**: `steps` (the iterator over points), `half` (one half of a branch), `bounds`, `closing`,
 //!   `early_end`, `snaking`, `jump_end` and `progress` (reasons for the end of a branch), `log` (labels),
@@ -47,6 +47,7 @@ mod branch_jump;
 mod builder;
 mod closing;
 mod cluster;
+mod conservative;
 mod corrector;
 mod crossing;
 mod curve;

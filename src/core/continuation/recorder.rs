@@ -2,6 +2,7 @@
 
 use super::admissible;
 use super::branch::{Point, SpecialPoint};
+use super::conservative::{self, besides_second_one};
 use super::corrector::Corrector;
 use super::curve_point::CurvePoint;
 use super::end::End;
@@ -49,6 +50,9 @@ pub(super) struct Recorder {
     /// Whether events are detected by the numbers of unstable eigenvalues, not counting the
     /// eigenvalues that are critical at all points of the curve.
     counts: bool,
+    /// Whether the curve is a [family of cycles](super::conservative) at one value of the continued
+    /// parameter.
+    pub family: bool,
 }
 
 impl Recorder {
@@ -73,7 +77,8 @@ impl Recorder {
             || dividing.is_some() && settings.detect.is_empty()
             || events.iter().any(|event| event.test.needs() == Needs::Eigenvalues);
         let (solutions, critical) = (held.is_empty(), critical.collect());
-        Recorder { attached, solutions, stability, eigenvalues, critical, dividing, counts }
+        let family = false;
+        Recorder { attached, solutions, stability, eigenvalues, critical, dividing, counts, family }
     }
 
     /// Returns a spectrum without the eigenvalues that are critical at all points of the curve.
@@ -119,7 +124,11 @@ impl Recorder {
         monitors.extend(equations.recorded());
         let eigenvalues = deciding(spectrum.as_deref().unwrap_or_default(), self.eigenvalues);
         let others = spectrum.clone().map(|all| self.others(dynamics, all));
-        let stability = others.as_deref().map(|all| Stability::of(dynamics, all));
+        let count = |all: &[(f64, f64)]| match self.family {
+            true => conservative::stability(all),
+            false => Stability::of(dynamics, all),
+        };
+        let stability = others.as_deref().map(count);
         let unstable = stability.filter(|_| self.solutions).map(|stability| stability.unstable);
         let recorded = Point::new(parameters, monitors, unstable);
         let point = Point { undetermined, eigenvalues, admissible, ..recorded };
@@ -144,7 +153,11 @@ impl Recorder {
         };
         match found {
             Err(Failure::Undetermined(reason)) => Ok((None, Some(reason))),
-            found => found.map(|spectrum| (spectrum, None)),
+            found => {
+                let all = found?;
+                let all = if self.family { all.as_deref().map(besides_second_one) } else { all };
+                Ok((all, None))
+            }
         }
     }
 

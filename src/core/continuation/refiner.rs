@@ -10,7 +10,7 @@ use super::meaning::Meaning;
 use super::mesh_share::{MeshShare, Shortfall};
 use super::recorder::Recorder;
 use crate::core::bifurcation::{DefiningSystem, Hopf, Quantity, deciding, unstable_besides};
-use crate::core::linalg::{Spectrum, generic, normalise};
+use crate::core::linalg::{generic, normalise};
 use crate::core::numerics::error_of_last;
 use crate::core::problem::Dynamics;
 use crate::core::system::{Kind, Refinement, System, SystemRef};
@@ -111,8 +111,13 @@ impl Refiner {
             && special.undetermined.is_none()
             && let Some(spectrum) = recorder.spectrum_at(&mut equations, &unknowns)
         {
-            let dynamics = corrector.equations.system().dynamics();
-            take_spectrum(special, event, dynamics, &spectrum);
+            // Necessary at a fold of cycles, where the multiplier 1 is double with a single eigenvector: a
+            // discretisation error changes the two multipliers by its square root.
+            special.eigenvalues = deciding(&spectrum, SpecialPoint::EIGENVALUES);
+            if special.unstable.is_some() && !event.mirror && !recorder.family {
+                let dynamics = corrector.equations.system().dynamics();
+                special.unstable = Some(unstable_besides(event.critical, dynamics, &spectrum));
+            }
         }
         share
     }
@@ -289,22 +294,6 @@ fn displaced(unknowns: &[f64], weights: &[f64], (by, seed): (f64, usize)) -> Vec
     normalise(&mut direction);
     let parts = unknowns.iter().zip(weights).zip(direction);
     parts.map(|((x, weight), along)| x + by * scale(*weight) * along).collect()
-}
-
-/// Replaces the multipliers of a special point, and the number of unstable multipliers, by their
-/// values on a finer discretisation. The replacement is necessary at a fold of cycles, where the
-/// multiplier 1 is double with a single eigenvector: a discretisation error changes the two
-/// multipliers by its square root.
-fn take_spectrum(
-    special: &mut SpecialPoint,
-    event: &Event,
-    dynamics: Dynamics,
-    spectrum: &Spectrum,
-) {
-    special.eigenvalues = deciding(spectrum, SpecialPoint::EIGENVALUES);
-    if special.unstable.is_some() && !event.mirror {
-        special.unstable = Some(unstable_besides(event.critical, dynamics, spectrum));
-    }
 }
 
 /// A special point on a finer discretisation.

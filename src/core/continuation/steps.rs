@@ -4,6 +4,7 @@ use super::admissible::{is_within_at_end, subkind};
 use super::bounds::{AT_START, Bounds, end_at};
 use super::branch::{Branch, HALVED, Point, SpecialPoint, Traced};
 use super::closing::{Reference, returns_to_parent};
+use super::conservative::{self, is_family};
 use super::curve::Curve;
 use super::curve_point::{CurvePoint, Interval};
 use super::double_crossing::double_crossing;
@@ -168,14 +169,17 @@ impl Steps<'_> {
         self.log.short_of(self.settings.refinement);
         // The matrix method is known only after the first point.
         self.log.branch.method = system.representation().method;
-        let start = self.start.point.clone();
+        let (start, family) = (self.start.point.clone(), self.curve.recorder.family);
         let missing =
             || Half { end: End::Interrupted, ..Half::new(self.start.clone(), false, 0.0) };
         let [behind, mut ahead] =
             [self.behind.take(), self.ahead.take()].map(|half| half.unwrap_or_else(missing));
         ahead.special.splice(..0, self.marked);
         let mut branch = behind.join(start, ahead, self.log.branch);
-        branch.warnings.extend(turns::unexplained(&branch));
+        branch.warnings.extend(match family {
+            true => Some(conservative::warning(&branch)),
+            false => turns::unexplained(&branch),
+        });
         branch
     }
 
@@ -417,6 +421,11 @@ impl Steps<'_> {
                 return Some(jump.unwrap_or_else(|| self.end_of_steps(half, (step, cause))));
             }
         };
+        if points == 0 && !curve.recorder.family && is_family(curve, &half.last, &step) {
+            curve.becomes_family([&mut half.last, &mut half.start, &mut self.start]);
+            half.try_again(step.length);
+            return None;
+        }
         let dynamics = curve.corrector.equations.system().dynamics();
         if ends_on_special_point(dynamics, &half.last, &step) {
             half.try_again(BESIDE * step.length);
@@ -544,7 +553,8 @@ impl Steps<'_> {
         }
         let Curve { corrector, detector, recorder, .. } = &mut self.curve;
         // A branch is followed up to a bound of the period.
-        let snakes = recorder.solutions && !self.bounds.are_on(PERIOD, &detector.events);
+        let is_free = !recorder.family && !self.bounds.are_on(PERIOD, &detector.events);
+        let snakes = recorder.solutions && is_free;
         let was_small = half.early_end.small;
         let (end, crawl) = half.early_end(corrector, &self.settings, &step, snakes);
         let value = step.place.unknowns[corrector.equations.parameters_at()];

@@ -44,6 +44,10 @@ const AT_ORIGIN: f64 = 1e-6;
 /// units of the imaginary part.
 const NEAR_THE_AXIS: f64 = 1e-4;
 
+/// Rounding: a component of an eigenvector of the balanced matrix that is smaller than this fraction of
+/// the largest component is zero up to rounding, as for states that do not oscillate in the mode.
+const STILL: f64 = 1e-13;
+
 /// The name of the eigenvalues in errors.
 const AT_HOPF: &str = "eigenvalues at the Hopf point";
 
@@ -64,7 +68,13 @@ fn modes(matrix: &[f64], n: usize) -> Result<Vec<Mode>, Failure> {
     let matrix = faer::MatRef::from_column_major_slice(&balanced, n, n);
     let decomposition = matrix.eigen().map_err(|_| Failure::Eigenvalues(AT_HOPF))?;
     let (values, vectors) = (decomposition.S().column_vector(), decomposition.U());
-    let vector = |k: usize| (0..n).map(|i| vectors[(i, k)] * units[i]).collect();
+    let size = |entry: c64| entry.re.hypot(entry.im);
+    let vector = |k: usize| {
+        let column = (0..n).map(|i| vectors[(i, k)]);
+        let largest = column.clone().map(size).fold(0.0, f64::max);
+        let moves = |v: c64| if size(v) > STILL * largest { v } else { c64::new(0.0, 0.0) };
+        column.zip(&units).map(|(v, unit)| moves(v) * *unit).collect()
+    };
     Ok((0..n).map(|k| Mode { value: values[k], vector: vector(k) }).collect())
 }
 
