@@ -39,10 +39,10 @@ impl Find {
         let found = scene.find(&request);
         let Found { unknowns, roots } = found.map_err(|cause| self.scene.at_fault(cause))?;
         let Roots { roots, starts, lost, outside, inadmissible } = roots;
-        let names: Vec<String> = unknowns.iter().map(|name| format!("{name:>18}")).collect();
+        let names: Vec<String> = unknowns.iter().map(|name| format!(" {name:>18}")).collect();
         writeln!(out, "{}  unstable  eigenvalues", names.concat())?;
         for Root { unknowns, eigenvalues, unstable } in &roots {
-            let values = unknowns.iter().map(|value| format!("{:>18}", significant(*value, 12)));
+            let values = unknowns.iter().map(|value| format!(" {:>18}", significant(*value, 12)));
             let unstable = unstable.map_or(String::new(), |count| count.to_string());
             let eigenvalues: Vec<String> = eigenvalues.iter().map(in_words).collect();
             let values = values.collect::<String>();

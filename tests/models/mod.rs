@@ -1,5 +1,6 @@
 //! Equations that are given as text.
 
+mod border_collisions;
 mod bounds;
 mod conservative;
 mod curves;

@@ -33,12 +33,15 @@ pub struct Watched {
     /// the event there; if it does, its value there does not count as a distance
     /// ([`Measure::Distance`]).
     pub vanishes: [bool; 2],
+    /// Whether the scalar can have any value at the start of the segment, because the event there moves
+    /// the state at a given time; if the flag is set, the first value counts as a distance.
+    pub starts_anywhere: bool,
 }
 
 impl Watched {
     /// Creates a monitored scalar on a segment.
     pub fn new(segment: usize, observable: Observable) -> Self {
-        Watched { segment, observable, vanishes: [false; 2] }
+        Watched { segment, observable, vanishes: [false; 2], starts_anywhere: false }
     }
 
     /// Creates the monitored scalar for a state on a segment.
@@ -55,6 +58,11 @@ impl Watched {
     /// the end of the segment.
     pub fn vanishing(self, vanishes: [bool; 2]) -> Self {
         Watched { vanishes, ..self }
+    }
+
+    /// Sets whether the first value of the scalar on the segment counts as a distance.
+    pub fn starting_anywhere(self, starts_anywhere: bool) -> Self {
+        Watched { starts_anywhere, ..self }
     }
 }
 

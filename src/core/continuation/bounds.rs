@@ -1,6 +1,7 @@
 //! Bounds of parameters and monitors, and the terminal events at which a branch ends.
 
 use super::admissible::AT_LIMIT;
+use super::branch::SpecialPoint;
 use super::curve::Curve;
 use super::curve_point::CurvePoint;
 use super::defining_system::solve;
@@ -134,7 +135,9 @@ impl Bounds {
                 let test = it.event.map(|event| &events[event].test);
                 it.special.kind != Kind::UZ && test.is_some_and(|test| test.level().is_none())
             };
-            found.retain(|it| !bifurcation(it) || it.along < at.along - AT_START);
+            let is_at =
+                |it: &Located| it.along >= at.along - AT_START || are_one(&it.special, &at.special);
+            found.retain(|it| !bifurcation(it) || !is_at(it));
         }
         let bound = at.event.filter(|event| self.holds(*event));
         let end = bound.and_then(|event| end_at(&events[event], at.special.subkind.clone()));
@@ -144,6 +147,19 @@ impl Bounds {
         let event = at.special.event.clone();
         Some((end.unwrap_or(End::Event { event }), at))
     }
+}
+
+/// Rounding: two special points of one step have the same parameters if the differences are smaller than
+/// this fraction of the parameters.
+const EQUAL: f64 = 1e-12;
+
+/// Whether two special points of one step have the same parameters, up to their errors. Where two legs of a
+/// symmetric orbit vanish together, Newton's method converges slowly in the direction of their durations.
+fn are_one(one: &SpecialPoint, other: &SpecialPoint) -> bool {
+    let near = |(a, b): (&f64, &f64)| {
+        (a - b).abs() <= one.error + other.error + EQUAL * a.abs().max(b.abs())
+    };
+    one.converged && other.converged && one.parameters.iter().zip(&other.parameters).all(near)
 }
 
 /// Returns the end of a branch at a bound, with the standard name of the solution at the end.

@@ -184,6 +184,18 @@ pub enum TraceError {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Setting(#[from] SettingError),
+    /// A curve of special points starts at a special point of another kind.
+    #[error(
+        "a curve of {held} points ({}) cannot start at a point of the kind {start} ({})",
+        held.meaning(), start.meaning()
+    )]
+    #[diagnostic(help("start at a point of the kind {held}, or hold {start}"))]
+    OtherKind {
+        /// The held kind.
+        held: crate::core::system::Kind,
+        /// The kind of the special point at the start.
+        start: crate::core::system::Kind,
+    },
     /// Several errors, each described by another variant of this type.
     #[error("{}", several(.0))]
     Several(Vec<TraceError>),

@@ -60,6 +60,7 @@ pub(super) fn resolve(curve: &mut Continuation) -> Result<(Resolved, Start), Tra
     let multipliers = curve.system.traits(&curve.x).smooth_multipliers;
     let limits = limits(curve).map_err(not_started)?;
     check_held(&curve.held, curve.system.dynamics())?;
+    check_kind(&curve.held, curve.origin.as_ref())?;
     let quantities = Quantities::new(curve.system.names(), &curve.attached);
     let dynamics = curve.system.dynamics();
     let of = (&curve.held[..], curve.origin.as_ref());
@@ -304,6 +305,24 @@ fn check_held(
     match refused {
         Some((kind, reason)) => Err(TraceError::NotOfProblem { kind, reason }),
         None => Ok(()),
+    }
+}
+
+/// The kinds of special points of codimension one that do not coincide on a branch of solutions.
+const DISTINCT: [Kind; 6] = [Kind::LP, Kind::BP, Kind::HB, Kind::PD, Kind::TR, Kind::G];
+
+/// Returns an error if a curve of special points of one kind starts at a special point of another kind
+/// of codimension one: Newton's method might converge to a different curve.
+fn check_kind(
+    held: &[(Kind, Option<MakeCondition>)],
+    origin: Option<&Solution>,
+) -> Result<(), TraceError> {
+    let ([(kind, None)], Some(origin)) = (held, origin) else { return Ok(()) };
+    let differs =
+        *kind != origin.kind && [*kind, origin.kind].iter().all(|it| DISTINCT.contains(it));
+    match differs && origin.condition.is_none() {
+        true => Err(TraceError::OtherKind { held: *kind, start: origin.kind }),
+        false => Ok(()),
     }
 }
 

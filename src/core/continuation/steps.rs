@@ -426,6 +426,10 @@ impl Steps<'_> {
             half.try_again(step.length);
             return None;
         }
+        if points == 0 && curve.recorder.family {
+            let parameter = curve.corrector.equations.parameters_at();
+            half.early_end.constant = Some(half.start.unknowns[parameter]);
+        }
         let dynamics = curve.corrector.equations.system().dynamics();
         if ends_on_special_point(dynamics, &half.last, &step) {
             half.try_again(BESIDE * step.length);

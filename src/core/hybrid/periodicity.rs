@@ -16,7 +16,8 @@ const AGREES: f64 = 1e-3;
 /// close to a jump of the rate that rounding decides the comparison.
 const LEAST: usize = 2;
 
-/// Rounding: a change of a rate is zero if it is smaller than this fraction of the rate.
+/// Rounding: a change of a rate is zero if it is smaller than this fraction of the rate, or of the rate at
+/// which the state changes by its size in one period: rates along a surface on which motion slides are rounding errors.
 const ROUNDING: f64 = 1e-12;
 
 /// The error of a forced system whose rates change from period to period.
@@ -83,7 +84,9 @@ pub fn check_period(system: &dyn HybridEquations, p: &[f64]) -> Result<(), NotPe
         for k in 0..now[0].len() {
             let all: Vec<f64> = now.iter().map(|values| values[k]).collect();
             let [low, high] = [f64::min, f64::max].map(|of| all.iter().copied().fold(all[0], of));
-            let allowed = AGREES * (high - low) + ROUNDING * largest(&all);
+            let usual =
+                sizes.get(k).filter(|_| k < x.len()).map_or(0.0, |size| size / period.abs());
+            let allowed = AGREES * (high - low) + ROUNDING * largest(&all).max(usual);
             let change = |i: &usize| (now[*i][k] - later[*i][k]).abs();
             let mut differing = (0..TIMES).filter(|i| change(i) > allowed);
             if let (Some(i), true) = (differing.next(), differing.count() + 1 >= LEAST) {

@@ -93,7 +93,11 @@ fn watched_guards(legs: &OrbitLegs) -> Vec<Watched> {
             // releases it.
             let rested = *accumulates_to == Some(before.mode);
             let own = [rested || entry == Some(name), leg.exit == Some(guard)];
-            watched.push(Watched::function(s, guard).vanishing(own));
+            // An event at a given time may move the state beyond a surface.
+            let is_timed = before.exit.is_some_and(|guard| legs.guards[guard].is_timed());
+            let starts_anywhere = is_timed && !legs.layout.smooth;
+            let watch = Watched::function(s, guard).vanishing(own);
+            watched.push(watch.starting_anywhere(starts_anywhere));
         }
     }
     watched

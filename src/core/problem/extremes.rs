@@ -120,19 +120,27 @@ impl<P: Copy + Default> Extremes<P> {
 
     /// Returns the local minima that count as distances from the surface: the minima inside the
     /// leg, and the end of the leg. The flags `vanishes` state whether the scalar vanishes in the
-    /// event that begins the leg, and in the event that ends the leg. If the scalar vanishes in one
-    /// of these events, the end of the leg does not count. A minimum also does not count if the
+    /// event that begins the leg, and in the event that ends the leg. If the scalar vanishes in the
+    /// event that ends the leg, the end of the leg does not count; if the scalar vanishes at the
+    /// beginning, the end counts if the scalar has risen and falls there. A minimum also does not count if the
     /// scalar is monotonic between the beginning of the leg and the minimum, or between the minimum
     /// and the end of the leg, since such a minimum is the event itself. If the reset of the event
     /// moves the state away from the surface, as in a spiking neuron, the scalar does not vanish at
-    /// the beginning of the leg, and its minima there count.
-    fn dips(&self, vanishes: [bool; 2]) -> impl Iterator<Item = Sighting<P>> {
-        let [begins, ends] = vanishes;
+    /// the beginning of the leg, and its minima there count. If the leg `starts_anywhere`, its beginning
+    /// counts, too.
+    pub fn dips(
+        &self,
+        [begins, ends]: [bool; 2],
+        starts_anywhere: bool,
+    ) -> impl Iterator<Item = Sighting<P>> + use<P> {
         let begins = begins && self.first.is_none_or(|first| first.abs() <= ON * self.scale);
         let leading = self.leading.filter(|_| !begins);
         let trailing = self.trailing.filter(|_| !ends && (self.risen[0] || !begins));
-        let last = self.last.filter(|_| vanishes == [false; 2]);
-        leading.into_iter().chain(self.between).chain(trailing).chain(last)
+        let falls = self.risen[1] && self.falling;
+        let last = self.last.filter(|_| !ends && (!begins || falls));
+        let value = self.first.filter(|_| starts_anywhere);
+        let first = value.map(|value| Sighting { place: P::default(), value });
+        first.into_iter().chain(leading).chain(self.between).chain(trailing).chain(last)
     }
 }
 
@@ -152,12 +160,12 @@ impl<P> Default for Overall<P> {
 }
 
 impl<P: Copy> Overall<P> {
-    /// Adds the extremes of a leg; the flags `vanishes` state whether the scalar vanishes in the
-    /// events that begin and end the leg.
+    /// Adds the extremes of a leg, and those of its local minima that count as distances from a
+    /// surface.
     pub fn take<Q: Copy + Default>(
         &mut self,
         leg: &Extremes<Q>,
-        vanishes: [bool; 2],
+        dips: impl Iterator<Item = Sighting<Q>>,
         place: impl Fn(Q) -> P,
     ) {
         let placed = |s: Sighting<Q>| Sighting { place: place(s.place), value: s.value };
@@ -168,7 +176,7 @@ impl<P: Copy> Overall<P> {
         if smallest.is_none_or(|known| leg.smallest.value <= known.value) {
             *smallest = Some(placed(leg.smallest));
         }
-        for dip in leg.dips(vanishes) {
+        for dip in dips {
             if nearest.is_none_or(|known| dip.value < known.value) {
                 *nearest = Some(placed(dip));
             }

@@ -209,7 +209,8 @@ impl Monitors {
         let mut overall = Overall::default();
         for w in monitor.of_extremes() {
             if let Some(extremes) = self.extremes.of_scalar(*w) {
-                overall.take(extremes, w.vanishes, |place| (*w, place));
+                let dips = extremes.dips(w.vanishes, w.starts_anywhere);
+                overall.take(extremes, dips, |place| (*w, place));
             }
         }
         overall
