@@ -153,7 +153,7 @@ impl Bounds {
 /// this fraction of the parameters.
 const EQUAL: f64 = 1e-12;
 
-/// Whether two special points of one step have the same parameters, up to their errors. Where two legs of a
+/// Whether two special points of one step have the same parameters, up to their errors. Where two parts of a
 /// symmetric orbit vanish together, Newton's method converges slowly in the direction of their durations.
 fn are_one(one: &SpecialPoint, other: &SpecialPoint) -> bool {
     let near = |(a, b): (&f64, &f64)| {

@@ -3,39 +3,31 @@
 //! The cycles of a conservative system form families. To continue a family, the equations receive a
 //! parameter that makes them dissipative; this parameter is zero, up to errors, along the family
 //! (F. J. Muñoz-Almaraz, E. Freire, J. Galán, E. Doedel and A. Vanderbauwhede, *Physica D* 181 (2003)).
-//! Each cycle of the family has a second multiplier 1, in addition to the multiplier 1 of the phase,
-//! and the other multipliers occur in pairs with the product 1.
+//! Each cycle of the family has a second multiplier 1, in addition to the multiplier 1 of the phase
+//! ([`paired_multipliers`](super::paired_multipliers)).
 
 use super::branch::Branch;
 use super::curve::Curve;
 use super::curve_point::CurvePoint;
 use super::step_control::Step;
-use crate::core::bifurcation::{At, Critical, Stability, without_critical};
-use crate::core::linalg::Spectrum;
+use crate::core::bifurcation::{At, Critical};
 use crate::core::problem::Dynamics;
 
 /// Rounding: the parameter is constant along a branch if its slope with respect to scaled arclength
-/// is smaller than this threshold, or smaller than the discretisation error. Cycles that emanate
-/// from a Hopf point have smaller slopes only if the first Lyapunov coefficient vanishes.
-const CONSTANT: f64 = 1e-9;
+/// is smaller than the first threshold, or smaller than the discretisation error and the second threshold.
+/// Cycles that emanate from a Hopf point have such slopes only if the first Lyapunov coefficient vanishes.
+const CONSTANT: [f64; 2] = [1e-9, 1e-5];
 
 /// Discretisation: the second multiplier 1 may have an error of this size. It is double with one
 /// eigenvector, so its error is the square root of the discretisation error.
 const NEAR_ONE: f64 = 1e-3;
-
-/// Discretisation: the moduli of multipliers on the unit circle may have errors of this size.
-const NEAR_CIRCLE: f64 = 1e-2;
-
-/// Discretisation: the logarithm of the product of all multipliers may have an error of this size. On the
-/// coarsest meshes, large multipliers have relative errors of a few percent.
-const NEAR_PRODUCT: f64 = 0.1;
 
 /// Whether the continued parameter is constant over the first step of a branch of cycles, and the
 /// cycle at the end of the step has a second multiplier 1.
 pub(super) fn is_family(curve: &mut Curve, from: &CurvePoint, step: &Step) -> bool {
     let corrector = &mut curve.corrector;
     let (to, first) = (&step.place, corrector.equations.parameters_at());
-    let constant = CONSTANT.max(corrector.mesh_error(&to.unknowns));
+    let constant = corrector.mesh_error(&to.unknowns).clamp(CONSTANT[0], CONSTANT[1]);
     let At { system, x, .. } = corrector.equations.at();
     let is_autonomous = system.traits(x).free_period.is_some();
     let change = corrector.norm.scaled(first, to.unknowns[first] - from.unknowns[first]);
@@ -58,39 +50,4 @@ pub(super) fn warning(branch: &Branch) -> String {
          system: folds are not sought, and neither `unstable` nor the saved multipliers include the second \
          multiplier 1, which all cycles of the family have"
     )
-}
-
-/// Returns the multipliers of a cycle of a family without the second multiplier 1. If the product of
-/// the other multipliers is 1, complex multipliers near the unit circle lie on the circle, unless
-/// they are half of a quadruple `μ, μ̄, 1/μ, 1/μ̄`.
-pub(super) fn besides_second_one(spectrum: &[(f64, f64)]) -> Spectrum {
-    let distance = |mu: &(f64, f64)| Critical::One.distance(Dynamics::Periodic, mu);
-    let others = without_critical(spectrum, 1, distance);
-    let product: f64 = others.iter().map(|(re, im)| re.hypot(*im).ln()).sum();
-    if product.abs() > NEAR_PRODUCT {
-        return others;
-    }
-    others.iter().map(|mu| on_circle(*mu, &others)).collect()
-}
-
-/// Counts the unstable multipliers of a cycle of a family. Pairs with a product larger than 1 are not
-/// counted, because the products of real pairs are 1, up to errors.
-pub(super) fn stability(others: &[(f64, f64)]) -> Stability {
-    Stability { odd_pairs: false, ..Stability::of(Dynamics::Periodic, others) }
-}
-
-/// Returns a multiplier on the unit circle without its numerical error; other multipliers are
-/// returned unchanged. The inverse of the conjugate of a multiplier on the circle is the multiplier
-/// itself; otherwise it is another multiplier.
-fn on_circle(mu: (f64, f64), all: &[(f64, f64)]) -> (f64, f64) {
-    let size = mu.0.hypot(mu.1);
-    let inverse = (mu.0 / (size * size), mu.1 / (size * size));
-    let distance = |other: &(f64, f64)| (other.0 - inverse.0).hypot(other.1 - inverse.1);
-    let own = distance(&mu);
-    let is_other = |other: &&(f64, f64)| other.0 != mu.0 || other.1.abs() != mu.1.abs();
-    let in_quadruple = all.iter().filter(is_other).any(|other| distance(other) < own);
-    if mu.1 == 0.0 || (size - 1.0).abs() > NEAR_CIRCLE || in_quadruple {
-        return mu;
-    }
-    (mu.0 / size, mu.1 / size)
 }

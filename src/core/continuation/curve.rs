@@ -1,11 +1,11 @@
 //! A curve, together with the components that compute and record its points.
 
 use super::arnoldi::{Crossings, count_crossings};
-use super::conservative::{self, besides_second_one};
 use super::corrector::Corrector;
 use super::curve_point::CurvePoint;
 use super::detector::Detector;
 use super::newton::ROUGHLY;
+use super::paired_multipliers::{self, besides_second_one};
 use super::recorder::{Recorded, Recorder};
 use super::refiner::Refiner;
 use crate::core::bifurcation::{Reading, nearest_to_critical};
@@ -111,7 +111,7 @@ impl Curve<'_> {
         self.recorder.family = true;
         for place in places {
             place.spectrum = place.spectrum.as_deref().map(besides_second_one);
-            place.stability = place.spectrum.as_deref().map(conservative::stability);
+            place.stability = place.spectrum.as_deref().map(paired_multipliers::stability);
             place.point.unstable = place.stability.map(|it| it.unstable);
         }
     }

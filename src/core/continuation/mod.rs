@@ -30,7 +30,7 @@
 //!   `defining_system`, `bracket`, `bisection` and `limit`, `describe`, `refiner` (finer
 //!   discretisations), `double_crossing` (two events in one step), `separation` (several events in
 //!   one step), `unexplained` (changes of stability without an event), `cluster` (several
-//!   eigenvalues that pass zero together) and `conservative` (families of cycles at one parameter value).
+//!   eigenvalues that pass zero together) and `conservative` with `paired_multipliers` (families of cycles at one parameter value).
 //! - **Solutions without continuation**: `root_search` (all solutions at given parameters).
 //! - **Branches**: `steps` (the iterator over points), `half` (one half of a branch), `bounds`, `closing`,
 //!   `early_end`, `snaking`, `jump_end` and `progress` (reasons for the end of a branch), `log` (labels),
@@ -82,6 +82,7 @@ mod mesh_target;
 mod metric;
 mod newton;
 mod overshoot;
+mod paired_multipliers;
 mod persistence;
 mod predictor;
 mod progress;

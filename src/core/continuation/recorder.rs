@@ -2,13 +2,13 @@
 
 use super::admissible;
 use super::branch::{Point, SpecialPoint};
-use super::conservative::{self, besides_second_one};
 use super::corrector::Corrector;
 use super::curve_point::CurvePoint;
 use super::end::End;
 use super::event::Event;
 use super::extended::Extended;
 use super::function::{Attached, TestPoint};
+use super::paired_multipliers::{self, besides_second_one};
 use super::settings::Settings;
 use crate::core::bifurcation::{
     At, Critical, Needs, Stability, catalogue, deciding, without_critical, without_event,
@@ -125,7 +125,7 @@ impl Recorder {
         let eigenvalues = deciding(spectrum.as_deref().unwrap_or_default(), self.eigenvalues);
         let others = spectrum.clone().map(|all| self.others(dynamics, all));
         let count = |all: &[(f64, f64)]| match self.family {
-            true => conservative::stability(all),
+            true => paired_multipliers::stability(all),
             false => Stability::of(dynamics, all),
         };
         let stability = others.as_deref().map(count);
