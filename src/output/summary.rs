@@ -29,6 +29,13 @@ const DIGITS: usize = 6;
 /// The maximum number of intervals of stability that the summary lists.
 const MOST: usize = 3;
 
+/// Rounding: a parameter is constant along a branch if it changes by less than this number, or by less
+/// than this fraction of its value.
+const CONSTANT: f64 = 1e-6;
+
+/// Heuristic: a period varies along a branch if it changes by more than this fraction of its value.
+const VARIES: f64 = 1e-3;
+
 impl fmt::Display for Summary<'_> {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let Branch { name, points, ends, released, .. } = self.0;
@@ -144,20 +151,41 @@ impl Summary<'_> {
 
     /// Returns the value of the continuation parameter at a point.
     fn value(&self, index: usize) -> f64 {
-        let column = self.0.released.first().and_then(|name| self.0.column(name));
+        self.value_in(self.0.released.first().and_then(|name| self.0.column(name)), index)
+    }
+
+    /// Returns the value in a column at a point.
+    fn value_in(&self, column: Option<usize>, index: usize) -> f64 {
         column.and_then(|column| self.0.points[index].value(column)).unwrap_or(f64::NAN)
     }
 
     /// Returns the value of the continuation parameter at which stability changes between a given
     /// point of the branch and the next point: the value at a special point between the two points,
     /// or else the value at the point with the index `otherwise`.
-    fn boundary(&self, index: usize, otherwise: usize) -> f64 {
+    fn boundary(&self, column: Option<usize>, index: usize, otherwise: usize) -> f64 {
         let keeps = |kind| matches!(kind, Kind::EP | Kind::UZ | Kind::RG | Kind::MX | Kind::ND);
         let mut special = self.0.special.iter().filter(|point| point.after == index);
         let special = special.find(|point| point.converged && !keeps(point.kind));
-        let column = self.0.released.first().and_then(|name| self.0.column(name));
         let value = special.zip(column).and_then(|(point, column)| point.value(column));
-        value.unwrap_or_else(|| self.value(otherwise))
+        value.unwrap_or_else(|| self.value_in(column, otherwise))
+    }
+
+    /// Returns the column in which intervals of stability are given: the continued parameter or, along
+    /// a family of cycles at one value of the parameter, the period.
+    fn ruler(&self) -> (Option<usize>, &str) {
+        let range = |column: usize| {
+            let values = || self.0.points.iter().filter_map(|point| point.value(column));
+            let [low, high] =
+                [f64::min, f64::max].map(|of| values().reduce(of).unwrap_or(f64::NAN));
+            (high - low) / low.abs().max(high.abs()).max(1.0)
+        };
+        let continued = self.0.released.first().and_then(|name| self.0.column(name));
+        let period = self.0.column("period");
+        let is_constant = continued.is_some_and(|column| range(column) <= CONSTANT);
+        match period.filter(|column| is_constant && range(*column) > VARIES) {
+            Some(column) => (Some(column), "for period "),
+            None => (continued, ""),
+        }
     }
 
     /// Describes the intervals in which the branch is stable; `None` if its solutions have no
@@ -166,27 +194,29 @@ impl Summary<'_> {
         let points = &self.0.points;
         let stable = |index: usize| points[index].unstable == Some(0) && points[index].admissible;
         points.iter().find(|point| point.unstable.is_some())?;
+        let (column, name) = self.ruler();
+        let value = |index: usize| self.value_in(column, index);
         let mut intervals: Vec<[f64; 2]> = Vec::new();
         for index in (0..points.len()).filter(|index| stable(*index)) {
             if index == 0 || !stable(index - 1) {
                 // The first point may be the special point at which the branch emanates.
                 let from = match index {
-                    0 => self.value(0),
-                    1 => self.boundary(0, 0),
-                    _ => self.boundary(index - 1, index),
+                    0 => value(0),
+                    1 => self.boundary(column, 0, 0),
+                    _ => self.boundary(column, index - 1, index),
                 };
                 intervals.push([from; 2]);
             }
             let goes_on = index + 1 == points.len() || stable(index + 1);
-            let to = if goes_on { self.value(index) } else { self.boundary(index, index) };
+            let to = if goes_on { value(index) } else { self.boundary(column, index, index) };
             if let Some([low, high]) = intervals.last_mut() {
-                for value in [self.value(index), to] {
+                for value in [value(index), to] {
                     (*low, *high) = (low.min(value), high.max(value));
                 }
             }
         }
         // At an end where stability changes, the critical eigenvalue does not count as unstable.
-        if (1..points.len()).any(|index| self.value(index) != self.value(0)) {
+        if (1..points.len()).any(|index| value(index) != value(0)) {
             intervals.retain(|[low, high]| low < high);
         }
         Some(match &intervals[..] {
@@ -206,7 +236,7 @@ impl Summary<'_> {
                     0 => String::new(),
                     more => format!(", and {more} more"),
                 };
-                format!("stable {}{more}", listed.join(", "))
+                format!("stable {name}{}{more}", listed.join(", "))
             }
         })
     }

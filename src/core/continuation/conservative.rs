@@ -38,6 +38,20 @@ pub(super) fn is_family(curve: &mut Curve, from: &CurvePoint, step: &Step) -> bo
     curve.recorder.solutions && is_autonomous && is_constant && has_second
 }
 
+/// Discretisation: the factor by which the change of the parameter along a family may exceed the
+/// discretisation error of the cycles.
+const LENIENCE: f64 = 10.0;
+
+/// Whether the change of the continued parameter since the start of a branch is larger than its error.
+/// This is the case if only the first terms of a dissipative vector field vanish, as near a degenerate
+/// Hopf point.
+pub(super) fn leaves_family(curve: &mut Curve, start: &CurvePoint, place: &CurvePoint) -> bool {
+    let corrector = &mut curve.corrector;
+    let first = corrector.equations.parameters_at();
+    let change = corrector.norm.scaled(first, place.unknowns[first] - start.unknowns[first]);
+    change.abs() > CONSTANT[0].max(LENIENCE * corrector.mesh_error(&place.unknowns))
+}
+
 /// Returns the warning of a branch whose continued parameter is constant.
 pub(super) fn warning(branch: &Branch) -> String {
     let name = &branch.released[0];

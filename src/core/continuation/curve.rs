@@ -8,7 +8,7 @@ use super::newton::ROUGHLY;
 use super::paired_multipliers::{self, besides_second_one};
 use super::recorder::{Recorded, Recorder};
 use super::refiner::Refiner;
-use crate::core::bifurcation::{Reading, nearest_to_critical};
+use crate::core::bifurcation::{ComputeNormalForm, Reading, nearest_to_critical};
 use crate::core::failure::{Failure, finite};
 
 /// Heuristic: the factor by which the error of eigenvalues may exceed the error of the matrix. The
@@ -24,6 +24,14 @@ pub(super) struct Curve<'a> {
     pub detector: Detector,
     pub recorder: Recorder,
     pub refiner: Refiner,
+    /// On a [family of cycles](super::conservative), the settings and normal forms that are not used.
+    pub unused: Option<Unused>,
+}
+
+/// The description of special points that does not apply to a [family of cycles](super::conservative).
+pub(super) struct Unused {
+    sensitivities: bool,
+    normal_forms: Vec<Option<ComputeNormalForm>>,
 }
 
 impl Curve<'_> {
@@ -106,14 +114,28 @@ impl Curve<'_> {
     /// continued parameter, and updates points that were recorded before. No normal form and no
     /// sensitivity describes a special point of the family, since the parameter does not vary.
     pub fn becomes_family(&mut self, places: [&mut CurvePoint; 3]) {
-        self.corrector.sensitivities = false;
-        self.detector.events.iter_mut().for_each(|event| event.normal_form = None);
+        let sensitivities = std::mem::replace(&mut self.corrector.sensitivities, false);
+        let events = self.detector.events.iter_mut();
+        let normal_forms = events.map(|event| event.normal_form.take()).collect();
+        self.unused = Some(Unused { sensitivities, normal_forms });
         self.recorder.family = true;
         for place in places {
             place.spectrum = place.spectrum.as_deref().map(besides_second_one);
             place.stability = place.spectrum.as_deref().map(paired_multipliers::stability);
             place.point.unstable = place.stability.map(|it| it.unstable);
         }
+    }
+
+    /// Treats the curve from now on as a branch along which the continued parameter varies. The stability
+    /// of the last point without the second multiplier 1 cannot be compared with the next point.
+    pub fn leaves_family(&mut self, last: &mut CurvePoint) {
+        self.recorder.family = false;
+        if let Some(Unused { sensitivities, normal_forms }) = self.unused.take() {
+            self.corrector.sensitivities = sensitivities;
+            let events = self.detector.events.iter_mut();
+            events.zip(normal_forms).for_each(|(event, form)| event.normal_form = form);
+        }
+        (last.spectrum, last.stability, last.point.unstable) = (None, None, None);
     }
 
     /// Returns the value of the test function of an event and the stability at a point.

@@ -75,9 +75,6 @@ pub(super) struct EarlyEnd {
     standstill: Standstill,
     /// Whether the states of some segment have become small compared with their scales.
     pub small: bool,
-    /// The value of the continued parameter along a [family of cycles](super::conservative), whose change
-    /// is a discretisation error.
-    pub constant: Option<f64>,
 }
 
 /// A leading eigenvalue of the saddle of homoclinic orbits, along one half of a branch.
@@ -128,14 +125,10 @@ impl EarlyEnd {
         before: &CurvePoint,
         is_finest: bool,
     ) -> Option<End> {
-        let first = corrector.equations.parameters_at();
-        let moved = self.constant.map_or(0.0, |value| place.unknowns[first] - value);
-        let moved = corrector.norm.scaled(first, moved).abs();
         corrector.equations.load(&place.unknowns);
         let At { system, x, .. } = corrector.equations.at();
         let Traits { mesh_error: error, free_period, least_size, .. } = system.traits(x);
         self.small |= least_size < SMALL;
-        let error = error.max(moved);
         let (limit, growth) = (settings.max_mesh_error, settings.max_period_growth);
         self.coarse = if error > limit { self.coarse + 1 } else { 0 };
         if self.coarse >= MOST_COARSE {

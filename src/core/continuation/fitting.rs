@@ -101,7 +101,7 @@ fn arrived(
     row: &[f64],
     is_resized: bool,
 ) -> Result<CurvePoint, NewtonError> {
-    let Curve { corrector, detector, recorder, refiner } = &mut *curve;
+    let Curve { corrector, detector, recorder, refiner, .. } = &mut *curve;
     let metric = corrector.norm.metric.clone();
     let restored = corrector.restore(&unknowns, metric, &refiner.held);
     if is_resized {

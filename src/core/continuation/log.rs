@@ -138,6 +138,16 @@ impl Log {
         ));
     }
 
+    /// Warns that the parameter varies from a value on, although it was constant at the start of the branch.
+    pub fn leaves_family(&mut self, value: f64) {
+        let continued = &self.branch.released[0];
+        self.branch.warnings.push(format!(
+            "at the start of this branch `{continued}` is constant, up to errors, as along a family of cycles of a conservative \
+             system, and varies after {continued} = {value:.3e}: before, folds are not sought, and `unstable` does not \
+             count a second multiplier 1"
+        ));
+    }
+
     /// Warns that states have become small at a value of the continued parameter.
     pub fn small_from(&mut self, value: f64) {
         let continued = &self.branch.released[0];

@@ -152,6 +152,7 @@ pub(super) fn begin<'a>(
             accuracy: settings.accuracy(),
             tolerances: settings.tolerances.clone(),
         },
+        unused: None,
     };
     let mut place = curve.arrive_first(unknowns, tangent, from_branch_point)?;
     if is_anew {

@@ -4,7 +4,7 @@ use super::admissible::{is_within_at_end, subkind};
 use super::bounds::{AT_START, Bounds, end_at};
 use super::branch::{Branch, HALVED, Point, SpecialPoint, Traced};
 use super::closing::{Reference, returns_to_parent};
-use super::conservative::{self, is_family};
+use super::conservative::{self, is_family, leaves_family};
 use super::curve::Curve;
 use super::curve_point::{CurvePoint, Interval};
 use super::double_crossing::double_crossing;
@@ -231,7 +231,7 @@ impl Steps<'_> {
     /// Returns the special points at marked values of parameters or monitors that coincide with the
     /// start.
     fn marked_start(&mut self) -> Vec<SpecialPoint> {
-        let Curve { corrector, detector, recorder, refiner } = &mut self.curve;
+        let Curve { corrector, detector, recorder, refiner, .. } = &mut self.curve;
         let mut marked = Vec::new();
         for (index, event) in detector.events.iter().enumerate() {
             let is_mark = event.kind == Kind::UZ && event.test.level().is_some();
@@ -426,9 +426,12 @@ impl Steps<'_> {
             half.try_again(step.length);
             return None;
         }
-        if points == 0 && curve.recorder.family {
+        if curve.recorder.family && leaves_family(curve, &half.start, &step.place) {
             let parameter = curve.corrector.equations.parameters_at();
-            half.early_end.constant = Some(half.start.unknowns[parameter]);
+            self.log.leaves_family(half.last.unknowns[parameter]);
+            curve.leaves_family(&mut half.last);
+            half.try_again(step.length);
+            return None;
         }
         let dynamics = curve.corrector.equations.system().dynamics();
         if ends_on_special_point(dynamics, &half.last, &step) {
