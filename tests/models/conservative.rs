@@ -120,6 +120,36 @@ fn the_family_of_a_pendulum_has_exact_periods() {
     }
 }
 
+/// A monitor that is undefined at some solutions ends the branch, whose earlier points are kept: on the coarse
+/// mesh of this Lotka–Volterra cycle a population becomes negative.
+#[test]
+fn an_undefined_monitor_ends_the_branch() {
+    let model = r#"Equations(states: [("x", "x*(1-y) + d*x*(1-x)"), ("y", "y*(x-1)")], parameters: [("d", 0)],
+        initial: [("x", 1), ("y", 1)], monitors: [("H", "log(0.2 - abs(x - 1))")], solution: equilibrium)"#;
+    let [family] = &families((model, 1), "", 100.0)[..] else { panic!() };
+    assert!(family.points.len() > 2);
+    let message = family.ends[1].to_string();
+    assert!(
+        message.contains("the monitor `max_H`") || message.contains("the monitor `H`"),
+        "{message}"
+    );
+}
+
+/// In a dissipative system whose terms of third and fifth order vanish, the first cycles look like a family.
+/// The fold of cycles is where the mean of `x'² (m + 0.3 x⁸ − 0.1 x¹²)` vanishes with its derivative (SciPy:
+/// m = −0.0629730598).
+#[test]
+fn folds_beyond_a_degenerate_hopf_point_are_found() {
+    let model = r#"Equations(states: [("x", "v"), ("v", "-x + (d + 0.3*x^8 - 0.1*x^12)*v")], parameters: [("d", -0.5)],
+        solution: equilibrium)"#;
+    for method in ["collocation(intervals: 20)", "shooting()"] {
+        let branches = families((model, 1), &format!(r#"("method", "{method}")"#), 100.0);
+        let folds: Vec<f64> = branches[0].of_kind(Kind::LP).map(|it| it.parameters[0]).collect();
+        assert_eq!(folds.len(), 1, "{method}: {:?}", branches[0].warnings);
+        close(folds[0], -0.0629730598, 1e-9);
+    }
+}
+
 /// A Hopf point with a very small first Lyapunov coefficient is no beginning of such a family.
 #[test]
 fn a_weakly_nonlinear_hopf_point_begins_no_family() {

@@ -13,7 +13,7 @@ use super::settings::Settings;
 use crate::core::bifurcation::{
     At, Critical, Needs, Stability, catalogue, deciding, without_critical, without_event,
 };
-use crate::core::failure::{Failure, one_line};
+use crate::core::failure::{Failure, finite, one_line};
 use crate::core::linalg::{Spectrum, SpectrumRequest};
 use crate::core::problem::{Dynamics, PlaneField};
 use crate::core::system::{Across, Kind, System};
@@ -21,6 +21,9 @@ use crate::core::system::{Across, Kind, System};
 /// Heuristic: the minimal number of eigenvalues computed at each point. The computed eigenvalues
 /// include the rightmost stable eigenvalues, whose real parts may reach zero in the next step.
 const LEAST: usize = 4;
+
+/// The remedy for a monitor that is not finite.
+const UNDEFINED: &str = "bound the branch before the solutions at which the monitor is undefined, or remove the monitor";
 
 /// The recorded data of a point, without its unknowns.
 pub(super) struct Recorded {
@@ -118,6 +121,8 @@ impl Recorder {
         let mut monitors = self.monitors(at, spectrum.as_ref())?;
         let At { system, x, .. } = equations.at();
         let (x, dynamics) = (x.to_vec(), system.dynamics());
+        let own = &system.names().monitors;
+        finite(&monitors[..own.len()], |k| format!("the monitor `{}`", own[k]), UNDEFINED)?;
         let parameters = x[n..].to_vec();
         let admissible = admissible::is_within(system, &parameters, &monitors)
             && admissible::check(system, &x, &monitors).is_ok();
