@@ -150,6 +150,24 @@ fn folds_beyond_a_degenerate_hopf_point_are_found() {
     }
 }
 
+/// Van der Pol's oscillator without damping is linear: its cycles of all amplitudes are a vertical branch, from
+/// which the cycles of amplitude 2 branch off.
+#[test]
+fn cycles_of_a_linear_oscillator_are_a_vertical_branch() {
+    let model = r#"Equations(states: [("x", "v"), ("v", "-x + d*(1 - x^2)*v")], parameters: [("d", -0.5)], solution: equilibrium)"#;
+    let rest = r#"(name: "rest", along: [(name: "d", low: -1, high: 1)])"#;
+    let branches = traced(&format!(
+        r#"Scene(title: "t", problem: {model}, settings: (max_step: 0.3), runs: [{rest},
+            (name: "v", start: From(run: "rest", kind: HB), along: [(name: "d", low: -1, high: 1)],
+                bounds: [(name: "max_x", high: 5)])])"#
+    ));
+    let cycles = &branches[1];
+    let [crossing] = &cycles.of_kind(Kind::BP).collect::<Vec<_>>()[..] else {
+        panic!("{:?}", cycles.special)
+    };
+    close(crossing.value(cycles.column("max_x").unwrap()).unwrap(), 2.0, 1e-9);
+}
+
 /// A Hopf point with a very small first Lyapunov coefficient is no beginning of such a family.
 #[test]
 fn a_weakly_nonlinear_hopf_point_begins_no_family() {

@@ -28,15 +28,38 @@ const LARGEST: f64 = 1e30;
 /// may differ from the exact length.
 const CLOSE: f64 = 1.1;
 
+/// Heuristic: the change of the parameter after which nonlinear terms are computed again, in units of the
+/// parameter's range.
+const ELSEWHERE: f64 = 0.25;
+
+/// Heuristic: nonlinear terms at the start are rounding errors if they become significant at a length larger
+/// by this factor than the length at another value of the parameter.
+const FARTHER: f64 = 1e3;
+
 /// Computes the length along a tangent at which nonlinear terms are comparable with linear terms,
 /// or at which a group of unknowns has changed by its own size; `None` if neither length exists. At
 /// a Hopf point, and at a branch point of zero solutions, no other quantity determines the size of
-/// the emanating solutions.
+/// the emanating solutions. If the nonlinear terms vanish at the start, as for van der Pol's oscillator
+/// without damping, the length is computed at another value of the parameter.
 pub(super) fn linear_range(
     corrector: &mut Corrector,
     unknowns: &[f64],
     tangent: &[f64],
 ) -> Option<f64> {
+    let here = range_at(corrector, unknowns, tangent);
+    let parameter = corrector.equations.parameters_at();
+    let mut beside = unknowns.to_vec();
+    beside[parameter] += ELSEWHERE / corrector.norm.scaled(parameter, 1.0);
+    let elsewhere = range_at(corrector, &beside, tangent);
+    corrector.equations.load(unknowns);
+    match (here, elsewhere) {
+        (Some(here), Some(elsewhere)) if here > FARTHER * elsewhere => Some(elsewhere),
+        (here, elsewhere) => here.or(elsewhere),
+    }
+}
+
+/// Computes the length at which nonlinear terms become significant, at the given parameters.
+fn range_at(corrector: &mut Corrector, unknowns: &[f64], tangent: &[f64]) -> Option<f64> {
     let groups = groups_along(corrector, tangent);
     let own = |group: &Range<usize>| norm(&unknowns[group.clone()]) / norm(&tangent[group.clone()]);
     let own = groups.iter().map(own).filter(|own| *own > 0.0).fold(f64::INFINITY, f64::min);
@@ -70,7 +93,9 @@ struct Terms<'c, 'a> {
     groups: Vec<Range<usize>>,
     /// The left sides of the equations at the start.
     start: Vec<f64>,
-    /// Whether each equation depends linearly on the unknowns along the tangent.
+    /// The derivatives of the left sides along the tangent, and whether each equation depends linearly
+    /// on the unknowns along the tangent.
+    slope: Vec<f64>,
     linear: Vec<bool>,
 }
 
@@ -81,19 +106,22 @@ impl<'c, 'a> Terms<'c, 'a> {
         tangent: &'c [f64],
         groups: Vec<Range<usize>>,
     ) -> Result<Self, Failure> {
-        let (start, linear) = (vec![0.0; unknowns.len()], Vec::new());
-        let mut terms = Terms { corrector, unknowns, tangent, groups, start, linear };
+        let start = vec![0.0; unknowns.len()];
+        let (slope, linear) = (Vec::new(), Vec::new());
+        let mut terms = Terms { corrector, unknowns, tangent, groups, start, slope, linear };
         terms.start = terms.change(0.0, &(0..0))?;
-        terms.linear = terms.linear_equations()?;
+        terms.differentiate()?;
         Ok(terms)
     }
 
-    /// Returns, for each equation, whether it depends linearly on some group of unknowns.
-    fn linear_equations(&mut self) -> Result<Vec<bool>, Failure> {
+    /// Computes, for each equation, the derivative along the tangent and whether the equation depends
+    /// linearly on some group of unknowns.
+    fn differentiate(&mut self) -> Result<(), Failure> {
         let equations = &mut self.corrector.equations;
         equations.load(self.unknowns);
         let mut sizes = vec![0.0_f64; equations.dimension()];
         let mut slope = sizes.clone();
+        self.slope.clone_from(&sizes);
         for group in &self.groups {
             let mut along = vec![0.0; self.tangent.len()];
             along[group.clone()].copy_from_slice(&self.tangent[group.clone()]);
@@ -101,9 +129,11 @@ impl<'c, 'a> Terms<'c, 'a> {
             let At { system, x, .. } = equations.at();
             system.derivative(x, &[&direction], &mut slope)?;
             sizes.iter_mut().zip(&slope).for_each(|(size, slope)| *size += slope.abs());
+            self.slope.iter_mut().zip(&slope).for_each(|(sum, slope)| *sum += slope);
         }
         let largest = sizes.iter().copied().fold(0.0, f64::max);
-        Ok(sizes.iter().map(|size| *size > DEPENDENT * largest).collect())
+        self.linear = sizes.iter().map(|size| *size > DEPENDENT * largest).collect();
+        Ok(())
     }
 
     /// Returns the change of the residual if one group of unknowns is displaced along its part of
@@ -120,9 +150,8 @@ impl<'c, 'a> Terms<'c, 'a> {
     }
 
     /// Returns the nonlinear fraction of the changes of the left sides over a length along the
-    /// tangent; `None` if the left sides do not change, or if they cannot be evaluated. Along a
-    /// null vector, the linear changes due to all groups of unknowns cancel in their sum, so the
-    /// remaining sum is nonlinear.
+    /// tangent; `None` if the left sides do not change, or if they cannot be evaluated. The nonlinear
+    /// part is the change without the derivative along the tangent, which vanishes along a null vector.
     fn nonlinearity(&mut self, length: f64) -> Option<f64> {
         let all = self.groups.first()?.start..self.groups.last()?.end;
         let whole = self.change(length, &all).ok()?;
@@ -131,7 +160,8 @@ impl<'c, 'a> Terms<'c, 'a> {
             let change = self.change(length, &group).ok()?;
             terms.iter_mut().zip(change).for_each(|(sum, r)| *sum += r.abs());
         }
-        let rows = whole.iter().zip(&terms).zip(&self.linear);
+        let changes = whole.iter().zip(&self.slope).map(|(left, slope)| left - length * slope);
+        let rows = changes.zip(&terms).zip(&self.linear);
         let rows = rows.filter(|((_, terms), linear)| **linear && **terms > 0.0);
         let shares: Vec<f64> = rows.map(|((left, terms), _)| left.abs() / terms).collect();
         let mean = shares.iter().sum::<f64>() / shares.len() as f64;
