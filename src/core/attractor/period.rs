@@ -227,7 +227,7 @@ impl<'a> Recorder<'a> {
             (Measure::Ends(position), _) => self.of.system.measure(*position, &legs, 1, p),
             (_, Accumulator::Extremes { extremes, .. }) => {
                 let mut overall = Overall::default();
-                overall.take(extremes, extremes.dips([false; 2], false), |()| ());
+                overall.take(extremes, extremes.dips([false; 2], [false; 2]), |()| ());
                 overall.value(measure)
             }
             (_, Accumulator::Rising { most, .. }) => most.unwrap_or(0.0),

@@ -33,15 +33,16 @@ pub struct Watched {
     /// the event there; if it does, its value there does not count as a distance
     /// ([`Measure::Distance`]).
     pub vanishes: [bool; 2],
-    /// Whether the scalar can have any value at the start of the segment, because the event there moves
-    /// the state at a given time; if the flag is set, the first value counts as a distance.
-    pub starts_anywhere: bool,
+    /// For the start and for the end of the segment, whether the scalar can have any value there: at the
+    /// start after an event that moves the state at a given time, at the end before the event of another
+    /// guard. If the flag is set, the value there can count as a distance.
+    pub free: [bool; 2],
 }
 
 impl Watched {
     /// Creates a monitored scalar on a segment.
     pub fn new(segment: usize, observable: Observable) -> Self {
-        Watched { segment, observable, vanishes: [false; 2], starts_anywhere: false }
+        Watched { segment, observable, vanishes: [false; 2], free: [false; 2] }
     }
 
     /// Creates the monitored scalar for a state on a segment.
@@ -60,9 +61,9 @@ impl Watched {
         Watched { vanishes, ..self }
     }
 
-    /// Sets whether the first value of the scalar on the segment counts as a distance.
-    pub fn starting_anywhere(self, starts_anywhere: bool) -> Self {
-        Watched { starts_anywhere, ..self }
+    /// Sets whether the scalar can have any value at the start and at the end of the segment.
+    pub fn with_free_ends(self, free: [bool; 2]) -> Self {
+        Watched { free, ..self }
     }
 }
 

@@ -15,7 +15,7 @@ const NONLINEAR: f64 = 0.3;
 /// Rounding: an equation depends linearly on the unknowns if its derivative along the tangent is larger
 /// than this fraction of the largest derivative. By symmetry, the derivatives of other equations vanish;
 /// all their terms are nonlinear, at any length.
-const DEPENDENT: f64 = 1e-12;
+const DEPENDENT: f64 = 1e-14;
 
 /// Rounding: from a zero start, the search for the length at which nonlinear terms become
 /// significant begins at this length, which is so small that unknowns can have any unit.
@@ -46,31 +46,27 @@ pub(super) fn linear_range(
     unknowns: &[f64],
     tangent: &[f64],
 ) -> Option<f64> {
-    let here = range_at(corrector, unknowns, tangent);
+    let groups = groups_along(corrector, tangent);
+    let own = |group: &Range<usize>| norm(&unknowns[group.clone()]) / norm(&tangent[group.clone()]);
+    let own = groups.iter().map(own).filter(|own| *own > 0.0).fold(f64::INFINITY, f64::min);
+    let mut terms = Terms::at(corrector, unknowns, tangent, groups.clone()).ok()?;
+    if own.is_finite() {
+        // The equations are linear over unknowns that are rounding errors.
+        return match terms.nonlinearity(own) {
+            Some(part) if part < LINEAR => terms.range(10.0 * own, Some(own)),
+            _ => Some(own),
+        };
+    }
+    let here = terms.range(SMALLEST, None);
     let parameter = corrector.equations.parameters_at();
     let mut beside = unknowns.to_vec();
     beside[parameter] += ELSEWHERE / corrector.norm.scaled(parameter, 1.0);
-    let elsewhere = range_at(corrector, &beside, tangent);
+    let elsewhere = Terms::at(corrector, &beside, tangent, groups).ok();
+    let elsewhere = elsewhere.and_then(|mut terms| terms.range(SMALLEST, None));
     corrector.equations.load(unknowns);
     match (here, elsewhere) {
         (Some(here), Some(elsewhere)) if here > FARTHER * elsewhere => Some(elsewhere),
         (here, elsewhere) => here.or(elsewhere),
-    }
-}
-
-/// Computes the length at which nonlinear terms become significant, at the given parameters.
-fn range_at(corrector: &mut Corrector, unknowns: &[f64], tangent: &[f64]) -> Option<f64> {
-    let groups = groups_along(corrector, tangent);
-    let own = |group: &Range<usize>| norm(&unknowns[group.clone()]) / norm(&tangent[group.clone()]);
-    let own = groups.iter().map(own).filter(|own| *own > 0.0).fold(f64::INFINITY, f64::min);
-    let mut terms = Terms::at(corrector, unknowns, tangent, groups).ok()?;
-    if !own.is_finite() {
-        return terms.range(SMALLEST, None);
-    }
-    // The equations are linear over unknowns that are rounding errors.
-    match terms.nonlinearity(own) {
-        Some(part) if part < LINEAR => terms.range(10.0 * own, Some(own)),
-        _ => Some(own),
     }
 }
 

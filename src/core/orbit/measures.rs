@@ -95,9 +95,10 @@ fn watched_guards(legs: &OrbitLegs) -> Vec<Watched> {
             let own = [rested || entry == Some(name), leg.exit == Some(guard)];
             // An event at a given time may move the state beyond a surface.
             let is_timed = before.exit.is_some_and(|guard| legs.guards[guard].is_timed());
-            let starts_anywhere = is_timed && !legs.layout.smooth;
-            let watch = Watched::function(s, guard).vanishing(own);
-            watched.push(watch.starting_anywhere(starts_anywhere));
+            // Several guards of one surface have the same name.
+            let ends_elsewhere = leg.exit.is_some_and(|exit| legs.guards[exit].name != *name);
+            let free = [is_timed, ends_elsewhere].map(|free| free && !legs.layout.smooth);
+            watched.push(Watched::function(s, guard).vanishing(own).with_free_ends(free));
         }
     }
     watched

@@ -119,26 +119,28 @@ impl<P: Copy + Default> Extremes<P> {
     }
 
     /// Returns the local minima that count as distances from the surface: the minima inside the
-    /// leg, and the end of the leg. The flags `vanishes` state whether the scalar vanishes in the
-    /// event that begins the leg, and in the event that ends the leg. If the scalar vanishes in the
-    /// event that ends the leg, the end of the leg does not count; if the scalar vanishes at the
-    /// beginning, the end counts if the scalar has risen and falls there. A minimum also does not count if the
-    /// scalar is monotonic between the beginning of the leg and the minimum, or between the minimum
-    /// and the end of the leg, since such a minimum is the event itself. If the reset of the event
-    /// moves the state away from the surface, as in a spiking neuron, the scalar does not vanish at
-    /// the beginning of the leg, and its minima there count. If the leg `starts_anywhere`, its beginning
-    /// counts, too.
+    /// leg, and the ends of the leg. The flags `vanishes` state whether the scalar vanishes in the
+    /// event that begins the leg, and in the event that ends the leg; the flags `free` state whether
+    /// the scalar can have any value at these events. If the scalar is free at the beginning, the
+    /// beginning counts. If the scalar vanishes in one of the events, the end of the leg does not
+    /// count, unless the scalar is free there, and either falls after a rise or begins away from the
+    /// surface. A minimum also does not count if the scalar is monotonic between the beginning of the
+    /// leg and the minimum, or between the minimum and the end of the leg, since such a minimum is the
+    /// event itself. If the reset of the event moves the state away from the surface, as in a spiking
+    /// neuron, the scalar does not vanish at the beginning of the leg, and its minima there count.
     pub fn dips(
         &self,
-        [begins, ends]: [bool; 2],
-        starts_anywhere: bool,
+        vanishes: [bool; 2],
+        free: [bool; 2],
     ) -> impl Iterator<Item = Sighting<P>> + use<P> {
+        let [begins, ends] = vanishes;
         let begins = begins && self.first.is_none_or(|first| first.abs() <= ON * self.scale);
         let leading = self.leading.filter(|_| !begins);
         let trailing = self.trailing.filter(|_| !ends && (self.risen[0] || !begins));
         let falls = self.risen[1] && self.falling;
-        let last = self.last.filter(|_| !ends && (!begins || falls));
-        let value = self.first.filter(|_| starts_anywhere);
+        let counts = vanishes == [false; 2] || free[1] && !ends && (!begins || falls);
+        let last = self.last.filter(|_| counts);
+        let value = self.first.filter(|_| free[0]);
         let first = value.map(|value| Sighting { place: P::default(), value });
         first.into_iter().chain(leading).chain(self.between).chain(trailing).chain(last)
     }

@@ -25,7 +25,7 @@ pub enum Measure<S = String, D = Infallible> {
     /// The difference between the largest and the smallest value of a scalar.
     Range(S),
     /// The smallest local minimum of a guard inside a leg (a part of the motion between two events)
-    /// or at its end, or the maximum of the guard if it has no minimum. This distance vanishes if
+    /// or at one of its ends, or the maximum of the guard if it has no minimum. This distance vanishes if
     /// the motion touches a surface.
     Distance(D),
     /// The negative of [`Distance`](Self::Distance): the depth to which motion would pass beyond a

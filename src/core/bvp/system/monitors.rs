@@ -209,7 +209,7 @@ impl Monitors {
         let mut overall = Overall::default();
         for w in monitor.of_extremes() {
             if let Some(extremes) = self.extremes.of_scalar(*w) {
-                let dips = extremes.dips(w.vanishes, w.starts_anywhere);
+                let dips = extremes.dips(w.vanishes, w.free);
                 overall.take(extremes, dips, |place| (*w, place));
             }
         }
