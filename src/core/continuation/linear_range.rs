@@ -50,6 +50,8 @@ pub(super) fn linear_range(
     let own = |group: &Range<usize>| norm(&unknowns[group.clone()]) / norm(&tangent[group.clone()]);
     let own = groups.iter().map(own).filter(|own| *own > 0.0).fold(f64::INFINITY, f64::min);
     let mut terms = Terms::at(corrector, unknowns, tangent, groups.clone()).ok()?;
+    // The tangent at the start is a null vector.
+    terms.slope.fill(0.0);
     if own.is_finite() {
         // The equations are linear over unknowns that are rounding errors.
         return match terms.nonlinearity(own) {
@@ -89,9 +91,9 @@ struct Terms<'c, 'a> {
     groups: Vec<Range<usize>>,
     /// The left sides of the equations at the start.
     start: Vec<f64>,
-    /// The derivatives of the left sides along the tangent, and whether each equation depends linearly
-    /// on the unknowns along the tangent.
+    /// The derivatives of the left sides along the tangent, which are subtracted from their changes.
     slope: Vec<f64>,
+    /// Whether each equation depends linearly on the unknowns along the tangent.
     linear: Vec<bool>,
 }
 
@@ -146,8 +148,10 @@ impl<'c, 'a> Terms<'c, 'a> {
     }
 
     /// Returns the nonlinear fraction of the changes of the left sides over a length along the
-    /// tangent; `None` if the left sides do not change, or if they cannot be evaluated. The nonlinear
-    /// part is the change without the derivative along the tangent, which vanishes along a null vector.
+    /// tangent; `None` if the left sides do not change, or if they cannot be evaluated. Along a null
+    /// vector, the linear changes due to all groups of unknowns cancel in their sum, so the remaining
+    /// sum is nonlinear; elsewhere, the derivative along the tangent is subtracted. A change of scalars,
+    /// such as durations, is omitted, and counts as nonlinear.
     fn nonlinearity(&mut self, length: f64) -> Option<f64> {
         let all = self.groups.first()?.start..self.groups.last()?.end;
         let whole = self.change(length, &all).ok()?;
