@@ -9,6 +9,8 @@
 use super::branch::Branch;
 use super::curve::Curve;
 use super::curve_point::CurvePoint;
+use super::half::Half;
+use super::log::Log;
 use super::step_control::Step;
 use crate::core::bifurcation::{At, Critical};
 use crate::core::problem::Dynamics;
@@ -24,7 +26,7 @@ const NEAR_ONE: f64 = 1e-3;
 
 /// Whether the continued parameter is constant over the first step of a branch of cycles, and the
 /// cycle at the end of the step has a second multiplier 1.
-pub(super) fn is_family(curve: &mut Curve, from: &CurvePoint, step: &Step) -> bool {
+fn is_family(curve: &mut Curve, from: &CurvePoint, step: &Step) -> bool {
     let corrector = &mut curve.corrector;
     let (to, first) = (&step.place, corrector.equations.parameters_at());
     let constant = corrector.mesh_error(&to.unknowns).clamp(CONSTANT[0], CONSTANT[1]);
@@ -45,11 +47,33 @@ const LENIENCE: f64 = 10.0;
 /// Whether the change of the continued parameter since the start of a branch is larger than its error.
 /// This is the case if only the first terms of a dissipative vector field vanish, as near a degenerate
 /// Hopf point.
-pub(super) fn leaves_family(curve: &mut Curve, start: &CurvePoint, place: &CurvePoint) -> bool {
+fn leaves_family(curve: &mut Curve, start: &CurvePoint, place: &CurvePoint) -> bool {
     let corrector = &mut curve.corrector;
     let first = corrector.equations.parameters_at();
     let change = corrector.norm.scaled(first, place.unknowns[first] - start.unknowns[first]);
     change.abs() > CONSTANT[0].max(LENIENCE * corrector.mesh_error(&place.unknowns))
+}
+
+/// Whether a step must be tried again, because it shows that the branch is a family of cycles, or that
+/// the branch leaves a family. The start of the branch and the half are updated.
+pub(super) fn family_changes(
+    (curve, log): (&mut Curve, &mut Log),
+    (start, half): (&mut CurvePoint, &mut Half),
+    step: &Step,
+) -> bool {
+    let begins = half.points.is_empty() && !curve.recorder.family && !half.left_family;
+    if begins && is_family(curve, &half.last, step) {
+        curve.becomes_family([&mut half.last, &mut half.start, start]);
+        return true;
+    }
+    if !curve.recorder.family || !leaves_family(curve, &half.start, &step.place) {
+        return false;
+    }
+    let parameter = curve.corrector.equations.parameters_at();
+    log.leaves_family(half.last.unknowns[parameter]);
+    curve.leaves_family(&mut half.last);
+    half.left_family = true;
+    true
 }
 
 /// Returns the warning of a branch whose continued parameter is constant.

@@ -4,7 +4,7 @@ use super::admissible::{is_within_at_end, subkind};
 use super::bounds::{AT_START, Bounds, end_at};
 use super::branch::{Branch, HALVED, Point, SpecialPoint, Traced};
 use super::closing::{Reference, returns_to_parent};
-use super::conservative::{self, is_family, leaves_family};
+use super::conservative::{self, family_changes};
 use super::curve::Curve;
 use super::curve_point::{CurvePoint, Interval};
 use super::double_crossing::double_crossing;
@@ -421,15 +421,7 @@ impl Steps<'_> {
                 return Some(jump.unwrap_or_else(|| self.end_of_steps(half, (step, cause))));
             }
         };
-        if points == 0 && !curve.recorder.family && is_family(curve, &half.last, &step) {
-            curve.becomes_family([&mut half.last, &mut half.start, &mut self.start]);
-            half.try_again(step.length);
-            return None;
-        }
-        if curve.recorder.family && leaves_family(curve, &half.start, &step.place) {
-            let parameter = curve.corrector.equations.parameters_at();
-            self.log.leaves_family(half.last.unknowns[parameter]);
-            curve.leaves_family(&mut half.last);
+        if family_changes((curve, &mut self.log), (&mut self.start, half), &step) {
             half.try_again(step.length);
             return None;
         }
