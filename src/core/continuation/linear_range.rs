@@ -12,11 +12,6 @@ use std::ops::Range;
 const LINEAR: f64 = 0.05;
 const NONLINEAR: f64 = 0.3;
 
-/// Rounding: an equation depends linearly on the unknowns if its derivative along the tangent is larger
-/// than this fraction of the largest derivative. By symmetry, the derivatives of other equations vanish;
-/// all their terms are nonlinear, at any length.
-const DEPENDENT: f64 = 1e-14;
-
 /// Rounding: from a zero start, the search for the length at which nonlinear terms become
 /// significant begins at this length, which is so small that unknowns can have any unit.
 const SMALLEST: f64 = 1e-30;
@@ -129,8 +124,8 @@ impl<'c, 'a> Terms<'c, 'a> {
             sizes.iter_mut().zip(&slope).for_each(|(size, slope)| *size += slope.abs());
             self.slope.iter_mut().zip(&slope).for_each(|(sum, slope)| *sum += slope);
         }
-        let largest = sizes.iter().copied().fold(0.0, f64::max);
-        self.linear = sizes.iter().map(|size| *size > DEPENDENT * largest).collect();
+        // Where a derivative vanishes by symmetry, all terms are nonlinear, at any length.
+        self.linear = sizes.iter().map(|size| *size > 0.0).collect();
         Ok(())
     }
 
