@@ -12,6 +12,11 @@ use std::ops::Range;
 const LINEAR: f64 = 0.05;
 const NONLINEAR: f64 = 0.3;
 
+/// Rounding: the derivative of an equation along the tangent vanishes by symmetry if the derivative is at most
+/// this fraction of the largest derivative. Changes of the equation that are larger than this fraction of the
+/// largest linear change are then nonlinear, at any length, and say nothing about the size of solutions.
+const VANISHES: f64 = 1e-14;
+
 /// Rounding: from a zero start, the search for the length at which nonlinear terms become
 /// significant begins at this length, which is so small that unknowns can have any unit.
 const SMALLEST: f64 = 1e-30;
@@ -88,8 +93,9 @@ struct Terms<'c, 'a> {
     start: Vec<f64>,
     /// The derivatives of the left sides along the tangent, which are subtracted from their changes.
     slope: Vec<f64>,
-    /// Whether each equation depends linearly on the unknowns along the tangent.
-    linear: Vec<bool>,
+    /// For each equation, the sum of the derivatives along the parts of the tangent in the groups of
+    /// unknowns, without signs.
+    sizes: Vec<f64>,
 }
 
 impl<'c, 'a> Terms<'c, 'a> {
@@ -100,15 +106,14 @@ impl<'c, 'a> Terms<'c, 'a> {
         groups: Vec<Range<usize>>,
     ) -> Result<Self, Failure> {
         let start = vec![0.0; unknowns.len()];
-        let (slope, linear) = (Vec::new(), Vec::new());
-        let mut terms = Terms { corrector, unknowns, tangent, groups, start, slope, linear };
+        let (slope, sizes) = (Vec::new(), Vec::new());
+        let mut terms = Terms { corrector, unknowns, tangent, groups, start, slope, sizes };
         terms.start = terms.change(0.0, &(0..0))?;
         terms.differentiate()?;
         Ok(terms)
     }
 
-    /// Computes, for each equation, the derivative along the tangent and whether the equation depends
-    /// linearly on some group of unknowns.
+    /// Computes, for each equation, the derivative along the tangent, and the sum of its parts without signs.
     fn differentiate(&mut self) -> Result<(), Failure> {
         let equations = &mut self.corrector.equations;
         equations.load(self.unknowns);
@@ -124,8 +129,7 @@ impl<'c, 'a> Terms<'c, 'a> {
             sizes.iter_mut().zip(&slope).for_each(|(size, slope)| *size += slope.abs());
             self.slope.iter_mut().zip(&slope).for_each(|(sum, slope)| *sum += slope);
         }
-        // Where a derivative vanishes by symmetry, all terms are nonlinear, at any length.
-        self.linear = sizes.iter().map(|size| *size > 0.0).collect();
+        self.sizes = sizes;
         Ok(())
     }
 
@@ -156,8 +160,11 @@ impl<'c, 'a> Terms<'c, 'a> {
             terms.iter_mut().zip(change).for_each(|(sum, r)| *sum += r.abs());
         }
         let changes = whole.iter().zip(&self.slope).map(|(left, slope)| left - length * slope);
-        let rows = changes.zip(&terms).zip(&self.linear);
-        let rows = rows.filter(|((_, terms), linear)| **linear && **terms > 0.0);
+        let bound = VANISHES * self.sizes.iter().copied().fold(0.0, f64::max);
+        let counts =
+            |terms: f64, size: f64| terms > 0.0 && (size > bound || terms <= length * bound);
+        let rows = changes.zip(&terms).zip(&self.sizes);
+        let rows = rows.filter(|((_, terms), size)| counts(**terms, **size));
         let shares: Vec<f64> = rows.map(|((left, terms), _)| left.abs() / terms).collect();
         let mean = shares.iter().sum::<f64>() / shares.len() as f64;
         Some(mean).filter(|mean| mean.is_finite())
