@@ -44,10 +44,9 @@ fn is_family(curve: &mut Curve, from: &CurvePoint, step: &Step) -> bool {
 /// discretisation error of the cycles.
 const LENIENCE: f64 = 10.0;
 
-/// Whether the change of the continued parameter since the start of a branch is larger than its error.
-/// This is the case if only the first terms of a dissipative vector field vanish, as near a degenerate
-/// Hopf point.
-fn leaves_family(curve: &mut Curve, start: &CurvePoint, place: &CurvePoint) -> bool {
+/// Whether the continued parameter has changed by more than its error since the start of a branch. Near
+/// a degenerate Hopf point, a branch looks like a family until the parameter varies.
+fn varies(curve: &mut Curve, start: &CurvePoint, place: &CurvePoint) -> bool {
     let corrector = &mut curve.corrector;
     let first = corrector.equations.parameters_at();
     let change = corrector.norm.scaled(first, place.unknowns[first] - start.unknowns[first]);
@@ -61,19 +60,19 @@ pub(super) fn family_changes(
     (start, half): (&mut CurvePoint, &mut Half),
     step: &Step,
 ) -> bool {
-    let begins = half.points.is_empty() && !curve.recorder.family && !half.left_family;
-    if begins && is_family(curve, &half.last, step) {
-        curve.becomes_family([&mut half.last, &mut half.start, start]);
+    let varies = varies(curve, &half.start, &step.place);
+    if curve.recorder.family && varies {
+        let parameter = curve.corrector.equations.parameters_at();
+        log.leaves_family(half.last.unknowns[parameter]);
+        curve.leaves_family(&mut half.last);
         return true;
     }
-    if !curve.recorder.family || !leaves_family(curve, &half.start, &step.place) {
-        return false;
+    let begins = half.points.is_empty() && !curve.recorder.family && !varies;
+    let begins = begins && is_family(curve, &half.last, step);
+    if begins {
+        curve.becomes_family([&mut half.last, &mut half.start, start]);
     }
-    let parameter = curve.corrector.equations.parameters_at();
-    log.leaves_family(half.last.unknowns[parameter]);
-    curve.leaves_family(&mut half.last);
-    half.left_family = true;
-    true
+    begins
 }
 
 /// Returns the warning of a branch whose continued parameter is constant.

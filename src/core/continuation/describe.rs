@@ -49,7 +49,7 @@ pub(super) fn describe(
         }
         None => None,
     };
-    // In a family of cycles, a pair of multipliers is critical together, up to errors.
+    // In a family of cycles, both multipliers of a pair are critical, up to errors.
     if !converged || recorder.family {
         point.unstable = common_count(event.critical, sides);
     }

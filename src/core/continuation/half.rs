@@ -55,8 +55,6 @@ pub(super) struct Half {
     pub mesh: MeshTarget,
     /// Whether the continued parameter has changed direction; on a closed curve it always does.
     pub turned: bool,
-    /// Whether the half has left a [family of cycles](super::conservative) at one value of the parameter.
-    pub left_family: bool,
 }
 
 impl Half {
@@ -83,7 +81,6 @@ impl Half {
             keeps_mesh: 0,
             mesh: MeshTarget::default(),
             turned: false,
-            left_family: false,
         }
     }
 

@@ -143,8 +143,8 @@ impl Log {
         let continued = &self.branch.released[0];
         self.branch.warnings.push(format!(
             "at the start of this branch `{continued}` is constant, up to errors, as along a family of cycles of a conservative \
-             system, and varies after {continued} = {value:.3e}: before, folds are not sought, and `unstable` does not \
-             count a second multiplier 1"
+             system; it varies after {continued} = {value:.3e}. Up to this value, folds are not sought, and `unstable` does \
+             not count a second multiplier 1"
         ));
     }
 
